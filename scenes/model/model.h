@@ -1,0 +1,61 @@
+// A model: meshes, materials and a skeleton as plain data, whatever file they came from.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/types.h"
+
+namespace taut {
+
+/// Surface of a mesh; physically based, linear colours.
+struct Material {
+  std::string name;
+  std::array<float, 3> base_color{0.8f, 0.8f, 0.8f};
+  float roughness = 0.6f;
+  float metallic = 0;
+};
+
+/// One vertex: bind-pose position (m), normal, linear colour that multiplies the material's, and up
+/// to four bones with weights that sum to 1 (all zero: not skinned).
+struct Vertex {
+  std::array<float, 3> position{};
+  std::array<float, 3> normal{};
+  std::array<float, 3> color{1, 1, 1};
+  std::array<std::uint16_t, 4> bones{};
+  std::array<float, 4> weights{};
+};
+
+struct Mesh {
+  std::string name;
+  std::size_t material = 0;  // index into Model::materials
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;  // triangles
+};
+
+/// A joint of the skeleton; parents stand before their children.
+struct Bone {
+  std::string name;
+  int parent = -1;
+  Pose rest;                                                   // relative to its parent
+  Eigen::Matrix4f inverse_bind = Eigen::Matrix4f::Identity();  // model space to bone space
+};
+
+struct Model {
+  std::string name;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Bone> bones;  // empty: not skinned
+
+  /// Index of a bone by name, or -1.
+  int bone(std::string_view bone_name) const;
+};
+
+/// Reads a glTF/GLB or OBJ file. Throws BadAsset (a message that names the file and the cause) for
+/// anything that is missing, truncated, too large, inconsistent or not finite.
+Model load_model(const std::filesystem::path& file);
+
+}  // namespace taut

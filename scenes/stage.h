@@ -1,0 +1,64 @@
+// The stage: everything that pictures need beside the simulated state. Plain data.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenes/model/model.h"
+#include "sim/types.h"
+
+namespace taut {
+
+/// Where the camera is from `time` on: it moves smoothly from each key to the next, and jumps to a
+/// key that says `cut`.
+struct CameraKey {
+  double time = 0;
+  Vec3 position = Vec3(0, 1.4, 3.5);
+  Vec3 target = Vec3(0, 1.1, 0);
+  double field_of_view = 0.6;  // vertical, rad
+  bool cut = false;
+};
+
+struct CameraView {
+  Vec3 position, target;
+  double field_of_view;  // vertical, rad
+};
+
+struct Light {
+  Vec3 direction = Vec3(-0.5, -1.0, -0.6);  // the way the light travels
+  Vec3 color = Vec3(3.0, 2.8, 2.5);         // linear radiance of the key light
+  Vec3 sky = Vec3(0.55, 0.60, 0.70);        // ambient from above, linear
+  Vec3 ground = Vec3(0.25, 0.20, 0.16);     // ambient from below, linear
+};
+
+/// How a connector is drawn along its particles.
+struct ConnectorLook {
+  enum class Kind { chain, rope, cord };
+  Kind kind = Kind::rope;
+  double diameter = 0.008;  // m, of the rope or cord, or of a link's outer width
+  Vec3 color = Vec3(0.6, 0.5, 0.35);
+};
+
+/// A line of text on the picture between two times.
+struct Caption {
+  double from = 0, until = 0;  // s
+  std::string text;
+};
+
+struct Stage {
+  std::vector<CameraKey> camera;
+  Light light;
+  Vec3 background = Vec3(0.35, 0.38, 0.42);               // linear
+  std::vector<std::shared_ptr<const Model>> scenery;      // in world space
+  std::vector<std::shared_ptr<const Model>> body_models;  // one per body; null: not drawn
+  std::vector<ConnectorLook> connector_looks;             // one per connector
+  std::vector<std::shared_ptr<const Model>> characters;   // skinned
+  std::vector<Caption> captions;
+};
+
+/// The camera at `time`.
+CameraView camera_at(const Stage& stage, double time);
+
+}  // namespace taut

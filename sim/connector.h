@@ -1,0 +1,65 @@
+// A connector: particles joined by links, held at its ends and wherever a pin holds it.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/path.h"
+#include "sim/types.h"
+
+namespace taut {
+
+/// What holds a particle: a fixed point, a path, or a point of a rigid body.
+struct Attachment {
+  enum class Kind { fixed, path, body };
+  Kind kind = Kind::fixed;
+  Vec3 point = Vec3::Zero();         // m: in space, in the path's frame or in the body's frame
+  std::shared_ptr<const Path> path;  // Kind::path
+  std::size_t body = 0;              // Kind::body: index into World::bodies
+};
+
+/// A particle that is held. A connector's ends are holds on its first and last particle; a pin is a
+/// hold on any particle. A free end or a point-mass end is no hold at all: its particle just moves
+/// (with the point mass added to its own).
+struct Hold {
+  std::size_t particle = 0;
+  Attachment to;
+};
+
+enum class ConnectorModel {
+  links,  // rigid two-sided links, particles with mass
+  span,   // massless: nothing acts until the span is taut, then an impulse
+};
+
+/// A rope, chain or cord of n particles and n-1 links. All arrays are contiguous and indexed by
+/// particle (n) or link (n-1).
+struct Connector {
+  std::string name;
+  double length = 0;      // m, the sum of `rest`
+  double mass = 0;        // kg, of all particles, ends included; without point masses at the ends
+  double elasticity = 0;  // coefficient of restitution when the span goes taut, 0 to 1
+  ConnectorModel model = ConnectorModel::links;
+  std::vector<Hold> holds;  // sorted by particle; at most one per particle
+
+  std::vector<double> rest;           // m, rest length of each link
+  std::vector<double> particle_mass;  // kg, point masses of ends included; also for held particles
+  std::vector<Vec3> position;         // m
+  std::vector<Vec3> velocity;         // m/s
+
+  std::size_t particles() const { return position.size(); }
+  std::size_t links() const { return rest.size(); }
+};
+
+/// A connector of `particles` equal particles in a straight line from `start` along `direction`,
+/// at rest. Throws std::invalid_argument for particles < 2, negative mass or length.
+Connector straight_connector(std::string name, double length, double mass, std::size_t particles,
+                             const Vec3& start, const Vec3& direction);
+
+/// The particles that hang as a catenary of equal links between `from` and `to` (both ends held, at
+/// most the connector's length apart); the equilibrium of the discrete chain.
+std::vector<Vec3> hanging_points(const Connector& connector, const Vec3& from, const Vec3& to,
+                                 const Vec3& gravity);
+
+}  // namespace taut

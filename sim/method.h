@@ -1,0 +1,114 @@
+// One way to advance a world: the interface that every method implements, and the list of them.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sim/world.h"
+
+namespace taut {
+
+/// The value of one setting of a method.
+using Setting = std::variant<double, bool, std::string>;
+using Settings = std::map<std::string, Setting, std::less<>>;
+
+/// What a method says of one of its settings; scene files, --help and sweeps are built from it.
+struct SettingInfo {
+  std::string_view name;
+  std::string_view meaning;  // one sentence: what it is and what raising it does
+  std::string_view unit;     // "m", "s", "1" for a pure number, "" for flags and choices
+  Setting fallback;          // the default
+  double minimum = 0;        // numbers only; the value itself is refused where `above` is set
+  double maximum = 1e300;
+  bool above = false;
+  bool whole = false;                          // numbers only: integers
+  std::vector<std::string_view> choices = {};  // strings only
+};
+
+/// What happened while stepping, for benchmarks and reports; machine-free.
+struct Counters {
+  std::uint64_t steps = 0;
+  std::uint64_t solves = 0;       // systems solved, or passes over all links
+  std::uint64_t rejected = 0;     // steps undone by an error control
+  std::uint64_t handed_over = 0;  // steps left to a more careful integrator
+};
+
+/// Something that an observer can see in a span.
+struct Event {
+  enum class Kind { taut, impulse, slack };
+  Kind kind = Kind::taut;
+  double time = 0;            // s
+  std::size_t connector = 0;  // index into World::connectors
+  std::size_t span = 0;       // index of the span on it
+  double size = 0;            // N s, of an impulse
+};
+
+/// The simulation cannot go on: not finite, or beyond any sense. Says where.
+class Diverged : public std::runtime_error {
+ public:
+  Diverged(std::string method, double time, std::uint64_t step, std::string connector,
+           std::size_t link, std::string what);
+  std::string method;
+  double time;         // s
+  std::uint64_t step;  // counted from the start of the simulation
+  std::string connector;
+  std::size_t link;
+};
+
+/// Advances worlds. One object per simulation: it may keep workspaces and warm starts, which it
+/// rebuilds when World::topology changes. advance() allocates nothing after the first call.
+class Method {
+ public:
+  virtual ~Method() = default;
+
+  /// Moves `world` from its time to `until` (s), in as many steps as the method takes. Throws
+  /// Diverged. Held particles and driven bodies are at their places when it returns.
+  virtual void advance(World& world, double until) = 0;
+
+  const Counters& counters() const { return counters_; }
+  /// Events so far, in order of time; empty for methods that know none.
+  const std::vector<Event>& events() const { return events_; }
+
+ protected:
+  Counters counters_;
+  std::vector<Event> events_;
+};
+
+/// A row of the list of methods.
+struct MethodInfo {
+  std::string_view name;     // as in scene files
+  std::string_view summary;  // one line
+  std::vector<SettingInfo> settings;
+  /// Makes the method with a full set of valid settings.
+  std::unique_ptr<Method> (*make)(const Settings& settings);
+};
+
+/// Every method, in the order in which tables show them.
+std::span<const MethodInfo> methods();
+
+/// The method of that name, or null.
+const MethodInfo* find_method(std::string_view name);
+
+/// Why `settings` cannot be given to `method` (unknown name, wrong type, out of range), or empty.
+std::string complaint(const MethodInfo& method, const Settings& settings);
+
+/// Makes a method; settings left out take their defaults. Throws std::invalid_argument with the
+/// complaint when a setting is wrong or the name is unknown.
+std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings);
+
+// Typed access for the methods' own code; the setting must exist.
+double number(const Settings& settings, std::string_view name);
+bool flag(const Settings& settings, std::string_view name);
+const std::string& text(const Settings& settings, std::string_view name);
+
+/// How many equal steps of at most `step` (s) fill `interval` (s); exact where step divides it.
+std::uint64_t step_count(double interval, double step);
+
+}  // namespace taut
