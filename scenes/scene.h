@@ -8,20 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "scenes/character/performance.h"
 #include "scenes/stage.h"
 #include "sim/method.h"
 #include "sim/trajectory.h"
 #include "sim/world.h"
 
 namespace taut {
-
-/// The poses of a character's bones over time, worked out before the simulation runs.
-class Performance {
- public:
-  virtual ~Performance() = default;
-  /// World-space pose of every bone (order of Model::bones) at `time`; a pure function of time.
-  virtual std::vector<Pose> bones_at(double time) const = 0;
-};
 
 struct MethodChoice {
   std::string name;

@@ -1,0 +1,26 @@
+// A martial artist who holds a stick: poses worked out from the hand's path alone, so that moving
+// one key of the path moves hand, arm, body and stick together.
+#pragma once
+
+#include <memory>
+
+#include "scenes/character/performance.h"
+#include "scenes/model/model.h"
+#include "sim/path.h"
+
+namespace taut {
+
+/// A stick in a hand. The path carries the grip's centre, on the stick's axis in the palm; its y
+/// axis is the stick's and points out of the thumb's side of the hand. The hand is free to roll
+/// about that axis: the roll that bends the wrist least is found from the path.
+struct HeldStick {
+  std::shared_ptr<const Path> path;
+  double diameter = 0.028;  // m
+};
+
+/// Poses of `model` over [0, duration] (s); before and after, the first and the last pose. Throws
+/// BadAsset when the model lacks a bone that the performance moves, naming it.
+std::shared_ptr<const Performance> make_performance(std::shared_ptr<const Model> model,
+                                                    const HeldStick& right_hand, double duration);
+
+}  // namespace taut

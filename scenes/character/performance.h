@@ -1,0 +1,17 @@
+// The poses of a character's bones over time, worked out before the simulation runs.
+#pragma once
+
+#include <vector>
+
+#include "sim/types.h"
+
+namespace taut {
+
+class Performance {
+ public:
+  virtual ~Performance() = default;
+  /// World-space pose of every bone (order of Model::bones) at `time` (s); a pure function of time.
+  virtual std::vector<Pose> bones_at(double time) const = 0;
+};
+
+}  // namespace taut
