@@ -1,0 +1,83 @@
+#include "render/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "render/error.h"
+
+namespace taut {
+
+namespace {
+
+bool write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+bool same_file(int file, const std::filesystem::path& name) {
+  struct stat opened {
+  }, named{};
+  return fstat(file, &opened) == 0 && stat(name.c_str(), &named) == 0 &&
+         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path name) : name_(std::move(name)), part_(name_) {
+  part_ += ".part";
+  std::error_code error;
+  if (std::filesystem::is_directory(name_, error)) {
+    throw CannotWrite(fmt::format("{}: is a directory, expected a file to write", name_.string()));
+  }
+  if (name_.has_parent_path()) std::filesystem::create_directories(name_.parent_path(), error);
+  file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  if (file_ < 0) fail("cannot be created");
+  // Another writer may have renamed the .part between our open and our lock: then it is no longer
+  // ours to empty.
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0 || !same_file(file_, part_)) {
+    close(file_);
+    file_ = -1;
+    throw CannotWrite(fmt::format("{}: another run is writing it", name_.string()));
+  }
+  if (ftruncate(file_, 0) != 0) fail("cannot be emptied");
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ < 0) return;
+  unlink(part_.c_str());
+  close(file_);
+}
+
+void AtomicFile::write(std::string_view bytes) {
+  if (!write_all(file_, bytes)) fail("cannot be written");
+}
+
+void AtomicFile::commit() {
+  if (fsync(file_) != 0) fail("cannot be written");
+  if (rename(part_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
+  close(file_);
+  file_ = -1;
+}
+
+void AtomicFile::fail(const char* action) const {
+  throw CannotWrite(fmt::format("{}: {}: {}", name_.string(), action, std::strerror(errno)));
+}
+
+void write_output(std::string_view bytes) {
+  if (!write_all(STDOUT_FILENO, bytes)) {
+    throw CannotWrite(fmt::format("standard output: {}", std::strerror(errno)));
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,35 @@
+// Files that appear under their name only when they are complete.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace taut {
+
+/// Writes NAME.part; commit() makes it NAME. Without a commit the destructor removes it. A process
+/// that is killed leaves only the .part behind, which the next run overwrites.
+class AtomicFile {
+ public:
+  /// Makes missing folders. Throws CannotWrite, also when another process is writing the file.
+  explicit AtomicFile(std::filesystem::path name);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Throws CannotWrite.
+  void write(std::string_view bytes);
+
+  /// Puts the bytes on the disk and then the file under its name. Throws CannotWrite.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const char* action) const;
+
+  std::filesystem::path name_, part_;
+  int file_ = -1;
+};
+
+/// Writes `bytes` to standard output, all of them. Throws CannotWrite.
+void write_output(std::string_view bytes);
+
+}  // namespace taut

@@ -1,0 +1,58 @@
+#include "render/cli/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace taut::cli {
+
+namespace {
+
+constexpr std::chrono::milliseconds kLive{100};
+constexpr std::chrono::seconds kPlain{10};
+
+}  // namespace
+
+Progress::Progress(std::string what, std::string unit, std::uint64_t total, bool quiet)
+    : what_(std::move(what)),
+      unit_(std::move(unit)),
+      total_(total),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()),
+      last_(start_) {}
+
+Progress::~Progress() {
+  if (terminal_ && shown_) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::update(std::uint64_t done) {
+  if (quiet_) return;
+  const auto now = Clock::now();
+  if (now - last_ < (terminal_ ? Clock::duration(kLive) : Clock::duration(kPlain))) return;
+  last_ = now;
+  shown_ = true;
+  const double spent = std::chrono::duration<double>(now - start_).count();
+  const double left =
+      done > 0 ? spent * static_cast<double>(total_ - done) / static_cast<double>(done) : NAN;
+  const std::string line =
+      fmt::format("{} {}/{} {}, {:.0f}%{}", what_, done, total_, unit_,
+                  100.0 * static_cast<double>(done) / static_cast<double>(total_),
+                  done > 0 ? ", " + clock_text(left) + " left" : "");
+  if (terminal_) {
+    fmt::print(stderr, "\r{}\033[K", line);
+  } else {
+    fmt::print(stderr, "{}\n", line);
+  }
+  std::fflush(stderr);
+}
+
+std::string clock_text(double seconds) {
+  const long whole = std::lround(seconds);
+  return whole < 3600 ? fmt::format("{}:{:02}", whole / 60, whole % 60)
+                      : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+}  // namespace taut::cli
