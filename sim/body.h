@@ -33,7 +33,7 @@ struct Body {
   std::shared_ptr<const Path> path;  // null: a free body
   Vec3 grip = Vec3::Zero();          // m, body frame; the point that the path carries
 
-  // State of a free body; a driven body's is refreshed from its path by World::set_time.
+  // State of a free body; a driven body's is refreshed from its path by place_held().
   Vec3 position = Vec3::Zero();  // of the centre of mass, m
   Quat rotation = Quat::Identity();
   Vec3 velocity = Vec3::Zero();  // of the centre of mass, m/s

@@ -111,4 +111,22 @@ const std::string& text(const Settings& settings, std::string_view name);
 /// How many equal steps of at most `step` (s) fill `interval` (s); exact where step divides it.
 std::uint64_t step_count(double interval, double step);
 
+/// The times of the steps that take a world from `from` to `until`. Where both are whole multiples
+/// of `step`, so is every time between them and `dt` is `step` itself, so that a trajectory has the
+/// same bits however the frames divide it. Step i goes from at(i) to at(i + 1); set World::time to
+/// `until` after the last.
+struct StepTimes {
+  StepTimes(double from, double until, double step);
+
+  double at(std::uint64_t i) const;  // s
+
+  std::uint64_t count = 0;
+  double dt = 0;  // s
+
+ private:
+  double from_, until_;
+  double first_ = 0;
+  bool on_grid_ = false;
+};
+
 }  // namespace taut

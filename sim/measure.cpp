@@ -1,0 +1,92 @@
+#include "sim/measure.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// Calls `visit(mass, position, velocity)` for every particle that no hold carries. The particles
+/// between the ends of a massless span only follow, so they carry nothing.
+template <typename Visit>
+void each_free_particle(const World& world, Visit visit) {
+  for (const Connector& connector : world.connectors) {
+    auto hold = connector.holds.begin();
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      if (hold != connector.holds.end() && hold->particle == i) {
+        ++hold;
+        continue;
+      }
+      const bool end = i == 0 || i + 1 == connector.particles();
+      if (connector.model == ConnectorModel::span && !end) continue;
+      visit(connector.particle_mass[i], connector.position[i], connector.velocity[i]);
+    }
+  }
+}
+
+template <typename Visit>
+void each_free_body(const World& world, Visit visit) {
+  for (const Body& body : world.bodies) {
+    if (!body.driven()) visit(body);
+  }
+}
+
+}  // namespace
+
+double kinetic_energy(const World& world) {
+  double energy = 0;
+  each_free_body(world, [&](const Body& body) {
+    energy += body.mass_properties.mass * body.velocity.squaredNorm() / 2 +
+              body.spin.dot(body.world_inertia() * body.spin) / 2;
+  });
+  each_free_particle(world, [&](double mass, const Vec3&, const Vec3& velocity) {
+    energy += mass * velocity.squaredNorm() / 2;
+  });
+  return energy;
+}
+
+double potential_energy(const World& world) {
+  double energy = 0;
+  each_free_body(world, [&](const Body& body) {
+    energy -= body.mass_properties.mass * world.gravity.dot(body.position);
+  });
+  each_free_particle(world, [&](double mass, const Vec3& position, const Vec3&) {
+    energy -= mass * world.gravity.dot(position);
+  });
+  return energy;
+}
+
+Vec3 linear_momentum(const World& world) {
+  Vec3 momentum = Vec3::Zero();
+  each_free_body(world,
+                 [&](const Body& body) { momentum += body.mass_properties.mass * body.velocity; });
+  each_free_particle(
+      world, [&](double mass, const Vec3&, const Vec3& velocity) { momentum += mass * velocity; });
+  return momentum;
+}
+
+Vec3 angular_momentum(const World& world, const Vec3& about) {
+  Vec3 momentum = Vec3::Zero();
+  each_free_body(world, [&](const Body& body) {
+    momentum += body.mass_properties.mass * (body.position - about).cross(body.velocity) +
+                body.world_inertia() * body.spin;
+  });
+  each_free_particle(world, [&](double mass, const Vec3& position, const Vec3& velocity) {
+    momentum += mass * (position - about).cross(velocity);
+  });
+  return momentum;
+}
+
+double stretch_max(const World& world) {
+  double most = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t k = 0; k < connector.links(); ++k) {
+      const double length = (connector.position[k + 1] - connector.position[k]).norm();
+      const double rest = connector.rest[k];
+      most = std::max(most, rest > 0 ? std::abs(length / rest - 1) : length);
+    }
+  }
+  return most;
+}
+
+}  // namespace taut

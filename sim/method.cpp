@@ -1,0 +1,158 @@
+#include "sim/method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace taut {
+
+std::span<const MethodInfo> methods() {
+  static const std::vector<MethodInfo> list = {};
+  return list;
+}
+
+const MethodInfo* find_method(std::string_view name) {
+  const auto list = methods();
+  const auto found = std::ranges::find(list, name, &MethodInfo::name);
+  return found == list.end() ? nullptr : &*found;
+}
+
+namespace {
+
+std::string join(const auto& words) {
+  std::string line;
+  for (const auto& word : words) line += (line.empty() ? "" : ", ") + std::string(word);
+  return line;
+}
+
+std::string number_complaint(const SettingInfo& info, double value) {
+  const bool low = info.above ? !(value > info.minimum) : !(value >= info.minimum);
+  std::ostringstream line;
+  if (!std::isfinite(value)) {
+    line << "is " << value << ", expected a finite number";
+  } else if (low) {
+    line << "is " << value << ", expected " << (info.above ? "more than " : "at least ")
+         << info.minimum;
+  } else if (value > info.maximum) {
+    line << "is " << value << ", expected at most " << info.maximum;
+  } else if (info.whole && value != std::floor(value)) {
+    line << "is " << value << ", expected a whole number";
+  }
+  return line.str();
+}
+
+std::string setting_complaint(const SettingInfo& info, const Setting& value) {
+  static constexpr std::string_view kinds[] = {"a number", "true or false", "a string"};
+  if (value.index() != info.fallback.index()) {
+    return "is " + std::string(kinds[value.index()]) + ", expected " +
+           std::string(kinds[info.fallback.index()]);
+  }
+  if (const double* n = std::get_if<double>(&value)) return number_complaint(info, *n);
+  if (const std::string* choice = std::get_if<std::string>(&value)) {
+    if (std::ranges::find(info.choices, *choice) == info.choices.end()) {
+      return "is \"" + *choice + "\", expected one of: " + join(info.choices);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string complaint(const MethodInfo& method, const Settings& settings) {
+  for (const auto& [name, value] : settings) {
+    const auto info = std::ranges::find(method.settings, name, &SettingInfo::name);
+    if (info == method.settings.end()) {
+      std::vector<std::string_view> known;
+      for (const SettingInfo& setting : method.settings) known.push_back(setting.name);
+      return "method " + std::string(method.name) + " has no setting " + name +
+             ", expected one of: " + join(known);
+    }
+    const std::string wrong = setting_complaint(*info, value);
+    if (!wrong.empty()) return "setting " + name + " " + wrong;
+  }
+  return {};
+}
+
+std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings) {
+  const MethodInfo* info = find_method(name);
+  if (!info) {
+    std::vector<std::string_view> known;
+    for (const MethodInfo& method : methods()) known.push_back(method.name);
+    throw std::invalid_argument("there is no method " + std::string(name) +
+                                ", expected one of: " + join(known));
+  }
+  const std::string wrong = complaint(*info, settings);
+  if (!wrong.empty()) throw std::invalid_argument(wrong);
+  Settings full = settings;
+  for (const SettingInfo& setting : info->settings) {
+    full.try_emplace(std::string(setting.name), setting.fallback);
+  }
+  return info->make(full);
+}
+
+double number(const Settings& settings, std::string_view name) {
+  return std::get<double>(settings.find(name)->second);
+}
+
+bool flag(const Settings& settings, std::string_view name) {
+  return std::get<bool>(settings.find(name)->second);
+}
+
+const std::string& text(const Settings& settings, std::string_view name) {
+  return std::get<std::string>(settings.find(name)->second);
+}
+
+Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number,
+                   std::string connector_name, std::size_t link_index, std::string what)
+    : std::runtime_error([&] {
+        std::ostringstream line;
+        line << method_name << ": " << what << " at " << at << " s (step " << step_number
+             << "), connector " << connector_name << ", link " << link_index;
+        return line.str();
+      }()),
+      method(std::move(method_name)),
+      time(at),
+      step(step_number),
+      connector(std::move(connector_name)),
+      link(link_index) {}
+
+namespace {
+
+// A frame time is a rounded quotient and a step a rounded decimal: their ratio misses a whole
+// number by a few units in the last place. A thousandth of a millionth of a step is neither.
+constexpr double kWhole = 1e-9;
+
+/// The whole number that `ratio` is but for rounding, or -1.
+double whole(double ratio) {
+  const double nearest = std::round(ratio);
+  return std::abs(ratio - nearest) <= kWhole * std::max(1.0, nearest * 1e-3) ? nearest : -1;
+}
+
+}  // namespace
+
+std::uint64_t step_count(double interval, double step) {
+  if (!(interval > 0)) return 0;
+  const double ratio = interval / step;
+  const double exact = whole(ratio);
+  return static_cast<std::uint64_t>(std::max(1.0, exact >= 0 ? exact : std::ceil(ratio)));
+}
+
+StepTimes::StepTimes(double from, double until, double step)
+    : count(step_count(until - from, step)), from_(from), until_(until) {
+  const double first = whole(from / step), last = whole(until / step);
+  on_grid_ = first >= 0 && last > first;
+  if (on_grid_) {
+    first_ = first;
+    dt = step;
+    count = static_cast<std::uint64_t>(last - first);
+  } else {
+    dt = count > 0 ? (until - from) / static_cast<double>(count) : 0;
+  }
+}
+
+double StepTimes::at(std::uint64_t i) const {
+  if (on_grid_) return (first_ + static_cast<double>(i)) * dt;
+  return i == count ? until_ : from_ + static_cast<double>(i) * dt;
+}
+
+}  // namespace taut

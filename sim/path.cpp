@@ -1,0 +1,115 @@
+#include "sim/path.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace taut {
+namespace {
+
+using Row = Eigen::Matrix<double, 7, 1>;
+
+bool rests(const std::vector<PathKey>& keys, std::size_t i) {
+  return i == 0 || i + 1 == keys.size() || keys[i].ease;
+}
+
+/// Rates at the keys first..last of the cubic spline that rests at both; Thomas's algorithm on
+/// the conditions that the second derivative is continuous at every key between them.
+void section_rates(const std::vector<PathKey>& keys, const std::vector<Row>& value,
+                   std::size_t first, std::size_t last, std::vector<Row>& rate) {
+  std::vector<double> upper(keys.size(), 0.0);
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const double before = keys[i].time - keys[i - 1].time;
+    const double after = keys[i + 1].time - keys[i].time;
+    const Row right = 3 * ((value[i] - value[i - 1]) / (before * before) +
+                           (value[i + 1] - value[i]) / (after * after));
+    const double pivot = 2 / before + 2 / after - upper[i - 1] / before;
+    upper[i] = 1 / (after * pivot);
+    rate[i] = (right - rate[i - 1] / before) / pivot;
+  }
+  for (std::size_t i = last - 1; i > first; --i) rate[i] -= upper[i] * rate[i + 1];
+}
+
+struct Jet {
+  Row value, rate, rate2;
+};
+
+/// The quintic with the given values and first two derivatives at both ends of [0, h], at u h.
+Jet quintic(const Jet& a, const Jet& b, double h, double u) {
+  const Row d = b.value - a.value - h * a.rate - h * h / 2 * a.rate2;
+  const Row e = h * (b.rate - a.rate) - h * h * a.rate2;
+  const Row f = h * h * (b.rate2 - a.rate2);
+  const Row c3 = 10 * d - 4 * e + f / 2;
+  const Row c4 = -15 * d + 7 * e - f;
+  const Row c5 = 6 * d - 3 * e + f / 2;
+  const double u2 = u * u;
+  return {a.value + u * h * a.rate + u2 * (h * h / 2 * a.rate2 + u * (c3 + u * (c4 + u * c5))),
+          a.rate + u * h * a.rate2 + u2 / h * (3 * c3 + u * (4 * c4 + u * 5 * c5)),
+          a.rate2 + u / (h * h) * (6 * c3 + u * (12 * c4 + u * 20 * c5))};
+}
+
+/// The rotation is the normalised 4-vector p = n q, so p' = n'q + n q', p'' = n''q + 2n'q' + n q''.
+/// For a unit q the spin is the vector part of 2 q' q*, and its rate that of 2 q'' q*.
+FrameMotion frame_motion(const Jet& jet) {
+  const Eigen::Vector4d p = jet.value.tail<4>(), p1 = jet.rate.tail<4>(), p2 = jet.rate2.tail<4>();
+  const double n = p.norm();
+  const Eigen::Vector4d q = p / n;
+  const double n1 = q.dot(p1);
+  const Eigen::Vector4d q1 = (p1 - n1 * q) / n;
+  const double n2 = (p1.squaredNorm() + p.dot(p2) - n1 * n1) / n;
+  const Eigen::Vector4d q2 = (p2 - n2 * q - 2 * n1 * q1) / n;
+  const auto quat = [](const Eigen::Vector4d& c) { return Quat(c[0], c[1], c[2], c[3]); };
+  FrameMotion motion;
+  motion.position = jet.value.head<3>();
+  motion.velocity = jet.rate.head<3>();
+  motion.acceleration = jet.rate2.head<3>();
+  motion.rotation = quat(q);
+  motion.spin = 2 * (quat(q1) * motion.rotation.conjugate()).vec();
+  motion.spin_rate = 2 * (quat(q2) * motion.rotation.conjugate()).vec();
+  return motion;
+}
+
+}  // namespace
+
+Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
+  if (keys_.empty()) throw std::invalid_argument("a path needs at least one key");
+  for (std::size_t i = 1; i < keys_.size(); ++i) {
+    if (!(keys_[i - 1].time < keys_[i].time)) {
+      throw std::invalid_argument("the times of a path's keys must rise");
+    }
+  }
+  const std::size_t n = keys_.size();
+  value_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    Eigen::Vector4d q(keys_[i].rotation.w(), keys_[i].rotation.x(), keys_[i].rotation.y(),
+                      keys_[i].rotation.z());
+    q.normalize();
+    // q and -q are one rotation: take the sign nearer to the key before.
+    if (i > 0 && q.dot(value_[i - 1].tail<4>()) < 0) q = -q;
+    value_[i] << keys_[i].position, q;
+  }
+  rate_.assign(n, Row::Zero());
+  rate2_.assign(n, Row::Zero());
+  for (std::size_t first = 0, i = 1; i < n; ++i) {
+    if (!rests(keys_, i)) continue;
+    section_rates(keys_, value_, first, i, rate_);
+    for (std::size_t k = first + 1; k < i; ++k) {
+      const double h = keys_[k + 1].time - keys_[k].time;
+      rate2_[k] = (6 * (value_[k + 1] - value_[k]) / h - 4 * rate_[k] - 2 * rate_[k + 1]) / h;
+    }
+    first = i;
+  }
+}
+
+FrameMotion Path::at(double time) const {
+  const auto after = std::upper_bound(keys_.begin(), keys_.end(), time,
+                                      [](double t, const PathKey& key) { return t < key.time; });
+  if (after == keys_.begin()) return frame_motion({value_.front(), Row::Zero(), Row::Zero()});
+  if (after == keys_.end()) return frame_motion({value_.back(), Row::Zero(), Row::Zero()});
+  const auto b = static_cast<std::size_t>(after - keys_.begin());
+  const std::size_t a = b - 1;
+  const double h = keys_[b].time - keys_[a].time;
+  return frame_motion(quintic({value_[a], rate_[a], rate2_[a]}, {value_[b], rate_[b], rate2_[b]}, h,
+                              (time - keys_[a].time) / h));
+}
+
+}  // namespace taut
