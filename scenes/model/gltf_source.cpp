@@ -1,0 +1,233 @@
+#include "scenes/model/gltf_source.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace taut {
+namespace {
+
+constexpr int nesting_limit = 64;  // of JSON values
+constexpr std::size_t name_limit = 200;
+constexpr std::size_t header = 12, chunk_header = 8;  // of a GLB, bytes
+constexpr std::uint32_t json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
+
+std::size_t size_of(std::uint64_t component) {
+  if (component == 5120 || component == u8) return 1;
+  return component == 5122 || component == u16 ? 2 : 4;
+}
+
+std::size_t elements_of(const std::string& type) {
+  static const std::map<std::string, std::size_t> counts = {
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+  const auto found = counts.find(type);
+  return found == counts.end() ? 0 : found->second;
+}
+
+std::uint32_t little_endian(const std::string& bytes, std::size_t at, std::size_t size = 4) {
+  std::uint32_t value = 0;
+  for (std::size_t i = size; i-- > 0;)
+    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+}  // namespace
+
+std::size_t GltfAccessor::item_size() const {
+  return elements * size_of(component);
+}
+
+GltfSource::GltfSource(const std::filesystem::path& file, const std::string& content)
+    : file_(file) {
+  read_container(content);
+  const Json& required = list("extensionsRequired");
+  if (!required.empty()) fail("needs the extension {}, which is not supported", required[0].dump());
+  gather_buffers();
+}
+
+void GltfSource::read_container(const std::string& content) {
+  std::string text = content;
+  if (content.compare(0, 4, "glTF") == 0) {
+    const std::size_t first = header + chunk_header;
+    if (content.size() < first) fail("truncated: {} bytes are too few for a GLB", content.size());
+    if (little_endian(content, 4) != 2)
+      fail("GLB version {}, expected 2", little_endian(content, 4));
+    const std::size_t length = little_endian(content, 8);
+    if (length > content.size())
+      fail("truncated: its header says {} bytes, the file has {}", length, content.size());
+    if (length < first) fail("its header says {} bytes, too few for a GLB", length);
+    const std::size_t json_size = little_endian(content, header);
+    if (little_endian(content, header + 4) != json_chunk) fail("its first chunk is not JSON");
+    if (json_size > length - first) fail("its JSON chunk of {} bytes does not fit", json_size);
+    text = content.substr(first, json_size);
+    const std::size_t second = first + (json_size + 3) / 4 * 4;
+    if (second + chunk_header <= length) {
+      const std::size_t size = little_endian(content, second);
+      if (little_endian(content, second + 4) != bin_chunk) fail("its second chunk is not BIN");
+      if (size > length - second - chunk_header)
+        fail("its BIN chunk of {} bytes does not fit", size);
+      chunk_ = content.substr(second + chunk_header, size);
+    }
+  } else if (file_.extension() == ".glb") {
+    fail("not a GLB file: it does not start with \"glTF\"");
+  }
+  // A parser that recurses, as the importer's does, would run out of stack on deeply nested text.
+  const auto shallow = [this](int depth, Json::parse_event_t, Json&) {
+    if (depth > nesting_limit) fail("JSON nested more than {} deep", nesting_limit);
+    return true;
+  };
+  try {
+    json_ = Json::parse(text, shallow);
+  } catch (const Json::exception& error) {
+    fail("broken JSON: {}", error.what());
+  }
+  if (!json_.is_object()) fail("its JSON is not an object");
+  const Json version = json_.value("/asset/version"_json_pointer, Json());
+  if (!version.is_string() || version.get_ref<const std::string&>().compare(0, 2, "2.") != 0)
+    fail("asset.version is {}, expected \"2.0\"", version.dump());
+}
+
+const Json& GltfSource::list(const Json& in, const char* key, const std::string& where) const {
+  static const Json none = Json::array();
+  const auto found = in.find(key);
+  if (found == in.end()) return none;
+  if (!found->is_array()) fail("{}: {} must be an array", where, key);
+  return *found;
+}
+
+const Json& GltfSource::item(const char* key, std::size_t index) const {
+  const Json& object = list(key)[index];
+  if (!object.is_object()) fail("{}[{}] must be an object", key, index);
+  return object;
+}
+
+std::size_t GltfSource::whole(const Json& in, const char* key, const std::string& where,
+                              std::optional<std::size_t> fallback) const {
+  const auto found = in.find(key);
+  if (found == in.end()) {
+    if (!fallback) fail("{} lacks {}", where, key);
+    return *fallback;
+  }
+  if (!found->is_number_unsigned()) fail("{}.{} must be a whole number", where, key);
+  const auto value = found->get<std::uint64_t>();
+  if (value > std::numeric_limits<std::uint32_t>::max()) fail("{}.{} is too large", where, key);
+  return value;
+}
+
+std::size_t GltfSource::index(const Json& value, std::size_t count, const std::string& what) const {
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= count)
+    fail("{} is {}, expected an index below {}", what, value.dump(), count);
+  return value.get<std::size_t>();
+}
+
+double GltfSource::number(const Json& value, const std::string& what) const {
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    fail("{} must be a finite number", what);
+  return value.get<double>();
+}
+
+std::string GltfSource::name(const Json& in, const std::string& fallback) const {
+  const auto found = in.find("name");
+  if (found == in.end() || !found->is_string()) return fallback;
+  const auto& text = found->get_ref<const std::string&>();
+  return text.empty() || text.size() > name_limit ? fallback : text;
+}
+
+void GltfSource::gather_buffers() {
+  for (std::size_t i = 0; i < list("buffers").size(); ++i) {
+    const Json& buffer = item("buffers", i);
+    const std::string where = fmt::format("buffers[{}]", i);
+    const std::size_t length = whole(buffer, "byteLength", where);
+    std::string bytes;
+    if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
+      if (!uri->is_string()) fail("{}.uri must be a string", where);
+      bytes = from_uri(uri->get<std::string>(), where);
+    } else {
+      if (i > 0 || !chunk_) fail("{} has neither a uri nor a BIN chunk", where);
+      bytes = *chunk_;
+    }
+    if (length > bytes.size())
+      fail("truncated: {} says {} bytes, but there are {}", where, length, bytes.size());
+    if (binary_.size() + length > asset_limit)
+      fail("its buffers are larger than {} MiB", asset_limit >> 20);
+    buffers_.emplace_back(binary_.size(), length);
+    binary_.append(bytes, 0, length);
+    binary_.resize((binary_.size() + 3) / 4 * 4);
+  }
+}
+
+std::string GltfSource::from_uri(const std::string& uri, const std::string& where) const {
+  if (uri.compare(0, 5, "data:") == 0) {
+    static const std::string mark = ";base64,";
+    const std::size_t start = uri.find(mark);
+    if (start == std::string::npos) fail("{}.uri: only base64 data is read", where);
+    return from_base64(uri.substr(start + mark.size()), where);
+  }
+  if (uri.find("://") != std::string::npos) fail("{}.uri must be a file beside it", where);
+  return read_asset(file_.parent_path() / uri);
+}
+
+std::string GltfSource::from_base64(const std::string& text, const std::string& where) const {
+  static const std::string alphabet =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0;
+  int held = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    const std::size_t value = alphabet.find(c);
+    if (value == std::string::npos) fail("{}.uri is not base64", where);
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    held += 6;
+    if (held >= 8) bytes += static_cast<char>(bits >> (held -= 8) & 0xff);
+  }
+  return bytes;
+}
+
+GltfAccessor GltfSource::accessor(const Json& value, const std::string& used_by) const {
+  const std::size_t i = index(value, list("accessors").size(), used_by);
+  const std::string where = fmt::format("accessors[{}]", i);
+  const Json& in = item("accessors", i);
+  if (in.contains("sparse")) fail("{} is sparse, which is not supported", where);
+  if (!in.contains("bufferView")) fail("{} lacks bufferView", where);
+
+  GltfAccessor a;
+  a.component = whole(in, "componentType", where);
+  if (a.component < 5120 || a.component > f32 || a.component == 5124)
+    fail("{}.componentType {} is unknown", where, a.component);
+  if (const auto type = in.find("type"); type != in.end() && type->is_string())
+    a.type = type->get<std::string>();
+  a.elements = elements_of(a.type);
+  if (a.elements == 0) fail("{}.type is unknown", where);
+  a.count = whole(in, "count", where);
+  if (a.count == 0) fail("{} is empty", where);
+  const auto normalized = in.find("normalized");
+  a.normalized = normalized != in.end() && *normalized == true;
+
+  const std::size_t v = index(in["bufferView"], list("bufferViews").size(), where + ".bufferView");
+  const std::string view_where = fmt::format("bufferViews[{}]", v);
+  const Json& view = item("bufferViews", v);
+  if (!view.contains("buffer")) fail("{} lacks buffer", view_where);
+  const auto [start, length] =
+      buffers_[index(view["buffer"], buffers_.size(), view_where + ".buffer")];
+  const std::size_t view_offset = whole(view, "byteOffset", view_where, 0);
+  const std::size_t view_length = whole(view, "byteLength", view_where);
+  if (view_offset + view_length > length) fail("{} reaches beyond its buffer", view_where);
+
+  a.stride = whole(view, "byteStride", view_where, a.item_size());
+  if (a.stride < a.item_size() || a.stride > 252) fail("{}.byteStride is wrong", view_where);
+  const std::size_t offset = whole(in, "byteOffset", where, 0);
+  if (offset + (a.count - 1) * a.stride + a.item_size() > view_length)
+    fail("{} reaches beyond its bufferView", where);
+  a.offset = start + view_offset + offset;
+  if (a.offset % size_of(a.component) != 0) fail("{} is not aligned", where);
+  return a;
+}
+
+std::uint32_t GltfSource::integer(const GltfAccessor& a, std::size_t item,
+                                  std::size_t element) const {
+  const std::size_t size = size_of(a.component);
+  return little_endian(binary_, a.offset + item * a.stride + element * size, size);
+}
+
+}  // namespace taut

@@ -1,0 +1,273 @@
+#include "scenes/model/imported.h"
+
+#include <assimp/GltfMaterial.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "scenes/model/file.h"
+
+namespace taut {
+namespace {
+
+using Mat4 = Eigen::Matrix4d;
+
+constexpr std::size_t bone_limit = 256;
+constexpr std::size_t vertex_limit = 8u << 20;  // of the model, after instancing
+
+Mat4 matrix(const aiMatrix4x4& m) {
+  return Eigen::Map<const Eigen::Matrix<ai_real, 4, 4, Eigen::RowMajor>>(&m.a1).cast<double>();
+}
+
+std::string text(const aiString& s) {
+  return std::string(s.C_Str(), s.length);
+}
+
+std::array<float, 3> array3(const Vec3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+Vec3 vec3(const aiVector3D& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// Sums of the faces' normals weighted by their angle at each vertex, for meshes that bring none:
+/// the way in which polygons are cut into triangles does not show.
+std::vector<Vec3> smooth_normals(const aiMesh& mesh) {
+  std::vector<Vec3> sums(mesh.mNumVertices, Vec3::Zero());
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    if (mesh.mFaces[f].mNumIndices != 3) continue;
+    const unsigned* corner = mesh.mFaces[f].mIndices;
+    for (unsigned k = 0; k < 3; ++k) {
+      const Vec3 at = vec3(mesh.mVertices[corner[k]]);
+      const Vec3 next = vec3(mesh.mVertices[corner[(k + 1) % 3]]) - at;
+      const Vec3 last = vec3(mesh.mVertices[corner[(k + 2) % 3]]) - at;
+      const Vec3 area = next.cross(last);
+      sums[corner[k]] += std::atan2(area.norm(), next.dot(last)) * area.normalized();
+    }
+  }
+  return sums;
+}
+
+class Import {
+ public:
+  Import(const std::filesystem::path& file, const aiScene& scene) : file_(file), scene_(scene) {}
+
+  Model run() {
+    model_.name = file_.stem().string();
+    for (unsigned i = 0; i < scene_.mNumMaterials; ++i) add_material(*scene_.mMaterials[i]);
+    find_bones();
+    add_node(*scene_.mRootNode, Mat4::Identity(), -1);
+    set_inverse_binds();
+    for (const Instance& instance : instances_) add_mesh(instance);
+    if (model_.meshes.empty()) fail("has no triangles");
+    return std::move(model_);
+  }
+
+ private:
+  /// A mesh as a node places it.
+  struct Instance {
+    const aiMesh* mesh;
+    Mat4 world;
+    int bone;  // the nearest one above the node, or -1
+  };
+
+  [[noreturn]] void fail(const std::string& cause) const { throw bad_asset(file_, cause); }
+
+  void add_material(const aiMaterial& in) {
+    Material out;
+    out.name = text(in.GetName());
+    aiColor4D color;
+    if (in.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS ||
+        in.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS)
+      out.base_color = {color.r, color.g, color.b};
+    in.Get(AI_MATKEY_ROUGHNESS_FACTOR, out.roughness);
+    in.Get(AI_MATKEY_METALLIC_FACTOR, out.metallic);
+    const auto in_range = [](float x, float most) { return x >= 0 && x <= most; };
+    for (const float channel : out.base_color)
+      if (!in_range(channel, 1e3f)) fail(fmt::format("material \"{}\": bad colour", out.name));
+    if (!in_range(out.roughness, 1) || !in_range(out.metallic, 1))
+      fail(fmt::format("material \"{}\": roughness and metallic must be 0 to 1", out.name));
+    model_.materials.push_back(out);
+  }
+
+  /// The skeleton: nodes that skins name, all above them but a root that does nothing, and all
+  /// below them that carry no mesh.
+  void find_bones() {
+    std::set<std::string> joints;
+    for (unsigned i = 0; i < scene_.mNumMeshes; ++i)
+      for (unsigned b = 0; b < scene_.mMeshes[i]->mNumBones; ++b)
+        joints.insert(text(scene_.mMeshes[i]->mBones[b]->mName));
+    if (!joints.empty()) mark(*scene_.mRootNode, joints, false);
+    const aiNode* root = scene_.mRootNode;
+    if (!joints.contains(text(root->mName)) && root->mTransformation.IsIdentity())
+      bone_nodes_.erase(root);
+  }
+
+  bool mark(const aiNode& node, const std::set<std::string>& joints, bool below) {
+    const bool joint = joints.contains(text(node.mName));
+    bool above = joint;
+    for (unsigned i = 0; i < node.mNumChildren; ++i)
+      above |= mark(*node.mChildren[i], joints, below || joint);
+    if (above || (below && node.mNumMeshes == 0)) bone_nodes_.insert(&node);
+    return above;
+  }
+
+  void add_node(const aiNode& node, const Mat4& parent_world, int parent) {
+    const Mat4 local = matrix(node.mTransformation);
+    const Mat4 world = parent_world * local;
+    if (!world.allFinite()) fail(fmt::format("node \"{}\" is not finite", text(node.mName)));
+    int bone = parent;
+    if (bone_nodes_.contains(&node)) {
+      Bone out;
+      out.name = text(node.mName);
+      out.parent = parent;
+      const Mat3 rotation = local.topLeftCorner<3, 3>();
+      if ((rotation.transpose() * rotation - Mat3::Identity()).norm() > 1e-3 ||
+          rotation.determinant() < 0)
+        fail(fmt::format("bone \"{}\" is scaled", out.name));
+      out.rest = {local.topRightCorner<3, 1>(), Quat(rotation).normalized()};
+      bone = static_cast<int>(model_.bones.size());
+      model_.bones.push_back(out);
+      rest_world_.push_back(world);
+      if (model_.bones.size() > bone_limit) fail(fmt::format("more than {} bones", bone_limit));
+    }
+    for (unsigned i = 0; i < node.mNumMeshes; ++i)
+      instances_.push_back({scene_.mMeshes[node.mMeshes[i]], world, bone});
+    for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(*node.mChildren[i], world, bone);
+  }
+
+  /// From the skins; a bone that moves no vertex gets the inverse of its rest pose.
+  void set_inverse_binds() {
+    std::vector<std::optional<Mat4>> given(model_.bones.size());
+    for (unsigned i = 0; i < scene_.mNumMeshes; ++i)
+      for (unsigned b = 0; b < scene_.mMeshes[i]->mNumBones; ++b) {
+        const aiBone& bone = *scene_.mMeshes[i]->mBones[b];
+        const int index = model_.bone(text(bone.mName));
+        if (index < 0) fail(fmt::format("bone \"{}\" is no node", text(bone.mName)));
+        auto& slot = given[static_cast<std::size_t>(index)];
+        const Mat4 offset = matrix(bone.mOffsetMatrix);
+        if (!offset.allFinite()) fail(fmt::format("bone \"{}\" is not finite", text(bone.mName)));
+        if (slot && !slot->isApprox(offset, 1e-4))
+          fail(fmt::format("bone \"{}\" has two inverse bind matrices", text(bone.mName)));
+        slot = offset;
+      }
+    inverse_bind_.resize(given.size());
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      inverse_bind_[i] = given[i].value_or(rest_world_[i].inverse());
+      model_.bones[i].inverse_bind = inverse_bind_[i].cast<float>();
+    }
+  }
+
+  void add_mesh(const Instance& instance) {
+    const aiMesh& in = *instance.mesh;
+    const bool skinned = in.mNumBones > 0;
+    // A skinned mesh ignores its node; one that merely hangs on a bone moves with it rigidly; any
+    // other is placed by its node.
+    Mat4 place = skinned ? Mat4::Identity().eval() : instance.world;
+    if (!skinned && instance.bone >= 0) {
+      const auto bone = static_cast<std::size_t>(instance.bone);
+      place = (rest_world_[bone] * inverse_bind_[bone]).inverse() * instance.world;
+    }
+    const Mat3 linear = place.topLeftCorner<3, 3>();
+    const double scale = linear.determinant();
+    if (!(std::abs(scale) > 1e-12))
+      fail(fmt::format("mesh \"{}\" is scaled to nothing", text(in.mName)));
+    const Mat3 for_normals = linear.inverse().transpose();
+
+    Mesh out;
+    out.name = text(in.mName);
+    out.material = in.mMaterialIndex;
+    if (out.material >= model_.materials.size())
+      fail(fmt::format("mesh \"{}\" has material {}", out.name, out.material));
+    vertices_ += in.mNumVertices;
+    if (vertices_ > vertex_limit) fail(fmt::format("more than {} vertices", vertex_limit));
+    out.indices = triangles(in, scale < 0);
+    out.vertices.resize(in.mNumVertices);
+    const std::vector<Vec3> own = in.HasNormals() ? std::vector<Vec3>() : smooth_normals(in);
+    for (std::size_t i = 0; i < out.vertices.size(); ++i) {
+      const Vec3 position =
+          place.topLeftCorner<3, 3>() * vec3(in.mVertices[i]) + place.topRightCorner<3, 1>();
+      const Vec3 normal = for_normals * (own.empty() ? vec3(in.mNormals[i]) : own[i]);
+      if (!position.allFinite() || position.norm() > 1e6 || !normal.allFinite())
+        fail(fmt::format("mesh \"{}\": vertex {} is not finite", out.name, i));
+      Vertex& v = out.vertices[i];
+      v.position = array3(position);
+      v.normal = array3(normal.norm() > 1e-12 ? normal.normalized() : Vec3(0, 1, 0));
+      if (in.HasVertexColors(0)) {
+        const aiColor4D& c = in.mColors[0][i];
+        if (!(c.r >= 0 && c.g >= 0 && c.b >= 0 && c.r + c.g + c.b < 1e3f))
+          fail(fmt::format("mesh \"{}\": the colour of vertex {} is wrong", out.name, i));
+        v.color = {c.r, c.g, c.b};
+      }
+    }
+    if (skinned) {
+      add_weights(in, out);
+    } else if (instance.bone >= 0) {
+      for (Vertex& v : out.vertices) {
+        v.bones[0] = static_cast<std::uint16_t>(instance.bone);
+        v.weights[0] = 1;
+      }
+    }
+    if (!out.indices.empty()) model_.meshes.push_back(std::move(out));
+  }
+
+  std::vector<std::uint32_t> triangles(const aiMesh& in, bool mirrored) const {
+    std::vector<std::uint32_t> indices;
+    indices.reserve(3 * std::size_t{in.mNumFaces});
+    for (unsigned f = 0; f < in.mNumFaces; ++f) {
+      const aiFace& face = in.mFaces[f];
+      if (face.mNumIndices != 3) continue;  // points and lines
+      for (const unsigned k : {0u, mirrored ? 2u : 1u, mirrored ? 1u : 2u}) {
+        if (face.mIndices[k] >= in.mNumVertices)
+          fail(fmt::format("mesh \"{}\": index {} is out of range", text(in.mName),
+                           face.mIndices[k]));
+        indices.push_back(face.mIndices[k]);
+      }
+    }
+    return indices;
+  }
+
+  void add_weights(const aiMesh& in, Mesh& out) const {
+    std::vector<int> used(out.vertices.size(), 0);
+    for (unsigned b = 0; b < in.mNumBones; ++b) {
+      const aiBone& bone = *in.mBones[b];
+      const auto index = static_cast<std::uint16_t>(model_.bone(text(bone.mName)));
+      for (unsigned k = 0; k < bone.mNumWeights; ++k) {
+        const auto [vertex, weight] = bone.mWeights[k];
+        if (vertex >= out.vertices.size() || !(weight >= 0 && weight <= 1e3f))
+          fail(fmt::format("bone \"{}\" has a broken weight", text(bone.mName)));
+        if (weight == 0) continue;
+        if (used[vertex] == 4) fail(fmt::format("mesh \"{}\": more than 4 weights", out.name));
+        const auto slot = static_cast<std::size_t>(used[vertex]++);
+        out.vertices[vertex].bones[slot] = index;
+        out.vertices[vertex].weights[slot] = weight;
+      }
+    }
+    for (std::size_t i = 0; i < out.vertices.size(); ++i) {
+      auto& w = out.vertices[i].weights;
+      const float sum = w[0] + w[1] + w[2] + w[3];
+      if (!(sum > 1e-6f)) fail(fmt::format("mesh \"{}\": vertex {} has no weight", out.name, i));
+      for (float& weight : w) weight /= sum;
+    }
+  }
+
+  const std::filesystem::path& file_;
+  const aiScene& scene_;
+  Model model_;
+  std::set<const aiNode*> bone_nodes_;
+  std::vector<Mat4> rest_world_, inverse_bind_;
+  std::vector<Instance> instances_;
+  std::size_t vertices_ = 0;
+};
+
+}  // namespace
+
+Model from_imported(const std::filesystem::path& file, const aiScene& scene) {
+  return Import(file, scene).run();
+}
+
+}  // namespace taut
