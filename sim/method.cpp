@@ -81,6 +81,10 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
     throw std::invalid_argument("there is no method " + std::string(name) +
                                 ", expected one of: " + join(known));
   }
+  if (!info->missing.empty()) {
+    throw std::invalid_argument("method " + std::string(name) + " is " +
+                                std::string(info->missing));
+  }
   const std::string wrong = complaint(*info, settings);
   if (!wrong.empty()) throw std::invalid_argument(wrong);
   Settings full = settings;

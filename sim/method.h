@@ -30,6 +30,8 @@ struct SettingInfo {
   bool above = false;
   bool whole = false;                          // numbers only: integers
   std::vector<std::string_view> choices = {};  // strings only
+  /// The values that sweeps go through, cheap to dear; empty: sweeps leave the setting alone.
+  std::vector<Setting> sweep = {};
 };
 
 /// What happened while stepping, for benchmarks and reports; machine-free.
@@ -88,6 +90,8 @@ struct MethodInfo {
   std::vector<SettingInfo> settings;
   /// Makes the method with a full set of valid settings.
   std::unique_ptr<Method> (*make)(const Settings& settings);
+  /// Why this build does not have the method, in two or three words for tables; empty: it does.
+  std::string_view missing = {};
 };
 
 /// Every method, in the order in which tables show them.
