@@ -4,10 +4,14 @@
 #include <cmath>
 #include <sstream>
 
+#include "sim/methods/impulse.h"
+
 namespace taut {
 
 std::span<const MethodInfo> methods() {
-  static const std::vector<MethodInfo> list = {};
+  static const std::vector<MethodInfo> list = {
+      impulse_method(),
+  };
   return list;
 }
 

@@ -1,0 +1,230 @@
+#include "sim/methods/impulse.h"
+
+#include <cmath>
+
+#include "sim/methods/span.h"
+#include "sim/methods/span_impulse.h"
+
+namespace taut {
+namespace {
+
+constexpr std::string_view kName = "impulse";
+constexpr int kSettlings = 8;   // times that spans which share a body are gone through at most
+constexpr double kSense = 1e6;  // m; no scene is so wide
+constexpr std::size_t kEvents = 1024;
+
+/// What repositioning needs to know of a connector, beside its state.
+struct Strand {
+  std::vector<double> along;   // m, rest length from the first particle
+  std::vector<double> weight;  // how easily a particle is moved; zero: held
+  std::vector<Vec3> flown;     // m, positions after free flight and impulses
+};
+
+class Impulse final : public Method {
+ public:
+  explicit Impulse(const Settings& settings)
+      : step_(number(settings, "step")),
+        threshold_(number(settings, "h")),
+        limits_{number(settings, "l_c"), number(settings, "l_t")},
+        passes_(static_cast<int>(number(settings, "passes"))),
+        as_printed_(flag(settings, "as_printed")),
+        impulses_(limits_, as_printed_) {}
+
+  void advance(World& world, double until) override {
+    if (!prepared_ || topology_ != world.topology) prepare(world);
+    const StepTimes times(world.time, until, step_);
+    for (std::uint64_t i = 0; i < times.count; ++i) step(world, times.at(i + 1), times.dt);
+    world.time = until;
+  }
+
+ private:
+  void prepare(const World& world);
+  void step(World& world, double time, double dt);
+  void fly(World& world, double dt);
+  void settle(World& world, double time, double dt);
+  void reposition(Connector& connector, const Strand& strand, const Span& span) const;
+  void stay_in_reach(Connector& connector, const Strand& strand, const Span& span) const;
+  void check(const World& world, double time) const;
+
+  double step_, threshold_;
+  LinkLimits limits_;
+  int passes_;
+  bool as_printed_;
+  SpanImpulses impulses_;
+  std::vector<Span> spans_;
+  std::vector<Strand> strands_;
+  bool prepared_ = false;
+  std::uint64_t topology_ = 0;
+};
+
+void Impulse::prepare(const World& world) {
+  if (!prepared_) events_.reserve(kEvents);
+  prepared_ = true;
+  topology_ = world.topology;
+  impulses_.prepare(world);
+  spans_ = divide(world);
+  strands_.clear();
+  for (const Connector& connector : world.connectors) {
+    const std::size_t n = connector.particles();
+    Strand strand{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), connector.position};
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+      strand.along[i + 1] = strand.along[i] + connector.rest[i];
+    }
+    // Particles without mass are all alike, and nothing beside one with mass.
+    const bool massless = connector.model == ConnectorModel::span || !(connector.mass > 0);
+    const double share = massless ? 0 : connector.mass / static_cast<double>(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool end = i == 0 || i + 1 == n;
+      const double mass = massless && !end ? 0 : connector.particle_mass[i];
+      strand.weight[i] = mass > 0 ? share / mass : 1;
+    }
+    for (const Hold& hold : connector.holds) strand.weight[hold.particle] = 0;
+    strands_.push_back(std::move(strand));
+  }
+  if (!as_printed_) return;
+  for (const Span& span : spans_) {  // "the end points are set to have infinite mass"
+    for (const SpanEnd* end : {&span.a, &span.b}) {
+      if (end->kind != SpanEnd::Kind::follower) strands_[span.connector].weight[end->particle] = 0;
+    }
+  }
+}
+
+void Impulse::step(World& world, double time, double dt) {
+  fly(world, dt);
+  place_held(world, time);
+  settle(world, time, dt);
+  for (std::size_t c = 0; c < strands_.size(); ++c)
+    strands_[c].flown = world.connectors[c].position;
+  for (const Span& span : spans_) {
+    Connector& connector = world.connectors[span.connector];
+    const Strand& strand = strands_[span.connector];
+    for (int pass = 0; pass < passes_; ++pass) reposition(connector, strand, span);
+    stay_in_reach(connector, strand, span);
+  }
+  // Velocities from positions: flight gave dx/dt + g dt/2, repositioning adds what it moved.
+  for (std::size_t c = 0; c < strands_.size(); ++c) {
+    Connector& connector = world.connectors[c];
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      connector.velocity[i] += (connector.position[i] - strands_[c].flown[i]) / dt;
+    }
+  }
+  ++counters_.steps;
+  counters_.solves += static_cast<std::uint64_t>(passes_);
+  check(world, time);
+}
+
+void Impulse::fly(World& world, double dt) {
+  const Vec3 fall = world.gravity * (dt * dt / 2);
+  const Vec3 gain = world.gravity * dt;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    Body& body = world.bodies[i];
+    if (body.driven()) continue;
+    body.position += body.velocity * dt + fall;
+    body.velocity += gain;
+    impulses_.rotation(i).turn(body, dt);
+  }
+  for (Connector& connector : world.connectors) {
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      connector.position[i] += connector.velocity[i] * dt + fall;
+      connector.velocity[i] += gain;
+    }
+  }
+}
+
+void Impulse::settle(World& world, double time, double dt) {
+  bool moved = true;
+  for (int i = 0; moved && i < kSettlings; ++i) {
+    moved = false;
+    for (Span& span : spans_) moved |= impulses_.act(world, span, time, dt, events_);
+  }
+  for (Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      if (is_prescribed(world, hold.to)) continue;
+      const Body& body = world.bodies[hold.to.body];
+      connector.position[hold.particle] = body.point(hold.to.point);
+      connector.velocity[hold.particle] = body.point_velocity(hold.to.point);
+    }
+  }
+}
+
+/// Section IV.B: neighbours nearer than l_c or farther than l_t, by more than h, are moved to that
+/// distance, each by the other's part of their mass.
+void Impulse::reposition(Connector& connector, const Strand& strand, const Span& span) const {
+  for (std::size_t k = span.a.particle; k < span.b.particle; ++k) {
+    Vec3& p = connector.position[k];
+    Vec3& q = connector.position[k + 1];
+    const Vec3 apart = q - p;
+    const double squared = apart.squaredNorm();
+    const double shortest = limits_.shortest * connector.rest[k];
+    const double longest = limits_.longest * connector.rest[k];
+    const double least = std::max(0.0, shortest - threshold_), most = longest + threshold_;
+    if (squared >= least * least && squared <= most * most) continue;
+    const double weight = strand.weight[k] + strand.weight[k + 1];
+    if (weight == 0 || squared == 0) continue;
+    const double distance = std::sqrt(squared);
+    const double wanted = distance > longest ? longest : shortest;
+    const Vec3 move = apart * ((distance - wanted) / (distance * weight));
+    p += strand.weight[k] * move;
+    q -= strand.weight[k + 1] * move;
+  }
+}
+
+/// Section IV.B: a particle farther from an end than the rest length between them is moved to that
+/// distance; from both ends, and the ends themselves last.
+void Impulse::stay_in_reach(Connector& connector, const Strand& strand, const Span& span) const {
+  const auto clamp = [&](std::size_t i, std::size_t end) {
+    const double reach = limits_.longest * std::abs(strand.along[i] - strand.along[end]);
+    const Vec3 apart = connector.position[end] - connector.position[i];
+    const double squared = apart.squaredNorm();
+    if (squared <= reach * reach) return;
+    const double weight = strand.weight[i] + strand.weight[end];
+    if (weight == 0) return;
+    const double distance = std::sqrt(squared);
+    const Vec3 move = apart * ((distance - reach) / (distance * weight));
+    connector.position[i] += strand.weight[i] * move;
+    connector.position[end] -= strand.weight[end] * move;
+  };
+  const std::size_t first = span.a.particle, last = span.b.particle;
+  for (std::size_t i = first + 1; i < last; ++i) clamp(i, first);
+  for (std::size_t i = last - 1; i > first; --i) clamp(i, last);
+  if (!as_printed_) clamp(last, first);
+}
+
+void Impulse::check(const World& world, double time) const {
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      if (connector.position[i].squaredNorm() < kSense * kSense) continue;  // false for NaN
+      throw Diverged(std::string(kName), time, counters_.steps, connector.name, i > 0 ? i - 1 : 0,
+                     connector.position[i].allFinite() ? "a particle is beyond any scene"
+                                                       : "a position is not finite");
+    }
+  }
+}
+
+}  // namespace
+
+MethodInfo impulse_method() {
+  return {
+      kName,
+      "impulses between the ends, particles repositioned",
+      {
+          {"step", "The time step; smaller is more accurate and costs in proportion.", "s", 0.001,
+           0, 1, true},
+          {"h", "How far a link's length may be off before it is corrected; larger is faster.", "m",
+           1e-5, 0},
+          {"l_c", "The length at which a link resists compression, of its rest length; 0 folds.",
+           "1", 1.0, 0, 1},
+          {"l_t", "The length at which a link or span resists stretching, of its rest length.", "1",
+           1.0, 1, 10},
+          {"passes", "Repositioning passes over all links in a step; more keep lengths better.",
+           "1", 1.0, 1, 1000, false, true},
+          {"as_printed", "Equation (5) and the ends as the paper prints them, uncorrected.", "",
+           false},
+      },
+      [](const Settings& settings) -> std::unique_ptr<Method> {
+        return std::make_unique<Impulse>(settings);
+      },
+  };
+}
+
+}  // namespace taut

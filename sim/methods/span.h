@@ -1,0 +1,38 @@
+// Spans: the parts of a connector between held particles.
+#pragma once
+
+#include <vector>
+
+#include "sim/world.h"
+
+namespace taut {
+
+/// What carries an end of a span.
+struct SpanEnd {
+  enum class Kind {
+    prescribed,  // a fixed point, a path or a driven body: moves as it is told
+    body,        // a point of a free body
+    particle,    // a free particle with mass
+    follower,    // a free particle without: takes no part
+  };
+  Kind kind = Kind::prescribed;
+  std::size_t particle = 0;
+  std::size_t body = 0;       // Kind::body
+  Vec3 point = Vec3::Zero();  // m, body frame
+};
+
+struct Span {
+  std::size_t connector = 0;
+  std::size_t index = 0;  // on its connector
+  SpanEnd a, b;
+  double length = 0;  // m, the sum of the rest lengths
+  double mass = 0;    // kg, its share of the connector's
+  bool taut = false;
+
+  std::size_t links() const { return b.particle - a.particle; }
+};
+
+/// All spans of a world, connector by connector.
+std::vector<Span> divide(const World& world);
+
+}  // namespace taut

@@ -1,0 +1,38 @@
+// What acts between the ends of a span: section IV.A of the paper.
+#pragma once
+
+#include <vector>
+
+#include "sim/method.h"
+#include "sim/methods/span.h"
+#include "sim/rotation.h"
+
+namespace taut {
+
+/// The limits between which the ends of a link may be, as parts of its rest length. A span of more
+/// than one link folds, so that only the longest applies to it.
+struct LinkLimits {
+  double shortest = 1;
+  double longest = 1;
+};
+
+class SpanImpulses {
+ public:
+  SpanImpulses(LinkLimits limits, bool as_printed) : limits_(limits), as_printed_(as_printed) {}
+
+  /// Reads the bodies' mass properties; call whenever they or the world's topology change.
+  void prepare(const World& world);
+
+  /// Lets the span's ends interact after a free flight of `dt` (s) that ended at `time` (s). True
+  /// where that moved anything. Appends what an observer would see to `events`.
+  bool act(World& world, Span& span, double time, double dt, std::vector<Event>& events) const;
+
+  const FreeRotation& rotation(std::size_t body) const { return rotations_[body]; }
+
+ private:
+  LinkLimits limits_;
+  bool as_printed_;
+  std::vector<FreeRotation> rotations_;  // one per body
+};
+
+}  // namespace taut

@@ -1,0 +1,30 @@
+// Torque-free rotation of a rigid body.
+#pragma once
+
+#include <array>
+
+#include "sim/body.h"
+
+namespace taut {
+
+/// Rotates a rigid body with no torque on it, keeping its angular momentum to rounding. Exact for a
+/// symmetric top; second order in the step, without drift of the energy, for any other body.
+class FreeRotation {
+ public:
+  /// `inertia` about the centre of mass in the body's axes, kg m^2; zero moments are allowed.
+  explicit FreeRotation(const Mat3& inertia);
+
+  /// Advances the body's rotation and spin by `dt` (s).
+  void turn(Body& body, double dt) const;
+
+  /// The inverse inertia in the world's axes for a body so turned; zero along moments that are
+  /// zero.
+  Mat3 inverse_inertia(const Quat& rotation) const;
+
+ private:
+  Quat axes_;     // principal axes in the body's: the third is the odd one out
+  Vec3 moments_;  // kg m^2, about the principal axes
+  Vec3 inverse_;  // 1/(kg m^2), zero where the moment is zero
+};
+
+}  // namespace taut
