@@ -1,0 +1,28 @@
+// Cost against error: which settings are worth their price.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace taut {
+
+struct CostAndError {
+  double cost = 0;   // CPU seconds per simulated second
+  double error = 0;  // not finite: the run gave none
+};
+
+/// The points that no other beats in both, by rising cost.
+std::vector<std::size_t> pareto_front(std::span<const CostAndError> points);
+
+/// The cheapest point whose error is at most `error`.
+std::optional<std::size_t> cheapest(std::span<const CostAndError> points, double error);
+
+/// Median and the quartiles around it of `values`; zero where there are none.
+struct Spread {
+  double low = 0, median = 0, high = 0;
+};
+Spread spread(std::vector<double> values);
+
+}  // namespace taut

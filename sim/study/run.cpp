@@ -1,0 +1,111 @@
+#include "sim/study/run.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/measure.h"
+
+namespace taut {
+namespace {
+
+constexpr double kSlice = 0.02;  // s of CPU time between two looks at the cap
+
+/// Goes to `until` in slices of whole steps, so that a frame of many dear steps cannot outrun the
+/// cap. Slices lie on the steps' grid, which leaves every bit as it was.
+class Slices {
+ public:
+  Slices(const Settings& settings, double cpu_cap) : cap_(cpu_cap) {
+    const auto step = settings.find("step");
+    if (step == settings.end()) return;
+    if (const double* value = std::get_if<double>(&step->second)) step_ = *value;
+  }
+
+  /// False where the cap stopped it.
+  bool advance(Simulation& simulation, double until, double& cpu) {
+    while (simulation.world().time < until) {
+      const double now = simulation.world().time;
+      double next = until;
+      if (step_ > 0 && now + (count_ + 1) * step_ < until) {
+        next = std::round(now / step_ + count_) * step_;
+      }
+      const double before = thread_seconds();
+      simulation.advance_to(next);
+      const double spent = thread_seconds() - before;
+      cpu += spent;
+      if (cpu > cap_) return false;
+      if (spent < kSlice / 2) count_ *= 2;
+      if (spent > kSlice && count_ > 1) count_ /= 2;
+    }
+    return true;
+  }
+
+ private:
+  double cap_;
+  double step_ = 0;
+  double count_ = 1;  // steps in a slice
+};
+
+double energy(const World& world) {
+  return kinetic_energy(world) + potential_energy(world);
+}
+
+}  // namespace
+
+std::vector<double> frame_times(double duration, int fps) {
+  std::vector<double> times;
+  for (int k = 0; k / static_cast<double>(fps) <= duration * (1 + 1e-12); ++k) {
+    times.push_back(k / static_cast<double>(fps));
+  }
+  return times;
+}
+
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Run run(const Problem& problem, const Candidate& candidate, double cpu_cap) {
+  Simulation simulation(problem.world, make_method(candidate.method, candidate.settings));
+  Slices slices(candidate.settings, cpu_cap);
+  const double at_start = energy(problem.world);
+  Run result;
+  result.reached = problem.world.time;
+  try {
+    for (const double time : problem.times) {
+      if (!slices.advance(simulation, time, result.cpu)) {
+        result.end = Run::End::over_cap;
+        result.reason = "over its CPU cap";
+        break;
+      }
+      const double gained = energy(simulation.world()) - at_start;
+      const double stretch = stretch_max(simulation.world());
+      if (!std::isfinite(gained) || !std::isfinite(stretch)) {
+        result.end = Run::End::diverged;
+        result.reason = "not finite";
+        break;
+      }
+      result.frames.push_back(snapshot(simulation.world()));
+      result.reached = time;
+      result.energy_gain = std::max(result.energy_gain, gained);
+      result.energy_loss = std::max(result.energy_loss, -gained);
+      result.stretch_max = std::max(result.stretch_max, stretch);
+    }
+  } catch (const Diverged& error) {
+    result.end = Run::End::diverged;
+    result.reason = error.what();
+  }
+  result.counters = simulation.method().counters();
+  return result;
+}
+
+double time_run(const Problem& problem, const Candidate& candidate) {
+  Simulation simulation(problem.world, make_method(candidate.method, candidate.settings));
+  const double before = thread_seconds();
+  for (const double time : problem.times) simulation.advance_to(time);
+  return thread_seconds() - before;
+}
+
+}  // namespace taut

@@ -1,0 +1,47 @@
+// One run of one candidate on one problem: states at the frame times, cost, energy and stretch.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/simulation.h"
+#include "sim/study/candidate.h"
+
+namespace taut {
+
+/// What is run: a world, and the times (s, rising, from the world's own on) at which it is looked
+/// at.
+struct Problem {
+  World world;
+  std::vector<double> times;
+
+  double duration() const { return times.empty() ? 0 : times.back() - world.time; }
+};
+
+/// The times of `duration` seconds at `fps` frames a second, the first at zero.
+std::vector<double> frame_times(double duration, int fps);
+
+struct Run {
+  enum class End { done, diverged, over_cap };
+  End end = End::done;
+  std::string reason;            // of an end that is not `done`
+  std::vector<Snapshot> frames;  // at Problem::times, as far as the run came
+  Counters counters;
+  double cpu = 0;          // s, of stepping alone
+  double reached = 0;      // s, the time of the last frame
+  double stretch_max = 0;  // of all frames
+  double energy_gain = 0;  // J, the most above the energy at the start, of all frames
+  double energy_loss = 0;  // J, the most below it
+};
+
+/// Runs `candidate` and records what Run holds. Stops once the stepping has taken `cpu_cap` (s).
+/// Settings must be valid: throws std::invalid_argument.
+Run run(const Problem& problem, const Candidate& candidate, double cpu_cap);
+
+/// Runs `candidate` and records nothing: the CPU time (s) of stepping alone. Throws Diverged.
+double time_run(const Problem& problem, const Candidate& candidate);
+
+/// CPU time (s) of the calling thread.
+double thread_seconds();
+
+}  // namespace taut

@@ -1,0 +1,134 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "sim/study/accuracy.h"
+#include "sim/study/candidate.h"
+#include "sim/study/front.h"
+#include "sim/study/run.h"
+
+namespace taut {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+World swing(std::size_t particles) {
+  World world;
+  world.connectors = {
+      straight_connector("rope", 0.2, 0.05, particles, Vec3::Zero(), Vec3(1, 0, 0))};
+  world.connectors[0].holds = {{0, {}}};
+  finish(world);
+  return world;
+}
+
+MethodInfo made_up() {
+  MethodInfo info;
+  info.name = "made-up";
+  SettingInfo step{.name = "step", .meaning = "", .unit = "s", .fallback = 0.001};
+  step.sweep = {0.008, 0.004, 0.002, 0.001, 0.0005};
+  SettingInfo solver{.name = "solver", .meaning = "", .unit = "", .fallback = std::string("a")};
+  solver.sweep = {std::string("a"), std::string("b")};
+  SettingInfo fixed{.name = "fixed", .meaning = "", .unit = "1", .fallback = 1.0};
+  info.settings = {solver, fixed, step};
+  return info;
+}
+
+TEST(Sweep, GoesThroughEveryCombinationOnce) {
+  const std::vector<Candidate> all = sweep(made_up(), false);
+  ASSERT_EQ(all.size(), 10u);
+  EXPECT_EQ(describe(all[0]), "made-up (solver a, step 0.008)");
+  EXPECT_EQ(describe(all[9]), "made-up (solver b, step 0.0005)");
+  const std::vector<Candidate> thin = sweep(made_up(), true);
+  ASSERT_EQ(thin.size(), 6u);
+  EXPECT_EQ(describe(thin[1].settings), "solver a, step 0.002");
+}
+
+TEST(Sweep, LeavesAMethodWithoutValuesAtItsDefaults) {
+  MethodInfo info = made_up();
+  for (SettingInfo& setting : info.settings) setting.sweep.clear();
+  const std::vector<Candidate> all = sweep(info, false);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(describe(all[0].settings), "defaults");
+}
+
+TEST(Front, HoldsWhatNothingBeatsInBoth) {
+  const CostAndError points[] = {{3, 0.1}, {1, 1.0}, {2, 2.0},
+                                 {2, 0.5}, {5, 0.1}, {0.5, kInfinity}};
+  EXPECT_EQ(pareto_front(points), (std::vector<std::size_t>{1, 3, 0}));
+  EXPECT_EQ(cheapest(points, 0.5), 3u);
+  EXPECT_EQ(cheapest(points, 0.1), 0u);
+  EXPECT_FALSE(cheapest(points, 0.01));
+}
+
+TEST(Front, SpreadIsMedianAndQuartiles) {
+  const Spread s = spread({4, 1, 3, 2, 5});
+  EXPECT_EQ(s.low, 2);
+  EXPECT_EQ(s.median, 3);
+  EXPECT_EQ(s.high, 4);
+  EXPECT_EQ(spread({1, 2}).median, 1.5);
+  EXPECT_EQ(spread({}).median, 0);
+}
+
+std::vector<Snapshot> two_frames(double shift) {
+  std::vector<Snapshot> frames(2);
+  for (int k = 0; k < 2; ++k) {
+    frames[static_cast<std::size_t>(k)].time = k;
+    frames[static_cast<std::size_t>(k)].connectors = {
+        {Vec3(0, 0, 0), Vec3(1 + k * shift, 0, 0), Vec3(2, k * shift, 0)}};
+  }
+  return frames;
+}
+
+TEST(Accuracy, IsTheRootMeanSquareUpToTheHorizon) {
+  const auto truth = two_frames(0), off = two_frames(0.3);
+  const Metric metric = share_of_length(2);
+  EXPECT_DOUBLE_EQ(rms_error(off, truth, 1, metric.distance), 0.15 * std::sqrt(2.0 / 6));
+  EXPECT_EQ(rms_error(off, truth, 0.5, metric.distance), 0);
+  EXPECT_DOUBLE_EQ(frame_error(off[1], truth[1], metric.distance), 0.15 * std::sqrt(2.0 / 3));
+  EXPECT_EQ(rms_error(std::span(off).first(1), truth, 1, metric.distance), kInfinity);
+}
+
+TEST(Accuracy, SegmentDifferenceIsTheMeanOfMidpoints) {
+  const auto truth = two_frames(0), off = two_frames(0.3);
+  // Midpoints move by (0.15, 0) and (0.15, 0.15).
+  EXPECT_DOUBLE_EQ(segment_difference(off[1], truth[1]), (0.15 + 0.15 * std::sqrt(2.0)) / 2);
+}
+
+TEST(Accuracy, RefusesAnotherWorld) {
+  auto truth = two_frames(0), off = two_frames(0);
+  off[1].connectors[0].pop_back();
+  EXPECT_THROW(rms_error(off, truth, 1, share_of_length(1).distance), std::invalid_argument);
+}
+
+TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
+  const Problem problem{swing(11), frame_times(0.5, 60)};
+  const Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
+  const auto result = run(problem, candidate, 10);
+  ASSERT_EQ(result.end, ::taut::Run::End::done);
+  ASSERT_EQ(result.frames.size(), 31u);
+  Simulation simulation(problem.world, make_method("impulse", candidate.settings));
+  simulation.advance_to(0.5);
+  EXPECT_EQ(result.frames.back().connectors[0], simulation.world().connectors[0].position);
+  EXPECT_EQ(result.counters.steps, 480u);
+  EXPECT_GT(result.cpu, 0);
+}
+
+TEST(StudyRun, StopsAtItsCap) {
+  const Problem problem{swing(101), frame_times(100, 1)};
+  const auto result = run(problem, {"impulse", {{"step", 1e-5}}}, 0.05);
+  EXPECT_EQ(result.end, ::taut::Run::End::over_cap);
+  EXPECT_LT(result.cpu, 0.5);
+  EXPECT_LT(result.reached, 100);
+}
+
+TEST(StudyRun, FrameTimesHoldBothEnds) {
+  const std::vector<double> times = frame_times(2, 60);
+  ASSERT_EQ(times.size(), 121u);
+  EXPECT_EQ(times.front(), 0);
+  EXPECT_EQ(times.back(), 2);
+}
+
+}  // namespace
+}  // namespace taut
