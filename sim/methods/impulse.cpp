@@ -11,6 +11,7 @@ namespace {
 constexpr std::string_view kName = "impulse";
 constexpr int kSettlings = 8;   // times that spans which share a body are gone through at most
 constexpr double kSense = 1e6;  // m; no scene is so wide
+constexpr double kMore = 1e-6;  // rounding of a particle's mass
 constexpr std::size_t kEvents = 1024;
 
 /// What repositioning needs to know of a connector, beside its state.
@@ -70,13 +71,14 @@ void Impulse::prepare(const World& world) {
     for (std::size_t i = 0; i + 1 < n; ++i) {
       strand.along[i + 1] = strand.along[i] + connector.rest[i];
     }
-    // Particles without mass are all alike, and nothing beside one with mass.
     const bool massless = connector.model == ConnectorModel::span || !(connector.mass > 0);
     const double share = massless ? 0 : connector.mass / static_cast<double>(n);
     for (std::size_t i = 0; i < n; ++i) {
-      const bool end = i == 0 || i + 1 == n;
-      const double mass = massless && !end ? 0 : connector.particle_mass[i];
-      strand.weight[i] = mass > 0 ? share / mass : 1;
+      const double mass = connector.particle_mass[i];
+      // An end that carries more than its share of the connector has infinite mass here, as every
+      // end in the paper; so a rope's bare end stays one of its particles.
+      const bool carries = (i == 0 || i + 1 == n) && mass > share * (1 + kMore);
+      strand.weight[i] = carries ? 0 : mass > 0 && share > 0 ? share / mass : 1;
     }
     for (const Hold& hold : connector.holds) strand.weight[hold.particle] = 0;
     strands_.push_back(std::move(strand));
@@ -93,19 +95,21 @@ void Impulse::step(World& world, double time, double dt) {
   fly(world, dt);
   place_held(world, time);
   settle(world, time, dt);
-  for (std::size_t c = 0; c < strands_.size(); ++c)
+  for (std::size_t c = 0; c < strands_.size(); ++c) {
     strands_[c].flown = world.connectors[c].position;
+  }
   for (const Span& span : spans_) {
     Connector& connector = world.connectors[span.connector];
     const Strand& strand = strands_[span.connector];
     for (int pass = 0; pass < passes_; ++pass) reposition(connector, strand, span);
     stay_in_reach(connector, strand, span);
   }
+  const double rate = 1 / dt;
   // Velocities from positions: flight gave dx/dt + g dt/2, repositioning adds what it moved.
   for (std::size_t c = 0; c < strands_.size(); ++c) {
     Connector& connector = world.connectors[c];
     for (std::size_t i = 0; i < connector.particles(); ++i) {
-      connector.velocity[i] += (connector.position[i] - strands_[c].flown[i]) / dt;
+      connector.velocity[i] += rate * (connector.position[i] - strands_[c].flown[i]);
     }
   }
   ++counters_.steps;
@@ -132,6 +136,7 @@ void Impulse::fly(World& world, double dt) {
 }
 
 void Impulse::settle(World& world, double time, double dt) {
+  for (Span& span : spans_) impulses_.watch(world, span, time, events_);
   bool moved = true;
   for (int i = 0; moved && i < kSettlings; ++i) {
     moved = false;

@@ -7,6 +7,8 @@
 namespace taut {
 namespace {
 
+// A rebound that is over within so few steps is none: the span is coming to rest, taut.
+constexpr std::uint64_t kNoRebound = 2;
 constexpr double kExact = 1e-12;  // of the length: a span so near its limit is at it
 
 /// An end of a span as a thing that impulses move: a point at `arm` from the centre of mass of a
@@ -73,6 +75,17 @@ struct Side {
   }
 };
 
+/// The distances between which a span's ends are left alone, m. A span of several links folds.
+struct Reach {
+  double shortest, longest;
+  double exact;  // so near a limit is at it
+
+  Reach(const Span& span, const LinkLimits& limits)
+      : shortest(span.links() == 1 ? limits.shortest * span.length : 0),
+        longest(limits.longest * span.length),
+        exact(kExact * span.length) {}
+};
+
 /// What the connector leaves of a rebound, m_a / (m_c + m_a); m_a is the reduced mass of both ends.
 double mass_ratio(const Span& span, double inverse_mass) {
   return 1 / (1 + span.mass * inverse_mass);
@@ -122,6 +135,22 @@ void SpanImpulses::prepare(const World& world) {
   for (const Body& body : world.bodies) rotations_.emplace_back(body.mass_properties.inertia);
 }
 
+void SpanImpulses::watch(const World& world, Span& span, double time,
+                         std::vector<Event>& events) const {
+  if (span.length == 0) return;
+  if (!span.taut) {
+    ++span.slack_steps;
+    return;
+  }
+  const std::vector<Vec3>& position = world.connectors[span.connector].position;
+  const double distance = (position[span.b.particle] - position[span.a.particle]).norm();
+  const Reach reach(span, limits_);
+  if (distance >= reach.longest - reach.exact || distance <= reach.shortest + reach.exact) return;
+  span.taut = false;
+  span.slack_steps = 1;
+  events.push_back({Event::Kind::slack, time, span.connector, span.index, 0});
+}
+
 bool SpanImpulses::act(World& world, Span& span, double time, double dt,
                        std::vector<Event>& events) const {
   if (span.a.kind == SpanEnd::Kind::follower || span.b.kind == SpanEnd::Kind::follower) {
@@ -135,17 +164,9 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   };
   const Vec3 gap = b.point() - a.point();
   const double distance = gap.norm();
-  const double exact = kExact * span.length;
-  const double longest = limits_.longest * span.length;
-  const double shortest = span.links() == 1 ? limits_.shortest * span.length : 0;
-  const bool is_long = distance > longest + exact, is_short = distance < shortest - exact;
-  if (!is_long && !is_short) {
-    if (span.taut && distance < longest - exact && distance > shortest + exact) {
-      span.taut = false;
-      log(Event::Kind::slack, time, 0);
-    }
-    return false;
-  }
+  const Reach reach(span, limits_);
+  const bool is_long = distance > reach.longest + reach.exact;
+  if (!is_long && distance >= reach.shortest - reach.exact) return false;
   if (span.length == 0 && !as_printed_) return close_joint(a, b, dt);
 
   const Vec3 along = gap / distance;
@@ -164,7 +185,7 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   }
 
   // The span passed its limit `ago`; in steady tension that is half a step.
-  const double limit = is_long ? longest : shortest;
+  const double limit = is_long ? reach.longest : reach.shortest;
   const double ago = leaves ? std::min((distance - limit) / parting, dt) : 0;
   const Vec3 arm_a = a.arm_before(ago), arm_b = b.arm_before(ago);
   const Vec3 line = (b.point_before(ago) - a.point_before(ago)).normalized();
@@ -177,7 +198,7 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   double size = 0;
   double rebound = 0;
   if (leaves && !span.taut) {  // an impact: the law of restitution at the moment it happened
-    rebound = elasticity * mass_ratio(span, inverse_mass);
+    if (span.slack_steps > kNoRebound) rebound = elasticity * mass_ratio(span, inverse_mass);
     const Vec3 answer = a.answer(line, arm_a, arm_a) + b.answer(line, arm_b, arm_b);
     const Vec3 relative = b.velocity_of(arm_b) - a.velocity_of(arm_a);
     size = -(1 + rebound) * line.dot(relative) / line.dot(answer);

@@ -23,6 +23,9 @@ class SpanImpulses {
   /// Reads the bodies' mass properties; call whenever they or the world's topology change.
   void prepare(const World& world);
 
+  /// Notes where the span has gone slack in a free flight that ended at `time` (s).
+  void watch(const World& world, Span& span, double time, std::vector<Event>& events) const;
+
   /// Lets the span's ends interact after a free flight of `dt` (s) that ended at `time` (s). True
   /// where that moved anything. Appends what an observer would see to `events`.
   bool act(World& world, Span& span, double time, double dt, std::vector<Event>& events) const;
