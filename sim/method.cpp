@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "sim/methods/direct.h"
 #include "sim/methods/impulse.h"
 
 namespace taut {
@@ -11,6 +12,7 @@ namespace taut {
 std::span<const MethodInfo> methods() {
   static const std::vector<MethodInfo> list = {
       impulse_method(),
+      direct_method(),
   };
   return list;
 }

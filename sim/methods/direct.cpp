@@ -1,0 +1,112 @@
+#include "sim/methods/direct.h"
+
+#include "sim/methods/direct/control.h"
+
+namespace taut {
+namespace {
+
+using direct::Component;
+using direct::Course;
+
+/// What advance() leaves in the world is where it goes on from; whoever changes the world between
+/// two calls starts it afresh.
+class Direct : public Method {
+ public:
+  explicit Direct(const direct::Control& control) : control_(control) {}
+
+  void advance(World& world, double until) override {
+    if (courses_.empty() || topology_ != world.topology) rebuild(world);
+    if (!same(world)) {
+      for (Course& course : courses_) course.load(world);
+    }
+    for (std::size_t k = 0; k < courses_.size(); ++k) {
+      try {
+        courses_[k].advance(world, until, counters_);
+      } catch (const Course::StepTooSmall& stop) {
+        const bool bodies_only = components_[k].spans.empty();
+        throw Diverged("direct", stop.time, counters_.steps,
+                       bodies_only ? world.bodies[components_[k].bodies[0]].name
+                                   : world.connectors[components_[k].spans[0].connector].name,
+                       0, "no step is small enough for the tolerance");
+      }
+    }
+    place_held(world, until);
+    note(world);
+  }
+
+ private:
+  void rebuild(const World& world) {
+    topology_ = world.topology;
+    components_ = direct::components(world);
+    courses_.clear();
+    for (const Component& component : components_)
+      courses_.emplace_back(world, component, control_);
+    noted_.clear();
+  }
+
+  template <typename Visit>
+  static void each_number(const World& world, Visit visit) {
+    visit(world.time);
+    for (const Body& body : world.bodies) {
+      if (body.driven()) continue;
+      for (const double x : body.position) visit(x);
+      for (const double x : body.velocity) visit(x);
+      for (const double x : body.rotation.coeffs()) visit(x);
+      for (const double x : body.spin) visit(x);
+    }
+    for (const Connector& connector : world.connectors) {
+      for (const Vec3& position : connector.position) {
+        for (const double x : position) visit(x);
+      }
+      for (const Vec3& velocity : connector.velocity) {
+        for (const double x : velocity) visit(x);
+      }
+    }
+  }
+
+  bool same(const World& world) const {
+    if (noted_.empty()) return false;
+    std::size_t k = 0;
+    bool equal = true;
+    each_number(world, [&](double x) { equal &= noted_[k++] == x; });
+    return equal;
+  }
+
+  void note(const World& world) {
+    noted_.clear();
+    each_number(world, [&](double x) { noted_.push_back(x); });
+  }
+
+  direct::Control control_;
+  std::uint64_t topology_ = 0;
+  std::vector<Component> components_;
+  std::vector<Course> courses_;
+  std::vector<double> noted_;  // the world as advance() left it
+};
+
+}  // namespace
+
+MethodInfo direct_method() {
+  return {
+      "direct",
+      "all links at once, exactly, in linear time; order and step follow from the error asked for",
+      {{.name = "tolerance",
+        .meaning = "the RMS error of the particles' positions after a second; raising it is faster",
+        .unit = "m",
+        .fallback = 1e-4,
+        .maximum = 1e3,
+        .above = true},
+       {.name = "step",
+        .meaning = "a fixed step in place of the tolerance; zero lets the tolerance choose",
+        .unit = "s",
+        .fallback = 0.0,
+        .maximum = 1.0}},
+      [](const Settings& settings) -> std::unique_ptr<Method> {
+        direct::Control control;
+        control.tolerance = number(settings, "tolerance");
+        control.step = number(settings, "step");
+        return std::make_unique<Direct>(control);
+      }};
+}
+
+}  // namespace taut
