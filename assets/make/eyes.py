@@ -1,0 +1,68 @@
+"""Eye balls with iris and pupil, brows and lashes."""
+import numpy as np
+
+import head
+from mesh import Part, mirror, sculpt
+from sdf import intersect, sphere
+from skeleton import unit, vec
+
+_GAZE = unit(vec(0.03, -0.02, 1.0))
+
+
+def _cap(radius, spread, rings, spokes, bulge=0.0):
+    """Part of a sphere round +z, `spread` radians wide; points and triangles."""
+    theta = np.linspace(0, spread, rings + 1)[1:]
+    phi = np.arange(spokes) * 2 * np.pi / spokes
+    t, f = np.meshgrid(theta, phi, indexing="ij")
+    normal = np.stack([np.sin(t) * np.cos(f), np.sin(t) * np.sin(f), np.cos(t)], -1).reshape(-1, 3)
+    normal = np.concatenate([[[0, 0, 1.0]], normal])
+    height = radius + bulge * np.maximum(0, 1 - (np.arccos(np.clip(normal[:, 2], -1, 1)) / spread) ** 2)
+    triangles = [(0, 1 + k, 1 + (k + 1) % spokes) for k in range(spokes)]
+    for r in range(rings - 1):
+        for k in range(spokes):
+            a, b = 1 + r * spokes + k, 1 + r * spokes + (k + 1) % spokes
+            triangles += [(a, a + spokes, b + spokes), (a, b + spokes, b)]
+    return normal * height[:, None], normal, np.array(triangles)
+
+
+def _placed(name, material, cap):
+    points, normal, triangles = cap
+    x = unit(np.cross(vec(0, 1, 0), _GAZE))
+    turn = np.stack([x, np.cross(_GAZE, x), _GAZE], axis=1)
+    return Part(name, material, points @ turn.T + head.EYE, normal @ turn.T, triangles)
+
+
+def _brow(q):
+    skin = head.head(q)
+    t = (q[:, 0] - 0.0105) / 0.042
+    s = np.clip(t, 0, 1)
+    middle = 1.6745 + 0.0075 * np.sin(2.3 * s) - 0.0035 * s
+    half = 0.0040 * (1 - 0.70 * s**1.6) * np.minimum(1, 0.55 + 3 * s)
+    comb = 0.0006 * np.sin((q[:, 0] * 0.8 - q[:, 1]) * 2600)
+    d = intersect(np.abs(skin) - 0.0016 - comb * 0.6, np.abs(q[:, 1] - middle) - half, 0.0018)
+    return intersect(d, np.abs(t - 0.5) * 0.042 - 0.021, 0.002)
+
+
+def _lash(q):
+    """The upper rim of the lid, dark."""
+    rim = head.opening(q)
+    shell = np.abs(sphere(q, head.EYE, head.EYE_RADIUS + 0.0013)) - 0.0011
+    d = intersect(shell, np.abs(rim - 0.0001) - 0.0007, 0.0006)
+    d = intersect(d, np.abs(q[:, 0] - head.EYE[0]) - 0.0155, 0.001)
+    return intersect(d, head.EYE[1] + 0.0008 - q[:, 1], 0.001)
+
+
+def build():
+    left = [
+        _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.45, 10, 24)),
+        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, 0.43, 5, 24, 0.0004)),
+        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.0008, 0.19, 3, 16)),
+        sculpt("BrowL", "Hair", _brow, (0.006, 1.662, 0.045), (0.058, 1.692, 0.100), 0.0011, 420),
+        sculpt("LashL", "Hair", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 300),
+    ]
+    eye, iris = left[0], left[1]
+    towards = (eye.points - head.EYE) @ _GAZE / head.EYE_RADIUS
+    eye.tint(0.5 * np.clip(1 - (towards - 0.55) / 0.4, 0, 1), (0.85, 0.62, 0.58))
+    rim = np.linalg.norm(np.cross(iris.points - head.EYE, _GAZE), axis=1) / (head.EYE_RADIUS * np.sin(0.43))
+    iris.tint(np.clip((rim - 0.75) / 0.25, 0, 1), (0.25, 0.22, 0.22))
+    return left + [mirror(part, part.name[:-1] + "R") for part in left]

@@ -1,0 +1,89 @@
+"""A nunchaku's stick, and a link of its chain.
+
+The stick lies along y, centred: butt at y = -0.15, and at y = +0.15 the end of the swivel's eye, where
+the chain is attached. 28 mm thick at the butt, 24 mm at the cord end.
+"""
+import numpy as np
+
+from lathe import arc, revolve, tube
+from mesh import Part, merge
+
+HALF = 0.150
+BUTT, NECK = 0.0140, 0.0120  # radii
+_CAP_TOP = HALF - 0.0115
+_WOOD_TOP = HALF - 0.0300
+_EYE = 0.0042  # outer radius of the swivel's eye
+_WIRE = 0.0012
+
+
+def _radius(y):
+    """Of the bare wood: tapered."""
+    return np.interp(y, [-HALF, HALF], [BUTT, NECK])
+
+
+def _groove(y, depth, half):
+    r = _radius(y)
+    return [(r, y - half), (r - 0.7 * depth, y - 0.55 * half), (r - depth, y), (r - 0.7 * depth, y + 0.55 * half), (r, y + half)]
+
+
+def _wood(grooves, facets):
+    bevel = 0.0028
+    profile = [(0.0, -HALF), (0.007, -HALF)] + arc((BUTT - bevel, -HALF + bevel), bevel, -np.pi / 2, 0, 7)
+    for y in grooves:
+        profile += _groove(y, 0.0009, 0.0014)
+    for y in (-0.045, 0.045):
+        profile.append((_radius(y), y))
+    profile.sort(key=lambda p: p[1])
+    profile = [p for p in profile if p[1] < _WOOD_TOP - 1e-6] + [(_radius(_WOOD_TOP), _WOOD_TOP)]
+    return revolve("Wood", "Wood", profile, facets)
+
+
+def _metal():
+    r = _radius(_WOOD_TOP) + 0.0005
+    ferrule = [(r - 0.0008, _WOOD_TOP - 0.0010), (r, _WOOD_TOP), (r, _WOOD_TOP + 0.0028), (r - 0.0006, _WOOD_TOP + 0.0034)]
+    ferrule += [(r - 0.0006, _WOOD_TOP + 0.0042), (r, _WOOD_TOP + 0.0048)]
+    ferrule += arc((r - 0.0026, _CAP_TOP - 0.0026), 0.0026, 0, np.pi / 2, 6) + [(0.0062, _CAP_TOP)]
+    ferrule += [(0.0062, _CAP_TOP + 0.0006), (0.0050, _CAP_TOP + 0.0014), (0.0040, _CAP_TOP + 0.0032), (0.0018, _CAP_TOP + 0.0040), (0.0, _CAP_TOP + 0.0041)]
+    cap = revolve("Cap", "Brass", ferrule, 32)
+    centre = HALF - _EYE
+    t = np.arange(24) * 2 * np.pi / 24
+    ring = np.stack([(_EYE - _WIRE) * np.cos(t), centre + (_EYE - _WIRE) * np.sin(t), 0 * t], axis=1)
+    eye = Part("Eye", "Brass", *tube(ring, _WIRE, 10))
+    return merge("Metal", "Brass", [cap, eye])
+
+
+def _shade(part):
+    """Grooves and the foot of the swivel collect shade."""
+    r, y = np.hypot(part.points[:, 0], part.points[:, 2]), part.points[:, 1]
+    if part.material != "Brass":
+        part.tint(np.clip((_radius(y) - r - 0.0002) / 0.0006, 0, 1) * (np.abs(y) < HALF - 0.004) * 0.65, (0.2, 0.2, 0.2))
+    part.tint(0.4 * np.clip(1 - np.abs(y - _WOOD_TOP) / 0.0012, 0, 1), (0.3, 0.3, 0.3))
+
+
+def oak():
+    """Red oak with grooves at the butt and below the ferrule."""
+    parts = [_wood((-0.120, -0.112, 0.096, 0.103), 40), _metal()]
+    for part in parts:
+        _shade(part)
+    return parts
+
+
+def lacquer():
+    """Octagonal black lacquer: another look for the same body."""
+    wood = _wood((-0.128, 0.104), 8)
+    wood.material = "Lacquer"
+    parts = [wood, _metal()]
+    for part in parts:
+        _shade(part)
+    return parts
+
+
+LINK_LENGTH, LINK_WIDTH, LINK_WIRE = 0.015, 0.0085, 0.0013
+
+
+def link():
+    """A chain link along y, 15 x 8.5 mm of 2.6 mm wire, in the xy plane, centred."""
+    bend, straight = LINK_WIDTH / 2 - LINK_WIRE, LINK_LENGTH / 2 - LINK_WIDTH / 2
+    t = (np.arange(24) + 0.5) * 2 * np.pi / 24
+    path = np.stack([bend * np.cos(t), bend * np.sin(t) + np.where(np.sin(t) > 0, straight, -straight), 0 * t], axis=1)
+    return [Part("Link", "Steel", *tube(path, LINK_WIRE, 9))]
