@@ -1,0 +1,22 @@
+// What the body does with a hand's path: weight, torso, shoulders and head that prepare, follow
+// through and breathe. All of it follows from the path; nothing is keyed by hand.
+#pragma once
+
+#include "scenes/character/figure.h"
+#include "scenes/character/track.h"
+#include "sim/path.h"
+
+namespace taut {
+
+/// Samples a second of everything that is worked out beforehand.
+constexpr double acting_rate = 120;
+
+/// Controls over [0, duration] (s), the right arm's two left zero.
+Track act(const Figure& figure, const Path& path, double duration);
+
+/// Fills in the right arm's roll and swivel: at every instant those that bend the wrist least, keep
+/// elbow, forearm and shoulder in their range and move smoothly; and shifts the pelvis where the
+/// arm would be too short.
+void plan_arm(const Figure& figure, const Path& path, Track& controls);
+
+}  // namespace taut

@@ -1,0 +1,170 @@
+#include "scenes/character/figure.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+Quat turn(const Vec3& axis, double angle) {
+  return Quat(Eigen::AngleAxisd(angle, axis));
+}
+const Vec3 x_axis = Vec3::UnitX(), y_axis = Vec3::UnitY(), z_axis = Vec3::UnitZ();
+
+/// The share of the hand's twist that the forearm's bone takes over, so that the skin of the wrist
+/// shares it with the skin of the elbow.
+constexpr double forearm_share = 0.55;
+
+/// A fighting stance: where the ankles stand (m, for a figure of 1.78 m) and how the feet point.
+struct Stand {
+  double x, z, yaw;
+};
+constexpr std::array<Stand, 2> stands = {Stand{0.20, 0.25, 0.31}, Stand{-0.20, -0.24, -0.70}};
+
+Mat3 square(const Vec3& first, const Vec3& second) {
+  Mat3 m;
+  m.col(0) = first.normalized();
+  m.col(1) = (second - second.dot(m.col(0)) * m.col(0)).normalized();
+  m.col(2) = m.col(0).cross(m.col(1));
+  return m;
+}
+
+/// Twists a forearm by its share of the turn that the hand makes about it; the hand's whole twist.
+double share_twist(Quat& lower, const Quat& hand, const Vec3& rest_along) {
+  const Vec3 along = lower * rest_along.normalized();
+  const double twist = twist_about(hand * lower.conjugate(), along);
+  lower = turn(along, forearm_share * twist) * lower;
+  return twist;
+}
+
+}  // namespace
+
+Figure::Figure(const Model& model, double stick_radius)
+    : skeleton_(model),
+      grip_(grip_stick(model, skeleton_, Side::right, stick_radius)),
+      left_fist_(fist(skeleton_, Side::left)) {
+  const std::array<std::string, 2> sides = {"Left", "Right"};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto find = [&](const char* name) { return skeleton_.find(sides[i] + name); };
+    clavicle_[i] = find("Shoulder");
+    arm_[i] = find("Arm");
+    forearm_[i] = find("ForeArm");
+    hand_[i] = find("Hand");
+    thigh_[i] = find("UpLeg");
+    shin_[i] = find("Leg");
+    foot_[i] = find("Foot");
+    const auto bone = [&](std::size_t a, std::size_t b) {
+      return Vec3(skeleton_.rest(b) - skeleton_.rest(a));
+    };
+    arms_[i] = {bone(arm_[i], forearm_[i]), bone(forearm_[i], hand_[i])};
+    legs_[i] = {bone(thigh_[i], shin_[i]), bone(shin_[i], foot_[i])};
+  }
+  hips_ = skeleton_.find("Hips");
+  spine_ = {skeleton_.find("Spine"), skeleton_.find("Spine1"), skeleton_.find("Chest")};
+  chest_ = spine_[2];
+  neck_ = skeleton_.find("Neck");
+  head_ = skeleton_.find("Head");
+  hand_along_ = hand_axes(skeleton_, Side::right).along;
+  left_axes_ = hand_axes(skeleton_, Side::left);
+  grip_frame_ = square(grip_.axis, hand_along_);
+}
+
+Posture Figure::torso(const Controls& c) const {
+  Posture p = skeleton_.upright();
+  p.shift = c.segment<3>(root_x);
+  p.turn[hips_] = turn(y_axis, c[pelvis_yaw]) * turn(x_axis, c[pelvis_lean]);
+  for (const std::size_t bone : spine_)
+    p.turn[bone] = turn(y_axis, c[spine_yaw] / 3) * turn(x_axis, c[spine_lean] / 3) *
+                   turn(z_axis, -c[spine_tilt] / 3);
+  for (const auto& [bone, share] : {std::pair{neck_, 0.4}, std::pair{head_, 0.6}})
+    p.turn[bone] = turn(y_axis, share * c[head_yaw]) * turn(x_axis, share * c[head_lean]) *
+                   turn(z_axis, -share * c[head_tilt]);
+  p.turn[clavicle_[0]] =
+      turn(y_axis, -c[left_shoulder_forward]) * turn(z_axis, c[left_shoulder_up]);
+  p.turn[clavicle_[1]] =
+      turn(y_axis, c[right_shoulder_forward]) * turn(z_axis, -c[right_shoulder_up]);
+  for (const auto& [bone, closed] : grip_.fingers) p.turn[bone] = closed;
+  for (const auto& [bone, closed] : left_fist_) p.turn[bone] = closed;
+  return p;
+}
+
+Quat Figure::hand_turn(const Quat& stick, double roll) const {
+  Mat3 held;  // the grip's frame in the stick's axes: y along the stick
+  held << 0, std::cos(roll), std::sin(roll), 1, 0, 0, 0, std::sin(roll), -std::cos(roll);
+  return stick * Quat(Mat3(held * grip_frame_.transpose()));
+}
+
+ArmState Figure::right_arm(const Vec3& shoulder, const Quat& chest, const Pose& stick, double roll,
+                           double swivel) const {
+  ArmState arm;
+  arm.shoulder = shoulder;
+  arm.hand = hand_turn(stick.rotation, roll);
+  arm.wrist = stick.position - arm.hand * grip_.centre;
+  const Vec3 reach = arm.wrist - shoulder;
+  const Vec3 along = reach.normalized();
+  // The elbow hangs down and out; positive swivel lifts it outward.
+  const Vec3 down = chest * Vec3(-0.55, -1, -0.25);
+  const Vec3 pole = turn(along, -swivel) * (down - down.dot(along) * along);
+  const LimbTurns turns = bend_limb(arms_[1], shoulder, arm.wrist, pole);
+  arm.elbow = turns.middle;
+  arm.upper = turns.upper;
+  arm.lower = turns.lower;
+  const Vec3 forearm = arm.lower * arms_[1].lower.normalized();
+  arm.twist = share_twist(arm.lower, arm.hand, arms_[1].lower);
+  arm.bend = std::acos(std::clamp(forearm.dot(arm.hand * hand_along_), -1.0, 1.0));
+  arm.flexion = std::acos(std::clamp(forearm.dot((arm.elbow - shoulder).normalized()), -1.0, 1.0));
+  arm.shortfall = std::max(0.0, reach.norm() - arms_[1].reach());
+  return arm;
+}
+
+Placement Figure::pose(const Controls& controls, const Pose& stick) const {
+  Posture p = torso(controls);
+  Placement placed = skeleton_.place(p);
+  const double roll = controls[hand_roll], swivel = controls[elbow_swivel];
+  ArmState arm = right_arm(right_shoulder(placed), chest_turn(placed), stick, roll, swivel);
+  if (arm.shortfall > 0) {
+    p.shift += arm.shortfall * (arm.wrist - arm.shoulder).normalized();
+    placed = skeleton_.place(p);
+    arm = right_arm(right_shoulder(placed), chest_turn(placed), stick, roll, swivel);
+  }
+  const Quat& clavicle = placed.turn[clavicle_[1]];
+  p.turn[arm_[1]] = clavicle.conjugate() * arm.upper;
+  p.turn[forearm_[1]] = arm.upper.conjugate() * arm.lower;
+  p.turn[hand_[1]] = arm.lower.conjugate() * arm.hand;
+  aim_left_arm(controls, p);
+  plant_feet(p);
+  return skeleton_.place(p);
+}
+
+void Figure::aim_left_arm(const Controls& controls, Posture& p) const {
+  const Placement placed = skeleton_.place(p);
+  const Vec3 guard = controls.segment<3>(guard_x);
+  const Vec3 target = placed.position[chest_] + placed.turn[chest_] * guard;
+  LimbTurns turns = bend_limb(arms_[0], placed.position[arm_[0]], target,
+                              placed.turn[chest_] * Vec3(0.8, -1, -0.5));
+  // The fist points up and forward, its thumb's side in toward the face.
+  const Vec3 along = placed.turn[chest_] * Vec3(-0.40, 0.50, 0.80);
+  const Vec3 across = placed.turn[chest_] * Vec3(0.15, 1, -0.35);
+  const Quat hand(square(along, across) * square(left_axes_.along, left_axes_.across).transpose());
+  share_twist(turns.lower, hand, arms_[0].lower);
+  p.turn[arm_[0]] = placed.turn[clavicle_[0]].conjugate() * turns.upper;
+  p.turn[forearm_[0]] = turns.upper.conjugate() * turns.lower;
+  p.turn[hand_[0]] = turns.lower.conjugate() * hand;
+}
+
+void Figure::plant_feet(Posture& p) const {
+  const Placement placed = skeleton_.place(p);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Stand& stand = stands[i];
+    const Vec3 ankle(scale() * stand.x, skeleton_.rest(foot_[i]).y(), scale() * stand.z);
+    const Quat foot = turn(y_axis, stand.yaw);
+    // The knee goes where the foot points.
+    const LimbTurns turns =
+        bend_limb(legs_[i], placed.position[thigh_[i]], ankle, foot * Vec3(0, 0.1, 1));
+    p.turn[thigh_[i]] = placed.turn[hips_].conjugate() * turns.upper;
+    p.turn[shin_[i]] = turns.upper.conjugate() * turns.lower;
+    p.turn[foot_[i]] = turns.lower.conjugate() * foot;
+  }
+}
+
+}  // namespace taut

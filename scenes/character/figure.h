@@ -1,0 +1,93 @@
+// A human figure: its bones by name, and whole poses from a few numbers.
+#pragma once
+
+#include <array>
+
+#include "scenes/character/grip.h"
+#include "scenes/character/limb.h"
+#include "scenes/character/skeleton.h"
+
+namespace taut {
+
+/// What moves a figure. Angles in rad; yaw turns the figure to its left, lean bends it forward,
+/// tilt to its right. Lengths in m.
+enum Control {
+  root_x,
+  root_y,
+  root_z,  // of the pelvis, from its rest
+  pelvis_yaw,
+  pelvis_lean,
+  spine_yaw,
+  spine_lean,
+  spine_tilt,  // shared by the three joints of the spine
+  right_shoulder_forward,
+  right_shoulder_up,
+  left_shoulder_forward,
+  left_shoulder_up,
+  head_yaw,
+  head_lean,
+  head_tilt,  // shared by neck and head
+  guard_x,
+  guard_y,
+  guard_z,       // of the left fist's place
+  hand_roll,     // of the right hand about the stick
+  elbow_swivel,  // of the right elbow about the line from shoulder to wrist
+  control_count
+};
+using Controls = Eigen::Matrix<double, control_count, 1>;
+
+/// The right arm at one instant.
+struct ArmState {
+  Vec3 shoulder, elbow, wrist;  // m
+  Quat upper, lower, hand;      // turns
+  double bend = 0;              // of the wrist: angle between forearm and hand, rad
+  double twist = 0;             // of the hand about the forearm, thumb inward positive, rad
+  double flexion = 0;           // of the elbow, 0 when straight, rad
+  double shortfall = 0;         // m, by which the arm is too short
+};
+
+class Figure {
+ public:
+  /// `stick_radius` in m. Throws BadAsset when the model lacks a bone.
+  Figure(const Model& model, double stick_radius);
+
+  /// Pelvis, spine, head, shoulders and left arm; legs and right arm as at rest.
+  Posture torso(const Controls& controls) const;
+  /// Where the right arm begins in that posture, and how its chest is turned.
+  Vec3 right_shoulder(const Placement& torso) const { return torso.position[arm_[1]]; }
+  const Quat& chest_turn(const Placement& torso) const { return torso.turn[chest_]; }
+
+  /// The turn of the right hand that holds a stick of that orientation (its y axis) with that roll.
+  Quat hand_turn(const Quat& stick, double roll) const;
+  /// The arm that brings the grip's centre to `stick.position`.
+  ArmState right_arm(const Vec3& shoulder, const Quat& chest, const Pose& stick, double roll,
+                     double swivel) const;
+  /// Every bone, with the grip's centre exactly at the stick's: where the arm is too short, the
+  /// pelvis carries the body over.
+  Placement pose(const Controls& controls, const Pose& stick) const;
+
+  const Skeleton& skeleton() const { return skeleton_; }
+  const Grip& grip() const { return grip_; }
+  /// Height of the pelvis over that of a figure of 1.78 m: lengths of the acting scale with it.
+  double scale() const { return skeleton_.rest(hips_).y() / 0.965; }
+  double right_reach() const { return arms_[1].reach(); }
+  std::size_t head_bone() const { return head_; }
+
+ private:
+  void aim_left_arm(const Controls& controls, Posture& posture) const;
+  void plant_feet(Posture& posture) const;
+
+  Skeleton skeleton_;
+  Grip grip_;
+  std::vector<std::pair<std::size_t, Quat>> left_fist_;
+  // By side, left then right.
+  std::array<std::size_t, 2> clavicle_, arm_, forearm_, hand_, thigh_, shin_, foot_;
+  std::array<std::size_t, 3> spine_;
+  std::size_t hips_, chest_, neck_, head_;
+  std::array<Limb, 2> arms_, legs_;
+  Mat3 grip_frame_;  // columns: stick's axis, hand's direction square to it, their cross; at rest
+  Vec3 hand_along_;  // at rest
+  HandAxes left_axes_;
+};
+
+}  // namespace taut

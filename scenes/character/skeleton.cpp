@@ -1,0 +1,55 @@
+#include "scenes/character/skeleton.h"
+
+#include <fmt/format.h>
+
+#include "scenes/error.h"
+
+namespace taut {
+
+Skeleton::Skeleton(const Model& model) : model_(model) {
+  for (const Bone& bone : model.bones) {
+    Pose world = bone.rest;
+    if (bone.parent >= 0) {
+      const auto p = static_cast<std::size_t>(bone.parent);
+      world = {rest_[p] + rest_rotation_[p] * bone.rest.position,
+               rest_rotation_[p] * bone.rest.rotation};
+    }
+    parent_.push_back(bone.parent);
+    rest_.push_back(world.position);
+    rest_rotation_.push_back(world.rotation);
+  }
+}
+
+std::size_t Skeleton::find(std::string_view name) const {
+  const int index = model_.bone(name);
+  if (index < 0) throw BadAsset(fmt::format("{}: has no bone \"{}\"", model_.name, name));
+  return static_cast<std::size_t>(index);
+}
+
+Posture Skeleton::upright() const {
+  return {std::vector<Quat>(size(), Quat::Identity()), {0, 0, 0}};
+}
+
+Placement Skeleton::place(const Posture& posture) const {
+  Placement placed{std::vector<Vec3>(size()), std::vector<Quat>(size())};
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (parent_[i] < 0) {
+      placed.position[i] = rest_[i] + posture.shift;
+      placed.turn[i] = posture.turn[i];
+    } else {
+      const auto p = static_cast<std::size_t>(parent_[i]);
+      placed.position[i] = placed.position[p] + placed.turn[p] * (rest_[i] - rest_[p]);
+      placed.turn[i] = placed.turn[p] * posture.turn[i];
+    }
+  }
+  return placed;
+}
+
+std::vector<Pose> Skeleton::poses(const Placement& placed) const {
+  std::vector<Pose> poses(size());
+  for (std::size_t i = 0; i < size(); ++i)
+    poses[i] = {placed.position[i], placed.turn[i] * rest_rotation_[i]};
+  return poses;
+}
+
+}  // namespace taut

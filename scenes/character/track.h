@@ -1,0 +1,43 @@
+// Values sampled evenly over time: filters over all of it, and smooth reading between the samples.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+
+namespace taut {
+
+/// Samples in columns, from time 0 on, `rate` a second. All filters take the first and the last
+/// sample to hold for ever.
+class Track {
+ public:
+  Track(Eigen::MatrixXd samples, double rate) : samples_(std::move(samples)), rate_(rate) {}
+  /// Samples `value` over [0, duration].
+  static Track sample(double duration, double rate,
+                      const std::function<Eigen::VectorXd(double)>& value);
+
+  Eigen::Index count() const { return samples_.cols(); }
+  double time(Eigen::Index i) const { return static_cast<double>(i) / rate_; }
+  double rate() const { return rate_; }
+  const Eigen::MatrixXd& samples() const { return samples_; }
+  Eigen::MatrixXd& samples() { return samples_; }
+  auto operator[](Eigen::Index i) const { return samples_.col(i); }
+
+  /// The value at any time: cubic through the samples, with continuous rate.
+  Eigen::VectorXd at(double time) const;
+  /// What a critically damped follower makes of it: a mean delay of `lag` (s).
+  Track lagged(double lag) const;
+  /// Convolved with a Gaussian of that standard deviation (s): no delay.
+  Track smoothed(double deviation) const;
+  /// Rates per second, by central differences.
+  Track rates() const;
+  /// The same values `shift` seconds earlier: what will be.
+  Track ahead(double shift) const;
+
+ private:
+  Eigen::Index nearest(Eigen::Index i) const;
+
+  Eigen::MatrixXd samples_;
+  double rate_;
+};
+
+}  // namespace taut
