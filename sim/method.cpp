@@ -5,13 +5,17 @@
 #include <sstream>
 
 #include "sim/methods/direct.h"
+#include "sim/methods/dynamic_constraints.h"
 #include "sim/methods/impulse.h"
+#include "sim/methods/springs.h"
 
 namespace taut {
 
 std::span<const MethodInfo> methods() {
   static const std::vector<MethodInfo> list = {
       impulse_method(),
+      dynamic_constraints_method(),
+      springs_method(),
       direct_method(),
   };
   return list;

@@ -40,31 +40,31 @@ FreeRotation::FreeRotation(const Mat3& inertia) {
 // constant, and about the third and the second principal axis. The first commutes with the others;
 // those are composed symmetrically (Strang), and vanish for a ball or, the last, for a symmetric
 // top.
-void FreeRotation::turn(Body& body, double dt) const {
+void FreeRotation::turn(Quat& rotation, Vec3& spin, double dt) const {
   const double a = moments_[0], b = moments_[1], c = moments_[2];
   if (a == 0) {  // a point, or all mass on the first axis
-    body.rotation = (rotation_by(body.spin * dt) * body.rotation).normalized();
+    rotation = (rotation_by(spin * dt) * rotation).normalized();
     return;
   }
-  Quat frame = body.rotation * axes_;
-  Vec3 spin = frame.conjugate() * body.spin;
-  const Vec3 momentum = frame * spin.cwiseProduct(moments_);
+  Quat frame = rotation * axes_;
+  Vec3 own = frame.conjugate() * spin;  // in principal axes
+  const Vec3 momentum = frame * own.cwiseProduct(moments_);
   const auto about_second = [&](double time) {
     if (a == b || c == 0) return;
-    const Quat turned(Eigen::AngleAxisd(spin.y() * (1 - b / a) * time, Vec3::UnitY()));
+    const Quat turned(Eigen::AngleAxisd(own.y() * (1 - b / a) * time, Vec3::UnitY()));
     frame = frame * turned;
-    spin = (turned.conjugate() * spin.cwiseProduct(moments_)).cwiseProduct(inverse_);
+    own = (turned.conjugate() * own.cwiseProduct(moments_)).cwiseProduct(inverse_);
   };
   about_second(dt / 2);
-  const double own = spin.z();  // kept by the turn about the third axis, whatever c is
-  frame = frame * Quat(Eigen::AngleAxisd(own * (1 - c / a) * dt, Vec3::UnitZ()));
-  spin = (frame.conjugate() * momentum).cwiseProduct(inverse_);
+  const double third = own.z();  // kept by the turn about the third axis, whatever c is
+  frame = frame * Quat(Eigen::AngleAxisd(third * (1 - c / a) * dt, Vec3::UnitZ()));
+  own = (frame.conjugate() * momentum).cwiseProduct(inverse_);
   about_second(dt / 2);
   frame = rotation_by(momentum * (dt / a)) * frame;
-  spin = (frame.conjugate() * momentum).cwiseProduct(inverse_);
-  if (c == 0) spin.z() = own;
-  body.rotation = (frame * axes_.conjugate()).normalized();
-  body.spin = frame * spin;
+  own = (frame.conjugate() * momentum).cwiseProduct(inverse_);
+  if (c == 0) own.z() = third;
+  rotation = (frame * axes_.conjugate()).normalized();
+  spin = frame * own;
 }
 
 Mat3 FreeRotation::inverse_inertia(const Quat& rotation) const {

@@ -14,8 +14,8 @@ class FreeRotation {
   /// `inertia` about the centre of mass in the body's axes, kg m^2; zero moments are allowed.
   explicit FreeRotation(const Mat3& inertia);
 
-  /// Advances the body's rotation and spin by `dt` (s).
-  void turn(Body& body, double dt) const;
+  /// Advances a body's rotation and its spin (rad/s, world axes) by `dt` (s).
+  void turn(Quat& rotation, Vec3& spin, double dt) const;
 
   /// The inverse inertia in the world's axes for a body so turned; zero along moments that are
   /// zero.

@@ -125,7 +125,7 @@ void Impulse::fly(World& world, double dt) {
     if (body.driven()) continue;
     body.position += body.velocity * dt + fall;
     body.velocity += gain;
-    impulses_.rotation(i).turn(body, dt);
+    impulses_.rotation(i).turn(body.rotation, body.spin, dt);
   }
   for (Connector& connector : world.connectors) {
     for (std::size_t i = 0; i < connector.particles(); ++i) {

@@ -1,0 +1,284 @@
+#include "sim/mechanism.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace taut {
+namespace {
+
+Eigen::Map<Vec3> vector(double* at) {
+  return Eigen::Map<Vec3>(at);
+}
+Eigen::Map<const Vec3> vector(const double* at) {
+  return Eigen::Map<const Vec3>(at);
+}
+
+constexpr double kBeyondSense = 100;  // times the rest length
+constexpr double kMassless = -1;
+
+std::uint32_t small(std::size_t index) {
+  return static_cast<std::uint32_t>(index);
+}
+
+}  // namespace
+
+Quat quaternion(const double* q) {
+  return Quat(q[0], q[1], q[2], q[3]);
+}
+
+void set_quaternion(const Quat& rotation, double* q) {
+  q[0] = rotation.w();
+  vector(q + 1) = rotation.vec();
+}
+
+void rotate(const Vec3& angle, double* q) {
+  const double half = 0.5 * angle.norm();
+  // sin(x)/x by its series where x is so small that the rest is below rounding.
+  const double sinc = half > 1e-4 ? std::sin(half) / half : 1 - half * half / 6;
+  Quat turn;
+  turn.w() = std::cos(half);
+  turn.vec() = 0.5 * sinc * angle;
+  set_quaternion((turn * quaternion(q)).normalized(), q);
+}
+
+Mechanism::Mechanism(const World& world) : gravity_(world.gravity) {
+  std::vector<std::size_t> free_index(world.bodies.size());
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const Body& body = world.bodies[b];
+    if (body.driven()) continue;
+    free_index[b] = bodies_.size();
+    body_index_.push_back(b);
+    const MassProperties& mass = body.mass_properties;
+    const FreeRotation rotation(mass.inertia);
+    bodies_.push_back({.inverse_mass = 1 / mass.mass,
+                       .inertia = mass.inertia,
+                       .rotation = rotation,
+                       .inverse_inertia = rotation.inverse_inertia(Quat::Identity())});
+  }
+  for (const Connector& connector : world.connectors) {
+    const std::size_t first = inverse_mass_.size();
+    for (const double mass : connector.particle_mass) {
+      inverse_mass_.push_back(mass > 0 ? 1 / mass : kMassless);
+    }
+    for (const Hold& hold : connector.holds) {
+      const std::uint32_t point = small(first + hold.particle);
+      inverse_mass_[point] = 0;
+      if (is_prescribed(world, hold.to)) {
+        prescribed_.emplace_back(point, hold.to);
+      } else {
+        const Vec3 centre = world.bodies[hold.to.body].mass_properties.centre;
+        carried_.push_back({.point = point,
+                            .body = small(free_index[hold.to.body]),
+                            .local = hold.to.point - centre});
+      }
+    }
+  }
+  if (std::ranges::find(inverse_mass_, kMassless) != inverse_mass_.end()) {
+    throw std::invalid_argument("a particle that nothing holds needs a mass");
+  }
+  velocities_ = 3 * points() + 7 * bodies_.size();
+  twists_ = velocities_ + 3 * points();
+  add_rows(world);
+  loose_.assign(points(), gravity_);
+  direction_.resize(rows_.size());
+  excess_.resize(rows_.size());
+  rate_.resize(rows_.size());
+  curvature_.resize(rows_.size());
+}
+
+void Mechanism::add_rows(const World& world) {
+  std::size_t first = 0;
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    for (std::size_t k = 0; k < connector.links(); ++k) {
+      Row row{.a = small(first + k),
+              .b = small(first + k + 1),
+              .rest = connector.rest[k],
+              .connector = small(c),
+              .link = small(k)};
+      if (row.rest > 0) {
+        rows_.push_back(row);
+      } else {
+        for (row.axis = 0; row.axis < 3; ++row.axis) rows_.push_back(row);
+      }
+    }
+    first += connector.particles();
+  }
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    for (std::size_t i = 0; i < carried_.size(); ++i) {
+      const auto point = carried_[i].point;
+      if (rows_[r].a == point) grips_.push_back({small(r), small(i), 1.0});
+      if (rows_[r].b == point) grips_.push_back({small(r), small(i), -1.0});
+    }
+  }
+}
+
+void Mechanism::load(const World& world, std::vector<double>& state) {
+  world_ = &world;
+  state.resize(state_size());
+  std::size_t point = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t i = 0; i < connector.particles(); ++i, ++point) {
+      vector(&state[position(point)]) = connector.position[i];
+      vector(&state[velocity(point)]) = connector.velocity[i];
+    }
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = world.bodies[body_index_[b]];
+    double* q = &state[pose(b)];
+    vector(q) = body.position;
+    set_quaternion(body.rotation, q + 3);
+    double* u = &state[twist(b)];
+    vector(u) = body.velocity;
+    vector(u + 3) = body.spin;
+  }
+}
+
+void Mechanism::store(const std::vector<double>& state, double time, World& world) const {
+  std::size_t point = 0;
+  for (Connector& connector : world.connectors) {
+    for (std::size_t i = 0; i < connector.particles(); ++i, ++point) {
+      connector.position[i] = vector(&state[position(point)]);
+      connector.velocity[i] = vector(&state[velocity(point)]);
+    }
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Body& body = world.bodies[body_index_[b]];
+    const double* q = &state[pose(b)];
+    body.position = vector(q);
+    body.rotation = quaternion(q + 3);
+    const double* u = &state[twist(b)];
+    body.velocity = vector(u);
+    body.spin = vector(u + 3);
+  }
+  place_held(world, time);
+}
+
+void Mechanism::look(double time, double* state) {
+  place(time, state);
+  measure(state);
+}
+
+void Mechanism::place(double time, double* state) {
+  for (const auto& [point, hold] : prescribed_) {
+    const PointMotion motion = hold_motion(*world_, hold, time);
+    vector(state + position(point)) = motion.position;
+    vector(state + velocity(point)) = motion.velocity;
+    loose_[point] = motion.acceleration;
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    FreeBody& body = bodies_[b];
+    const Mat3 turn = quaternion(state + pose(b) + 3).normalized().toRotationMatrix();
+    const Vec3 spin = vector(state + twist(b) + 3);
+    body.world_inverse = turn * body.inverse_inertia * turn.transpose();
+    const Vec3 angular_momentum = turn * (body.inertia * (turn.transpose() * spin));
+    body.gyration = body.world_inverse * angular_momentum.cross(spin);
+  }
+  for (Carried& carried : carried_) {
+    const double* q = state + pose(carried.body);
+    const double* u = state + twist(carried.body);
+    const Vec3 spin = vector(u + 3);
+    carried.arm = quaternion(q + 3).normalized() * carried.local;
+    vector(state + position(carried.point)) = vector(q) + carried.arm;
+    vector(state + velocity(carried.point)) = vector(u) + spin.cross(carried.arm);
+    loose_[carried.point] = gravity_ + bodies_[carried.body].gyration.cross(carried.arm) +
+                            spin.cross(spin.cross(carried.arm));
+  }
+}
+
+void Mechanism::measure(const double* state) {
+  const double* velocities = state + velocities_;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    const Vec3 gap = vector(state + 3 * row.b) - vector(state + 3 * row.a);
+    const Vec3 gap_rate = vector(velocities + 3 * row.b) - vector(velocities + 3 * row.a);
+    if (row.axis != Row::kAlongLink) {
+      direction_[r] = Vec3::Unit(row.axis);
+      excess_[r] = gap[row.axis];
+      rate_[r] = gap_rate[row.axis];
+      curvature_[r] = 0;
+      continue;
+    }
+    const double length = gap.norm();
+    const double inverse = length > 0 ? 1 / length : 0;
+    direction_[r] = inverse * gap;
+    excess_[r] = length - row.rest;
+    rate_[r] = direction_[r].dot(gap_rate);
+    curvature_[r] = (gap_rate - rate_[r] * direction_[r]).squaredNorm() * inverse;
+  }
+}
+
+void Mechanism::differentiate(const double* state, const double* tension,
+                              double* derivative) const {
+  const std::size_t p = points();
+  double* acceleration = derivative + velocities_;
+  std::copy_n(state + velocities_, 3 * p, derivative);
+  for (std::size_t i = 0; i < p; ++i) vector(acceleration + 3 * i) = gravity_;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const double* u = state + twist(b);
+    double* pose_rate = derivative + pose(b);
+    vector(pose_rate) = vector(u);
+    const Quat spin(0, 0.5 * u[3], 0.5 * u[4], 0.5 * u[5]);
+    const Quat turning = spin * quaternion(state + pose(b) + 3);
+    set_quaternion(turning, pose_rate + 3);
+    vector(derivative + twist(b)) = gravity_;
+    vector(derivative + twist(b) + 3) = bodies_[b].gyration;
+  }
+  push(tension, derivative);
+  const auto rest = [&](std::size_t point) {
+    vector(derivative + position(point)).setZero();
+    vector(derivative + velocity(point)).setZero();
+  };
+  for (const auto& held : prescribed_) rest(held.first);
+  for (const Carried& carried : carried_) rest(carried.point);
+}
+
+void Mechanism::push(const double* impulse, double* state) const {
+  double* velocities = state + velocities_;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    const Vec3 pull = impulse[r] * direction_[r];
+    vector(velocities + 3 * row.a) += inverse_mass_[row.a] * pull;
+    vector(velocities + 3 * row.b) -= inverse_mass_[row.b] * pull;
+  }
+  for (const Grip& grip : grips_) {
+    const Carried& carried = carried_[grip.carried];
+    const FreeBody& body = bodies_[carried.body];
+    const Vec3 pull = grip.sign * impulse[grip.row] * direction_[grip.row];
+    double* u = state + twist(carried.body);
+    vector(u) += body.inverse_mass * pull;
+    vector(u + 3) += body.world_inverse * carried.arm.cross(pull);
+  }
+}
+
+void Mechanism::move(const double* shift, double* state) const {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    const Vec3 pull = shift[r] * direction_[r];
+    vector(state + 3 * row.a) += inverse_mass_[row.a] * pull;
+    vector(state + 3 * row.b) -= inverse_mass_[row.b] * pull;
+  }
+  for (const Grip& grip : grips_) {
+    const Carried& carried = carried_[grip.carried];
+    const FreeBody& body = bodies_[carried.body];
+    const Vec3 pull = grip.sign * shift[grip.row] * direction_[grip.row];
+    double* q = state + pose(carried.body);
+    vector(q) += body.inverse_mass * pull;
+    rotate(body.world_inverse * carried.arm.cross(pull), q + 3);
+  }
+}
+
+std::optional<std::size_t> Mechanism::broken_row(const double* state) const {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Row& row = rows_[r];
+    const double squared = (vector(state + 3 * row.b) - vector(state + 3 * row.a)).squaredNorm();
+    const double longest = kBeyondSense * row.rest;
+    const double bound = row.rest > 0 ? longest * longest : std::numeric_limits<double>::max();
+    if (!(squared <= bound)) return r;  // not finite fails too
+  }
+  return std::nullopt;
+}
+
+}  // namespace taut

@@ -1,0 +1,132 @@
+// A world as an integrator sees it: one flat state vector, and the rows that links put on it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/rotation.h"
+#include "sim/world.h"
+
+namespace taut {
+
+/// One scalar condition between two points. A link is one row, along itself; a link of rest length
+/// zero (a joint) is three rows, along the world's axes. Its tension (N) pulls the points together
+/// where it is positive: `a` along the row's direction, `b` against it.
+struct Row {
+  static constexpr int kAlongLink = -1;
+  std::uint32_t a = 0, b = 0;  // points
+  double rest = 0;             // m
+  int axis = kAlongLink;       // of a joint's row: 0, 1, 2
+  std::uint32_t connector = 0, link = 0;
+};
+
+/// The points (all particles, connector by connector), free bodies and rows of a world, as flat
+/// arrays. The state vector of P points and B free bodies is
+///   [ P positions | B poses: centre of mass, quaternion w x y z | P velocities | B twists:
+///   velocity of the centre of mass, spin in the world's axes ],
+/// 6 P + 13 B numbers in SI units. Held points stand in it too: look() puts them where their holds
+/// are, and their derivatives are zero.
+class Mechanism {
+ public:
+  /// A point that a free body carries; `arm` (m) from its centre of mass, world axes at the instant
+  /// last looked at.
+  struct Carried {
+    std::uint32_t point = 0, body = 0;
+    Vec3 local = Vec3::Zero();  // m from the centre of mass, body axes
+    Vec3 arm = Vec3::Zero();
+  };
+  /// An end of a row at a carried point. `sign` is +1 for the row's `a`, -1 for its `b`.
+  struct Grip {
+    std::uint32_t row = 0, carried = 0;
+    double sign = 0;
+  };
+  struct FreeBody {
+    double inverse_mass = 0;      // 1/kg
+    Mat3 inertia = Mat3::Zero();  // kg m^2, body axes
+    FreeRotation rotation;
+    Mat3 inverse_inertia = Mat3::Zero();  // 1/(kg m^2), body axes
+    Mat3 world_inverse = Mat3::Zero();    // world axes at the instant last looked at
+    Vec3 gyration = Vec3::Zero();         // rad/s^2: spin rate without torque, at that instant
+  };
+
+  /// Lays `world` out; good for as long as its topology number stays. Massless spans are laid out
+  /// as links. Throws std::invalid_argument where a particle that nothing holds has no mass.
+  explicit Mechanism(const World& world);
+
+  std::size_t state_size() const { return twists_ + 6 * bodies_.size(); }
+  std::size_t points() const { return inverse_mass_.size(); }
+  const std::vector<Row>& rows() const { return rows_; }
+  const std::vector<FreeBody>& bodies() const { return bodies_; }
+  const std::vector<Carried>& carried() const { return carried_; }
+  const std::vector<Grip>& grips() const { return grips_; }
+  /// 1/kg per point; zero for held points, carried ones included.
+  const std::vector<double>& inverse_mass() const { return inverse_mass_; }
+  const Vec3& gravity() const { return gravity_; }
+
+  // Offsets into the state.
+  std::size_t position(std::size_t point) const { return 3 * point; }
+  std::size_t velocity(std::size_t point) const { return velocities_ + 3 * point; }
+  std::size_t pose(std::size_t body) const { return 3 * points() + 7 * body; }
+  std::size_t twist(std::size_t body) const { return twists_ + 6 * body; }
+
+  /// Reads the state of `world`, which must stay until the state is stored again.
+  void load(const World& world, std::vector<double>& state);
+  /// Writes the state, at `time`, to `world`.
+  void store(const std::vector<double>& state, double time, World& world) const;
+
+  /// Puts held points at their places and measures the rows; everything below speaks of the
+  /// instant last looked at.
+  void look(double time, double* state);
+
+  /// Per row: direction from a to b (zero where they coincide), how far it is too long (m), the
+  /// rate of that (m/s), and the part of its second derivative that velocities alone make (m/s^2).
+  const std::vector<Vec3>& direction() const { return direction_; }
+  const std::vector<double>& excess() const { return excess_; }
+  const std::vector<double>& rate() const { return rate_; }
+  const std::vector<double>& curvature() const { return curvature_; }
+
+  /// The derivative of the state under the rows' `tension` (N).
+  void differentiate(const double* state, const double* tension, double* derivative) const;
+  /// Changes velocities by the rows' `impulse` (N s).
+  void push(const double* impulse, double* state) const;
+  /// Moves points and bodies as push() changes velocities: by M^-1 J^T `shift` (kg m).
+  void move(const double* shift, double* state) const;
+
+  /// The second derivative of a row's excess without tensions, m/s^2.
+  double loose_excess_acceleration(std::size_t row) const {
+    return direction_[row].dot(loose_[rows_[row].b] - loose_[rows_[row].a]) + curvature_[row];
+  }
+
+  /// The first row whose points are not finite or beyond any sense (a link stretched a
+  /// hundredfold).
+  std::optional<std::size_t> broken_row(const double* state) const;
+
+ private:
+  void add_rows(const World& world);
+  void place(double time, double* state);
+  void measure(const double* state);
+
+  const World* world_ = nullptr;  // between load() and store()
+  Vec3 gravity_;
+  std::vector<double> inverse_mass_;
+  std::vector<Row> rows_;
+  std::vector<FreeBody> bodies_;
+  std::vector<std::size_t> body_index_;  // into World::bodies
+  std::vector<Carried> carried_;
+  std::vector<Grip> grips_;
+  std::vector<std::pair<std::uint32_t, Attachment>> prescribed_;  // point, hold
+  std::size_t velocities_ = 0, twists_ = 0;                       // offsets
+
+  std::vector<Vec3> direction_;
+  std::vector<Vec3> loose_;  // per point, m/s^2: its acceleration without tensions
+  std::vector<double> excess_, rate_, curvature_;
+};
+
+// The quaternion w x y z at `q`; and a turn of it by `angle` (rad, world axes).
+Quat quaternion(const double* q);
+void set_quaternion(const Quat& rotation, double* q);
+void rotate(const Vec3& angle, double* q);
+
+}  // namespace taut

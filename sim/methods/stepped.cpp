@@ -1,0 +1,79 @@
+#include "sim/methods/stepped.h"
+
+namespace taut {
+
+void SteppedMethod::advance(World& world, double until) {
+  if (!mechanism_ || world.topology != topology_) {
+    mechanism_.emplace(world);
+    topology_ = world.topology;
+    mechanism_->load(world, state_);
+    mechanism_->look(world.time, state_.data());
+    limit_ = prepare(*mechanism_);
+  } else {
+    mechanism_->load(world, state_);
+  }
+  const StepTimes times(world.time, until, step_ > 0 ? step_ : limit_);
+  for (std::uint64_t i = 0; i < times.count; ++i) {
+    step(*mechanism_, times.at(i), times.dt, state_);
+    ++counters_.steps;
+    if (const auto broken = mechanism_->broken_row(state_.data())) {
+      const Row& row = mechanism_->rows()[*broken];
+      throw Diverged(name_, times.at(i + 1), counters_.steps, world.connectors[row.connector].name,
+                     row.link, "diverged (a link is not finite or a hundred times too long)");
+    }
+  }
+  mechanism_->store(state_, until, world);
+}
+
+Integrator integrator_named(std::string_view name) {
+  if (name == "explicit-euler") return Integrator::explicit_euler;
+  return name == "rk4" ? Integrator::rk4 : Integrator::semi_implicit_euler;
+}
+
+Stepper::Stepper(const Mechanism& mechanism, Integrator integrator)
+    : integrator_(integrator), tension_(mechanism.rows().size()) {
+  const std::size_t size = mechanism.state_size();
+  k1_.resize(size);
+  if (integrator != Integrator::rk4) return;
+  for (auto* workspace : {&stage_, &k2_, &k3_, &k4_}) workspace->resize(size);
+}
+
+void Stepper::add(double dt, const std::vector<double>& k, std::vector<double>& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) state[i] += dt * k[i];
+}
+
+void Stepper::stage(const std::vector<double>& state, double dt, const std::vector<double>& k) {
+  for (std::size_t i = 0; i < state.size(); ++i) stage_[i] = state[i] + dt * k[i];
+}
+
+void Stepper::kick_then_drift(const Mechanism& mechanism, double dt, std::vector<double>& state) {
+  const std::size_t velocities = mechanism.velocity(0);
+  for (std::size_t i = velocities; i < state.size(); ++i) state[i] += dt * k1_[i];
+  for (std::size_t i = 0; i < 3 * mechanism.points(); ++i) state[i] += dt * state[velocities + i];
+  for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
+    double* q = &state[mechanism.pose(b)];
+    double* u = &state[mechanism.twist(b)];
+    for (int i = 0; i < 3; ++i) q[i] += dt * u[i];
+    // The torque has kicked the spin; what the body does by itself is known without error.
+    Eigen::Map<Vec3> spin(u + 3);
+    Quat rotation = quaternion(q + 3);
+    Vec3 turning = spin - dt * mechanism.bodies()[b].gyration;
+    mechanism.bodies()[b].rotation.turn(rotation, turning, dt);
+    spin = turning;
+    set_quaternion(rotation, q + 3);
+  }
+}
+
+void Stepper::combine(double dt, std::vector<double>& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    state[i] += dt / 6 * (k1_[i] + 2 * (k2_[i] + k3_[i]) + k4_[i]);
+  }
+}
+
+void Stepper::normalize(const Mechanism& mechanism, std::vector<double>& state) {
+  for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
+    Eigen::Map<Eigen::Vector4d>(&state[mechanism.pose(b) + 3]).normalize();
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,91 @@
+// What methods of fixed steps on a mechanism share: the loop over steps, and the integrators.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/mechanism.h"
+#include "sim/method.h"
+
+namespace taut {
+
+/// Moves a mechanism by equal steps. A method says what one step is.
+class SteppedMethod : public Method {
+ public:
+  void advance(World& world, double until) final;
+
+ protected:
+  /// `step` (s) is the longest step; zero: prepare() says how long.
+  SteppedMethod(std::string_view name, double step) : name_(name), step_(step) {}
+
+  /// Called when the world's topology is new: makes workspaces, and returns the longest step (s)
+  /// that the method can take there; it counts only where the settings leave the step open.
+  virtual double prepare(Mechanism& mechanism) = 0;
+  /// Takes `state` from `time` to `time + dt`.
+  virtual void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) = 0;
+
+ private:
+  std::string name_;
+  double step_, limit_ = 0;
+  std::uint64_t topology_ = 0;
+  std::optional<Mechanism> mechanism_;
+  std::vector<double> state_;
+};
+
+enum class Integrator { explicit_euler, semi_implicit_euler, rk4 };
+/// By its name in settings: explicit-euler, semi-implicit-euler or rk4.
+Integrator integrator_named(std::string_view name);
+
+/// Steps a mechanism under any law of tensions: a callable that fills the tension (N) of each row
+/// of the mechanism at the instant that it looks at.
+class Stepper {
+ public:
+  Stepper() = default;
+  Stepper(const Mechanism& mechanism, Integrator integrator);
+
+  template <class Law>
+  void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state, Law&& law) {
+    switch (integrator_) {
+      case Integrator::explicit_euler:
+        slope(mechanism, time, state, k1_, law);
+        add(dt, k1_, state);
+        break;
+      case Integrator::semi_implicit_euler:
+        slope(mechanism, time, state, k1_, law);
+        kick_then_drift(mechanism, dt, state);
+        break;
+      case Integrator::rk4:
+        slope(mechanism, time, state, k1_, law);
+        stage(state, dt / 2, k1_);
+        slope(mechanism, time + dt / 2, stage_, k2_, law);
+        stage(state, dt / 2, k2_);
+        slope(mechanism, time + dt / 2, stage_, k3_, law);
+        stage(state, dt, k3_);
+        slope(mechanism, time + dt, stage_, k4_, law);
+        combine(dt, state);
+        break;
+    }
+    normalize(mechanism, state);
+  }
+
+ private:
+  template <class Law>
+  void slope(Mechanism& mechanism, double time, std::vector<double>& state, std::vector<double>& k,
+             Law& law) {
+    mechanism.look(time, state.data());
+    law(mechanism, tension_);
+    mechanism.differentiate(state.data(), tension_.data(), k.data());
+  }
+
+  static void add(double dt, const std::vector<double>& k, std::vector<double>& state);
+  void stage(const std::vector<double>& state, double dt, const std::vector<double>& k);
+  void kick_then_drift(const Mechanism& mechanism, double dt, std::vector<double>& state);
+  void combine(double dt, std::vector<double>& state);
+  static void normalize(const Mechanism& mechanism, std::vector<double>& state);
+
+  Integrator integrator_ = Integrator::semi_implicit_euler;
+  std::vector<double> tension_, stage_, k1_, k2_, k3_, k4_;
+};
+
+}  // namespace taut

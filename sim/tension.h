@@ -1,0 +1,79 @@
+// The linear system whose solution is the tensions of all rows at once.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <cstdint>
+#include <vector>
+
+#include "sim/mechanism.h"
+
+namespace taut {
+
+/// A = J M^-1 J^T over the rows of a mechanism, at the instant that the mechanism looked at last.
+/// Under tensions T (N) the second derivatives of the rows' excess are (their loose value) - A T.
+///
+/// Rows of a connector couple with their neighbours alone, so A is tridiagonal, but for a border:
+/// joints, and the rows at a free body that carries more than one point.
+class TensionSystem {
+ public:
+  explicit TensionSystem(const Mechanism& mechanism);
+
+  void assemble(const Mechanism& mechanism);
+
+  /// Solves A x = `right` in linear time: elimination along the connectors (Thomas), then a dense
+  /// system of the border's rows. False where a pivot vanishes: A is singular and x unusable.
+  bool solve_banded(const std::vector<double>& right, std::vector<double>& x);
+
+  /// Solves A x = `right` through a rank-revealing decomposition of the whole matrix, in cubic
+  /// time. Where A is singular: the x of least norm among those that come closest.
+  void solve_dense(const std::vector<double>& right, std::vector<double>& x);
+
+  /// solve_banded(), or solve_dense() where that cannot. True where it could not.
+  bool solve(const std::vector<double>& right, std::vector<double>& x);
+
+  /// A as a full matrix, 1/kg.
+  const Eigen::MatrixXd& dense();
+
+ private:
+  /// An entry of A off its diagonals; `value` indexes values_.
+  struct Entry {
+    std::uint32_t row = 0, other = 0, value = 0;
+  };
+  /// What two row ends that share a particle or a free body add to values_[value].
+  struct PointTerm {
+    std::uint32_t row = 0, other = 0, value = 0;
+    double weight = 0;  // 1/kg, signed
+  };
+  struct BodyTerm {
+    std::uint32_t grip = 0, other = 0, value = 0;
+    double times = 1;
+  };
+
+  std::uint32_t entry(const Mechanism& mechanism, std::size_t row, std::size_t other);
+  void find_terms(const Mechanism& mechanism);
+  void find_border();
+  bool eliminate();
+  template <class Vector>
+  void sweep(Vector&& x) const;
+  double next(std::size_t row) const;  // A(row, row + 1), zero at the border
+
+  std::size_t rows_ = 0;
+  std::vector<double> values_;  // [ diagonal | A(r, r+1) | entries ], 1/kg
+  std::vector<Entry> entries_;
+  std::vector<PointTerm> point_terms_;
+  std::vector<BodyTerm> body_terms_;
+
+  static constexpr std::uint32_t kInside = 0xffffffff;
+  std::vector<std::uint32_t> border_index_;  // per row: its place in the border, or kInside
+  std::vector<std::uint32_t> border_;        // rows
+  std::vector<Entry> border_entries_;        // every entry of a border row: {row, other, value}
+
+  std::vector<double> inverse_pivot_, factor_;
+  Eigen::MatrixXd columns_, schur_, dense_;
+  Eigen::VectorXd border_x_, dense_right_;
+  Eigen::LDLT<Eigen::MatrixXd> border_solver_;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> dense_solver_;
+};
+
+}  // namespace taut
