@@ -83,6 +83,12 @@ class Method {
   std::vector<Event> events_;
 };
 
+/// A form of a method that tables show as a row of its own, beside the method as it is.
+struct MethodForm {
+  std::string_view name;  // "dense"; tables write METHOD:NAME
+  Settings settings;      // what it sets
+};
+
 /// A row of the list of methods.
 struct MethodInfo {
   std::string_view name;     // as in scene files
@@ -92,6 +98,11 @@ struct MethodInfo {
   std::unique_ptr<Method> (*make)(const Settings& settings);
   /// Why this build does not have the method, in two or three words for tables; empty: it does.
   std::string_view missing = {};
+  std::vector<MethodForm> forms = {};
+  /// The longest step (s) that theory allows while `world` hangs at rest below what holds it, with
+  /// a full set of settings; null: there is no such theory.
+  double (*longest_step)(const World& world, const Settings& settings) = nullptr;
+  std::string_view longest_step_law = {};  // the law in a few words, for legends
 };
 
 /// Every method, in the order in which tables show them.
