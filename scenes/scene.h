@@ -1,7 +1,6 @@
 // A scene: a world, what happens to it, and a stage. Read from a TOML file.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -21,6 +20,15 @@ struct MethodChoice {
   Settings settings;  // those that the scene names, validated against the method's list
 };
 
+/// An intervention: one point of a connector is held from one time to another.
+struct ScenePin {
+  std::size_t connector = 0;   // index into World::connectors
+  double at = 0;               // m along it from its first end
+  double from = 0, until = 0;  // s; `until` is infinite where the pin is never released
+  Attachment to;
+  std::string source;  // file:line, for messages
+};
+
 struct Scene {
   std::filesystem::path file;
   std::string title;
@@ -28,13 +36,21 @@ struct Scene {
   int fps = 60;
   int width = 1920, height = 1080;
   MethodChoice method;
-  World world;  // finished, at time 0
+  World world;                 // finished, at time 0
+  std::vector<ScenePin> pins;  // in the order of the file
   std::optional<Stage> stage;
   std::vector<std::shared_ptr<const Performance>> performances;  // one per Stage::characters
 
   /// Number of frames: frame k shows time k/fps, for every k with k/fps < duration.
   int frames() const;
 };
+
+/// The method of a scene that names none.
+MethodChoice default_method();
+
+/// The step nearest to `step` (s) that divides a frame of 1/fps exactly, where they are the same
+/// but for the rounding of a number that a person typed (one part in a million).
+std::optional<double> dividing_step(double step, int fps);
 
 /// Reads and checks a scene. Throws BadScene or BadAsset. Assets are loaded only when `with_stage`.
 Scene load_scene(const std::filesystem::path& file, bool with_stage);

@@ -77,8 +77,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(std::string("\n") + kExamples);
   Program program;
-  using Add = void (*)(CLI::App&, Program&);
-  for (const Add add : std::initializer_list<Add>{}) add(app, program);
+  for (const auto add : {add_simulate, add_check}) add(app, program);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,107 @@
+#include "render/cli/method_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "render/cli/command.h"
+
+namespace taut::cli {
+
+namespace {
+
+const SettingInfo* find_setting(const MethodInfo& method, std::string_view name) {
+  const auto found = std::ranges::find(method.settings, name, &SettingInfo::name);
+  return found == method.settings.end() ? nullptr : &*found;
+}
+
+/// `text` as the type that the setting has; unknown settings are left for complaint() to name.
+Setting parsed(const MethodInfo& method, const std::string& name, const std::string& text) {
+  const SettingInfo* info = find_setting(method, name);
+  if (!info || std::holds_alternative<std::string>(info->fallback)) return text;
+  if (std::holds_alternative<bool>(info->fallback)) {
+    if (text == "true") return true;
+    if (text == "false") return false;
+    throw Misuse(fmt::format("--set {}={}: expected true or false", name, text));
+  }
+  double number = 0;
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || last != end) {
+    throw Misuse(fmt::format("--set {}={}: expected a number", name, text));
+  }
+  return number;
+}
+
+}  // namespace
+
+void add_method_options(CLI::App& command, MethodOptions& options) {
+  command.add_option("--method", options.method, "Another method than the scene's");
+  auto* step = command.add_option("--step", options.step, "Longest step of the method, s");
+  auto* tolerance = command.add_option("--tolerance", options.tolerance,
+                                       "Error to keep, m, for methods that control it");
+  step->excludes(tolerance);
+  command.add_option("--set", options.set, "A setting of the method, KEY=VALUE; may be repeated")
+      ->allow_extra_args(false);
+}
+
+MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
+  MethodChoice choice = scene.method;
+  if (!options.method.empty()) choice.name = options.method;
+  const MethodInfo* method = find_method(choice.name);
+  if (!method) {
+    std::string known;
+    for (const MethodInfo& info : methods()) {
+      known += (known.empty() ? "" : ", ") + std::string(info.name);
+    }
+    throw Misuse(
+        fmt::format("--method: there is no method {}, expected one of: {}", choice.name, known));
+  }
+  if (!method->missing.empty()) {
+    throw Misuse(
+        fmt::format("--method: {} is not in this build ({})", choice.name, method->missing));
+  }
+  if (choice.name != scene.method.name) {
+    std::erase_if(choice.settings,
+                  [&](const auto& setting) { return !complaint(*method, {setting}).empty(); });
+  }
+  if (options.step) {
+    choice.settings.erase("tolerance");
+    choice.settings["step"] = *options.step;
+  }
+  if (options.tolerance) {
+    choice.settings.erase("step");
+    choice.settings["tolerance"] = *options.tolerance;
+  }
+  for (const std::string& pair : options.set) {
+    const std::size_t equals = pair.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw Misuse(fmt::format("--set {}: expected KEY=VALUE", pair));
+    }
+    const std::string name = pair.substr(0, equals);
+    choice.settings[name] = parsed(*method, name, pair.substr(equals + 1));
+  }
+  const std::string wrong = complaint(*method, choice.settings);
+  if (!wrong.empty()) throw Misuse(wrong);
+  return choice;
+}
+
+Settings full_settings(const MethodChoice& choice) {
+  Settings full = choice.settings;
+  for (const SettingInfo& info : find_method(choice.name)->settings) {
+    full.try_emplace(std::string(info.name), info.fallback);
+  }
+  return full;
+}
+
+std::string settings_text(const Settings& settings) {
+  std::string line;
+  for (const auto& [name, value] : settings) {
+    const std::string text = std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
+    line += fmt::format("{}{} = {}", line.empty() ? "" : ", ", name, text);
+  }
+  return line;
+}
+
+}  // namespace taut::cli

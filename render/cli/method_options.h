@@ -1,0 +1,32 @@
+// --method, --step, --tolerance and --set, for every command that simulates.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+
+namespace taut::cli {
+
+struct MethodOptions {
+  std::string method;               // empty: the scene's
+  std::optional<double> step;       // s
+  std::optional<double> tolerance;  // m
+  std::vector<std::string> set;     // KEY=VALUE
+};
+
+void add_method_options(CLI::App& command, MethodOptions& options);
+
+/// The scene's method with the options put over its settings. Another method keeps those settings
+/// of the scene that it has too. Throws Misuse.
+MethodChoice chosen_method(const MethodOptions& options, const Scene& scene);
+
+/// Every setting of the method, those left out with their defaults.
+Settings full_settings(const MethodChoice& choice);
+
+/// Settings as one line: step = 0.001, elasticity = 0.2
+std::string settings_text(const Settings& settings);
+
+}  // namespace taut::cli

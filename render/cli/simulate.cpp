@@ -1,0 +1,222 @@
+// taut simulate: a trajectory without pictures.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "render/atomic_file.h"
+#include "render/cli/command.h"
+#include "render/cli/method_options.h"
+#include "render/cli/progress.h"
+#include "render/interrupt.h"
+#include "scenes/scene.h"
+#include "sim/measure.h"
+#include "sim/simulation.h"
+
+namespace taut::cli {
+
+namespace {
+
+struct Options {
+  std::string scene;
+  std::string csv;
+  int fps = 0;  // 0: the scene's
+  MethodOptions method;
+};
+
+/// What a run measured; drift and stretch at frame times.
+struct Report {
+  double stepping = 0;      // CPU s, in advance() alone
+  double stretch = 0;       // largest share of a link's length
+  double drift = 0;         // J, largest distance from the energy at the start
+  double energy_scale = 0;  // J
+};
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// An energy to compare changes with: that of lifting everything that moves freely by the length of
+/// the longest connector, and the motion at the start.
+double energy_scale(const World& world) {
+  double mass = 0, height = 0;
+  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.mass_properties.mass;
+  for (const Connector& connector : world.connectors) {
+    for (const double particle : connector.particle_mass) mass += particle;
+    height = std::max(height, connector.length);
+  }
+  return mass * world.gravity.norm() * height + kinetic_energy(world);
+}
+
+/// True where nothing can do work on what moves freely.
+bool closed(const World& world) {
+  const auto rests = [](const Path& path) { return path.keys().size() == 1; };
+  const bool bodies = std::ranges::all_of(
+      world.bodies, [&](const Body& body) { return !body.driven() || rests(*body.path); });
+  return bodies && std::ranges::all_of(world.connectors, [&](const Connector& connector) {
+           return std::ranges::all_of(connector.holds, [&](const Hold& hold) {
+             return hold.to.kind != Attachment::Kind::path || rests(*hold.to.path);
+           });
+         });
+}
+
+std::string header(const World& world) {
+  std::string line = "t";
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      for (const char axis : {'x', 'y', 'z'}) {
+        line += fmt::format(",{}.{}.{}", connector.name, i, axis);
+      }
+    }
+  }
+  for (const Body& body : world.bodies) {
+    for (const char* part : {"x", "y", "z", "qw", "qx", "qy", "qz"}) {
+      line += fmt::format(",{}.{}", body.name, part);
+    }
+  }
+  return line + '\n';
+}
+
+/// One frame, with as many digits as bring back the same number.
+std::string row(const World& world) {
+  std::string line = fmt::format("{:.17g}", world.time);
+  const auto add = [&line](double number) {
+    fmt::format_to(std::back_inserter(line), ",{:.17g}", number);
+  };
+  for (const Connector& connector : world.connectors) {
+    for (const Vec3& particle : connector.position) std::ranges::for_each(particle, add);
+  }
+  for (const Body& body : world.bodies) {
+    const Pose frame = body.frame();
+    const Quat& q = frame.rotation;
+    std::ranges::for_each(frame.position, add);
+    for (const double part : {q.w(), q.x(), q.y(), q.z()}) add(part);
+  }
+  return line + '\n';
+}
+
+/// Where the rows go: a file, standard output, or nowhere.
+class Rows {
+ public:
+  Rows(const std::string& file, bool to_output) : to_output_(to_output && file.empty()) {
+    if (!file.empty()) file_.emplace(file);
+  }
+  bool wanted() const { return file_ || to_output_; }
+  void write(const std::string& text) {
+    if (file_) file_->write(text);
+    if (to_output_) write_output(text);
+  }
+  void finish() {
+    if (file_) file_->commit();
+  }
+
+ private:
+  std::optional<AtomicFile> file_;
+  bool to_output_;
+};
+
+Report simulate(const Scene& scene, Simulation& simulation, Rows& rows, bool quiet) {
+  const World& world = simulation.world();
+  const double start = kinetic_energy(world) + potential_energy(world);
+  const int frames = scene.frames();
+  Report report;
+  report.energy_scale = energy_scale(world);
+  Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
+  if (rows.wanted()) rows.write(header(world));
+  for (int frame = 0; frame < frames; ++frame) {
+    stop_if_interrupted();
+    const double before = cpu_seconds();
+    simulation.advance_to(static_cast<double>(frame) / scene.fps);
+    report.stepping += cpu_seconds() - before;
+    const double energy = kinetic_energy(world) + potential_energy(world);
+    report.drift = std::max(report.drift, std::abs(energy - start));
+    report.stretch = std::max(report.stretch, stretch_max(world));
+    if (rows.wanted()) rows.write(row(world));
+    progress.update(static_cast<std::uint64_t>(frame) + 1);
+  }
+  rows.finish();
+  return report;
+}
+
+nlohmann::ordered_json as_json(const Settings& settings) {
+  auto object = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : settings) {
+    std::visit([&](const auto& v) { object[name] = v; }, value);
+  }
+  return object;
+}
+
+std::string json_text(const Scene& scene, const Simulation& simulation, const Report& report) {
+  const Counters& counters = simulation.method().counters();
+  // The last frame's time is what was simulated; a scene of one frame simulates nothing.
+  const double simulated = simulation.world().time;
+  nlohmann::ordered_json json;
+  json["scene"] = scene.file.string();
+  json["method"] = scene.method.name;
+  json["settings"] = as_json(full_settings(scene.method));
+  json["frames"] = scene.frames();
+  json["stepping_ms_per_second"] =
+      simulated > 0 ? nlohmann::ordered_json(1e3 * report.stepping / simulated) : nullptr;
+  json["steps"] = counters.steps;
+  json["solves"] = counters.solves;
+  json["rejected"] = counters.rejected;
+  json["handed_over"] = counters.handed_over;
+  json["stretch_max"] = report.stretch;
+  json["energy_drift"] = nullptr;
+  if (closed(simulation.world()) && report.energy_scale > 0) {
+    json["energy_drift"] = report.drift / report.energy_scale;
+  }
+  json["energy_drift_is"] =
+      "largest change of the mechanical energy at any frame, as a share of energy_scale; null "
+      "where something driven does work";
+  json["energy_scale"] = report.energy_scale;
+  json["state_hash"] = fmt::format("{:016x}", state_hash(simulation.world()));
+  return json.dump(2) + '\n';
+}
+
+int run(const Options& options, const Common& common) {
+  Scene scene = load_scene(options.scene, false);
+  if (options.fps > 0) scene.fps = options.fps;
+  scene.method = chosen_method(options.method, scene);
+  Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
+  Rows rows(options.csv, !common.json);
+  const Report report = simulate(scene, simulation, rows, common.quiet);
+  if (common.json) write_output(json_text(scene, simulation, report));
+  if (!options.csv.empty() && !common.quiet) {
+    fmt::print(stderr, "{}: {} frames, method {}\n", options.csv, scene.frames(),
+               scene.method.name);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Program& program) {
+  CLI::App& command =
+      add_command(app, program, "simulate", "A scene's trajectory, without pictures",
+                  R"(  taut simulate scenes/rope_swing.toml > swing.csv
+  taut simulate scenes/rope_swing.toml --csv swing.csv --json
+  taut simulate scenes/rope_swing.toml --method springs --step 1e-4 --set stiffness=5000 --json
+
+One row per frame: t, every particle of every connector (NAME.0.x,NAME.0.y,NAME.0.z,...), every
+body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz). SI units.)");
+  const auto options = std::make_shared<Options>();
+  command.add_option("scene", options->scene, "A scene file")->required();
+  command.add_option("--csv", options->csv,
+                     "The trajectory into this file; else, without --json, "
+                     "to standard output");
+  command.add_option("--fps", options->fps, "Another number of frames per second")
+      ->check(CLI::Range(1, 1000));
+  add_method_options(command, options->method);
+  command.callback([options, &program] {
+    program.run = [options, &program] { return run(*options, program.common); };
+  });
+}
+
+}  // namespace taut::cli

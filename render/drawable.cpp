@@ -1,0 +1,79 @@
+#include "render/drawable.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace taut {
+namespace {
+
+std::vector<RestVertex> rest_of(const Mesh& mesh) {
+  std::vector<RestVertex> rest;
+  rest.reserve(mesh.vertices.size());
+  for (const Vertex& v : mesh.vertices)
+    rest.push_back({Eigen::Vector3f(v.position.data()), Eigen::Vector3f(v.color.data())});
+  return rest;
+}
+
+}  // namespace
+
+Surface surface_named(std::string_view material) {
+  std::string name(material);
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const auto has = [&](std::initializer_list<const char*> words) {
+    return std::ranges::any_of(
+        words, [&](const char* word) { return name.find(word) != std::string::npos; });
+  };
+  if (has({"wood", "floor", "plank", "beam"})) return Surface::wood;
+  if (has({"cloth", "gi", "belt", "trouser", "fabric", "cotton"})) return Surface::cloth;
+  if (has({"skin"})) return Surface::skin;
+  return Surface::plain;
+}
+
+Drawable::Drawable(const Gl& gl, std::span<const std::uint32_t> indices,
+                   std::span<const RestVertex> rest, const Material& material, Surface surface)
+    : gl_(&gl),
+      moving_(make_buffer(gl)),
+      rest_(make_buffer(gl)),
+      indices_(make_buffer(gl)),
+      array_(make_vertex_array(gl)),
+      count_(GLsizei(indices.size())),
+      material_(material),
+      surface_(surface) {
+  upload(gl, indices_, indices, GL_STATIC_DRAW);
+  upload(gl, rest_, rest, GL_STATIC_DRAW);
+  gl.VertexArrayElementBuffer(array_.id(), indices_.id());
+  gl.VertexArrayVertexBuffer(array_.id(), 0, moving_.id(), 0, sizeof(MovingVertex));
+  gl.VertexArrayVertexBuffer(array_.id(), 1, rest_.id(), 0, sizeof(RestVertex));
+  const std::size_t offsets[] = {offsetof(MovingVertex, position), offsetof(MovingVertex, normal),
+                                 offsetof(RestVertex, rest), offsetof(RestVertex, color)};
+  for (GLuint i = 0; i < 4; ++i) {
+    gl.EnableVertexArrayAttrib(array_.id(), i);
+    gl.VertexArrayAttribFormat(array_.id(), i, 3, GL_FLOAT, GL_FALSE, GLuint(offsets[i]));
+    gl.VertexArrayAttribBinding(array_.id(), i, i / 2);
+  }
+  Eigen::AlignedBox3f box;
+  for (const RestVertex& v : rest) box.extend(v.rest);
+  if (!box.isEmpty()) box.sizes().maxCoeff(&grain_axis_);
+}
+
+Drawable::Drawable(const Gl& gl, const Mesh& mesh, const Material& material)
+    : Drawable(gl, mesh.indices, rest_of(mesh), material, surface_named(material.name)) {
+  std::vector<MovingVertex> vertices;
+  vertices.reserve(mesh.vertices.size());
+  for (const Vertex& v : mesh.vertices)
+    vertices.push_back({Eigen::Vector3f(v.position.data()), Eigen::Vector3f(v.normal.data())});
+  move(vertices);
+}
+
+void Drawable::move(std::span<const MovingVertex> vertices) {
+  upload(*gl_, moving_, vertices, GL_DYNAMIC_DRAW);
+}
+
+void Drawable::draw() const {
+  gl_->BindVertexArray(array_.id());
+  gl_->DrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
+}
+
+}  // namespace taut

@@ -1,0 +1,151 @@
+#include "render/frame_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <iterator>
+
+#include "render/error.h"
+#include "render/hash.h"
+
+namespace taut {
+namespace {
+
+constexpr std::size_t kQueued = 2;
+
+std::uint64_t file_hash(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  return Hash().bytes(bytes.data(), bytes.size()).value();
+}
+
+double thread_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+}
+
+bool is_frame(const std::filesystem::path& file) {
+  const std::string stem = file.stem().string();
+  return file.extension() == ".png" && stem.size() == 6 &&
+         stem.find_first_not_of("0123456789") == std::string::npos;
+}
+
+}  // namespace
+
+FrameFolder::FrameFolder(std::filesystem::path folder, bool resume) : folder_(std::move(folder)) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (!std::filesystem::is_directory(folder_))
+    throw CannotWrite(fmt::format("{}: cannot be made a folder: {}", folder_.string(),
+                                  error ? error.message() : "a file of that name is in the way"));
+  lock_ = open((folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_ < 0)
+    throw CannotWrite(fmt::format("{}: {}", (folder_ / "lock").string(), std::strerror(errno)));
+  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    close(lock_);
+    throw CannotWrite(fmt::format("{}: another run is writing frames here", folder_.string()));
+  }
+
+  if (resume) read_journal();
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    const auto& file = entry.path();
+    if (is_frame(file) && !kept_.contains(std::stoi(file.stem().string())))
+      std::filesystem::remove(file, error);
+  }
+  AtomicFile journal(folder_ / "journal");
+  for (const auto& [frame, entry] : kept_)
+    journal.write(fmt::format("{:06} {:016x} {:016x}\n", frame, entry.inputs, entry.file));
+  journal.commit();
+  journal_.open(folder_ / "journal", std::ios::app);
+  worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
+}
+
+FrameFolder::~FrameFolder() {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return (queue_.empty() && !busy_) || failure_; });
+  }
+  worker_.request_stop();
+  worker_.join();
+  close(lock_);
+}
+
+std::filesystem::path FrameFolder::file(int frame) const {
+  return folder_ / fmt::format("{:06}.png", frame);
+}
+
+void FrameFolder::read_journal() {
+  std::FILE* journal = std::fopen((folder_ / "journal").c_str(), "re");
+  if (!journal) return;
+  int frame = 0;
+  unsigned long long inputs = 0, written = 0;
+  // A line that a crash cut short ends the reading.
+  while (std::fscanf(journal, "%d %16llx %16llx\n", &frame, &inputs, &written) == 3)
+    kept_[frame] = {inputs, written};
+  std::fclose(journal);
+  std::erase_if(
+      kept_, [&](const auto& entry) { return file_hash(file(entry.first)) != entry.second.file; });
+}
+
+bool FrameFolder::has(int frame, std::uint64_t inputs) const {
+  const auto entry = kept_.find(frame);
+  return entry != kept_.end() && entry->second.inputs == inputs;
+}
+
+void FrameFolder::put(int frame, std::uint64_t inputs, Picture picture) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return queue_.size() < kQueued || failure_; });
+  if (failure_) std::rethrow_exception(failure_);
+  queue_.push_back({frame, inputs, std::move(picture)});
+  changed_.notify_all();
+}
+
+void FrameFolder::finish() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return (queue_.empty() && !busy_) || failure_; });
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void FrameFolder::work(std::stop_token stop) {
+  std::unique_lock lock(mutex_);
+  while (changed_.wait(lock, stop, [&] { return !queue_.empty(); })) {
+    const Job job = std::move(queue_.front());
+    queue_.pop_front();
+    busy_ = true;
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      write(job);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    busy_ = false;
+    writing_time_ = thread_seconds();
+    if (failure && !failure_) failure_ = failure;
+    changed_.notify_all();
+    if (failure_) return;
+  }
+}
+
+void FrameFolder::write(const Job& job) {
+  const std::vector<std::uint8_t> bytes = encode_png(job.picture);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  AtomicFile png(file(job.frame));
+  png.write(text);
+  png.commit();
+  journal_ << fmt::format("{:06} {:016x} {:016x}\n", job.frame, job.inputs,
+                          Hash().bytes(bytes.data(), bytes.size()).value())
+           << std::flush;
+  if (!journal_)
+    throw CannotWrite(fmt::format("{}: cannot be written", (folder_ / "journal").string()));
+}
+
+}  // namespace taut

@@ -1,0 +1,71 @@
+// A folder of numbered frames, written while the next frame is drawn, and the journal that tells
+// which of them can be kept.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "render/atomic_file.h"
+#include "render/picture.h"
+
+namespace taut {
+
+/// Frames are NNNNNN.png. The journal has a line per frame: its number, the hash of everything it
+/// was made from, and that of its file; a frame is kept only where both still hold.
+class FrameFolder {
+ public:
+  /// Makes the folder. Frames that another run left are kept when `resume` and their journal
+  /// stands, and removed otherwise. Throws CannotWrite, also while another run writes here.
+  FrameFolder(std::filesystem::path folder, bool resume);
+  /// Waits until the frames given so far are written.
+  ~FrameFolder();
+  FrameFolder(const FrameFolder&) = delete;
+  FrameFolder& operator=(const FrameFolder&) = delete;
+
+  std::filesystem::path file(int frame) const;
+  /// True where a frame made from these inputs is there, whole.
+  bool has(int frame, std::uint64_t inputs) const;
+  /// Writes the frame on another thread; waits while two others are on their way. Throws
+  /// CannotWrite where an earlier frame could not be written.
+  void put(int frame, std::uint64_t inputs, Picture picture);
+  /// Waits for all frames. Throws CannotWrite.
+  void finish();
+
+  /// CPU time spent on packing and writing, s.
+  double writing_time() const { return writing_time_; }
+
+ private:
+  struct Entry {
+    std::uint64_t inputs, file;
+  };
+  struct Job {
+    int frame;
+    std::uint64_t inputs;
+    Picture picture;
+  };
+  void read_journal();
+  void work(std::stop_token stop);
+  void write(const Job& job);
+
+  std::filesystem::path folder_;
+  int lock_ = -1;
+  std::map<int, Entry> kept_;
+  std::ofstream journal_;
+
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<Job> queue_;
+  bool busy_ = false;
+  std::exception_ptr failure_;
+  double writing_time_ = 0;
+  std::jthread worker_;  // last: it uses everything above
+};
+
+}  // namespace taut

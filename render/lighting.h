@@ -1,0 +1,30 @@
+// Light as the shaders take it: ambient light in spherical harmonics, and the key light's map.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+
+#include "scenes/stage.h"
+
+namespace taut {
+
+/// Nine coefficients of irradiance/pi (rgb, linear), such that with a unit normal (x, y, z) it is
+/// c0 + c1 y + c2 z + c3 x + c4 xy + c5 yz + c6 (3z^2 - 1) + c7 xz + c8 (x^2 - y^2).
+using Harmonics = std::array<Eigen::Vector3f, 9>;
+
+/// The ambient light of a stage: sky above, ground below, and what the ground throws back of the
+/// key light (Ramamoorthi and Hanrahan 2001).
+Harmonics ambient_harmonics(const Light& light);
+
+/// World to the unit cube of the shadow map: x and y across the light, z along it. It covers the
+/// box; its size and place move in steps, so that shadow edges do not crawl from frame to frame.
+struct LightMap {
+  Eigen::Matrix4f projection;
+  double texel = 0;  // m
+};
+LightMap light_map(const Vec3& direction, const Eigen::AlignedBox3d& casters, int resolution);
+
+/// World to clip space. The picture's aspect is width / height.
+Eigen::Matrix4f camera_projection(const CameraView& camera, double aspect);
+
+}  // namespace taut

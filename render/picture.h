@@ -1,0 +1,31 @@
+// A picture in memory, and PNG files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace taut {
+
+/// 8-bit sRGB pixels, four bytes each (red, green, blue, unused), the top row first.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;
+
+  Picture() = default;
+  Picture(int w, int h)
+      : width(w), height(h), pixels(std::size_t(w) * std::size_t(h) * 4, std::uint8_t(255)) {}
+  std::uint8_t* at(int x, int y) {
+    return &pixels[(std::size_t(y) * std::size_t(width) + std::size_t(x)) * 4];
+  }
+  const std::uint8_t* at(int x, int y) const { return const_cast<Picture*>(this)->at(x, y); }
+};
+
+/// The picture as a PNG file's bytes, RGB; packed for speed rather than size.
+std::vector<std::uint8_t> encode_png(const Picture& picture);
+
+/// Reads back a PNG file. Throws std::runtime_error that names the file.
+Picture read_png(const std::filesystem::path& file);
+
+}  // namespace taut

@@ -1,0 +1,215 @@
+#include "render/shaders.h"
+
+namespace taut::shaders {
+
+// What every surface needs to know of a frame; FrameBlock in stage_renderer.cpp mirrors it.
+const char* const frame_block = R"(
+layout(std140, binding = 0) uniform Frame {
+  mat4 view_projection;
+  mat4 light_projection;   // world to [0,1]^3 of the shadow map
+  vec4 eye;
+  vec4 to_light;           // xyz: unit; w: one shadow texel, 0 to 1
+  vec4 light_color;        // rgb: key light; w: offset along the normal before the look-up, m
+  vec4 sky, ground;        // rgb: ambient radiance
+  vec4 ambient[9];         // rgb: irradiance/pi in spherical harmonics, constants folded in
+  vec4 capsule_from[6];    // xyz; w: radius
+  vec4 capsule_to[6];      // xyz; w: 1/length^2
+};
+)";
+
+const char* const surface_vertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 rest;
+layout(location = 3) in vec3 color;
+uniform mat4 model;
+invariant gl_Position;
+out vec3 world_position, world_normal, rest_position, tint, shadow_position;
+
+void main() {
+  world_position = (model * vec4(position, 1)).xyz;
+  world_normal = mat3(model) * normal;
+  rest_position = rest;
+  tint = color;
+  shadow_position = (light_projection * vec4(world_position + light_color.w * world_normal, 1)).xyz;
+  gl_Position = view_projection * vec4(world_position, 1);
+})";
+
+// Cook-Torrance with GGX (Walter et al. 2007), visibility by Schlick's k = a/2, Schlick's Fresnel;
+// the environment's part of the specular by the fit of Karis 2014 ("Physically based shading on
+// mobile"). Ambient light: spherical harmonics of Ramamoorthi and Hanrahan 2001. Capsule contact
+// shadow: the cosine-weighted solid angle of the nearest sphere on each capsule.
+const char* const surface_fragment = R"(
+in vec3 world_position, world_normal, rest_position, tint, shadow_position;
+layout(location = 0) out vec4 encoded;
+uniform vec3 base_color;
+uniform float base_roughness, metallic, opacity;
+uniform int grain_axis;
+layout(binding = 0) uniform sampler2DShadow shadow_map;
+layout(binding = 1) uniform sampler2D noise;
+
+// 1 where the key light reaches, through a tent of 3x3 bilinear look-ups.
+float key_visibility() {
+  const float spread = 1.4;
+  float sum = 0;
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x)
+      sum += texture(shadow_map, shadow_position + vec3(vec2(x, y) * spread * to_light.w, 0));
+  return sum * (1.0 / 9.0);
+}
+
+vec3 ambient_light(vec3 n) {
+  return ambient[0].rgb + ambient[1].rgb * n.y + ambient[2].rgb * n.z + ambient[3].rgb * n.x +
+         ambient[4].rgb * (n.x * n.y) + ambient[5].rgb * (n.y * n.z) +
+         ambient[6].rgb * (3.0 * n.z * n.z - 1.0) + ambient[7].rgb * (n.x * n.z) +
+         ambient[8].rgb * (n.x * n.x - n.y * n.y);
+}
+
+// What a mirror of that roughness sees: ground below, sky above, softer where rougher.
+vec3 environment(vec3 r, float roughness) {
+  float blur = 0.15 + 0.85 * roughness;
+  return mix(ground.rgb, sky.rgb, smoothstep(-blur, blur, r.y));
+}
+
+float contact_light(vec3 p, vec3 n) {
+  float light = 1;
+#if CAPSULES
+  for (int i = 0; i < 6; ++i) {
+    vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
+    vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
+    float distance2 = dot(d, d);
+    float r2 = capsule_from[i].w * capsule_from[i].w;
+    light *= 1 - 0.9 * min(max(dot(n, d), 0) * inversesqrt(distance2) * r2 / distance2, 1);
+  }
+#endif
+  return light;
+}
+
+// Coordinates across the surface, in the rest position, on the plane that it faces most.
+vec2 facing(vec3 p, vec3 n) {
+  vec3 a = abs(n);
+  return a.x > a.y && a.x > a.z ? p.yz : a.y > a.z ? p.xz : p.xy;
+}
+
+// sqrt(tone-mapped): nearly even steps to the eye, and cheap to undo before averaging.
+vec3 encode(vec3 radiance) {
+  vec3 x = radiance * EXPOSURE;
+  x = (x * (0.22 * x + 0.03) + 0.002) / (x * (0.22 * x + 0.3) + 0.06) - 1.0 / 30.0;
+  return sqrt(clamp(x * (1.0 / 0.9), 0.0, 1.0));
+}
+
+void main() {
+  vec3 n = normalize(world_normal);
+  vec3 albedo = base_color * tint;
+  float roughness = base_roughness;
+  vec3 wrap = vec3(0);   // how far diffuse light reaches round the terminator
+  float sheen = 0;
+
+#if SURFACE == 1  // wood: streaks along the grain
+  vec3 p = grain_axis == 0 ? rest_position.yzx : grain_axis == 1 ? rest_position.zxy : rest_position;
+  vec2 streaks = texture(noise, vec2(p.z * 0.9, (p.x + 0.6 * p.y) * 9.0)).rg;
+  albedo *= 0.70 + 0.42 * streaks.r + 0.18 * streaks.g;
+  roughness += 0.25 * (0.5 - streaks.r);
+#elif SURFACE == 2  // cloth: a weave of 2.4 mm that fades before it aliases, and a soft sheen
+  vec2 w = facing(rest_position, n) * (6.2832 / 0.0024);
+  vec2 width = fwidth(w);
+  float fade = clamp(1.4 - 0.55 * max(width.x, width.y), 0, 1);
+  albedo *= 1 + 0.16 * fade * sin(w.x) * sin(w.y);
+  wrap = vec3(0.15);
+  sheen = 0.12;
+#elif SURFACE == 3  // skin: light that went in comes out redder past the terminator
+  wrap = vec3(0.34, 0.16, 0.10);
+  albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * 6.0).r;
+#elif SURFACE == 4  // rope: three strands; rest_position is (turn, metres along, radius)
+  float strand = abs(sin(3.14159 * (3.0 * rest_position.x + rest_position.y / (7.0 * rest_position.z))));
+  albedo *= 0.45 + 0.55 * sqrt(strand);
+  wrap = vec3(0.1);
+#endif
+
+  vec3 v = normalize(eye.xyz - world_position), l = to_light.xyz;
+  float nl = dot(n, l), nv = max(dot(n, v), 1e-3);
+  vec3 h = normalize(l + v);
+  float nh = max(dot(n, h), 0), vh = max(dot(v, h), 0);
+  float lit = max(nl, 0);
+
+  float a = roughness * roughness, a2 = a * a, k = 0.5 * a;
+  float d = nh * nh * (a2 - 1) + 1;
+  float lobe = a2 / (d * d) * 0.25 / ((lit * (1 - k) + k) * (nv * (1 - k) + k));
+  vec3 f0 = mix(vec3(0.04), albedo, metallic);
+  float c = 1 - vh, c2 = c * c;
+  vec3 fresnel = f0 + (1 - f0) * (c2 * c2 * c);
+
+  // Units: a white Lambert surface that faces the key light has the radiance light_color.
+  vec3 diffuse = albedo * (1 - metallic);
+#if SURFACE == 2 || SURFACE == 3 || SURFACE == 4
+  vec3 diffuse_lit = max((nl + wrap) / ((1 + wrap) * (1 + wrap)), 0);
+#else
+  vec3 diffuse_lit = vec3(lit);
+#endif
+  vec3 key = light_color.rgb * key_visibility();
+  vec3 radiance = key * (diffuse * diffuse_lit + lobe * fresnel * lit);
+
+  vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);
+  float grazing = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+  vec2 fit = vec2(-1.04, 1.04) * grazing + r.zw;
+  vec3 ambient_part = diffuse * ambient_light(n) +
+                      (f0 * fit.x + fit.y) * environment(reflect(-v, n), roughness);
+#if SURFACE == 2
+  float rim = 1 - nv;
+  ambient_part += sheen * rim * rim * rim * ambient_light(n);
+#endif
+  radiance += contact_light(world_position, n) * ambient_part;
+  encoded = vec4(encode(radiance), opacity);
+})";
+
+const char* const depth_vertex = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 model;
+void main() {
+  gl_Position = vec4((light_projection * (model * vec4(position, 1))).xyz * 2 - 1, 1);
+})";
+
+const char* const depth_fragment = "void main() {}";
+
+const char* const cover_vertex = R"(
+void main() {
+  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0, 1);
+})";
+
+const char* const gather_fragment = R"(
+layout(binding = 0) uniform sampler2DMS samples;
+layout(location = 0) out vec4 light;
+uniform float weight;
+void main() {
+  vec3 sum = vec3(0);
+  for (int i = 0; i < SAMPLES; ++i) {
+    vec3 s = texelFetch(samples, ivec2(gl_FragCoord.xy), i).rgb;
+    sum += s * s;
+  }
+  light = vec4(sum * (weight / SAMPLES), 1);
+})";
+
+const char* const finish_fragment = R"(
+layout(binding = 0) uniform SAMPLER samples;
+layout(location = 0) out vec4 color;
+uniform int height;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.x, height - 1 - int(gl_FragCoord.y));
+#if SAMPLES
+  vec3 light = vec3(0);
+  for (int i = 0; i < SAMPLES; ++i) {
+    vec3 s = texelFetch(samples, pixel, i).rgb;
+    light += s * s;
+  }
+  light *= 1.0 / SAMPLES;
+#else
+  vec3 light = texelFetch(samples, pixel, 0).rgb;
+#endif
+  vec3 srgb = mix(12.92 * light, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055,
+                  step(0.0031308, light));
+  // Interleaved gradient noise (Jimenez 2014), one step of the 8-bit scale wide.
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  color = vec4(srgb + (noise - 0.5) / 255.0, 1);
+})";
+
+}  // namespace taut::shaders

@@ -1,0 +1,25 @@
+// The GLSL sources. The head of each says what it computes; shaders.cpp holds the text.
+#pragma once
+
+namespace taut::shaders {
+
+/// What every surface needs to know of a frame; goes before the shaders of surfaces and depth.
+extern const char* const frame_block;
+
+/// Lit surfaces. Defines: SURFACE (a Surface), CAPSULES (0 or 1: contact shadow from capsules).
+extern const char* const surface_vertex;
+extern const char* const surface_fragment;
+
+/// Depth as the key light sees it.
+extern const char* const depth_vertex;
+extern const char* const depth_fragment;
+
+/// One triangle that covers the picture, and the passes that finish it.
+extern const char* const cover_vertex;
+/// Decodes and averages the samples of a pixel into linear light. Define: SAMPLES.
+extern const char* const gather_fragment;
+/// Linear light to dithered 8-bit sRGB, top row first. Defines: SAMPLES (0: from accumulated
+/// light).
+extern const char* const finish_fragment;
+
+}  // namespace taut::shaders

@@ -1,0 +1,261 @@
+#include "render/stage_renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/drawable.h"
+#include "render/lighting.h"
+#include "render/noise.h"
+#include "render/shaders.h"
+#include "render/skinning.h"
+
+namespace taut {
+namespace {
+
+using Eigen::Matrix4f;
+using Eigen::Vector3f;
+using Eigen::Vector4f;
+
+constexpr int kShadowSize = 2048;
+constexpr std::size_t kCapsules = 6;
+constexpr const char* kExposure = "#define EXPOSURE 1.0\n";
+
+/// What every surface needs to know of a frame; mirrors the shaders' block.
+struct FrameBlock {
+  Matrix4f view_projection, light_projection;
+  Vector4f eye, to_light, light_color, sky, ground;
+  std::array<Vector4f, 9> ambient;
+  std::array<Vector4f, kCapsules> capsule_from, capsule_to;
+};
+
+Vector4f with_w(const Vec3& v, double w) {
+  return {float(v.x()), float(v.y()), float(v.z()), float(w)};
+}
+
+Matrix4f matrix(const Pose& pose) {
+  Matrix4f m = Matrix4f::Identity();
+  m.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix().cast<float>();
+  m.topRightCorner<3, 1>() = pose.position.cast<float>();
+  return m;
+}
+
+std::vector<Drawable> drawables(const Gl& gl, const Model& model) {
+  std::vector<Drawable> result;
+  for (const Mesh& mesh : model.meshes)
+    result.emplace_back(gl, mesh, model.materials[mesh.material]);
+  return result;
+}
+
+/// One thing to draw, where.
+struct Item {
+  const Drawable* drawable;
+  Matrix4f model;
+};
+
+}  // namespace
+
+struct StageRenderer::Impl {
+  Impl(const Context& context, const Stage& s, const World& world)
+      : gl(context.gl()),
+        stage(s),
+        frame(make_buffer(gl)),
+        shadow_map(make_texture(gl, GL_DEPTH_COMPONENT24, kShadowSize, kShadowSize)),
+        shadow_target(make_framebuffer(gl, 0, shadow_map.id())),
+        noise(make_noise_texture(gl)),
+        depth_program(gl, shaders::frame_block, shaders::depth_vertex, shaders::depth_fragment),
+        ambient(ambient_harmonics(s.light)) {
+    const GLuint map = shadow_map.id();
+    gl.TextureParameteri(map, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    gl.TextureParameteri(map, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    // Beyond the map everything is lit.
+    const float lit[] = {1, 1, 1, 1};
+    gl.TextureParameteri(map, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    gl.TextureParameteri(map, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    gl.TextureParameterfv(map, GL_TEXTURE_BORDER_COLOR, lit);
+
+    for (const auto& model : stage.scenery) scenery.push_back(drawables(gl, *model));
+    for (const auto& model : stage.body_models)
+      bodies.push_back(model ? drawables(gl, *model) : std::vector<Drawable>());
+    for (const auto& model : stage.characters) characters.push_back(drawables(gl, *model));
+    for (std::size_t i = 0; i < world.connectors.size(); ++i) {
+      const ConnectorLook look =
+          i < stage.connector_looks.size() ? stage.connector_looks[i] : ConnectorLook();
+      connector_meshes.push_back(make_connector_mesh(world.connectors[i], look));
+      const bool chain = look.kind == ConnectorLook::Kind::chain;
+      const Material material{.name = chain ? "steel" : "rope",
+                              .base_color = {1, 1, 1},
+                              .roughness = chain ? 0.35f : 0.9f,
+                              .metallic = chain ? 1.0f : 0.0f};
+      connectors.emplace_back(gl, connector_meshes[i]->indices(), connector_meshes[i]->rest(),
+                              material, chain ? Surface::plain : Surface::rope);
+    }
+  }
+
+  const Program& program(Surface surface, bool with_capsules) {
+    auto& slot = programs[{surface, with_capsules}];
+    if (!slot)
+      slot = std::make_unique<Program>(
+          gl,
+          fmt::format("{}#define SURFACE {}\n#define CAPSULES {:d}\n{}", kExposure, int(surface),
+                      with_capsules, shaders::frame_block),
+          shaders::surface_vertex, shaders::surface_fragment);
+    return *slot;
+  }
+
+  void pose(const Instant& instant) {
+    for (std::size_t i = 0; i < characters.size(); ++i) {
+      const Model& model = *stage.characters[i];
+      const std::vector<BoneMatrix> bones = bone_matrices(model, instant.bones[i]);
+      for (std::size_t k = 0; k < model.meshes.size(); ++k) {
+        skin(model.meshes[k], bones, vertices);
+        characters[i][k].move(vertices);
+      }
+    }
+    for (std::size_t i = 0; i < connectors.size(); ++i) {
+      connector_meshes[i]->place(instant.state.connectors[i], instant.state.bodies, vertices);
+      connectors[i].move(vertices);
+    }
+  }
+
+  /// Things in front of the scenery, as far as the layer shows them.
+  std::vector<Item> moving_items(const Instant& instant, const Layer& layer) const {
+    std::vector<Item> items;
+    if (layer.characters)
+      for (const auto& character : characters)
+        for (const Drawable& part : character) items.push_back({&part, Matrix4f::Identity()});
+    if (layer.bodies)
+      for (std::size_t i = 0; i < bodies.size(); ++i)
+        for (const Drawable& part : bodies[i])
+          items.push_back({&part, matrix(instant.state.bodies[i])});
+    if (layer.connectors)
+      for (const Drawable& connector : connectors)
+        items.push_back({&connector, Matrix4f::Identity()});
+    return items;
+  }
+
+  std::vector<Item> scenery_items() const {
+    std::vector<Item> items;
+    for (const auto& model : scenery)
+      for (const Drawable& part : model) items.push_back({&part, Matrix4f::Identity()});
+    return items;
+  }
+
+  static Eigen::AlignedBox3d casters(const Instant& instant) {
+    Eigen::AlignedBox3d box;
+    for (const auto& particles : instant.state.connectors)
+      for (const Vec3& p : particles) box.extend(p);
+    for (const Pose& body : instant.state.bodies) box.extend(body.position);
+    for (const auto& bones : instant.bones)
+      for (const Pose& bone : bones) box.extend(bone.position);
+    if (box.isEmpty()) box.extend(Vec3::Zero());
+    const Vec3 margin = Vec3::Constant(0.35);  // flesh around bones, sticks beyond their middles
+    return {box.min() - margin, box.max() + margin};
+  }
+
+  void draw_depth(std::span<const Item> items) const {
+    depth_program.use();
+    for (const Item& item : items) {
+      depth_program.set("model", item.model);
+      item.drawable->draw();
+    }
+  }
+
+  void draw_surfaces(std::span<const Item> items, float opacity, bool with_capsules) {
+    for (const Item& item : items) {
+      const Program& p = program(item.drawable->surface(), with_capsules);
+      const Material& material = item.drawable->material();
+      p.use();
+      p.set("model", item.model);
+      p.set("base_color", Vector3f(material.base_color.data()));
+      p.set("base_roughness", std::max(material.roughness, 0.08f));
+      p.set("metallic", material.metallic);
+      p.set("opacity", opacity);
+      p.set("grain_axis", item.drawable->grain_axis());
+      item.drawable->draw();
+    }
+  }
+
+  const Gl& gl;
+  const Stage& stage;
+  GlObject frame, shadow_map, shadow_target, noise;
+  Program depth_program;
+  Harmonics ambient;
+  std::map<std::pair<Surface, bool>, std::unique_ptr<Program>> programs;
+  std::vector<std::vector<Drawable>> scenery, bodies, characters;
+  std::vector<std::unique_ptr<ConnectorMesh>> connector_meshes;
+  std::vector<Drawable> connectors;
+  std::vector<MovingVertex> vertices;
+};
+
+StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world)
+    : impl_(std::make_unique<Impl>(context, stage, world)) {}
+
+StageRenderer::~StageRenderer() = default;
+
+void StageRenderer::clear(const Canvas& canvas) const {
+  const Gl& gl = impl_->gl;
+  canvas.bind();
+  gl.Disable(GL_SCISSOR_TEST);
+  gl.DepthMask(GL_TRUE);
+  const Vec3& c = impl_->stage.background;
+  gl.ClearColor(float(c.x()), float(c.y()), float(c.z()), 1);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Instant& instant,
+                         const Layer& layer) {
+  Impl& d = *impl_;
+  const Gl& gl = d.gl;
+  d.pose(instant);
+  const std::vector<Item> moving = d.moving_items(instant, layer);
+  const std::vector<Item> scenery = layer.scenery ? d.scenery_items() : std::vector<Item>();
+
+  const Light& light = d.stage.light;
+  const LightMap map = light_map(light.direction, Impl::casters(instant), kShadowSize);
+  FrameBlock block{};
+  block.view_projection =
+      camera_projection(instant.camera, double(viewport.width) / viewport.height);
+  block.light_projection = map.projection;
+  block.eye = with_w(instant.camera.position, 1);
+  block.to_light = with_w(-light.direction.normalized(), 1.0 / kShadowSize);
+  block.light_color = with_w(light.color, 1.5 * map.texel);
+  block.sky = with_w(light.sky, 0);
+  block.ground = with_w(light.ground, 0);
+  for (std::size_t i = 0; i < 9; ++i) block.ambient[i] << d.ambient[i], 0;
+  upload(gl, d.frame, std::span<const FrameBlock>(&block, 1), GL_DYNAMIC_DRAW);
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d.frame.id());
+
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LESS);
+  gl.Enable(GL_CULL_FACE);
+  gl.CullFace(GL_BACK);
+  gl.Disable(GL_BLEND);
+  gl.Disable(GL_SCISSOR_TEST);
+  if (layer.opacity >= 1) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, d.shadow_target.id());
+    gl.Viewport(0, 0, kShadowSize, kShadowSize);
+    gl.DepthMask(GL_TRUE);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    gl.Enable(GL_DEPTH_CLAMP);
+    gl.Enable(GL_POLYGON_OFFSET_FILL);
+    gl.PolygonOffset(1.5f, 2.0f);
+    d.draw_depth(moving);
+    d.draw_depth(scenery);
+    gl.Disable(GL_POLYGON_OFFSET_FILL);
+    gl.Disable(GL_DEPTH_CLAMP);
+  } else {
+    gl.Enable(GL_BLEND);
+    gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  }
+
+  canvas.bind();
+  gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
+  gl.BindTextureUnit(0, d.shadow_map.id());
+  gl.BindTextureUnit(1, d.noise.id());
+  d.draw_surfaces(moving, layer.opacity, false);
+  d.draw_surfaces(scenery, layer.opacity, false);
+}
+
+}  // namespace taut

@@ -1,0 +1,42 @@
+#include <cmath>
+
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+/// Where the straight piece from a to b, taken from the share `u` on, leaves the ball of radius
+/// `r` about `centre`, as a share of the piece; above 1 when it stays inside.
+double exit_share(const Vec3& a, const Vec3& b, const Vec3& centre, double r) {
+  // |a + u (b - a) - centre|^2 = r^2; of the two zeros the larger is the way out.
+  const Vec3 piece = b - a, from = a - centre;
+  const double p = piece.dot(from), q = piece.squaredNorm();
+  if (q == 0) return 2;
+  return (-p + std::sqrt(std::max(0.0, p * p - q * (from.squaredNorm() - r * r)))) / q;
+}
+
+}  // namespace
+
+std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t particles, double link) {
+  // The last link may miss its length by the rounding of the numbers in the file.
+  constexpr double rounding = 1e-6;
+  std::vector<Vec3> line{corners.front()};
+  std::size_t piece = 0;
+  while (line.size() < particles) {
+    const Vec3 last = line.back();
+    for (;; ++piece) {
+      const double share = exit_share(corners[piece], corners[piece + 1], last, link);
+      const bool ends = piece + 2 == corners.size();
+      const double missing = (share - 1) * (corners[piece + 1] - corners[piece]).norm();
+      if (share <= 1 || (ends && share < 2 && missing <= rounding * link)) {
+        line.push_back(corners[piece] + share * (corners[piece + 1] - corners[piece]));
+        break;
+      }
+      if (ends) return line;
+    }
+  }
+  return line;
+}
+
+}  // namespace taut

@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+MassProperties read_shape(const Value& shape, double mass) {
+  const Value& kind = shape.children.front();
+  if (kind.name == "cylinder") {
+    return solid_cylinder(mass, kind.find("length")->number, kind.find("diameter")->number);
+  }
+  if (kind.name == "sphere") return solid_sphere(mass, kind.find("diameter")->number);
+  return solid_box(mass, kind.find("size")->vec3());
+}
+
+MassProperties read_inertia(const Document& document, const Value& body, double mass) {
+  const Value& list = *body.find("inertia");
+  double v[6] = {};
+  for (std::size_t i = 0; i < list.children.size(); ++i) v[i] = list.children[i].number;
+  Mat3 inertia;
+  inertia << v[0], v[3], v[5], v[3], v[1], v[4], v[5], v[4], v[2];
+  // Mass that is somewhere has principal moments above zero, none larger than the other two
+  // together (equal for a flat plate, hence the rounding).
+  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvalues();
+  if (!(moments[0] > 0) || moments[2] > (moments[0] + moments[1]) * (1 + 1e-9)) {
+    document.fail(list, fmt::format("found principal moments {}, {}, {}, expected all above 0 and "
+                                    "none above the sum of the others",
+                                    moments[0], moments[1], moments[2]));
+  }
+  return {mass, vec3_or(body, "centre", Vec3::Zero()), inertia};
+}
+
+std::shared_ptr<const Path> read_driver(const Document& document, const Value& driver,
+                                        const Paths& paths) {
+  if (const Value* path = driver.find("path")) {
+    if (const Value* hand = driver.find("hand")) {
+      document.fail_at_key(*hand, "stands beside path, expected a character");
+    }
+    return path_named(document, *path, paths);
+  }
+  const Value* characters = document.root.find("characters");
+  const auto names = names_of(characters);
+  const std::size_t index = index_of(document, *driver.find("character"), names, "character");
+  if (!driver.find("hand")) document.fail(driver, "hand is missing, expected one of: right");
+  return path_named(document, *characters->children[index].find("right_hand"), paths);
+}
+
+Body read_body(const Document& document, const Value& value, const Paths& paths) {
+  Body body;
+  body.name = value.name;
+  const double mass = value.find("mass")->number;
+  const Value* shape = value.find("shape");
+  body.mass_properties = shape ? read_shape(*shape, mass) : read_inertia(document, value, mass);
+  const auto only_with = [&](const char* key, bool allowed, const char* other) {
+    const Value* member = value.find(key);
+    if (member && !allowed) document.fail_at_key(*member, fmt::format("needs {}", other));
+  };
+  only_with("centre", !shape, "inertia, a shape has its own centre");
+  const Value* driver = value.find("driven_by");
+  only_with("grip", driver, "driven_by");
+  only_with("rotation", value.find("position"), "position");
+  only_with("velocity", !driver, "a free body, without driven_by");
+  only_with("spin", !driver, "a free body, without driven_by");
+
+  body.grip = vec3_or(value, "grip", Vec3::Zero());
+  body.velocity = vec3_or(value, "velocity", Vec3::Zero());
+  body.spin = vec3_or(value, "spin", Vec3::Zero());
+  if (driver) {
+    body.path = read_driver(document, *driver, paths);
+    const Pose frame = driven_frame(body, 0).pose();
+    body.position = frame.to_world(body.mass_properties.centre);
+    body.rotation = frame.rotation;
+  } else if (const Value* position = value.find("position")) {
+    if (const Value* turn = value.find("rotation")) body.rotation = rotation(document, *turn);
+    body.position = position->vec3() + body.rotation * body.mass_properties.centre;
+  }
+  return body;
+}
+
+}  // namespace
+
+std::vector<Body> read_bodies(const Document& document, const Paths& paths) {
+  std::vector<Body> bodies;
+  if (const Value* table = document.root.find("bodies")) {
+    for (const Value& value : table->children) {
+      bodies.push_back(read_body(document, value, paths));
+    }
+  }
+  return bodies;
+}
+
+}  // namespace taut

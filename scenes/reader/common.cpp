@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path root_of(const fs::path& folder) {
+  std::error_code error;
+  for (fs::path at = folder;; at = at.parent_path()) {
+    if (fs::exists(at / "CMakeLists.txt", error) || fs::exists(at / ".git", error)) return at;
+    if (at == at.parent_path()) return folder;
+  }
+}
+
+bool is_inside(const fs::path& file, const fs::path& folder) {
+  const auto [in_folder, in_file] = std::ranges::mismatch(folder, file);
+  return in_folder == folder.end();
+}
+
+}  // namespace
+
+fs::path find_file(const Document& document, const Value& value) {
+  const fs::path asked(value.text);
+  if (asked.is_absolute()) document.mismatch(value, "a path relative to the scene");
+  std::error_code error;
+  const fs::path folder = fs::weakly_canonical(document.file, error).parent_path();
+  const fs::path root = root_of(folder);
+  for (const fs::path& base : {root, folder}) {
+    const fs::path file = fs::weakly_canonical(base / asked, error);
+    if (error || !fs::exists(file, error)) continue;
+    if (!is_inside(file, root)) {
+      document.mismatch(value, fmt::format("a file inside of {}", root.string()));
+    }
+    if (fs::is_directory(file, error)) document.mismatch(value, "a file, not a directory");
+    return fs::proximate(file, error);
+  }
+  document.fail(value, fmt::format("there is no file {} in {}{}", shown(value), root.string(),
+                                   root == folder ? "" : " or beside the scene"));
+}
+
+double number_or(const Value& table, std::string_view key, double fallback) {
+  const Value* value = table.find(key);
+  return value ? value->number : fallback;
+}
+
+Vec3 vec3_or(const Value& table, std::string_view key, const Vec3& fallback) {
+  const Value* value = table.find(key);
+  return value ? value->vec3() : fallback;
+}
+
+bool flag_or(const Value& table, std::string_view key, bool fallback) {
+  const Value* value = table.find(key);
+  return value ? value->flag : fallback;
+}
+
+std::string_view text_or(const Value& table, std::string_view key, std::string_view fallback) {
+  const Value* value = table.find(key);
+  return value ? std::string_view(value->text) : fallback;
+}
+
+Vec3 direction(const Document& document, const Value& value) {
+  const Vec3 unit = value.vec3().stableNormalized();
+  if (unit.isZero()) document.fail(value, "found a vector of length 0, expected a direction");
+  return unit;
+}
+
+Quat rotation(const Document& document, const Value& value) {
+  Eigen::Vector4d wxyz;
+  for (int i = 0; i < 4; ++i) wxyz[i] = value.children[static_cast<std::size_t>(i)].number;
+  wxyz.stableNormalize();
+  if (wxyz.isZero()) {
+    document.fail(value, "found a quaternion of length 0, expected a rotation [w, x, y, z]");
+  }
+  return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+}
+
+std::size_t index_of(const Document& document, const Value& value,
+                     const std::vector<std::string_view>& names, std::string_view what) {
+  const auto found = std::ranges::find(names, value.text);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  const std::string near = suggestion(value.text, names);
+  const std::string known = names.empty()  ? ", the scene has none"
+                            : near.empty() ? fmt::format(" of: {}", fmt::join(names, ", "))
+                                           : near;
+  document.mismatch(value, fmt::format("the name of a {}{}", what, known));
+}
+
+std::vector<std::string_view> names_of(const Value* table) {
+  std::vector<std::string_view> names;
+  if (table) {
+    for (const Value& member : table->children) names.push_back(member.name);
+  }
+  return names;
+}
+
+Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
+                           const Paths& paths, const World& world) {
+  Attachment to;
+  if (const Value* body = table.find("body")) {
+    std::vector<std::string_view> names;
+    for (const Body& known : world.bodies) names.push_back(known.name);
+    to.kind = Attachment::Kind::body;
+    to.body = index_of(document, *body, names, "body");
+    to.point = vec3_or(table, "point", Vec3::Zero());
+  } else if (const Value* path = table.find("path")) {
+    to.kind = Attachment::Kind::path;
+    to.path = path_named(document, *path, paths);
+    to.point = vec3_or(table, "point", Vec3::Zero());
+  } else {
+    to.point = table.find(space)->vec3();
+  }
+  return to;
+}
+
+}  // namespace taut

@@ -1,0 +1,219 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+/// How far an end may lie from where its connector ends, as a share of the length: the rounding of
+/// numbers that people type.
+constexpr double kRounding = 1e-6;
+
+/// One end of a connector as the file describes it.
+struct End {
+  const Value* value;
+  std::optional<Attachment> to;    // none: nothing holds it
+  double point_mass = 0;           // kg
+  const Value* hanging = nullptr;  // `hangs` of the body that holds it and has no place yet
+};
+
+class Layout {
+ public:
+  Layout(const Document& document, const Paths& paths, World& world)
+      : document_(document), paths_(paths), world_(world) {
+    const Value* bodies = document.root.find("bodies");
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+      unplaced_.push_back(bodies->children[i].find("hangs"));
+    }
+  }
+
+  /// Lays connectors whose ends are known until none is left: one may hang from what another holds.
+  void run() {
+    const Value* table = document_.root.find("connectors");
+    if (table) {
+      for (const Value& value : table->children) add(value);
+      std::vector<bool> laid(table->children.size());
+      for (bool progress = true; progress;) {
+        progress = false;
+        for (std::size_t i = 0; i < laid.size(); ++i) {
+          if (laid[i] || !lay(table->children[i], world_.connectors[i])) continue;
+          laid[i] = progress = true;
+        }
+      }
+      for (std::size_t i = 0; i < laid.size(); ++i) {
+        if (!laid[i]) {
+          document_.fail(table->children[i],
+                         "neither end has a place at the start, expected one that has, or "
+                         "start = { points = [...] }");
+        }
+      }
+    }
+    for (const Value* hangs : unplaced_) {
+      if (hangs) document_.fail(*hangs, "no connector holds the body, expected one to hang from");
+    }
+  }
+
+ private:
+  void add(const Value& value) {
+    const double length = value.find("length")->number, mass = value.find("mass")->number;
+    const auto particles = static_cast<std::size_t>(value.find("particles")->number);
+    if (length == 0 && particles > 2) {
+      document_.mismatch(*value.find("length"),
+                         fmt::format("a number above 0 for {} particles (a joint of length 0 has "
+                                     "2)",
+                                     particles));
+    }
+    Connector connector =
+        straight_connector(value.name, length, mass, particles, Vec3::Zero(), Vec3::UnitY());
+    if (text_or(value, "model", "links") == "span") connector.model = ConnectorModel::span;
+    connector.elasticity = number_or(value, "elasticity", 0);
+    add_end(value, "from", 0, connector);
+    add_end(value, "to", particles - 1, connector);
+    const bool all_held = connector.holds.size() == particles;
+    if (mass == 0 && connector.model == ConnectorModel::links && !all_held) {
+      document_.mismatch(*value.find("mass"),
+                         "a number above 0 (kg), unless model is span or both of 2 particles are "
+                         "held");
+    }
+    world_.connectors.push_back(std::move(connector));
+  }
+
+  End read_end(const Value& value) const {
+    End end{&value, {}};
+    const Value* point = value.find("point");
+    if (point && !value.find("body") && !value.find("path")) {
+      document_.fail_at_key(*point, "needs body or path");
+    }
+    if (const Value* mass = value.find("point_mass")) {
+      end.point_mass = mass->number;
+    } else if (const Value* free = value.find("free")) {
+      if (!free->flag) document_.mismatch(*free, "true, or another key");
+    } else {
+      end.to = read_attachment(document_, value, "fixed", paths_, world_);
+      if (end.to->kind == Attachment::Kind::body) end.hanging = unplaced_[end.to->body];
+    }
+    return end;
+  }
+
+  void add_end(const Value& value, const char* key, std::size_t particle, Connector& connector) {
+    const End end = read_end(*value.find(key));
+    connector.particle_mass[particle] += end.point_mass;
+    if (end.to) connector.holds.push_back({particle, *end.to});
+  }
+
+  std::optional<Vec3> place(const End& end) const {
+    if (!end.to || end.hanging) return {};
+    return hold_motion(world_, *end.to, 0).position;
+  }
+
+  /// Gives the connector its shape, and what hangs from it its place. False while neither end is
+  /// known.
+  bool lay(const Value& value, Connector& connector) {
+    const End from = read_end(*value.find("from")), to = read_end(*value.find("to"));
+    const Value* start = value.find("start");
+    const Value* points = start ? start->find("points") : nullptr;
+    const auto first = place(from), last = place(to);
+    if (points) {
+      connector.position = on_points(*points, connector);
+    } else if (first) {
+      connector.position = shape(value, connector, *first, last);
+    } else if (last) {
+      connector.position = shape(value, connector, *last, first);
+      std::ranges::reverse(connector.position);
+    } else {
+      return false;
+    }
+    meet(value, connector, from, first, connector.position.front());
+    meet(value, connector, to, last, connector.position.back());
+    return true;
+  }
+
+  std::vector<Vec3> on_points(const Value& points, const Connector& connector) const {
+    std::vector<Vec3> corners;
+    for (const Value& corner : points.children) corners.push_back(corner.vec3());
+    auto line = along_line(corners, connector.particles(), connector.rest.front());
+    if (line.size() < connector.particles()) {
+      document_.fail(points,
+                     fmt::format("the line has room for {} of {} links of {} m", line.size() - 1,
+                                 connector.links(), connector.rest.front()));
+    }
+    return line;
+  }
+
+  /// The shape that starts at `origin`, which is a known end's place; `far` is the other's.
+  std::vector<Vec3> shape(const Value& value, const Connector& connector, const Vec3& origin,
+                          const std::optional<Vec3>& far) const {
+    const Value* start = value.find("start");
+    if (const Value* along = start ? start->find("direction") : nullptr) {
+      return straight(connector, origin, direction(document_, *along));
+    }
+    const Value* hanging = start ? start->find("hanging_to") : nullptr;
+    if (!hanging && !far) {
+      const Vec3& g = world_.gravity;
+      return straight(connector, origin, g.isZero() ? Vec3(-Vec3::UnitY()) : Vec3(g.normalized()));
+    }
+    const Vec3 end = hanging ? hanging->vec3() : *far;
+    const double apart = (end - origin).norm();
+    if (apart > connector.length * (1 + kRounding)) {
+      document_.fail(hanging ? *hanging : value,
+                     fmt::format("the ends are {:.6g} m apart, expected at most the length, {} m",
+                                 apart, connector.length));
+    }
+    return hanging_points(connector, origin, end, world_.gravity);
+  }
+
+  static std::vector<Vec3> straight(const Connector& connector, const Vec3& origin,
+                                    const Vec3& unit) {
+    return straight_connector("", connector.length, connector.mass, connector.particles(), origin,
+                              unit)
+        .position;
+  }
+
+  /// Brings together an end and the particle it holds: the body that hangs comes to the particle;
+  /// any other end must be there.
+  void meet(const Value& value, const Connector& connector, const End& end,
+            const std::optional<Vec3>& known, const Vec3& particle) {
+    if (!end.to) return;
+    if (end.hanging) {
+      // Both ends may be the same body: the first has placed it.
+      if (unplaced_[end.to->body]) return hang(*end.to, *end.hanging, particle);
+    }
+    const Vec3 at = known ? *known : hold_motion(world_, *end.to, 0).position;
+    const double apart = (at - particle).norm();
+    if (apart > kRounding * connector.length) {
+      document_.fail(*end.value,
+                     fmt::format("holds a point that is {:.6g} m away from where {} ends at the "
+                                 "start, expected its place",
+                                 apart, value.path));
+    }
+  }
+
+  void hang(const Attachment& to, const Value& hangs, const Vec3& particle) {
+    Body& body = world_.bodies[to.body];
+    const Vec3 lever = body.mass_properties.centre - to.point;
+    if (lever.isZero()) {
+      document_.fail(hangs, "the body is held at its centre of mass, expected a position instead");
+    }
+    const Vec3 down = direction(document_, hangs);
+    body.rotation = Quat::FromTwoVectors(lever, down);
+    body.position = particle + lever.norm() * down;
+    unplaced_[to.body] = nullptr;
+  }
+
+  const Document& document_;
+  const Paths& paths_;
+  World& world_;
+  std::vector<const Value*> unplaced_;  // [body] its `hangs` while it has no place
+};
+
+}  // namespace
+
+void read_connectors(const Document& document, const Paths& paths, World& world) {
+  Layout(document, paths, world).run();
+}
+
+}  // namespace taut

@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+std::string dividing_text(double step, int fps) {
+  const double count = std::ceil(1 / (fps * step));
+  return fmt::format("a step that divides the frame of 1/{} s, such as {:.12g} (1/{} s)", fps,
+                     1 / (fps * count), fps * count);
+}
+
+}  // namespace
+
+MethodChoice default_method() {
+  const MethodInfo* direct = find_method("direct");
+  return {std::string(direct ? direct->name : methods().front().name), {}};
+}
+
+std::optional<double> dividing_step(double step, int fps) {
+  const double ratio = 1 / (fps * step), count = std::round(ratio);
+  if (count < 1 || std::abs(ratio - count) > 1e-6 * count) return {};
+  return 1 / (fps * count);
+}
+
+MethodChoice read_method(const Document& document, int fps) {
+  const Value* table = document.root.find("method");
+  if (!table) return default_method();
+  const Value& name = *table->find("name");
+  const MethodInfo& method = *find_method(name.text);
+  if (!method.missing.empty()) {
+    document.mismatch(name, fmt::format("a method that this build has ({})", method.missing));
+  }
+  MethodChoice choice{name.text, {}};
+  for (const Value& member : table->children) {
+    if (&member == &name) continue;
+    if (member.kind == Value::Kind::flag) {
+      choice.settings[member.name] = member.flag;
+    } else if (member.kind == Value::Kind::text) {
+      choice.settings[member.name] = member.text;
+    } else {
+      choice.settings[member.name] = member.number;
+    }
+  }
+  if (const Value* step = table->find("step")) {
+    const auto exact = dividing_step(step->number, fps);
+    if (!exact) document.mismatch(*step, dividing_text(step->number, fps));
+    choice.settings["step"] = *exact;
+  }
+  return choice;
+}
+
+}  // namespace taut

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "scenes/error.h"
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+/// The rotation that takes the frame `before` to one whose y axis is `axis` the shortest way, so
+/// that a path of directions does not spin about them.
+Quat turned_to(const Quat& before, const Vec3& axis) {
+  return (Quat::FromTwoVectors(before * Vec3::UnitY(), axis) * before).normalized();
+}
+
+Path read_keys(const Document& document, const Value& list) {
+  std::vector<PathKey> keys;
+  for (const Value& entry : list.children) {
+    const Value& time = *entry.find("t");
+    PathKey key{time.number, entry.find("position")->vec3(),
+                keys.empty() ? Quat::Identity() : keys.back().rotation,
+                flag_or(entry, "ease", false)};
+    if (!keys.empty() && !(key.time > keys.back().time)) {
+      document.mismatch(
+          time, fmt::format("a time after {} s, where the key before it ends", keys.back().time));
+    }
+    if (const Value* value = entry.find("rotation")) key.rotation = rotation(document, *value);
+    if (const Value* value = entry.find("axis")) {
+      key.rotation = turned_to(key.rotation, direction(document, *value));
+    }
+    const double hold = number_or(entry, "hold", 0);
+    if (hold > 0) key.ease = true;
+    keys.push_back(key);
+    if (hold > 0) {
+      key.time += hold;
+      keys.push_back(key);
+    }
+  }
+  return Path(std::move(keys));
+}
+
+/// A row of numbers between commas; false when a field is none.
+bool split(std::string_view line, std::vector<double>& row) {
+  row.clear();
+  for (;;) {
+    while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
+    double number = 0;
+    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
+    if (error != std::errc() || !std::isfinite(number)) return false;
+    row.push_back(number);
+    line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+    while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
+    if (line.empty()) return true;
+    if (line.front() != ',') return false;
+    line.remove_prefix(1);
+  }
+}
+
+constexpr std::uintmax_t kMaxBytes = 64 << 20;
+
+}  // namespace
+
+Path read_path_csv(const std::filesystem::path& file) {
+  const auto fail = [&](std::size_t line, const std::string& message) {
+    throw BadAsset(fmt::format("{}:{}: {}", file.string(), line, message));
+  };
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  std::ifstream in(file);
+  if (error || !in) throw BadAsset(fmt::format("{}: cannot be opened", file.string()));
+  if (bytes > kMaxBytes) {
+    throw BadAsset(fmt::format("{}: is larger than {} MiB", file.string(), kMaxBytes >> 20));
+  }
+  std::vector<PathKey> keys;
+  std::vector<double> row;
+  std::string line;
+  std::size_t columns = 0;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (number == 1) {
+      columns = line == "t,x,y,z" ? 4 : line == "t,x,y,z,qw,qx,qy,qz" ? 8 : 0;
+      if (columns == 0) fail(1, "expected the columns t,x,y,z or t,x,y,z,qw,qx,qy,qz");
+      continue;
+    }
+    if (line.empty()) continue;
+    if (!split(line, row) || row.size() != columns) {
+      fail(number, fmt::format("expected {} finite numbers between commas", columns));
+    }
+    PathKey key{row[0], {row[1], row[2], row[3]}, Quat::Identity(), false};
+    if (columns == 8) {
+      key.rotation = Quat(row[4], row[5], row[6], row[7]);
+      if (!(key.rotation.norm() > 0)) fail(number, "found a quaternion of length 0");
+      key.rotation.normalize();
+    }
+    if (!keys.empty() && !(key.time > keys.back().time)) {
+      fail(number,
+           fmt::format("found the time {}, expected one after {}", key.time, keys.back().time));
+    }
+    keys.push_back(key);
+  }
+  if (keys.empty()) fail(1, "has no rows, expected at least one key");
+  return Path(std::move(keys));
+}
+
+Paths read_paths(const Document& document) {
+  Paths paths;
+  if (const Value* table = document.root.find("paths")) {
+    for (const Value& entry : table->children) {
+      const Value* keys = entry.find("keys");
+      paths[entry.name] = std::make_shared<const Path>(
+          keys ? read_keys(document, *keys)
+               : read_path_csv(find_file(document, *entry.find("file"))));
+    }
+  }
+  return paths;
+}
+
+std::shared_ptr<const Path> path_named(const Document& document, const Value& value,
+                                       const Paths& paths) {
+  const auto names = names_of(document.root.find("paths"));
+  return paths.find(names[index_of(document, value, names, "path")])->second;
+}
+
+}  // namespace taut

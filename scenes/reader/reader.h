@@ -1,0 +1,70 @@
+// The parts of a scene file, one function each. They run after check_format, so that they look only
+// at what keys mean together: names, files, and numbers that must fit each other.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes/reader/document.h"
+#include "scenes/scene.h"
+
+namespace taut {
+
+/// The file that `value` names, relative to the scene's repository root (the nearest folder above
+/// it with a CMakeLists.txt or .git; without one the scene's own folder) or to the scene's folder.
+/// Throws BadScene when it is absolute, outside of the root, or missing.
+std::filesystem::path find_file(const Document& document, const Value& value);
+
+// Members that may be left out.
+double number_or(const Value& table, std::string_view key, double fallback);
+Vec3 vec3_or(const Value& table, std::string_view key, const Vec3& fallback);
+bool flag_or(const Value& table, std::string_view key, bool fallback);
+std::string_view text_or(const Value& table, std::string_view key, std::string_view fallback);
+
+/// A direction of any length but zero, as a unit vector.
+Vec3 direction(const Document& document, const Value& value);
+/// A quaternion [w, x, y, z] of any length but zero, as a rotation.
+Quat rotation(const Document& document, const Value& value);
+
+/// The index in `names` of the name that `value` says; `what` as in "body". Throws BadScene.
+std::size_t index_of(const Document& document, const Value& value,
+                     const std::vector<std::string_view>& names, std::string_view what);
+
+/// The names of a table of tables, in the order of the file; empty for null.
+std::vector<std::string_view> names_of(const Value* table);
+
+using Paths = std::map<std::string, std::shared_ptr<const Path>, std::less<>>;
+
+Paths read_paths(const Document& document);
+/// The path of that name. Throws BadScene.
+std::shared_ptr<const Path> path_named(const Document& document, const Value& value,
+                                       const Paths& paths);
+
+/// A path from rows t,x,y,z[,qw,qx,qy,qz] of a CSV file. Throws BadAsset with file:line.
+Path read_path_csv(const std::filesystem::path& file);
+
+MethodChoice read_method(const Document& document, int fps);
+
+/// Bodies with their masses; those that hang have no place yet.
+std::vector<Body> read_bodies(const Document& document, const Paths& paths);
+/// Connectors with their shapes; places the bodies that hang.
+void read_connectors(const Document& document, const Paths& paths, World& world);
+std::vector<ScenePin> read_pins(const Document& document, const Paths& paths, const World& world,
+                                double duration);
+
+/// What an end or a pin is attached to: `body` with `point`, `path` with `point`, or the point in
+/// space that the key `space` gives.
+Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
+                           const Paths& paths, const World& world);
+
+/// Reads the models too.
+void read_stage(const Document& document, Scene& scene);
+
+/// Particles a link apart along straight pieces through `corners`, from the first on. Fewer than
+/// `particles` when the line is too short.
+std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t particles, double link);
+
+}  // namespace taut

@@ -1,0 +1,341 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/reader/format.h"
+#include "sim/method.h"
+
+namespace taut {
+
+namespace {
+
+using Type = KeyFormat::Type;
+
+// Generous, and small enough that no product of them overflows an int or fills a machine's memory.
+constexpr double kLongest = 86400;      // s, a day
+constexpr double kMostParticles = 1e6;  // of a connector
+constexpr double kMostFps = 1000;
+constexpr double kWidest = 16384;  // pixels
+
+KeyFormat vector(std::string_view name, std::string_view meaning, std::string_view unit = "m") {
+  return {
+      .name = name, .type = Type::numbers, .meaning = meaning, .unit = unit, .least = 3, .most = 3};
+}
+
+KeyFormat color(std::string_view name, std::string_view meaning) {
+  KeyFormat key = vector(name, meaning, "");
+  key.minimum = 0;
+  return key;
+}
+
+KeyFormat rotation(std::string_view meaning) {
+  return {.name = "rotation", .type = Type::numbers, .meaning = meaning, .least = 4, .most = 4};
+}
+
+KeyFormat positive(std::string_view name, std::string_view meaning, std::string_view unit) {
+  return {.name = name, .meaning = meaning, .unit = unit, .minimum = 0, .above = true};
+}
+
+KeyFormat not_negative(std::string_view name, std::string_view meaning, std::string_view unit) {
+  return {.name = name, .meaning = meaning, .unit = unit, .minimum = 0};
+}
+
+KeyFormat text(std::string_view name, std::string_view meaning) {
+  return {.name = name, .type = Type::text, .meaning = meaning};
+}
+
+KeyFormat table(std::string_view name, std::string_view meaning, const TableFormat& format,
+                Type type = Type::table) {
+  return {.name = name, .type = type, .meaning = meaning, .table = &format};
+}
+
+KeyFormat needed(KeyFormat key) {
+  key.required = true;
+  return key;
+}
+
+const TableFormat& path_key_format() {
+  static const TableFormat format{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed(vector("position", "Where the path is.")),
+       rotation("Orientation as a quaternion [w, x, y, z]; default: as the key before."),
+       vector("axis", "Direction of the y axis, instead of a rotation; turned the shortest way.",
+              ""),
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."},
+       {.name = "hold",
+        .meaning = "Rests here for so long.",
+        .unit = "s",
+        .minimum = 0,
+        .above = true}},
+      {{{"rotation", "axis"}, false}}};
+  return format;
+}
+
+const TableFormat& path_format() {
+  static const TableFormat format{
+      {{.name = "keys",
+        .type = Type::tables,
+        .meaning = "Where the path is when; smooth between.",
+        .least = 1,
+        .table = &path_key_format()},
+       {.name = "file",
+        .type = Type::file,
+        .meaning = "A CSV file with columns t,x,y,z[,qw,qx,qy,qz] instead of keys."}},
+      {{{"keys", "file"}}}};
+  return format;
+}
+
+const TableFormat& character_format() {
+  static const TableFormat format{
+      {needed({.name = "mesh", .type = Type::file, .meaning = "A skinned glTF or GLB model."}),
+       needed(text("right_hand", "Name of the path that the right hand's grip follows."))}};
+  return format;
+}
+
+const TableFormat& shape_format() {
+  static const TableFormat cylinder{{needed(positive("length", "Along the body's y axis.", "m")),
+                                     needed(positive("diameter", "Across it.", "m"))}};
+  static const TableFormat sphere{{needed(positive("diameter", "Of the ball.", "m"))}};
+  static const TableFormat box{{needed([] {
+    KeyFormat key = vector("size", "Along x, y and z.");
+    key.minimum = 0;
+    key.above = true;
+    return key;
+  }())}};
+  static const TableFormat format{
+      {table("cylinder", "A solid cylinder along y.", cylinder),
+       table("sphere", "A solid ball.", sphere), table("box", "A solid box.", box)},
+      {{{"cylinder", "sphere", "box"}}}};
+  return format;
+}
+
+const TableFormat& driver_format() {
+  static const TableFormat format{{text("path", "Name of a path."),
+                                   text("character", "Name of a character."),
+                                   {.name = "hand",
+                                    .type = Type::choice,
+                                    .meaning = "Which hand holds the body.",
+                                    .choices = {"right"}}},
+                                  {{{"path", "character"}}}};
+  return format;
+}
+
+const TableFormat& body_format() {
+  static const TableFormat format{
+      {needed(positive("mass", "Of the body alone.", "kg")),
+       table("shape", "A solid of even density, centred on the body's origin.", shape_format()),
+       {.name = "inertia",
+        .type = Type::numbers,
+        .meaning = "About the centre of mass: xx, yy, zz and, if not zero, xy, yz, zx; instead of "
+                   "a shape.",
+        .unit = "kg m^2",
+        .least = 3,
+        .most = 6},
+       vector("centre", "Centre of mass in the body's frame, with `inertia`; default: its origin."),
+       table("driven_by", "What moves the body; without it the body is free.", driver_format()),
+       vector("grip", "Point of a driven body that the path carries; default: its origin."),
+       vector("hangs", "The body hangs from its connector's end in this direction.", ""),
+       vector("position", "Of the body's origin at the start."),
+       rotation("Of the body's frame at the start, as a quaternion [w, x, y, z]."),
+       vector("velocity", "Of the centre of mass at the start.", "m/s"),
+       vector("spin", "At the start, about the world's axes.", "rad/s"),
+       {.name = "mesh",
+        .type = Type::file,
+        .meaning = "A glTF, GLB or OBJ model in the body's frame; default: its shape."},
+       color("color", "Linear colour of the shape, where no mesh is named.")},
+      {{{"shape", "inertia"}}, {{"driven_by", "hangs", "position"}}}};
+  return format;
+}
+
+const TableFormat& end_format() {
+  static const TableFormat format{
+      {text("body", "Name of the body that holds the end."),
+       vector("point", "Where on the body or path, in its frame; default: its origin."),
+       vector("fixed", "A point in space."),
+       text("path", "Name of the path that carries the end."),
+       positive("point_mass", "Mass of a point that the end carries.", "kg"),
+       {.name = "free", .type = Type::flag, .meaning = "true: nothing holds the end."}},
+      {{{"body", "fixed", "path", "point_mass", "free"}}}};
+  return format;
+}
+
+const TableFormat& start_format() {
+  static const TableFormat format{
+      {vector("direction", "Straight from the first end.", ""),
+       {.name = "points",
+        .type = Type::points,
+        .meaning = "Along these straight pieces, from the first end to the last; as long together "
+                   "as the connector.",
+        .unit = "m",
+        .least = 2},
+       vector("hanging_to", "At rest between the first end and this point.")},
+      {{{"direction", "points", "hanging_to"}, false}}};
+  return format;
+}
+
+const TableFormat& connector_format() {
+  static const TableFormat format{
+      {needed(not_negative("length", "Of all links together; 0: a joint of two particles.", "m")),
+       needed(not_negative("mass", "Shared evenly by the particles, ends included.", "kg")),
+       needed({.name = "particles",
+               .meaning = "How many; one more than links.",
+               .unit = "",
+               .minimum = 2,
+               .maximum = kMostParticles,
+               .whole = true}),
+       {.name = "elasticity",
+        .meaning = "Coefficient of restitution when the connector goes taut.",
+        .minimum = 0,
+        .maximum = 1},
+       needed(table("from", "What holds the first particle.", end_format())),
+       needed(table("to", "What holds the last particle.", end_format())),
+       table("start",
+             "Its shape at the start; default: hanging between ends whose places are "
+             "known, else straight along gravity.",
+             start_format()),
+       {.name = "model",
+        .type = Type::choice,
+        .meaning = "Rigid links with mass, or a massless span.",
+        .choices = {"links", "span"}},
+       {.name = "look",
+        .type = Type::choice,
+        .meaning = "How it is drawn.",
+        .choices = {"chain", "rope", "cord"}},
+       positive("diameter", "As drawn: of the rope or cord, or across a link of the chain.", "m"),
+       color("color", "Linear colour.")}};
+  return format;
+}
+
+const TableFormat& pin_format() {
+  static const TableFormat format{
+      {needed(text("connector", "Name of the connector that is held.")),
+       needed(not_negative("at", "Where along it, from its first end.", "m")),
+       needed(not_negative("from", "When it is caught.", "s")),
+       positive("until", "When it is released; default: never.", "s"),
+       vector("point", "Where it is held: in space, or on the body or path."),
+       text("body", "Name of the body that holds it."),
+       text("path", "Name of the path that carries it.")},
+      {{{"body", "path"}, false}}};
+  return format;
+}
+
+const TableFormat& stage_format() {
+  static const TableFormat camera{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed(vector("position", "Of the eye.")),
+       needed(vector("target", "What it looks at.")),
+       {.name = "field_of_view",
+        .meaning = "From the lower to the upper edge of the picture.",
+        .unit = "rad",
+        .minimum = 0,
+        .maximum = 3,
+        .above = true},
+       {.name = "cut", .type = Type::flag, .meaning = "Jumps to this key."}}};
+  static const TableFormat light{{vector("direction", "The way the key light travels.", ""),
+                                  color("color", "Linear radiance of the key light."),
+                                  color("sky", "Linear ambient light from above."),
+                                  color("ground", "Linear ambient light from below.")}};
+  static const TableFormat caption{{needed(not_negative("from", "When it appears.", "s")),
+                                    needed(positive("until", "When it goes.", "s")),
+                                    needed(text("text", "What it says."))}};
+  static const TableFormat format{
+      {{.name = "scenery",
+        .type = Type::files,
+        .meaning = "Models that stand still, in world space."},
+       {.name = "camera",
+        .type = Type::tables,
+        .meaning = "Where the camera is when; smooth between, except for cuts.",
+        .least = 1,
+        .table = &camera},
+       table("light", "The key light and the light from all around.", light),
+       color("background", "Linear colour where nothing is."),
+       table("captions", "Lines of text on the picture.", caption, Type::tables)}};
+  return format;
+}
+
+KeyFormat setting_format(const SettingInfo& info) {
+  KeyFormat key{.name = info.name,
+                .meaning = info.meaning,
+                .unit = info.unit,
+                .minimum = info.minimum,
+                .maximum = info.maximum,
+                .above = info.above,
+                .whole = info.whole,
+                .choices = info.choices};
+  if (std::holds_alternative<bool>(info.fallback)) key.type = Type::flag;
+  if (std::holds_alternative<std::string>(info.fallback)) key.type = Type::choice;
+  return key;
+}
+
+}  // namespace
+
+const std::map<std::string_view, TableFormat>& method_formats() {
+  static const auto formats = [] {
+    std::map<std::string_view, TableFormat> list;
+    std::vector<std::string_view> names;
+    for (const MethodInfo& method : methods()) names.push_back(method.name);
+    for (const MethodInfo& method : methods()) {
+      TableFormat format{{needed(
+          {.name = "name", .type = Type::choice, .meaning = method.summary, .choices = names})}};
+      for (const SettingInfo& setting : method.settings) {
+        format.keys.push_back(setting_format(setting));
+      }
+      list.emplace(method.name, std::move(format));
+    }
+    return list;
+  }();
+  return formats;
+}
+
+const TableFormat& scene_format() {
+  static const TableFormat format{{
+      {.name = "schema_version",
+       .meaning = "Version of this format.",
+       .minimum = 1,
+       .maximum = 1,
+       .whole = true},
+      text("title", "What the clip is called; default: the file's name."),
+      needed({.name = "duration",
+              .meaning = "Simulated time.",
+              .unit = "s",
+              .minimum = 0,
+              .maximum = kLongest,
+              .above = true}),
+      {.name = "fps",
+       .meaning = "Frames per second.",
+       .minimum = 1,
+       .maximum = kMostFps,
+       .whole = true},
+      {.name = "size",
+       .type = Type::numbers,
+       .meaning = "Width and height of the picture.",
+       .unit = "pixels",
+       .minimum = 1,
+       .maximum = kWidest,
+       .whole = true,
+       .least = 2,
+       .most = 2},
+      vector("gravity", "Default: [0, -9.81, 0].", "m/s^2"),
+      {.name = "method", .type = Type::method, .meaning = "How the world is advanced."},
+      table("paths", "Motions that are given.", path_format(), Type::named),
+      table("characters", "People who hold bodies.", character_format(), Type::named),
+      table("bodies", "Rigid bodies.", body_format(), Type::named),
+      table("connectors", "Ropes, chains and cords.", connector_format(), Type::named),
+      table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
+      table("stage", "What pictures need beside the world.", stage_format()),
+  }};
+  return format;
+}
+
+const KeyFormat* TableFormat::find(std::string_view name) const {
+  const auto found = std::ranges::find(keys, name, &KeyFormat::name);
+  return found == keys.end() ? nullptr : &*found;
+}
+
+std::vector<std::string_view> TableFormat::names() const {
+  std::vector<std::string_view> list;
+  for (const KeyFormat& key : keys) list.push_back(key.name);
+  return list;
+}
+
+}  // namespace taut

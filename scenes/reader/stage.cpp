@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+
+#include <map>
+
+#include "scenes/reader/reader.h"
+#include "scenes/shapes.h"
+
+namespace taut {
+
+namespace {
+
+using ModelPointer = std::shared_ptr<const Model>;
+
+/// Models by file, so that two bodies of one mesh share it.
+class Models {
+ public:
+  explicit Models(const Document& document) : document_(document) {}
+
+  ModelPointer get(const Value& value) {
+    const auto file = find_file(document_, value);
+    ModelPointer& model = loaded_[file];
+    if (!model) model = std::make_shared<const Model>(load_model(file));
+    return model;
+  }
+
+ private:
+  const Document& document_;
+  std::map<std::filesystem::path, ModelPointer> loaded_;
+};
+
+std::vector<CameraKey> read_camera(const Document& document, const Value& list) {
+  std::vector<CameraKey> keys;
+  for (const Value& entry : list.children) {
+    const Value& time = *entry.find("t");
+    if (!keys.empty() && !(time.number > keys.back().time)) {
+      document.mismatch(
+          time, fmt::format("a time after {} s, that of the key before it", keys.back().time));
+    }
+    CameraKey key{time.number, entry.find("position")->vec3(), entry.find("target")->vec3()};
+    if ((key.target - key.position).isZero()) {
+      document.mismatch(*entry.find("target"), "a point other than the camera's position");
+    }
+    key.field_of_view = number_or(entry, "field_of_view", key.field_of_view);
+    key.cut = flag_or(entry, "cut", false);
+    keys.push_back(key);
+  }
+  return keys;
+}
+
+Light read_light(const Document& document, const Value& value) {
+  Light light;
+  if (const Value* along = value.find("direction")) light.direction = direction(document, *along);
+  light.color = vec3_or(value, "color", light.color);
+  light.sky = vec3_or(value, "sky", light.sky);
+  light.ground = vec3_or(value, "ground", light.ground);
+  return light;
+}
+
+std::vector<Caption> read_captions(const Document& document, const Value& list) {
+  std::vector<Caption> captions;
+  for (const Value& entry : list.children) {
+    const Value& until = *entry.find("until");
+    captions.push_back({entry.find("from")->number, until.number, entry.find("text")->text});
+    if (!(until.number > captions.back().from)) {
+      document.mismatch(until, fmt::format("a time after {} s", captions.back().from));
+    }
+  }
+  return captions;
+}
+
+/// A model of the body's shape; null for a body that has only an inertia.
+ModelPointer shape_model(const Value& body) {
+  const Value* shape = body.find("shape");
+  if (!shape) return nullptr;
+  const Vec3 color = vec3_or(body, "color", Vec3(0.45, 0.27, 0.14));
+  const Value& kind = shape->children.front();
+  const double diameter = number_or(kind, "diameter", 0);
+  if (kind.name == "cylinder") {
+    return std::make_shared<const Model>(
+        cylinder_model(kind.find("length")->number, diameter, color));
+  }
+  return std::make_shared<const Model>(kind.name == "sphere"
+                                           ? sphere_model(diameter, color)
+                                           : box_model(kind.find("size")->vec3(), color));
+}
+
+ConnectorLook read_look(const Value& connector) {
+  using Kind = ConnectorLook::Kind;
+  static const std::map<std::string_view, Kind> kinds = {
+      {"chain", Kind::chain}, {"rope", Kind::rope}, {"cord", Kind::cord}};
+  ConnectorLook look;
+  look.kind = kinds.at(text_or(connector, "look", "rope"));
+  look.diameter = number_or(connector, "diameter", look.diameter);
+  look.color = vec3_or(connector, "color", look.color);
+  return look;
+}
+
+void for_each(const Value* table, auto&& use) {
+  if (!table) return;
+  for (const Value& member : table->children) use(member);
+}
+
+}  // namespace
+
+void read_stage(const Document& document, Scene& scene) {
+  const Value& root = document.root;
+  const Value& value = *root.find("stage");
+  Models models(document);
+  Stage stage;
+  const Value* camera = value.find("camera");
+  stage.camera = camera ? read_camera(document, *camera) : std::vector{CameraKey{}};
+  if (const Value* light = value.find("light")) stage.light = read_light(document, *light);
+  stage.background = vec3_or(value, "background", stage.background);
+  if (const Value* captions = value.find("captions")) {
+    stage.captions = read_captions(document, *captions);
+  }
+  for_each(value.find("scenery"),
+           [&](const Value& file) { stage.scenery.push_back(models.get(file)); });
+  for_each(root.find("bodies"), [&](const Value& body) {
+    const Value* mesh = body.find("mesh");
+    stage.body_models.push_back(mesh ? models.get(*mesh) : shape_model(body));
+  });
+  for_each(root.find("connectors"),
+           [&](const Value& connector) { stage.connector_looks.push_back(read_look(connector)); });
+  for_each(root.find("characters"), [&](const Value& character) {
+    stage.characters.push_back(models.get(*character.find("mesh")));
+  });
+  scene.stage = std::move(stage);
+}
+
+}  // namespace taut

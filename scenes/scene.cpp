@@ -1,0 +1,40 @@
+#include "scenes/scene.h"
+
+#include <cmath>
+
+#include "scenes/reader/format.h"
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+int Scene::frames() const {
+  // A duration that is a whole number of frames but for rounding has no frame at its end.
+  const double count = duration * fps, nearest = std::round(count);
+  return static_cast<int>(std::abs(count - nearest) < 1e-9 * count ? nearest : std::ceil(count));
+}
+
+Scene load_scene(const std::filesystem::path& file, bool with_stage) {
+  const Document document = read_document(file);
+  check_format(document);
+  const Value& root = document.root;
+  Scene scene;
+  scene.file = file;
+  scene.title = text_or(root, "title", file.stem().string());
+  scene.duration = root.find("duration")->number;
+  scene.fps = static_cast<int>(number_or(root, "fps", scene.fps));
+  if (const Value* size = root.find("size")) {
+    scene.width = static_cast<int>(size->children[0].number);
+    scene.height = static_cast<int>(size->children[1].number);
+  }
+  scene.method = read_method(document, scene.fps);
+  scene.world.gravity = vec3_or(root, "gravity", scene.world.gravity);
+  const Paths paths = read_paths(document);
+  scene.world.bodies = read_bodies(document, paths);
+  read_connectors(document, paths, scene.world);
+  scene.pins = read_pins(document, paths, scene.world, scene.duration);
+  finish(scene.world);
+  if (with_stage && root.find("stage")) read_stage(document, scene);
+  return scene;
+}
+
+}  // namespace taut

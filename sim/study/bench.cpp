@@ -1,0 +1,73 @@
+#include "sim/study/bench.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+namespace taut {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+/// What two looks at the clock cost with nothing between them (s).
+double clock_cost() {
+  double least = 1;
+  for (int i = 0; i < 1000; ++i) {
+    const Clock::time_point before = Clock::now();
+    least = std::min(least, seconds_between(before, Clock::now()));
+  }
+  return least;
+}
+
+}  // namespace
+
+std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> candidates,
+                            const BenchOptions& options) {
+  struct Timings {
+    std::vector<std::vector<double>> frames;  // [frame][repeat], s
+    std::vector<double> means;
+    double spent = 0;
+  };
+  const double overhead = clock_cost();
+  std::vector<BenchRow> rows;
+  for (const Candidate& candidate : candidates) rows.push_back({candidate, {}, {}, {}, 0});
+  std::vector<Timings> timings(rows.size());
+  for (std::size_t repeat = 0; repeat < options.repeats; ++repeat) {
+    for (std::size_t c = 0; c < rows.size(); ++c) {
+      Timings& timing = timings[c];
+      if (!rows[c].failure.empty() || timing.spent > options.seconds) continue;
+      if (options.pause) options.pause();
+      Simulation simulation(problem.world,
+                            make_method(rows[c].candidate.method, rows[c].candidate.settings));
+      timing.frames.resize(problem.times.size());
+      double sum = 0;
+      try {
+        for (std::size_t k = 0; k < problem.times.size(); ++k) {
+          const Clock::time_point before = Clock::now();
+          simulation.advance_to(problem.times[k]);
+          const double cost = std::max(0.0, seconds_between(before, Clock::now()) - overhead);
+          timing.frames[k].push_back(cost);
+          sum += cost;
+        }
+        timing.means.push_back(sum / static_cast<double>(problem.times.size()));
+      } catch (const Diverged& error) {
+        rows[c].failure = error.what();
+      }
+      timing.spent += sum;
+    }
+  }
+  for (std::size_t c = 0; c < rows.size(); ++c) {
+    for (const std::vector<double>& frame : timings[c].frames) {
+      rows[c].frames.push_back(spread(frame));
+    }
+    rows[c].mean = spread(timings[c].means);
+    rows[c].repeats = timings[c].means.size();
+  }
+  return rows;
+}
+
+}  // namespace taut

@@ -1,0 +1,39 @@
+#include "sim/study/speed_accuracy.h"
+
+#include <limits>
+
+namespace taut {
+
+AccuracyRow score(const Problem& problem, const Reference& reference,
+                  std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap) {
+  const Run result = run(problem, candidate, cpu_cap);
+  AccuracyRow row{candidate, result.end, result.reason, {}, {}, 0, 0, result.stretch_max};
+  for (const Metric& metric : metrics) {
+    row.errors.push_back(
+        result.end == Run::End::done
+            ? rms_error(result.frames, reference.frames, reference.horizon, metric.distance)
+            : std::numeric_limits<double>::infinity());
+  }
+  if (result.end != Run::End::done) return row;
+  row.steps = static_cast<double>(result.counters.steps) / problem.duration();
+  row.solves = static_cast<double>(result.counters.solves) / problem.duration();
+  row.cpu = {result.cpu / problem.duration()};
+  return row;
+}
+
+void add_timing(const Problem& problem, AccuracyRow& row) {
+  if (row.end != Run::End::done) return;
+  row.cpu.push_back(time_run(problem, row.candidate) / problem.duration());
+}
+
+std::vector<CostAndError> cost_and_error(std::span<const AccuracyRow> rows, std::size_t metric) {
+  std::vector<CostAndError> points;
+  for (const AccuracyRow& row : rows) {
+    points.push_back({row.end == Run::End::done ? spread(row.cpu).median
+                                                : std::numeric_limits<double>::infinity(),
+                      row.errors[metric]});
+  }
+  return points;
+}
+
+}  // namespace taut

@@ -1,0 +1,35 @@
+// Error against cost, one row per candidate.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/study/accuracy.h"
+#include "sim/study/front.h"
+#include "sim/study/reference.h"
+#include "sim/study/run.h"
+
+namespace taut {
+
+struct AccuracyRow {
+  Candidate candidate;
+  Run::End end = Run::End::done;
+  std::string reason;            // of an end that is not `done`
+  std::vector<double> errors;    // one per metric; infinite where the run did not reach the horizon
+  std::vector<double> cpu;       // s per simulated second, one per timing
+  double steps = 0, solves = 0;  // per simulated second
+  double stretch_max = 0;
+};
+
+/// Runs a candidate once and scores it against the reference. Runs that end early have no timings.
+AccuracyRow score(const Problem& problem, const Reference& reference,
+                  std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap);
+
+/// Adds one timing to a row whose run was done.
+void add_timing(const Problem& problem, AccuracyRow& row);
+
+/// Median cost and error of every row under one metric.
+std::vector<CostAndError> cost_and_error(std::span<const AccuracyRow> rows, std::size_t metric);
+
+}  // namespace taut

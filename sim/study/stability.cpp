@@ -1,0 +1,133 @@
+#include "sim/study/stability.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/measure.h"
+#include "sim/study/accuracy.h"
+
+namespace taut {
+namespace {
+
+double total_length(const World& world) {
+  double length = 0;
+  for (const Connector& connector : world.connectors) length += connector.length;
+  return length;
+}
+
+/// The lowest that potential energy (J) can get: every particle as far below a prescribed hold as
+/// the links between them allow, free bodies below the particle that they hold. Not finite where
+/// nothing is prescribed.
+double lowest_potential(const World& world) {
+  const double g = world.gravity.norm();
+  if (g == 0) return 0;
+  const Vec3 up = -world.gravity / g;
+  double energy = 0;
+  std::vector<double> body_floor(world.bodies.size(), -INFINITY);  // m, height of the lowest centre
+  for (const Connector& connector : world.connectors) {
+    std::vector<double> along(connector.particles(), 0.0);
+    for (std::size_t i = 0; i + 1 < connector.particles(); ++i) {
+      along[i + 1] = along[i] + connector.rest[i];
+    }
+    const auto floor_of = [&](std::size_t particle) {
+      double height = -INFINITY;
+      for (const Hold& hold : connector.holds) {
+        if (!is_prescribed(world, hold.to)) continue;
+        const double reach = std::abs(along[particle] - along[hold.particle]);
+        height = std::max(height, up.dot(connector.position[hold.particle]) - reach);
+      }
+      return height;
+    };
+    auto hold = connector.holds.begin();
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      if (hold != connector.holds.end() && hold->particle == i) {
+        if (hold->to.kind == Attachment::Kind::body && !world.bodies[hold->to.body].driven()) {
+          const Body& body = world.bodies[hold->to.body];
+          const double lever = (hold->to.point - body.mass_properties.centre).norm();
+          double& floor = body_floor[hold->to.body];
+          floor = std::max(floor, floor_of(i) - lever);
+        }
+        ++hold;
+        continue;
+      }
+      energy += connector.particle_mass[i] * g * floor_of(i);
+    }
+  }
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (world.bodies[b].driven()) continue;
+    energy += world.bodies[b].mass_properties.mass * g * body_floor[b];
+  }
+  return energy;
+}
+
+double moving_mass(const World& world) {
+  double mass = 0;
+  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.mass_properties.mass;
+  for (const Connector& connector : world.connectors) {
+    for (const double m : connector.particle_mass) mass += m;
+    for (const Hold& hold : connector.holds) mass -= connector.particle_mass[hold.particle];
+  }
+  return mass;
+}
+
+}  // namespace
+
+double available_energy(const World& world) {
+  const double fall = moving_mass(world) * world.gravity.norm() * total_length(world);
+  const double kinetic = kinetic_energy(world);
+  const double lowest = lowest_potential(world);
+  if (!std::isfinite(lowest)) return kinetic + fall;
+  return std::max(kinetic + potential_energy(world) - lowest, 1e-3 * fall);
+}
+
+bool is_driven(const World& world) {
+  const auto held_by_path = [](const Hold& hold) { return hold.to.kind == Attachment::Kind::path; };
+  return std::ranges::any_of(world.bodies, &Body::driven) ||
+         std::ranges::any_of(world.connectors, [&](const Connector& connector) {
+           return std::ranges::any_of(connector.holds, held_by_path);
+         });
+}
+
+Judgement judge(const Problem& problem, const Run& run, const Reference* reference,
+                const VerdictLimits& limits) {
+  Judgement judgement;
+  judgement.stretch = run.stretch_max;
+  if (!is_driven(problem.world)) {
+    const double scale = available_energy(problem.world);
+    judgement.gain = run.energy_gain / scale;
+    judgement.loss = run.energy_loss / scale;
+  }
+  if (reference) {
+    const Metric metric = share_of_length(total_length(problem.world));
+    judgement.error = rms_error(run.frames, reference->frames, reference->horizon, metric.distance);
+  }
+  judgement.verdict = [&] {
+    if (run.end == Run::End::diverged || judgement.gain > limits.gain) return Verdict::failed;
+    if (judgement.stretch > limits.stretch) return Verdict::stretched;
+    if (judgement.loss > limits.loss) return Verdict::over_damped;
+    if (run.end == Run::End::over_cap) return Verdict::over_cap;
+    if (judgement.error <= limits.accurate) return Verdict::accurate;
+    return Verdict::plausible;
+  }();
+  return judgement;
+}
+
+std::string_view name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::over_cap:
+      return "over the CPU cap";
+    case Verdict::failed:
+      return "failed";
+    case Verdict::stretched:
+      return "stretched";
+    case Verdict::over_damped:
+      return "over-damped";
+    case Verdict::accurate:
+      return "accurate";
+    case Verdict::plausible:
+      return "plausible";
+  }
+  return "";
+}
+
+}  // namespace taut

@@ -1,0 +1,53 @@
+// How a run went, in one word: the classes of a stability map.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "sim/study/reference.h"
+#include "sim/study/run.h"
+
+namespace taut {
+
+/// The first that fits, in this order.
+enum class Verdict {
+  over_cap,     // it was stopped at its CPU cap before it showed any other failure
+  failed,       // diverged, not finite, or gained energy
+  stretched,    // a link is too long or too short
+  over_damped,  // lost energy
+  accurate,     // near the reference, where there is one
+  plausible,    // nothing wrong that needs no reference to be seen
+};
+
+struct VerdictLimits {
+  double gain = 0.1;       // of the available energy
+  double stretch = 0.01;   // of a link's rest length
+  double loss = 0.1;       // of the available energy
+  double accurate = 0.01;  // RMS, of the connectors' length, within the horizon
+};
+
+struct Judgement {
+  Verdict verdict = Verdict::plausible;
+  double gain = 0, loss = 0;  // of the available energy
+  double stretch = 0;
+  double error = std::numeric_limits<double>::quiet_NaN();  // RMS, of the length
+};
+
+/// The energy (J) that the world can turn into motion: what it has, less what is left when
+/// everything hangs at rest below what holds it. Without anything that holds it: its kinetic
+/// energy, and that of a fall by the connectors' length. At least a thousandth of that fall, so
+/// that a world at rest has a scale as well.
+double available_energy(const World& world);
+
+/// True where a path moves a hold or a body of the world: its energy is then not its own.
+bool is_driven(const World& world);
+
+/// Judges a run of `problem`. Energies count only where nothing is driven. `reference` may be null.
+Judgement judge(const Problem& problem, const Run& run, const Reference* reference,
+                const VerdictLimits& limits = {});
+
+/// One word or two for tables and legends.
+std::string_view name_of(Verdict verdict);
+
+}  // namespace taut

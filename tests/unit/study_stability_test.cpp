@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sim/study/bench.h"
+#include "sim/study/speed_accuracy.h"
+#include "sim/study/stability.h"
+
+namespace taut {
+namespace {
+
+constexpr double kGravity = 9.81;
+
+/// A rope of 0.2 m and 50 g from the origin along `direction`, 200 g at its end.
+Problem rope(const Vec3& direction, double duration = 0.5) {
+  World world;
+  world.connectors = {straight_connector("rope", 0.2, 0.05, 11, Vec3::Zero(), direction)};
+  world.connectors[0].particle_mass.back() += 0.2;
+  world.connectors[0].holds = {{0, {}}};
+  finish(world);
+  return {world, frame_times(duration, 60)};
+}
+
+TEST(Stability, AvailableEnergyIsTheFallToHangingStraight) {
+  // A chain of equal particles has its centre in the middle, whatever their number.
+  const double whole = kGravity * (0.2 * 0.2 + 0.05 * 0.1);
+  EXPECT_NEAR(available_energy(rope(Vec3(1, 0, 0)).world), whole, 1e-12);
+  EXPECT_NEAR(available_energy(rope(Vec3(0, 1, 0)).world), 2 * whole, 1e-12);
+  // Hanging at rest nothing is available; the scale is a thousandth of a fall by the length then.
+  EXPECT_NEAR(available_energy(rope(Vec3(0, -1, 0)).world),
+              1e-3 * kGravity * 0.2 * (0.25 - 0.05 / 11), 1e-12);
+}
+
+TEST(Stability, AvailableEnergyOfFreeFlightIsItsMotion) {
+  Problem problem = rope(Vec3(1, 0, 0));
+  problem.world.connectors[0].holds.clear();
+  problem.world.gravity.setZero();
+  for (Vec3& velocity : problem.world.connectors[0].velocity) velocity = Vec3(0, 2, 0);
+  EXPECT_NEAR(available_energy(problem.world), 0.25 * 4 / 2, 1e-12);
+}
+
+TEST(Stability, FirstVerdictThatFitsWins) {
+  const Problem problem = rope(Vec3(1, 0, 0));
+  const double scale = available_energy(problem.world);
+  ::taut::Run run;
+  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::plausible);
+  run.energy_loss = 0.11 * scale;
+  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::over_damped);
+  run.stretch_max = 0.011;
+  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::stretched);
+  run.energy_gain = 0.11 * scale;
+  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::failed);
+  run = {};
+  run.end = ::taut::Run::End::over_cap;
+  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::over_cap);
+  run.end = ::taut::Run::End::diverged;
+  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::failed);
+}
+
+TEST(Stability, AccurateNeedsAReference) {
+  const Problem problem = rope(Vec3(1, 0, 0));
+  const ::taut::Run run = ::taut::run(problem, {"impulse", {}}, 10);
+  const Reference itself{run.frames, 0.5, 0};
+  const Judgement same = judge(problem, run, &itself);
+  EXPECT_EQ(same.error, 0);
+  EXPECT_TRUE(std::isnan(judge(problem, run, nullptr).error));
+  ::taut::Run cut = run;
+  cut.frames.resize(5);
+  EXPECT_TRUE(std::isinf(judge(problem, cut, &itself).error));
+}
+
+TEST(Stability, EnergyOfADrivenWorldIsNotJudged) {
+  Problem problem = rope(Vec3(1, 0, 0));
+  EXPECT_FALSE(is_driven(problem.world));
+  problem.world.connectors[0].holds[0].to.kind = Attachment::Kind::path;
+  problem.world.connectors[0].holds[0].to.path =
+      std::make_shared<const Path>(std::vector<PathKey>{{0, Vec3::Zero()}});
+  EXPECT_TRUE(is_driven(problem.world));
+  ::taut::Run run;
+  run.energy_gain = 1e6;
+  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::plausible);
+}
+
+TEST(SpeedAccuracy, ScoresAgainstTheReference) {
+  const Problem problem = rope(Vec3(1, 0, 0));
+  const Candidate fine{"impulse", {{"step", 1.0 / 3840}}}, coarse{"impulse", {{"step", 1.0 / 240}}};
+  const Reference reference{run(problem, fine, 10).frames, 0.5, 0};
+  const Metric metrics[] = {share_of_length(0.2)};
+  AccuracyRow row = score(problem, reference, metrics, fine, 10);
+  EXPECT_EQ(row.errors.at(0), 0);
+  EXPECT_NEAR(row.steps, 3840, 1e-6);
+  EXPECT_EQ(row.cpu.size(), 1u);
+  add_timing(problem, row);
+  EXPECT_EQ(row.cpu.size(), 2u);
+  EXPECT_GT(score(problem, reference, metrics, coarse, 10).errors.at(0), 0);
+}
+
+TEST(SpeedAccuracy, ARunThatEndsEarlyHasNoCost) {
+  const Problem problem = rope(Vec3(1, 0, 0), 100);
+  const Metric metrics[] = {share_of_length(0.2)};
+  const AccuracyRow row =
+      score(problem, {{}, 100, 0}, metrics, {"impulse", {{"step", 1e-5}}}, 0.02);
+  EXPECT_EQ(row.end, ::taut::Run::End::over_cap);
+  EXPECT_TRUE(row.cpu.empty());
+  const CostAndError point = cost_and_error(std::span(&row, 1), 0).at(0);
+  EXPECT_TRUE(std::isinf(point.cost));
+  EXPECT_TRUE(std::isinf(point.error));
+}
+
+TEST(Bench, TimesEveryFrameOfEveryRepeat) {
+  const Problem problem = rope(Vec3(1, 0, 0));
+  const Candidate candidates[] = {{"impulse", {{"step", 1.0 / 960}}},
+                                  {"impulse", {{"step", 1.0 / 15360}}}};
+  int pauses = 0;
+  BenchOptions options{.repeats = 3, .seconds = 60, .pause = [&] { ++pauses; }};
+  const std::vector<BenchRow> rows = bench(problem, candidates, options);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(pauses, 6);
+  for (const BenchRow& row : rows) {
+    EXPECT_EQ(row.frames.size(), problem.times.size());
+    EXPECT_EQ(row.repeats, 3u);
+    EXPECT_LE(row.mean.low, row.mean.median);
+  }
+  EXPECT_GT(rows[1].mean.median, 4 * rows[0].mean.median);  // sixteen times the steps
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,47 @@
+#include "render/table.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace taut {
+namespace {
+
+Table sample() {
+  Table table{{"method", "cost (ms)"}, {}};
+  table.add({"springs, stiff", "12.5"});
+  table.add({"a \"quoted\"\nname", "3"});
+  return table;
+}
+
+TEST(Table, CsvComesBackAsItWas) {
+  const Table back = from_csv(to_csv(sample()));
+  EXPECT_EQ(back.columns, sample().columns);
+  EXPECT_EQ(back.rows, sample().rows);
+}
+
+TEST(Table, RefusesRowsThatDoNotFit) {
+  EXPECT_THROW(sample().add({"one"}), std::invalid_argument);
+  EXPECT_THROW(from_csv("a,b\n1\n"), std::invalid_argument);
+  EXPECT_THROW(from_csv("a,b\n1,\"2"), std::invalid_argument);
+  EXPECT_THROW(from_csv(""), std::invalid_argument);
+}
+
+TEST(Table, TextAlignsNumbersToTheRight) {
+  Table table{{"n", "µs"}, {}};
+  table.add({"one", "1"});
+  table.add({"ten", "10.5"});
+  EXPECT_EQ(to_text(table), "n      µs\none     1\nten  10.5\n");
+}
+
+TEST(Table, MarkupEscapesItsOwnCharacters) {
+  Table table{{"a|b", "<x>"}, {}};
+  table.add({"1 & 2", "\"q\""});
+  EXPECT_EQ(to_markdown(table), "| a\\|b | <x> |\n|---:|---|\n| 1 & 2 | \"q\" |\n");
+  EXPECT_EQ(to_html(table),
+            "<table>\n<tr><th class=\"number\">a|b</th><th>&lt;x&gt;</th></tr>\n"
+            "<tr><td class=\"number\">1 &amp; 2</td><td>&quot;q&quot;</td></tr>\n</table>\n");
+}
+
+}  // namespace
+}  // namespace taut
