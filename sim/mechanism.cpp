@@ -43,6 +43,13 @@ void rotate(const Vec3& angle, double* q) {
   set_quaternion((turn * quaternion(q)).normalized(), q);
 }
 
+Vec3 angle(const Quat& rotation) {
+  const double sine = rotation.vec().norm();
+  if (sine == 0) return Vec3::Zero();
+  const double towards = rotation.w() < 0 ? -1 : 1;  // the shorter way round
+  return 2 * towards * std::atan2(sine, std::abs(rotation.w())) / sine * rotation.vec();
+}
+
 Mechanism::Mechanism(const World& world) : gravity_(world.gravity) {
   std::vector<std::size_t> free_index(world.bodies.size());
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {

@@ -76,8 +76,9 @@ class Mechanism {
   /// Writes the state, at `time`, to `world`.
   void store(const std::vector<double>& state, double time, World& world) const;
 
-  /// Puts held points at their places and measures the rows; everything below speaks of the
-  /// instant last looked at.
+  /// Puts held points at their places.
+  void place(double time, double* state);
+  /// place(), and measures the rows; everything below speaks of the instant last looked at.
   void look(double time, double* state);
 
   /// Per row: direction from a to b (zero where they coincide), how far it is too long (m), the
@@ -105,7 +106,6 @@ class Mechanism {
 
  private:
   void add_rows(const World& world);
-  void place(double time, double* state);
   void measure(const double* state);
 
   const World* world_ = nullptr;  // between load() and store()
@@ -124,9 +124,12 @@ class Mechanism {
   std::vector<double> excess_, rate_, curvature_;
 };
 
-// The quaternion w x y z at `q`; and a turn of it by `angle` (rad, world axes).
+// The quaternion w x y z at `q`.
 Quat quaternion(const double* q);
 void set_quaternion(const Quat& rotation, double* q);
+/// Turns it by `angle` (rad, world axes).
 void rotate(const Vec3& angle, double* q);
+/// The angle (rad) and axis of a rotation; at most half a turn.
+Vec3 angle(const Quat& rotation);
 
 }  // namespace taut

@@ -8,6 +8,7 @@
 #include "sim/methods/dynamic_constraints.h"
 #include "sim/methods/impulse.h"
 #include "sim/methods/springs.h"
+#include "sim/methods/xpbd.h"
 
 namespace taut {
 
@@ -16,6 +17,7 @@ std::span<const MethodInfo> methods() {
       impulse_method(),
       dynamic_constraints_method(),
       springs_method(),
+      xpbd_method(),
       direct_method(),
   };
   return list;

@@ -25,6 +25,21 @@ void SteppedMethod::advance(World& world, double until) {
   mechanism_->store(state_, until, world);
 }
 
+void drift(const Mechanism& mechanism, double dt, std::vector<double>& state) {
+  const std::size_t velocities = mechanism.velocity(0);
+  for (std::size_t i = 0; i < 3 * mechanism.points(); ++i) state[i] += dt * state[velocities + i];
+  for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
+    double* q = &state[mechanism.pose(b)];
+    double* u = &state[mechanism.twist(b)];
+    for (int i = 0; i < 3; ++i) q[i] += dt * u[i];
+    Quat rotation = quaternion(q + 3);
+    Vec3 spin(u[3], u[4], u[5]);
+    mechanism.bodies()[b].rotation.turn(rotation, spin, dt);
+    set_quaternion(rotation, q + 3);
+    Eigen::Map<Vec3>(u + 3) = spin;
+  }
+}
+
 Integrator integrator_named(std::string_view name) {
   if (name == "explicit-euler") return Integrator::explicit_euler;
   return name == "rk4" ? Integrator::rk4 : Integrator::semi_implicit_euler;
@@ -47,21 +62,13 @@ void Stepper::stage(const std::vector<double>& state, double dt, const std::vect
 }
 
 void Stepper::kick_then_drift(const Mechanism& mechanism, double dt, std::vector<double>& state) {
-  const std::size_t velocities = mechanism.velocity(0);
-  for (std::size_t i = velocities; i < state.size(); ++i) state[i] += dt * k1_[i];
-  for (std::size_t i = 0; i < 3 * mechanism.points(); ++i) state[i] += dt * state[velocities + i];
+  for (std::size_t i = mechanism.velocity(0); i < state.size(); ++i) state[i] += dt * k1_[i];
   for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
-    double* q = &state[mechanism.pose(b)];
-    double* u = &state[mechanism.twist(b)];
-    for (int i = 0; i < 3; ++i) q[i] += dt * u[i];
-    // The torque has kicked the spin; what the body does by itself is known without error.
-    Eigen::Map<Vec3> spin(u + 3);
-    Quat rotation = quaternion(q + 3);
-    Vec3 turning = spin - dt * mechanism.bodies()[b].gyration;
-    mechanism.bodies()[b].rotation.turn(rotation, turning, dt);
-    spin = turning;
-    set_quaternion(rotation, q + 3);
+    // Torque alone kicks the spin: drift() knows without error what the body does by itself.
+    Eigen::Map<Vec3> spin(&state[mechanism.twist(b) + 3]);
+    spin -= dt * mechanism.bodies()[b].gyration;
   }
+  drift(mechanism, dt, state);
 }
 
 void Stepper::combine(double dt, std::vector<double>& state) {

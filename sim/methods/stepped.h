@@ -33,6 +33,10 @@ class SteppedMethod : public Method {
   std::vector<double> state_;
 };
 
+/// Moves points and bodies of `state` by their velocities for `dt` (s): in straight lines, bodies
+/// turning as they do without torque.
+void drift(const Mechanism& mechanism, double dt, std::vector<double>& state);
+
 enum class Integrator { explicit_euler, semi_implicit_euler, rk4 };
 /// By its name in settings: explicit-euler, semi-implicit-euler or rk4.
 Integrator integrator_named(std::string_view name);

@@ -1,0 +1,162 @@
+#include "sim/methods/xpbd.h"
+
+#include <algorithm>
+
+#include "sim/methods/stepped.h"
+
+namespace taut {
+namespace {
+
+constexpr std::string_view kName = "xpbd";
+
+using Map = Eigen::Map<Vec3>;
+using ConstMap = Eigen::Map<const Vec3>;
+
+Map vector(double* at) {
+  return Map(at);
+}
+
+class Xpbd final : public SteppedMethod {
+ public:
+  explicit Xpbd(const Settings& settings)
+      : SteppedMethod(kName, number(settings, "step")),
+        compliance_(number(settings, "compliance")),
+        iterations_(static_cast<int>(number(settings, "iterations"))) {}
+
+ private:
+  static constexpr int kNone = -1;
+  struct Carriers {
+    int a = kNone, b = kNone;  // indices into Mechanism::carried()
+    bool any() const { return a != kNone || b != kNone; }
+  };
+
+  double prepare(Mechanism& mechanism) override;
+  void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override;
+  void pass(const Mechanism& mechanism, double softness, double* state);
+  double mobility(const Mechanism& mechanism, int carried, const Vec3& along, const double* state);
+  void pull(const Mechanism& mechanism, int carried, const Vec3& by, double* state);
+
+  double compliance_;  // m/N
+  int iterations_;
+  std::vector<Carriers> carriers_;          // per row
+  std::vector<double> multiplier_, flown_;  // kg m per row; the state after free motion
+};
+
+double Xpbd::prepare(Mechanism& mechanism) {
+  multiplier_.resize(mechanism.rows().size());
+  carriers_.assign(mechanism.rows().size(), {});
+  for (const auto& grip : mechanism.grips()) {
+    Carriers& carriers = carriers_[grip.row];
+    (grip.sign > 0 ? carriers.a : carriers.b) = static_cast<int>(grip.carried);
+  }
+  return 0;
+}
+
+void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) {
+  const Vec3 gain = dt * mechanism.gravity();
+  for (std::size_t p = 0; p < mechanism.points(); ++p)
+    vector(&state[mechanism.velocity(p)]) += gain;
+  for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
+    vector(&state[mechanism.twist(b)]) += gain;
+  }
+  drift(mechanism, dt, state);
+  mechanism.place(time + dt, state.data());
+  flown_ = state;
+
+  std::ranges::fill(multiplier_, 0.0);
+  for (int i = 0; i < iterations_; ++i) pass(mechanism, compliance_ / (dt * dt), state.data());
+  counters_.solves += static_cast<std::uint64_t>(iterations_);
+
+  const std::size_t velocities = mechanism.velocity(0);
+  for (std::size_t i = 0; i < 3 * mechanism.points(); ++i) {
+    state[velocities + i] += (state[i] - flown_[i]) / dt;
+  }
+  for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
+    const std::size_t q = mechanism.pose(b);
+    Map velocity(&state[mechanism.twist(b)]), spin(&state[mechanism.twist(b) + 3]);
+    velocity += (ConstMap(&state[q]) - ConstMap(&flown_[q])) / dt;
+    const Quat turned = quaternion(&state[q + 3]) * quaternion(&flown_[q + 3]).conjugate();
+    spin += angle(turned) / dt;
+  }
+}
+
+/// Goes through the rows once; `softness` is the compliance over dt^2, 1/kg.
+void Xpbd::pass(const Mechanism& mechanism, double softness, double* state) {
+  const auto& rows = mechanism.rows();
+  const auto& w = mechanism.inverse_mass();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Row& row = rows[r];
+    Map a(state + mechanism.position(row.a)), b(state + mechanism.position(row.b));
+    const Vec3 gap = b - a;
+    Vec3 along;
+    double excess;
+    if (row.axis == Row::kAlongLink) {
+      const double length = gap.norm();
+      if (length == 0) continue;  // no direction: the neighbours part the points
+      along = gap / length;
+      excess = length - row.rest;
+    } else {
+      along = Vec3::Unit(row.axis);
+      excess = gap[row.axis];
+    }
+    const Carriers& carriers = carriers_[r];
+    const double wa =
+        carriers.a == kNone ? w[row.a] : mobility(mechanism, carriers.a, along, state);
+    const double wb =
+        carriers.b == kNone ? w[row.b] : mobility(mechanism, carriers.b, along, state);
+    const double stiff = wa + wb + softness;
+    if (stiff == 0) continue;  // both ends are held
+    const double change = -(excess + softness * multiplier_[r]) / stiff;
+    multiplier_[r] += change;
+    const Vec3 move = change * along;
+    a -= w[row.a] * move;
+    b += w[row.b] * move;
+    if (carriers.a != kNone) pull(mechanism, carriers.a, -move, state);
+    if (carriers.b != kNone) pull(mechanism, carriers.b, move, state);
+  }
+}
+
+/// How easily a carried point moves `along`, 1/kg.
+double Xpbd::mobility(const Mechanism& mechanism, int carried, const Vec3& along,
+                      const double* state) {
+  const auto& point = mechanism.carried()[static_cast<std::size_t>(carried)];
+  const auto& body = mechanism.bodies()[point.body];
+  const Quat rotation = quaternion(state + mechanism.pose(point.body) + 3);
+  const Vec3 lever = point.local.cross(rotation.conjugate() * along);  // in body axes
+  return body.inverse_mass + lever.dot(body.inverse_inertia * lever);
+}
+
+/// Moves the body that carries a point as `by` (kg m) at that point does, and all its points.
+void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double* state) {
+  const auto& point = mechanism.carried()[static_cast<std::size_t>(carried)];
+  const auto& body = mechanism.bodies()[point.body];
+  double* q = state + mechanism.pose(point.body);
+  const Quat rotation = quaternion(q + 3);
+  const Vec3 lever = point.local.cross(rotation.conjugate() * by);
+  Map centre(q);
+  centre += body.inverse_mass * by;
+  rotate(rotation * (body.inverse_inertia * lever), q + 3);
+  const Quat turned = quaternion(q + 3);
+  for (const auto& other : mechanism.carried()) {
+    if (other.body != point.body) continue;
+    Map position(state + mechanism.position(other.point));
+    position = centre + turned * other.local;
+  }
+}
+
+}  // namespace
+
+MethodInfo xpbd_method() {
+  return {kName,
+          "extended position-based dynamics with small steps (Macklin et al.)",
+          {{"step", "The time step; smaller is stiffer and more accurate, and costs in proportion.",
+            "s", 0.001, 0, 1, true},
+           {"compliance", "How much a newton stretches each link; larger is softer.", "m/N", 0.0},
+           {"iterations", "Passes over all links in a step; more are stiffer.", "1", 1.0, 1, 10000,
+            false, true}},
+          [](const Settings& settings) -> std::unique_ptr<Method> {
+            return std::make_unique<Xpbd>(settings);
+          }};
+}
+
+}  // namespace taut
