@@ -58,7 +58,8 @@ Connector straight_connector(std::string name, double length, double mass, std::
                              const Vec3& start, const Vec3& direction);
 
 /// The particles that hang as a catenary of equal links between `from` and `to` (both ends held, at
-/// most the connector's length apart); the equilibrium of the discrete chain.
+/// most the connector's length apart); the equilibrium of the discrete chain. Throws
+/// std::invalid_argument where there is none.
 std::vector<Vec3> hanging_points(const Connector& connector, const Vec3& from, const Vec3& to,
                                  const Vec3& gravity);
 

@@ -106,10 +106,10 @@ bool close_joint(const Side& a, const Side& b, double dt) {
 }
 
 /// Equation (5) as it stands in the paper: each end answers as if the other were fixed, its moment
-/// of inertia is a number (about the axis that resists most), and nothing clamps it. Returns the
-/// larger of the two impulses, N s.
+/// of inertia is a number (about the axis that resists most), and nothing clamps it. It has moved
+/// with the mean of its velocities before and after. Returns the larger of the two impulses, N s.
 double printed_impulse(const Side& a, const Side& b, const Span& span, const Vec3& along,
-                       double parting, double elasticity) {
+                       double parting, double elasticity, double dt) {
   double largest = 0;
   const auto apply = [&](const Side& side, const Vec3& toward_other) {
     if (side.inverse_mass == 0) return;
@@ -121,6 +121,7 @@ double printed_impulse(const Side& a, const Side& b, const Span& span, const Vec
     }
     const double size = parting * (1 + elasticity) / answer * mass_ratio(span, side.inverse_mass);
     side.kick(size * toward_other, side.arm);
+    side.shift(dt / 2 * size * toward_other, side.arm);
     largest = std::max(largest, size);
   };
   apply(a, along);
@@ -175,7 +176,7 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   const double elasticity = world.connectors[span.connector].elasticity;
   if (as_printed_) {
     if (!leaves) return false;
-    const double size = printed_impulse(a, b, span, along, parting, elasticity);
+    const double size = printed_impulse(a, b, span, along, parting, elasticity, dt);
     if (!span.taut) {
       log(Event::Kind::taut, time, 0);
       log(Event::Kind::impulse, time, size);

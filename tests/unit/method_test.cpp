@@ -1,0 +1,82 @@
+#include "sim/method.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/simulation.h"
+
+namespace taut {
+namespace {
+
+TEST(Methods, EveryRowMakesItsMethodFromItsDefaults) {
+  ASSERT_FALSE(methods().empty());
+  for (const MethodInfo& method : methods()) {
+    EXPECT_EQ(find_method(method.name), &method);
+    EXPECT_FALSE(method.summary.empty());
+    Settings all;
+    for (const SettingInfo& setting : method.settings) {
+      all.emplace(setting.name, setting.fallback);
+      EXPECT_FALSE(setting.meaning.empty()) << setting.name;
+    }
+    EXPECT_EQ(complaint(method, all), "") << method.name;
+  }
+  EXPECT_EQ(find_method("magic"), nullptr);
+  EXPECT_NE(make_method("impulse", {}), nullptr);
+}
+
+TEST(Methods, WrongSettingsAreNamed) {
+  const MethodInfo& impulse = *find_method("impulse");
+  const auto say = [&](const char* name, Setting value) {
+    return complaint(impulse, {{name, std::move(value)}});
+  };
+  EXPECT_NE(say("stepp", 0.1).find("no setting stepp"), std::string::npos);
+  EXPECT_NE(say("step", true).find("is true or false, expected a number"), std::string::npos);
+  EXPECT_NE(say("step", 0.0).find("more than 0"), std::string::npos);
+  EXPECT_NE(say("step", std::nan("")).find("finite"), std::string::npos);
+  EXPECT_NE(say("h", -1.0).find("at least 0"), std::string::npos);
+  EXPECT_NE(say("passes", 1.5).find("whole"), std::string::npos);
+  EXPECT_EQ(say("passes", 2.0), "");
+  EXPECT_THROW(make_method("magic", {}), std::invalid_argument);
+  EXPECT_THROW(make_method("impulse", {{"step", -1.0}}), std::invalid_argument);
+}
+
+TEST(Methods, StepCountIsExactWhereTheStepDivides) {
+  EXPECT_EQ(step_count(0, 0.1), 0u);
+  EXPECT_EQ(step_count(1, 0.1), 10u);
+  EXPECT_EQ(step_count(1.01, 0.1), 11u);
+  EXPECT_EQ(step_count(1e-9, 0.1), 1u);
+  EXPECT_EQ(step_count(1 / 60.0, 1 / 960.0), 16u);
+  EXPECT_EQ(step_count(1 / 60.0, 0.001), 17u);
+  for (int k = 0; k < 600; ++k) {
+    EXPECT_EQ(step_count((k + 1) / 50.0 - k / 50.0, 0.001), 20u) << k;
+  }
+}
+
+TEST(Methods, StepTimesAreTheSameHoweverFramesDivideThem) {
+  for (const int fps : {10, 25, 50, 100}) {
+    int step = 0;
+    for (int frame = 0; frame < 12 * fps; ++frame) {
+      const StepTimes times(frame / double(fps), (frame + 1) / double(fps), 0.001);
+      ASSERT_EQ(times.count, std::uint64_t(1000 / fps));
+      EXPECT_EQ(times.dt, 0.001);
+      for (std::uint64_t i = 0; i < times.count; ++i) ASSERT_EQ(times.at(i + 1), ++step * 0.001);
+    }
+  }
+  const StepTimes odd(1 / 60.0, 2 / 60.0, 0.001);  // does not divide: equal steps, exact end
+  EXPECT_EQ(odd.count, 17u);
+  EXPECT_EQ(odd.at(0), 1 / 60.0);
+  EXPECT_EQ(odd.at(17), 2 / 60.0);
+}
+
+TEST(Simulation, GoesForwardOnly) {
+  Simulation simulation(World{}, make_method("impulse", {}));
+  simulation.advance_to(0.1);
+  EXPECT_EQ(simulation.world().time, 0.1);
+  simulation.advance_to(0.1);
+  EXPECT_THROW(simulation.advance_to(0.05), std::invalid_argument);
+  EXPECT_EQ(simulation.method().counters().steps, 100u);
+}
+
+}  // namespace
+}  // namespace taut
