@@ -28,7 +28,6 @@ struct Span {
   double length = 0;  // m, the sum of the rest lengths
   double mass = 0;    // kg, its share of the connector's
   bool taut = false;
-  std::uint64_t slack_steps = 0;  // since it was last taut
 
   std::size_t links() const { return b.particle - a.particle; }
 };

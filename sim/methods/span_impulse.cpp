@@ -7,8 +7,6 @@
 namespace taut {
 namespace {
 
-// A rebound that is over within so few steps is none: the span is coming to rest, taut.
-constexpr std::uint64_t kNoRebound = 2;
 constexpr double kExact = 1e-12;  // of the length: a span so near its limit is at it
 
 /// An end of a span as a thing that impulses move: a point at `arm` from the centre of mass of a
@@ -47,6 +45,7 @@ struct Side {
   }
   Vec3 point() const { return *centre + arm; }
   Vec3 point_before(double ago) const { return *centre - ago * *velocity + arm_before(ago); }
+  Vec3 fall(const Vec3& gravity) const { return inverse_mass > 0 ? gravity : Vec3(0, 0, 0); }
   Vec3 velocity_of(const Vec3& at) const { return *velocity + spin.cross(at); }
 
   /// The velocity that the point at `seen` gets from a unit impulse along `n` at `acting`.
@@ -65,15 +64,29 @@ struct Side {
     *velocity += inverse_mass * impulse;
     if (body) body->spin += inverse_inertia * acting.cross(impulse);
   }
-  /// Moves it as far as an impulse would since it acted; `impulse_time` is the product, N s^2.
+  /// Moves it as far as an impulse has since it acted; `impulse_time` is the product, N s^2. The
+  /// angular momentum stays, so that the spin changes as the inertia turns.
   void shift(const Vec3& impulse_time, const Vec3& acting) const {
     if (inverse_mass == 0) return;
     *centre += inverse_mass * impulse_time;
     if (!body) return;
+    const Vec3 momentum = body->world_inertia() * body->spin;
     const Vec3 half = inverse_inertia * acting.cross(impulse_time) / 2;
-    body->rotation = (Quat(1, half.x(), half.y(), half.z()) * body->rotation).normalized();
+    const Quat turn = Quat(1, half.x(), half.y(), half.z()).normalized();
+    body->rotation = (turn * body->rotation).normalized();
+    body->spin +=
+        turn * (inverse_inertia * (turn.conjugate() * momentum)) - inverse_inertia * momentum;
   }
 };
+
+/// The impulse (N s) on b, its reaction on a, and the ways they have gone since (N s^2).
+void exchange(const Side& a, const Vec3& arm_a, const Side& b, const Vec3& arm_b,
+              const Vec3& impulse, const Vec3& impulse_time) {
+  a.kick(-impulse, arm_a);
+  b.kick(impulse, arm_b);
+  a.shift(-impulse_time, arm_a);
+  b.shift(impulse_time, arm_b);
+}
 
 /// The distances between which a span's ends are left alone, m. A span of several links folds.
 struct Reach {
@@ -98,10 +111,7 @@ bool close_joint(const Side& a, const Side& b, double dt) {
   const Mat3 inverse = Mat3(a.answers(arm_a, a.arm) + b.answers(arm_b, b.arm)).inverse();
   const Vec3 shift = inverse * (a.point() - b.point());
   const Vec3 impulse = inverse * (a.velocity_of(a.arm) - b.velocity_of(b.arm));
-  a.shift(-shift, arm_a);
-  b.shift(shift, arm_b);
-  a.kick(-impulse, arm_a);
-  b.kick(impulse, arm_b);
+  exchange(a, arm_a, b, arm_b, impulse, shift);
   return true;
 }
 
@@ -138,17 +148,12 @@ void SpanImpulses::prepare(const World& world) {
 
 void SpanImpulses::watch(const World& world, Span& span, double time,
                          std::vector<Event>& events) const {
-  if (span.length == 0) return;
-  if (!span.taut) {
-    ++span.slack_steps;
-    return;
-  }
+  if (!span.taut || span.length == 0) return;
   const std::vector<Vec3>& position = world.connectors[span.connector].position;
   const double distance = (position[span.b.particle] - position[span.a.particle]).norm();
   const Reach reach(span, limits_);
   if (distance >= reach.longest - reach.exact || distance <= reach.shortest + reach.exact) return;
   span.taut = false;
-  span.slack_steps = 1;
   events.push_back({Event::Kind::slack, time, span.connector, span.index, 0});
 }
 
@@ -170,13 +175,15 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   if (!is_long && distance >= reach.shortest - reach.exact) return false;
   if (span.length == 0 && !as_printed_) return close_joint(a, b, dt);
 
+  // From here on, `sign` makes whatever leads farther beyond the limit positive.
+  const double sign = is_long ? 1 : -1;
+  const double limit = is_long ? reach.longest : reach.shortest;
   const Vec3 along = gap / distance;
-  const double parting = along.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm));
-  const bool leaves = is_long ? parting > 0 : parting < 0;  // goes on leaving its limits
+  const double parting = sign * along.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm));
   const double elasticity = world.connectors[span.connector].elasticity;
   if (as_printed_) {
-    if (!leaves) return false;
-    const double size = printed_impulse(a, b, span, along, parting, elasticity, dt);
+    if (parting <= 0) return false;
+    const double size = printed_impulse(a, b, span, sign * along, parting, elasticity, dt);
     if (!span.taut) {
       log(Event::Kind::taut, time, 0);
       log(Event::Kind::impulse, time, size);
@@ -185,36 +192,38 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
     return false;  // both ends have answered; nothing more to settle in this step
   }
 
-  // The span passed its limit `ago`; in steady tension that is half a step.
-  const double limit = is_long ? reach.longest : reach.shortest;
-  const double ago = leaves ? std::min((distance - limit) / parting, dt) : 0;
+  // The span passed its limit `ago`; in steady tension that is half a step. `pull` is what gravity
+  // adds to the parting in a second.
+  const bool impact = parting > 0 && !span.taut;
+  const double pull = sign * along.dot(b.fall(world.gravity) - a.fall(world.gravity));
+  const double excess = sign * (distance - limit);
+  double ago = parting > 0 ? std::min(excess / parting, dt) : 0;
+  if (impact) ago = std::min(excess / std::max(parting - pull * ago / 2, parting / 2), dt);
   const Vec3 arm_a = a.arm_before(ago), arm_b = b.arm_before(ago);
   const Vec3 line = (b.point_before(ago) - a.point_before(ago)).normalized();
-  const Vec3 shift_answer = a.answer(line, arm_a, a.arm) + b.answer(line, arm_b, b.arm);
+  const Vec3 answer = a.answer(line, arm_a, a.arm) + b.answer(line, arm_b, b.arm);
   // The shift along `line` that brings the ends back to their limit: |gap + shift answer| = limit.
-  const double p = gap.dot(shift_answer), q = shift_answer.squaredNorm();
-  const double excess = distance * distance - limit * limit;
-  const double shift = -excess / (p + std::sqrt(std::max(0.0, p * p - q * excess)));
-
+  const double p = gap.dot(answer), q = answer.squaredNorm();
+  const double c = distance * distance - limit * limit;
+  double shift = -c / (p + std::sqrt(std::max(0.0, p * p - q * c)));
   double size = 0;
-  double rebound = 0;
-  if (leaves && !span.taut) {  // an impact: the law of restitution at the moment it happened
-    if (span.slack_steps > kNoRebound) rebound = elasticity * mass_ratio(span, inverse_mass);
-    const Vec3 answer = a.answer(line, arm_a, arm_a) + b.answer(line, arm_b, arm_b);
-    const Vec3 relative = b.velocity_of(arm_b) - a.velocity_of(arm_a);
-    size = -(1 + rebound) * line.dot(relative) / line.dot(answer);
+  if (impact) {
+    const Vec3 then = a.answer(line, arm_a, arm_a) + b.answer(line, arm_b, arm_b);
+    const double speed = sign * line.dot(b.velocity_of(arm_b) - a.velocity_of(arm_a));
+    // Thrown back at the moment of the impact, and pulled since; else the span stays taut.
+    const double back = elasticity * mass_ratio(span, inverse_mass) * (speed - pull * ago);
+    const bool rebounds = back > pull * ago;
+    const double wanted = rebounds ? pull * ago - back : 0;
+    size = sign * (wanted - speed) / line.dot(then);
+    if (rebounds) shift -= sign * ago * (back - pull * ago / 2) / line.dot(then);
     log(Event::Kind::taut, time - ago, 0);
     log(Event::Kind::impulse, time - ago, std::abs(size));
-  } else if (leaves) {  // steady tension: the ends neither part nor approach when the step ends
-    const Vec3 relative = b.velocity_of(b.arm) - a.velocity_of(a.arm);
-    const Vec3 now = (gap + shift * shift_answer).normalized();
-    size = -now.dot(relative) / now.dot(shift_answer);
+  } else if (parting > 0) {  // steady: the ends neither part nor approach when the step ends
+    const Vec3 now = (gap + shift * answer).normalized();
+    size = -now.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm)) / now.dot(answer);
   }
   span.taut = true;
-  a.shift(-(1 + rebound) * shift * line, arm_a);
-  b.shift((1 + rebound) * shift * line, arm_b);
-  a.kick(-size * line, arm_a);
-  b.kick(size * line, arm_b);
+  exchange(a, arm_a, b, arm_b, size * line, shift * line);
   return true;
 }
 
