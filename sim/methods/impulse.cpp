@@ -45,6 +45,7 @@ class Impulse final : public Method {
   void settle(World& world, double time, double dt);
   void reposition(Connector& connector, const Strand& strand, const Span& span) const;
   void stay_in_reach(Connector& connector, const Strand& strand, const Span& span) const;
+  void meet(Connector& connector, const Strand& strand, std::size_t i, std::size_t end) const;
   void check(const World& world, double time) const;
 
   double step_, threshold_;
@@ -177,22 +178,37 @@ void Impulse::reposition(Connector& connector, const Strand& strand, const Span&
 /// Section IV.B: a particle farther from an end than the rest length between them is moved to that
 /// distance; from both ends, and the ends themselves last.
 void Impulse::stay_in_reach(Connector& connector, const Strand& strand, const Span& span) const {
-  const auto clamp = [&](std::size_t i, std::size_t end) {
-    const double reach = limits_.longest * std::abs(strand.along[i] - strand.along[end]);
-    const Vec3 apart = connector.position[end] - connector.position[i];
-    const double squared = apart.squaredNorm();
-    if (squared <= reach * reach) return;
-    const double weight = strand.weight[i] + strand.weight[end];
-    if (weight == 0) return;
-    const double distance = std::sqrt(squared);
-    const Vec3 move = apart * ((distance - reach) / (distance * weight));
-    connector.position[i] += strand.weight[i] * move;
-    connector.position[end] -= strand.weight[end] * move;
-  };
   const std::size_t first = span.a.particle, last = span.b.particle;
-  for (std::size_t i = first + 1; i < last; ++i) clamp(i, first);
-  for (std::size_t i = last - 1; i > first; --i) clamp(i, last);
-  if (!as_printed_) clamp(last, first);
+  for (const std::size_t end : {first, last}) {
+    if (strand.weight[end] > 0) {
+      for (std::size_t i = first + 1; i < last; ++i) meet(connector, strand, i, end);
+      continue;
+    }
+    const Vec3 place = connector.position[end];
+    const double along = strand.along[end];
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const double reach = limits_.longest * std::abs(strand.along[i] - along);
+      const Vec3 apart = connector.position[i] - place;
+      const double squared = apart.squaredNorm();
+      if (squared <= reach * reach) continue;
+      connector.position[i] = place + reach / std::sqrt(squared) * apart;
+    }
+  }
+  if (!as_printed_) meet(connector, strand, last, first);
+}
+
+/// Moves a particle and an end into each other's reach, each by the other's part of their mass.
+void Impulse::meet(Connector& connector, const Strand& strand, std::size_t i,
+                   std::size_t end) const {
+  const double reach = limits_.longest * std::abs(strand.along[i] - strand.along[end]);
+  const Vec3 apart = connector.position[end] - connector.position[i];
+  const double squared = apart.squaredNorm();
+  const double weight = strand.weight[i] + strand.weight[end];
+  if (squared <= reach * reach || weight == 0) return;
+  const double distance = std::sqrt(squared);
+  const Vec3 move = apart * ((distance - reach) / (distance * weight));
+  connector.position[i] += strand.weight[i] * move;
+  connector.position[end] -= strand.weight[end] * move;
 }
 
 void Impulse::check(const World& world, double time) const {
