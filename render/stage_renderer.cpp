@@ -105,7 +105,7 @@ struct StageRenderer::Impl {
   }
 
   void pose(const Instant& instant) {
-    for (std::size_t i = 0; i < characters.size(); ++i) {
+    for (std::size_t i = 0; i < std::min(characters.size(), instant.bones.size()); ++i) {
       const Model& model = *stage.characters[i];
       const std::vector<BoneMatrix> bones = bone_matrices(model, instant.bones[i]);
       for (std::size_t k = 0; k < model.meshes.size(); ++k) {
@@ -241,8 +241,8 @@ void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Insta
     gl.Enable(GL_DEPTH_CLAMP);
     gl.Enable(GL_POLYGON_OFFSET_FILL);
     gl.PolygonOffset(1.5f, 2.0f);
+    // Scenery casts no shadow: the key light is a stage's light, and walls would shut it out.
     d.draw_depth(moving);
-    d.draw_depth(scenery);
     gl.Disable(GL_POLYGON_OFFSET_FILL);
     gl.Disable(GL_DEPTH_CLAMP);
   } else {

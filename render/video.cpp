@@ -32,7 +32,7 @@ ChildResult run(const std::vector<std::string>& arguments, const std::string& in
 
 /// A path as FFmpeg's list of files wants it, in single quotes.
 std::string quoted(const std::filesystem::path& file) {
-  std::string text = "'";
+  std::string text = "'file:";
   for (const char c : std::filesystem::absolute(file).string())
     text += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return text + "'";

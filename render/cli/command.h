@@ -34,6 +34,7 @@ CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
                       const std::string& summary, const std::string& examples);
 
 // One per file of this folder; main lists them.
+void add_render(CLI::App& app, Program& program);
 void add_simulate(CLI::App& app, Program& program);
 void add_check(CLI::App& app, Program& program);
 

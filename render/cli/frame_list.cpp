@@ -45,12 +45,13 @@ std::vector<int> frame_list(const std::string& text, int total) {
 }
 
 std::pair<int, int> picture_size(const std::string& text) {
-  const std::size_t cross = text.find('x');
-  const auto width = whole_number(text.substr(0, cross));
-  const auto height = cross == text.npos ? std::nullopt : whole_number(text.substr(cross + 1));
-  if (!width || !height || *width == 0 || *height == 0)
+  const std::string_view whole = text;
+  const std::size_t cross = std::min(whole.find('x'), whole.size() - 1);
+  const int width = whole_number(whole.substr(0, cross)).value_or(0);
+  const int height = whole_number(whole.substr(cross + 1)).value_or(0);
+  if (width == 0 || height == 0)
     throw Misuse(fmt::format("--size: '{}' is no size (expected WxH, such as 1280x720)", text));
-  return {*width, *height};
+  return {width, height};
 }
 
 }  // namespace taut::cli

@@ -15,6 +15,7 @@ namespace taut::cli {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
+  taut render scenes/nunchaku.toml                its clip, in out/nunchaku
   taut check scenes/nunchaku.toml                 what is wrong with a scene, and what it would do
   taut simulate scenes/nunchaku.toml --csv t.csv  its trajectory, without pictures
   taut COMMAND --help                             more about one command
@@ -77,7 +78,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(std::string("\n") + kExamples);
   Program program;
-  for (const auto add : {add_simulate, add_check}) add(app, program);
+  for (const auto add : {add_render, add_simulate, add_check}) add(app, program);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

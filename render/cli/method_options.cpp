@@ -95,6 +95,14 @@ Settings full_settings(const MethodChoice& choice) {
   return full;
 }
 
+nlohmann::ordered_json settings_json(const Settings& settings) {
+  auto object = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : settings) {
+    std::visit([&](const auto& v) { object[name] = v; }, value);
+  }
+  return object;
+}
+
 std::string settings_text(const Settings& settings) {
   std::string line;
   for (const auto& [name, value] : settings) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene);
 
 /// Every setting of the method, those left out with their defaults.
 Settings full_settings(const MethodChoice& choice);
+
+/// Settings as a JSON object.
+nlohmann::ordered_json settings_json(const Settings& settings);
 
 /// Settings as one line: step = 0.001, elasticity = 0.2
 std::string settings_text(const Settings& settings);

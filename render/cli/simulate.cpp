@@ -144,14 +144,6 @@ Report simulate(const Scene& scene, Simulation& simulation, Rows& rows, bool qui
   return report;
 }
 
-nlohmann::ordered_json as_json(const Settings& settings) {
-  auto object = nlohmann::ordered_json::object();
-  for (const auto& [name, value] : settings) {
-    std::visit([&](const auto& v) { object[name] = v; }, value);
-  }
-  return object;
-}
-
 std::string json_text(const Scene& scene, const Simulation& simulation, const Report& report) {
   const Counters& counters = simulation.method().counters();
   // The last frame's time is what was simulated; a scene of one frame simulates nothing.
@@ -159,7 +151,7 @@ std::string json_text(const Scene& scene, const Simulation& simulation, const Re
   nlohmann::ordered_json json;
   json["scene"] = scene.file.string();
   json["method"] = scene.method.name;
-  json["settings"] = as_json(full_settings(scene.method));
+  json["settings"] = settings_json(full_settings(scene.method));
   json["frames"] = scene.frames();
   json["stepping_ms_per_second"] =
       simulated > 0 ? nlohmann::ordered_json(1e3 * report.stepping / simulated) : nullptr;

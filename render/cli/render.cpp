@@ -1,0 +1,178 @@
+// taut render: a scene's clip.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "render/atomic_file.h"
+#include "render/caption.h"
+#include "render/cli/command.h"
+#include "render/cli/frame_list.h"
+#include "render/cli/method_options.h"
+#include "render/cli/progress.h"
+#include "render/fingerprint.h"
+#include "render/frame_folder.h"
+#include "render/hash.h"
+#include "render/interrupt.h"
+#include "render/video.h"
+#include "scenes/error.h"
+#include "scenes/scene.h"
+#include "sim/simulation.h"
+
+namespace taut::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct Options {
+  std::string scene, out, frames, size, backend = "auto";
+  int fps = 0, samples = 4;
+  bool resume = false, no_video = false;
+  MethodOptions method;
+};
+
+/// The states at the frames' times.
+std::vector<Snapshot> record(const Scene& scene, const std::vector<int>& frames) {
+  Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
+  std::vector<Snapshot> states;
+  int done = 0;
+  for (const int frame : frames) {
+    for (; done < frame; ++done) {
+      stop_if_interrupted();
+      simulation.advance_to(double(done + 1) / scene.fps);
+    }
+    states.push_back(snapshot(simulation.world()));
+  }
+  return states;
+}
+
+int render(const Common& common, const Options& options) {
+  const Backend backend = backend_named(options.backend);
+  Scene scene = load_scene(options.scene, true);
+  if (!scene.stage)
+    throw BadScene(fmt::format("{}: has no [stage], so there is nothing to draw", options.scene));
+  if (options.fps > 0) scene.fps = options.fps;
+  if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
+  scene.method = chosen_method(options.method, scene);
+  const bool video = !options.no_video;
+  if (video && (scene.width % 2 || scene.height % 2))
+    throw Misuse(
+        fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides "
+                    "(--no-video makes frames of any size)",
+                    scene.width, scene.height));
+  const std::vector<int> frames = frame_list(options.frames, scene.frames());
+  if (video) require_ffmpeg();
+
+  const std::string name = std::filesystem::path(options.scene).stem().string();
+  const std::filesystem::path out = options.out.empty() ? std::filesystem::path("out") / name
+                                                        : std::filesystem::path(options.out);
+  const Context context(backend, common.threads);
+  Canvas canvas(context, scene.width, scene.height, options.samples);
+  FrameFolder folder(out / "frames", options.resume);
+
+  const auto simulation_start = Clock::now();
+  const std::vector<Snapshot> states = record(scene, frames);
+  const double simulation_time = seconds_since(simulation_start);
+
+  StageRenderer stage(context, *scene.stage, scene.world);
+  Font font;
+  const std::uint64_t clip = Hash()
+                                 .number(program_fingerprint())
+                                 .number(fingerprint(*scene.stage))
+                                 .text(context.description())
+                                 .number(scene.width)
+                                 .number(scene.height)
+                                 .number(options.samples)
+                                 .value();
+  std::size_t drawn = 0;
+  const auto rendering_start = Clock::now();
+  {
+    Progress progress("rendering", "frames", frames.size(), common.quiet);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      stop_if_interrupted();
+      Instant instant{states[i], {}, camera_at(*scene.stage, states[i].time)};
+      for (const auto& performance : scene.performances)
+        instant.bones.push_back(performance->bones_at(states[i].time));
+      const std::uint64_t inputs = Hash().number(clip).number(fingerprint(instant)).value();
+      if (!folder.has(frames[i], inputs)) {
+        stage.clear(canvas);
+        stage.draw(canvas, {0, 0, scene.width, scene.height}, instant);
+        Picture picture = canvas.finish();
+        draw_captions(picture, font, scene.stage->captions, states[i].time);
+        folder.put(frames[i], inputs, std::move(picture));
+        ++drawn;
+      }
+      progress.update(i + 1);
+    }
+    folder.finish();
+  }
+  const double rendering_time = seconds_since(rendering_start);
+
+  nlohmann::ordered_json report = {
+      {"scene", options.scene},
+      {"title", scene.title},
+      {"method",
+       {{"name", scene.method.name}, {"settings", settings_json(full_settings(scene.method))}}},
+      {"size", {scene.width, scene.height}},
+      {"fps", scene.fps},
+      {"samples", options.samples},
+      {"renderer", context.description()},
+      {"frames", frames.size()},
+      {"frames_drawn", drawn},
+      {"frames_folder", (out / "frames").string()},
+      {"seconds_per_frame",
+       {{"simulation", simulation_time / double(frames.back() + 1)},
+        {"rendering", drawn ? rendering_time / double(drawn) : 0.0}}}};
+  if (video) {
+    std::vector<std::filesystem::path> files;
+    for (const int frame : frames) files.push_back(folder.file(frame));
+    const std::filesystem::path file = out / (name + ".mp4");
+    const auto encoding_start = Clock::now();
+    encode_video(files, scene.fps, file);
+    report["seconds_per_frame"]["encoding"] = seconds_since(encoding_start) / double(frames.size());
+    report["video"] = file.string();
+  }
+  const std::string text = report.dump(2) + "\n";
+  AtomicFile record_file(out / "clip.json");
+  record_file.write(text);
+  record_file.commit();
+  write_output(common.json
+                   ? text
+                   : (video ? report["video"] : report["frames_folder"]).get<std::string>() + "\n");
+  return kDone;
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Program& program) {
+  CLI::App& command =
+      add_command(app, program, "render", "Render a scene's clip",
+                  "  taut render scenes/nunchaku.toml\n"
+                  "  taut render scenes/nunchaku.toml --frames 0-59,120 --size 960x540 --no-video\n"
+                  "  taut render scenes/nunchaku.toml --resume");
+  auto options = std::make_shared<Options>();
+  command.add_option("scene", options->scene, "The scene file")->required();
+  command.add_option("--out", options->out, "The clip's folder; default out/NAME");
+  command.add_option("--frames", options->frames, "Frames to make, as A-B,C; default all");
+  command.add_option("--size", options->size, "WxH in pixels; default the scene's");
+  command.add_option("--fps", options->fps, "Frames per second; default the scene's")
+      ->check(CLI::Range(1, 1000));
+  command.add_option("--samples", options->samples, "Samples per pixel; default 4")
+      ->check(CLI::Range(1, 64));
+  add_method_options(command, options->method);
+  command.add_option("--backend", options->backend, "auto, egl or osmesa")
+      ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
+  command.add_flag("--resume", options->resume,
+                   "Keep finished frames that would come out the same");
+  command.add_flag("--no-video", options->no_video, "Frames only");
+  command.callback([&program, options] {
+    program.run = [&program, options] { return render(program.common, *options); };
+  });
+}
+
+}  // namespace taut::cli
