@@ -48,8 +48,8 @@ struct Scene {
 /// The method of a scene that names none.
 MethodChoice default_method();
 
-/// The step nearest to `step` (s) that divides a frame of 1/fps exactly, where they are the same
-/// but for the rounding of a number that a person typed (one part in a million).
+/// The longest step that is at most `step` (s) and divides a frame of 1/`fps`; none where that
+/// would change it by more than 2%.
 std::optional<double> dividing_step(double step, int fps);
 
 /// Reads and checks a scene. Throws BadScene or BadAsset. Assets are loaded only when `with_stage`.
