@@ -9,6 +9,7 @@
 #include "sim/methods/impulse.h"
 #include "sim/methods/springs.h"
 #include "sim/methods/xpbd.h"
+#include "sim/truth/multipliers.h"
 
 namespace taut {
 
@@ -19,6 +20,7 @@ std::span<const MethodInfo> methods() {
       springs_method(),
       xpbd_method(),
       direct_method(),
+      truth_method(),
   };
   return list;
 }

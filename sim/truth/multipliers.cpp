@@ -1,0 +1,169 @@
+#include "sim/truth/multipliers.h"
+
+#include <algorithm>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <cmath>
+#include <optional>
+
+#include "sim/mechanism.h"
+#include "sim/tension.h"
+
+namespace taut {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+
+constexpr std::string_view kName = "truth";
+constexpr double kFirstStep = 1e-4;  // s
+constexpr double kShortest = 1e-12;  // s: a step below it says that the motion is not smooth
+constexpr int kProjections = 8;      // Newton steps at most
+constexpr double kExact = 1e-14;     // m and m/s: rounding of positions of about a metre
+constexpr double kUnkept = 1e-8;     // m: lengths that stay off by more cannot be kept
+
+using State = std::vector<double>;
+
+class Multipliers final : public Method {
+ public:
+  explicit Multipliers(const Settings& settings)
+      : stepper_(odeint::make_controlled(number(settings, "tolerance"),
+                                         number(settings, "tolerance"),
+                                         odeint::runge_kutta_fehlberg78<State>())) {}
+
+  void advance(World& world, double until) override;
+
+ private:
+  using Stepper = odeint::result_of::make_controlled<odeint::runge_kutta_fehlberg78<State>>::type;
+
+  void prepare(const World& world);
+  void step(double& time, double until);
+  void slope(const State& state, State& derivative, double time);
+  void project(double time);
+  void solve();
+  [[noreturn]] void give_up(double time, std::size_t row, const char* what) const;
+
+  Stepper stepper_;
+  std::optional<Mechanism> mechanism_;
+  std::optional<TensionSystem> system_;
+  const World* world_ = nullptr;
+  std::uint64_t topology_ = 0;
+  std::vector<double> keys_;  // s, rising: times at which a path is not smooth
+  double step_ = kFirstStep;  // s, the next one to try
+  State state_, scratch_, right_, tension_;
+};
+
+void Multipliers::prepare(const World& world) {
+  mechanism_.emplace(world);
+  system_.emplace(*mechanism_);
+  topology_ = world.topology;
+  right_.resize(mechanism_->rows().size());
+  tension_.resize(right_.size());
+  keys_.clear();
+  const auto add = [&](const std::shared_ptr<const Path>& path) {
+    if (!path) return;
+    for (const PathKey& key : path->keys()) keys_.push_back(key.time);
+  };
+  for (const Body& body : world.bodies) add(body.path);
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) add(hold.to.path);
+  }
+  std::ranges::sort(keys_);
+}
+
+void Multipliers::advance(World& world, double until) {
+  const bool fresh = !mechanism_ || world.topology != topology_;
+  if (fresh) prepare(world);
+  world_ = &world;
+  mechanism_->load(world, state_);
+  double time = world.time;
+  if (fresh) project(time);
+  while (time < until) {
+    const auto key = std::ranges::upper_bound(keys_, time);
+    step(time, key == keys_.end() ? until : std::min(*key, until));
+  }
+  mechanism_->store(state_, until, world);
+}
+
+/// One accepted step, not beyond `until`.
+void Multipliers::step(double& time, double until) {
+  const auto system = [this](const State& x, State& dxdt, double t) { slope(x, dxdt, t); };
+  const double wanted = step_;
+  const bool last = time + wanted * (1 + 1e-9) >= until;
+  double taken = last ? until - time : wanted;
+  if (stepper_.try_step(system, state_, time, taken) == odeint::fail) {
+    ++counters_.rejected;
+    step_ = taken;  // now shorter
+    if (!(step_ > kShortest)) give_up(time, 0, "the motion is not smooth");
+    return;
+  }
+  if (last) time = until;
+  step_ = last ? std::max(wanted, taken) : taken;
+  ++counters_.steps;
+  project(time);
+}
+
+void Multipliers::solve() {
+  system_->assemble(*mechanism_);
+  system_->solve(right_, tension_);
+  ++counters_.solves;
+}
+
+void Multipliers::slope(const State& state, State& derivative, double time) {
+  scratch_ = state;
+  mechanism_->look(time, scratch_.data());
+  for (std::size_t r = 0; r < right_.size(); ++r) {
+    right_[r] = mechanism_->loose_excess_acceleration(r);
+  }
+  solve();
+  mechanism_->differentiate(scratch_.data(), tension_.data(), derivative.data());
+}
+
+void Multipliers::project(double time) {
+  for (std::size_t b = 0; b < mechanism_->bodies().size(); ++b) {
+    Eigen::Map<Eigen::Vector4d>(&state_[mechanism_->pose(b) + 3]).normalize();
+  }
+  if (right_.empty()) return;
+  const auto largest = [](const std::vector<double>& values) {
+    return std::ranges::max_element(values, {}, [](double x) { return std::abs(x); });
+  };
+  double before = 1e300;
+  for (int i = 0; i < kProjections; ++i) {
+    mechanism_->look(time, state_.data());
+    const auto worst = largest(mechanism_->excess());
+    const double off = std::abs(*worst);
+    const auto row = static_cast<std::size_t>(worst - mechanism_->excess().begin());
+    if (!std::isfinite(off)) give_up(time, row, "not finite");
+    if (off < kExact || (off < kUnkept && off > before / 2)) break;
+    if (i + 1 == kProjections && off > kUnkept) give_up(time, row, "the length cannot be kept");
+    before = off;
+    right_ = mechanism_->excess();
+    solve();
+    mechanism_->move(tension_.data(), state_.data());
+  }
+  mechanism_->look(time, state_.data());
+  right_ = mechanism_->rate();
+  solve();
+  mechanism_->push(tension_.data(), state_.data());
+  mechanism_->place(time, state_.data());
+}
+
+void Multipliers::give_up(double time, std::size_t row, const char* what) const {
+  const Row& at = mechanism_->rows()[row];
+  throw Diverged(std::string(kName), time, counters_.steps, world_->connectors[at.connector].name,
+                 at.link, what);
+}
+
+}  // namespace
+
+MethodInfo truth_method() {
+  return {kName,
+          "the converged solution, to judge the others by",
+          {{"tolerance", "Error allowed in a step, of a metre and of a metre per second.", "1",
+            1e-12, 1e-15, 1e-3}},
+          [](const Settings& settings) -> std::unique_ptr<Method> {
+            return std::make_unique<Multipliers>(settings);
+          }};
+}
+
+}  // namespace taut
