@@ -98,6 +98,8 @@ struct MethodInfo {
   std::unique_ptr<Method> (*make)(const Settings& settings);
   /// Why this build does not have the method, in two or three words for tables; empty: it does.
   std::string_view missing = {};
+  /// The others are judged by it: it stands in no comparison of its own.
+  bool reference = false;
   std::vector<MethodForm> forms = {};
   /// The longest step (s) that theory allows while `world` hangs at rest below what holds it, with
   /// a full set of settings; null: there is no such theory.

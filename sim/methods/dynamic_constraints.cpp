@@ -1,5 +1,8 @@
 #include "sim/methods/dynamic_constraints.h"
 
+#include <algorithm>
+
+#include "sim/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/tension.h"
 
@@ -51,31 +54,52 @@ class DynamicConstraints final : public SteppedMethod {
   std::vector<double> right_;  // m/s^2
 };
 
+/// Sideways a connector under tension moves freely, and its lengths return critically damped.
+double longest_step(const World& world, const Settings& settings) {
+  const Integrator integrator = integrator_named(text(settings, "integrator"));
+  const double tau = number(settings, "time_constant");
+  const double returning = tau > 0 ? stability_limit(integrator, 1) * tau : 1e300;
+  return std::min(returning, stability_limit(integrator, 0) / fastest_swing(world));
+}
+
 }  // namespace
 
 MethodInfo dynamic_constraints_method() {
   return {
-      kName,
-      "forces from the system of all links, returning critically damped (Barzel and Barr)",
-      {{"step", "The time step; smaller is more accurate and costs in proportion.", "s", 0.001, 0,
-        1, true},
-       {"time_constant",
-        "Time in which a length error decays by e, at least 1.3 steps; smaller is stiffer, and "
-        "zero takes ten steps.",
-        "s", 0.0, 0, 100},
-       {.name = "solver",
-        .meaning = "tridiagonal eliminates along the connector; dense decomposes the whole matrix.",
-        .unit = "",
-        .fallback = std::string("tridiagonal"),
-        .choices = {"tridiagonal", "dense"}},
-       {.name = "integrator",
-        .meaning = "How a step is taken.",
-        .unit = "",
-        .fallback = std::string("rk4"),
-        .choices = {"semi-implicit-euler", "rk4"}}},
-      [](const Settings& settings) -> std::unique_ptr<Method> {
+      .name = kName,
+      .summary = "forces from the system of all links, returning critically damped",
+      .settings = {{.name = "step",
+                    .meaning = "The time step; smaller is more accurate and costs in proportion.",
+                    .unit = "s",
+                    .fallback = 0.001,
+                    .maximum = 1,
+                    .above = true,
+                    .sweep = halvings(1.0 / 60, 10)},
+                   {.name = "time_constant",
+                    .meaning =
+                        "In which length errors return by e, 1.3 steps or more; zero: ten steps.",
+                    .unit = "s",
+                    .fallback = 0.0,
+                    .maximum = 100},
+                   {.name = "solver",
+                    .meaning =
+                        "Elimination along the connector, or decomposition of the whole matrix.",
+                    .unit = "",
+                    .fallback = std::string("tridiagonal"),
+                    .choices = {"tridiagonal", "dense"}},
+                   {.name = "integrator",
+                    .meaning = "How a step is taken; rk4 solves four times.",
+                    .unit = "",
+                    .fallback = std::string("rk4"),
+                    .choices = {"semi-implicit-euler", "rk4"},
+                    .sweep = {std::string("semi-implicit-euler"), std::string("rk4")}}},
+      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<DynamicConstraints>(settings);
-      }};
+      },
+      .forms = {{"dense", {{"solver", std::string("dense")}}}},
+      .longest_step = longest_step,
+      .longest_step_law = "2/w (Euler), 2.83/w (RK4), w the fastest swing",
+  };
 }
 
 }  // namespace taut

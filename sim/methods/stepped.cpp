@@ -1,6 +1,17 @@
 #include "sim/methods/stepped.h"
 
+#include <cmath>
+#include <complex>
+
 namespace taut {
+namespace {
+
+/// |R(q)|, the growth over a step of x' = q x / dt under RK4.
+double rk4_growth(std::complex<double> q) {
+  return std::abs(1.0 + q * (1.0 + q / 2.0 * (1.0 + q / 3.0 * (1.0 + q / 4.0))));
+}
+
+}  // namespace
 
 void SteppedMethod::advance(World& world, double until) {
   if (!mechanism_ || world.topology != topology_) {
@@ -43,6 +54,29 @@ void drift(const Mechanism& mechanism, double dt, std::vector<double>& state) {
 Integrator integrator_named(std::string_view name) {
   if (name == "explicit-euler") return Integrator::explicit_euler;
   return name == "rk4" ? Integrator::rk4 : Integrator::semi_implicit_euler;
+}
+
+double stability_limit(Integrator integrator, double damping_ratio) {
+  const double z = damping_ratio;
+  if (integrator == Integrator::semi_implicit_euler) return 2 * (std::sqrt(1 + z * z) - z);
+  if (integrator == Integrator::explicit_euler) {
+    return z <= 1 ? 2 * z : 2 * (z - std::sqrt(z * z - 1));
+  }
+  // The largest h = w dt at which the oscillator's faster root s/w = -z - sqrt(z^2 - 1) does not
+  // grow.
+  const std::complex<double> root = -z - std::sqrt(std::complex<double>(z * z - 1));
+  double stable = 0, unstable = 4;
+  for (int halving = 0; halving < 50; ++halving) {
+    const double h = (stable + unstable) / 2;
+    (rk4_growth(h * root) <= 1 ? stable : unstable) = h;
+  }
+  return stable;
+}
+
+std::vector<Setting> halvings(double first, int count) {
+  std::vector<Setting> steps;
+  for (int i = 0; i < count; ++i) steps.emplace_back(std::ldexp(first, -i));
+  return steps;
 }
 
 Stepper::Stepper(const Mechanism& mechanism, Integrator integrator)

@@ -147,16 +147,31 @@ void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double*
 }  // namespace
 
 MethodInfo xpbd_method() {
-  return {kName,
-          "extended position-based dynamics with small steps (Macklin et al.)",
-          {{"step", "The time step; smaller is stiffer and more accurate, and costs in proportion.",
-            "s", 0.001, 0, 1, true},
-           {"compliance", "How much a newton stretches each link; larger is softer.", "m/N", 0.0},
-           {"iterations", "Passes over all links in a step; more are stiffer.", "1", 1.0, 1, 10000,
-            false, true}},
-          [](const Settings& settings) -> std::unique_ptr<Method> {
-            return std::make_unique<Xpbd>(settings);
-          }};
+  return {
+      .name = kName,
+      .summary = "extended position-based dynamics with small steps",
+      .settings = {{.name = "step",
+                    .meaning = "The time step; smaller is stiffer and more accurate, and dearer.",
+                    .unit = "s",
+                    .fallback = 0.001,
+                    .maximum = 1,
+                    .above = true,
+                    .sweep = halvings(1.0 / 60, 12)},
+                   {.name = "compliance",
+                    .meaning = "How far a newton stretches each link; more is softer.",
+                    .unit = "m/N",
+                    .fallback = 0.0},
+                   {.name = "iterations",
+                    .meaning = "Passes over all links in a step; more is stiffer and dearer.",
+                    .unit = "1",
+                    .fallback = 1.0,
+                    .minimum = 1,
+                    .maximum = 10000,
+                    .whole = true,
+                    .sweep = {1.0, 4.0, 16.0}}},
+      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+        return std::make_unique<Xpbd>(settings);
+      }};
 }
 
 }  // namespace taut

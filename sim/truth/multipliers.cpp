@@ -27,8 +27,8 @@ using State = std::vector<double>;
 class Multipliers final : public Method {
  public:
   explicit Multipliers(const Settings& settings)
-      : stepper_(odeint::make_controlled(number(settings, "tolerance"),
-                                         number(settings, "tolerance"),
+      : stepper_(odeint::make_controlled(number(settings, "local_error"),
+                                         number(settings, "local_error"),
                                          odeint::runge_kutta_fehlberg78<State>())) {}
 
   void advance(World& world, double until) override;
@@ -157,13 +157,15 @@ void Multipliers::give_up(double time, std::size_t row, const char* what) const 
 }  // namespace
 
 MethodInfo truth_method() {
-  return {kName,
-          "the converged solution, to judge the others by",
-          {{"tolerance", "Error allowed in a step, of a metre and of a metre per second.", "1",
-            1e-12, 1e-15, 1e-3}},
-          [](const Settings& settings) -> std::unique_ptr<Method> {
+  return {.name = kName,
+          .summary = "the converged solution, which the others are judged by",
+          .settings = {{"local_error",
+                        "Error allowed in a step, in metres and metres per second; less is dearer.",
+                        "1", 1e-12, 1e-15, 1e-3}},
+          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Multipliers>(settings);
-          }};
+          },
+          .reference = true};
 }
 
 }  // namespace taut

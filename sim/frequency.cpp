@@ -1,0 +1,85 @@
+#include "sim/frequency.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// Masses (kg) below the first held particle and the links (m) above each, from the top down.
+struct Chain {
+  std::vector<double> mass, rest;
+};
+
+double mass_of(const World& world, const Connector& connector, std::size_t particle) {
+  for (const Hold& hold : connector.holds) {
+    if (hold.particle != particle || is_prescribed(world, hold.to)) continue;
+    return world.bodies[hold.to.body].mass_properties.mass;
+  }
+  return connector.particle_mass[particle];
+}
+
+Chain below_hold(const World& world, const Connector& connector) {
+  const auto hold = std::ranges::find_if(connector.holds,
+                                         [&](const Hold& h) { return is_prescribed(world, h.to); });
+  Chain chain;
+  if (hold == connector.holds.end()) return chain;
+  const bool backwards = hold->particle > 0;  // hangs from its last particle, or from a pin
+  const std::size_t last = backwards ? hold->particle : connector.particles() - 1;
+  for (std::size_t i = 1; i <= last; ++i) {
+    const std::size_t particle = backwards ? last - i : i;
+    chain.mass.push_back(mass_of(world, connector, particle));
+    chain.rest.push_back(connector.rest[backwards ? particle : i - 1]);
+  }
+  return chain;
+}
+
+/// The square of the fastest motion of m_i x_i'' = k_i (x_{i-1} - x_i) + k_{i+1} (x_{i+1} - x_i),
+/// particle 0 fixed; k (N/m) per link.
+double fastest_squared(const std::vector<double>& mass, const std::vector<double>& k) {
+  const auto n = static_cast<Eigen::Index>(mass.size());
+  if (n == 0) return 0;
+  Eigen::VectorXd diagonal(n), beside(n - 1);
+  for (Eigen::Index row = 0; row < n; ++row) {
+    const auto i = static_cast<std::size_t>(row);
+    const double below = i + 1 < k.size() ? k[i + 1] : 0;
+    diagonal[row] = (k[i] + below) / mass[i];
+    if (row + 1 < n) beside[row] = -below / std::sqrt(mass[i] * mass[i + 1]);
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  solver.computeFromTridiagonal(diagonal, beside, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().maxCoeff();
+}
+
+/// The fastest of all connectors, with the stiffnesses that `k_of` makes of a chain.
+template <class Stiffness>
+double fastest(const World& world, Stiffness k_of) {
+  double squared = 0;
+  for (const Connector& connector : world.connectors) {
+    const Chain chain = below_hold(world, connector);
+    squared = std::max(squared, fastest_squared(chain.mass, k_of(chain)));
+  }
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+double fastest_swing(const World& world) {
+  return fastest(world, [&](const Chain& chain) {
+    std::vector<double> k(chain.rest.size());  // T_i / l_i, T_i the weight below link i
+    double tension = 0;
+    for (std::size_t i = k.size(); i-- > 0;) {
+      tension += chain.mass[i] * world.gravity.norm();
+      k[i] = chain.rest[i] > 0 ? tension / chain.rest[i] : 0;
+    }
+    return k;
+  });
+}
+
+double fastest_stretch(const World& world, double stiffness) {
+  return fastest(
+      world, [&](const Chain& chain) { return std::vector<double>(chain.rest.size(), stiffness); });
+}
+
+}  // namespace taut
