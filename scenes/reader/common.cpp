@@ -14,7 +14,7 @@ namespace {
 fs::path root_of(const fs::path& folder) {
   std::error_code error;
   for (fs::path at = folder;; at = at.parent_path()) {
-    if (fs::exists(at / "CMakeLists.txt", error) || fs::exists(at / ".git", error)) return at;
+    if (fs::exists(at / "CMakePresets.json", error) || fs::exists(at / ".git", error)) return at;
     if (at == at.parent_path()) return folder;
   }
 }

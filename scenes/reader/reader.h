@@ -14,7 +14,7 @@
 namespace taut {
 
 /// The file that `value` names, relative to the scene's repository root (the nearest folder above
-/// it with a CMakeLists.txt or .git; without one the scene's own folder) or to the scene's folder.
+/// it with a CMakePresets.json or .git; without one the scene's own folder) or to the scene's folder.
 /// Throws BadScene when it is absolute, outside of the root, or missing.
 std::filesystem::path find_file(const Document& document, const Value& value);
 
