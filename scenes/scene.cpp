@@ -13,8 +13,10 @@ int Scene::frames() const {
   return static_cast<int>(std::abs(count - nearest) < 1e-9 * count ? nearest : std::ceil(count));
 }
 
-Scene load_scene(const std::filesystem::path& file, bool with_stage) {
-  const Document document = read_document(file);
+Scene load_scene(const std::filesystem::path& file, bool with_stage,
+                 const std::vector<SceneChange>& changes) {
+  Document document = read_document(file);
+  for (const auto& [key, value] : changes) change(document, key, value);
   check_format(document);
   const Value& root = document.root;
   Scene scene;

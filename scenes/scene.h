@@ -52,7 +52,15 @@ MethodChoice default_method();
 /// would change it by more than 2%.
 std::optional<double> dividing_step(double step, int fps);
 
+/// A value to read in place of the one in the file: its dotted key, and the value as TOML writes
+/// it.
+struct SceneChange {
+  std::string key;    // connectors.rope.particles
+  std::string value;  // 41
+};
+
 /// Reads and checks a scene. Throws BadScene or BadAsset. Assets are loaded only when `with_stage`.
-Scene load_scene(const std::filesystem::path& file, bool with_stage);
+Scene load_scene(const std::filesystem::path& file, bool with_stage,
+                 const std::vector<SceneChange>& changes = {});
 
 }  // namespace taut

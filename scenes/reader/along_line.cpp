@@ -19,8 +19,9 @@ double exit_share(const Vec3& a, const Vec3& b, const Vec3& centre, double r) {
 }  // namespace
 
 std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t particles, double link) {
-  // The last link may miss its length by the rounding of the numbers in the file.
-  constexpr double rounding = 1e-6;
+  // The last link may miss its length by the rounding of the numbers in the file; one that ends at
+  // a corner by the rounding of the sums, or it would end beyond it by the root of that.
+  constexpr double rounding_in_file = 1e-6, rounding_of_sums = 1e-9;
   std::vector<Vec3> line{corners.front()};
   std::size_t piece = 0;
   while (line.size() < particles) {
@@ -29,7 +30,8 @@ std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t parti
       const double share = exit_share(corners[piece], corners[piece + 1], last, link);
       const bool ends = piece + 2 == corners.size();
       const double missing = (share - 1) * (corners[piece + 1] - corners[piece]).norm();
-      if (share <= 1 || (ends && share < 2 && missing <= rounding * link)) {
+      const double rounding = ends ? rounding_in_file : rounding_of_sums;
+      if (share <= 1 || (share < 2 && missing <= rounding * link)) {
         line.push_back(corners[piece] + share * (corners[piece + 1] - corners[piece]));
         break;
       }

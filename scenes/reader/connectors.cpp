@@ -127,6 +127,13 @@ class Layout {
     } else {
       return false;
     }
+    if (const Value* spin = start ? start->find("spin") : nullptr) {
+      if (to.to) document_.fail_at_key(*spin, "needs a last particle that nothing holds");
+      for (std::size_t i = 0; i < connector.particles(); ++i) {
+        connector.velocity[i] =
+            spin->vec3().cross(connector.position[i] - connector.position.front());
+      }
+    }
     meet(value, connector, from, first, connector.position.front());
     meet(value, connector, to, last, connector.position.back());
     return true;

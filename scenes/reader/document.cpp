@@ -216,4 +216,31 @@ Document read_document(const std::filesystem::path& file) {
   }
 }
 
+void change(Document& document, std::string_view path, const std::string& text) {
+  Value* table = &document.root;
+  std::string_view rest = path;
+  for (;;) {
+    const std::size_t dot = rest.find('.');
+    const std::string name(rest.substr(0, dot));
+    if (table->kind != Value::Kind::table) {
+      document.fail(*table, fmt::format("is no table, so that {} cannot be set", path));
+    }
+    auto at = std::ranges::find(table->children, name, &Value::name);
+    if (at == table->children.end()) {
+      const std::string full = table->path.empty() ? name : table->path + "." + name;
+      table->children.push_back({.name = name, .path = full, .key_place = {}, .place = {}});
+      at = table->children.end() - 1;
+    }
+    table = &*at;
+    if (dot == std::string_view::npos) break;
+    rest.remove_prefix(dot + 1);
+  }
+  try {
+    const toml::table parsed = toml::parse("value = " + text);
+    *table = converted(*parsed.get("value"), table->name, table->path, table->key_place);
+  } catch (const toml::parse_error& error) {
+    document.fail(*table, fmt::format("{} is no value: {}", text, error.description()));
+  }
+}
+
 }  // namespace taut

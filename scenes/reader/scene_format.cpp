@@ -168,7 +168,8 @@ const TableFormat& start_format() {
                    "as the connector.",
         .unit = "m",
         .least = 2},
-       vector("hanging_to", "At rest between the first end and this point.")},
+       vector("hanging_to", "At rest between the first end and this point."),
+       vector("spin", "Turns as one stiff piece about the first particle.", "rad/s")},
       {{{"direction", "points", "hanging_to"}, false}}};
   return format;
 }
