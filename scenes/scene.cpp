@@ -35,7 +35,7 @@ Scene load_scene(const std::filesystem::path& file, bool with_stage,
   read_connectors(document, paths, scene.world);
   scene.pins = read_pins(document, paths, scene.world, scene.duration);
   finish(scene.world);
-  if (with_stage && root.find("stage")) read_stage(document, scene);
+  if (with_stage && root.find("stage")) read_stage(document, paths, scene);
   return scene;
 }
 

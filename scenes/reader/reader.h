@@ -60,8 +60,8 @@ std::vector<ScenePin> read_pins(const Document& document, const Paths& paths, co
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
                            const Paths& paths, const World& world);
 
-/// Reads the models too.
-void read_stage(const Document& document, Scene& scene);
+/// Reads the models too, and works out what the characters do.
+void read_stage(const Document& document, const Paths& paths, Scene& scene);
 
 /// Particles a link apart along straight pieces through `corners`, from the first on. Fewer than
 /// `particles` when the line is too short.

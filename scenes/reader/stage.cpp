@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "scenes/character/character.h"
 #include "scenes/reader/reader.h"
 #include "scenes/shapes.h"
 
@@ -84,6 +85,11 @@ ModelPointer shape_model(const Value& body) {
                                            : box_model(kind.find("size")->vec3(), color));
 }
 
+void for_each(const Value* table, auto&& use) {
+  if (!table) return;
+  for (const Value& member : table->children) use(member);
+}
+
 ConnectorLook read_look(const Value& connector) {
   using Kind = ConnectorLook::Kind;
   static const std::map<std::string_view, Kind> kinds = {
@@ -95,14 +101,21 @@ ConnectorLook read_look(const Value& connector) {
   return look;
 }
 
-void for_each(const Value* table, auto&& use) {
-  if (!table) return;
-  for (const Value& member : table->children) use(member);
+/// The stick that the character of that name holds; the path alone where it holds none.
+HeldStick read_held_stick(const Document& document, const Value& character, const Paths& paths) {
+  HeldStick stick{path_named(document, *character.find("right_hand"), paths)};
+  for_each(document.root.find("bodies"), [&](const Value& body) {
+    const Value* driver = body.find("driven_by");
+    const Value* shape = body.find("shape");
+    if (!driver || text_or(*driver, "character", "") != character.name) return;
+    if (shape) stick.diameter = number_or(shape->children.front(), "diameter", stick.diameter);
+  });
+  return stick;
 }
 
 }  // namespace
 
-void read_stage(const Document& document, Scene& scene) {
+void read_stage(const Document& document, const Paths& paths, Scene& scene) {
   const Value& root = document.root;
   const Value& value = *root.find("stage");
   Models models(document);
@@ -124,6 +137,8 @@ void read_stage(const Document& document, Scene& scene) {
            [&](const Value& connector) { stage.connector_looks.push_back(read_look(connector)); });
   for_each(root.find("characters"), [&](const Value& character) {
     stage.characters.push_back(models.get(*character.find("mesh")));
+    scene.performances.push_back(make_performance(
+        stage.characters.back(), read_held_stick(document, character, paths), scene.duration));
   });
   scene.stage = std::move(stage);
 }
