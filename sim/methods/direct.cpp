@@ -15,7 +15,7 @@ class Direct : public Method {
   explicit Direct(const direct::Control& control) : control_(control) {}
 
   void advance(World& world, double until) override {
-    if (courses_.empty() || topology_ != world.topology) rebuild(world);
+    if (!built_ || topology_ != world.topology) rebuild(world);
     if (!same(world)) {
       for (Course& course : courses_) course.load(world);
     }
@@ -23,10 +23,10 @@ class Direct : public Method {
       try {
         courses_[k].advance(world, until, counters_);
       } catch (const Course::StepTooSmall& stop) {
-        const bool bodies_only = components_[k].spans.empty();
+        const Component& part = courses_[k].component();
         throw Diverged("direct", stop.time, counters_.steps,
-                       bodies_only ? world.bodies[components_[k].bodies[0]].name
-                                   : world.connectors[components_[k].spans[0].connector].name,
+                       part.spans.empty() ? world.bodies[part.bodies[0]].name
+                                          : world.connectors[part.spans[0].connector].name,
                        0, "no step is small enough for the tolerance");
       }
     }
@@ -36,11 +36,12 @@ class Direct : public Method {
 
  private:
   void rebuild(const World& world) {
+    built_ = true;
     topology_ = world.topology;
-    components_ = direct::components(world);
     courses_.clear();
-    for (const Component& component : components_)
-      courses_.emplace_back(world, component, control_);
+    for (Component& component : direct::components(world)) {
+      courses_.emplace_back(world, std::move(component), control_);
+    }
     noted_.clear();
   }
 
@@ -78,8 +79,8 @@ class Direct : public Method {
   }
 
   direct::Control control_;
+  bool built_ = false;
   std::uint64_t topology_ = 0;
-  std::vector<Component> components_;
   std::vector<Course> courses_;
   std::vector<double> noted_;  // the world as advance() left it
 };

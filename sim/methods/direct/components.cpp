@@ -1,7 +1,7 @@
+#include "sim/methods/direct/components.h"
+
 #include <algorithm>
 #include <numeric>
-
-#include "sim/methods/direct/net.h"
 
 namespace taut::direct {
 namespace {
@@ -63,6 +63,11 @@ std::vector<Component> components(const World& world) {
     if (!world.bodies[b].driven()) of(b).bodies.push_back(b);
   }
   return found;
+}
+
+const Hold* hold_at(const Connector& connector, std::size_t particle) {
+  const auto hold = std::ranges::lower_bound(connector.holds, particle, {}, &Hold::particle);
+  return hold != connector.holds.end() && hold->particle == particle ? &*hold : nullptr;
 }
 
 }  // namespace taut::direct

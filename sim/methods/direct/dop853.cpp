@@ -1,7 +1,8 @@
 #include "sim/methods/direct/dop853.h"
 
 #include <cmath>
-#include <utility>
+
+#include "sim/methods/direct/vector.h"
 
 namespace taut::direct {
 namespace {
@@ -39,14 +40,74 @@ template <Row kRow, int kCount, int k = 0>
 }
 
 template <int kStage>
-void stage_state(std::size_t n, double h, const double* q, const double* rate,
-                 const double* const* a, double* q_out, double* rate_out) {
-  constexpr Row position = kPositionStage[kStage], velocity = kDop853.stage[kStage];
-  const double c = kDop853.node[kStage];
+[[gnu::always_inline]] inline void stage_loop(std::size_t n, double h, const double* q,
+                                              const double* rate, const double* const* a,
+                                              double* __restrict q_out,
+                                              double* __restrict rate_out) {
+  constexpr double c = kDop853.node[kStage];
   for (std::size_t i = 0; i < n; ++i) {
-    q_out[i] = q[i] + h * (c * rate[i] + h * combine<position, kStage>(a, i));
-    rate_out[i] = rate[i] + h * combine<velocity, kStage>(a, i);
+    q_out[i] = q[i] + h * (c * rate[i] + h * combine<kPositionStage[kStage], kStage>(a, i));
+    rate_out[i] = rate[i] + h * combine<kDop853.stage[kStage], kStage>(a, i);
   }
+}
+
+/// The state at a stage from the accelerations of those before it.
+TAUT_VECTOR_CLONES
+void stage_state(int stage, std::size_t n, double h, const double* q, const double* rate,
+                 const double* const* a, double* q_out, double* rate_out) {
+  switch (stage) {
+    case 1:
+      return stage_loop<1>(n, h, q, rate, a, q_out, rate_out);
+    case 2:
+      return stage_loop<2>(n, h, q, rate, a, q_out, rate_out);
+    case 3:
+      return stage_loop<3>(n, h, q, rate, a, q_out, rate_out);
+    case 4:
+      return stage_loop<4>(n, h, q, rate, a, q_out, rate_out);
+    case 5:
+      return stage_loop<5>(n, h, q, rate, a, q_out, rate_out);
+    case 6:
+      return stage_loop<6>(n, h, q, rate, a, q_out, rate_out);
+    case 7:
+      return stage_loop<7>(n, h, q, rate, a, q_out, rate_out);
+    case 8:
+      return stage_loop<8>(n, h, q, rate, a, q_out, rate_out);
+    case 9:
+      return stage_loop<9>(n, h, q, rate, a, q_out, rate_out);
+    case 10:
+      return stage_loop<10>(n, h, q, rate, a, q_out, rate_out);
+    case 11:
+      return stage_loop<11>(n, h, q, rate, a, q_out, rate_out);
+  }
+}
+
+TAUT_VECTOR_CLONES
+void end_state(std::size_t n, double h, const double* q, const double* rate, const double* const* a,
+               double* __restrict q_out, double* __restrict rate_out) {
+  for (std::size_t i = 0; i < n; ++i) {
+    q_out[i] = q[i] + h * (rate[i] + h * combine<kPositionWeight, kStages>(a, i));
+    rate_out[i] = rate[i] + h * combine<kDop853.weight, kStages>(a, i);
+  }
+}
+
+template <Row kPosition, Row kRate>
+[[gnu::always_inline]] inline void error_loop(std::size_t n, double h, const double* const* a,
+                                              double* __restrict q_out,
+                                              double* __restrict rate_out) {
+  for (std::size_t i = 0; i < n; ++i) {
+    q_out[i] = h * h * combine<kPosition, kStages>(a, i);
+    rate_out[i] = h * combine<kRate, kStages>(a, i);
+  }
+}
+
+TAUT_VECTOR_CLONES
+void error_of_order_5(std::size_t n, double h, const double* const* a, double* q, double* rate) {
+  error_loop<kPositionError5, kDop853.error5>(n, h, a, q, rate);
+}
+
+TAUT_VECTOR_CLONES
+void error_of_order_3(std::size_t n, double h, const double* const* a, double* q, double* rate) {
+  error_loop<kPositionError3, kDop853.error3>(n, h, a, q, rate);
 }
 
 }  // namespace
@@ -64,26 +125,16 @@ double Dop853Step::attempt(Motion& motion, double time, double h, const double* 
   const double* a[kStages];
   a[0] = first;
   for (int s = 1; s < kStages; ++s) a[s] = accelerations_.data() + (s - 1) * size_;
-  const auto stages = [&]<int... s>(std::integer_sequence<int, s...>) {
-    ((stage_state<s + 1>(size_, h, q, rate, a, q_.data(), rate_.data()),
-      motion.acceleration(time + kDop853.node[s + 1] * h, q_.data(), rate_.data(),
-                          accelerations_.data() + s * size_)),
-     ...);
-  };
-  stages(std::make_integer_sequence<int, kStages - 1>());
-
-  for (std::size_t i = 0; i < size_; ++i) {
-    q_[i] = q[i] + h * (rate[i] + h * combine<kPositionWeight, kStages>(a, i));
-    rate_[i] = rate[i] + h * combine<kDop853.weight, kStages>(a, i);
-    error_q_[i] = h * h * combine<kPositionError5, kStages>(a, i);
-    error_rate_[i] = h * combine<kDop853.error5, kStages>(a, i);
+  for (int s = 1; s < kStages; ++s) {
+    stage_state(s, size_, h, q, rate, a, q_.data(), rate_.data());
+    motion.acceleration(time + kDop853.node[s] * h, q_.data(), rate_.data(),
+                        accelerations_.data() + (s - 1) * size_);
   }
-  const double error5 = motion.error(q, error_q_.data(), error_rate_.data());
-  for (std::size_t i = 0; i < size_; ++i) {
-    error_q_[i] = h * h * combine<kPositionError3, kStages>(a, i);
-    error_rate_[i] = h * combine<kDop853.error3, kStages>(a, i);
-  }
-  const double error3 = motion.error(q, error_q_.data(), error_rate_.data());
+  end_state(size_, h, q, rate, a, q_.data(), rate_.data());
+  error_of_order_5(size_, h, a, error_q_.data(), error_rate_.data());
+  const double error5 = motion.error(error_q_.data(), error_rate_.data());
+  error_of_order_3(size_, h, a, error_q_.data(), error_rate_.data());
+  const double error3 = motion.error(error_q_.data(), error_rate_.data());
   // Hairer's blend: of order 8 where both estimates behave.
   const double blend = std::hypot(error5, 0.1 * error3);
   return blend > 0 ? error5 * error5 / blend : blend;

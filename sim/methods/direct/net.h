@@ -1,33 +1,24 @@
-// Spans and free bodies that pull on each other: the full model in three dimensions.
+// Spans and free bodies that pull on each other: what the direct method steps.
 #pragma once
 
 #include <Eigen/LU>
+#include <array>
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "sim/methods/direct/components.h"
+#include "sim/methods/direct/links.h"
 #include "sim/methods/direct/motion.h"
+#include "sim/methods/direct/plane.h"
 #include "sim/world.h"
 
 namespace taut::direct {
 
-/// The links of a connector between two neighbouring holds, or a hold and a free end.
-struct SpanRange {
-  std::size_t connector = 0;
-  std::size_t first = 0, last = 0;  // particles
-};
-
-/// The parts of a world that only move together.
-struct Component {
-  std::vector<SpanRange> spans;
-  std::vector<std::size_t> bodies;  // free ones; indices into World::bodies
-};
-
-/// Cuts a world at everything whose motion is known beforehand.
-std::vector<Component> components(const World& world);
-
-/// One component's motion. Coordinates: the unit directions u of all links (all x, all y, all z),
-/// then the unit quaternions (w x y z) of the bodies. For link i of length l between the points i
-/// and i+1, with a tension T_i that is positive where the link pulls:
+/// One component's motion. Coordinates: the unit directions u of all links, then the unit
+/// quaternions (w x y z) of the bodies. For link i of length l between the points i and i+1, with a
+/// tension T_i that is positive where the link pulls:
 ///
 ///   l u'' = a_{i+1} - a_i   and   u . u'' = -|u'|^2   (from |u| = 1)
 ///
@@ -35,26 +26,38 @@ std::vector<Component> components(const World& world);
 /// known; that of a body's point r from its centre is g + W x (W x r) + W' x r + F/M. Every tension
 /// meets only those of the neighbouring links and of the links at its bodies: one symmetric
 /// tridiagonal system for all spans, and a small dense one for bodies that several links hold.
+///
+/// In a plane directions have two components, and bodies that hang by one point are links.
 class Net : public Motion {
  public:
-  Net(const World& world, Component component);
+  /// In `plane`, which must suit the world's present state (see find_plane), or in space.
+  Net(const World& world, const Component& component, const std::optional<Plane>& plane);
 
-  /// Reads the state from the world.
-  void load(const World& world, std::vector<double>& q, std::vector<double>& rate);
+  /// Reads the state from the world, whose time is `time`.
+  void load(const World& world, double time, std::vector<double>& q, std::vector<double>& rate);
   /// Writes the state at `time`, positions included, to the world.
   void store(World& world, double time, const double* q, const double* rate);
   /// Reads holds from `world` from now on.
   void attach(const World& world) { world_ = &world; }
+  /// The acceleration by which a hold has left the plane since load(), if one has.
+  const std::optional<Vec3>& left_plane() const { return left_plane_; }
+  double length() const { return length_; }  // m, of all links
+  /// An upper bound of the frequencies (rad/s) of the waves under the last tensions.
+  double fastest() const { return links_->fastest(); }
 
-  std::size_t size() const override { return 3 * links_ + 4 * bodies_.size(); }
+  std::size_t size() const override { return links_->end() + 4 * bodies_.size() + Links::kPad; }
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   void project(double time, double* q, double* rate) override;
-  double error(const double* q, const double* eq, const double* er) const override;
+  double error(const double* eq, const double* er) const override;
+  bool lift(const double* base, double* x, double* rate) const override;
+  void across(const double* base, double* x) const override;
+  void freeze(double sigma_squared) override;
+  void solve_frozen(double* x) const override;
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  struct End {  // a span's end that is not a free particle
+  struct End {  // a span's end that is neither a free particle nor a stick
     std::size_t link = 0;
     double pull = 0;  // +1 where the tension pulls along u (a span's first end), else -1
     Attachment to;
@@ -64,17 +67,28 @@ class Net : public Motion {
     Vec3 arm = Vec3::Zero();   // m, in the world's axes
     Vec3 lead = Vec3::Zero();  // m/s^2, the acceleration that no tension causes, less gravity
   };
+  struct Bar {             // a body that is a link
+    std::size_t body = 0;  // index into World::bodies
+    std::size_t link = 0;
+    double outward = 0;                // +1 where u points from the tip to the far mass, else -1
+    double arm = 0;                    // m, of the centre of mass
+    Vec3 direction = Vec3::UnitX();    // from the tip outward, when loaded
+    Quat rotation = Quat::Identity();  // when loaded
+  };
   struct Span {
     SpanRange range;
-    std::size_t offset = 0, links = 0;        // into the arrays of links
-    bool reversed = false;                    // runs from range.last to range.first
-    std::size_t first = kNone, last = kNone;  // ends_
-    bool closes = false;                      // the place of its last end is known without it
+    bool reversed = false;                            // runs from range.last to range.first
+    std::size_t offset = 0, links = 0;                // into the links, bars included
+    std::size_t first = kNone, last = kNone;          // ends_
+    std::size_t first_bar = kNone, last_bar = kNone;  // bars_
+    bool closes = false;  // the place of its last end is known without it
+    std::size_t particles() const { return range.last - range.first + 1; }
+    /// The connector's particle at the span's k-th point, bars left out.
     std::size_t particle(std::size_t k) const {
       return reversed ? range.last - k : range.first + k;
     }
   };
-  struct Part {            // a free body
+  struct Part {            // a free body that is no bar
     std::size_t body = 0;  // index into World::bodies
     double mass = 0;
     Mat3 inertia = Mat3::Identity(), inverse_inertia = Mat3::Identity();  // in its axes
@@ -95,54 +109,77 @@ class Net : public Motion {
     Mat3 inertia = Mat3::Zero();   // kg m^2
   };
 
+  // Building (net_build.cpp).
   void add_span(const World& world, const SpanRange& range, bool reversed);
-  void order_spans(const World& world);
-  void couple();
+  void order_spans(const World& world, const std::vector<SpanRange>& ranges);
   void measure_links(const World& world);
+  void couple();
 
+  // The tensions' system (net.cpp).
   void read_bodies(const double* q, const double* rate);
   void read_holds(double time);
-  void assemble(const double* q, const double* rate);
+  void add_ends(const double* q);
   void add_couplings(const double* q);
+  void move_bodies(const double* q, double* out);
 
+  // The state (net_state.cpp).
   void place(double time, const double* q, const double* rate);
+  Point start_of(const Span& span, double time) const;
+  void place_bars(const double* q, const double* rate);
+  Point centre(double time) const;
+  void float_to(double time);
   void close(double time, double* q, double* rate);
   Rotary rotary(double time) const;
   void restore_momentum(double time, double* q, double* rate);
 
   Vec3 at(const double* array, std::size_t link) const {
-    return {array[link], array[links_ + link], array[2 * links_ + link]};
+    Vec3 sum = Vec3::Zero();
+    for (int c = 0; c < links_->components(); ++c) {
+      sum += array[links_->begin(c) + link] * axes_[static_cast<std::size_t>(c)];
+    }
+    return sum;
   }
   void add(double* array, std::size_t link, const Vec3& v) const {
-    for (int c = 0; c < 3; ++c) array[c * static_cast<std::ptrdiff_t>(links_) + link] += v[c];
+    for (int c = 0; c < links_->components(); ++c) {
+      array[links_->begin(c) + link] += v.dot(axes_[static_cast<std::size_t>(c)]);
+    }
   }
+  std::size_t quaternion(std::size_t body) const { return links_->end() + 4 * body; }
 
   const World* world_;
-  Component component_;
-  std::size_t links_ = 0;
-  std::vector<Span> spans_;  // each one's first end is placed by those before it
+  std::optional<Plane> plane_;
+  std::optional<Vec3> left_plane_;
+  std::array<Vec3, 3> axes_;                   // of the directions' components
+  std::vector<std::size_t> part_of_, bar_of_;  // by World::bodies: bodies_, bars_
+  std::vector<Span> spans_;                    // each one's first end is placed by those before it
   std::vector<End> ends_;
+  std::vector<Bar> bars_;
   std::vector<Part> bodies_;
   std::vector<Coupling> couplings_;
   std::vector<std::size_t> coupled_;  // links with a row of the dense system
+  std::unique_ptr<Links> links_;
+  double length_ = 0;
+  double memory_ = 0;  // s, see error()
+  double frozen_ = 1;  // 1/s^2, of freeze()
 
   bool floats_ = false;  // nothing prescribed: its centre of mass flies freely
   double mass_ = 0;      // kg
-  double memory_ = 0;    // s, see error()
   double loaded_at_ = 0;
-  Point centre_;        // where it floats: of mass, at the time of loading
-  Vec3 spin_momentum_;  // where it floats: kg m^2/s about the centre of mass
+  Point centre_;                       // where it floats: of mass, at the time of loading
+  Vec3 spin_momentum_ = Vec3::Zero();  // where it floats: kg m^2/s about the centre of mass
 
-  // Per link: rest length and its inverse, the inverse masses of both its particles together, and
-  // that of the particle it shares with the next link (zero where there is none).
-  std::vector<double> rest_, inverse_rest_, both_, shared_;
-  // Per particle of every span (one more than its links): mass, place.
-  std::vector<double> particle_mass_;
-  std::vector<Point> points_, centres_;
-  // Workspaces of acceleration().
-  std::vector<double> diagonal_, off_, tension_, response_;
+  // Per point of every span (one more than its links), and per body: mass, place.
+  std::vector<double> point_mass_;
+  std::vector<Point> points_, centres_, bar_centres_;
+  // Workspaces of add_couplings().
+  std::vector<double> response_;
   Eigen::MatrixXd dense_, gain_;
   Eigen::VectorXd dense_right_;
 };
+
+/// The plane in which a component moves as far as its present state and its holds at `time` tell,
+/// if Net can step it there. `also` is one more acceleration in that plane, or zero.
+std::optional<Plane> find_plane(const World& world, const Component& component, double time,
+                                const Vec3& also);
 
 }  // namespace taut::direct

@@ -1,39 +1,27 @@
-// Symmetric tridiagonal systems.
+// Symmetric tridiagonal systems, solved from both ends at once.
 #pragma once
 
 #include <cstddef>
 
 namespace taut::direct {
 
-/// A symmetric positive definite tridiagonal matrix of n rows as L D L'. Zeros off the diagonal
-/// make blocks: many chains are one matrix.
-struct Tridiagonal {
-  /// Factors the matrix with `diagonal` (n) and `off` (n-1, between rows i and i+1) in place:
-  /// `diagonal` becomes 1/D, `off` the unit lower factor. Returns false where a pivot is not
-  /// positive; that pivot is then taken as infinite, which leaves its unknown zero.
-  static bool factor(std::size_t n, double* diagonal, double* off) {
-    bool definite = true;
-    double carry = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double pivot = diagonal[i] - carry;
-      // A pivot that rounding alone could have left is no pivot.
-      const bool good = pivot > 1e-14 * diagonal[i];
-      definite &= good;
-      diagonal[i] = good ? 1 / pivot : 0;
-      if (i + 1 == n) break;
-      carry = off[i];
-      off[i] *= diagonal[i];
-      carry *= off[i];
-    }
-    return definite;
-  }
+/// Solves A x = r for n rows, A with `diagonal` (n, near 2) and -`off` (n-1) beside it, positive
+/// definite. `work` takes 3n doubles. Unknowns that the system leaves open come out as zero.
+///
+/// Elimination without divisions: with the leading minors q_i = d_i q_{i-1} - e_i^2 q_{i-2} and
+/// z_i = r_i q_{i-1} + e_i z_{i-1}, the rows read x_i = (z_i + e_{i+1} q_{i-1} x_{i+1}) / q_i, and
+/// all divisions are done together. The same from the last row backwards; the halves meet in the
+/// middle, which halves the chain of operations that wait for each other.
+void solve_tridiagonal(std::size_t n, const double* diagonal, const double* off,
+                       const double* right, double* x, double* work);
 
-  /// Solves for one right side in place, with what factor() left.
-  static void solve(std::size_t n, const double* inverse_pivot, const double* lower, double* x) {
-    for (std::size_t i = 1; i < n; ++i) x[i] -= lower[i - 1] * x[i - 1];
-    for (std::size_t i = 0; i < n; ++i) x[i] *= inverse_pivot[i];
-    for (std::size_t i = n - 1; i-- > 0;) x[i] -= lower[i] * x[i + 1];
-  }
-};
+/// A tridiagonal matrix whose columns are diagonally dominant, factored from both ends: `pivot`
+/// (n) holds its diagonal and becomes inverse pivots; `up` (entry above the diagonal in row i, at
+/// i) and `down` (entry below it in column i, at i) hold -its off-diagonals and become multipliers.
+void factor_twisted(std::size_t n, double* pivot, double* up, double* down);
+
+/// Solves for `columns` right sides in place, `stride` apart, with what factor_twisted() left.
+void solve_twisted(std::size_t n, const double* pivot, const double* up, const double* down,
+                   int columns, std::size_t stride, double* x);
 
 }  // namespace taut::direct

@@ -1,0 +1,92 @@
+// The links of a net as plain arrays, and the loops over all of them.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace taut::direct {
+
+/// Links in a row, with the inverse masses that couple them; the arrays of many spans lie one
+/// behind the other. A state array holds one number per link and component, first all x, then all
+/// y (then all z); each component takes stride() doubles and kPad zeros stand before the first and
+/// behind the last, so that loops may run over whole vectors and look at their neighbours.
+class Links {
+ public:
+  static constexpr std::size_t kPad = 4;
+
+  struct Link {
+    double rest = 0;    // m
+    double both = 0;    // 1/kg, the inverse masses of its two particles, held ones zero
+    double shared = 0;  // 1/kg, that of the particle it shares with the next link, or zero
+    double end = 0;     // 1/kg, roughly what bodies at its ends add to `both`
+  };
+  Links(std::span<const Link> links, int components);
+  Links(const Links&) = delete;
+  Links& operator=(const Links&) = delete;
+
+  std::size_t count() const { return count_; }
+  std::size_t stride() const { return stride_; }
+  int components() const { return components_; }
+  /// Where component c begins in a state array.
+  std::size_t begin(int c) const { return kPad + static_cast<std::size_t>(c) * stride_; }
+  /// Where the last component ends.
+  std::size_t end() const { return begin(components_); }
+  double rest(std::size_t link) const { return rest_[link]; }
+  double inverse_rest(std::size_t link) const { return inverse_rest_[link]; }
+
+  /// Sets up the system for the tensions that keep u.u'' = -|u'|^2 with nothing but the links.
+  void assemble(const double* q, const double* rate);
+  /// Adds to the right side of a row.
+  void add_right(std::size_t link, double value) { right_[link] += value * scale_[link]; }
+  /// The diagonal, unlike the rest, stays from one system to the next.
+  void reset_diagonal(std::size_t link) {
+    diagonal_[link] = both_[link] * scale_[link] * scale_[link];
+  }
+  void add_diagonal(std::size_t link, double value) {
+    diagonal_[link] += value * scale_[link] * scale_[link];
+  }
+  /// Solves it; the functions below use the tensions that it leaves.
+  void solve();
+  /// N, positive where the link pulls.
+  double tension(std::size_t link) const { return scale_[link] * unknown_[link]; }
+  /// What a right side of 1 in `link` alone would give, in an array of count(); its tensions are
+  /// scale() times that. Spoils the right side.
+  void respond(std::size_t link, double* response);
+  void add_response(const double* response, double factor);
+  double scale(std::size_t link) const { return scale_[link]; }
+  /// u'' as far as the tensions cause it at particles that nothing holds.
+  void pull(const double* q, double* out) const;
+
+  /// A bound (Gershgorin's, for a row of equal links exact) of the frequencies of the waves under
+  /// those tensions, rad/s.
+  double fastest() const;
+
+  /// Factors sigma_squared - L, where L x is what pull() makes of x with the tensions of the last
+  /// solve(), as far as they pull: the waves.
+  void freeze(double sigma_squared);
+  void solve_frozen(double* x) const;
+
+  /// Unit directions, and rates across them.
+  void normalise(double* q, double* rate) const;
+  /// From coordinates across `base` to unit directions and their rates; false where a link is
+  /// turned by a right angle or more from its base.
+  bool lift(const double* base, double* x, double* rate) const;
+  /// Leaves of x what lies across `base`.
+  void across(const double* base, double* x) const;
+
+ private:
+  std::size_t count_, stride_;
+  int components_;
+  // One block, so that no two arrays lie a multiple of a page apart, where stores would hold up
+  // loads. Rows and columns of the system are scaled to a diagonal of 2, near which neither its
+  // minors nor their inverses overflow.
+  std::vector<double> arena_;
+  double *rest_, *inverse_rest_, *both_, *shared_, *scale_;
+  double *beside_, *weight_, *next_gain_, *last_gain_, *own_gain_;  // scaled constants of the loops
+  double *diagonal_, *off_, *right_, *unknown_;                     // unknowns: T / scale
+  double *frozen_pivot_, *frozen_up_, *frozen_down_;
+  double* work_;  // three arrays
+};
+
+}  // namespace taut::direct

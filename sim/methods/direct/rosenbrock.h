@@ -1,0 +1,34 @@
+// The cheap integrator: linearly implicit in the waves that the tensions carry.
+#pragma once
+
+#include <vector>
+
+#include "sim/methods/direct/motion.h"
+
+namespace taut::direct {
+
+/// One step of ROS34PW2 (Rang and Angermann, BIT 45, 2005): four stages, order 3, L-stable and
+/// stiffly accurate. Being a W-method it keeps its order with any approximation of the Jacobian:
+/// here the waves under the tensions at the start of the step, whose system is tridiagonal.
+class RosenbrockStep {
+ public:
+  explicit RosenbrockStep(std::size_t size);
+
+  /// As Dop853Step::attempt(); the last acceleration that `motion` computed must be `first`.
+  /// Infinite where a direction turns by a right angle.
+  double attempt(Motion& motion, double time, double h, const double* q, const double* rate,
+                 const double* first);
+
+  const std::vector<double>& q() const { return q_; }
+  const std::vector<double>& rate() const { return rate_; }
+
+  static constexpr int kStages = 4;
+  static constexpr double kErrorOrder = 3;
+
+ private:
+  std::size_t size_;
+  std::vector<double> increments_;  // [stage][of x, of its rate][size]
+  std::vector<double> q_, rate_, chart_rate_, acceleration_, error_q_, error_rate_;
+};
+
+}  // namespace taut::direct
