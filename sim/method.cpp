@@ -7,6 +7,7 @@
 #include "sim/methods/direct.h"
 #include "sim/methods/dynamic_constraints.h"
 #include "sim/methods/impulse.h"
+#include "sim/methods/multibody.h"
 #include "sim/methods/springs.h"
 #include "sim/methods/xpbd.h"
 #include "sim/truth/multipliers.h"
@@ -17,6 +18,7 @@ std::span<const MethodInfo> methods() {
   static const std::vector<MethodInfo> list = {
       impulse_method(),
       dynamic_constraints_method(),
+      multibody_method(),
       springs_method(),
       xpbd_method(),
       direct_method(),

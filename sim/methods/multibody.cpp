@@ -1,0 +1,80 @@
+#include "sim/methods/multibody.h"
+
+#include <optional>
+
+#include "sim/methods/simbody_model.h"
+#include "sim/trajectory.h"
+
+namespace taut {
+namespace {
+
+constexpr std::string_view kName = "multibody";
+
+class Multibody final : public Method {
+ public:
+  explicit Multibody(const Settings& settings)
+      : accuracy_(number(settings, "accuracy")), integrator_(text(settings, "integrator")) {}
+
+  void advance(World& world, double until) override;
+
+ private:
+  void count();
+
+  double accuracy_;
+  std::string integrator_;
+  std::optional<SimbodyModel> model_;
+  std::uint64_t topology_ = 0;
+  std::uint64_t left_at_ = 0;  // hash of the world as this left it
+  Counters before_;            // of models that are no more
+};
+
+void Multibody::advance(World& world, double until) {
+  try {
+    if (!model_ || topology_ != world.topology || left_at_ != state_hash(world)) {
+      before_ = counters_;
+      topology_ = world.topology;
+      model_.emplace(world, integrator_, accuracy_);
+    }
+    model_->advance(world, until);
+    count();
+  } catch (const std::runtime_error& error) {
+    if (model_) count();
+    const double time = model_ ? model_->time() : world.time;
+    throw Diverged(std::string(kName), time, counters_.steps,
+                   world.connectors.empty() ? "" : world.connectors.front().name, 0, error.what());
+  }
+  left_at_ = state_hash(world);
+}
+
+void Multibody::count() {
+  const auto tally = [](int number) { return static_cast<std::uint64_t>(number); };
+  counters_.steps = before_.steps + tally(model_->steps());
+  counters_.solves = before_.solves + tally(model_->realizations());
+  counters_.rejected = before_.rejected + tally(model_->attempts() - model_->steps());
+}
+
+}  // namespace
+
+MethodInfo multibody_method() {
+  return {.name = kName,
+          .summary = "joint coordinates with error control, by Simbody",
+          .settings = {{.name = "accuracy",
+                        .meaning = "Relative error allowed in a step; less is dearer.",
+                        .unit = "1",
+                        .fallback = 1e-3,
+                        .minimum = 1e-12,
+                        .maximum = 0.5,
+                        .sweep = {0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
+                       {.name = "integrator",
+                        .meaning =
+                            "Runge-Kutta-Merson of order 4, Runge-Kutta of order 3, or Verlet's.",
+                        .unit = "",
+                        .fallback = std::string("merson"),
+                        .choices = {"merson", "runge-kutta-3", "verlet"},
+                        .sweep = {std::string("merson"), std::string("runge-kutta-3")}}},
+          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+            return std::make_unique<Multibody>(settings);
+          }};
+}
+
+}  // namespace taut

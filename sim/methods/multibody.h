@@ -1,0 +1,11 @@
+// A general multibody package with joint coordinates: Simbody, the open successor of SD/FAST.
+#pragma once
+
+#include "sim/method.h"
+
+namespace taut {
+
+/// A SimbodyModel of the world; its integrator's error is controlled by the accuracy.
+MethodInfo multibody_method();
+
+}  // namespace taut

@@ -1,0 +1,87 @@
+#include "sim/truth/truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "sim/simulation.h"
+
+namespace taut {
+namespace {
+
+constexpr double kNudge = 1e-4;   // of the scored error
+constexpr double kCloser = 1e-2;  // of the scored error: how far apart solutions may be
+
+using Frames = std::vector<Snapshot>;
+
+/// Frames up to the first that `enough` says no to, or that the method cannot reach.
+Frames run(const World& world, std::string_view method, const Settings& settings,
+           std::span<const double> times,
+           const std::function<bool(std::size_t, const Snapshot&)>& enough) {
+  Frames frames;
+  Simulation simulation(world, make_method(method, settings));
+  try {
+    for (const double time : times) {
+      simulation.advance_to(time);
+      Snapshot frame = snapshot(simulation.world());
+      if (!enough(frames.size(), frame)) break;
+      frames.push_back(std::move(frame));
+    }
+  } catch (const Diverged&) {
+    // What was reached is what can be compared.
+  }
+  return frames;
+}
+
+/// `world` with every free particle moved by `distance` (m) in directions that differ from one to
+/// the next; the truth's first projection puts the lengths right again.
+World nudged(World world, double distance) {
+  constexpr double kGoldenAngle = 2.399963229728653;  // rad: no two directions nearly repeat
+  double turn = 0;
+  for (Connector& connector : world.connectors) {
+    for (Vec3& position : connector.position) {
+      turn += kGoldenAngle;
+      position += distance * Vec3(std::cos(turn), std::sin(turn), std::cos(2 * turn)).normalized();
+    }
+  }
+  place_held(world, world.time);
+  return world;
+}
+
+/// The largest distance (m) of any particle.
+double largest_distance(const Snapshot& a, const Snapshot& b) {
+  double largest = 0;
+  for (std::size_t c = 0; c < a.connectors.size(); ++c) {
+    for (std::size_t i = 0; i < a.connectors[c].size(); ++i) {
+      largest = std::max(largest, (a.connectors[c][i] - b.connectors[c][i]).norm());
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
+Truth solve_truth(const World& world, std::span<const double> times, const TruthOptions& options) {
+  const Settings first{{"local_error", options.local_error}};
+  const Settings second{{"accuracy", options.second_accuracy}};
+  Truth truth;
+  Simulation simulation(world, make_method("truth", first));
+  for (const double time : times) {
+    simulation.advance_to(time);
+    truth.frames.push_back(snapshot(simulation.world()));
+  }
+  const double apart = kCloser * options.scored_error;
+  const auto close = [&](std::size_t frame, const Snapshot& other) {
+    return largest_distance(other, truth.frames[frame]) <= apart;
+  };
+  const World start = nudged(world, kNudge * options.scored_error);
+  const std::size_t predictable = run(start, "truth", first, times, close).size();
+  const Frames checked = run(world, "multibody", second, times.subspan(0, predictable), close);
+  if (!checked.empty()) truth.horizon = times[checked.size() - 1];
+  for (std::size_t i = 0; i < checked.size(); ++i) {
+    truth.self_error = std::max(truth.self_error, largest_distance(checked[i], truth.frames[i]));
+  }
+  return truth;
+}
+
+}  // namespace taut

@@ -1,0 +1,38 @@
+// The truth: what methods are judged by, and for how long.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sim/method.h"
+#include "sim/trajectory.h"
+
+namespace taut {
+
+struct TruthOptions {
+  /// The least error (m) that will be scored; it sets the nudge and the horizon.
+  double scored_error = 1e-4;
+  /// Error allowed in a step: of the first solver in metres, of the second relative.
+  double local_error = 1e-12;
+  double second_accuracy = 1e-9;
+};
+
+/// A converged solution of the discrete model at the frame times, checked by a second one.
+struct Truth {
+  std::vector<Snapshot> frames;
+  /// Time (s) up to which errors may be scored: until then a start nudged by a ten-thousandth of
+  /// the scored error stays a hundred times closer to the truth than that error, and so does the
+  /// second solution. Beyond it states are not predictable, and only invariants can be compared.
+  double horizon = 0;
+  /// The largest distance (m) of any particle between the two solutions up to the horizon.
+  double self_error = 0;
+};
+
+/// Solves `world` by two independent solvers (multipliers with projection under
+/// Runge-Kutta-Fehlberg 7(8); joint coordinates under Simbody's Runge-Kutta-Merson) and once more
+/// from a nudged start. `times` (s) rise from the world's own on. Where one of the two comparisons
+/// ends early the horizon does too. Throws Diverged where the first solver finds no solution.
+Truth solve_truth(const World& world, std::span<const double> times,
+                  const TruthOptions& options = {});
+
+}  // namespace taut
