@@ -7,10 +7,10 @@ namespace taut {
 namespace {
 
 // The stance at rest, and where the right hand is at ease; m and rad, for a figure of 1.78 m.
-const Vec3 pelvis_at_ease(0.0, -0.075, 0.02);
-const Vec3 hand_at_ease(-0.25, 1.05, 0.38);
-const Vec3 guard_at_ease(0.13, -0.16, 0.27);  // of the left fist, from the chest
-constexpr double pelvis_turned = -0.38, spine_turned = 0.26;
+const Vec3 pelvis_at_ease(0.01, -0.080, 0.01);
+const Vec3 hand_at_ease(-0.26, 1.06, 0.46);
+const Vec3 guard_at_ease(0.10, -0.15, 0.24);  // of the left fist, from the chest
+constexpr double pelvis_turned = 0.55, spine_turned = -0.08;
 
 constexpr double body_lag = 0.100, head_lag = 0.080, guard_lag = 0.120;  // s
 constexpr double foresight = 0.22;                                       // s, of anticipation

@@ -19,7 +19,7 @@ constexpr double forearm_share = 0.55;
 struct Stand {
   double x, z, yaw;
 };
-constexpr std::array<Stand, 2> stands = {Stand{0.20, 0.25, 0.31}, Stand{-0.20, -0.24, -0.70}};
+constexpr std::array<Stand, 2> stands = {Stand{0.17, -0.27, 0.95}, Stand{-0.13, 0.26, 0.10}};
 
 Mat3 square(const Vec3& first, const Vec3& second) {
   Mat3 m;
