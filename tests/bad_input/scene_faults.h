@@ -1,0 +1,131 @@
+// Faults of scenes: what is changed in the good scene, and what the message must say.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace taut {
+
+struct SceneFault {
+  std::string name;   // in a few words
+  std::string good;   // text of the good scene
+  std::string bad;    // what stands there instead
+  std::string place;  // line:column that the message names
+  std::string says;   // a part of the message
+};
+
+inline std::vector<SceneFault> scene_faults() {
+  return {
+      {"misspelt key", "mass = 0.12", "mas = 0.12", "19:1", "did you mean \"mass\"?"},
+      {"misspelt table", "[connectors.chain]", "[connector.chain]", "29:2",
+       "did you mean \"connectors\"?"},
+      {"key unlike any", "fps = 60", "colour = 60", "4:1", "expected one of: schema_version"},
+      {"duplicate key", "fps = 60", "fps = 60\nfps = 30", "5:1", "fps"},
+      {"duplicate table", "[bodies.free]", "[bodies.held]", "24:1", "held"},
+      {"number as a string", "mass = 0.12", "mass = \"heavy\"", "19:8",
+       "found \"heavy\", expected a number above 0 (kg)"},
+      {"string as a number", "name = \"impulse\"", "name = 5", "9:8", "found 5, expected one of"},
+      {"table as a number", "shape = { cylinder = { length = 0.30, diameter = 0.028 } }",
+       "shape = 3", "20:9", "found 3, expected a table"},
+      {"list too short", "gravity = [0.0, -9.81, 0.0]", "gravity = [0.0, -9.81]", "6:11",
+       "found a list of 2, expected a list of 3 numbers"},
+      {"date", "duration = 1.0", "duration = 1979-05-27", "3:12", "found a date"},
+      {"nan", "mass = 0.12", "mass = nan", "19:8", "found nan, expected a number above 0"},
+      {"infinity", "length = 0.12", "length = inf", "30:10", "found inf"},
+      {"infinity in a list", "-9.81", "-inf", "6:17", "gravity[1]: found -inf"},
+      {"negative mass", "mass = 0.12", "mass = -0.1", "19:8",
+       "bodies.held.mass: found -0.1, expected a number above 0"},
+      {"zero mass", "mass = 0.12", "mass = 0.0", "19:8", "found 0, expected a number above 0"},
+      {"massless links", "mass = 0.012", "mass = 0", "31:8", "unless model is span"},
+      {"negative length", "length = 0.12", "length = -0.12", "30:10",
+       "expected a number of at least 0 (m)"},
+      {"length zero with many particles", "length = 0.12", "length = 0", "30:10",
+       "for 11 particles"},
+      {"one particle", "particles = 11", "particles = 1", "32:13",
+       "expected a whole number from 2 to 1000000"},
+      {"half a particle", "particles = 11", "particles = 2.5", "32:13", "whole number"},
+      {"far too many particles", "particles = 11", "particles = 9000000000", "32:13",
+       "found 9000000000"},
+      {"duration zero", "duration = 1.0", "duration = 0", "3:12", "above 0"},
+      {"duration missing", "duration = 1.0", "", "1:1", "duration is missing"},
+      {"size zero", "size = [480, 270]", "size = [480, 0]", "5:14", "size[1]: found 0"},
+      {"other version", "schema_version = 1", "schema_version = 2", "1:18", "found 2"},
+      {"unknown method", "name = \"impulse\"", "name = \"impulsive\"", "9:8",
+       "did you mean \"impulse\"?"},
+      {"step zero", "step = 0.001", "step = 0", "10:8", "found 0"},
+      {"negative step", "step = 0.001", "step = -0.001", "10:8", "found -0.001"},
+      {"step that does not divide the frame", "step = 0.001", "step = 0.005", "10:8",
+       "expected a step that divides the frame of 1/60 s, such as 0.00416666666667"},
+      {"step longer than a frame", "step = 0.001", "step = 0.1", "10:8", "divides the frame"},
+      {"setting of another method", "step = 0.001", "stiffness = 1000.0", "10:1",
+       "is a setting of springs"},
+      {"unknown setting", "step = 0.001", "stepp = 0.001", "10:1", "did you mean \"step\"?"},
+      {"path: time going back", "{ t = 0.5,", "{ t = -0.5,", "15:9", "a time after 0 s"},
+      {"path: rotation of length zero", "rotation = [1, 0, 0, 0]", "rotation = [0, 0, 0, 0]",
+       "14:53", "quaternion of length 0"},
+      {"path: rotation and axis", "axis = [0, 1, 0]", "axis = [0, 1, 0], rotation = [1, 0, 0, 0]",
+       "15:60", "only one of: rotation, axis"},
+      {"path: no keys",
+       "keys = [\n  { t = 0.0, position = [0.0, 1.0, 0.0], rotation = "
+       "[1, 0, 0, 0] },\n  { t = 0.5, position = [0.2, 1.0, 0.0], axis = "
+       "[0, 1, 0], hold = 0.1 },\n]",
+       "keys = []", "13:8", "found a list of 0"},
+      {"path: missing file",
+       "keys = [\n  { t = 0.0, position = [0.0, 1.0, 0.0], rotation = "
+       "[1, 0, 0, 0] },\n  { t = 0.5, position = [0.2, 1.0, 0.0], axis = "
+       "[0, 1, 0], hold = 0.1 },\n]",
+       "file = \"no.csv\"", "13:8", "there is no file \"no.csv\""},
+      {"unknown path", "driven_by = { path = \"hand\" }", "driven_by = { path = \"hnad\" }",
+       "21:22", "the name of a path, did you mean \"hand\"?"},
+      {"unknown character", "driven_by = { path = \"hand\" }",
+       "driven_by = { character = \"player\", hand = \"right\" }", "21:27",
+       "the name of a character, the scene has none"},
+      {"unknown body", "body = \"free\"", "body = \"fre\"", "34:15", "did you mean \"free\"?"},
+      {"unknown connector", "connector = \"chain\"", "connector = \"rope\"", "38:13",
+       "the name of a connector of: chain"},
+      {"body both driven and hanging", "driven_by = { path = \"hand\" }",
+       "driven_by = { path = \"hand\" }\nhangs = [0, -1, 0]", "22:1", "stands beside driven_by"},
+      {"body without shape", "inertia = [0.001, 0.0001, 0.001]", "", "23:1",
+       "expected one of: shape, inertia"},
+      {"inertia of no mass", "inertia = [0.001, 0.0001, 0.001]", "inertia = [1.0, 0.1, 0.1]",
+       "25:11", "none above the sum of the others"},
+      {"hanging in no direction", "hangs = [0.0, -1.0, 0.0]", "hangs = [0, 0, 0]", "26:9",
+       "vector of length 0"},
+      {"hanging from nothing", "to = { body = \"free\", point = [0.0, 0.15, 0.0] }",
+       "to = { free = true }", "26:9", "no connector holds the body"},
+      {"driven body thrown", "driven_by = { path = \"hand\" }",
+       "driven_by = { path = \"hand\" }\nvelocity = [1, 0, 0]", "22:1", "needs a free body"},
+      {"end held twice", "to = { body = \"free\",", "to = { body = \"free\", fixed = [0, 0, 0],",
+       "34:23", "only one of: body, fixed, path, point_mass, free"},
+      {"end held by nothing", "to = { body = \"free\", point = [0.0, 0.15, 0.0] }", "to = {}",
+       "34:6", "expected one of: body, fixed"},
+      {"both ends adrift", "from = { body = \"held\", point = [0.0, 0.15, 0.0] }",
+       "from = { free = true }", "29:1", "neither end has a place"},
+      {"ends too far apart", "start = { direction = [0.0, -1.0, 0.0] }",
+       "start = { hanging_to = [0.0, 0.0, 0.0] }", "35:24", "expected at most the length"},
+      {"line too short", "start = { direction = [0.0, -1.0, 0.0] }",
+       "start = { points = [[0, 1.15, 0], [0, 1.1, 0]] }", "35:20", "has room for 4 of 10 links"},
+      {"line that starts elsewhere", "start = { direction = [0.0, -1.0, 0.0] }",
+       "start = { points = [[0, 2, 0], [0, 1, 0]] }", "33:8", "away from where"},
+      {"pin outside of the connector", "at = 0.06", "at = 0.2", "39:6", "at most the length"},
+      {"pin after the end", "from = 0.2", "from = 2.0", "40:8", "before the end of the scene"},
+      {"pin released before it is caught", "until = 0.4", "until = 0.1", "41:9",
+       "a time after 0.2 s"},
+      {"pin of nothing", "point = [0.0, 1.0, 0.0]", "", "37:1", "a point, a body or a path"},
+      {"two pins at one place", "point = [0.0, 1.0, 0.0]",
+       "point = [0.0, 1.0, 0.0]\n[[pins]]\nconnector = \"chain\"\nat = 0.06\nfrom = 0.3\npoint = "
+       "[0, 1, 0]",
+       "43:1", "holds the same place at the same time"},
+      {"two pins too far apart", "point = [0.0, 1.0, 0.0]",
+       "point = [0.0, 1.0, 0.0]\n[[pins]]\nconnector = \"chain\"\nat = 0.05\nfrom = 0.3\npoint = "
+       "[0, 1.1, 0]",
+       "43:1", "0.1 m away from the pin of"},
+      {"name with a comma", "[bodies.free]", "[bodies.\"a,b\"]", "23:9",
+       "letters, digits, _ and -"},
+      {"not TOML", "fps = 60", "fps 60", "4:5", "not a TOML file"},
+      {"not UTF-8", "title = \"Good\"", "title = \"Go\xff\xfe\"", "2:12", "not a TOML file"},
+      {"zero byte in a text", "title = \"Good\"", "title = \"Go\\u0000d\"", "2:9", "zero byte"},
+  };
+}
+
+}  // namespace taut

@@ -1,0 +1,146 @@
+// Bad scenes, as the program meets them: exit code 3, the place and the cause on standard error,
+// nothing on standard output. Their messages make the table of faults.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/bad_input/fault_table.h"
+#include "tests/bad_input/good_scene.h"
+#include "tests/bad_input/scene_faults.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string spoilt(const SceneFault& fault) {
+  std::string text(kGoodScene);
+  const std::size_t at = text.find(fault.good);
+  if (at == std::string::npos) return {};
+  return text.replace(at, fault.good.size(), fault.bad);
+}
+
+TEST(BadScene, TheGoodSceneIsGood) {
+  const Folder folder;
+  folder.write("scene.toml", std::string(kGoodScene));
+  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_EQ(outcome.messages, "");
+}
+
+TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
+  const Folder folder;
+  FaultTable table("Scenes");
+  for (const SceneFault& fault : scene_faults()) {
+    SCOPED_TRACE(fault.name);
+    const std::string text = spoilt(fault);
+    ASSERT_NE(text, "") << "the good scene has no \"" << fault.good << '"';
+    folder.write("scene.toml", text);
+    const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.output, "");
+    EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:" + fault.place + ": ", 0), 0u)
+        << outcome.messages;
+    EXPECT_NE(outcome.messages.find(fault.says), std::string::npos) << outcome.messages;
+    EXPECT_EQ(std::ranges::count(outcome.messages, '\n'), 1) << outcome.messages;
+    table.add(fault.name, outcome);
+  }
+  EXPECT_TRUE(table.is_as_accepted("scenes"));
+}
+
+TEST(BadScene, FilesThatAreNoScenes) {
+  const Folder folder;
+  fs::create_directory(folder.path() / "folder.toml");
+  folder.write("empty.toml", "");
+  folder.write("binary.toml", std::string("\x7f"
+                                          "ELF\0\0\1\2",
+                                          8));
+  folder.write("deep.toml", "a = " + std::string(100000, '['));
+  std::string dots = "a";
+  for (int i = 0; i < 100000; ++i) dots += ".a";
+  folder.write("dots.toml", dots + " = 1");
+  folder.write("huge.toml", "");
+  fs::resize_file(folder.path() / "huge.toml", std::uintmax_t{1} << 30);  // sparse
+  fs::create_symlink("loop.toml", folder.path() / "loop.toml");
+
+  FaultTable table("Files that are no scenes");
+  const auto expect = [&](const char* name, const char* file, const char* says) {
+    SCOPED_TRACE(file);
+    const Outcome outcome = run_taut({"check", file}, folder.path());
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.output, "");
+    EXPECT_EQ(outcome.messages.rfind(std::string("taut: ") + file + ":", 0), 0u);
+    EXPECT_NE(outcome.messages.find(says), std::string::npos) << outcome.messages;
+    table.add(name, outcome);
+  };
+  expect("missing", "missing.toml", "No such file");
+  expect("a directory", "folder.toml", "is a directory");
+  expect("below a file", "empty.toml/scene.toml", "Not a directory");
+  expect("a link to itself", "loop.toml", "symbolic links");
+  expect("empty", "empty.toml", "duration is missing");
+  expect("binary", "binary.toml", "not a TOML file");
+  expect("100,000 brackets", "deep.toml", "not a TOML file");
+  expect("a key of 100,000 dots", "dots.toml", "dots");
+  expect("sparse, 1 GiB", "huge.toml", "larger than 4 MiB");
+  EXPECT_TRUE(table.is_as_accepted("files"));
+}
+
+TEST(BadScene, UnreadableFile) {
+  if (geteuid() == 0) GTEST_SKIP() << "root reads everything";
+  const Folder folder;
+  const auto file = folder.write("scene.toml", std::string(kGoodScene));
+  fs::permissions(file, fs::perms::none);
+  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.messages.find("Permission denied"), std::string::npos);
+}
+
+TEST(BadScene, FilesOutsideOfTheRootAreRefused) {
+  const Folder folder;
+  folder.write("hand.csv", "t,x,y,z\n0,0,1,0\n");
+  folder.write("repository/CMakeLists.txt", "");
+  folder.write("repository/inside.csv", "t,x,y,z\n0,0,1,0\n");
+  fs::create_symlink("../../hand.csv", folder.path() / "repository/link.csv");
+  const auto check = [&](const std::string& file) {
+    folder.write("repository/scenes/scene.toml",
+                 "duration = 1.0\n[paths.hand]\nfile = \"" + file + "\"\n");
+    return run_taut({"check", "repository/scenes/scene.toml"}, folder.path());
+  };
+  EXPECT_EQ(check("inside.csv").code, 0);
+  EXPECT_EQ(check("../inside.csv").code, 0);
+  for (const char* file : {"../../hand.csv", "../hand.csv", "link.csv", "/etc/passwd"}) {
+    const Outcome outcome = check(file);
+    EXPECT_EQ(outcome.code, 3) << file;
+    EXPECT_NE(outcome.messages.find("scene.toml:3:8: paths.hand.file: found"), std::string::npos)
+        << outcome.messages;
+  }
+}
+
+TEST(BadScene, PathFiles) {
+  const Folder folder;
+  folder.write("scene.toml", "duration = 1.0\n[paths.hand]\nfile = \"hand.csv\"\n");
+  FaultTable table("Path files (CSV)");
+  const auto expect = [&](const char* name, const std::string& csv, const char* says) {
+    folder.write("hand.csv", csv);
+    const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+    EXPECT_EQ(outcome.code, 3) << csv;
+    EXPECT_NE(outcome.messages.find(std::string("hand.csv") + says), std::string::npos)
+        << outcome.messages;
+    table.add(name, outcome);
+  };
+  expect("empty", "", ":1: has no rows");
+  expect("other columns", "time,x,y,z\n", ":1: expected the columns t,x,y,z");
+  expect("a field too few", "t,x,y,z\n0,1,2\n", ":2: expected 4 finite numbers");
+  expect("a word", "t,x,y,z\n0,1,2,three\n", ":2: expected 4 finite numbers");
+  expect("nan", "t,x,y,z\n0,1,2,nan\n", ":2: expected 4 finite numbers");
+  expect("time standing still", "t,x,y,z\n0,1,2,3\n0,1,2,3\n", ":3: found the time 0");
+  expect("quaternion of length 0", "t,x,y,z,qw,qx,qy,qz\n0,1,2,3,0,0,0,0\n",
+         ":2: found a quaternion");
+  EXPECT_TRUE(table.is_as_accepted("paths"));
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,108 @@
+// Runs a program and gathers what it says.
+#pragma once
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace taut {
+
+struct Outcome {
+  int code = 0;  // exit code; 128 + the signal that killed it, as shells say it
+  std::string output, messages;
+};
+
+/// A child process with pipes from its standard output and error.
+class Child {
+ public:
+  /// `prepare` runs in the child before the program does. `folder` is where it starts.
+  Child(std::vector<std::string> command, const std::filesystem::path& folder,
+        const std::function<void()>& prepare = {}) {
+    int out[2], err[2];
+    if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) {
+      throw std::runtime_error("no pipe");
+    }
+    std::vector<char*> words;
+    for (std::string& word : command) words.push_back(word.data());
+    words.push_back(nullptr);
+    id_ = fork();
+    if (id_ == 0) {
+      dup2(out[1], STDOUT_FILENO);
+      dup2(err[1], STDERR_FILENO);
+      if (chdir(folder.c_str()) != 0) _exit(126);
+      if (prepare) prepare();
+      execvp(words[0], words.data());
+      _exit(127);
+    }
+    close(out[1]);
+    close(err[1]);
+    out_ = out[0];
+    err_ = err[0];
+  }
+  ~Child() {
+    if (id_ > 0) {
+      ::kill(id_, SIGKILL);
+      wait();
+    }
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  pid_t id() const { return id_; }
+
+  /// Reads until the program ends; kills it after `limit`.
+  Outcome wait(std::chrono::seconds limit = std::chrono::seconds(120)) {
+    const auto end = std::chrono::steady_clock::now() + limit;
+    pollfd pipes[2] = {{out_, POLLIN, 0}, {err_, POLLIN, 0}};
+    std::string* texts[2] = {&outcome_.output, &outcome_.messages};
+    while (pipes[0].fd >= 0 || pipes[1].fd >= 0) {
+      poll(pipes, 2, 100);
+      for (int i = 0; i < 2; ++i) {
+        if (pipes[i].fd < 0 || pipes[i].revents == 0) continue;
+        char block[1 << 16];
+        const ssize_t count = read(pipes[i].fd, block, sizeof block);
+        if (count > 0) {
+          texts[i]->append(block, static_cast<std::size_t>(count));
+        } else {
+          pipes[i].fd = -1;
+        }
+      }
+      if (std::chrono::steady_clock::now() > end) {
+        ::kill(id_, SIGKILL);
+        outcome_.messages += "\n[killed by the test: it ran too long]";
+        break;
+      }
+    }
+    close(out_);
+    close(err_);
+    int status = 0;
+    waitpid(id_, &status, 0);
+    id_ = -1;
+    outcome_.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return outcome_;
+  }
+
+ private:
+  pid_t id_ = -1;
+  int out_ = -1, err_ = -1;
+  Outcome outcome_;
+};
+
+/// Runs taut itself.
+inline Outcome run_taut(std::vector<std::string> arguments,
+                        const std::filesystem::path& folder = TAUT_SOURCE_DIR,
+                        const std::function<void()>& prepare = {}) {
+  arguments.insert(arguments.begin(), TAUT_PROGRAM);
+  return Child(std::move(arguments), folder, prepare).wait();
+}
+
+}  // namespace taut
