@@ -80,7 +80,8 @@ class Checker {
       case Type::named:
         return "a table";
       case Type::tables:
-        return "a list of tables";
+        return key.least > 0 ? fmt::format("a list of {} tables", count_text(key))
+                             : "a list of tables";
       case Type::files:
         return "a list of paths of files";
     }
@@ -218,13 +219,13 @@ class Checker {
 
   void check(const Value& value, const Alternatives& group) const {
     const Value* first = nullptr;
-    for (const std::string_view name : group.keys) {
-      const Value* member = value.find(name);
-      if (member && first) {
-        document_.fail_at_key(*member, fmt::format("stands beside {}, expected only one of: {}",
-                                                   first->name, fmt::join(group.keys, ", ")));
+    for (const Value& member : value.children) {
+      if (std::ranges::find(group.keys, member.name) == group.keys.end()) continue;
+      if (first) {
+        document_.fail_at_key(member, fmt::format("stands beside {}, expected only one of: {}",
+                                                  first->name, fmt::join(group.keys, ", ")));
       }
-      if (member) first = member;
+      first = &member;
     }
     if (!first && group.required) {
       document_.fail(value, fmt::format("expected one of: {}", fmt::join(group.keys, ", ")));

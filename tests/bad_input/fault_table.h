@@ -2,6 +2,9 @@
 // tests/bad_input/faults/, so that a change of any message is seen.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <filesystem>
 #include <string>
 
 #include "tests/support/program.h"
@@ -10,7 +13,9 @@ namespace taut {
 
 class FaultTable {
  public:
-  explicit FaultTable(std::string title) : title_(std::move(title)) {}
+  /// `folder` is where the tests' files lie.
+  FaultTable(std::string title, const std::filesystem::path& folder)
+      : title_(std::move(title)), folder_(folder.string()) {}
 
   void add(const std::string& fault, const Outcome& outcome);
 
@@ -19,7 +24,7 @@ class FaultTable {
   testing::AssertionResult is_as_accepted(const std::string& name) const;
 
  private:
-  std::string title_, rows_;
+  std::string title_, folder_, rows_;
 };
 
 }  // namespace taut

@@ -1,7 +1,9 @@
 // Bad scenes, as the program meets them: exit code 3, the place and the cause on standard error,
 // nothing on standard output. Their messages make the table of faults.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -16,11 +18,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string spoilt(const SceneFault& fault) {
+/// The good scene with the fault in it, and the place (line:column) that the message must name.
+std::pair<std::string, std::string> spoilt(const SceneFault& fault) {
   std::string text(kGoodScene);
   const std::size_t at = text.find(fault.good);
   if (at == std::string::npos) return {};
-  return text.replace(at, fault.good.size(), fault.bad);
+  text.replace(at, fault.good.size(), fault.bad);
+  if (!fault.place.empty()) return {text, fault.place};
+  const std::size_t mark = text.find('^');
+  text.erase(mark, 1);
+  const auto begin = text.begin(), end = begin + static_cast<std::ptrdiff_t>(mark);
+  const auto line = 1 + std::count(begin, end, '\n');
+  const std::size_t column = mark - text.rfind('\n', mark - 1);
+  return {text, fmt::format("{}:{}", line, column)};
 }
 
 TEST(BadScene, TheGoodSceneIsGood) {
@@ -33,17 +43,16 @@ TEST(BadScene, TheGoodSceneIsGood) {
 
 TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
   const Folder folder;
-  FaultTable table("Scenes");
+  FaultTable table("Scenes", folder.path());
   for (const SceneFault& fault : scene_faults()) {
     SCOPED_TRACE(fault.name);
-    const std::string text = spoilt(fault);
+    const auto [text, place] = spoilt(fault);
     ASSERT_NE(text, "") << "the good scene has no \"" << fault.good << '"';
     folder.write("scene.toml", text);
     const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
     EXPECT_EQ(outcome.code, 3);
     EXPECT_EQ(outcome.output, "");
-    EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:" + fault.place + ": ", 0), 0u)
-        << outcome.messages;
+    EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:" + place + ": ", 0), 0u) << place;
     EXPECT_NE(outcome.messages.find(fault.says), std::string::npos) << outcome.messages;
     EXPECT_EQ(std::ranges::count(outcome.messages, '\n'), 1) << outcome.messages;
     table.add(fault.name, outcome);
@@ -66,7 +75,7 @@ TEST(BadScene, FilesThatAreNoScenes) {
   fs::resize_file(folder.path() / "huge.toml", std::uintmax_t{1} << 30);  // sparse
   fs::create_symlink("loop.toml", folder.path() / "loop.toml");
 
-  FaultTable table("Files that are no scenes");
+  FaultTable table("Files that are no scenes", folder.path());
   const auto expect = [&](const char* name, const char* file, const char* says) {
     SCOPED_TRACE(file);
     const Outcome outcome = run_taut({"check", file}, folder.path());
@@ -101,9 +110,9 @@ TEST(BadScene, UnreadableFile) {
 TEST(BadScene, FilesOutsideOfTheRootAreRefused) {
   const Folder folder;
   folder.write("hand.csv", "t,x,y,z\n0,0,1,0\n");
-  folder.write("repository/CMakeLists.txt", "");
+  folder.write("repository/CMakePresets.json", "");
   folder.write("repository/inside.csv", "t,x,y,z\n0,0,1,0\n");
-  fs::create_symlink("../../hand.csv", folder.path() / "repository/link.csv");
+  fs::create_symlink("../hand.csv", folder.path() / "repository/link.csv");
   const auto check = [&](const std::string& file) {
     folder.write("repository/scenes/scene.toml",
                  "duration = 1.0\n[paths.hand]\nfile = \"" + file + "\"\n");
@@ -122,7 +131,7 @@ TEST(BadScene, FilesOutsideOfTheRootAreRefused) {
 TEST(BadScene, PathFiles) {
   const Folder folder;
   folder.write("scene.toml", "duration = 1.0\n[paths.hand]\nfile = \"hand.csv\"\n");
-  FaultTable table("Path files (CSV)");
+  FaultTable table("Path files (CSV)", folder.path());
   const auto expect = [&](const char* name, const std::string& csv, const char* says) {
     folder.write("hand.csv", csv);
     const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());

@@ -1,0 +1,251 @@
+// The program as scripts meet it: exit codes, standard output and error, files that are whole or
+// not there.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Two frames of a swing, a driven body, a hanging one.
+constexpr const char* kScene = R"(duration = 0.1
+fps = 50
+[method]
+name = "impulse"
+step = 0.001
+[paths.hand]
+keys = [{ t = 0, position = [0, 1, 0] }, { t = 1, position = [0.5, 1, 0] }]
+[bodies.free]
+mass = 0.12
+shape = { cylinder = { length = 0.30, diameter = 0.028 } }
+hangs = [0, -1, 0]
+[bodies.held]
+mass = 0.12
+shape = { cylinder = { length = 0.30, diameter = 0.028 } }
+driven_by = { path = "hand" }
+[connectors.cord]
+length = 0.1
+mass = 0.01
+particles = 3
+from = { body = "held", point = [0, -0.15, 0] }
+to = { body = "free", point = [0, 0.15, 0] }
+start = { direction = [0, -1, 0] }
+)";
+
+// Hours of simulation, to be interrupted.
+const std::string kLong = [] {
+  std::string scene = kScene;
+  return scene.replace(scene.find("0.1"), 3, "36000");
+}();
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> list;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) list.push_back(line);
+  return list;
+}
+
+TEST(Program, HelpTeaches) {
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"--help"}, {"simulate", "--help"}, {"check", "--help"}}) {
+    const Outcome outcome = run_taut(command);
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_NE(outcome.output.find("Examples:\n  taut "), std::string::npos);
+    EXPECT_EQ(outcome.messages, "");
+  }
+}
+
+TEST(Program, MisuseIsTwo) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  for (const std::vector<std::string>& command : {
+           std::vector<std::string>{},
+           {"simulate"},
+           {"simulat", "scene.toml"},
+           {"simulate", "scene.toml", "--frobnicate"},
+           {"simulate", "scene.toml", "--fps", "0"},
+           {"simulate", "scene.toml", "--fps", "many"},
+           {"simulate", "scene.toml", "--step", "-1"},
+           {"simulate", "scene.toml", "--step", "nan"},
+           {"simulate", "scene.toml", "--step", "0.001", "--tolerance", "0.001"},
+           {"simulate", "scene.toml", "--method", "impulsive"},
+           {"simulate", "scene.toml", "--set", "h"},
+           {"simulate", "scene.toml", "--set", "h=high"},
+           {"simulate", "scene.toml", "--set", "stiffness=5"},
+           {"simulate", "scene.toml", "--threads", "-1"},
+           {"check"},
+       }) {
+    const Outcome outcome = run_taut(command, folder.path());
+    EXPECT_EQ(outcome.code, 2) << fmt::format("{}", fmt::join(command, " "));
+    EXPECT_EQ(outcome.output, "");
+    EXPECT_NE(outcome.messages, "");
+  }
+}
+
+TEST(Simulate, WritesOneRowPerFrameToOutput) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const Outcome outcome = run_taut({"simulate", "scene.toml"}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto rows = lines(outcome.output);
+  ASSERT_EQ(rows.size(), 6u);
+  EXPECT_EQ(rows[0],
+            "t,cord.0.x,cord.0.y,cord.0.z,cord.1.x,cord.1.y,cord.1.z,cord.2.x,cord.2.y,cord.2.z,"
+            "free.x,free.y,free.z,free.qw,free.qx,free.qy,free.qz,"
+            "held.x,held.y,held.z,held.qw,held.qx,held.qy,held.qz");
+  // At the start the cord stands below the hand, and the free body below the cord.
+  EXPECT_EQ(rows[1].rfind(fmt::format("0,0,{:.17g},0,0,", 1 - 0.15), 0), 0u) << rows[1];
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(rows[k + 1].rfind(fmt::format("{:.17g},", static_cast<double>(k) / 50), 0), 0u);
+    EXPECT_EQ(std::ranges::count(rows[k + 1], ','), 23);
+  }
+}
+
+TEST(Simulate, SameBitsTwiceAndInAFile) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const Outcome first = run_taut({"simulate", "scene.toml"}, folder.path());
+  const Outcome second =
+      run_taut({"simulate", "scene.toml", "--csv", "new/folder/t.csv", "--quiet"}, folder.path());
+  EXPECT_EQ(second.code, 0);
+  EXPECT_EQ(second.output, "");
+  EXPECT_EQ(second.messages, "");
+  EXPECT_EQ(read_file(folder.path() / "new/folder/t.csv"), first.output);
+  EXPECT_FALSE(fs::exists(folder.path() / "new/folder/t.csv.part"));
+}
+
+TEST(Simulate, JsonSaysWhatWasDone) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const Outcome outcome =
+      run_taut({"simulate", "scene.toml", "--json", "--step", "0.002", "--set", "as_printed=true"},
+               folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(json.at("method"), "impulse");
+  EXPECT_EQ(json.at("settings").at("step"), 0.002);
+  EXPECT_EQ(json.at("settings").at("as_printed"), true);
+  EXPECT_EQ(json.at("frames"), 5);
+  EXPECT_EQ(json.at("steps"), 40);  // 4 intervals of 20 ms
+  EXPECT_GT(json.at("stepping_ms_per_second"), 0);
+  EXPECT_GE(json.at("stretch_max"), 0);
+  EXPECT_TRUE(json.at("energy_drift").is_null()) << "the hand does work";
+}
+
+TEST(Simulate, OutputsThatCannotBeWritten) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  folder.write("file", "kept");
+  fs::create_directory(folder.path() / "there");
+  for (const char* csv : {"file/t.csv", "there", "/dev/full/t.csv"}) {
+    const Outcome outcome = run_taut({"simulate", "scene.toml", "--csv", csv}, folder.path());
+    EXPECT_EQ(outcome.code, 6) << csv;
+    EXPECT_NE(outcome.messages.find(csv), std::string::npos) << outcome.messages;
+  }
+  EXPECT_EQ(read_file(folder.path() / "file"), "kept");
+  const Outcome full =
+      Child({"sh", "-c", TAUT_PROGRAM " simulate scene.toml > /dev/full"}, folder.path()).wait();
+  EXPECT_EQ(full.code, 6);
+  EXPECT_NE(full.messages.find("No space left"), std::string::npos);
+}
+
+TEST(Simulate, FileSizeLimitLeavesTheOldFile) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  folder.write("t.csv", "old");
+  const Outcome outcome = run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path(), [] {
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  });
+  EXPECT_EQ(outcome.code, 6);
+  EXPECT_NE(outcome.messages.find("File too large"), std::string::npos) << outcome.messages;
+  EXPECT_EQ(read_file(folder.path() / "t.csv"), "old");
+  EXPECT_FALSE(fs::exists(folder.path() / "t.csv.part"));
+}
+
+TEST(Simulate, SignalsLeaveNothingHalfWritten) {
+  for (const auto& [signal, code] : {std::pair(SIGINT, 130), {SIGTERM, 143}, {SIGKILL, 137}}) {
+    const Folder folder;
+    folder.write("scene.toml", kLong);
+    Child child({TAUT_PROGRAM, "simulate", "scene.toml", "--csv", "t.csv"}, folder.path());
+    const auto part = folder.path() / "t.csv.part";
+    for (int i = 0; i < 1000 && !(fs::exists(part) && fs::file_size(part) > 0); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    kill(child.id(), signal);
+    EXPECT_EQ(child.wait().code, code);
+    EXPECT_FALSE(fs::exists(folder.path() / "t.csv"));
+    EXPECT_EQ(fs::exists(part), signal == SIGKILL);
+    if (signal != SIGKILL) continue;
+    // What was left behind is no obstacle to the next run.
+    folder.write("scene.toml", kScene);
+    EXPECT_EQ(run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path()).code, 0);
+    EXPECT_EQ(lines(read_file(folder.path() / "t.csv")).size(), 6u);
+  }
+}
+
+TEST(Simulate, TwoRunsDoNotShareAFile) {
+  const Folder folder;
+  folder.write("long.toml", kLong);
+  folder.write("scene.toml", kScene);
+  Child first({TAUT_PROGRAM, "simulate", "long.toml", "--csv", "t.csv"}, folder.path());
+  const auto part = folder.path() / "t.csv.part";
+  for (int i = 0; i < 1000 && !(fs::exists(part) && fs::file_size(part) > 0); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const Outcome second = run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path());
+  EXPECT_EQ(second.code, 6);
+  EXPECT_NE(second.messages.find("another run"), std::string::npos) << second.messages;
+}
+
+TEST(Simulate, DivergenceIsSevenAndWritesNothing) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const Outcome outcome = run_taut({"simulate", "scene.toml", "--method", "springs", "--step",
+                                    "0.02", "--set", "stiffness=1e9", "--csv", "t.csv"},
+                                   folder.path());
+  EXPECT_EQ(outcome.code, 7) << outcome.messages;
+  EXPECT_NE(outcome.messages.find("springs"), std::string::npos) << outcome.messages;
+  EXPECT_NE(outcome.messages.find("cord"), std::string::npos) << outcome.messages;
+  EXPECT_FALSE(fs::exists(folder.path() / "t.csv"));
+}
+
+TEST(Check, SaysWhatItWouldDo) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const Outcome outcome = run_taut({"check", "scene.toml", "--json"}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(json.at("frames"), 5);
+  EXPECT_EQ(json.at("steps_per_frame"), 20);
+  EXPECT_EQ(json.at("bodies").at("free"), "free");
+  EXPECT_EQ(json.at("bodies").at("held"), "driven");
+}
+
+TEST(Check, EveryShippedSceneIsGood) {
+  for (const auto& entry : fs::recursive_directory_iterator(TAUT_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    const Outcome outcome = run_taut({"check", entry.path().string()});
+    EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  }
+}
+
+TEST(Check, SchemaIsTheOneThatIsShipped) {
+  const Outcome outcome = run_taut({"check", "--schema"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_TRUE(outcome.output == read_file(TAUT_SOURCE_DIR "/scenes/scene.schema.json"))
+      << "the format or a method changed; run: taut check --schema > scenes/scene.schema.json";
+}
+
+}  // namespace
+}  // namespace taut
