@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "sim/method.h"
 #include "tests/support/folder.h"
 
 namespace taut {
@@ -28,14 +29,27 @@ std::string cell(std::string text) {
   return line;
 }
 
+void replace(std::string& text, const std::string& part, std::string_view with) {
+  for (std::size_t at; (at = text.find(part)) != std::string::npos;) {
+    text.replace(at, part.size(), with);
+  }
+}
+
+std::string method_names() {
+  std::string names;
+  for (const MethodInfo& method : methods()) {
+    names += (names.empty() ? "" : ", ") + std::string(method.name);
+  }
+  return names;
+}
+
 }  // namespace
 
 void FaultTable::add(const std::string& fault, const Outcome& outcome) {
   std::string message = outcome.messages;
-  // The folder's name is another one each time.
-  for (std::size_t at; (at = message.find(folder_)) != std::string::npos;) {
-    message.replace(at, folder_.size(), "FOLDER");
-  }
+  // The folder's name is another one each time, and methods come and go.
+  replace(message, folder_, "FOLDER");
+  replace(message, method_names(), "METHODS");
   rows_ += fmt::format("| {} | `{}` | {} |\n", cell(fault), cell(message), outcome.code);
 }
 
