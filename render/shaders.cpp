@@ -8,7 +8,7 @@ layout(std140, binding = 0) uniform Frame {
   mat4 view_projection;
   mat4 light_projection;   // world to [0,1]^3 of the shadow map
   vec4 eye;
-  vec4 to_light;           // xyz: unit; w: one shadow texel, 0 to 1
+  vec4 to_light;           // xyz: unit; w: side of the shadow map, texels
   vec4 light_color;        // rgb: key light; w: offset along the normal before the look-up, m
   vec4 sky, ground;        // rgb: ambient radiance
   vec4 ambient[9];         // rgb: irradiance/pi in spherical harmonics, constants folded in
@@ -48,13 +48,24 @@ uniform int grain_axis;
 layout(binding = 0) uniform sampler2DShadow shadow_map;
 layout(binding = 1) uniform sampler2D noise;
 
-// 1 where the key light reaches, through a tent of 3x3 bilinear look-ups.
-float key_visibility() {
-  const float spread = 1.4;
+// 1 where the key light reaches: 3x3 bilinear comparisons, from four gathers of 2x2 texels. A loop
+// rather than a condition, as software rasterisers skip only loops: nothing is looked up where the
+// surface faces away or lies outside the map.
+float key_visibility(bool needed) {
+  vec2 at = shadow_position.xy * to_light.w - 0.5;
+  vec2 corner = floor(at), f = at - corner;
+  vec4 columns = vec4(1 - f.x, 1, 1, f.x), rows = vec4(1 - f.y, 1, 1, f.y);
+  vec2 inside = abs(shadow_position.xy - 0.5);
   float sum = 0;
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x)
-      sum += texture(shadow_map, shadow_position + vec3(vec2(x, y) * spread * to_light.w, 0));
+  int i = needed && max(inside.x, inside.y) < 0.5 ? 0 : 4;
+  if (i == 4) sum = 9;
+  for (; i < 4; ++i) {
+    bool right = (i & 1) != 0, top = i > 1;
+    vec2 texel = corner + vec2(right ? 2 : 0, top ? 2 : 0);
+    vec4 lit = textureGather(shadow_map, texel / to_light.w, shadow_position.z);
+    vec2 w = right ? columns.zw : columns.xy, h = top ? rows.zw : rows.xy;
+    sum += dot(lit, vec4(w.x * h.y, w.y * h.y, w.y * h.x, w.x * h.x));
+  }
   return sum * (1.0 / 9.0);
 }
 
@@ -146,7 +157,7 @@ void main() {
 #else
   vec3 diffuse_lit = vec3(lit);
 #endif
-  vec3 key = light_color.rgb * key_visibility();
+  vec3 key = light_color.rgb * key_visibility(max(diffuse_lit.r, diffuse_lit.b) > 0);
   vec3 radiance = key * (diffuse * diffuse_lit + lobe * fresnel * lit);
 
   vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);

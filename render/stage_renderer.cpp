@@ -18,7 +18,7 @@ using Eigen::Matrix4f;
 using Eigen::Vector3f;
 using Eigen::Vector4f;
 
-constexpr int kShadowSize = 2048;
+constexpr int kShadowSize = 1536;
 constexpr std::size_t kCapsules = 6;
 constexpr const char* kExposure = "#define EXPOSURE 1.0\n";
 
@@ -69,11 +69,6 @@ struct StageRenderer::Impl {
     const GLuint map = shadow_map.id();
     gl.TextureParameteri(map, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     gl.TextureParameteri(map, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-    // Beyond the map everything is lit.
-    const float lit[] = {1, 1, 1, 1};
-    gl.TextureParameteri(map, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-    gl.TextureParameteri(map, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-    gl.TextureParameterfv(map, GL_TEXTURE_BORDER_COLOR, lit);
 
     for (const auto& model : stage.scenery) scenery.push_back(drawables(gl, *model));
     for (const auto& model : stage.body_models)
@@ -177,8 +172,13 @@ struct StageRenderer::Impl {
     }
   }
 
+  void lap(const char* name) const {
+    if (profile) profile->lap(gl, name);
+  }
+
   const Gl& gl;
   const Stage& stage;
+  Profile* profile = nullptr;
   GlObject frame, shadow_map, shadow_target, noise;
   Program depth_program;
   Harmonics ambient;
@@ -194,6 +194,10 @@ StageRenderer::StageRenderer(const Context& context, const Stage& stage, const W
 
 StageRenderer::~StageRenderer() = default;
 
+void StageRenderer::set_profile(Profile* profile) {
+  impl_->profile = profile;
+}
+
 void StageRenderer::clear(const Canvas& canvas) const {
   const Gl& gl = impl_->gl;
   canvas.bind();
@@ -208,7 +212,9 @@ void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Insta
                          const Layer& layer) {
   Impl& d = *impl_;
   const Gl& gl = d.gl;
+  d.lap("clear");
   d.pose(instant);
+  d.lap("pose");
   const std::vector<Item> moving = d.moving_items(instant, layer);
   const std::vector<Item> scenery = layer.scenery ? d.scenery_items() : std::vector<Item>();
 
@@ -219,7 +225,7 @@ void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Insta
       camera_projection(instant.camera, double(viewport.width) / viewport.height);
   block.light_projection = map.projection;
   block.eye = with_w(instant.camera.position, 1);
-  block.to_light = with_w(-light.direction.normalized(), 1.0 / kShadowSize);
+  block.to_light = with_w(-light.direction.normalized(), kShadowSize);
   block.light_color = with_w(light.color, 1.5 * map.texel);
   block.sky = with_w(light.sky, 0);
   block.ground = with_w(light.ground, 0);
@@ -238,6 +244,9 @@ void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Insta
     gl.Viewport(0, 0, kShadowSize, kShadowSize);
     gl.DepthMask(GL_TRUE);
     gl.Clear(GL_DEPTH_BUFFER_BIT);
+    // A lit rim stays, which stands for everything beyond the map.
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(2, 2, kShadowSize - 4, kShadowSize - 4);
     gl.Enable(GL_DEPTH_CLAMP);
     gl.Enable(GL_POLYGON_OFFSET_FILL);
     gl.PolygonOffset(1.5f, 2.0f);
@@ -245,17 +254,21 @@ void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Insta
     d.draw_depth(moving);
     gl.Disable(GL_POLYGON_OFFSET_FILL);
     gl.Disable(GL_DEPTH_CLAMP);
+    gl.Disable(GL_SCISSOR_TEST);
   } else {
     gl.Enable(GL_BLEND);
     gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   }
 
+  d.lap("shadow map");
   canvas.bind();
   gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
   gl.BindTextureUnit(0, d.shadow_map.id());
   gl.BindTextureUnit(1, d.noise.id());
   d.draw_surfaces(moving, layer.opacity, false);
+  d.lap("figures");
   d.draw_surfaces(scenery, layer.opacity, false);
+  d.lap("scenery");
 }
 
 }  // namespace taut

@@ -8,6 +8,7 @@
 
 #include "render/canvas.h"
 #include "render/connector_mesh.h"
+#include "render/profile.h"
 #include "scenes/stage.h"
 #include "sim/trajectory.h"
 #include "sim/world.h"
@@ -39,6 +40,9 @@ class StageRenderer {
   /// Draws into a part of the canvas.
   void draw(const Canvas& canvas, const Rect& viewport, const Instant& instant,
             const Layer& layer = {});
+
+  /// Where to sum up the stages' times; null: nowhere.
+  void set_profile(Profile* profile);
 
  private:
   struct Impl;
