@@ -122,6 +122,12 @@ const std::string& text(const Settings& settings, std::string_view name) {
   return std::get<std::string>(settings.find(name)->second);
 }
 
+std::vector<Setting> halvings(double first, int count) {
+  std::vector<Setting> steps;
+  for (int i = 0; i < count; ++i) steps.emplace_back(std::ldexp(first, -i));
+  return steps;
+}
+
 Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number,
                    std::string connector_name, std::size_t link_index, std::string what)
     : std::runtime_error([&] {

@@ -125,6 +125,9 @@ double number(const Settings& settings, std::string_view name);
 bool flag(const Settings& settings, std::string_view name);
 const std::string& text(const Settings& settings, std::string_view name);
 
+/// `count` values for sweeps over steps: `first` (s), and each half of the one before.
+std::vector<Setting> halvings(double first, int count);
+
 /// How many equal steps of at most `step` (s) fill `interval` (s); exact where step divides it.
 std::uint64_t step_count(double interval, double step);
 

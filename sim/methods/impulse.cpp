@@ -226,25 +226,52 @@ void Impulse::check(const World& world, double time) const {
 
 MethodInfo impulse_method() {
   return {
-      kName,
-      "impulses between the ends, particles repositioned",
-      {
-          {"step", "The time step; smaller is more accurate and costs in proportion.", "s", 0.001,
-           0, 1, true},
-          {"h", "How far a link's length may be off before it is corrected; larger is faster.", "m",
-           1e-5, 0},
-          {"l_c", "The length at which a link resists compression, of its rest length; 0 folds.",
-           "1", 1.0, 0, 1},
-          {"l_t", "The length at which a link or span resists stretching, of its rest length.", "1",
-           1.0, 1, 10},
-          {"passes", "Repositioning passes over all links in a step; more keep lengths better.",
-           "1", 1.0, 1, 1000, false, true},
-          {"as_printed", "Equation (5) and the ends as the paper prints them, uncorrected.", "",
-           false},
-      },
-      [](const Settings& settings) -> std::unique_ptr<Method> {
+      .name = kName,
+      .summary = "impulses between the ends, particles repositioned",
+      .settings = {{.name = "step",
+                    .meaning = "The time step; smaller is more accurate and costs in proportion.",
+                    .unit = "s",
+                    .fallback = 0.001,
+                    .maximum = 1,
+                    .above = true,
+                    .sweep = halvings(1.0 / 60, 10)},
+                   {.name = "h",
+                    .meaning =
+                        "How far a link's length may be off before it is corrected; larger is "
+                        "faster.",
+                    .unit = "m",
+                    .fallback = 1e-5},
+                   {.name = "l_c",
+                    .meaning =
+                        "The length at which a link resists compression, of its rest length; 0 "
+                        "folds.",
+                    .unit = "1",
+                    .fallback = 1.0,
+                    .maximum = 1},
+                   {.name = "l_t",
+                    .meaning = "The length at which a link or span resists stretching, of its rest "
+                               "length.",
+                    .unit = "1",
+                    .fallback = 1.0,
+                    .minimum = 1,
+                    .maximum = 10},
+                   {.name = "passes",
+                    .meaning = "Repositioning passes over all links in a step; more keep lengths "
+                               "better.",
+                    .unit = "1",
+                    .fallback = 1.0,
+                    .minimum = 1,
+                    .maximum = 1000,
+                    .whole = true,
+                    .sweep = {1.0, 4.0, 16.0}},
+                   {.name = "as_printed",
+                    .meaning = "Equation (5) and the ends as the paper prints them, uncorrected.",
+                    .unit = "",
+                    .fallback = false}},
+      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Impulse>(settings);
       },
+      .forms = {{"as-printed", {{"as_printed", true}}}},
   };
 }
 

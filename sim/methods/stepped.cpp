@@ -73,12 +73,6 @@ double stability_limit(Integrator integrator, double damping_ratio) {
   return stable;
 }
 
-std::vector<Setting> halvings(double first, int count) {
-  std::vector<Setting> steps;
-  for (int i = 0; i < count; ++i) steps.emplace_back(std::ldexp(first, -i));
-  return steps;
-}
-
 Stepper::Stepper(const Mechanism& mechanism, Integrator integrator)
     : integrator_(integrator), tension_(mechanism.rows().size()) {
   const std::size_t size = mechanism.state_size();

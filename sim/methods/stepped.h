@@ -41,9 +41,6 @@ enum class Integrator { explicit_euler, semi_implicit_euler, rk4 };
 /// By its name in settings: explicit-euler, semi-implicit-euler or rk4.
 Integrator integrator_named(std::string_view name);
 
-/// `count` values for sweeps over steps: `first` (s), and each half of the one before.
-std::vector<Setting> halvings(double first, int count);
-
 /// The longest stable step (s) of an oscillator x'' + 2 z w x' + w^2 x = 0, as a multiple of 1/w;
 /// zero where the integrator is never stable (explicit Euler without damping).
 double stability_limit(Integrator integrator, double damping_ratio);
