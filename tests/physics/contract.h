@@ -1,0 +1,157 @@
+// What theory promises of each method, and what a method is exempt from: the data of the method
+// contract.
+#pragma once
+
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "sim/method.h"
+
+namespace taut::contract {
+
+/// A setting that refines a method: it is divided by `by` again and again, and the error falls with
+/// the power `order` of it.
+struct Knob {
+  std::string name;
+  double coarse = 0;
+  double by = 2;
+  double order = 1;
+
+  Setting value(int refined) const { return coarse / std::pow(by, refined); }
+};
+
+/// How a chain of n links that hangs at rest may move from there.
+enum class Rest {
+  exact,      // not at all
+  springy,    // by twice the stretch under its weight, as it starts unstretched
+  unfinished  // by n^2 g dt^2: one pass leaves each link the stiffness m / (2 dt^2) or more
+};
+
+struct Theory {
+  std::string label;  // as tables write it: METHOD or METHOD:FORM
+  std::string method;
+  Settings settings;
+  Knob knob;          // refines steps or tolerances
+  Knob towards = {};  // refines towards the truth, where that is another one
+  /// How far free flight is off, in g t dt: 1/2 for Euler steps, 0 where parabolas are exact.
+  double fall = 0;
+  /// The power of the step with which angular momentum changes; zero: not at all.
+  double angular = 0;
+  Rest rest = Rest::exact;
+  bool controls_error =
+      false;  // the knob is a tolerance, and quantities are kept as well as it says
+
+  const Knob& convergence() const { return towards.name.empty() ? knob : towards; }
+};
+
+inline std::string text(const char* words) {
+  return words;
+}
+
+/// One row per method and form. A knob's `order` for a tolerance is what its control promises: the
+/// error follows the tolerance.
+inline const std::vector<Theory>& theories() {
+  const Settings rk4_at_fixed_return{{"time_constant", 0.02}};
+  const Settings euler{{"integrator", text("semi-implicit-euler")}, {"time_constant", 0.02}};
+  const Settings dense{{"solver", text("dense")}, {"time_constant", 0.02}};
+  const Settings rk4{{"integrator", text("rk4")}};
+  const Settings explicit_euler{{"integrator", text("explicit-euler")}, {"damping", 1.0}};
+  // The stretch is inverse to the stiffness; the step that is left open, to its root.
+  const Knob stiffness{"stiffness", 1e4, 0.1, 1}, stiffness_and_step{"stiffness", 1e4, 0.1, 0.5};
+  static const std::vector<Theory> rows{
+      {.label = "impulse", .method = "impulse", .settings = {}, .knob = {"step", 0.001, 2, 1}},
+      {.label = "dynamic-constraints",
+       .method = "dynamic-constraints",
+       .settings = rk4_at_fixed_return,
+       .knob = {"step", 0.002, 2, 4},
+       .angular = 4},
+      {.label = "dynamic-constraints:euler",
+       .method = "dynamic-constraints",
+       .settings = euler,
+       .knob = {"step", 0.0005, 2, 1},
+       .fall = 0.5},
+      {.label = "dynamic-constraints:dense",
+       .method = "dynamic-constraints",
+       .settings = dense,
+       .knob = {"step", 0.002, 2, 4},
+       .angular = 4},
+      {.label = "multibody",
+       .method = "multibody",
+       .settings = {},
+       .knob = {"accuracy", 1e-5, 10, 1},
+       .controls_error = true},
+      {.label = "springs",
+       .method = "springs",
+       .settings = {},
+       .knob = {"step", 1e-4, 2, 1},
+       .towards = stiffness_and_step,
+       .fall = 0.5,
+       .rest = Rest::springy},
+      {.label = "springs:rk4",
+       .method = "springs",
+       .settings = rk4,
+       .knob = {"step", 2e-4, 2, 4},
+       .towards = stiffness,
+       .angular = 4,
+       .rest = Rest::springy},
+      {.label = "springs:explicit-euler",
+       .method = "springs",
+       .settings = explicit_euler,
+       .knob = {"step", 2e-5, 2, 1},
+       .towards = stiffness_and_step,
+       .fall = -0.5,
+       .angular = 1,
+       .rest = Rest::springy},
+      {.label = "xpbd",
+       .method = "xpbd",
+       .settings = {},
+       .knob = {"step", 0.0005, 2, 1},
+       .fall = 0.5,
+       .angular = 1,
+       .rest = Rest::unfinished},
+      {.label = "direct",
+       .method = "direct",
+       .settings = {},
+       .knob = {"tolerance", 1e-5, 10, 1},
+       .controls_error = true},
+      {.label = "truth",
+       .method = "truth",
+       .settings = {},
+       .knob = {"local_error", 1e-8, 10, 1},
+       .controls_error = true},
+  };
+  return rows;
+}
+
+inline void PrintTo(const Theory& theory, std::ostream* out) {
+  *out << theory.label;
+}
+
+/// Where a method breaks its contract: what it reaches instead, and why that is so.
+struct Exemption {
+  std::string label;
+  std::string check;
+  double reached = 0;  // within a tenth
+  std::string unit;
+  std::string why;
+};
+
+inline const std::vector<Exemption>& exemptions() {
+  const std::string massless =
+      "the connector's inertia and weight never reach what it holds: model error, for any step";
+  static const std::vector<Exemption> rows{
+      {"impulse", "linear momentum kept", 0.0729, "of it",
+       "repositioning moves particles, and gives nothing back to the bodies"},
+      {"impulse", "angular momentum kept", 0.133, "of it",
+       "repositioning moves particles, and gives nothing back to the bodies"},
+      {"impulse", "rigid body end", 0.0381, "m", massless},
+      {"impulse", "driven end", 0.0541, "m", massless},
+      {"impulse", "two free bodies", 0.0691, "m", massless},
+      {"impulse", "pins and several connectors", 0.100, "m", massless},
+  };
+  return rows;
+}
+
+}  // namespace taut::contract
