@@ -14,7 +14,7 @@ struct TruthOptions {
   double scored_error = 1e-4;
   /// Error allowed in a step: of the first solver in metres, of the second relative.
   double local_error = 1e-12;
-  double second_accuracy = 1e-9;
+  double second_accuracy = 1e-10;
 };
 
 /// A converged solution of the discrete model at the frame times, checked by a second one.
