@@ -102,11 +102,11 @@ vec2 facing(vec3 p, vec3 n) {
   return a.x > a.y && a.x > a.z ? p.yz : a.y > a.z ? p.xz : p.xy;
 }
 
-// sqrt(tone-mapped): nearly even steps to the eye, and cheap to undo before averaging.
+// Square root of the tone-mapped light: nearly even steps to the eye, cheap to undo before
+// averaging. The curve has a short toe and a long shoulder (a rational fit, as film curves are).
 vec3 encode(vec3 radiance) {
   vec3 x = radiance * EXPOSURE;
-  x = (x * (0.22 * x + 0.03) + 0.002) / (x * (0.22 * x + 0.3) + 0.06) - 1.0 / 30.0;
-  return sqrt(clamp(x * (1.0 / 0.9), 0.0, 1.0));
+  return sqrt(min(x * (2.0 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0));
 }
 
 void main() {

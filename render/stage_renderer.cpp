@@ -20,7 +20,7 @@ using Eigen::Vector4f;
 
 constexpr int kShadowSize = 1536;
 constexpr std::size_t kCapsules = 6;
-constexpr const char* kExposure = "#define EXPOSURE 1.0\n";
+constexpr const char* kExposure = "#define EXPOSURE 0.38\n";
 
 /// What every surface needs to know of a frame; mirrors the shaders' block.
 struct FrameBlock {
@@ -149,6 +149,50 @@ struct StageRenderer::Impl {
     return {box.min() - margin, box.max() + margin};
   }
 
+  /// Capsules of the feet and the pelvis: what stands on or near the floor darkens it.
+  void find_capsules(const Instant& instant, FrameBlock& block, std::vector<Vec3>& reach) const {
+    std::size_t count = 0;
+    const auto add = [&](const Vec3& from, const Vec3& to, double radius) {
+      if (count == kCapsules) return;
+      block.capsule_from[count] = with_w(from, radius);
+      block.capsule_to[count] = with_w(to, 1 / std::max((to - from).squaredNorm(), 1e-6));
+      ++count;
+      for (int i = 0; i < 8; ++i)
+        for (const Vec3& p : {from, to})
+          reach.push_back(p + 5 * radius * Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    };
+    for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c) {
+      const std::vector<Bone>& bones = stage.characters[c]->bones;
+      for (std::size_t i = 0; i < bones.size(); ++i) {
+        const Vec3& at = instant.bones[c][i].position;
+        const int parent = bones[i].parent;
+        if (bones[i].name.find("Toe") != std::string::npos && parent >= 0)
+          add(instant.bones[c][std::size_t(parent)].position, at, 0.055);
+        if (bones[i].name.find("Hips") != std::string::npos) add(at, at, 0.16);
+      }
+    }
+  }
+
+  /// The part of the viewport that surrounds these points, clipped to it.
+  static Rect around(const std::vector<Vec3>& points, const Matrix4f& projection,
+                     const Rect& viewport) {
+    Eigen::AlignedBox2d box;
+    for (const Vec3& p : points) {
+      const Vector4f q = projection * with_w(p, 1);
+      if (q.w() < 0.05f) return viewport;
+      box.extend(Eigen::Vector2d(0.5 + 0.5 * q.x() / q.w(), 0.5 + 0.5 * q.y() / q.w()));
+    }
+    if (box.isEmpty()) return {viewport.x, viewport.y, 0, 0};
+    const auto pixel = [](double share, int size) {
+      return int(std::lround(std::clamp(share, 0.0, 1.0) * size));
+    };
+    const int left = pixel(box.min().x(), viewport.width),
+              right = pixel(box.max().x(), viewport.width);
+    const int low = pixel(box.min().y(), viewport.height),
+              high = pixel(box.max().y(), viewport.height);
+    return {viewport.x + left, viewport.y + low, right - left, high - low};
+  }
+
   void draw_depth(std::span<const Item> items) const {
     depth_program.use();
     for (const Item& item : items) {
@@ -230,6 +274,8 @@ void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Insta
   block.sky = with_w(light.sky, 0);
   block.ground = with_w(light.ground, 0);
   for (std::size_t i = 0; i < 9; ++i) block.ambient[i] << d.ambient[i], 0;
+  std::vector<Vec3> reach;
+  d.find_capsules(instant, block, reach);
   upload(gl, d.frame, std::span<const FrameBlock>(&block, 1), GL_DYNAMIC_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d.frame.id());
 
@@ -267,6 +313,14 @@ void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Insta
   gl.BindTextureUnit(1, d.noise.id());
   d.draw_surfaces(moving, layer.opacity, false);
   d.lap("figures");
+  // Scenery near the feet first, with contact shadows; drawn again, it fails the depth test there.
+  const Rect near = Impl::around(reach, block.view_projection, viewport);
+  if (near.width > 0 && near.height > 0 && layer.opacity >= 1) {
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(near.x, near.y, near.width, near.height);
+    d.draw_surfaces(scenery, 1, true);
+    gl.Disable(GL_SCISSOR_TEST);
+  }
   d.draw_surfaces(scenery, layer.opacity, false);
   d.lap("scenery");
 }
