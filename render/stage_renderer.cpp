@@ -20,7 +20,7 @@ using Eigen::Vector4f;
 
 constexpr int kShadowSize = 1536;
 constexpr std::size_t kCapsules = 6;
-constexpr const char* kExposure = "#define EXPOSURE 0.38\n";
+constexpr double kExposure = 0.38;
 
 /// What every surface needs to know of a frame; mirrors the shaders' block.
 struct FrameBlock {
@@ -29,6 +29,12 @@ struct FrameBlock {
   std::array<Vector4f, 9> ambient;
   std::array<Vector4f, kCapsules> capsule_from, capsule_to;
 };
+
+/// A radiance as the canvas keeps it; the surface shader's encode().
+double encoded(double radiance) {
+  const double x = radiance * kExposure;
+  return std::sqrt(std::min(x * (2 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0));
+}
 
 Vector4f with_w(const Vec3& v, double w) {
   return {float(v.x()), float(v.y()), float(v.z()), float(w)};
@@ -93,8 +99,8 @@ struct StageRenderer::Impl {
     if (!slot)
       slot = std::make_unique<Program>(
           gl,
-          fmt::format("{}#define SURFACE {}\n#define CAPSULES {:d}\n{}", kExposure, int(surface),
-                      with_capsules, shaders::frame_block),
+          fmt::format("#define EXPOSURE {}\n#define SURFACE {}\n#define CAPSULES {:d}\n{}",
+                      kExposure, int(surface), with_capsules, shaders::frame_block),
           shaders::surface_vertex, shaders::surface_fragment);
     return *slot;
   }
@@ -247,7 +253,7 @@ void StageRenderer::clear(const Canvas& canvas) const {
   canvas.bind();
   gl.Disable(GL_SCISSOR_TEST);
   gl.DepthMask(GL_TRUE);
-  const Vec3& c = impl_->stage.background;
+  const Vec3 c = impl_->stage.background.unaryExpr(&encoded);
   gl.ClearColor(float(c.x()), float(c.y()), float(c.z()), 1);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }

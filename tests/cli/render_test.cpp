@@ -1,0 +1,153 @@
+// taut render: frames, video, resuming, and what is refused before any work is done.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "render/picture.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScene = R"(duration = 0.2
+fps = 50
+size = [64, 36]
+[method]
+name = "impulse"
+step = 0.001
+[bodies.free]
+mass = 0.12
+shape = { cylinder = { length = 0.30, diameter = 0.028 } }
+hangs = [0, -1, 0]
+[connectors.cord]
+length = 0.1
+mass = 0.01
+particles = 3
+from = { fixed = [0, 1, 0] }
+to = { body = "free", point = [0, 0.15, 0] }
+start = { direction = [1, -1, 0] }
+[stage]
+camera = [{ t = 0, position = [0, 0.9, 1], target = [0, 0.8, 0] }]
+)";
+
+class Render : public testing::Test {
+ protected:
+  Outcome render(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"render", scene_.string(), "--out", out_.string(), "--quiet"});
+    return run_taut(more);
+  }
+  fs::path frame(int number) const {
+    return out_ / "frames" / ("00000" + std::to_string(number) + ".png");
+  }
+
+  Folder folder_;
+  fs::path scene_ = folder_.write("swing.toml", kScene);
+  fs::path out_ = folder_.path() / "clip";
+};
+
+TEST_F(Render, MakesFramesAndVideo) {
+  const Outcome outcome = render({"--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto report = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(report.at("frames"), 10);
+  EXPECT_EQ(report.at("frames_drawn"), 10);
+  EXPECT_EQ(report.at("method").at("name"), "impulse");
+  EXPECT_GT(report.at("seconds_per_frame").at("rendering"), 0);
+  EXPECT_TRUE(fs::exists(out_ / "swing.mp4"));
+  EXPECT_TRUE(fs::exists(out_ / "clip.json"));
+  for (int i = 0; i < 10; ++i) {
+    const Picture picture = read_png(frame(i));
+    EXPECT_EQ(picture.width, 64);
+    EXPECT_EQ(picture.height, 36);
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(out_))
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+}
+
+TEST_F(Render, OnlyTheFramesAskedFor) {
+  const Outcome outcome = render({"--frames", "2-3,7", "--no-video"});
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_FALSE(fs::exists(out_ / "swing.mp4"));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(fs::exists(frame(i)), i == 2 || i == 3 || i == 7) << i;
+}
+
+TEST_F(Render, ResumeKeepsWhatWouldComeOutTheSame) {
+  ASSERT_EQ(render({"--frames", "0-4", "--no-video"}).code, 0);
+  const auto drawn = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--no-video", "--resume", "--json"});
+    const Outcome outcome = render(more);
+    EXPECT_EQ(outcome.code, 0) << outcome.messages;
+    return nlohmann::json::parse(outcome.output).at("frames_drawn").get<int>();
+  };
+  EXPECT_EQ(drawn({}), 5);
+  const std::string whole = read_file(frame(3));
+  fs::resize_file(frame(3), whole.size() / 2);
+  EXPECT_EQ(drawn({}), 1);
+  EXPECT_EQ(read_file(frame(3)), whole);
+  EXPECT_EQ(drawn({"--samples", "1"}), 10);
+}
+
+TEST_F(Render, RefusesBeforeWorking) {
+  EXPECT_EQ(render({"--size", "63x36"}).code, 2);
+  EXPECT_EQ(render({"--size", "0x36"}).code, 2);
+  EXPECT_EQ(render({"--size", "64"}).code, 2);
+  EXPECT_EQ(render({"--frames", "8-12"}).code, 2);
+  EXPECT_EQ(render({"--frames", "3-1"}).code, 2);
+  EXPECT_EQ(render({"--frames", "x"}).code, 2);
+  EXPECT_EQ(render({"--backend", "vulkan"}).code, 2);
+  EXPECT_EQ(render({"--size", "100000x2", "--no-video"}).code, 4);
+  EXPECT_EQ(render({"--samples", "64"}).code, 4);
+  EXPECT_FALSE(fs::exists(out_)) << "something was begun all the same";
+}
+
+TEST_F(Render, SceneWithoutAStage) {
+  const std::string text = kScene;
+  scene_ = folder_.write("bare.toml", text.substr(0, text.find("[stage]")));
+  const Outcome outcome = render({});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.messages.find("bare.toml"), std::string::npos) << outcome.messages;
+}
+
+TEST_F(Render, OutputUnderAFile) {
+  out_ = folder_.write("file", "x") / "clip";
+  const Outcome outcome = render({});
+  EXPECT_EQ(outcome.code, 6) << outcome.messages;
+}
+
+TEST_F(Render, FfmpegMissing) {
+  const Outcome outcome = run_taut({"render", scene_.string(), "--out", out_.string()},
+                                   TAUT_SOURCE_DIR, [] { setenv("PATH", "/nonexistent", 1); });
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_NE(outcome.messages.find("ffmpeg"), std::string::npos) << outcome.messages;
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+TEST_F(Render, FfmpegThatFailsOrStopsShort) {
+  const auto with_ffmpeg = [&](const std::string& script) {
+    const fs::path program = folder_.write("bin/ffmpeg", "#!/bin/sh\n" + script);
+    fs::permissions(program, fs::perms::owner_all);
+    const std::string path = program.parent_path().string() + ":/usr/bin:/bin";
+    return run_taut({"render", scene_.string(), "--out", out_.string(), "--quiet"}, TAUT_SOURCE_DIR,
+                    [&] { setenv("PATH", path.c_str(), 1); })
+        .code;
+  };
+  const std::string asked = "case \"$*\" in *-version*) exit 0;; esac\n";
+  EXPECT_EQ(with_ffmpeg(asked + "exit 1\n"), 5);
+  EXPECT_EQ(with_ffmpeg(asked + "exit 0\n"), 5);
+  EXPECT_FALSE(fs::exists(out_ / "swing.mp4"));
+  EXPECT_TRUE(fs::exists(frame(9))) << "frames already made stay";
+}
+
+TEST_F(Render, BackendsGiveTheSamePixels) {
+  ASSERT_EQ(render({"--frames", "5", "--no-video", "--backend", "egl"}).code, 0);
+  const Picture egl = read_png(frame(5));
+  ASSERT_EQ(render({"--frames", "5", "--no-video", "--backend", "osmesa"}).code, 0);
+  EXPECT_EQ(egl.pixels, read_png(frame(5)).pixels);
+}
+
+}  // namespace
+}  // namespace taut

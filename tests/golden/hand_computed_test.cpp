@@ -1,0 +1,133 @@
+// Pictures whose pixels can be computed by hand: a sphere under the key light, in even ambient
+// light, and the background.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "render/stage_renderer.h"
+
+namespace taut {
+namespace {
+
+constexpr int kSize = 257;  // odd: a pixel's centre is on the axis
+constexpr double kRadius = 0.5, kDistance = 4, kFieldOfView = 0.3;
+
+std::shared_ptr<const Model> sphere(const Material& material) {
+  auto model = std::make_shared<Model>();
+  model->materials = {material};
+  Mesh mesh;
+  constexpr std::uint32_t kRings = 200, kSides = 400;
+  for (std::uint32_t i = 0; i <= kRings; ++i)
+    for (std::uint32_t j = 0; j < kSides; ++j) {
+      const double polar = std::numbers::pi * i / kRings, turn = -2 * std::numbers::pi * j / kSides;
+      const Vec3 n(std::sin(polar) * std::cos(turn), -std::cos(polar),
+                   std::sin(polar) * std::sin(turn));
+      Vertex v;
+      for (int k = 0; k < 3; ++k) {
+        v.normal[std::size_t(k)] = float(n[k]);
+        v.position[std::size_t(k)] = float(kRadius * n[k]);
+      }
+      mesh.vertices.push_back(v);
+    }
+  for (std::uint32_t i = 0; i < kRings; ++i)
+    for (std::uint32_t j = 0; j < kSides; ++j) {
+      const std::uint32_t a = i * kSides + j, b = i * kSides + (j + 1) % kSides;
+      for (const std::uint32_t v : {a, b, a + kSides, a + kSides, b, b + kSides})
+        mesh.indices.push_back(v);
+    }
+  model->meshes = {mesh};
+  return model;
+}
+
+/// Light to 8 bits: exposure 0.38, the tone curve, sRGB (IEC 61966-2-1).
+double display(double radiance) {
+  const double x = 0.38 * radiance;
+  const double y = std::min(x * (2 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0);
+  return 255 * (y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055);
+}
+
+Picture render(const Stage& stage, const Vec3& camera) {
+  World world;
+  Body body;
+  world.bodies.push_back(body);
+  const Context context(Backend::automatic);
+  Canvas canvas(context, kSize, kSize, 4);
+  StageRenderer renderer(context, stage, world);
+  renderer.clear(canvas);
+  renderer.draw(canvas, {0, 0, kSize, kSize},
+                {snapshot(world), {}, {camera, Vec3::Zero(), kFieldOfView}});
+  return canvas.finish();
+}
+
+/// The sphere's point and normal behind a pixel's centre, seen from (0, 0, kDistance).
+Vec3 normal_at(int column, int row) {
+  const double reach = std::tan(kFieldOfView / 2);
+  const Vec3 ray = Vec3((column + 0.5 - kSize / 2.0) * 2 / kSize * reach,
+                        -(row + 0.5 - kSize / 2.0) * 2 / kSize * reach, -1)
+                       .normalized();
+  const Vec3 eye(0, 0, kDistance);
+  const double b = eye.dot(ray), c = eye.squaredNorm() - kRadius * kRadius;
+  return (eye + (-b - std::sqrt(b * b - c)) * ray) / kRadius;
+}
+
+Stage plain_stage(double albedo) {
+  Stage stage;
+  stage.light = {Vec3(0, 0, -1), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  const auto a = float(albedo);
+  stage.body_models = {sphere({.name = "matt", .base_color = {a, a, a}, .roughness = 1})};
+  return stage;
+}
+
+TEST(HandComputed, SphereUnderTheKeyLight) {
+  constexpr double kAlbedo = 0.5, kKey = 1.2;
+  Stage stage = plain_stage(kAlbedo);
+  const Vec3 light = Vec3(0.4, 0.3, 1).normalized();
+  stage.light.direction = -light;
+  stage.light.color = Vec3::Constant(kKey);
+  const Picture picture = render(stage, Vec3(0, 0, kDistance));
+  for (const auto& [column, row] :
+       {std::pair(128, 128), {150, 128}, {128, 90}, {100, 150}, {165, 110}}) {
+    // GGX at roughness 1, Schlick's visibility with k = 1/2, Fresnel from 0.04.
+    const Vec3 n = normal_at(column, row), p = kRadius * n;
+    const Vec3 v = (Vec3(0, 0, kDistance) - p).normalized(), h = (v + light).normalized();
+    const double nl = n.dot(light), nv = n.dot(v);
+    const double visibility = 0.25 / ((0.5 * nl + 0.5) * (0.5 * nv + 0.5));
+    const double fresnel = 0.04 + 0.96 * std::pow(1 - v.dot(h), 5);
+    const double radiance = kKey * nl * (kAlbedo + visibility * fresnel);
+    EXPECT_NEAR(*picture.at(column, row), display(radiance), 1.6)
+        << "column " << column << ", row " << row;
+  }
+}
+
+TEST(HandComputed, SphereInEvenLight) {
+  constexpr double kAlbedo = 0.5, kSky = 0.7;
+  Stage stage = plain_stage(kAlbedo);
+  stage.light.sky = stage.light.ground = Vec3::Constant(kSky);
+  const Picture picture = render(stage, Vec3(0, 0, kDistance));
+  // Lambert's part is exact; the specular part of the fit at normal incidence and roughness 1:
+  // r = (0, 0.015, 0.468, -0.018), grazing 0.015, so 0.04 * 0.4524 - 0.0024.
+  const double radiance = kSky * (kAlbedo + 0.04 * 0.4524 - 0.0024);
+  EXPECT_NEAR(*picture.at(128, 128), display(radiance), 1.6);
+}
+
+TEST(HandComputed, Background) {
+  Stage stage = plain_stage(0.5);
+  stage.background = Vec3(0.1, 0.6, 2.5);
+  const Picture picture = render(stage, Vec3(0, 0, kDistance));
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(picture.at(2, 2)[k], display(stage.background[k]), 1.1) << "channel " << k;
+}
+
+TEST(HandComputed, HalfTheLightIsSeen) {
+  Stage stage = plain_stage(0.5);
+  stage.light.color = Vec3::Constant(1.2);
+  const Vec3 camera(0, 0, kDistance);
+  const Picture full = render(stage, camera);
+  stage.light.color *= 0.5;
+  EXPECT_GT(int(*full.at(128, 128)) - int(*render(stage, camera).at(128, 128)), 30);
+}
+
+}  // namespace
+}  // namespace taut
