@@ -1,9 +1,12 @@
 // taut render: a scene's clip.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "render/atomic_file.h"
 #include "render/caption.h"
@@ -11,6 +14,7 @@
 #include "render/cli/frame_list.h"
 #include "render/cli/method_options.h"
 #include "render/cli/progress.h"
+#include "render/contact_sheet.h"
 #include "render/fingerprint.h"
 #include "render/frame_folder.h"
 #include "render/hash.h"
@@ -32,7 +36,8 @@ double seconds_since(Clock::time_point start) {
 struct Options {
   std::string scene, out, frames, size, backend = "auto";
   int fps = 0, samples = 4;
-  bool resume = false, no_video = false;
+  bool resume = false, no_video = false, contact_sheet = false;
+  std::optional<double> poster;  // s
   MethodOptions method;
 };
 
@@ -51,6 +56,74 @@ std::vector<Snapshot> record(const Scene& scene, const std::vector<int>& frames)
   return states;
 }
 
+/// A scene's stage, ready to draw its states with their captions.
+class Film {
+ public:
+  Film(const Context& context, const Scene& scene, int samples)
+      : scene_(scene),
+        canvas_(context, scene.width, scene.height, samples),
+        renderer_(context, *scene.stage, scene.world) {}
+
+  Instant instant(const Snapshot& state) const {
+    Instant instant{state, {}, camera_at(*scene_.stage, state.time)};
+    for (const auto& performance : scene_.performances)
+      instant.bones.push_back(performance->bones_at(state.time));
+    return instant;
+  }
+
+  Picture draw(const Instant& instant) {
+    renderer_.clear(canvas_);
+    renderer_.draw(canvas_, {0, 0, canvas_.width(), canvas_.height()}, instant);
+    Picture picture = canvas_.finish();
+    draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
+    return picture;
+  }
+
+ private:
+  const Scene& scene_;
+  Canvas canvas_;
+  StageRenderer renderer_;
+  Font font_;
+};
+
+void write_png(const std::filesystem::path& name, const Picture& picture) {
+  const auto bytes = encode_png(picture);
+  AtomicFile file(name);
+  file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  file.commit();
+}
+
+/// Single pictures instead of a clip: the middles of the captions on one sheet, a poster.
+int render_stills(const Scene& scene, const Options& options, Film& film,
+                  const std::filesystem::path& out) {
+  const int last = scene.frames() - 1;
+  const auto frame_at = [&](double time) {
+    return std::clamp(int(std::lround(time * scene.fps)), 0, last);
+  };
+  std::string made;
+  if (options.contact_sheet) {
+    std::vector<int> frames;
+    for (const Caption& c : scene.stage->captions)
+      frames.push_back(frame_at((c.from + c.until) / 2));
+    std::ranges::sort(frames);
+    if (frames.empty()) throw Misuse("--contact-sheet: the scene has no captions to show");
+    std::vector<Picture> pictures;
+    for (const Snapshot& state : record(scene, frames)) {
+      stop_if_interrupted();
+      pictures.push_back(film.draw(film.instant(state)));
+    }
+    write_png(out / "contact_sheet.png", contact_sheet(pictures, 3));
+    made += (out / "contact_sheet.png").string() + "\n";
+  }
+  if (options.poster) {
+    const Snapshot state = record(scene, {frame_at(*options.poster)})[0];
+    write_png(out / "poster.png", film.draw(film.instant(state)));
+    made += (out / "poster.png").string() + "\n";
+  }
+  write_output(made);
+  return kDone;
+}
+
 int render(const Common& common, const Options& options) {
   const Backend backend = backend_named(options.backend);
   Scene scene = load_scene(options.scene, true);
@@ -59,7 +132,8 @@ int render(const Common& common, const Options& options) {
   if (options.fps > 0) scene.fps = options.fps;
   if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
   scene.method = chosen_method(options.method, scene);
-  const bool video = !options.no_video;
+  const bool stills = options.contact_sheet || options.poster;
+  const bool video = !options.no_video && !stills;
   if (video && (scene.width % 2 || scene.height % 2))
     throw Misuse(
         fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides "
@@ -72,15 +146,14 @@ int render(const Common& common, const Options& options) {
   const std::filesystem::path out = options.out.empty() ? std::filesystem::path("out") / name
                                                         : std::filesystem::path(options.out);
   const Context context(backend, common.threads);
-  Canvas canvas(context, scene.width, scene.height, options.samples);
+  Film film(context, scene, options.samples);
+  if (stills) return render_stills(scene, options, film, out);
   FrameFolder folder(out / "frames", options.resume);
 
   const auto simulation_start = Clock::now();
   const std::vector<Snapshot> states = record(scene, frames);
   const double simulation_time = seconds_since(simulation_start);
 
-  StageRenderer stage(context, *scene.stage, scene.world);
-  Font font;
   const std::uint64_t clip = Hash()
                                  .number(program_fingerprint())
                                  .number(fingerprint(*scene.stage))
@@ -95,16 +168,10 @@ int render(const Common& common, const Options& options) {
     Progress progress("rendering", "frames", frames.size(), common.quiet);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       stop_if_interrupted();
-      Instant instant{states[i], {}, camera_at(*scene.stage, states[i].time)};
-      for (const auto& performance : scene.performances)
-        instant.bones.push_back(performance->bones_at(states[i].time));
+      const Instant instant = film.instant(states[i]);
       const std::uint64_t inputs = Hash().number(clip).number(fingerprint(instant)).value();
       if (!folder.has(frames[i], inputs)) {
-        stage.clear(canvas);
-        stage.draw(canvas, {0, 0, scene.width, scene.height}, instant);
-        Picture picture = canvas.finish();
-        draw_captions(picture, font, scene.stage->captions, states[i].time);
-        folder.put(frames[i], inputs, std::move(picture));
+        folder.put(frames[i], inputs, film.draw(instant));
         ++drawn;
       }
       progress.update(i + 1);
@@ -169,6 +236,9 @@ void add_render(CLI::App& app, Program& program) {
       ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
   command.add_flag("--resume", options->resume,
                    "Keep finished frames that would come out the same");
+  command.add_flag("--contact-sheet", options->contact_sheet,
+                   "Only a sheet of the captions' middles, contact_sheet.png");
+  command.add_option("--poster", options->poster, "Only the picture at this time (s), poster.png");
   command.add_flag("--no-video", options->no_video, "Frames only");
   command.callback([&program, options] {
     program.run = [&program, options] { return render(program.common, *options); };

@@ -104,6 +104,17 @@ TEST_F(Render, RefusesBeforeWorking) {
   EXPECT_FALSE(fs::exists(out_)) << "something was begun all the same";
 }
 
+TEST_F(Render, Stills) {
+  const std::string captions =
+      "captions = [{ from = 0, until = 0.1, text = \"swings\" },"
+      " { from = 0.1, until = 0.2, text = \"falls\" }]\n";
+  scene_ = folder_.write("stills.toml", kScene + captions);
+  ASSERT_EQ(render({"--contact-sheet", "--poster", "0.1", "--size", "96x54"}).code, 0);
+  EXPECT_EQ(read_png(out_ / "contact_sheet.png").height, 18);
+  EXPECT_EQ(read_png(out_ / "poster.png").width, 96);
+  EXPECT_FALSE(fs::exists(out_ / "frames"));
+}
+
 TEST_F(Render, SceneWithoutAStage) {
   const std::string text = kScene;
   scene_ = folder_.write("bare.toml", text.substr(0, text.find("[stage]")));

@@ -1,0 +1,14 @@
+// Several pictures as one.
+#pragma once
+
+#include <span>
+
+#include "render/picture.h"
+
+namespace taut {
+
+/// Pictures of one size side by side, `columns` to a row, each shrunk by the whole number `columns`
+/// so that a row is as wide as one picture was.
+Picture contact_sheet(std::span<const Picture> pictures, int columns);
+
+}  // namespace taut
