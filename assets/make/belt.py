@@ -31,7 +31,7 @@ def _tail(p, lean, length, phase):
 def belt(p):
     base = jacket.smooth(p)
     h = height(p)
-    outer = 0.0095 + 0.0030 * (h < 0.006)  # the second turn leaves a sliver of the first in sight
+    outer = 0.0105 + 0.0030 * (h < 0.006)  # the second turn leaves a sliver of the first in sight
     d = intersect(np.abs(base - 0.0025) - outer + 0.0025, np.abs(h) - _HALF, 0.004)
     d = d + 0.0010 * np.exp(-(((h - 0.006) / 0.0016) ** 2))
     knot = limb(p, _KNOT + vec(-0.020, 0.006, 0.002), _KNOT + vec(0.020, -0.006, 0.002), 0.0165, 0.0165, (0, 0, 1), 0.75)

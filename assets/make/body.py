@@ -20,8 +20,8 @@ def trunk(p, grow=0.0):
 
 def neck(p):
     q = mirrored(p)
-    d = limb(p, (0, 1.40, -0.032), (0, 1.575, -0.010), 0.063, 0.055)
-    d = union(d, limb(q, (0.010, 1.432, 0.034), (0.056, 1.600, -0.022), 0.008, 0.014), 0.022)  # sternomastoid
+    d = limb(p, (0, 1.40, -0.032), (0, 1.575, -0.012), 0.061, 0.0515)
+    d = union(d, limb(q, (0.010, 1.432, 0.034), (0.052, 1.600, -0.022), 0.008, 0.013), 0.022)  # sternomastoid
     d = union(d, limb(q, (0.05, 1.47, -0.045), (0.14, 1.435, -0.03), 0.035, 0.028), 0.08)  # trapezius
     return union(d, ellipsoid(p, (0, 1.520, 0.042), (0.012, 0.016, 0.012)), 0.018)  # larynx
 
@@ -66,19 +66,10 @@ def below_shin(p):
     return intersect(foot(p), p[:, 1] - 0.30, 0.003)
 
 
-def with_bust(head):
-    """The head's field joined with the chest as far as the jacket's opening shows it."""
-
-    def field(p):
-        d = head(p)
-        low = p[:, 1] < 1.56
-        q = p[low]
-        shown = intersect(chest(q), np.maximum(1.17 - q[:, 1], np.abs(q[:, 0]) - 0.098), 0.004)
-        shown = intersect(shown, np.minimum(0.030 - q[:, 2], 1.43 - q[:, 1]), 0.004)
-        d[low] = union(d[low], shown, 0.012 )
-        return d
-
-    return field
+def bust(p):
+    """Neck and chest as far as the jacket's opening shows them."""
+    d = intersect(chest(p), np.maximum(1.17 - p[:, 1], np.abs(p[:, 0]) - 0.098), 0.004)
+    return np.where(p[:, 1] < 1.43, intersect(d, 0.030 - p[:, 2], 0.004), d)
 
 
 def paint_foot(part, side):

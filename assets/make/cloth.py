@@ -1,61 +1,7 @@
-"""Folds: ridges and valleys pressed into a cloth surface, placed one by one or in fans."""
+"""Strips and unevenness of cloth."""
 import numpy as np
 
 from sdf import intersect, segment
-from skeleton import unit
-
-
-class Folds:
-    """A height (m) added along the surface's normal: the sum of soft ridges along segments."""
-
-    def __init__(self):
-        self._folds = []
-
-    def ridge(self, start, end, width, height, spread=1.6):
-        """From `start`, where it is sharp, to `end`, where it has faded and is `spread` times wider."""
-        self._folds.append((np.asarray(start, float), np.asarray(end, float), width, height, spread))
-        return self
-
-    def fan(self, origin, aims, width, height, start=0.15, seed=0.0):
-        """Ridges with valleys between them, radiating from `origin` to each of `aims`."""
-        origin = np.asarray(origin, float)
-        aims = [np.asarray(a, float) for a in aims]
-        for k, aim in enumerate(aims):
-            vary = 1 + 0.25 * np.sin(12.9 * k + seed)
-            self.ridge(origin + start * vary * (aim - origin), origin + (0.9 + 0.2 * vary) * (aim - origin), width * vary, height * vary)
-            if k:
-                between = 0.5 * (aim + aims[k - 1])
-                self.ridge(origin + start * (between - origin), between, 0.8 * width, -0.8 * height)
-        return self
-
-    def rings(self, centre, axis, side, radius, spacing, count, width, height, lean=0.5, seed=0.0):
-        """Folds stacked along a limb's `axis` on one `side` of it: short chords across the limb."""
-        axis, side = unit(axis), unit(side)
-        across = np.cross(axis, side)
-        for k in range(count):
-            vary = np.sin(7.7 * k + seed)
-            middle = np.asarray(centre, float) + axis * spacing * (k - (count - 1) / 2 + 0.2 * vary)
-            tilt = axis * lean * spacing * (1 if k % 2 else -1)
-            a = middle + side * radius * 0.75 + across * radius * (0.75 + 0.2 * vary) + tilt
-            b = middle + side * radius * 0.85 - across * radius * (0.75 - 0.2 * vary) - tilt
-            m = middle + side * radius * 1.05
-            self.ridge(m, a, width, height, 1.2).ridge(m, b, width, height, 1.2)
-        return self
-
-    def __call__(self, p):
-        out = np.zeros(len(p))
-        for a, b, width, height, spread in self._folds:
-            reach = 2.4 * width * max(1, spread)
-            near = np.flatnonzero(np.all((p > np.minimum(a, b) - reach) & (p < np.maximum(a, b) + reach), axis=1))
-            if not len(near):
-                continue
-            q = p[near]
-            ab = b - a
-            t = np.clip((q - a) @ ab / (ab @ ab), 0, 1)
-            d = np.linalg.norm(q - a - np.outer(t, ab), axis=1)
-            w = width * (1 + (spread - 1) * t)
-            out[near] += height * np.exp(-((d / w) ** 2)) * (1 - t) ** 0.7 * np.minimum(1, 0.4 + 6 * t)
-        return out
 
 
 def crumple(p, size=1.0, seed=0.0):

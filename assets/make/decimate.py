@@ -47,19 +47,38 @@ def _best(q, middle, length):
     return np.where(far[:, None], middle, x)
 
 
-def _independent(cost, edges, n):
-    """Edges that are the cheapest of all edges which touch their ends' neighbourhoods."""
-    order = np.argsort(cost, kind="stable")
+def _independent(cost, edges, n, passes=3):
+    """Cheap edges none of which touches another's neighbourhood, as a mask.
+
+    Each pass takes the edges that are the cheapest of all that touch their ends' neighbourhoods, and
+    withdraws those neighbourhoods.
+    """
     rank = np.empty(len(edges), np.int64)
-    rank[order] = np.arange(len(edges))
-    best = np.full(n, len(edges))
-    backwards = order[::-1]  # the last assignment wins: the cheapest
-    best[edges[backwards].ravel()] = np.repeat(rank[backwards], 2)
-    lower = np.minimum(best[edges[:, 0]], best[edges[:, 1]])
-    ring = best.copy()
-    by_lower = np.argsort(-lower, kind="stable")
-    ring[edges[by_lower].ravel()] = np.repeat(lower[by_lower], 2)
-    return (ring[edges[:, 0]] == rank) & (ring[edges[:, 1]] == rank)
+    rank[np.argsort(cost, kind="stable")] = np.arange(len(edges))
+    taken = np.zeros(len(edges), bool)
+    free = np.flatnonzero(np.isfinite(cost))
+    free = free[np.argsort(-rank[free], kind="stable")]  # dearest first: the last assignment wins
+    for _ in range(passes):
+        e, r = edges[free], rank[free]
+        best = np.full(n, len(edges))
+        best[e.ravel()] = np.repeat(r, 2)
+        ring = _least_around(best, edges)
+        won = free[(ring[e[:, 0]] == r) & (ring[e[:, 1]] == r)]
+        taken[won] = True
+        near = np.zeros(n, np.int64)
+        near[edges[won].ravel()] = -1
+        near = _least_around(near, edges)
+        free = free[(near[e] == 0).all(axis=1)]
+    return taken
+
+
+def _least_around(value, edges):
+    """The least of each vertex's and its neighbours' values."""
+    lower = np.minimum(value[edges[:, 0]], value[edges[:, 1]])
+    order = np.argsort(-lower, kind="stable")
+    out = value.copy()
+    out[edges[order].ravel()] = np.repeat(lower[order], 2)
+    return out
 
 
 def _keeps_manifold(edges, chosen, n):
@@ -121,7 +140,7 @@ def decimate(points, triangles, budget, longest, detail=None):
         usable = np.isfinite(cost)
         limit = np.quantile(cost[usable], 0.4) if usable.any() else np.inf
         cost[cost > limit] = np.inf
-        chosen = np.flatnonzero(_independent(cost, edges, len(p)) & np.isfinite(cost))
+        chosen = np.flatnonzero(_independent(cost, edges, len(p)))
         if not len(chosen):
             break
         chosen = chosen[np.argsort(cost[chosen], kind="stable")][: len(used) - budget]

@@ -10,7 +10,9 @@ from mesh import Part
 
 BACK, SIDE, FRONT, CEILING = -2.6, 4.2, 6.0, 3.3
 _BAY = 1.2  # width of a shoji panel
+_DEEP = 7  # panels along a side wall
 _LINTEL = 2.12
+_END = BACK + _DEEP * _BAY
 
 
 class _Pile:
@@ -30,25 +32,67 @@ class _Pile:
         self.count += len(points)
 
     def part(self):
-        arrays = [np.concatenate(a) for a in zip(*self.boxes)]
-        return Part(self.name, self.material, *arrays)
+        return Part(self.name, self.material, *[np.concatenate(a) for a in zip(*self.boxes)])
+
+
+def _split(part, longest):
+    """Halve the edges longer than `longest`(points) until none is left: shade needs vertices to live on."""
+    while True:
+        p, t = part.points, part.triangles
+        ends = t[:, [[0, 1], [1, 2], [2, 0]]]
+        length = np.linalg.norm(p[ends[:, :, 0]] - p[ends[:, :, 1]], axis=2)
+        limit = longest(p[ends].mean(axis=2).reshape(-1, 3)).reshape(-1, 3)
+        over = np.where(length > limit, length, 0)
+        worst = np.argmax(over, axis=1)
+        cut = np.flatnonzero(over.max(axis=1) > 0)
+        if not len(cut):
+            return part
+        k = worst[cut]
+        a, b, c = t[cut, k], t[cut, (k + 1) % 3], t[cut, (k + 2) % 3]
+        edge, number = np.unique(np.sort(np.stack([a, b], 1), axis=1), axis=0, return_inverse=True)
+        middle = len(p) + number.ravel()
+        mean = lambda x: np.concatenate([x, 0.5 * (x[edge[:, 0]] + x[edge[:, 1]])])
+        whole = np.delete(t, cut, axis=0)
+        t = np.concatenate([whole, np.stack([a, middle, c], 1), np.stack([middle, b, c], 1)])
+        part = Part(part.name, part.material, mean(p), mean(part.normals), t, mean(part.colors))
+
+
+def _distances(p):
+    """To the room's planes: floor, ceiling, back wall and side walls (the inner faces)."""
+    return [p[:, 1], CEILING - p[:, 1], p[:, 2] - BACK - 0.02, SIDE - 0.02 - np.abs(p[:, 0])]
+
+
+def _shaded(part):
+    """Darken corners: each plane of the room takes light from what stands at right angles to it."""
+    part = _split(part, lambda p: 0.30 + 1.5 * np.sort(np.abs(np.stack(_distances(p))), axis=0)[1])
+    p, n = part.points, np.abs(part.normals)
+    reach = 0.45
+    light = np.ones(len(p))
+    for d, axis in zip(_distances(p), (1, 1, 2, 0)):
+        d = np.maximum(d, 0)
+        hidden = 0.5 * (1 - d / np.sqrt(d * d + reach * reach))
+        light *= 1 - 0.9 * hidden * (1 - n[:, axis])
+    part.colors = part.colors * light[:, None]
+    return part
 
 
 def _floor():
     planks, rng = _Pile("Floor", "Floor"), np.random.default_rng(3)
-    width = 0.15
+    width, length = 0.15, 1.8
     for x in np.arange(-SIDE - width, SIDE + width, width):
-        z = BACK - 0.3 - 1.8 * rng.random()
+        z = BACK - 0.3 - length * rng.random()
         while z < FRONT:
-            length = 1.8
-            tone = 0.80 + 0.30 * rng.random()
+            tone = 0.72 + 0.28 * rng.random()
             warm = 1 + 0.10 * (rng.random() - 0.5)
-            planks.add((x + width / 2, -0.0125, z + length / 2), (width - 0.0008, 0.025, length - 0.0010), 0.0014, (tone, tone * warm, tone * warm**2), lambda n: n[:, 1] > 0.1)
+            planks.add(
+                (x + width / 2, -0.0125, z + length / 2), (width - 0.0008, 0.025, length - 0.0010), 0.0014,
+                (tone, tone * warm, tone * warm**2), lambda n: n[:, 1] > 0.1,
+            )
             z += length
-    return planks.part()
+    return _shaded(planks.part())
 
 
-def _shoji(frame, paper, where, along, count, first):
+def _shoji(frame, paper, where, along, count, first, rng):
     """A row of panels. where(u, y, depth) -> point; along: 0 if the wall runs along x, 2 along z."""
 
     def size(u, y, depth):
@@ -65,33 +109,45 @@ def _shoji(frame, paper, where, along, count, first):
             frame.add(where(u - 0.57 + 1.14 * i / 4, 1.2525, 0), size(0.010, 1.635, 0.016), 0)
         for i in range(1, 7):
             frame.add(where(u, 0.435 + 1.635 * i / 7, 0), size(1.14, 0.010, 0.018), 0)
-        paper.add(where(u, 1.2525, -0.012), size(1.14, 1.635, 0.003), 0)
+        for i in range(7):  # sheets of paper, one per row, no two quite alike
+            tone = 0.93 + 0.07 * rng.random()
+            paper.add(where(u, 0.435 + 1.635 * (i + 0.5) / 7, -0.012), size(1.14, 1.635 / 7, 0.003), 0, (tone, tone, tone**1.3), _inwards)
+
+
+def _inwards(n):
+    return n[:, 1] ** 2 < 0.5
+
+
+def _beams(frame):
+    for y, tall, thick in ((_LINTEL + 0.04, 0.11, 0.11), (CEILING - 0.08, 0.16, 0.12)):
+        frame.add((0, y, BACK), (2 * SIDE + 0.2, tall, thick), 0.006)
+        for s in (-1, 1):
+            frame.add((s * SIDE, y, (BACK + _END) / 2), (thick, tall, _END - BACK + 0.2), 0.006)
+    for x in (-SIDE, -SIDE / 2 - 0.3, SIDE / 2 + 0.3, SIDE):
+        frame.add((x, CEILING / 2, BACK + 0.02), (0.13, CEILING, 0.13), 0.006)
+    for s in (-1, 1):
+        for z in (BACK + 3 * _BAY, _END):
+            frame.add((s * SIDE, CEILING / 2, z), (0.13, CEILING, 0.13), 0.006)
+        frame.add((s * (SIDE - 0.03), 0.045, (BACK + _END) / 2), (0.05, 0.09, _END - BACK), 0.004)
+    frame.add((0, 0.045, BACK + 0.03), (2 * SIDE, 0.09, 0.05), 0.004)
+    for z in np.arange(BACK + 1.2, FRONT, 1.5):
+        frame.add((0, CEILING - 0.07, z), (2 * SIDE, 0.14, 0.12), 0.006)
 
 
 def _walls():
     frame, paper, plaster = _Pile("Frame", "FrameWood"), _Pile("Paper", "Paper"), _Pile("Wall", "Plaster")
+    rng = np.random.default_rng(5)
     bays = int(round(2 * SIDE / _BAY))
-    _shoji(frame, paper, lambda u, y, d: (u, y, BACK + d), 0, bays, -SIDE + _BAY / 2)
-    deep = 7
+    _shoji(frame, paper, lambda u, y, d: (u, y, BACK + d), 0, bays, -SIDE + _BAY / 2, rng)
     for s in (-1, 1):
-        _shoji(frame, paper, lambda u, y, d, s=s: (s * (SIDE - d), y, u), 2, deep, BACK + _BAY / 2)
-    end = BACK + deep * _BAY
-    for y, tall, thick in ((_LINTEL + 0.04, 0.11, 0.11), (CEILING - 0.08, 0.16, 0.12)):
-        frame.add((0, y, BACK), (2 * SIDE + 0.2, tall, thick), 0.006)
-        for s in (-1, 1):
-            frame.add((s * SIDE, y, (BACK + end) / 2), (thick, tall, end - BACK + 0.2), 0.006)
-    for x in (-SIDE, -SIDE / 2 - 0.3, SIDE / 2 + 0.3, SIDE):
-        frame.add((x, CEILING / 2, BACK + 0.02), (0.13, CEILING, 0.13), 0.006)
+        _shoji(frame, paper, lambda u, y, d, s=s: (s * (SIDE - d), y, u), 2, _DEEP, BACK + _BAY / 2, rng)
+    _beams(frame)
+    high = CEILING - _LINTEL
+    plaster.add((0, _LINTEL + high / 2, BACK - 0.02), (2 * SIDE, high, 0.05))
     for s in (-1, 1):
-        for z in (BACK + 3 * _BAY, end):
-            frame.add((s * SIDE, CEILING / 2, z), (0.13, CEILING, 0.13), 0.006)
-    plaster.add((0, (CEILING + _LINTEL) / 2, BACK - 0.02), (2 * SIDE, CEILING - _LINTEL, 0.05))
-    for s in (-1, 1):
-        plaster.add((s * (SIDE + 0.02), (CEILING + _LINTEL) / 2, (BACK + end) / 2), (0.05, CEILING - _LINTEL, end - BACK))
+        plaster.add((s * (SIDE + 0.02), _LINTEL + high / 2, (BACK + _END) / 2), (0.05, high, _END - BACK))
     plaster.add((0, CEILING + 0.03, (BACK + FRONT) / 2), (2 * SIDE + 0.4, 0.05, FRONT - BACK + 0.4))
-    for z in np.arange(BACK + 1.2, FRONT, 1.5):
-        frame.add((0, CEILING - 0.07, z), (2 * SIDE, 0.14, 0.12), 0.006)
-    return [frame.part(), paper.part(), plaster.part()]
+    return [frame.part(), _shaded(paper.part()), _shaded(plaster.part())]
 
 
 def build():

@@ -37,9 +37,9 @@ def _brow(q):
     t = (q[:, 0] - 0.0105) / 0.042
     s = np.clip(t, 0, 1)
     middle = 1.6745 + 0.0075 * np.sin(2.3 * s) - 0.0035 * s
-    half = 0.0040 * (1 - 0.70 * s**1.6) * np.minimum(1, 0.55 + 3 * s)
-    comb = 0.0006 * np.sin((q[:, 0] * 0.8 - q[:, 1]) * 2600)
-    d = intersect(np.abs(skin) - 0.0016 - comb * 0.6, np.abs(q[:, 1] - middle) - half, 0.0018)
+    half = 0.0033 * (1 - 0.70 * s**1.6) * np.minimum(1, 0.55 + 3 * s)
+    comb = 0.0002 * np.sin((q[:, 0] * 0.8 - q[:, 1]) * 2400)
+    d = intersect(np.abs(skin + 0.0012) - 0.0020 - comb, np.abs(q[:, 1] - middle) - half, 0.0022)
     return intersect(d, np.abs(t - 0.5) * 0.042 - 0.021, 0.002)
 
 
@@ -57,8 +57,8 @@ def build():
         _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.45, 10, 24)),
         _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, 0.43, 5, 24, 0.0004)),
         _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.0008, 0.19, 3, 16)),
-        sculpt("BrowL", "Hair", _brow, (0.006, 1.662, 0.045), (0.058, 1.692, 0.100), 0.0011, 420),
-        sculpt("LashL", "Hair", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 300),
+        sculpt("BrowL", "Hair", _brow, (0.006, 1.662, 0.045), (0.058, 1.692, 0.100), 0.0011, 280),
+        sculpt("LashL", "Hair", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 240),
     ]
     eye, iris = left[0], left[1]
     towards = (eye.points - head.EYE) @ _GAZE / head.EYE_RADIUS

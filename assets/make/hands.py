@@ -1,16 +1,18 @@
 """The left hand and fore arm. Finger radii are published: grips are closed against them."""
 import numpy as np
 
+import nets
+from mesh import Part, merge, sculpt
 from sdf import bump, ellipsoid, intersect, limb, sphere, union, within
 from skeleton import DIGITS, FINGERS, REST, hand_frame, joint, tip, unit
 
 # Radius at each joint and at the finger's end, m.
 RADII = {
-    "Index": (0.0098, 0.0088, 0.0079, 0.0066),
-    "Middle": (0.0100, 0.0090, 0.0081, 0.0068),
-    "Ring": (0.0095, 0.0086, 0.0077, 0.0064),
-    "Pinky": (0.0084, 0.0076, 0.0068, 0.0057),
-    "Thumb": (0.0140, 0.0110, 0.0100, 0.0078),
+    "Index": (0.0104, 0.0093, 0.0084, 0.0071),
+    "Middle": (0.0106, 0.0095, 0.0086, 0.0073),
+    "Ring": (0.0101, 0.0091, 0.0082, 0.0069),
+    "Pinky": (0.0089, 0.0080, 0.0072, 0.0061),
+    "Thumb": (0.0142, 0.0114, 0.0106, 0.0082),
 }
 _WRIST, _ALONG, _THUMB, _PALM = hand_frame()
 
@@ -20,31 +22,52 @@ def place(along, thumb, palm):
     return _WRIST + along * _ALONG + thumb * _THUMB + palm * _PALM
 
 
-def _digit(p, name, blend):
+def _digit(p, name):
     r, d = RADII[name], None
     for k in range(3):
         bone = f"LeftHand{name}{k + 1}"
         a, b = joint(bone), tip(bone)
         if k == 2:
-            b = b - 0.004 * unit(b - a)
+            b = b - 0.75 * r[3] * unit(b - a)
         piece = limb(p, a, b, r[k], r[k + 1])
-        d = piece if d is None else union(d, piece, blend)
+        d = piece if d is None else union(d, piece, 0.0015)
         if k and name != "Thumb":  # the knuckle stands out a little on the back
-            d = union(d, sphere(p, a - 0.0012 * _PALM, r[k] * 1.0), 0.004)
-    return union(d, _nail(p, name), 0.0010)
+            d = union(d, sphere(p, a - 0.0016 * _PALM, 0.97 * r[k]), 0.0020)
+    return d
 
 
-def _nail(p, name):
+def _back(name):
+    """The end of a digit, its direction, and out of its back."""
     last = f"LeftHand{name}3"
-    end = tip(last)
-    along = unit(end - joint(last))
-    back = -_PALM if name != "Thumb" else unit(np.cross(along, np.cross(_THUMB * 0.75 - _PALM * 0.65, along)))
-    across = np.cross(back, along)
-    r = RADII[name][3]
-    wide = 1.35 if name == "Thumb" else 1.0
-    return ellipsoid(
-        p, end - 0.0065 * along + back * (r - 0.0004), (0.0064 * wide, 0.0046 * wide, 0.0015), np.stack([along, across, back], 1)
-    )
+    along = unit(tip(last) - joint(last))
+    side = _THUMB if name != "Thumb" else unit(np.cross(_THUMB * 0.75 - _PALM * 0.65, along))
+    return tip(last), along, unit(np.cross(along, side)) * (-1 if name != "Thumb" else 1)
+
+
+def nail(name):
+    """A nail as its own small shell, a little over the skin in its middle and under it at its rim."""
+    end, along, back = _back(name)
+    across, r = np.cross(back, along), RADII[name][3]
+    u, v = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9), indexing="ij")
+    u, v = u.ravel(), v.ravel()
+    round_corner = np.sqrt(1 - 0.40 * u * u), np.sqrt(1 - 0.40 * v * v)
+    length, angle = (0.0062 if name != "Thumb" else 0.0074) * u * round_corner[1], 0.85 * v * round_corner[0]
+    start = end + np.outer(length - 0.0072, along)
+    points = start + 1.1 * r * (np.outer(np.cos(angle), back) + np.outer(np.sin(angle), across))
+    points = nets.project(hand, points, 0.02, 4)
+    rim = np.maximum(np.abs(u), np.abs(v))
+    lift = np.where(rim > 0.99, -0.0004, np.where(u > 0.7, 0.0006, 0.00035))
+    normals = nets.normals(hand, points, 0.0005)
+    points = points + lift[:, None] * normals
+    quads = [(9 * i + k, 9 * i + k + 1, 9 * i + k + 10, 9 * i + k + 9) for i in range(8) for k in range(8)]
+    triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    part = Part("Nail", "Skin", points, normals, triangles)
+    facing = np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
+    if np.sum(facing * normals[triangles[:, 0]]) < 0:
+        part.triangles = triangles[:, ::-1]
+    part.tint(np.full(81, 1.0), (1.0, 0.86, 0.84))
+    part.tint(1.0 * (u > 0.9), (1.05, 1.15, 1.25))
+    return part
 
 
 def hand(p):
@@ -58,17 +81,22 @@ def hand(p):
         root = place(0.012, 0.55 * ((knuckle - _WRIST) @ _THUMB), 0)
         palm = union(palm, limb(p, root, knuckle + 0.001 * _PALM, 0.0152, r), 0.017)
     d = union(d, palm, 0.020)
+    for name in FINGERS:  # knuckles, and the tendons that run to them
+        knuckle = joint(f"LeftHand{name}1")
+        d = union(d, sphere(p, knuckle - 0.0045 * _PALM, 0.78 * RADII[name][0] + 0.0012), 0.006)
+        root = place(0.020, 0.5 * ((knuckle - _WRIST) @ _THUMB), -0.0135)
+        d = union(d, limb(p, root, knuckle - 0.0105 * _PALM, 0.0022, 0.0024), 0.0045)
     d = union(d, ellipsoid(p, place(0.036, 0.022, 0.012), (0.023, 0.021, 0.016)), 0.016)  # thenar
     d = union(d, limb(p, place(0.018, -0.022, 0.007), place(0.055, -0.027, 0.006), 0.0135, 0.0115), 0.015)
     d = union(d, limb(p, place(0.030, 0.030, 0.004), place(0.080, 0.030, 0.001), 0.011, 0.008), 0.014)  # web
-    d = within(p, d, place(0, 0, 0) - 0.11, place(0.11, 0, 0) + 0.13, _with_digits)
-    return d
+    lo, hi = bounds()
+    return within(p, d, lo, hi, _with_digits)
 
 
 def _with_digits(p, d):
     for name in FINGERS:
-        d = union(d, _digit(p, name, 0.0035), 0.0055)
-    return union(d, _digit(p, "Thumb", 0.005), 0.013)
+        d = union(d, _digit(p, name), 0.0050)
+    return union(d, _digit(p, "Thumb"), 0.013)
 
 
 def below_elbow(p):
@@ -80,6 +108,12 @@ def bounds():
     """Opposite corners of a box that holds what below_elbow leaves."""
     points = [place(a, b, 0) for a in (-0.15, 0) for b in (-0.02, 0.02)] + [tip(f"LeftHand{d}3") for d in DIGITS]
     return np.min(points, axis=0) - 0.045, np.max(points, axis=0) + 0.045
+
+
+def build():
+    """The left hand with its nails."""
+    skin = sculpt("HandL", "Skin", below_elbow, *bounds(), 0.0018, 4700, 0.008)
+    return merge("HandL", "Skin", [skin] + [nail(name) for name in DIGITS])
 
 
 def weights(points, blur):
@@ -147,7 +181,4 @@ def paint(part, side):
             part.tint(0.35 * bump(q, joint(f"LeftHand{name}{k}") - 0.006 * _PALM, 0.009), (0.90, 0.68, 0.60))
     for name in DIGITS:
         part.tint(0.50 * bump(q, tip(f"LeftHand{name}3") + 0.003 * _PALM, 0.011), (0.96, 0.70, 0.64))
-        last = f"LeftHand{name}3"
-        nail = _nail(q, name) < 0.0004
-        part.tint(0.55 * nail, (1.0, 0.86, 0.84))
     part.tint(0.30 * bump(q, place(0.05, 0, 0.02), (0.035, 0.035, 0.02)), (0.98, 0.80, 0.74))

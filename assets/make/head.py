@@ -16,8 +16,8 @@ def opening(q):
     x = q[:, 0] - EYE[0]
     y = q[:, 1] - EYE[1] - 0.05 * x  # the outer corner is a little higher
     u = np.clip(x / _SLIT, -1, 1)
-    upper = 0.0056 * (1 - u * u) ** 0.62
-    lower = 0.0046 * (1 - u * u) ** 0.80
+    upper = 0.0046 * (1 - u * u) ** 0.60
+    lower = 0.0047 * (1 - u * u) ** 0.75
     d = np.where(y > 0, y - upper, -lower - y)
     return np.where(np.abs(x) > _SLIT, np.maximum(d, np.abs(x) - _SLIT), d)
 
@@ -25,11 +25,11 @@ def opening(q):
 def skull(p, q):
     d = ellipsoid(p, (0, 1.688, -0.014), (0.0745, 0.090, 0.097))
     d = union(d, ellipsoid(p, (0, 1.694, 0.030), (0.058, 0.052, 0.056)), 0.04)  # forehead
-    d = union(d, ellipsoid(p, (0, 1.622, 0.026), (0.056, 0.070, 0.060)), 0.05)  # face
-    d = union(d, limb(q, (0.053, 1.602, -0.004), (0.049, 1.580, 0.008), 0.015, 0.014), 0.03)  # angle of the jaw
-    d = union(d, limb(q, (0.050, 1.580, 0.008), (0.017, 1.556, 0.066), 0.014, 0.015), 0.03)  # jaw line
-    d = union(d, ellipsoid(p, (0, 1.557, 0.075), (0.020, 0.0145, 0.015)), 0.022)  # chin
-    d = union(d, limb(q, (0.060, 1.640, 0.020), (0.047, 1.632, 0.058), 0.010, 0.0135), 0.028)  # cheek bone
+    d = union(d, ellipsoid(p, (0, 1.622, 0.026), (0.0545, 0.070, 0.0615)), 0.05)  # face
+    d = union(d, limb(q, (0.0455, 1.608, -0.006), (0.0405, 1.583, 0.006), 0.0150, 0.0135), 0.03)  # angle of the jaw
+    d = union(d, limb(q, (0.0405, 1.583, 0.006), (0.0165, 1.5565, 0.066), 0.0135, 0.0150), 0.032)  # jaw line
+    d = union(d, ellipsoid(p, (0, 1.557, 0.075), (0.0200, 0.0150, 0.0165)), 0.022)  # chin
+    d = union(d, limb(q, (0.0600, 1.642, 0.018), (0.0460, 1.634, 0.0585), 0.010, 0.0130), 0.030)  # cheek bone
     return d
 
 
@@ -40,25 +40,25 @@ def _brow_and_socket(q, d):
 
 
 def _nose(p, q, d):
-    bridge = tube(p, [(0, 1.668, 0.0830), (0, 1.648, 0.0925), (0, 1.628, 0.1030), (0, 1.6205, 0.1065)], [0.0068, 0.0066, 0.0078, 0.0085])
+    bridge = tube(p, [(0, 1.668, 0.0830), (0, 1.648, 0.0925), (0, 1.628, 0.1030), (0, 1.6205, 0.1080)], [0.0066, 0.0064, 0.0074, 0.0083])
     d = union(d, bridge, 0.015)
-    d = union(d, ellipsoid(p, (0, 1.6180, 0.1065), (0.0098, 0.0082, 0.0092)), 0.008)  # tip
+    d = union(d, ellipsoid(p, (0, 1.6180, 0.1085), (0.0096, 0.0082, 0.0092)), 0.008)  # tip
     d = union(d, ellipsoid(q, (0.0125, 1.6165, 0.0955), (0.0070, 0.0070, 0.0095)), 0.008)  # wings
     d = union(d, limb(p, (0, 1.6105, 0.0945), (0, 1.6115, 0.1040), 0.0042, 0.0040), 0.005)  # septum
     return subtract(d, ellipsoid(q, (0.0072, 1.6095, 0.0985), (0.0036, 0.0042, 0.0058)), 0.004)  # nostrils
 
 
 def _mouth(p, q, d):
-    d = union(d, ellipsoid(p, (0, 1.590, 0.0725), (0.030, 0.024, 0.021)), 0.022)  # teeth behind the lips
-    upper = tube(q, [(0.0, 1.5945, 0.0925), (0.0045, 1.5962, 0.0925), (0.014, 1.5930, 0.0880), (0.0245, 1.5895, 0.0790)], [0.0040, 0.0042, 0.0038, 0.0022])
-    lower = tube(q, [(0.0, 1.5845, 0.0910), (0.010, 1.5850, 0.0890), (0.0225, 1.5888, 0.0800)], [0.0054, 0.0050, 0.0024])
-    d = union(d, upper, 0.0050)
-    d = union(d, lower, 0.0055)
-    line = tube(q, [(0.0, 1.5900, 0.0985), (0.010, 1.5905, 0.0955), (0.0265, 1.5895, 0.0815)], [0.0015, 0.0014, 0.0012])
-    d = subtract(d, line, 0.0030)
-    d = subtract(d, ellipsoid(p, (0, 1.6045, 0.1015), (0.0036, 0.0065, 0.0050)), 0.006)  # philtrum
-    d = subtract(d, ellipsoid(p, (0, 1.5715, 0.0990), (0.016, 0.0055, 0.0100)), 0.012)  # below the lip
-    return subtract(d, ellipsoid(q, (0.0285, 1.5890, 0.0850), (0.0026, 0.0034, 0.0050)), 0.006)  # corners
+    d = union(d, ellipsoid(p, (0, 1.5895, 0.0725), (0.0300, 0.0240, 0.0215)), 0.022)  # teeth behind the lips
+    upper = [(0.0, 1.5950, 0.0930), (0.0048, 1.5964, 0.0932), (0.0140, 1.5932, 0.0885), (0.0245, 1.5900, 0.0790)]
+    lower = [(0.0, 1.5838, 0.0918), (0.0095, 1.5843, 0.0900), (0.0220, 1.5887, 0.0805)]
+    d = union(d, tube(q, upper, [0.0042, 0.0044, 0.0038, 0.0022]), 0.0050)
+    d = union(d, tube(q, lower, [0.0060, 0.0055, 0.0026]), 0.0055)
+    line = [(0.0, 1.5896, 0.0990), (0.0050, 1.5904, 0.0985), (0.0140, 1.5902, 0.0945), (0.0255, 1.5893, 0.0830)]
+    d = subtract(d, tube(q, line, [0.0016, 0.0015, 0.0014, 0.0012]), 0.0032)
+    d = subtract(d, ellipsoid(p, (0, 1.6045, 0.1020), (0.0036, 0.0065, 0.0050)), 0.006)  # philtrum
+    d = subtract(d, ellipsoid(p, (0, 1.5712, 0.1022), (0.017, 0.0056, 0.0105)), 0.018)  # below the lip
+    return subtract(d, ellipsoid(q, (0.0300, 1.5890, 0.0875), (0.0034, 0.0036, 0.0045)), 0.010)  # corners
 
 
 def _lids(q, d):
@@ -67,9 +67,9 @@ def _lids(q, d):
     slit = opening(q)
     shell = subtract(ball - _LID, slit, 0.0016)
     d = union(d, shell, 0.0070)
-    fold = np.abs(ball - _LID - 0.0012) + np.abs(slit - 0.0042) - 0.0009
+    fold = np.hypot(ball - _LID - 0.0014, slit - 0.0046) - 0.0013
     fold = np.where(q[:, 1] > EYE[1] + 0.001, fold, 1.0)
-    d = subtract(d, fold, 0.0020)
+    d = subtract(d, fold, 0.0030)
     hollow = intersect(ball + 0.0006, slit - 0.0002, 0.001)
     return subtract(d, hollow, 0.0012)
 
@@ -86,10 +86,10 @@ def _ear(q, d):
     return union(d, helix, 0.008)
 
 
-def head(p):
+def head(p, throat=neck):
+    """The head on its neck; `throat`: field of the neck and what hangs on it."""
     q = mirrored(p)
-    d = skull(p, q)
-    d = union(d, neck(p), 0.025)
+    d = union(skull(p, q), throat(p), 0.025)
     d = within(q, d, (0, 1.62, 0.03), (0.075, 1.71, 0.13), _brow_and_socket)
     d = within(p, d, (-0.03, 1.59, 0.06), (0.03, 1.69, 0.13), lambda p, d: _nose(p, mirrored(p), d))
     d = within(p, d, (-0.06, 1.54, 0.03), (0.06, 1.63, 0.13), lambda p, d: _mouth(p, mirrored(p), d))
@@ -120,7 +120,7 @@ def paint(part):
     part.tint(0.45 * spot((0.046, 1.622, 0.068), (0.022, 0.020, 0.03)), (0.97, 0.78, 0.72))  # cheeks
     part.tint(0.50 * spot((0, 1.617, 0.110), (0.013, 0.012, 0.013)), (0.97, 0.78, 0.72))
     part.tint(0.55 * spot((0.084, 1.640, -0.012), (0.014, 0.034, 0.03)), (0.97, 0.74, 0.66))
-    part.tint(0.40 * spot((0.032, 1.654, 0.080), (0.022, 0.011, 0.02)), (0.80, 0.64, 0.58))  # round the eyes
+    part.tint(0.20 * spot((0.032, 1.654, 0.080), (0.022, 0.011, 0.02)), (0.80, 0.64, 0.58))  # round the eyes
     part.tint(0.60 * spot((0.0072, 1.6095, 0.0985), (0.0042, 0.0035, 0.006)), (0.35, 0.22, 0.18))  # nostrils
     beard = np.maximum(spot((0.0, 1.562, 0.07), (0.05, 0.020, 0.05)), spot((0.0, 1.604, 0.095), (0.022, 0.006, 0.02)))
     part.tint(0.16 * beard * (1 - np.clip(lip * 2, 0, 1)), (0.66, 0.70, 0.72))

@@ -1,4 +1,4 @@
-"""Surfaces of revolution about y, boxes with bevelled edges, and tubes: the hard-edged shapes."""
+"""The hard-edged shapes: surfaces of revolution about y, and boxes with bevelled edges."""
 import numpy as np
 
 from mesh import Part
@@ -84,22 +84,3 @@ def box(centre, size, bevel=0.003):
     for s in signs if bevel else ():
         face([corner(axis, s) for axis in range(3)])
     return np.array(points) + centre, np.array(normals), np.array(triangles)
-
-
-def tube(path, radius, sides=10, closed=True):
-    """A round wire along a plane path (n, 3) whose plane's normal is z."""
-    path = np.asarray(path, float)
-    tangent = np.roll(path, -1, 0) - np.roll(path, 1, 0) if closed else np.gradient(path, axis=0)
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    out = np.cross(tangent, [0, 0, 1.0])
-    angle = np.arange(sides) * 2 * np.pi / sides
-    normals = out[:, None] * np.cos(angle)[None, :, None] + np.array([0, 0, 1.0]) * np.sin(angle)[None, :, None]
-    points = path[:, None] + radius * normals
-    triangles = []
-    n = len(path)
-    for i in range(n if closed else n - 1):
-        for k in range(sides):
-            a, b = i * sides + k, i * sides + (k + 1) % sides
-            c, d = (i + 1) % n * sides + k, (i + 1) % n * sides + (k + 1) % sides
-            triangles += [(a, d, b), (a, c, d)]
-    return points.reshape(-1, 3), normals.reshape(-1, 3), np.array(triangles)

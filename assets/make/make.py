@@ -16,7 +16,6 @@ MODELS = {
     "martial_artist": lambda: (martial_artist.build(), skeleton.REST),
     "stick": lambda: (stick.oak(), None),
     "stick_lacquer": lambda: (stick.lacquer(), None),
-    "chain_link": lambda: (stick.link(), None),
     "dojo": lambda: (dojo.build(), None),
 }
 

@@ -10,10 +10,10 @@ import head
 import jacket
 import occlusion
 import trousers
-from mesh import keep, mirror, sculpt, smoothing
+from mesh import mirror, sculpt, smoothing
 from nets import evaluate
-from sdf import intersect, limb, mirrored, union
-from skeleton import REST, joint, unit, vec
+from sdf import intersect, limb, mirrored, ramp
+from skeleton import REST, joint
 from weights import BodyHeat, rigid, sides, strongest
 
 _TRUNK = ["Hips", "Spine", "Spine1", "Chest", "Neck"]
@@ -41,19 +41,34 @@ def _clothed(p):
 
 def _parts():
     """All parts but the eyes, unweighted."""
-    face = sculpt("Head", "Skin", body.with_bust(head.head), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0016, 11500, 0.016, head.detail)
-    locks = sculpt("Hair", "Hair", hair.hair, (-0.11, 1.57, -0.14), (0.11, 1.84, 0.11), 0.0026, 3600, 0.02)
-    cloth_band = sculpt("Headband", "Band", hair.band, (-0.105, 1.52, -0.18), (0.105, 1.76, 0.125), 0.0026, 2000, 0.02)
-    hand = sculpt("HandL", "Skin", hands.below_elbow, *hands.bounds(), 0.0017, 5200, 0.008)
-    foot = sculpt("FootL", "Skin", body.below_shin, (0.03, -0.01, -0.13), (0.24, 0.33, 0.24), 0.0026, 2200, 0.02)
-    coat = sculpt("Jacket", "Gi", jacket.jacket, (-0.72, 0.70, -0.25), (0.72, 1.54, 0.24), 0.0050, 10500, 0.035)
-    legs = sculpt("Trousers", "GiDark", trousers.trousers, (-0.27, 0.08, -0.19), (0.27, 1.0, 0.20), 0.0060, 4000, 0.04)
-    sash = sculpt("Belt", "Belt", belt.belt, (-0.22, 0.70, -0.18), (0.22, 1.08, 0.21), 0.0028, 2400, 0.03)
 
-    face = keep(face, (evaluate(hair.hair, face.points) > -0.002) & (evaluate(hair.band, face.points) > -0.002) & (evaluate(jacket.smooth, face.points) > -0.035))
-    locks = keep(locks, (evaluate(hair.band, locks.points) > -0.003) & (evaluate(head.head, locks.points) > -0.004))
-    legs = keep(legs, (evaluate(jacket.smooth, legs.points) > -0.02) | (legs.points[:, 1] < 0.86))
-    return [face, locks, cloth_band, hand, mirror(hand, "HandR"), foot, mirror(foot, "FootR"), coat, legs, sash]
+    def outside(*covers):
+        """Shown: less than so deep inside each (field, depth)."""
+        return lambda p: np.all([evaluate(cover, p) > -depth for cover, depth in covers], axis=0)
+
+    hand = hands.build()
+    foot = sculpt("FootL", "Skin", body.below_shin, (0.03, -0.01, -0.13), (0.24, 0.33, 0.24), 0.0026, 1700, 0.02)
+    return [
+        sculpt(
+            "Head", "Skin", lambda p: head.head(p, body.bust), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0018, 10600, 0.016,
+            head.detail, outside((hair.hair, 0.002), (hair.band, 0.002), (jacket.smooth, 0.035)),
+        ),
+        sculpt(
+            "Hair", "Hair", hair.hair, (-0.11, 1.57, -0.14), (0.11, 1.84, 0.11), 0.0026, 3300, 0.02,
+            None, outside((hair.band, 0.003), (head.head, 0.004)),
+        ),
+        sculpt("Headband", "Band", hair.band, (-0.105, 1.52, -0.18), (0.105, 1.76, 0.125), 0.0026, 1700, 0.02),
+        hand,
+        mirror(hand, "HandR"),
+        foot,
+        mirror(foot, "FootR"),
+        sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0048, 10600, 0.035),
+        sculpt(
+            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0060, 4300, 0.04,
+            None, lambda p: (evaluate(jacket.smooth, p) > -0.02) | (p[:, 1] < 0.86),
+        ),
+        sculpt("Belt", "Belt", belt.belt, (-0.22, 0.70, -0.18), (0.22, 1.08, 0.21), 0.0028, 2400, 0.03),
+    ]
 
 
 def _weigh(part, heat):
@@ -65,6 +80,10 @@ def _weigh(part, heat):
             dense = dense[:, [REST.index(_other_side(b)) for b in REST.names]]
     elif part.name in _BONES:
         dense = heat.at(part.points, _BONES[part.name])
+        if part.name == "Belt":
+            dense = _hang_tails(part, dense, heat)
+        if part.name == "Trousers":
+            dense = _part_legs(part, dense)
         if part.name == "Head":  # the face stays rigid: only the throat bends
             dense = _stiffen_face(part, dense)
     else:
@@ -77,6 +96,23 @@ def _stiffen_face(part, dense):
     t = np.clip((p[:, 1] + 0.35 * (p[:, 2] - 0.0) - 1.535) / 0.045, 0, 1)
     t = (t * t * (3 - 2 * t))[:, None]
     return dense * (1 - t) + rigid(len(p), "Head") * t
+
+
+def _hang_tails(part, dense, heat):
+    """The belt's tails lie on both thighs: a leg that steps aside takes them along only partly."""
+    other = heat.at(part.points * np.array([-1.0, 1, 1]), _BONES["Belt"])
+    share = 0.38 * ramp(1.010, 0.975, part.points[:, 1])[:, None]
+    return (1 - share) * dense + share * other
+
+
+def _part_legs(part, dense):
+    """Below the skirt a trouser leg follows its own leg alone."""
+    p, dense = part.points, dense.copy()
+    for sign, side in ((1, "Left"), (-1, "Right")):
+        other = np.where(sign * p[:, 0] < 0, ramp(0.70, 0.85, p[:, 1]), 1.0)
+        columns = [k for k, b in enumerate(REST.names) if b.startswith(side)]
+        dense[:, columns] *= other[:, None]
+    return dense / dense.sum(axis=1, keepdims=True)
 
 
 def _other_side(bone):

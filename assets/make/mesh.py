@@ -1,5 +1,5 @@
 """A part of a model, and what is done to meshes after they are made."""
-from dataclasses import dataclass, field as member
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
@@ -20,7 +20,6 @@ class Part:
     colors: np.ndarray = None
     joints: np.ndarray = None
     weights: np.ndarray = None
-    extra: dict = member(default_factory=dict)
 
     def __post_init__(self):
         if self.colors is None:
@@ -31,12 +30,46 @@ class Part:
         self.colors *= 1 - np.clip(amount, 0, 1)[:, None] * (1 - np.asarray(color, float))
 
 
-def sculpt(name, material, shape, lo, hi, h, budget, longest=0.03, detail=None, rounds=2):
-    """Mesh a field at resolution h, then thin it to `budget` vertices."""
-    points, triangles = nets.surface(shape, lo, hi, h, rounds)
+def sculpt(name, material, shape, lo, hi, h, budget, longest=0.03, detail=None, shown=None):
+    """Mesh a field at resolution h, then thin it to `budget` vertices.
+
+    shown: points (n, 3) -> bool (n,), what can be seen at all; the rest is cut away.
+    """
+    points, triangles = nets.surface(shape, lo, hi, h, rounds=2)
+    if shown is not None:
+        points, triangles = _cut(points, triangles, shown(points))
     points, triangles = decimate(points, triangles, budget, longest, detail)
     points = nets.project(shape, points, h, 2)
-    return Part(name, material, points, nets.normals(shape, points, 0.35 * h), triangles)
+    points, triangles = _without_slivers(points, triangles)
+    return Part(name, material, points, _normals(shape, points, triangles, 0.35 * h), triangles)
+
+
+def _normals(shape, points, triangles, e):
+    """The field's gradient; where a feature is thinner than e and it misleads, the mesh's own."""
+    corner = points[triangles]
+    cross = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    own = np.zeros_like(points)
+    for axis in range(3):
+        own[:, axis] = sum(np.bincount(triangles[:, k], cross[:, axis], len(points)) for k in range(3))
+    size = np.linalg.norm(own, axis=1, keepdims=True)
+    own /= np.maximum(size, 1e-30)
+    smooth = nets.normals(shape, points, e)
+    misled = (np.sum(own * smooth, axis=1, keepdims=True) < 0.4) & (size > 1e-10)
+    return np.where(misled, own, smooth)
+
+
+def _without_slivers(points, triangles):
+    corner = points[triangles]
+    area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    used, t = np.unique(triangles[area > 1e-10], return_inverse=True)
+    return points[used], t.reshape(-1, 3)
+
+
+def _cut(points, triangles, visible):
+    """Without the triangles none of whose vertices is visible."""
+    t = triangles[visible[triangles].any(axis=1)]
+    used, t = np.unique(t, return_inverse=True)
+    return points[used], t.reshape(-1, 3)
 
 
 def mirror(part, name):
@@ -54,13 +87,6 @@ def merge(name, material, parts):
         np.concatenate([p.triangles + o for p, o in zip(parts, offsets)]),
         np.concatenate([p.colors for p in parts]),
     )
-
-
-def keep(part, visible):
-    """Drop the triangles none of whose vertices is visible, and the vertices that nothing uses."""
-    t = part.triangles[visible[part.triangles].any(axis=1)]
-    used, t = np.unique(t, return_inverse=True)
-    return Part(part.name, part.material, part.points[used], part.normals[used], t.reshape(-1, 3), part.colors[used])
 
 
 def smoothing(triangles, n):

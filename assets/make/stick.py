@@ -1,19 +1,17 @@
-"""A nunchaku's stick, and a link of its chain.
+"""A nunchaku's stick.
 
-The stick lies along y, centred: butt at y = -0.15, and at y = +0.15 the end of the swivel's eye, where
-the chain is attached. 28 mm thick at the butt, 24 mm at the cord end.
+It lies along y, centred: butt at y = -0.15, and at y = +0.15, just over the ferrule, the point where the
+chain is attached; the swivel there belongs to the chain, which turns in it. 28 mm thick at the butt, 24 mm
+at the chain's end.
 """
 import numpy as np
 
-from lathe import arc, revolve, tube
-from mesh import Part, merge
+from lathe import arc, revolve
 
 HALF = 0.150
 BUTT, NECK = 0.0140, 0.0120  # radii
-_CAP_TOP = HALF - 0.0115
-_WOOD_TOP = HALF - 0.0300
-_EYE = 0.0042  # outer radius of the swivel's eye
-_WIRE = 0.0012
+_CAP_TOP = HALF - 0.0024  # under the swivel's collar
+_WOOD_TOP = _CAP_TOP - 0.0200
 
 
 def _radius(y):
@@ -42,14 +40,9 @@ def _metal():
     r = _radius(_WOOD_TOP) + 0.0005
     ferrule = [(r - 0.0008, _WOOD_TOP - 0.0010), (r, _WOOD_TOP), (r, _WOOD_TOP + 0.0028), (r - 0.0006, _WOOD_TOP + 0.0034)]
     ferrule += [(r - 0.0006, _WOOD_TOP + 0.0042), (r, _WOOD_TOP + 0.0048)]
-    ferrule += arc((r - 0.0026, _CAP_TOP - 0.0026), 0.0026, 0, np.pi / 2, 6) + [(0.0062, _CAP_TOP)]
-    ferrule += [(0.0062, _CAP_TOP + 0.0006), (0.0050, _CAP_TOP + 0.0014), (0.0040, _CAP_TOP + 0.0032), (0.0018, _CAP_TOP + 0.0040), (0.0, _CAP_TOP + 0.0041)]
-    cap = revolve("Cap", "Brass", ferrule, 32)
-    centre = HALF - _EYE
-    t = np.arange(24) * 2 * np.pi / 24
-    ring = np.stack([(_EYE - _WIRE) * np.cos(t), centre + (_EYE - _WIRE) * np.sin(t), 0 * t], axis=1)
-    eye = Part("Eye", "Brass", *tube(ring, _WIRE, 10))
-    return merge("Metal", "Brass", [cap, eye])
+    ferrule += arc((r - 0.0030, _CAP_TOP - 0.0042), 0.0030, 0, np.pi / 2, 6)
+    ferrule += [(0.0072, _CAP_TOP - 0.0012), (0.0066, _CAP_TOP - 0.0002), (0.0060, _CAP_TOP), (0.0, _CAP_TOP)]
+    return revolve("Ferrule", "Brass", ferrule, 40)
 
 
 def _shade(part):
@@ -76,14 +69,3 @@ def lacquer():
     for part in parts:
         _shade(part)
     return parts
-
-
-LINK_LENGTH, LINK_WIDTH, LINK_WIRE = 0.015, 0.0085, 0.0013
-
-
-def link():
-    """A chain link along y, 15 x 8.5 mm of 2.6 mm wire, in the xy plane, centred."""
-    bend, straight = LINK_WIDTH / 2 - LINK_WIRE, LINK_LENGTH / 2 - LINK_WIDTH / 2
-    t = (np.arange(24) + 0.5) * 2 * np.pi / 24
-    path = np.stack([bend * np.cos(t), bend * np.sin(t) + np.where(np.sin(t) > 0, straight, -straight), 0 * t], axis=1)
-    return [Part("Link", "Steel", *tube(path, LINK_WIRE, 9))]
