@@ -270,7 +270,7 @@ TEST(Direct, ABarOnTwoCordsKeepsItsEnergyAndItsHolds) {
   Simulation simulation(world, make_method("direct", tolerance(1e-6)));
   simulation.advance_to(1);
   const World& now = simulation.world();
-  EXPECT_NEAR(energy(now), before, 1e-5 * std::abs(before));
+  EXPECT_NEAR(energy(now), before, 1e-7 * std::abs(before));
   EXPECT_LT(stretch_max(now), 1e-12);
   for (const Connector& cord : now.connectors) {
     const Vec3 held = now.bodies[0].point(cord.holds[1].to.point);

@@ -21,9 +21,12 @@ constexpr int kShortestProbeInterval = 4, kLongestProbeInterval = 64;  // steps
 /// A fixed step whose error estimate exceeds this share of the net's length is done again.
 constexpr double kCoarsest = 0.01;
 
-double scaled_step(double h, double error, double order) {
+/// The step whose error would be the one allowed, after one of h that had `error` times that where
+/// `wish` was thought possible: h may be far shorter than that, to end with the frame.
+double scaled_step(double h, double wish, double error, double order) {
   if (!std::isfinite(error)) return h * kMostShrink;
-  return h * std::clamp(kSafety * std::pow(error, -1 / order), kMostShrink, kMostGrowth);
+  const double scaled = h * std::max(kMostShrink, kSafety * std::pow(error, -1 / order));
+  return std::min(scaled, std::max(kMostGrowth * h, wish));
 }
 
 }  // namespace
@@ -123,15 +126,14 @@ void Course::advance_by_tolerance(World& world, double until, double allowed, Co
       counters.rejected += 1;
     }
     adapt(h, wish, error, counters);
+    if (!good && use_cheap_) fresh_ = false;  // it needs the tensions of the present state
   }
 }
 
 /// Chooses the next step and its integrator from how a step of h went where `wish` was possible.
 void Course::adapt(double h, double wish, double error, Counters& counters) {
   const double order = use_cheap_ ? RosenbrockStep::kErrorOrder : Dop853Step::kErrorOrder;
-  double next = scaled_step(h, error, order);
-  // A step cut short by the end of the frame says little of longer ones.
-  if (error <= 1 && h < wish) next = std::max(next, std::min(wish, kMostGrowth * h));
+  const double next = scaled_step(h, wish, error, order);
   if (!use_cheap_) {
     careful_step_ = next;
     if (careful_step_ > limit_ && --steps_to_probe_ <= 0) {

@@ -114,11 +114,8 @@ void Net::move_bodies(const double* q, double* out) {
   }
 }
 
-void Net::acceleration(double time, const double* q, const double* rate, double* out) {
-  read_bodies(q, rate);
-  read_holds(time);
-  links_->assemble(q, rate);
-  add_ends(q);
+/// Solves the system and writes the accelerations that the tensions and the ends' leads cause.
+void Net::respond(const double* q, double* out) {
   links_->solve();
   if (!coupled_.empty()) add_couplings(q);
   links_->pull(q, out);
@@ -126,6 +123,14 @@ void Net::acceleration(double time, const double* q, const double* rate, double*
   for (const End& end : ends_) {
     add(out, end.link, -end.pull * links_->inverse_rest(end.link) * end.lead);
   }
+}
+
+void Net::acceleration(double time, const double* q, const double* rate, double* out) {
+  read_bodies(q, rate);
+  read_holds(time);
+  links_->assemble(q, rate);
+  add_ends(q);
+  respond(q, out);
 }
 
 bool Net::lift(const double* base, double* x, double* rate) const {

@@ -121,6 +121,7 @@ class Net : public Motion {
   void add_ends(const double* q);
   void add_couplings(const double* q);
   void move_bodies(const double* q, double* out);
+  void respond(const double* q, double* out);
 
   // The state (net_state.cpp).
   void place(double time, const double* q, const double* rate);
@@ -128,6 +129,9 @@ class Net : public Motion {
   void place_bars(const double* q, const double* rate);
   Point centre(double time) const;
   void float_to(double time);
+  void unit(double* q, double* rate) const;
+  double measure_gaps(double time, const double* q, const double* rate);
+  void spread(const double* q, Vec3 Point::*gap, double* array);
   void close(double time, double* q, double* rate);
   Rotary rotary(double time) const;
   void restore_momentum(double time, double* q, double* rate);
@@ -171,6 +175,9 @@ class Net : public Motion {
   // Per point of every span (one more than its links), and per body: mass, place.
   std::vector<double> point_mass_;
   std::vector<Point> points_, centres_, bar_centres_;
+  bool loops_ = false;         // some span closes one
+  std::vector<Point> gaps_;    // per span, where it closes a loop
+  std::vector<double> still_;  // workspace of spread()
   // Workspaces of add_couplings().
   std::vector<double> response_;
   Eigen::MatrixXd dense_, gain_;

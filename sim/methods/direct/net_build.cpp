@@ -260,6 +260,9 @@ void Net::measure_links(const World& world) {
   points_.resize(point_mass_.size());
   centres_.resize(bodies_.size());
   bar_centres_.resize(bars_.size());
+  loops_ = std::ranges::any_of(spans_, &Span::closes);
+  gaps_.resize(spans_.size());
+  still_.resize(size());
 }
 
 void Net::couple() {

@@ -202,55 +202,83 @@ void Net::store(World& world, double time, const double* q, const double* rate) 
 }
 
 void Net::project(double time, double* q, double* rate) {
+  unit(q, rate);
+  if (loops_) close(time, q, rate);
+  if (floats_) restore_momentum(time, q, rate);
+}
+
+void Net::unit(double* q, double* rate) const {
   links_->normalise(q, rate);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Eigen::Map<Eigen::Vector4d> p(q + quaternion(b)), r(rate + quaternion(b));
     p.normalize();
     r -= p.dot(r) * p;
   }
-  close(time, q, rate);
-  if (floats_) restore_momentum(time, q, rate);
 }
 
-/// Turns the links of every span that closes a loop by the least that brings its last point to its
-/// place: u_i += l_i P_i c with P_i = 1 - u_i u_i', one 3x3 system for c; the same for the rates.
-void Net::close(double time, double* q, double* rate) {
-  constexpr int kRounds = 3;  // each leaves the square of the gap
-  bool any = false;
-  for (const Span& span : spans_) any |= span.closes;
-  for (int round = 0; any && round < kRounds; ++round) {
-    place(time, q, rate);
-    std::size_t p = 0;
-    for (const Span& span : spans_) {
-      p += span.links + 1;
-      if (!span.closes) continue;
-      const End& end = ends_[span.last];
-      Point goal;
-      if (end.body == kNone) {
-        const PointMotion motion = hold_motion(*world_, end.to, time);
-        goal = {motion.position, motion.velocity};
-      } else {
-        goal = {centres_[end.body].position + end.arm,
-                centres_[end.body].velocity + bodies_[end.body].spin.cross(end.arm)};
-      }
-      Mat3 system = Mat3::Zero();
-      for (std::size_t i = span.offset; i < span.offset + span.links; ++i) {
-        const Vec3 u = at(q, i);
-        system += links_->rest(i) * links_->rest(i) * (Mat3::Identity() - u * u.transpose());
-      }
-      system += 1e-14 * system.trace() * Mat3::Identity();  // a straight span cannot give way along
-      const Eigen::PartialPivLU<Mat3> solver(system);
-      const Vec3 shift = solver.solve(goal.position - points_[p - 1].position);
-      const Vec3 push = solver.solve(goal.velocity - points_[p - 1].velocity);
-      for (std::size_t i = span.offset; i < span.offset + span.links; ++i) {
-        const Vec3 u = at(q, i), v = at(rate, i);
-        const Vec3 unit = (u + links_->rest(i) * (shift - u.dot(shift) * u)).normalized();
-        const Vec3 turn = v + links_->rest(i) * push;
-        add(q, i, unit - u);
-        add(rate, i, turn - unit.dot(turn) * unit - v);
-      }
+/// How far the last points of the spans that close loops are from their places, in gaps_; returns
+/// the largest gap of place (m).
+double Net::measure_gaps(double time, const double* q, const double* rate) {
+  place(time, q, rate);
+  double largest = 0;
+  std::size_t p = 0;
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    const Span& span = spans_[s];
+    p += span.links + 1;
+    if (!span.closes) continue;
+    const End& end = ends_[span.last];
+    Point goal;
+    if (end.body == kNone) {
+      const PointMotion motion = hold_motion(*world_, end.to, time);
+      goal = {motion.position, motion.velocity};
+    } else {
+      goal = {centres_[end.body].position + end.arm,
+              centres_[end.body].velocity + bodies_[end.body].spin.cross(end.arm)};
+    }
+    gaps_[s] = {goal.position - points_[p - 1].position, goal.velocity - points_[p - 1].velocity};
+    largest = std::max(largest, gaps_[s].position.norm());
+  }
+  return largest;
+}
+
+/// Shares a gap among the links of its span, and finds what the masses do to restore the lengths:
+/// impulses along the links, by the system of the tensions. Adds both to `array` (q or its rate).
+void Net::spread(const double* q, Vec3 Point::*gap, double* array) {
+  std::fill(still_.begin(), still_.end(), 0.0);
+  read_bodies(q, still_.data());
+  for (End& end : ends_) end.lead = Vec3::Zero();
+  links_->assemble(q, still_.data());
+  add_ends(q);
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    if (!spans_[s].closes) continue;
+    const Vec3 share = gaps_[s].*gap / static_cast<double>(spans_[s].links);
+    for (std::size_t i = spans_[s].offset; i < spans_[s].offset + spans_[s].links; ++i) {
+      links_->add_right(i, at(q, i).dot(share));
     }
   }
+  respond(q, still_.data());
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    if (!spans_[s].closes) continue;
+    const Vec3 share = gaps_[s].*gap / static_cast<double>(spans_[s].links);
+    for (std::size_t i = spans_[s].offset; i < spans_[s].offset + spans_[s].links; ++i) {
+      add(still_.data(), i, links_->inverse_rest(i) * share);
+    }
+  }
+  for (std::size_t k = 0; k < size(); ++k) array[k] += still_[k];
+}
+
+/// Closes the loops that an integrator's error has opened. Each round leaves the square of the gap.
+void Net::close(double time, double* q, double* rate) {
+  constexpr int kRounds = 4;
+  constexpr double kClosed = 1e-14;  // of the net's length
+  for (int round = 0; round < kRounds; ++round) {
+    if (measure_gaps(time, q, rate) <= kClosed * length_) break;
+    spread(q, &Point::position, q);
+    unit(q, rate);
+  }
+  measure_gaps(time, q, rate);
+  spread(q, &Point::velocity, rate);
+  unit(q, rate);
 }
 
 /// Angular momentum and inertia about the centre of mass; points_ and centres_ are up to date.
