@@ -34,6 +34,12 @@ MassProperties with_point_mass(const MassProperties& body, double mass, const Ve
           body.inertia + point_inertia(body.mass * mass / total, arm)};
 }
 
+void reweigh(Body& body, const MassProperties& properties) {
+  body.velocity = body.point_velocity(properties.centre);
+  body.position = body.point(properties.centre);
+  body.mass_properties = properties;
+}
+
 FrameMotion driven_frame(const Body& body, double time) {
   FrameMotion frame = body.path->at(time);
   const PointMotion origin = frame.point(-body.grip);

@@ -29,7 +29,8 @@ MassProperties with_point_mass(const MassProperties& body, double mass, const Ve
 /// its axes along the path's); free bodies move by their state.
 struct Body {
   std::string name;
-  MassProperties mass_properties;
+  MassProperties mass_properties;    // with the particles that the body carries
+  MassProperties bare;               // without them; set by finish()
   std::shared_ptr<const Path> path;  // null: a free body
   Vec3 grip = Vec3::Zero();          // m, body frame; the point that the path carries
 
@@ -56,6 +57,9 @@ struct Body {
     return r * mass_properties.inertia * r.transpose();
   }
 };
+
+/// Changes a body's mass properties; its frame and the velocities of its points stay.
+void reweigh(Body& body, const MassProperties& properties);
 
 /// The motion that a driven body's path gives its frame at `time`.
 FrameMotion driven_frame(const Body& body, double time);

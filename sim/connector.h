@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +19,26 @@ struct Attachment {
   Vec3 point = Vec3::Zero();         // m: in space, in the path's frame or in the body's frame
   std::shared_ptr<const Path> path;  // Kind::path
   std::size_t body = 0;              // Kind::body: index into World::bodies
+
+  /// While a particle is being drawn there: it is `lag` away at `since` and there, at rest beside
+  /// it, at `arrival`. Not on free bodies.
+  struct Approach {
+    Vec3 lag = Vec3::Zero();        // m, world axes
+    double since = 0, arrival = 0;  // s
+  };
+  Approach approach = {};
+};
+
+/// What a hold remembers where it is a pin, so that its release leaves no trace.
+struct PinRecord {
+  std::uint64_t number = 0;    // from 1; 0: no pin but an end of the connector
+  double fraction = 0;         // where on its link a particle was added for it; 0: none was
+  double link_rest = 0;        // m, of that link
+  double since = 0;            // s
+  std::uint64_t topology = 0;  // of the world, once pinned
+  Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();            // of the particle, before
+  Vec3 body_position = Vec3::Zero(), body_velocity = Vec3::Zero();  // of a free body, before
+  Vec3 body_spin = Vec3::Zero();
 };
 
 /// A particle that is held. A connector's ends are holds on its first and last particle; a pin is a
@@ -26,6 +47,7 @@ struct Attachment {
 struct Hold {
   std::size_t particle = 0;
   Attachment to;
+  PinRecord pin = {};
 };
 
 enum class ConnectorModel {

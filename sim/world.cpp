@@ -1,42 +1,77 @@
 #include "sim/world.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace taut {
 namespace {
 
-/// Joins a point mass to a free body without moving the body's frame or any of its points.
-void join_mass(Body& body, double mass, const Vec3& point) {
-  const MassProperties joined = with_point_mass(body.mass_properties, mass, point);
-  body.velocity = body.point_velocity(joined.centre);
-  body.position = body.point(joined.centre);
-  body.mass_properties = joined;
+/// Adds what is left of a hold's approach: a smoothstep from `lag` to nothing, of fifth order.
+PointMotion approached(const Attachment::Approach& approach, double time, PointMotion motion) {
+  if (time >= approach.arrival) return motion;
+  const double span = approach.arrival - approach.since;
+  const double u = std::max(0.0, (time - approach.since) / span);
+  motion.position += (1 - u * u * u * (10 - 15 * u + 6 * u * u)) * approach.lag;
+  motion.velocity -= 30 * u * u * (1 - u) * (1 - u) / span * approach.lag;
+  motion.acceleration -= 60 * u * (1 - u) * (1 - 2 * u) / (span * span) * approach.lag;
+  return motion;
 }
 
 }  // namespace
 
-void finish(World& world) {
+MassProperties laden(const World& world, std::size_t body) {
+  MassProperties properties = world.bodies[body].bare;
   for (const Connector& connector : world.connectors) {
     for (const Hold& hold : connector.holds) {
-      if (hold.to.kind != Attachment::Kind::body) continue;
-      Body& body = world.bodies[hold.to.body];
-      if (!body.driven()) join_mass(body, connector.particle_mass[hold.particle], hold.to.point);
+      if (hold.to.kind != Attachment::Kind::body || hold.to.body != body) continue;
+      properties =
+          with_point_mass(properties, connector.particle_mass[hold.particle], hold.to.point);
     }
   }
+  return properties;
+}
+
+void reweigh_holder(World& world, const Attachment& by) {
+  if (!is_prescribed(world, by)) reweigh(world.bodies[by.body], laden(world, by.body));
+}
+
+void finish(World& world) {
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    Body& body = world.bodies[i];
+    body.bare = body.mass_properties;
+    if (!body.driven()) reweigh(body, laden(world, i));
+  }
   place_held(world, world.time);
+  world.topology = structure(world);
+}
+
+std::uint64_t structure(const World& world) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a, by words
+  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3ULL; };
+  for (const Connector& connector : world.connectors) {
+    add(connector.particles());
+    for (const Hold& hold : connector.holds) {
+      add(hold.particle);
+      add(hold.pin.number);
+      add(static_cast<std::uint64_t>(hold.to.kind));
+      add(hold.to.kind == Attachment::Kind::body ? hold.to.body : 0);
+      add(reinterpret_cast<std::uintptr_t>(hold.to.path.get()));
+      for (const double c : hold.to.point) add(std::bit_cast<std::uint64_t>(c));
+    }
+  }
+  return hash;
 }
 
 PointMotion hold_motion(const World& world, const Attachment& to, double time) {
-  switch (to.kind) {
-    case Attachment::Kind::fixed:
-      break;
-    case Attachment::Kind::path:
-      return to.path->at(time).point(to.point);
-    case Attachment::Kind::body: {
-      const Body& body = world.bodies[to.body];
-      if (body.driven()) return driven_frame(body, time).point(to.point);
-      return {body.point(to.point), body.point_velocity(to.point), Vec3::Zero()};
-    }
+  PointMotion motion{to.point, Vec3::Zero(), Vec3::Zero()};
+  if (to.kind == Attachment::Kind::path) {
+    motion = to.path->at(time).point(to.point);
+  } else if (to.kind == Attachment::Kind::body) {
+    const Body& body = world.bodies[to.body];
+    if (!body.driven()) return {body.point(to.point), body.point_velocity(to.point), Vec3::Zero()};
+    motion = driven_frame(body, time).point(to.point);
   }
-  return {to.point, Vec3::Zero(), Vec3::Zero()};
+  return approached(to.approach, time, motion);
 }
 
 bool is_prescribed(const World& world, const Attachment& to) {
@@ -60,6 +95,7 @@ void place_held(World& world, double time) {
       if (hold.to.kind == Attachment::Kind::body) {  // driven bodies have just been placed
         const Body& body = world.bodies[hold.to.body];
         motion = {body.point(hold.to.point), body.point_velocity(hold.to.point), Vec3::Zero()};
+        if (body.driven()) motion = approached(hold.to.approach, time, motion);
       } else {
         motion = hold_motion(world, hold.to, time);
       }

@@ -16,12 +16,24 @@ struct World {
   Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
   std::vector<Body> bodies;
   std::vector<Connector> connectors;
-  std::uint64_t topology = 0;  // rises whenever a hold, link or connector comes or goes
+  std::uint64_t topology = 0;  // another one whenever a hold, link or connector comes or goes
+  std::uint64_t pins = 0;      // how many there ever were
 };
 
-/// Joins the masses of particles held by free bodies to those bodies, and sets every held particle
-/// and driven body to its place at `world.time`. Call once, after building a world.
+/// Joins the masses of particles held by free bodies to those bodies, sets every held particle and
+/// driven body to its place at `world.time`, and numbers the topology. Call once, after building a
+/// world.
 void finish(World& world);
+
+/// A number that stays the same while the same holds, links and connectors are there; as hardly any
+/// two different structures share it, World::topology is this number.
+std::uint64_t structure(const World& world);
+
+/// The mass properties of a free body with the particles that it holds.
+MassProperties laden(const World& world, std::size_t body);
+
+/// Weighs the free body again that holds something, if it is one.
+void reweigh_holder(World& world, const Attachment& by);
 
 /// The motion of a hold at `time` for fixed points, paths and driven bodies; for a free body the
 /// present state, with the acceleration left zero.

@@ -40,6 +40,7 @@ class Impulse final : public Method {
 
  private:
   void prepare(const World& world);
+  void weigh(const Connector& connector, Strand& strand) const;
   void step(World& world, double time, double dt);
   void fly(World& world, double dt);
   void settle(World& world, double time, double dt);
@@ -53,7 +54,7 @@ class Impulse final : public Method {
   int passes_;
   bool as_printed_;
   SpanImpulses impulses_;
-  std::vector<Span> spans_;
+  std::vector<Span> spans_, spans_before_;
   std::vector<Strand> strands_;
   bool prepared_ = false;
   std::uint64_t topology_ = 0;
@@ -64,32 +65,43 @@ void Impulse::prepare(const World& world) {
   prepared_ = true;
   topology_ = world.topology;
   impulses_.prepare(world);
-  spans_ = divide(world);
-  strands_.clear();
-  for (const Connector& connector : world.connectors) {
-    const std::size_t n = connector.particles();
-    Strand strand{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), connector.position};
-    for (std::size_t i = 0; i + 1 < n; ++i) {
-      strand.along[i + 1] = strand.along[i] + connector.rest[i];
-    }
-    const bool massless = connector.model == ConnectorModel::span || !(connector.mass > 0);
-    const double share = massless ? 0 : connector.mass / static_cast<double>(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double mass = connector.particle_mass[i];
-      // An end that carries more than its share of the connector has infinite mass here, as every
-      // end in the paper; so a rope's bare end stays one of its particles.
-      const bool carries = (i == 0 || i + 1 == n) && mass > share * (1 + kMore);
-      strand.weight[i] = carries ? 0 : mass > 0 && share > 0 ? share / mass : 1;
-    }
-    for (const Hold& hold : connector.holds) strand.weight[hold.particle] = 0;
-    strands_.push_back(std::move(strand));
-  }
+  std::size_t room = 0;  // spans that the connectors have room for
+  for (const Connector& connector : world.connectors) room += connector.holds.capacity() + 1;
+  std::swap(spans_, spans_before_);
+  spans_.reserve(room);
+  divide(world, spans_before_, spans_);
+  strands_.resize(world.connectors.size());
+  for (std::size_t c = 0; c < strands_.size(); ++c) weigh(world.connectors[c], strands_[c]);
   if (!as_printed_) return;
   for (const Span& span : spans_) {  // "the end points are set to have infinite mass"
     for (const SpanEnd* end : {&span.a, &span.b}) {
       if (end->kind != SpanEnd::Kind::follower) strands_[span.connector].weight[end->particle] = 0;
     }
   }
+}
+
+/// Reads the lengths and masses of a connector. Makes as much room as the connector has.
+void Impulse::weigh(const Connector& connector, Strand& strand) const {
+  const std::size_t n = connector.particles(), room = connector.position.capacity();
+  strand.along.reserve(room);
+  strand.weight.reserve(room);
+  strand.flown.reserve(room);
+  strand.along.assign(n, 0.0);
+  strand.weight.assign(n, 1.0);
+  for (std::size_t i = 0; i + 1 < n; ++i) strand.along[i + 1] = strand.along[i] + connector.rest[i];
+  const bool massless = connector.model == ConnectorModel::span || !(connector.mass > 0);
+  double share = 0;  // kg, of the heaviest particle between the ends
+  for (std::size_t i = 1; i + 1 < n && !massless; ++i) {
+    share = std::max(share, connector.particle_mass[i]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const double mass = connector.particle_mass[i];
+    // An end that carries more than its share of the connector has infinite mass here, as every
+    // end in the paper; so a rope's bare end stays one of its particles.
+    const bool carries = (i == 0 || i + 1 == n) && mass > share * (1 + kMore);
+    strand.weight[i] = carries ? 0 : mass > 0 && share > 0 ? share / mass : 1;
+  }
+  for (const Hold& hold : connector.holds) strand.weight[hold.particle] = 0;
 }
 
 void Impulse::step(World& world, double time, double dt) {

@@ -17,6 +17,7 @@ struct SpanEnd {
   };
   Kind kind = Kind::prescribed;
   std::size_t particle = 0;
+  std::uint64_t pin = 0;      // its number, where it is one
   std::size_t body = 0;       // Kind::body
   Vec3 point = Vec3::Zero();  // m, body frame
 };
@@ -32,7 +33,9 @@ struct Span {
   std::size_t links() const { return b.particle - a.particle; }
 };
 
-/// All spans of a world, connector by connector.
-std::vector<Span> divide(const World& world);
+/// Fills `spans` with all spans of a world, connector by connector. A span between the same ends as
+/// one of `before` is as taut as that; another is taut where its ends are as far apart as it is
+/// long.
+void divide(const World& world, const std::vector<Span>& before, std::vector<Span>& spans);
 
 }  // namespace taut

@@ -1,0 +1,98 @@
+// Cutting a connector in two.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/interventions.h"
+#include "sim/places.h"
+
+namespace taut {
+namespace {
+
+/// Where a link ends at the particle `end` that was added to cut it there, pins that stand on its
+/// parts stand on links of their own now. `cut` is what a pin at the cut would have recorded.
+void rebase_pins(Connector& connector, std::size_t end, const PinRecord& cut) {
+  for (std::size_t i = end; i-- > 0;) {
+    PinRecord* pin = added_for(connector, i);
+    if (pin == nullptr) break;
+    pin->fraction /= cut.fraction;
+    pin->link_rest *= cut.fraction;
+  }
+  for (std::size_t i = end + 1; i < connector.particles(); ++i) {
+    PinRecord* pin = added_for(connector, i);
+    if (pin == nullptr) break;
+    pin->fraction = (pin->fraction - cut.fraction) / (1 - cut.fraction);
+    pin->link_rest *= 1 - cut.fraction;
+  }
+}
+
+/// Gives a particle that was added without mass a part of its neighbours': as much from either as
+/// keeps their centre and their momentum, at most half of it. A neighbour that is held gives
+/// nothing while the other is free, which gives its velocity with its mass.
+void share_mass(World& world, Connector& connector, std::size_t added) {
+  const std::size_t before = added - 1, after = added + 1;
+  const bool free_before = !holds(connector, before), free_after = !holds(connector, after);
+  const double way = connector.rest[before] / (connector.rest[before] + connector.rest[added]);
+  const bool one = free_before != free_after;
+  const double part_after = one ? (free_after ? 1 : 0) : way;
+  std::vector<double>& mass = connector.particle_mass;
+  double most = INFINITY;
+  if (part_after < 1) most = std::min(most, mass[before]);
+  if (part_after > 0) most = std::min(most, mass[after]);
+  mass[added] = most / 2;
+  mass[before] -= (1 - part_after) * mass[added];
+  mass[after] -= part_after * mass[added];
+  if (one) connector.velocity[added] = connector.velocity[free_after ? after : before];
+  for (const Hold& hold : connector.holds) {
+    const bool gave =
+        !free_before && !free_after && hold.particle + 1 >= added && hold.particle <= after;
+    if (gave) reweigh_holder(world, hold.to);
+  }
+}
+
+}  // namespace
+
+Divided Interventions::cut(World& world, std::size_t index, double along) {
+  if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
+  const double end = kSamePlace * world.connectors[index].length;
+  if (!(along > end && along < world.connectors[index].length - end)) return {Outcome::outside, 0};
+  const Place place = locate(world.connectors[index], along);
+  if (place.fraction == 0 && holds(world.connectors[index], place.particle)) {
+    return {Outcome::held_there, 0};
+  }
+  world.connectors.emplace_back();
+  Connector& first = world.connectors[index];
+  Connector& second = world.connectors.back();
+  std::size_t at = place.particle;
+  if (place.fraction > 0) {
+    at = place.particle + 1;
+    rebase_pins(first, at, add_particle(first, place));
+    share_mass(world, first, at);
+  }
+  first.particle_mass[at] /= 2;
+  second.name = first.name + "'";
+  second.elasticity = first.elasticity;
+  second.model = first.model;
+  const auto move_tail = [](auto& from, auto& to, std::size_t start) {
+    to.assign(from.begin() + static_cast<std::ptrdiff_t>(start), from.end());
+    from.resize(start);
+  };
+  move_tail(first.rest, second.rest, at);
+  move_tail(first.position, second.position, at);
+  move_tail(first.velocity, second.velocity, at);
+  move_tail(first.particle_mass, second.particle_mass, at);
+  first.position.push_back(second.position.front());
+  first.velocity.push_back(second.velocity.front());
+  first.particle_mass.push_back(second.particle_mass.front());
+  const auto tail = hold_at(first, at);
+  second.holds.assign(tail, first.holds.end());
+  first.holds.erase(tail, first.holds.end());
+  for (Hold& hold : second.holds) hold.particle -= at;
+  second.length = first.length - along;
+  second.mass = first.mass * second.length / first.length;
+  first.mass -= second.mass;
+  first.length = along;
+  world.topology = structure(world);
+  return {Outcome::done, world.connectors.size() - 1};
+}
+
+}  // namespace taut

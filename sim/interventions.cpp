@@ -1,0 +1,228 @@
+#include "sim/interventions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/places.h"
+#include "sim/rotation.h"
+
+namespace taut {
+namespace {
+
+bool on(const Connector& connector, double along) {
+  return along >= 0 && along <= connector.length * (1 + kSamePlace);
+}
+
+bool exists(const World& world, const Attachment& to) {
+  if (!to.point.allFinite()) return false;
+  if (to.kind == Attachment::Kind::path) return to.path != nullptr;
+  return to.kind != Attachment::Kind::body || to.body < world.bodies.size();
+}
+
+/// True where `target` is within the connector's reach of all that holds it elsewhere, or no
+/// farther than the place is already: methods leave links a little too long.
+bool in_reach(const Connector& connector, const Place& place, const Vec3& target) {
+  double along = place.fraction > 0 ? place.fraction * connector.rest[place.particle] : 0;
+  for (std::size_t k = 0; k < place.particle; ++k) along += connector.rest[k];
+  const double same = kSamePlace * connector.length;
+  const Vec3 now = between(connector.position, place);
+  double start = 0;
+  auto hold = connector.holds.begin();
+  for (std::size_t i = 0; hold != connector.holds.end(); ++i) {
+    if (i == hold->particle) {
+      const bool elsewhere = i != place.particle || place.fraction > 0;
+      const Vec3& from = connector.position[i];
+      const double reach = std::max(std::abs(along - start), (now - from).norm());
+      if (elsewhere && (target - from).norm() > reach + same) return false;
+      ++hold;
+    }
+    if (i < connector.links()) start += connector.rest[i];
+  }
+  return true;
+}
+
+bool on_free_body(const World& world, const Attachment& to) {
+  return !is_prescribed(world, to);
+}
+
+/// Gives the body the mass of a particle that it has begun to hold: both keep their momentum.
+void load(World& world, std::size_t index, double mass, const Vec3& position,
+          const Vec3& velocity) {
+  Body& body = world.bodies[index];
+  const Vec3 linear = body.mass_properties.mass * body.velocity + mass * velocity;
+  Vec3 angular = body.mass_properties.mass * body.position.cross(body.velocity) +
+                 body.world_inertia() * body.spin + mass * position.cross(velocity);
+  reweigh(body, laden(world, index));
+  body.velocity = linear / body.mass_properties.mass;
+  angular -= body.position.cross(linear);
+  body.spin = FreeRotation(body.mass_properties.inertia).inverse_inertia(body.rotation) * angular;
+}
+
+/// Lets the hold take its particle to `to`, over a time.
+void attach(World& world, Connector& connector, Hold& hold, const Attachment& to, double over) {
+  Vec3& position = connector.position[hold.particle];
+  Vec3& velocity = connector.velocity[hold.particle];
+  hold.to = to;
+  hold.to.approach = {};
+  if (on_free_body(world, to)) {
+    const double mass = connector.particle_mass[hold.particle];
+    if (mass > 0) load(world, to.body, mass, position, velocity);
+  } else if (over > 0) {
+    hold.to.approach = {position - hold_motion(world, to, world.time).position, world.time,
+                        world.time + over};
+  }
+  const PointMotion motion = hold_motion(world, hold.to, world.time);
+  position = motion.position;
+  velocity = motion.velocity;
+}
+
+struct Found {
+  Connector* connector = nullptr;
+  std::size_t hold = 0;
+};
+
+Found find_pin(World& world, std::uint64_t pin) {
+  if (pin == 0) return {};
+  for (Connector& connector : world.connectors) {
+    for (std::size_t h = 0; h < connector.holds.size(); ++h) {
+      if (connector.holds[h].pin.number == pin) return {&connector, h};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string_view words(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::done:
+      return "done";
+    case Outcome::no_connector:
+      return "there is no such connector";
+    case Outcome::outside:
+      return "the place is not on the connector";
+    case Outcome::no_target:
+      return "what should hold it does not exist";
+    case Outcome::held_there:
+      return "the connector is held there already";
+    case Outcome::out_of_reach:
+      return "it is farther from the next hold than the connector is long between them";
+    case Outcome::no_pin:
+      return "there is no such pin, or it is released already";
+  }
+  return "";
+}
+
+PointMotion material_point(const Connector& connector, double along) {
+  const Place place = locate(connector, along);
+  return {between(connector.position, place), between(connector.velocity, place), Vec3::Zero()};
+}
+
+void Interventions::reserve(World& world, std::size_t pins, std::size_t cuts) {
+  std::size_t most = 0;
+  for (Connector& connector : world.connectors) {
+    const std::size_t n = connector.particles() + pins;
+    connector.position.reserve(n);
+    connector.velocity.reserve(n);
+    connector.particle_mass.reserve(n);
+    connector.rest.reserve(n);
+    connector.holds.reserve(pins + 2);
+    most = std::max(most, n);
+  }
+  restorer_.reserve(most);
+  world.connectors.reserve(world.connectors.size() + cuts);
+}
+
+Pinned Interventions::pin(World& world, std::size_t index, double along) {
+  if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
+  if (!on(world.connectors[index], along)) return {Outcome::outside, 0};
+  Attachment here;
+  here.point = material_point(world.connectors[index], along).position;
+  return pin(world, index, along, here);
+}
+
+Pinned Interventions::pin(World& world, std::size_t index, double along, const Attachment& to,
+                          double over) {
+  if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
+  Connector& connector = world.connectors[index];
+  if (!on(connector, along)) return {Outcome::outside, 0};
+  if (!exists(world, to)) return {Outcome::no_target, 0};
+  const Place place = locate(connector, along);
+  if (place.fraction == 0) {
+    const auto there = hold_at(connector, place.particle);
+    if (there != connector.holds.end() && there->particle == place.particle) {
+      return {Outcome::held_there, 0};
+    }
+  }
+  if (!in_reach(connector, place, hold_motion(world, to, world.time).position)) {
+    return {Outcome::out_of_reach, 0};
+  }
+  Hold hold;
+  hold.particle = place.particle;
+  if (place.fraction > 0) {
+    hold.pin = add_particle(connector, place);
+    ++hold.particle;
+  }
+  hold.pin.number = ++world.pins;
+  hold.pin.since = world.time;
+  hold.pin.position = connector.position[hold.particle];
+  hold.pin.velocity = connector.velocity[hold.particle];
+  if (on_free_body(world, to)) {
+    const Body& body = world.bodies[to.body];
+    hold.pin.body_position = body.position;
+    hold.pin.body_velocity = body.velocity;
+    hold.pin.body_spin = body.spin;
+  }
+  hold.to = to;  // before attach(): a free body is weighed with all it holds
+  const auto held = connector.holds.insert(hold_at(connector, hold.particle), hold);
+  attach(world, connector, *held, to, over);
+  world.topology = structure(world);
+  held->pin.topology = world.topology;
+  return {Outcome::done, held->pin.number};
+}
+
+Outcome Interventions::move(World& world, std::uint64_t pin, const Attachment& to, double over) {
+  const auto [connector, h] = find_pin(world, pin);
+  if (connector == nullptr) return Outcome::no_pin;
+  if (!exists(world, to)) return Outcome::no_target;
+  Hold& hold = connector->holds[h];
+  if (!in_reach(*connector, {hold.particle, 0}, hold_motion(world, to, world.time).position)) {
+    return Outcome::out_of_reach;
+  }
+  const Attachment from = hold.to;
+  hold.to = {};
+  reweigh_holder(world, from);
+  attach(world, *connector, hold, to, over);
+  hold.pin.since = -INFINITY;  // what was before the pin is not what was before the move
+  world.topology = structure(world);
+  return Outcome::done;
+}
+
+Outcome Interventions::release(World& world, std::uint64_t pin) {
+  const auto [connector, h] = find_pin(world, pin);
+  if (connector == nullptr) return Outcome::no_pin;
+  const Hold hold = connector->holds[h];
+  const PinRecord& record = hold.pin;
+  const bool at_once = record.since == world.time;
+  const bool last = record.topology == world.topology;
+  connector->holds.erase(connector->holds.begin() + static_cast<std::ptrdiff_t>(h));
+  reweigh_holder(world, hold.to);
+  if (at_once) {
+    connector->position[hold.particle] = record.position;
+    connector->velocity[hold.particle] = record.velocity;
+    if (last && on_free_body(world, hold.to)) {
+      Body& body = world.bodies[hold.to.body];
+      body.position = record.body_position;
+      body.velocity = record.body_velocity;
+      body.spin = record.body_spin;
+    }
+  }
+  if (record.fraction > 0) {
+    remove_particle(*connector, hold.particle, record.link_rest);
+    if (!at_once) restorer_.restore(*connector, hold.particle - 1);
+  }
+  world.topology = structure(world);
+  return Outcome::done;
+}
+
+}  // namespace taut
