@@ -13,12 +13,6 @@ bool on(const Connector& connector, double along) {
   return along >= 0 && along <= connector.length * (1 + kSamePlace);
 }
 
-bool exists(const World& world, const Attachment& to) {
-  if (!to.point.allFinite()) return false;
-  if (to.kind == Attachment::Kind::path) return to.path != nullptr;
-  return to.kind != Attachment::Kind::body || to.body < world.bodies.size();
-}
-
 /// True where `target` is within the connector's reach of all that holds it elsewhere, or no
 /// farther than the place is already: methods leave links a little too long.
 bool in_reach(const Connector& connector, const Place& place, const Vec3& target) {
@@ -92,6 +86,12 @@ Found find_pin(World& world, std::uint64_t pin) {
 }
 
 }  // namespace
+
+bool exists(const World& world, const Attachment& to) {
+  if (!to.point.allFinite()) return false;
+  if (to.kind == Attachment::Kind::path) return to.path != nullptr;
+  return to.kind != Attachment::Kind::body || to.body < world.bodies.size();
+}
 
 std::string_view words(Outcome outcome) {
   switch (outcome) {

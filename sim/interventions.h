@@ -66,6 +66,9 @@ class Interventions {
   LinkRestorer restorer_;
 };
 
+/// True where what would hold a particle exists.
+bool exists(const World& world, const Attachment& to);
+
 /// Where the material point at `along` (m) of the connector is, and how it moves.
 PointMotion material_point(const Connector& connector, double along);
 

@@ -4,7 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "sim/interventions.h"
 #include "sim/method.h"
+#include "sim/timeline.h"
 #include "sim/trajectory.h"
 #include "sim/world.h"
 
@@ -14,17 +16,37 @@ namespace taut {
 /// give the same bits.
 class Simulation {
  public:
-  Simulation(World world, std::unique_ptr<Method> method);
+  /// The timeline must be without flaws that find_flaw() finds. What is at the world's time happens
+  /// with the first advance.
+  Simulation(World world, std::unique_ptr<Method> method, Timeline timeline = {});
 
-  /// Advances to `time` (s, not before the present). Throws Diverged.
+  /// Advances to `time` (s, not before the present), and does what the timeline has until then.
+  /// Throws Diverged and BadIntervention.
   void advance_to(double time);
 
   const World& world() const { return world_; }
   const Method& method() const { return *method_; }
 
+  // For what nobody foresaw, between two advances.
+  World& world() { return world_; }
+  Interventions& interventions() { return interventions_; }
+
  private:
+  struct Entry {
+    enum class Kind { release, cut, pin };
+    double time;  // s
+    Kind kind;
+    std::size_t index;  // in the timeline's list
+  };
+  void enact(const Entry& entry);
+
   World world_;
   std::unique_ptr<Method> method_;
+  Interventions interventions_;
+  Timeline timeline_;
+  std::vector<Entry> entries_;       // in order of time
+  std::size_t next_ = 0;             // of the entries
+  std::vector<std::uint64_t> pins_;  // numbers of the timeline's pins, 0 before they are set
 };
 
 }  // namespace taut
