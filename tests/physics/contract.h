@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/method.h"
@@ -14,7 +15,7 @@ namespace taut::contract {
 /// A setting that refines a method: it is divided by `by` again and again, and the error falls with
 /// the power `order` of it.
 struct Knob {
-  std::string name;
+  std::string_view name;
   double coarse = 0;
   double by = 2;
   double order = 1;
@@ -30,8 +31,8 @@ enum class Rest {
 };
 
 struct Theory {
-  std::string label;  // as tables write it: METHOD or METHOD:FORM
-  std::string method;
+  std::string_view label;  // as tables write it: METHOD or METHOD:FORM
+  std::string_view method;
   Settings settings;
   Knob knob;          // refines steps or tolerances
   Knob towards = {};  // refines towards the truth, where that is another one
@@ -131,15 +132,15 @@ inline void PrintTo(const Theory& theory, std::ostream* out) {
 
 /// Where a method breaks its contract: what it reaches instead, and why that is so.
 struct Exemption {
-  std::string label;
-  std::string check;
+  std::string_view label;
+  std::string_view check;
   double reached = 0;  // within a tenth
-  std::string unit;
-  std::string why;
+  std::string_view unit;
+  std::string_view why;
 };
 
 inline const std::vector<Exemption>& exemptions() {
-  const std::string massless =
+  static constexpr std::string_view massless =
       "the connector's inertia and weight never reach what it holds: model error, for any step";
   static const std::vector<Exemption> rows{
       {"impulse", "linear momentum kept", 0.0729, "of it",

@@ -32,7 +32,7 @@ class MethodContract : public testing::TestWithParam<Theory> {
 
   World after(const World& start, double time, const Knob& knob, int refined) const {
     Settings settings = theory().settings;
-    settings[knob.name] = knob.value(refined);
+    settings[std::string(knob.name)] = knob.value(refined);
     Simulation simulation(start, make_method(theory().method, settings));
     simulation.advance_to(time);
     return simulation.world();
@@ -209,7 +209,7 @@ TEST_P(MethodContract, Determinism) {
 
 INSTANTIATE_TEST_SUITE_P(All, MethodContract, testing::ValuesIn(contract::theories()),
                          [](const auto& row) {
-                           std::string name = row.param.label;
+                           std::string name(row.param.label);
                            std::erase_if(name, [](char c) { return !std::isalnum(c); });
                            return name;
                          });
