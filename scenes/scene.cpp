@@ -13,15 +13,12 @@ int Scene::frames() const {
   return static_cast<int>(std::abs(count - nearest) < 1e-9 * count ? nearest : std::ceil(count));
 }
 
-Scene load_scene(const std::filesystem::path& file, bool with_stage,
-                 const std::vector<SceneChange>& changes) {
-  Document document = read_document(file);
-  for (const auto& [key, value] : changes) change(document, key, value);
+Scene read_scene(const Document& document, bool with_stage) {
   check_format(document);
   const Value& root = document.root;
   Scene scene;
-  scene.file = file;
-  scene.title = text_or(root, "title", file.stem().string());
+  scene.file = document.file;
+  scene.title = text_or(root, "title", document.file.stem().string());
   scene.duration = root.find("duration")->number;
   scene.fps = static_cast<int>(number_or(root, "fps", scene.fps));
   if (const Value* size = root.find("size")) {
@@ -37,6 +34,13 @@ Scene load_scene(const std::filesystem::path& file, bool with_stage,
   finish(scene.world);
   if (with_stage && root.find("stage")) read_stage(document, paths, scene);
   return scene;
+}
+
+Scene load_scene(const std::filesystem::path& file, bool with_stage,
+                 const std::vector<SceneChange>& changes) {
+  Document document = read_document(file);
+  for (const auto& [key, value] : changes) change(document, key, value);
+  return read_scene(document, with_stage);
 }
 
 }  // namespace taut

@@ -28,9 +28,9 @@ void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std
   mesh.indices.insert(mesh.indices.end(), {a, b, c, a, c, d});
 }
 
-/// Around the y axis, at the given share of a turn.
+/// A direction around the y axis; the last side is the first one again, to the bit.
 Vec3 around(int side) {
-  const double angle = 2 * std::numbers::pi * side / kSides;
+  const double angle = 2 * std::numbers::pi * (side % kSides) / kSides;
   return {std::cos(angle), 0, -std::sin(angle)};
 }
 
@@ -72,8 +72,9 @@ Model sphere_model(double diameter, const Vec3& color) {
   Mesh mesh;
   for (int ring = 0; ring <= rings; ++ring) {
     const double polar = std::numbers::pi * ring / rings;  // from the lower pole
+    const double radius = ring % rings == 0 ? 0 : std::sin(polar);
     for (int side = 0; side <= kSides; ++side) {
-      const Vec3 out = std::sin(polar) * around(side) - std::cos(polar) * Vec3::UnitY();
+      const Vec3 out = radius * around(side) - std::cos(polar) * Vec3::UnitY();
       const std::uint32_t here = add(mesh, diameter / 2 * out, out);
       if (ring == 0 || side == 0) continue;
       const std::uint32_t below = here - (kSides + 1);

@@ -19,62 +19,111 @@ struct Options {
   bool schema = false;
 };
 
-/// What a scene would do, as pairs of a name and a line or a number.
-nlohmann::ordered_json summary(const Scene& scene) {
-  nlohmann::ordered_json json;
-  json["scene"] = scene.file.string();
-  json["title"] = scene.title;
-  json["duration"] = scene.duration;
-  json["fps"] = scene.fps;
-  json["frames"] = scene.frames();
-  json["method"] = scene.method.name;
+using Json = nlohmann::ordered_json;
+
+std::size_t triangles(const Model& model) {
+  std::size_t count = 0;
+  for (const Mesh& mesh : model.meshes) count += mesh.indices.size() / 3;
+  return count;
+}
+
+/// Steps in a frame; 0 for methods that choose their own.
+std::uint64_t steps_per_frame(const Scene& scene) {
   const Settings settings = full_settings(scene.method);
-  for (const auto& [name, value] : settings) {
-    std::visit([&](const auto& v) { json["settings"][name] = v; }, value);
+  const auto step = settings.find("step");
+  const double* seconds = step == settings.end() ? nullptr : std::get_if<double>(&step->second);
+  return seconds && *seconds > 0 ? step_count(1.0 / scene.fps, *seconds) : 0;
+}
+
+std::string held_by(const World& world, const Connector& connector, std::size_t particle) {
+  for (const Hold& hold : connector.holds) {
+    if (hold.particle != particle) continue;
+    if (hold.to.kind == Attachment::Kind::fixed) return "a fixed point";
+    if (hold.to.kind == Attachment::Kind::path) return "a path";
+    return world.bodies[hold.to.body].name;
   }
-  if (const auto step = settings.find("step"); step != settings.end()) {
-    if (const double* seconds = std::get_if<double>(&step->second); seconds && *seconds > 0) {
-      json["steps_per_frame"] = step_count(1.0 / scene.fps, *seconds);
+  return "nothing";
+}
+
+/// The models that the stage draws, each with its use.
+std::vector<std::pair<std::string, const Model*>> models(const Scene& scene) {
+  std::vector<std::pair<std::string, const Model*>> list;
+  const Stage& stage = *scene.stage;
+  for (const auto& model : stage.scenery) list.emplace_back("scenery", model.get());
+  for (std::size_t i = 0; i < stage.body_models.size(); ++i) {
+    if (const Model* model = stage.body_models[i].get()) {
+      list.emplace_back("body " + scene.world.bodies[i].name, model);
     }
   }
+  for (const auto& model : stage.characters) list.emplace_back("character", model.get());
+  return list;
+}
+
+Json as_json(const Scene& scene) {
+  Json json = {{"scene", scene.file.string()}, {"title", scene.title},
+               {"duration", scene.duration},   {"fps", scene.fps},
+               {"frames", scene.frames()},     {"size", {scene.width, scene.height}}};
+  json["method"] = scene.method.name;
+  json["settings"] = settings_json(full_settings(scene.method));
+  if (const auto steps = steps_per_frame(scene)) json["steps_per_frame"] = steps;
+  json["bodies"] = Json::object();
   for (const Body& body : scene.world.bodies) {
-    json["bodies"][body.name] = body.driven() ? "driven" : "free";
+    json["bodies"][body.name] = {{"driven", body.driven()}, {"mass", body.mass_properties.mass}};
   }
+  json["connectors"] = Json::object();
   for (const Connector& connector : scene.world.connectors) {
     json["connectors"][connector.name] = {{"length", connector.length},
+                                          {"mass", connector.mass},
                                           {"particles", connector.particles()}};
   }
   json["pins"] = scene.pins.size();
   json["stage"] = scene.stage.has_value();
-  if (scene.stage) json["size"] = {scene.width, scene.height};
+  if (scene.stage) {
+    json["models"] = Json::array();
+    for (const auto& [use, model] : models(scene)) {
+      json["models"].push_back({{"use", use},
+                                {"name", model->name},
+                                {"triangles", triangles(*model)},
+                                {"bones", model->bones.size()}});
+    }
+  }
   return json;
 }
 
-void list_models(nlohmann::ordered_json& json, const char* kind,
-                 const std::vector<std::shared_ptr<const Model>>& models) {
-  for (const auto& model : models) {
-    if (!model) continue;
-    std::size_t triangles = 0;
-    for (const Mesh& mesh : model->meshes) triangles += mesh.indices.size() / 3;
-    json["models"].push_back({{"use", kind},
-                              {"name", model->name},
-                              {"triangles", triangles},
-                              {"bones", model->bones.size()}});
+std::string as_text(const Scene& scene) {
+  std::string text;
+  const auto line = [&text](const std::string& words) { text += words + '\n'; };
+  const World& world = scene.world;
+  line(fmt::format("{}: {} s, {} frames at {} per second", scene.title, scene.duration,
+                   scene.frames(), scene.fps));
+  const auto steps = steps_per_frame(scene);
+  line(fmt::format("method {}{} ({})", scene.method.name,
+                   steps ? fmt::format(", {} steps a frame", steps) : "",
+                   settings_text(full_settings(scene.method))));
+  for (const Body& body : world.bodies) {
+    line(fmt::format("body {}: {:.6g} kg, {}", body.name, body.mass_properties.mass,
+                     body.driven() ? "driven" : "free"));
   }
-}
-
-/// Names and values in lines for people.
-void print_lines(const nlohmann::ordered_json& json, const std::string& indent, std::string& text) {
-  for (const auto& [name, value] : json.items()) {
-    const std::string label = json.is_array() ? "-" : name + ":";
-    if (value.is_structured() && !value.empty()) {
-      text += fmt::format("{}{}\n", indent, label);
-      print_lines(value, indent + "  ", text);
-    } else {
-      text += fmt::format("{}{} {}\n", indent, label,
-                          value.is_string() ? value.get<std::string>() : value.dump());
-    }
+  for (const Connector& connector : world.connectors) {
+    line(fmt::format("connector {}: {} m, {} kg, {} particles, held by {} and {}", connector.name,
+                     connector.length, connector.mass, connector.particles(),
+                     held_by(world, connector, 0),
+                     held_by(world, connector, connector.particles() - 1)));
   }
+  for (const ScenePin& pin : scene.pins) {
+    line(fmt::format("pin: {} at {} m, from {} s until {} s", world.connectors[pin.connector].name,
+                     pin.at, pin.from, pin.until));
+  }
+  if (!scene.stage) {
+    line("no stage: it can be simulated, not rendered");
+    return text;
+  }
+  line(fmt::format("stage: {}x{}", scene.width, scene.height));
+  for (const auto& [use, model] : models(scene)) {
+    line(fmt::format("{}: {}, {} triangles{}", use, model->name, triangles(*model),
+                     model->bones.empty() ? "" : fmt::format(", {} bones", model->bones.size())));
+  }
+  return text;
 }
 
 int run(const Options& options, const Common& common) {
@@ -84,19 +133,7 @@ int run(const Options& options, const Common& common) {
   }
   if (options.scene.empty()) throw Misuse("check: expected a scene file or --schema");
   const Scene scene = load_scene(options.scene, true);
-  nlohmann::ordered_json json = summary(scene);
-  if (scene.stage) {
-    list_models(json, "scenery", scene.stage->scenery);
-    list_models(json, "body", scene.stage->body_models);
-    list_models(json, "character", scene.stage->characters);
-  }
-  std::string text;
-  if (common.json) {
-    text = json.dump(2) + '\n';
-  } else {
-    print_lines(json, "", text);
-  }
-  write_output(text);
+  write_output(common.json ? as_json(scene).dump(2) + '\n' : as_text(scene));
   return kDone;
 }
 

@@ -13,6 +13,9 @@ namespace {
 /// numbers that people type.
 constexpr double kRounding = 1e-6;
 
+/// Of all connectors together; more would fill a machine's memory before anything is simulated.
+constexpr std::size_t kMostParticles = 1000000;
+
 /// One end of a connector as the file describes it.
 struct End {
   const Value* value;
@@ -214,6 +217,7 @@ class Layout {
   const Document& document_;
   const Paths& paths_;
   World& world_;
+  std::size_t particles_ = 0;           // of all connectors so far
   std::vector<const Value*> unplaced_;  // [body] its `hangs` while it has no place
 };
 

@@ -205,10 +205,13 @@ void Document::mismatch(const Value& value, const std::string& expected) const {
 }
 
 Document read_document(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  return parse_document(file, read_text(file));
+}
+
+Document parse_document(const std::filesystem::path& file, std::string_view text) {
   check_dots(file, text);
   try {
-    const toml::table table = toml::parse(std::string_view(text));
+    const toml::table table = toml::parse(text);
     return {file, converted(table, "", "", Place{})};
   } catch (const toml::parse_error& error) {
     fail_place(file, place_of(error.source()),

@@ -59,6 +59,9 @@ struct Document {
 /// unreadable, too large, not UTF-8 or not TOML.
 Document read_document(const std::filesystem::path& file);
 
+/// The same of text that is already here; `file` is what messages call it.
+Document parse_document(const std::filesystem::path& file, std::string_view text);
+
 /// Puts `text`, a value as TOML writes it, at the dotted `path` of the document, in place of what
 /// stands there. Throws BadScene where the path leads through something that is no table, or the
 /// text is no value.

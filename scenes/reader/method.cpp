@@ -17,8 +17,7 @@ std::string dividing_text(double step, int fps) {
 }  // namespace
 
 MethodChoice default_method() {
-  const MethodInfo* direct = find_method("direct");
-  return {std::string(direct ? direct->name : methods().front().name), {}};
+  return {"direct", {}};
 }
 
 std::optional<double> dividing_step(double step, int fps) {

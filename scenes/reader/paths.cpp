@@ -106,14 +106,22 @@ Path read_path_csv(const std::filesystem::path& file) {
   return Path(std::move(keys));
 }
 
+namespace {
+
+Path read_file(const Document& document, const Value& value) {
+  const auto file = find_file(document, value);
+  return with_place(document, value, [&] { return read_path_csv(file); });
+}
+
+}  // namespace
+
 Paths read_paths(const Document& document) {
   Paths paths;
   if (const Value* table = document.root.find("paths")) {
     for (const Value& entry : table->children) {
       const Value* keys = entry.find("keys");
       paths[entry.name] = std::make_shared<const Path>(
-          keys ? read_keys(document, *keys)
-               : read_path_csv(find_file(document, *entry.find("file"))));
+          keys ? read_keys(document, *keys) : read_file(document, *entry.find("file")));
     }
   }
   return paths;

@@ -8,15 +8,29 @@
 #include <string_view>
 #include <vector>
 
+#include "scenes/error.h"
 #include "scenes/reader/document.h"
 #include "scenes/scene.h"
 
 namespace taut {
 
+/// The scene that a document describes. Throws BadScene.
+Scene read_scene(const Document& document, bool with_stage);
+
 /// The file that `value` names, relative to the scene's repository root (the nearest folder above
-/// it with a CMakePresets.json or .git; without one the scene's own folder) or to the scene's folder.
-/// Throws BadScene when it is absolute, outside of the root, or missing.
+/// it with a CMakePresets.json or .git; without one the scene's own folder) or to the scene's
+/// folder. Throws BadScene when it is absolute, outside of the root, or missing.
 std::filesystem::path find_file(const Document& document, const Value& value);
+
+/// Does what needs the asset that `value` names. A BadAsset becomes a BadScene that names the
+/// scene's place too.
+auto with_place(const Document& document, const Value& value, auto&& use) {
+  try {
+    return use();
+  } catch (const BadAsset& error) {
+    document.fail(value, error.what());
+  }
+}
 
 // Members that may be left out.
 double number_or(const Value& table, std::string_view key, double fallback);

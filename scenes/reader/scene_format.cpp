@@ -13,7 +13,7 @@ using Type = KeyFormat::Type;
 
 // Generous, and small enough that no product of them overflows an int or fills a machine's memory.
 constexpr double kLongest = 86400;      // s, a day
-constexpr double kMostParticles = 1e6;  // of a connector
+constexpr double kMostParticles = 1e5;  // of a connector
 constexpr double kMostFps = 1000;
 constexpr double kWidest = 16384;  // pixels
 

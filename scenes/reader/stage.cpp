@@ -20,7 +20,10 @@ class Models {
   ModelPointer get(const Value& value) {
     const auto file = find_file(document_, value);
     ModelPointer& model = loaded_[file];
-    if (!model) model = std::make_shared<const Model>(load_model(file));
+    if (!model) {
+      model = with_place(document_, value,
+                         [&] { return std::make_shared<const Model>(load_model(file)); });
+    }
     return model;
   }
 
@@ -136,9 +139,12 @@ void read_stage(const Document& document, const Paths& paths, Scene& scene) {
   for_each(root.find("connectors"),
            [&](const Value& connector) { stage.connector_looks.push_back(read_look(connector)); });
   for_each(root.find("characters"), [&](const Value& character) {
-    stage.characters.push_back(models.get(*character.find("mesh")));
-    scene.performances.push_back(make_performance(
-        stage.characters.back(), read_held_stick(document, character, paths), scene.duration));
+    const Value& mesh = *character.find("mesh");
+    const ModelPointer model = models.get(mesh);
+    const HeldStick stick = read_held_stick(document, character, paths);
+    stage.characters.push_back(model);
+    scene.performances.push_back(
+        with_place(document, mesh, [&] { return make_performance(model, stick, scene.duration); }));
   });
   scene.stage = std::move(stage);
 }

@@ -44,7 +44,7 @@ inline std::vector<SceneFault> scene_faults() {
        "expected a number of at least 0 (m)"},
       {"length zero with many particles", "length = 0.12", "length = ^0", "for 11 particles"},
       {"one particle", "particles = 11", "particles = ^1",
-       "expected a whole number from 2 to 1000000"},
+       "expected a whole number from 2 to 100000"},
       {"half a particle", "particles = 11", "particles = ^2.5", "whole number"},
       {"far too many particles", "particles = 11", "particles = ^9000000000", "found 9000000000"},
       {"duration zero", "duration = 1.0", "duration = ^0", "above 0"},

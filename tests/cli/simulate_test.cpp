@@ -228,8 +228,8 @@ TEST(Check, SaysWhatItWouldDo) {
   const auto json = nlohmann::json::parse(outcome.output);
   EXPECT_EQ(json.at("frames"), 5);
   EXPECT_EQ(json.at("steps_per_frame"), 20);
-  EXPECT_EQ(json.at("bodies").at("free"), "free");
-  EXPECT_EQ(json.at("bodies").at("held"), "driven");
+  EXPECT_EQ(json.at("bodies").at("free").at("driven"), false);
+  EXPECT_EQ(json.at("bodies").at("held").at("driven"), true);
 }
 
 TEST(Check, EveryShippedSceneIsGood) {

@@ -1,0 +1,98 @@
+// Bad meshes, as a scene that names them meets them: the scene's place, the file and the cause.
+#include <limits>
+
+#include "tests/support/fault_table.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+#include "tests/unit/model_files.h"
+
+namespace taut {
+namespace {
+
+// The place of the mesh in it is 8:8.
+std::string scene(const std::string& mesh) {
+  return "duration = 1.0\n[stage]\n"
+         "[bodies.ball]\nmass = 1.0\nshape = { sphere = { diameter = 0.1 } }\n"
+         "position = [0, 1, 0]\n\nmesh = \"" +
+         mesh + "\"\n";
+}
+
+TEST(BadAsset, EveryFaultIsNamedWithItsPlace) {
+  const Folder folder;
+  const auto home = folder.path() / "home";
+  FaultTable table("Meshes", home);
+  const auto expect = [&](const char* name, const std::string& mesh, const char* says) {
+    SCOPED_TRACE(name);
+    folder.write("home/scene.toml", scene(mesh));
+    const Outcome outcome = run_taut({"check", "scene.toml"}, home);
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.output, "");
+    EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:8:8: bodies.ball.mesh: ", 0), 0u)
+        << outcome.messages;
+    EXPECT_NE(outcome.messages.find(says), std::string::npos) << outcome.messages;
+    table.add(name, outcome);
+  };
+  const auto expect_file = [&](const char* name, const std::string& file, const std::string& bytes,
+                               const char* says) {
+    folder.write("home/" + file, bytes);
+    expect(name, file, says);
+  };
+  const std::string whole = skinned().bytes();
+  folder.write("home/good.glb", whole);
+  folder.write("home/scene.toml", scene("good.glb"));
+  EXPECT_EQ(run_taut({"check", "scene.toml"}, home).code, 0);
+
+  expect("missing", "no.glb", "there is no file");
+  folder.write("outside.glb", whole);
+  expect("climbing out", "../outside.glb", "expected a file inside of");
+  expect("absolute", "/etc/passwd", "a path relative to the scene");
+  std::filesystem::create_directory(home / "folder.glb");
+  expect("a directory", "folder.glb", "not a directory");
+  expect_file("empty", "a.glb", "", "empty file");
+  expect_file("truncated", "a.glb", whole.substr(0, whole.size() / 2), "a.glb");
+  expect_file("another format", "a.fbx", "x", "expected .glb, .gltf or .obj");
+  folder.write("home/big.glb", "glTF");
+  std::filesystem::resize_file(home / "big.glb", std::uintmax_t{1} << 30);  // sparse
+  expect("sparse, 1 GiB", "big.glb", "larger than");
+  {
+    Gltf g = skinned();
+    g.binary[36] = 9;
+    expect_file("index out of range", "a.glb", g.bytes(), "has index 9");
+  }
+  {
+    Gltf g = skinned();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    g.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] =
+        g.add<float>({0, nan, 0, 1, 0, 0, 0, 1, 0}, 5126, "VEC3", 3);
+    expect_file("NaN vertex", "a.glb", g.bytes(), "is not finite");
+  }
+  {
+    Gltf g = skinned();
+    g.json["skins"][0]["joints"] = std::vector<int>(257, 1);
+    expect_file("too many bones", "a.glb", g.bytes(), "expected 1 to 256");
+  }
+  EXPECT_TRUE(table.is_as_accepted());
+}
+
+TEST(BadAsset, ACharacterWithoutBones) {
+  const Folder folder;
+  FaultTable table("Characters", folder.path());
+  folder.write("ball.glb", triangle().bytes());
+  folder.write("scene.toml", R"(duration = 1.0
+[stage]
+[paths.hand]
+keys = [{ t = 0, position = [0, 1, 0] }]
+[characters.player]
+mesh = "ball.glb"
+right_hand = "hand"
+)");
+  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:6:8: characters.player.mesh: ", 0), 0u)
+      << outcome.messages;
+  table.add("no bones", outcome);
+  EXPECT_TRUE(table.is_as_accepted());
+}
+
+}  // namespace
+}  // namespace taut

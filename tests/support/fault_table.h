@@ -1,0 +1,88 @@
+// The table of faults: what was wrong, what taut said, how it ended. The tests make it, section by
+// section; it is kept in tests/faults.md, so that a change of any message is seen.
+#pragma once
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "sim/method.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+
+class FaultTable {
+ public:
+  /// One section of the table. `folder` is where the tests' files lie.
+  FaultTable(std::string title, const std::filesystem::path& folder)
+      : title_(std::move(title)), folder_(folder.string()) {}
+
+  void add(const std::string& fault, const Outcome& outcome) {
+    std::string message = outcome.messages;
+    // The folder's name is another one each time, and methods come and go.
+    replace(message, folder_, "FOLDER");
+    replace(message, method_names(), "METHODS");
+    rows_ += fmt::format("| {} | `{}` | {} |\n", cell(fault), cell(message), outcome.code);
+  }
+
+  /// Compares with the section in tests/faults.md; with TAUT_ACCEPT in the environment, writes it
+  /// there instead.
+  testing::AssertionResult is_as_accepted() const {
+    const std::filesystem::path file = TAUT_SOURCE_DIR "/tests/faults.md";
+    std::string text = read_file(file);
+    const std::string heading = fmt::format("## {}\n", title_);
+    const std::string section =
+        heading + "\n| fault | message | exit code |\n|---|---|---|\n" + rows_ + '\n';
+    const std::size_t begin = std::min(text.find(heading), text.size());
+    const std::size_t end = std::min(text.find("## ", begin + 1), text.size());
+    if (text.substr(begin, end - begin) == section) return testing::AssertionSuccess();
+    if (std::getenv("TAUT_ACCEPT")) {
+      std::ofstream(file) << text.replace(begin, end - begin, section);
+      return testing::AssertionSuccess();
+    }
+    return testing::AssertionFailure()
+           << "not as in " << file << ". Look at it; if it is right, run this test with "
+           << "TAUT_ACCEPT=1 in the environment. Now the section is:\n"
+           << section;
+  }
+
+ private:
+  static void replace(std::string& text, const std::string& part, std::string_view with) {
+    for (std::size_t at; (at = text.find(part)) != std::string::npos;) {
+      text.replace(at, part.size(), with);
+    }
+  }
+
+  static std::string method_names() {
+    std::string names;
+    for (const MethodInfo& method : methods()) {
+      names += (names.empty() ? "" : ", ") + std::string(method.name);
+    }
+    return names;
+  }
+
+  /// A text as a cell: one line, without what Markdown reads, only plain characters.
+  static std::string cell(const std::string& text) {
+    std::string line;
+    for (const char c : text) {
+      if (c == '|') {
+        line += "\\|";
+      } else if (c == '\n') {
+        line += ' ';
+      } else {
+        line += c >= ' ' && c <= '~' ? c : '?';
+      }
+    }
+    while (line.ends_with(' ')) line.pop_back();
+    return line;
+  }
+
+  std::string title_, folder_, rows_;
+};
+
+}  // namespace taut

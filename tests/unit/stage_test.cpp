@@ -1,0 +1,88 @@
+// The camera's way, and the plain shapes of bodies without a mesh.
+#include "scenes/stage.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <numbers>
+
+#include "scenes/shapes.h"
+
+namespace taut {
+namespace {
+
+Stage with_camera(std::vector<CameraKey> keys) {
+  Stage stage;
+  stage.camera = std::move(keys);
+  return stage;
+}
+
+TEST(Camera, PassesThroughItsKeysAndRestsBeyond) {
+  const Stage stage = with_camera({{1, {0, 0, 5}, {0, 0, 0}, 0.5, false},
+                                   {2, {1, 0, 5}, {0, 1, 0}, 0.7, false},
+                                   {4, {5, 0, 5}, {0, 0, 0}, 0.6, false}});
+  for (const CameraKey& key : stage.camera) {
+    const CameraView view = camera_at(stage, key.time);
+    EXPECT_EQ(view.position, key.position);
+    EXPECT_EQ(view.target, key.target);
+    EXPECT_EQ(view.field_of_view, key.field_of_view);
+  }
+  EXPECT_EQ(camera_at(stage, -1).position, Vec3(0, 0, 5));
+  EXPECT_EQ(camera_at(stage, 9).position, Vec3(5, 0, 5));
+}
+
+TEST(Camera, HasNoJumpInSpeedButAtCuts) {
+  const Stage stage = with_camera({{0, {0, 0, 5}, {0, 0, 0}, 0.5, false},
+                                   {1, {1, 0, 5}, {0, 0, 0}, 0.5, false},
+                                   {3, {4, 0, 5}, {0, 0, 0}, 0.5, false},
+                                   {4, {0, 9, 0}, {0, 0, 0}, 0.5, true},
+                                   {5, {0, 9, 1}, {0, 0, 0}, 0.5, false}});
+  const double h = 1e-6;
+  const auto x = [&](double t) { return camera_at(stage, t).position.x(); };
+  for (const double t : {0.0, 1.0}) {
+    EXPECT_NEAR((x(t) - x(t - h)) / h, (x(t + h) - x(t)) / h, 1e-4) << t;
+  }
+  EXPECT_NEAR((x(1 + h) - x(1 - h)) / (2 * h), 4.0 / 3, 1e-6);
+  EXPECT_EQ(camera_at(stage, 4 - h).position, Vec3(4, 0, 5)) << "it waits for the cut";
+  EXPECT_EQ(camera_at(stage, 4).position, Vec3(0, 9, 0));
+}
+
+/// Volume of a mesh by the divergence theorem; right and positive only where it is closed and its
+/// triangles face outward. Every edge must be met once in each direction.
+double closed_volume(const Model& model) {
+  const Mesh& mesh = model.meshes.at(0);
+  using Point = std::array<float, 3>;
+  std::map<std::pair<Point, Point>, int> edges;
+  double volume = 0;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    Vec3 corner[3], normal = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vertex& v = mesh.vertices[mesh.indices[t + k]];
+      const Vertex& next = mesh.vertices[mesh.indices[t + (k + 1) % 3]];
+      corner[k] = Vec3(v.position[0], v.position[1], v.position[2]);
+      normal += Vec3(v.normal[0], v.normal[1], v.normal[2]);
+      if (v.position != next.position) {
+        ++edges[{v.position, next.position}];
+        --edges[{next.position, v.position}];
+      }
+    }
+    const Vec3 face = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+    EXPECT_GE(face.dot(normal), 0) << "normals point outward too";
+    volume += corner[0].dot(corner[1].cross(corner[2])) / 6;
+  }
+  for (const auto& [edge, count] : edges) EXPECT_EQ(count, 0);
+  return volume;
+}
+
+TEST(Shapes, AreClosedAndFaceOutward) {
+  const double pi = std::numbers::pi;
+  // Inscribed: 48 sides have 0.9971 of the circle's area, and so have the ball's 24 rings of their
+  // sphere's profile, once more and a half.
+  EXPECT_NEAR(closed_volume(cylinder_model(0.3, 0.02, Vec3::Ones())), 0.3 * pi * 1e-4 * 0.9971,
+              1e-8);
+  EXPECT_NEAR(closed_volume(sphere_model(0.2, Vec3::Ones())), 4 * pi / 3 * 1e-3 * 0.9929, 1e-6);
+  EXPECT_NEAR(closed_volume(box_model({0.1, 0.2, 0.3}, Vec3::Ones())), 0.006, 1e-8);
+}
+
+}  // namespace
+}  // namespace taut
