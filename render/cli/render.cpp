@@ -9,12 +9,12 @@
 #include <optional>
 
 #include "render/atomic_file.h"
-#include "render/caption.h"
 #include "render/cli/command.h"
 #include "render/cli/frame_list.h"
 #include "render/cli/method_options.h"
 #include "render/cli/progress.h"
 #include "render/contact_sheet.h"
+#include "render/film.h"
 #include "render/fingerprint.h"
 #include "render/frame_folder.h"
 #include "render/hash.h"
@@ -55,36 +55,6 @@ std::vector<Snapshot> record(const Scene& scene, const std::vector<int>& frames)
   }
   return states;
 }
-
-/// A scene's stage, ready to draw its states with their captions.
-class Film {
- public:
-  Film(const Context& context, const Scene& scene, int samples)
-      : scene_(scene),
-        canvas_(context, scene.width, scene.height, samples),
-        renderer_(context, *scene.stage, scene.world) {}
-
-  Instant instant(const Snapshot& state) const {
-    Instant instant{state, {}, camera_at(*scene_.stage, state.time)};
-    for (const auto& performance : scene_.performances)
-      instant.bones.push_back(performance->bones_at(state.time));
-    return instant;
-  }
-
-  Picture draw(const Instant& instant) {
-    renderer_.clear(canvas_);
-    renderer_.draw(canvas_, {0, 0, canvas_.width(), canvas_.height()}, instant);
-    Picture picture = canvas_.finish();
-    draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
-    return picture;
-  }
-
- private:
-  const Scene& scene_;
-  Canvas canvas_;
-  StageRenderer renderer_;
-  Font font_;
-};
 
 void write_png(const std::filesystem::path& name, const Picture& picture) {
   const auto bytes = encode_png(picture);
@@ -146,7 +116,7 @@ int render(const Common& common, const Options& options) {
   const std::filesystem::path out = options.out.empty() ? std::filesystem::path("out") / name
                                                         : std::filesystem::path(options.out);
   const Context context(backend, common.threads);
-  Film film(context, scene, options.samples);
+  Film film(context, scene, scene.width, scene.height, options.samples);
   if (stills) return render_stills(scene, options, film, out);
   FrameFolder folder(out / "frames", options.resume);
 

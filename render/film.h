@@ -1,0 +1,28 @@
+// A scene's clip as pictures: its stage drawn at any of its states, with captions.
+#pragma once
+
+#include "render/canvas.h"
+#include "render/stage_renderer.h"
+#include "render/text.h"
+#include "scenes/scene.h"
+
+namespace taut {
+
+class Film {
+ public:
+  /// `scene` has a stage, and must outlive this. Throws NoContext where the driver allows no such
+  /// size or number of samples.
+  Film(const Context& context, const Scene& scene, int width, int height, int samples);
+
+  /// Everything that moves, in this state: characters pose by its time.
+  Instant instant(const Snapshot& state) const;
+  Picture draw(const Instant& instant);
+
+ private:
+  const Scene& scene_;
+  Canvas canvas_;
+  StageRenderer renderer_;
+  Font font_;
+};
+
+}  // namespace taut
