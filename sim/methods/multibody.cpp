@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "sim/methods/simbody_model.h"
+#include "sim/tension.h"
 #include "sim/trajectory.h"
 
 namespace taut {
@@ -33,6 +34,7 @@ void Multibody::advance(World& world, double until) {
     if (!model_ || topology_ != world.topology || left_at_ != state_hash(world)) {
       before_ = counters_;
       topology_ = world.topology;
+      stop_stretching(world);  // joint coordinates have no such velocities
       model_.emplace(world, integrator_, accuracy_);
     }
     model_->advance(world, until);

@@ -16,10 +16,10 @@ using Frames = std::vector<Snapshot>;
 
 /// Frames up to the first that `enough` says no to, or that the method cannot reach.
 Frames run(const World& world, std::string_view method, const Settings& settings,
-           std::span<const double> times,
+           const Timeline& timeline, std::span<const double> times,
            const std::function<bool(std::size_t, const Snapshot&)>& enough) {
   Frames frames;
-  Simulation simulation(world, make_method(method, settings));
+  Simulation simulation(world, make_method(method, settings), timeline);
   try {
     for (const double time : times) {
       simulation.advance_to(time);
@@ -62,11 +62,12 @@ double largest_distance(const Snapshot& a, const Snapshot& b) {
 
 }  // namespace
 
-Truth solve_truth(const World& world, std::span<const double> times, const TruthOptions& options) {
+Truth solve_truth(const World& world, std::span<const double> times, const TruthOptions& options,
+                  const Timeline& timeline) {
   const Settings first{{"local_error", options.local_error}};
   const Settings second{{"accuracy", options.second_accuracy}};
   Truth truth;
-  Simulation simulation(world, make_method("truth", first));
+  Simulation simulation(world, make_method("truth", first), timeline);
   for (const double time : times) {
     simulation.advance_to(time);
     truth.frames.push_back(snapshot(simulation.world()));
@@ -78,9 +79,10 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
   std::size_t predictable = times.size();
   for (const bool rough : {false, true}) {
     const World start = nudged(world, kNudge * options.scored_error, rough);
-    predictable = run(start, "truth", first, times.subspan(0, predictable), close).size();
+    predictable = run(start, "truth", first, timeline, times.subspan(0, predictable), close).size();
   }
-  const Frames checked = run(world, "multibody", second, times.subspan(0, predictable), close);
+  const Frames checked =
+      run(world, "multibody", second, timeline, times.subspan(0, predictable), close);
   if (!checked.empty()) truth.horizon = times[checked.size() - 1];
   for (std::size_t i = 0; i < checked.size(); ++i) {
     truth.self_error = std::max(truth.self_error, largest_distance(checked[i], truth.frames[i]));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/method.h"
+#include "sim/timeline.h"
 #include "sim/trajectory.h"
 
 namespace taut {
@@ -33,6 +34,6 @@ struct Truth {
 /// from a nudged start. `times` (s) rise from the world's own on. Where one of the two comparisons
 /// ends early the horizon does too. Throws Diverged where the first solver finds no solution.
 Truth solve_truth(const World& world, std::span<const double> times,
-                  const TruthOptions& options = {});
+                  const TruthOptions& options = {}, const Timeline& timeline = {});
 
 }  // namespace taut

@@ -181,6 +181,17 @@ TEST(Truth, TwoSolversAgreeOnBodiesAndDrivenEnds) {
   }
 }
 
+TEST(Truth, TwoSolversAgreeOnAPinThatStopsAMovingParticle) {
+  Timeline timeline;
+  timeline.pins.push_back({.connector = 0, .along = 0.5, .from = 0.2, .until = 0.4, .to = {}});
+  const World swing = worlds::chain(11, 1, Vec3::UnitX());
+  const Truth truth = solve_truth(swing, frames(0.6, 20), {.scored_error = 1e-6}, timeline);
+  EXPECT_GT(truth.horizon, 0.25);  // past the pin's start
+  EXPECT_LT(truth.self_error, 1e-8);
+  EXPECT_LT((truth.frames[5].connectors[0][5] - truth.frames[7].connectors[0][5]).norm(), 1e-12);
+  EXPECT_GT((truth.frames[3].connectors[0][5] - truth.frames[4].connectors[0][5]).norm(), 1e-2);
+}
+
 TEST(Truth, UprightStartsAreSoonUnpredictable) {
   const World drop = worlds::chain(21, 1, worlds::from_down(175));
   const Truth truth = solve_truth(drop, frames(1, 60), {.scored_error = 1e-4});
