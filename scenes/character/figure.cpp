@@ -103,7 +103,7 @@ ArmState Figure::right_arm(const Vec3& shoulder, const Quat& chest, const Pose& 
   const Vec3 reach = arm.wrist - shoulder;
   const Vec3 along = reach.normalized();
   // The elbow hangs down and out; positive swivel lifts it outward.
-  const Vec3 down = chest * Vec3(-0.55, -1, -0.25);
+  const Vec3 down = chest * Vec3(-0.30, -1, -0.30);
   const Vec3 pole = turn(along, -swivel) * (down - down.dot(along) * along);
   const LimbTurns turns = bend_limb(arms_[1], shoulder, arm.wrist, pole);
   arm.elbow = turns.middle;
