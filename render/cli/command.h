@@ -37,5 +37,6 @@ CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
 void add_render(CLI::App& app, Program& program);
 void add_simulate(CLI::App& app, Program& program);
 void add_check(CLI::App& app, Program& program);
+void add_bench(CLI::App& app, Program& program);
 
 }  // namespace taut::cli

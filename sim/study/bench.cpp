@@ -1,24 +1,16 @@
 #include "sim/study/bench.h"
 
 #include <algorithm>
-#include <chrono>
-#include <numeric>
 
 namespace taut {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_between(Clock::time_point from, Clock::time_point to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 /// What two looks at the clock cost with nothing between them (s).
 double clock_cost() {
   double least = 1;
   for (int i = 0; i < 1000; ++i) {
-    const Clock::time_point before = Clock::now();
-    least = std::min(least, seconds_between(before, Clock::now()));
+    const double before = thread_seconds();
+    least = std::min(least, thread_seconds() - before);
   }
   return least;
 }
@@ -47,9 +39,9 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> c
       double sum = 0;
       try {
         for (std::size_t k = 0; k < problem.times.size(); ++k) {
-          const Clock::time_point before = Clock::now();
+          const double before = thread_seconds();
           simulation.advance_to(problem.times[k]);
-          const double cost = std::max(0.0, seconds_between(before, Clock::now()) - overhead);
+          const double cost = std::max(0.0, thread_seconds() - before - overhead);
           timing.frames[k].push_back(cost);
           sum += cost;
         }

@@ -14,7 +14,7 @@ namespace taut {
 struct BenchRow {
   Candidate candidate;
   std::string failure;         // why it has no timings, or not of every frame
-  std::vector<Spread> frames;  // s of wall time per frame, over the repeats
+  std::vector<Spread> frames;  // s of CPU time per frame, over the repeats
   Spread mean;                 // s per frame: the mean of a repeat's frames, over the repeats
   std::size_t repeats = 0;
 };

@@ -1,0 +1,120 @@
+#include "render/cli/study_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "render/atomic_file.h"
+#include "render/cli/command.h"
+
+namespace taut::cli {
+namespace {
+
+std::vector<Contender> all_contenders() {
+  std::vector<Contender> all;
+  const auto list = methods();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].reference) continue;
+    const std::string name(list[i].name);
+    all.push_back({name, &list[i], {name, {}}, method_style(i)});
+    Style style = method_style(i);
+    style.hollow = true;
+    for (const MethodForm& form : list[i].forms) {
+      ++style.dash;
+      all.push_back({name + ":" + std::string(form.name), &list[i], {name, form.settings}, style});
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+void add_study_options(CLI::App& command, StudyOptions& options, double budget) {
+  options.budget = budget;
+  command.add_option("scene", options.scene, "A scene file")->required();
+  command.add_option("--out", options.out, "Folder for the results; default: out/SCENE");
+  command
+      .add_option("--methods", options.methods,
+                  "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")
+      ->delimiter(',');
+  command
+      .add_option("--budget", options.budget,
+                  fmt::format("Seconds that it may take, about; default: {}", budget))
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--quick", options.quick, "A coarse answer within half a minute");
+}
+
+std::vector<Contender> chosen_contenders(const StudyOptions& options) {
+  const std::vector<Contender> all = all_contenders();
+  if (options.methods.empty()) return all;
+  for (const std::string& name : options.methods) {
+    if (std::ranges::find(all, name, &Contender::label) != all.end()) continue;
+    std::string known;
+    for (const Contender& one : all) known += (known.empty() ? "" : ", ") + one.label;
+    throw Misuse(fmt::format("--methods: there is no {}, expected some of: {}", name, known));
+  }
+  std::vector<Contender> chosen;
+  for (const Contender& one : all) {
+    if (std::ranges::find(options.methods, one.label) != options.methods.end()) {
+      chosen.push_back(one);
+    }
+  }
+  return chosen;
+}
+
+std::filesystem::path study_folder(const StudyOptions& options) {
+  if (!options.out.empty()) return options.out;
+  return std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
+}
+
+Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes) {
+  Scene scene = load_scene(options.scene, false, changes);
+  if (scene.world.connectors.empty()) {
+    throw Misuse(fmt::format("{}: has no connector to study", options.scene));
+  }
+  if (!scene.pins.empty()) {
+    throw Misuse(fmt::format("{}: has pins; studies take scenes without", options.scene));
+  }
+  return scene;
+}
+
+std::string connector_key(const Scene& scene, const std::string& key) {
+  return "connectors." + scene.world.connectors.front().name + "." + key;
+}
+
+std::string machine() {
+  std::ifstream info("/proc/cpuinfo");
+  std::string processor = "unknown processor";
+  for (std::string line; std::getline(info, line);) {
+    if (!line.starts_with("model name")) continue;
+    processor = line.substr(std::min(line.size(), line.find(':') + 2));
+    break;
+  }
+#ifdef NDEBUG
+  constexpr const char* build = "release build";
+#else
+  constexpr const char* build = "debug build";
+#endif
+  return fmt::format("{}, g++ {}, {}, one thread", processor, __VERSION__, build);
+}
+
+std::string rounded(double value) {
+  if (!std::isfinite(value)) return "-";
+  const double size = std::abs(value);
+  if (size != 0 && (size < 1e-3 || size >= 1e6)) return fmt::format("{:.2e}", value);
+  if (size < 1000) return fmt::format("{:.3g}", value);
+  const double unit = std::pow(10, std::floor(std::log10(size)) - 2);
+  return fmt::format("{:.0f}", std::round(value / unit) * unit);
+}
+
+void write_csv(const Table& table, const std::filesystem::path& base) {
+  std::filesystem::path file = base;
+  file += ".csv";
+  AtomicFile out(file);
+  out.write(to_csv(table));
+  out.commit();
+}
+
+}  // namespace taut::cli

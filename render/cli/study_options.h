@@ -1,0 +1,58 @@
+// What bench, chart, stability and compare share: which methods, how much time, where to.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "render/chart.h"
+#include "render/table.h"
+#include "scenes/scene.h"
+#include "sim/study/candidate.h"
+
+namespace taut::cli {
+
+struct StudyOptions {
+  std::string scene;
+  std::string out;                   // empty: out/SCENE
+  std::vector<std::string> methods;  // METHOD or METHOD:FORM; empty: all
+  double budget = 0;                 // s of wall time
+  bool quick = false;
+};
+
+/// SCENE, --out, --methods, --budget (`budget` seconds unless told) and --quick.
+void add_study_options(CLI::App& command, StudyOptions& options, double budget);
+
+/// A row of a comparison: a method, or a form of it.
+struct Contender {
+  std::string label;  // "dynamic-constraints:dense"
+  const MethodInfo* method = nullptr;
+  Candidate candidate;  // at its defaults, with what the form sets
+  Style style;          // the same in every chart
+};
+
+/// The contenders that the options name, in the order of the list of methods; those that this build
+/// lacks too. Throws Misuse.
+std::vector<Contender> chosen_contenders(const StudyOptions& options);
+
+/// The folder that results go to.
+std::filesystem::path study_folder(const StudyOptions& options);
+
+/// The scene without its stage. Throws Misuse where it has pins or no connector: studies compare
+/// methods on what all of them can do.
+Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes = {});
+
+/// The key of a value of the scene's first connector: connectors.NAME.`key`.
+std::string connector_key(const Scene& scene, const std::string& key);
+
+/// The processor, the compiler and the build, in a line.
+std::string machine();
+
+/// A number with three significant digits.
+std::string rounded(double value);
+
+/// Writes BASE.csv; says so on standard error.
+void write_csv(const Table& table, const std::filesystem::path& base);
+
+}  // namespace taut::cli
