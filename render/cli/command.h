@@ -38,5 +38,6 @@ void add_render(CLI::App& app, Program& program);
 void add_simulate(CLI::App& app, Program& program);
 void add_check(CLI::App& app, Program& program);
 void add_bench(CLI::App& app, Program& program);
+void add_chart(CLI::App& app, Program& program);
 
 }  // namespace taut::cli
