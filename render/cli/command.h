@@ -39,5 +39,6 @@ void add_simulate(CLI::App& app, Program& program);
 void add_check(CLI::App& app, Program& program);
 void add_bench(CLI::App& app, Program& program);
 void add_chart(CLI::App& app, Program& program);
+void add_stability(CLI::App& app, Program& program);
 
 }  // namespace taut::cli
