@@ -33,8 +33,8 @@ Canvas::Canvas(const Context& context, int width, int height, int samples)
       finished_(make_texture(gl_, GL_RGBA8, width, height)),
       finished_target_(make_framebuffer(gl_, finished_.id(), 0)),
       no_vertices_(make_vertex_array(gl_)),
-      finish_(gl_, fmt::format("#define SAMPLES {}\n#define SAMPLER sampler2DMS\n", samples),
-              shaders::cover_vertex, shaders::finish_fragment) {
+      finish_(gl_, fmt::format("#define SAMPLES {}\n", samples), shaders::cover_vertex,
+              shaders::finish_fragment) {
   finish_.set("height", height);
 }
 
@@ -42,7 +42,7 @@ void Canvas::bind() const {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.id());
 }
 
-Picture Canvas::finish() {
+void Canvas::resolve() {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, finished_target_.id());
   gl_.Viewport(0, 0, width_, height_);
   gl_.Disable(GL_DEPTH_TEST);
@@ -52,6 +52,10 @@ Picture Canvas::finish() {
   gl_.BindVertexArray(no_vertices_.id());
   finish_.use();
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+Picture Canvas::read() const {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, finished_target_.id());
   Picture picture(width_, height_);
   gl_.ReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, picture.pixels.data());
   return picture;

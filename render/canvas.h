@@ -24,8 +24,14 @@ class Canvas {
 
   /// Makes the canvas the target of drawing.
   void bind() const;
-  /// The finished picture: samples averaged, sRGB, dithered.
-  Picture finish();
+  /// Finishes what was drawn: samples averaged, sRGB, dithered.
+  void resolve();
+  /// The finished picture.
+  Picture read() const;
+  Picture finish() {
+    resolve();
+    return read();
+  }
 
  private:
   const Gl& gl_;

@@ -5,7 +5,8 @@
 namespace taut {
 
 Film::Film(const Context& context, const Scene& scene, int width, int height, int samples)
-    : scene_(scene),
+    : context_(context),
+      scene_(scene),
       canvas_(context, width, height, samples),
       renderer_(context, *scene.stage, scene.world) {}
 
@@ -18,10 +19,26 @@ Instant Film::instant(const Snapshot& state) const {
 
 Picture Film::draw(const Instant& instant) {
   renderer_.clear(canvas_);
+  lap("clear");
   renderer_.draw(canvas_, {0, 0, canvas_.width(), canvas_.height()}, instant);
-  Picture picture = canvas_.finish();
+  canvas_.resolve();
+  lap("resolve and tone map");
+  Picture picture = canvas_.read();
+  lap("read back");
   draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
+  lap("captions");
   return picture;
+}
+
+void Film::set_profile(Profile* profile) {
+  profile_ = profile;
+  renderer_.set_profile(profile);
+}
+
+void Film::lap(const char* stage) const {
+  if (!profile_) return;
+  context_.gl().Finish();
+  profile_->lap(stage);
 }
 
 }  // namespace taut

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "render/canvas.h"
+#include "render/profile.h"
 #include "render/stage_renderer.h"
 #include "render/text.h"
 #include "scenes/scene.h"
 
 namespace taut {
 
+/// A frame depends on its instant alone, never on the frames drawn before.
 class Film {
  public:
   /// `scene` has a stage, and must outlive this. Throws NoContext where the driver allows no such
@@ -18,11 +20,18 @@ class Film {
   Instant instant(const Snapshot& state) const;
   Picture draw(const Instant& instant);
 
+  /// Where to note the stages' times, each waited for; null: nowhere.
+  void set_profile(Profile* profile);
+
  private:
+  void lap(const char* stage) const;
+
+  const Context& context_;
   const Scene& scene_;
   Canvas canvas_;
   StageRenderer renderer_;
   Font font_;
+  Profile* profile_ = nullptr;
 };
 
 }  // namespace taut

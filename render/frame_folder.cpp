@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <iterator>
 
 #include "render/error.h"
@@ -23,12 +22,6 @@ std::uint64_t file_hash(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(in), {});
   return Hash().bytes(bytes.data(), bytes.size()).value();
-}
-
-double thread_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
 bool is_frame(const std::filesystem::path& file) {
@@ -128,7 +121,6 @@ void FrameFolder::work(std::stop_token stop) {
     }
     lock.lock();
     busy_ = false;
-    writing_time_ = thread_seconds();
     if (failure && !failure_) failure_ = failure;
     changed_.notify_all();
     if (failure_) return;

@@ -38,9 +38,6 @@ class FrameFolder {
   /// Waits for all frames. Throws CannotWrite.
   void finish();
 
-  /// CPU time spent on packing and writing, s.
-  double writing_time() const { return writing_time_; }
-
  private:
   struct Entry {
     std::uint64_t inputs, file;
@@ -64,7 +61,6 @@ class FrameFolder {
   std::deque<Job> queue_;
   bool busy_ = false;
   std::exception_ptr failure_;
-  double writing_time_ = 0;
   std::jthread worker_;  // last: it uses everything above
 };
 

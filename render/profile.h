@@ -4,29 +4,33 @@
 #include <string>
 #include <vector>
 
-#include "render/gl.h"
-
 namespace taut {
 
-/// Sums of the CPU and wall time of a frame's stages. Measuring waits for the rasteriser after each
-/// stage, which costs a little of what it measures.
+/// CPU and wall times of the stages that frames go through, one after another.
 class Profile {
  public:
+  /// Times of one frame, s. CPU time is that of all threads.
+  struct Times {
+    double cpu = 0, wall = 0;
+  };
   struct Stage {
     std::string name;
-    double cpu = 0, wall = 0;  // s, all frames together
+    std::vector<Times> frames;
   };
 
-  /// Begins a frame.
+  /// Begins to measure: what happened since the last lap is nobody's.
   void start();
-  /// Ends a stage: the time since the last lap is its.
-  void lap(const Gl& gl, const char* stage);
+  /// Ends a stage: the time since `start` or the last lap is its time in one more frame.
+  void lap(const char* stage);
 
   const std::vector<Stage>& stages() const { return stages_; }
 
  private:
   std::vector<Stage> stages_;
-  double cpu_ = 0, wall_ = 0;
+  Times last_;
 };
+
+/// The median over frames, of CPU and wall time each on its own.
+Profile::Times median(const Profile::Stage& stage);
 
 }  // namespace taut

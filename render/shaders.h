@@ -16,10 +16,7 @@ extern const char* const depth_fragment;
 
 /// One triangle that covers the picture, and the passes that finish it.
 extern const char* const cover_vertex;
-/// Decodes and averages the samples of a pixel into linear light. Define: SAMPLES.
-extern const char* const gather_fragment;
-/// Linear light to dithered 8-bit sRGB, top row first. Defines: SAMPLES (0: from accumulated
-/// light).
+/// The mean light of a pixel's samples to dithered 8-bit sRGB, top row first. Define: SAMPLES.
 extern const char* const finish_fragment;
 
 }  // namespace taut::shaders

@@ -223,7 +223,9 @@ struct StageRenderer::Impl {
   }
 
   void lap(const char* name) const {
-    if (profile) profile->lap(gl, name);
+    if (!profile) return;
+    gl.Finish();
+    profile->lap(name);
   }
 
   const Gl& gl;
@@ -262,9 +264,8 @@ void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Insta
                          const Layer& layer) {
   Impl& d = *impl_;
   const Gl& gl = d.gl;
-  d.lap("clear");
   d.pose(instant);
-  d.lap("pose");
+  d.lap("skin");
   const std::vector<Item> moving = d.moving_items(instant, layer);
   const std::vector<Item> scenery = layer.scenery ? d.scenery_items() : std::vector<Item>();
 

@@ -41,7 +41,7 @@ class StageRenderer {
   void draw(const Canvas& canvas, const Rect& viewport, const Instant& instant,
             const Layer& layer = {});
 
-  /// Where to sum up the stages' times; null: nowhere.
+  /// Where to note the stages' times, each waited for; null: nowhere.
   void set_profile(Profile* profile);
 
  private:

@@ -19,6 +19,8 @@
 #include "render/frame_folder.h"
 #include "render/hash.h"
 #include "render/interrupt.h"
+#include "render/profile.h"
+#include "render/table.h"
 #include "render/video.h"
 #include "scenes/error.h"
 #include "scenes/scene.h"
@@ -36,20 +38,23 @@ double seconds_since(Clock::time_point start) {
 struct Options {
   std::string scene, out, frames, size, backend = "auto";
   int fps = 0, samples = 4;
-  bool resume = false, no_video = false, contact_sheet = false;
+  bool resume = false, no_video = false, contact_sheet = false, profile = false;
   std::optional<double> poster;  // s
   MethodOptions method;
 };
 
 /// The states at the frames' times.
-std::vector<Snapshot> record(const Scene& scene, const std::vector<int>& frames) {
+std::vector<Snapshot> record(const Scene& scene, const std::vector<int>& frames,
+                             Profile* profile = nullptr) {
   Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
   std::vector<Snapshot> states;
   int done = 0;
   for (const int frame : frames) {
     for (; done < frame; ++done) {
       stop_if_interrupted();
+      if (profile) profile->start();
       simulation.advance_to(double(done + 1) / scene.fps);
+      if (profile) profile->lap("simulate");
     }
     states.push_back(snapshot(simulation.world()));
   }
@@ -94,6 +99,30 @@ int render_stills(const Scene& scene, const Options& options, Film& film,
   return kDone;
 }
 
+/// The stages' medians, and what they add up to.
+Table stage_table(const Profile& profile) {
+  Table table{{"stage", "wall ms", "CPU ms"}, {}};
+  Profile::Times sum;
+  for (const Profile::Stage& stage : profile.stages()) {
+    const auto [cpu, wall] = median(stage);
+    table.add({stage.name, fmt::format("{:.2f}", 1e3 * wall), fmt::format("{:.2f}", 1e3 * cpu)});
+    sum.cpu += cpu;
+    sum.wall += wall;
+  }
+  table.add({"one after another", fmt::format("{:.2f}", 1e3 * sum.wall),
+             fmt::format("{:.2f}", 1e3 * sum.cpu)});
+  return table;
+}
+
+nlohmann::ordered_json stage_json(const Profile& profile) {
+  auto stages = nlohmann::ordered_json::array();
+  for (const Profile::Stage& stage : profile.stages()) {
+    const auto [cpu, wall] = median(stage);
+    stages.push_back({{"stage", stage.name}, {"wall", wall}, {"cpu", cpu}});
+  }
+  return stages;
+}
+
 int render(const Common& common, const Options& options) {
   const Backend backend = backend_named(options.backend);
   Scene scene = load_scene(options.scene, true);
@@ -119,9 +148,12 @@ int render(const Common& common, const Options& options) {
   Film film(context, scene, scene.width, scene.height, options.samples);
   if (stills) return render_stills(scene, options, film, out);
   FrameFolder folder(out / "frames", options.resume);
+  Profile profile;
+  Profile* const measured = options.profile ? &profile : nullptr;
+  film.set_profile(measured);
 
   const auto simulation_start = Clock::now();
-  const std::vector<Snapshot> states = record(scene, frames);
+  const std::vector<Snapshot> states = record(scene, frames, measured);
   const double simulation_time = seconds_since(simulation_start);
 
   const std::uint64_t clip = Hash()
@@ -138,11 +170,17 @@ int render(const Common& common, const Options& options) {
     Progress progress("rendering", "frames", frames.size(), common.quiet);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       stop_if_interrupted();
+      if (measured) profile.start();
       const Instant instant = film.instant(states[i]);
+      if (measured) profile.lap("pose");
       const std::uint64_t inputs = Hash().number(clip).number(fingerprint(instant)).value();
       if (!folder.has(frames[i], inputs)) {
         folder.put(frames[i], inputs, film.draw(instant));
         ++drawn;
+        if (measured) {  // alone, so that its time is not another stage's
+          folder.finish();
+          profile.lap("PNG");
+        }
       }
       progress.update(i + 1);
     }
@@ -174,13 +212,17 @@ int render(const Common& common, const Options& options) {
     report["seconds_per_frame"]["encoding"] = seconds_since(encoding_start) / double(frames.size());
     report["video"] = file.string();
   }
+  if (measured) report["profile"] = stage_json(profile);
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
   record_file.write(text);
   record_file.commit();
-  write_output(common.json
-                   ? text
-                   : (video ? report["video"] : report["frames_folder"]).get<std::string>() + "\n");
+  if (common.json) {
+    write_output(text);
+  } else {
+    write_output((video ? report["video"] : report["frames_folder"]).get<std::string>() + "\n");
+    if (measured) write_output(to_text(stage_table(profile)));
+  }
   return kDone;
 }
 
@@ -209,6 +251,8 @@ void add_render(CLI::App& app, Program& program) {
   command.add_flag("--contact-sheet", options->contact_sheet,
                    "Only a sheet of the captions' middles, contact_sheet.png");
   command.add_option("--poster", options->poster, "Only the picture at this time (s), poster.png");
+  command.add_flag("--profile", options->profile,
+                   "Time a frame's stages, one after another, and print their medians");
   command.add_flag("--no-video", options->no_video, "Frames only");
   command.callback([&program, options] {
     program.run = [&program, options] { return render(program.common, *options); };

@@ -1,6 +1,7 @@
 // taut render: frames, video, resuming, and what is refused before any work is done.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -66,6 +67,24 @@ TEST_F(Render, MakesFramesAndVideo) {
   }
   for (const auto& entry : fs::recursive_directory_iterator(out_))
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+}
+
+TEST_F(Render, ProfileListsTheStages) {
+  const Outcome outcome = render({"--profile", "--no-video", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto report = nlohmann::json::parse(outcome.output);
+  double wall = 0;
+  std::vector<std::string> names;
+  for (const auto& stage : report.at("profile")) {
+    names.push_back(stage.at("stage"));
+    wall += stage.at("wall").get<double>();
+  }
+  for (const char* name : {"simulate", "pose", "skin", "figures", "PNG"})
+    EXPECT_EQ(std::ranges::count(names, name), 1) << name;
+  EXPECT_GT(wall, 0);
+  EXPECT_LT(wall, 2 * report.at("seconds_per_frame").at("rendering").get<double>());
+  const Outcome table = render({"--profile", "--no-video"});
+  EXPECT_NE(table.output.find("one after another"), std::string::npos) << table.output;
 }
 
 TEST_F(Render, OnlyTheFramesAskedFor) {
