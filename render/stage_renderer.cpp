@@ -157,6 +157,8 @@ struct StageRenderer::Impl {
 
   /// Capsules of the feet and the pelvis: what stands on or near the floor darkens it.
   void find_capsules(const Instant& instant, FrameBlock& block, std::vector<Vec3>& reach) const {
+    block.capsule_from.fill(Vector4f::Zero());  // Eigen leaves what it makes unset
+    block.capsule_to.fill(Vector4f::Zero());
     std::size_t count = 0;
     const auto add = [&](const Vec3& from, const Vec3& to, double radius) {
       if (count == kCapsules) return;
