@@ -16,12 +16,9 @@ namespace taut {
 
 std::span<const MethodInfo> methods() {
   static const std::vector<MethodInfo> list = {
-      impulse_method(),
-      dynamic_constraints_method(),
-      multibody_method(),
-      springs_method(),
-      xpbd_method(),
-      direct_method(),
+      impulse_method(),   dynamic_constraints_method(),
+      multibody_method(), springs_method(),
+      xpbd_method(),      direct_method(),
       truth_method(),
   };
   return list;
@@ -122,10 +119,18 @@ const std::string& text(const Settings& settings, std::string_view name) {
   return std::get<std::string>(settings.find(name)->second);
 }
 
-std::vector<Setting> halvings(double first, int count) {
-  std::vector<Setting> steps;
-  for (int i = 0; i < count; ++i) steps.emplace_back(std::ldexp(first, -i));
-  return steps;
+SettingInfo step_setting(bool limited, int sweep) {
+  SettingInfo info{
+      .name = "step",
+      .meaning = limited ? "The time step; zero takes a share of the longest that is stable."
+                         : "The time step; smaller is more accurate and costs in proportion.",
+      .unit = "s",
+      .fallback = limited ? 0.0 : 0.001,
+      .maximum = 1,
+      .above = !limited,
+  };
+  for (int i = 0; i < sweep; ++i) info.sweep.emplace_back(std::ldexp(1.0 / 60, -i));
+  return info;
 }
 
 Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number,

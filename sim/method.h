@@ -125,8 +125,10 @@ double number(const Settings& settings, std::string_view name);
 bool flag(const Settings& settings, std::string_view name);
 const std::string& text(const Settings& settings, std::string_view name);
 
-/// `count` values for sweeps over steps: `first` (s), and each half of the one before.
-std::vector<Setting> halvings(double first, int count);
+/// The setting `step` (s) of a method whose steps are all equal; sweeps go through `sweep` values
+/// of it, 1/60 s and each half of the one before. Zero, the default where the method is `limited`
+/// in its step, lets it choose by what limits it.
+SettingInfo step_setting(bool limited, int sweep);
 
 /// How many equal steps of at most `step` (s) fill `interval` (s); exact where step divides it.
 std::uint64_t step_count(double interval, double step);

@@ -1,6 +1,7 @@
 #include "sim/methods/dynamic_constraints.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
@@ -10,25 +11,48 @@ namespace taut {
 namespace {
 
 constexpr std::string_view kName = "dynamic-constraints";
+// When the step is left open:
+constexpr double kSafety = 0.5;        // of the stability limit
+constexpr double kLongest = 1e-3;      // s
+constexpr double kMostParts = 1e4;     // that a step is split into
 constexpr double kStepsToReturn = 10;  // time constant in steps, where the settings leave it open
 
 class DynamicConstraints final : public SteppedMethod {
  public:
   explicit DynamicConstraints(const Settings& settings)
       : SteppedMethod(kName, number(settings, "step")),
+        adaptive_(number(settings, "step") == 0),
         time_constant_(number(settings, "time_constant")),
         dense_(text(settings, "solver") == "dense"),
-        integrator_(integrator_named(text(settings, "integrator"))) {}
+        integrator_(integrator_named(text(settings, "integrator"))),
+        stability_limit_(stability_limit(integrator_, 0)) {}
 
  private:
-  double prepare(Mechanism& mechanism) override {
+  double prepare(Mechanism& mechanism, const World& world) override {
     stepper_ = Stepper(mechanism, integrator_);
     system_.emplace(mechanism);
     right_.resize(mechanism.rows().size());
-    return 0;
+    mobility_ = row_mobility(mechanism);
+    fastest_squared_ = 0;
+    return std::min(kLongest, kSafety * stability_limit_ / fastest_swing(world));
   }
 
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override {
+    if (!adaptive_) return single_step(mechanism, time, dt, state);
+    start_ = state;
+    for (double parts = parts_of(dt);; parts = parts_of(dt)) {
+      const double part = dt / parts;
+      fastest_squared_ = 0;
+      for (double i = 0; i < parts; ++i) single_step(mechanism, time + i * part, part, state);
+      counters_.steps += static_cast<std::uint64_t>(parts) - 1;
+      // A jerk shows in the tensions only when it is there: then once more, finer.
+      if (parts == kMostParts || parts_of(dt) <= 2 * parts) return;
+      ++counters_.rejected;
+      state = start_;
+    }
+  }
+
+  void single_step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) {
     const double tau = time_constant_ > 0 ? time_constant_ : kStepsToReturn * dt;
     stepper_.step(
         mechanism, time, dt, state, [&](const Mechanism& at, std::vector<double>& tension) {
@@ -43,15 +67,40 @@ class DynamicConstraints final : public SteppedMethod {
           } else if (system_->solve(right_, tension)) {
             ++counters_.handed_over;
           }
+          if (adaptive_) {
+            fastest_squared_ = std::max(fastest_squared_, swings_squared(at, tension));
+          }
         });
   }
 
+  /// A bound on the frequency (rad/s) of the swings that tensions drive, squared: in each row of
+  /// rest length l, 2 T/l times the mobility of its points, which is 4 T/(m l) between equal
+  /// particles.
+  double swings_squared(const Mechanism& mechanism, const std::vector<double>& tension) const {
+    double squared = 0;
+    for (std::size_t r = 0; r < tension.size(); ++r) {
+      const double rest = mechanism.rows()[r].rest;
+      if (rest > 0) squared = std::max(squared, 2 * tension[r] / rest * mobility_[r]);
+    }
+    return squared;
+  }
+  /// Into how many parts a step must go to be stable under the tensions of the step before.
+  double parts_of(double dt) const {
+    const double parts = dt * std::sqrt(fastest_squared_) / (kSafety * stability_limit_);
+    return std::clamp(std::ceil(parts), 1.0, kMostParts);
+  }
+
+  bool adaptive_;         // the settings leave the step open
   double time_constant_;  // s
   bool dense_;
   Integrator integrator_;
+  double stability_limit_;  // 1/w
   Stepper stepper_;
   std::optional<TensionSystem> system_;
-  std::vector<double> right_;  // m/s^2
+  std::vector<double> right_;     // m/s^2
+  std::vector<double> mobility_;  // per row, 1/kg
+  std::vector<double> start_;     // the state before the step
+  double fastest_squared_ = 0;    // (rad/s)^2, in the step before
 };
 
 /// Sideways a connector under tension moves freely, and its lengths return critically damped.
@@ -68,13 +117,7 @@ MethodInfo dynamic_constraints_method() {
   return {
       .name = kName,
       .summary = "forces from the system of all links, returning critically damped",
-      .settings = {{.name = "step",
-                    .meaning = "The time step; smaller is more accurate and costs in proportion.",
-                    .unit = "s",
-                    .fallback = 0.001,
-                    .maximum = 1,
-                    .above = true,
-                    .sweep = halvings(1.0 / 60, 10)},
+      .settings = {step_setting(true, 10),
                    {.name = "time_constant",
                     .meaning =
                         "In which length errors return by e, 1.3 steps or more; zero: ten steps.",
@@ -98,7 +141,7 @@ MethodInfo dynamic_constraints_method() {
       },
       .forms = {{"dense", {{"solver", std::string("dense")}}}},
       .longest_step = longest_step,
-      .longest_step_law = "2/w (Euler), 2.83/w (RK4), w the fastest swing",
+      .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",
   };
 }
 

@@ -240,13 +240,7 @@ MethodInfo impulse_method() {
   return {
       .name = kName,
       .summary = "impulses between the ends, particles repositioned",
-      .settings = {{.name = "step",
-                    .meaning = "The time step; smaller is more accurate and costs in proportion.",
-                    .unit = "s",
-                    .fallback = 0.001,
-                    .maximum = 1,
-                    .above = true,
-                    .sweep = halvings(1.0 / 60, 10)},
+      .settings = {step_setting(false, 10),
                    {.name = "h",
                     .meaning =
                         "How far a link's length may be off before it is corrected; larger is "

@@ -15,19 +15,14 @@ namespace {
 constexpr double kSafety = 0.9;     // of the stability limit, when the step is left open
 constexpr double kLongest = 1e-2;   // s, when nothing limits the step
 constexpr double kShortest = 1e-5;  // s, when no step is stable
+constexpr double kGrowth = 1;       // 1/s, of the fastest swing under explicit Euler
 
 /// A bound on the frequency (rad/s) of the fastest way in which links of `stiffness` (N/m) stretch,
 /// whatever the shape; 2 sqrt(k/m) for a chain of equal particles.
 double fastest_wave(const Mechanism& mechanism, double stiffness) {
-  std::vector<double> mobile = mechanism.inverse_mass();  // 1/kg, at most, in any direction
-  for (const auto& carried : mechanism.carried()) {
-    const auto& body = mechanism.bodies()[carried.body];
-    mobile[carried.point] =
-        body.inverse_mass + carried.local.squaredNorm() * body.inverse_inertia.norm();
-  }
   // Gershgorin on J M^-1 J^T: a row's own mobility, and once more what it shares at either end.
   double most = 0;
-  for (const Row& row : mechanism.rows()) most = std::max(most, mobile[row.a] + mobile[row.b]);
+  for (const double mobility : row_mobility(mechanism)) most = std::max(most, mobility);
   return std::sqrt(stiffness * 2 * most);
 }
 
@@ -40,13 +35,17 @@ class Springs : public SteppedMethod {
         integrator_(integrator_named(text(settings, "integrator"))) {}
 
  private:
-  double prepare(Mechanism& mechanism) override {
+  double prepare(Mechanism& mechanism, const World& world) override {
     stepper_ = Stepper(mechanism, integrator_);
     const double fastest = fastest_wave(mechanism, stiffness_);
     damper_ = fastest > 0 ? 2 * damping_ * stiffness_ / fastest : 0;
     const double limit = stability_limit(integrator_, damping_);
     if (!(limit > 0)) return kShortest;
-    return std::min(kLongest, kSafety * limit / fastest);
+    const double stable = std::min(kLongest, kSafety * limit / fastest);
+    if (integrator_ != Integrator::explicit_euler) return stable;
+    // No damper brakes a swing of frequency w, which explicit Euler makes grow at the rate w^2
+    // dt/2.
+    return std::min(stable, 2 * kGrowth / std::pow(fastest_swing(world), 2));
   }
 
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override {
@@ -77,11 +76,7 @@ MethodInfo springs_method() {
   return {
       .name = "springs",
       .summary = "a particle system: a hard spring and damper per link",
-      .settings = {{.name = "step",
-                    .meaning = "The time step; zero takes nine tenths of the stability limit.",
-                    .unit = "s",
-                    .fallback = 0.0,
-                    .maximum = 1},
+      .settings = {step_setting(true, 0),
                    {.name = "stiffness",
                     .meaning = "Of each link; more stretches less and needs shorter steps.",
                     .unit = "N/m",
@@ -105,7 +100,7 @@ MethodInfo springs_method() {
       .forms = {{"explicit-euler", {{"integrator", std::string("explicit-euler")}}},
                 {"rk4", {{"integrator", std::string("rk4")}}}},
       .longest_step = longest_step,
-      .longest_step_law = "(2/w)(sqrt(1+z^2) - z), w the fastest stretch",
+      .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
   };
 }
 

@@ -19,7 +19,7 @@ void SteppedMethod::advance(World& world, double until) {
     topology_ = world.topology;
     mechanism_->load(world, state_);
     mechanism_->look(world.time, state_.data());
-    limit_ = prepare(*mechanism_);
+    limit_ = prepare(*mechanism_, world);
   } else {
     mechanism_->load(world, state_);
   }
@@ -34,6 +34,18 @@ void SteppedMethod::advance(World& world, double until) {
     }
   }
   mechanism_->store(state_, until, world);
+}
+
+std::vector<double> row_mobility(const Mechanism& mechanism) {
+  std::vector<double> mobile = mechanism.inverse_mass();
+  for (const auto& carried : mechanism.carried()) {
+    const auto& body = mechanism.bodies()[carried.body];
+    mobile[carried.point] =
+        body.inverse_mass + carried.local.squaredNorm() * body.inverse_inertia.norm();
+  }
+  std::vector<double> rows;
+  for (const Row& row : mechanism.rows()) rows.push_back(mobile[row.a] + mobile[row.b]);
+  return rows;
 }
 
 void drift(const Mechanism& mechanism, double dt, std::vector<double>& state) {

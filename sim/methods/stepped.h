@@ -21,7 +21,7 @@ class SteppedMethod : public Method {
 
   /// Called when the world's topology is new: makes workspaces, and returns the longest step (s)
   /// that the method can take there; it counts only where the settings leave the step open.
-  virtual double prepare(Mechanism& mechanism) = 0;
+  virtual double prepare(Mechanism& mechanism, const World& world) = 0;
   /// Takes `state` from `time` to `time + dt`.
   virtual void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) = 0;
 
@@ -32,6 +32,9 @@ class SteppedMethod : public Method {
   std::optional<Mechanism> mechanism_;
   std::vector<double> state_;
 };
+
+/// How freely a pull along each row parts its points (1/kg): at most, in whatever direction.
+std::vector<double> row_mobility(const Mechanism& mechanism);
 
 /// Moves points and bodies of `state` by their velocities for `dt` (s): in straight lines, bodies
 /// turning as they do without torque.

@@ -30,7 +30,7 @@ class Xpbd final : public SteppedMethod {
     bool any() const { return a != kNone || b != kNone; }
   };
 
-  double prepare(Mechanism& mechanism) override;
+  double prepare(Mechanism& mechanism, const World&) override;
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override;
   void pass(const Mechanism& mechanism, double softness, double* state);
   double mobility(const Mechanism& mechanism, int carried, const Vec3& along, const double* state);
@@ -42,7 +42,7 @@ class Xpbd final : public SteppedMethod {
   std::vector<double> multiplier_, flown_;  // kg m per row; the state after free motion
 };
 
-double Xpbd::prepare(Mechanism& mechanism) {
+double Xpbd::prepare(Mechanism& mechanism, const World&) {
   multiplier_.resize(mechanism.rows().size());
   carriers_.assign(mechanism.rows().size(), {});
   for (const auto& grip : mechanism.grips()) {
@@ -147,31 +147,24 @@ void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double*
 }  // namespace
 
 MethodInfo xpbd_method() {
-  return {
-      .name = kName,
-      .summary = "extended position-based dynamics with small steps",
-      .settings = {{.name = "step",
-                    .meaning = "The time step; smaller is stiffer and more accurate, and dearer.",
-                    .unit = "s",
-                    .fallback = 0.001,
-                    .maximum = 1,
-                    .above = true,
-                    .sweep = halvings(1.0 / 60, 12)},
-                   {.name = "compliance",
-                    .meaning = "How far a newton stretches each link; more is softer.",
-                    .unit = "m/N",
-                    .fallback = 0.0},
-                   {.name = "iterations",
-                    .meaning = "Passes over all links in a step; more is stiffer and dearer.",
-                    .unit = "1",
-                    .fallback = 1.0,
-                    .minimum = 1,
-                    .maximum = 10000,
-                    .whole = true,
-                    .sweep = {1.0, 4.0, 16.0}}},
-      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
-        return std::make_unique<Xpbd>(settings);
-      }};
+  return {.name = kName,
+          .summary = "extended position-based dynamics with small steps",
+          .settings = {step_setting(false, 12),
+                       {.name = "compliance",
+                        .meaning = "How far a newton stretches each link; more is softer.",
+                        .unit = "m/N",
+                        .fallback = 0.0},
+                       {.name = "iterations",
+                        .meaning = "Passes over all links in a step; more is stiffer and dearer.",
+                        .unit = "1",
+                        .fallback = 1.0,
+                        .minimum = 1,
+                        .maximum = 10000,
+                        .whole = true,
+                        .sweep = {1.0, 4.0, 16.0}}},
+          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+            return std::make_unique<Xpbd>(settings);
+          }};
 }
 
 }  // namespace taut
