@@ -60,7 +60,7 @@ struct CellKind {
   std::uint32_t color = 0xffffff;
 };
 
-/// A straight line over the whole panel.
+/// A straight line over the whole panel; left out where it lies outside the axes.
 struct Rule {
   double at = 0;
   bool vertical = true;

@@ -162,6 +162,8 @@ void Script::add_panel(std::size_t index) {
   for (const Rule& rule : panel.rules) {
     const std::string at = number(rule.at);
     const bool v = rule.vertical;
+    const auto range = v ? x : y;
+    if (rule.at < range.first || rule.at > range.second) continue;
     add("set arrow from {} to {} nohead back lc rgb '#555555' dt (6,4) lw 1.3\n",
         v ? fmt::format("first {},graph 0", at) : fmt::format("graph 0,first {}", at),
         v ? fmt::format("first {},graph 1", at) : fmt::format("graph 1,first {}", at));

@@ -7,11 +7,22 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "render/cli/html_page.h"
+
 namespace taut::cli {
 namespace {
 
-std::optional<std::size_t> reaching(const AccuracyBlock& block, double error) {
-  return cheapest(cost_and_error(block.rows, 0), error);
+constexpr std::size_t kShare = 0, kPixels = 1;  // the metrics of a row
+
+std::optional<std::size_t> reaching(const AccuracyBlock& block, double error,
+                                    std::size_t metric = kShare) {
+  return cheapest(cost_and_error(block.rows, metric), error);
+}
+
+double least_error(const AccuracyBlock& block) {
+  double least = INFINITY;
+  for (const AccuracyRow& row : block.rows) least = std::min(least, row.errors[kShare]);
+  return least;
 }
 
 double cost(const AccuracyRow& row) {
@@ -58,6 +69,16 @@ std::string finding(const AccuracyStudy& study) {
     line += fmt::format(": {} times cheaper than {}, the next", rounded(at(*second) / at(*best)),
                         second->contender.label);
   }
+  std::string stuck;
+  for (const AccuracyBlock& block : study.blocks) {
+    const double least = least_error(block);
+    if (!block.contender.candidate.settings.empty() || !std::isfinite(least) || least <= kAsked) {
+      continue;
+    }
+    stuck += fmt::format("{}{} above {}", stuck.empty() ? "; " : ", ", block.contender.label,
+                         percent(least));
+  }
+  if (!stuck.empty()) line += stuck + " at any setting tried";
   return line;
 }
 
@@ -71,14 +92,18 @@ std::string circumstances(const AccuracyStudy& study) {
 }  // namespace
 
 Table points_table(const AccuracyStudy& study) {
-  Table table{{"method", "settings", "outcome", "error (share of length)",
-               "CPU per simulated second (s)", "low quartile (s)", "high quartile (s)", "timings",
-               "steps per second", "solves per second", "largest stretch", "on the front"},
-              {}};
+  Table table{
+      {"method", "settings", "outcome", "error (share of length)", "CPU per simulated second (s)",
+       "low quartile (s)", "high quartile (s)", "timings", "steps per second", "solves per second",
+       "largest stretch", "on the front", "reason"},
+      {}};
+  if (study.in_pixels) table.columns.push_back("error (px)");
   for (const AccuracyBlock& block : study.blocks) {
     if (block.rows.empty()) {
-      table.add({block.contender.label, "", std::string(block.contender.method->missing), "", "",
-                 "", "", "", "", "", "", ""});
+      std::vector<std::string> cells(table.columns.size());
+      cells[0] = block.contender.label;
+      cells[2] = block.contender.method->missing;
+      table.add(std::move(cells));
     }
     const std::vector<std::size_t> front = pareto_front(cost_and_error(block.rows, 0));
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
@@ -88,10 +113,21 @@ Table points_table(const AccuracyStudy& study) {
         return row.end == Run::End::done ? fmt::format("{:.9g}", value) : std::string();
       };
       const bool best = std::ranges::find(front, i) != front.end();
-      table.add({block.contender.label, describe(row.candidate.settings), outcome(row),
-                 text(row.errors[0]), text(time.median), text(time.low), text(time.high),
-                 std::to_string(row.cpu.size()), text(row.steps), text(row.solves),
-                 text(row.stretch_max), best ? "yes" : "no"});
+      std::vector<std::string> cells{block.contender.label,
+                                     describe(row.candidate.settings),
+                                     outcome(row),
+                                     text(row.errors[kShare]),
+                                     text(time.median),
+                                     text(time.low),
+                                     text(time.high),
+                                     std::to_string(row.cpu.size()),
+                                     text(row.steps),
+                                     text(row.solves),
+                                     text(row.stretch_max),
+                                     best ? "yes" : "no",
+                                     row.reason};
+      if (study.in_pixels) cells.push_back(text(row.errors[kPixels]));
+      table.add(std::move(cells));
     }
   }
   return table;
@@ -102,6 +138,7 @@ Table reach_table(const AccuracyStudy& study) {
   for (const double target : study.targets) {
     table.columns.push_back(fmt::format("ms/s for {:g}", target));
   }
+  if (study.in_pixels) table.columns.push_back("ms/s for 1 px");
   table.columns.push_back("least error");
   table.columns.push_back("settings of the finest target reached");
   for (const AccuracyBlock& block : study.blocks) {
@@ -112,75 +149,92 @@ Table reach_table(const AccuracyStudy& study) {
       row.push_back(found ? rounded(1e3 * cost(block.rows[*found])) : "-");
       if (found) settings = describe(block.rows[*found].candidate.settings);
     }
-    double least = INFINITY;
-    for (const AccuracyRow& one : block.rows) least = std::min(least, one.errors[0]);
-    row.push_back(rounded(least));
+    if (study.in_pixels) {
+      const auto found = reaching(block, 1, kPixels);
+      row.push_back(found ? rounded(1e3 * cost(block.rows[*found])) : "-");
+    }
+    row.push_back(rounded(least_error(block)));
     row.push_back(settings);
     table.add(std::move(row));
   }
   return table;
 }
 
-Chart accuracy_chart(const AccuracyStudy& study) {
-  Chart chart;
-  chart.title = finding(study);
-  chart.subtitle = circumstances(study) +
-                   " Lines: each method's best settings; faint: the rest. Bars: quartiles.";
-  chart.width = 1200;
-  chart.height = 820;
+namespace {
+
+Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
   Panel panel;
   panel.x = {"CPU time per simulated second (ms), one thread; left is faster", true};
-  panel.y = {"RMS position error (share of the length); lower is better", true};
-  panel.y.maximum = 3;
+  panel.y = {metric == kShare ? "RMS position error (share of the length); lower is better"
+                              : "RMS position error (px of the scene's camera); lower is better",
+             true};
+  if (metric == kShare) panel.y.maximum = 3;  // beyond, all is lost
   for (const AccuracyBlock& block : study.blocks) {
-    const std::vector<std::size_t> best = pareto_front(cost_and_error(block.rows, 0));
+    const std::vector<std::size_t> best = pareto_front(cost_and_error(block.rows, metric));
     Series front{block.contender.label, block.contender.style, true, true, false, {}};
     Series rest{"", block.contender.style, false, true, true, {}};
     for (const std::size_t i : best) {
       const Spread time = spread(block.rows[i].cpu);
-      front.points.push_back({1e3 * time.median, block.rows[i].errors[0], 1e3 * time.low,
+      front.points.push_back({1e3 * time.median, block.rows[i].errors[metric], 1e3 * time.low,
                               1e3 * time.high, kAuto, kAuto});
     }
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
       if (block.rows[i].end != Run::End::done) continue;
       if (std::ranges::find(best, i) != best.end()) continue;
-      rest.points.push_back({1e3 * cost(block.rows[i]), block.rows[i].errors[0]});
+      rest.points.push_back({1e3 * cost(block.rows[i]), block.rows[i].errors[metric]});
     }
     panel.series.push_back(std::move(front));
     panel.series.push_back(std::move(rest));
   }
   panel.rules.push_back({1e3, true, "real time"});
-  if (study.self_error > 0)
+  if (metric == kPixels) panel.rules.push_back({1, false, "one pixel"});
+  if (metric == kShare && study.self_error > 0) {
     panel.rules.push_back({study.self_error, false, "the truth's own error"});
-  chart.panels = {std::move(panel)};
+  }
+  return panel;
+}
+
+}  // namespace
+
+Chart accuracy_chart(const AccuracyStudy& study) {
+  Chart chart;
+  chart.title = finding(study);
+  chart.subtitle = circumstances(study) +
+                   " Lines: each method's best settings; faint: the rest. Bars: quartiles.";
+  chart.width = study.in_pixels ? 1500 : 1200;
+  chart.height = 820;
+  chart.panels.push_back(error_panel(study, kShare));
+  if (study.in_pixels) {
+    chart.panels.push_back(error_panel(study, kPixels));
+    chart.columns = 2;
+  }
   return chart;
 }
 
-std::string accuracy_page(const AccuracyStudy& study, const std::string& svg) {
-  return fmt::format(
-      R"(<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{0}: speed against accuracy</title>
-<style>
-body {{ font: 15px/1.5 "DejaVu Sans", sans-serif; max-width: 1200px; margin: 2em auto; padding: 0 1em; }}
-svg {{ width: 100%; height: auto; }}
-table {{ border-collapse: collapse; font-size: 13px; display: block; overflow-x: auto; }}
-th, td {{ padding: 2px 10px; border-bottom: 1px solid #ddd; text-align: left; }}
-.number {{ text-align: right; font-variant-numeric: tabular-nums; }}
-</style></head><body>
-<h1>{0}: speed against accuracy</h1>
-<p>{1}</p>
-<p>Scene: {2}. {3}.</p>
-{4}
+std::string accuracy_page(const AccuracyStudy& study) {
+  std::string model;
+  if (!study.model.rows.empty()) {
+    model = fmt::format(
+        "<h2>What few particles miss</h2>\n<p>A chain of n particles is not the continuous rope "
+        "that "
+        "it stands for. This error is the model's: no solver and no step removes it.</p>\n{}\n{}",
+        inline_svg(model_chart(study.model, study.title)), to_html(model_table(study.model)));
+  }
+  return html_page(study.title + ": speed against accuracy",
+                   fmt::format(
+                       R"(<p>{}</p>
+<p>Scene: {}. {}.</p>
+{}
 <h2>What an error costs</h2>
 <p>Milliseconds of CPU time per simulated second of the cheapest settings tried that reach an RMS
 error, as a share of the length.</p>
-{5}
+{}
+{}
 <h2>Every run</h2>
-{6}</body></html>
-)",
-      escape_html(study.title), escape_html(circumstances(study)), escape_html(study.scene),
-      escape_html(machine()), svg.substr(std::min(svg.size(), svg.find("<svg"))),
-      to_html(reach_table(study)), to_html(points_table(study)));
+{})",
+                       escape_html(circumstances(study)), escape_html(study.scene),
+                       escape_html(machine()), inline_svg(accuracy_chart(study)),
+                       to_html(reach_table(study)), model, to_html(points_table(study))));
 }
 
 std::string accuracy_json(const AccuracyStudy& study) {
@@ -200,7 +254,18 @@ std::string accuracy_json(const AccuracyStudy& study) {
       }
       one["reach"].push_back(std::move(reach));
     }
+    if (study.in_pixels) {
+      const auto found = reaching(block, 1, kPixels);
+      one["ms_per_second_for_1_px"] = nullptr;
+      if (found) one["ms_per_second_for_1_px"] = 1e3 * cost(block.rows[*found]);
+    }
+    one["least_error"] = nullptr;
+    if (std::isfinite(least_error(block))) one["least_error"] = least_error(block);
     json["methods"].push_back(std::move(one));
+  }
+  for (const ModelRow& row : study.model.rows) {
+    json["model_error"].push_back(
+        {{"particles", row.particles}, {"links", row.links}, {"span", row.span}});
   }
   return json.dump(2) + "\n";
 }

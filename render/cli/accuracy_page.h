@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "render/cli/model_error.h"
 #include "render/cli/study_options.h"
 #include "sim/study/speed_accuracy.h"
 
@@ -20,17 +21,21 @@ struct AccuracyStudy {
   double horizon = 0;           // s
   double self_error = 0;        // of the length
   std::vector<double> targets;  // of the length
+  bool in_pixels = false;       // rows have a second error, in pixels of the scene's camera
   std::vector<AccuracyBlock> blocks;
+  ModelStudy model;  // no rows: not asked for
 };
 
 /// Every run: settings, error, cost, steps, how it ended.
 Table points_table(const AccuracyStudy& study);
-/// Per method, the cheapest cost that reaches each target, and the settings that do.
+/// Per method, the cheapest cost that reaches each target (and one pixel), and the settings that
+/// do.
 Table reach_table(const AccuracyStudy& study);
-/// Fronts as lines, what they dominate as faint markers.
+/// Fronts as lines, what they dominate as faint markers; a second panel in pixels where rows have
+/// them.
 Chart accuracy_chart(const AccuracyStudy& study);
 /// One HTML page that needs no other file.
-std::string accuracy_page(const AccuracyStudy& study, const std::string& svg);
+std::string accuracy_page(const AccuracyStudy& study);
 std::string accuracy_json(const AccuracyStudy& study);
 
 }  // namespace taut::cli

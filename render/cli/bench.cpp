@@ -38,9 +38,7 @@ Problem frames_of(const Scene& scene) {
 
 Block measure(const Options& options, const std::vector<Contender>& contenders,
               std::size_t particles) {
-  Scene scene = study_scene(options.study);
-  scene =
-      study_scene(options.study, {{connector_key(scene, "particles"), std::to_string(particles)}});
+  const Scene scene = study_scene(options.study, particles);
   std::vector<Candidate> candidates;
   for (const Contender& one : contenders) {
     if (one.method->missing.empty()) candidates.push_back(one.candidate);

@@ -3,19 +3,18 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "render/atomic_file.h"
 #include "render/cli/accuracy_page.h"
 #include "render/cli/command.h"
+#include "render/cli/journal.h"
+#include "render/cli/model_error.h"
 #include "render/cli/progress.h"
 #include "render/cli/study_options.h"
+#include "render/cli/study_target.h"
 #include "render/interrupt.h"
-#include "sim/study/speed_accuracy.h"
-#include "sim/truth/truth.h"
 
 namespace taut::cli {
 namespace {
@@ -23,120 +22,147 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kTargets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};  // shares of the length
-
-struct Options {
-  StudyOptions study;
-};
+constexpr int kTimings = 8;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Every setting of a contender's sweep, with what its form sets put over it.
-std::vector<Candidate> candidates_of(const Contender& contender, bool quick) {
-  std::vector<Candidate> all;
-  for (Candidate candidate : sweep(*contender.method, quick)) {
-    for (const auto& [name, value] : contender.candidate.settings) candidate.settings[name] = value;
-    const auto same = [&](const Candidate& other) { return other.settings == candidate.settings; };
-    if (std::ranges::none_of(all, same)) all.push_back(std::move(candidate));
+std::vector<std::string> cells_of(const AccuracyRow& row) {
+  std::vector<std::string> cells{std::to_string(static_cast<int>(row.end)),
+                                 row.reason,
+                                 exact(row.steps),
+                                 exact(row.solves),
+                                 exact(row.stretch_max),
+                                 exact(row.cpu.empty() ? 0 : row.cpu.front())};
+  for (const double error : row.errors) cells.push_back(exact(error));
+  return cells;
+}
+
+AccuracyRow row_from(const Candidate& candidate, const std::vector<std::string>& cells) {
+  AccuracyRow row;
+  row.candidate = candidate;
+  row.end = static_cast<Run::End>(number_in(cells.at(0)));
+  row.reason = cells.at(1);
+  row.steps = number_in(cells.at(2));
+  row.solves = number_in(cells.at(3));
+  row.stretch_max = number_in(cells.at(4));
+  if (row.end == Run::End::done) row.cpu = {number_in(cells.at(5))};
+  for (std::size_t i = 6; i < cells.size(); ++i) row.errors.push_back(number_in(cells[i]));
+  return row;
+}
+
+AccuracyRow not_run(const Candidate& candidate, std::size_t metrics) {
+  AccuracyRow row;
+  row.candidate = candidate;
+  row.end = Run::End::over_cap;
+  row.reason = "the method's share of the budget was spent";
+  row.errors.assign(metrics, std::numeric_limits<double>::infinity());
+  return row;
+}
+
+/// Scores every candidate of every contender, cheap ones first, within equal shares of `seconds`.
+void score_all(AccuracyStudy& study, const Target& target, const std::vector<Metric>& metrics,
+               double seconds, bool quick, Journal& journal, bool quiet) {
+  std::vector<std::vector<Candidate>> candidates;
+  std::size_t total = 0;
+  for (const AccuracyBlock& block : study.blocks) {
+    candidates.push_back(candidates_of(block.contender, quick));
+    total += candidates.back().size();
   }
-  return all;
-}
-
-/// The scene up to the horizon of its truth.
-struct Target {
-  Problem problem;
-  Reference reference;
-};
-
-Target target_of(const Scene& scene, double length, bool quick) {
-  Target target{{scene.world, frame_times(scene.duration, scene.fps)}, {}};
-  TruthOptions options;
-  options.scored_error = length * (quick ? 1e-4 : 1e-6);
-  if (quick) options.second_accuracy = 1e-7;
-  Truth truth = solve_truth(scene.world, target.problem.times, options);
-  target.reference = {std::move(truth.frames), truth.horizon, truth.self_error};
-  std::erase_if(target.problem.times, [&](double time) { return time > truth.horizon; });
-  target.reference.frames.resize(target.problem.times.size());
-  return target;
-}
-
-std::vector<AccuracyRow> rows_of(const Contender& contender, const Target& target,
-                                 const Metric& metric, double seconds, bool quick) {
-  std::vector<AccuracyRow> rows;
-  if (!contender.method->missing.empty()) return rows;
-  const std::vector<Candidate> candidates = candidates_of(contender, quick);
-  const double cap = seconds / 4;
-  const Clock::time_point start = Clock::now();
-  for (const Candidate& candidate : candidates) {
-    stop_if_interrupted();
-    if (seconds_since(start) > seconds) {
-      rows.push_back({candidate,
-                      Run::End::over_cap,
-                      "the method's share of the budget was spent",
-                      {std::numeric_limits<double>::infinity()},
-                      {},
-                      0,
-                      0,
-                      0});
-      continue;
+  Progress progress("scoring", "runs", total, quiet);
+  std::size_t done = 0;
+  const double share = seconds / static_cast<double>(study.blocks.size());
+  for (std::size_t b = 0; b < study.blocks.size(); ++b) {
+    const Clock::time_point start = Clock::now();
+    for (const Candidate& candidate : candidates[b]) {
+      stop_if_interrupted();
+      const std::string key = "score " + describe(candidate);
+      if (const auto* cells = journal.find(key)) {
+        study.blocks[b].rows.push_back(row_from(candidate, *cells));
+      } else if (seconds_since(start) > share) {
+        study.blocks[b].rows.push_back(not_run(candidate, metrics.size()));
+      } else {
+        const AccuracyRow row =
+            score(target.problem, target.reference, metrics, candidate, share / 4);
+        journal.add(key, cells_of(row));
+        study.blocks[b].rows.push_back(row);
+      }
+      progress.update(++done);
     }
-    rows.push_back(score(target.problem, target.reference, std::span(&metric, 1), candidate, cap));
   }
-  return rows;
 }
 
-int run(const Options& options, const Common& common) {
+/// Times all again and again in turn until `seconds` are over; those that would take more than
+/// `most` seconds only once, for they would eat the time of all others.
+void time_all(AccuracyStudy& study, const Problem& problem, double seconds, double most) {
   const Clock::time_point start = Clock::now();
-  const Scene scene = study_scene(options.study);
-  const std::vector<Contender> contenders = chosen_contenders(options.study);
+  for (int repeat = 0; repeat < kTimings; ++repeat) {
+    for (AccuracyBlock& block : study.blocks) {
+      for (AccuracyRow& row : block.rows) {
+        stop_if_interrupted();
+        if (seconds_since(start) > seconds) return;
+        if (!row.cpu.empty() && row.cpu.front() * problem.duration() <= most) {
+          add_timing(problem, row);
+        }
+      }
+    }
+  }
+}
+
+int run(const StudyOptions& options, const Common& common) {
+  const Scene scene = study_scene(options, {}, true);
   const double length = scene.world.connectors.front().length;
   if (!(length > 0)) throw Misuse("a joint has no length to measure errors by");
+  const std::filesystem::path folder = study_folder(options);
+  Journal journal(folder / "chart.unfinished", stamp_of(options));
+  if (!common.quiet && journal.kept() > 0) {
+    fmt::print(stderr, "going on after {} runs of a chart that was stopped\n", journal.kept());
+  }
   if (!common.quiet) fmt::print(stderr, "solving the truth\n");
-  const Target target = target_of(scene, length, options.study.quick);
+  TruthOptions truth;
+  truth.scored_error = length * (options.quick ? 1e-4 : 1e-6);
+  if (options.quick) truth.second_accuracy = 1e-7;
+  const Target target = target_of(scene, scene.duration, truth);
   if (target.problem.times.size() < 2) {
     throw Misuse(fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
-                             options.study.scene, target.reference.horizon));
+                             options.scene, target.reference.horizon));
   }
 
   AccuracyStudy study;
-  study.scene = options.study.scene;
+  study.scene = options.scene;
   study.title = scene.title;
   study.horizon = target.reference.horizon;
   study.self_error = target.reference.self_error / length;
   study.particles = scene.world.connectors.front().particles();
   study.targets.assign(std::begin(kTargets), std::end(kTargets));
-  const Metric metric = share_of_length(length);
-  // Two thirds of the time find errors, the rest repeats timings in turn.
-  const double share = (options.study.budget * 2 / 3) / static_cast<double>(contenders.size());
-  {
-    Progress progress("scoring", "methods", contenders.size(), common.quiet);
-    for (std::size_t c = 0; c < contenders.size(); ++c) {
-      study.blocks.push_back(
-          {contenders[c], rows_of(contenders[c], target, metric, share, options.study.quick)});
-      progress.update(c + 1);
-    }
+  std::vector<Metric> metrics{share_of_length(length)};
+  if (const auto pixels = pixels_of(scene)) metrics.push_back(*pixels);
+  study.in_pixels = metrics.size() > 1;
+  for (const Contender& contender : chosen_contenders(options)) {
+    study.blocks.push_back({contender, {}});
   }
-  for (int repeat = 0; repeat < 8 && seconds_since(start) < options.study.budget; ++repeat) {
-    for (AccuracyBlock& block : study.blocks) {
-      for (AccuracyRow& row : block.rows) {
-        stop_if_interrupted();
-        // The dearest would eat the budget of all others; their spread matters least.
-        if (row.cpu.empty() || row.cpu.front() * target.problem.duration() > share / 20) continue;
-        if (seconds_since(start) < options.study.budget) add_timing(target.problem, row);
-      }
-    }
+  // A good half of the time finds errors, the rest repeats timings.
+  score_all(study, target, metrics, 0.6 * options.budget, options.quick, journal, common.quiet);
+  time_all(study, target.problem, 0.25 * options.budget, 0.005 * options.budget);
+  if (!options.quick && scene.world.connectors.size() == 1) {
+    if (!common.quiet) fmt::print(stderr, "solving chains of 6 to 321 particles\n");
+    study.model = model_study(options, study.horizon, journal);
   }
 
-  const std::filesystem::path folder = study_folder(options.study);
-  write_csv(points_table(study), folder / "chart");
   const Table reach = reach_table(study);
+  write_csv(points_table(study), folder / "chart");
   write_csv(reach, folder / "chart_reach");
   const Chart chart = accuracy_chart(study);
   write_chart(chart, folder / "chart");
+  if (!study.model.rows.empty()) {
+    write_csv(model_table(study.model), folder / "chart_model");
+    write_chart(model_chart(study.model, study.title), folder / "chart_model");
+  }
   AtomicFile page(folder / "chart.html");
-  page.write(accuracy_page(study, draw_chart(chart, ChartFormat::svg)));
+  page.write(accuracy_page(study));
   page.commit();
+  journal.finish();
   write_output(common.json ? accuracy_json(study) : to_text(reach));
   if (!common.quiet) fmt::print(stderr, "{}/chart: .csv .svg .png .html\n", folder.string());
   return kDone;
@@ -148,12 +174,14 @@ void add_chart(CLI::App& app, Program& program) {
   CLI::App& command = add_command(app, program, "chart", "Speed against accuracy of every method",
                                   R"(  taut chart scenes/rope_swing.toml
   taut chart scenes/rope_swing.toml --quick
-  taut chart scenes/rope_swing.toml --methods springs,xpbd,direct --budget 60)");
-  const auto options = std::make_shared<Options>();
-  add_study_options(command, options->study, 240);
+  taut chart scenes/rope_swing.toml --methods springs,xpbd,direct --budget 60
+
+A chart that is stopped goes on where it was when the same command is given again.)");
+  const auto options = std::make_shared<StudyOptions>();
+  add_study_options(command, *options, 240);
   command.callback([options, &program] {
     program.run = [options, &program] {
-      if (options->study.quick) options->study.budget = std::min(options->study.budget, 15.0);
+      if (options->quick) options->budget = std::min(options->budget, 20.0);
       return run(*options, program.common);
     };
   });

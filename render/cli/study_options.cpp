@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
+#include "render/fingerprint.h"
+#include "render/hash.h"
 
 namespace taut::cli {
 namespace {
@@ -64,13 +67,25 @@ std::vector<Contender> chosen_contenders(const StudyOptions& options) {
   return chosen;
 }
 
+std::vector<Candidate> candidates_of(const Contender& contender, bool quick) {
+  std::vector<Candidate> all;
+  if (!contender.method->missing.empty()) return all;
+  for (Candidate candidate : sweep(*contender.method, quick)) {
+    for (const auto& [name, value] : contender.candidate.settings) candidate.settings[name] = value;
+    const auto same = [&](const Candidate& other) { return other.settings == candidate.settings; };
+    if (std::ranges::none_of(all, same)) all.push_back(std::move(candidate));
+  }
+  return all;
+}
+
 std::filesystem::path study_folder(const StudyOptions& options) {
   if (!options.out.empty()) return options.out;
   return std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
 }
 
-Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes) {
-  Scene scene = load_scene(options.scene, false, changes);
+Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes,
+                  bool with_stage) {
+  Scene scene = load_scene(options.scene, with_stage, changes);
   if (scene.world.connectors.empty()) {
     throw Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
@@ -78,6 +93,19 @@ Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& c
     throw Misuse(fmt::format("{}: has pins; studies take scenes without", options.scene));
   }
   return scene;
+}
+
+Scene study_scene(const StudyOptions& options, std::size_t particles) {
+  const Scene scene = study_scene(options);
+  return study_scene(options, {{connector_key(scene, "particles"), std::to_string(particles)}});
+}
+
+std::uint64_t stamp_of(const StudyOptions& options) {
+  Hash hash;
+  std::ifstream file(options.scene, std::ios::binary);
+  hash.text(std::string(std::istreambuf_iterator<char>(file), {}));
+  for (const std::string& method : options.methods) hash.text(method);
+  return hash.number(options.budget).number(options.quick).number(program_fingerprint()).value();
 }
 
 std::string connector_key(const Scene& scene, const std::string& key) {

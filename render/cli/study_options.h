@@ -36,12 +36,22 @@ struct Contender {
 /// lacks too. Throws Misuse.
 std::vector<Contender> chosen_contenders(const StudyOptions& options);
 
+/// Every setting of a contender's sweep (only the ends and middle of numbers where `quick`), with
+/// what its form sets put over it.
+std::vector<Candidate> candidates_of(const Contender& contender, bool quick);
+
 /// The folder that results go to.
 std::filesystem::path study_folder(const StudyOptions& options);
 
-/// The scene without its stage. Throws Misuse where it has pins or no connector: studies compare
-/// methods on what all of them can do.
-Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes = {});
+/// The scene, without its stage unless asked for. Throws Misuse where it has pins or no connector:
+/// studies compare methods on what all of them can do.
+Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes = {},
+                  bool with_stage = false);
+/// The scene with another number of particles in its first connector.
+Scene study_scene(const StudyOptions& options, std::size_t particles);
+
+/// Of everything that decides a study's results: program, scene file, methods, budget.
+std::uint64_t stamp_of(const StudyOptions& options);
 
 /// The key of a value of the scene's first connector: connectors.NAME.`key`.
 std::string connector_key(const Scene& scene, const std::string& key);

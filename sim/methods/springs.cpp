@@ -82,7 +82,7 @@ MethodInfo springs_method() {
                     .unit = "N/m",
                     .fallback = 1e4,
                     .above = true,
-                    .sweep = {1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5, 1e6, 1e7}},
+                    .sweep = {1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5, 1e6, 1e7, 1e8}},
                    {.name = "damping",
                     .meaning = "Of the fastest wave along the connector, as a share of critical.",
                     .unit = "1",
