@@ -17,6 +17,16 @@ int distance(const std::uint8_t* a, const std::uint8_t* b) {
   return largest;
 }
 
+/// The least distance of the pixel of `a` from those of `b` within one of it; no less than 8 is
+/// looked for.
+int distance_from_nearest(const Picture& a, const Picture& b, int x, int y) {
+  int nearest = distance(a.at(x, y), b.at(x, y));
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, b.height - 1) && nearest > 8; ++v)
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, b.width - 1); ++u)
+      nearest = std::min(nearest, distance(a.at(x, y), b.at(u, v)));
+  return nearest;
+}
+
 }  // namespace
 
 PictureDifference difference(const Picture& actual, const Picture& golden) {
@@ -34,11 +44,8 @@ PictureDifference difference(const Picture& actual, const Picture& golden) {
       const int here = distance(a, g);
       result.largest = std::max(result.largest, here);
       far += here > 2;
-      int nearest = here;
-      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, golden.height - 1) && nearest > 8; ++v)
-        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, golden.width - 1); ++u)
-          nearest = std::min(nearest, distance(a, golden.at(u, v)));
-      far_from_all += nearest > 8;
+      far_from_all += here > 8 && (distance_from_nearest(actual, golden, x, y) > 8 ||
+                                   distance_from_nearest(golden, actual, x, y) > 8);
     }
   const double pixels = double(golden.width) * golden.height;
   result.above_2 = double(far) / pixels;

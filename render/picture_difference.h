@@ -6,10 +6,12 @@
 namespace taut {
 
 struct PictureDifference {
-  double above_2 = 0;       // share of pixels with a channel more than 2 (of 255) apart
-  int largest = 0;          // the largest distance of any channel
-  double mean_shift = 0;    // the largest channel's |mean difference|
-  double near_above_8 = 0;  // share of pixels more than 8 away from every pixel within one of them
+  double above_2 = 0;     // share of pixels with a channel more than 2 (of 255) apart
+  int largest = 0;        // the largest distance of any channel
+  double mean_shift = 0;  // the largest channel's |mean difference|
+  // Share of pixels that lie, in one of the pictures, more than 8 away from every pixel within one
+  // of them in the other.
+  double near_above_8 = 0;
 };
 
 /// Throws std::invalid_argument where the sizes differ.

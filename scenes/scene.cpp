@@ -25,7 +25,7 @@ Scene read_scene(const Document& document, bool with_stage) {
     scene.width = static_cast<int>(size->children[0].number);
     scene.height = static_cast<int>(size->children[1].number);
   }
-  scene.method = read_method(document, scene.fps);
+  scene.method = read_method(document, root.find("method"), scene.fps);
   scene.world.gravity = vec3_or(root, "gravity", scene.world.gravity);
   const Paths paths = read_paths(document);
   scene.world.bodies = read_bodies(document, paths);

@@ -40,5 +40,6 @@ void add_check(CLI::App& app, Program& program);
 void add_bench(CLI::App& app, Program& program);
 void add_chart(CLI::App& app, Program& program);
 void add_stability(CLI::App& app, Program& program);
+void add_golden(CLI::App& app, Program& program);
 
 }  // namespace taut::cli

@@ -237,8 +237,8 @@ class Checker {
 
 }  // namespace
 
-void check_format(const Document& document) {
-  Checker(document).table(document.root, scene_format());
+void check_format(const Document& document, const TableFormat& format) {
+  Checker(document).table(document.root, format);
 }
 
 }  // namespace taut

@@ -28,8 +28,7 @@ std::optional<double> dividing_step(double step, int fps) {
   return fitted;
 }
 
-MethodChoice read_method(const Document& document, int fps) {
-  const Value* table = document.root.find("method");
+MethodChoice read_method(const Document& document, const Value* table, int fps) {
   if (!table) return default_method();
   const Value& name = *table->find("name");
   const MethodInfo& method = *find_method(name.text);

@@ -60,7 +60,8 @@ std::shared_ptr<const Path> path_named(const Document& document, const Value& va
 /// A path from rows t,x,y,z[,qw,qx,qy,qz] of a CSV file. Throws BadAsset with file:line.
 Path read_path_csv(const std::filesystem::path& file);
 
-MethodChoice read_method(const Document& document, int fps);
+/// The method that a table names, with its settings; the default method for null.
+MethodChoice read_method(const Document& document, const Value* table, int fps);
 
 /// Bodies with their masses; those that hang have no place yet.
 std::vector<Body> read_bodies(const Document& document, const Paths& paths);

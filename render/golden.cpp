@@ -1,0 +1,156 @@
+#include "render/golden.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "render/hash.h"
+#include "scenes/error.h"
+
+namespace taut {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The first line of /proc/cpuinfo that starts with `key`, without it.
+std::string processor_line(const std::string& key) {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with(key) && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
+Json json(const Vec3& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Vec3 vec3(const Json& list) {
+  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
+
+Json json(const Snapshot& state) {
+  Json connectors = Json::array(), bodies = Json::array();
+  for (const auto& particles : state.connectors) {
+    Json list = Json::array();
+    for (const Vec3& particle : particles) list.push_back(json(particle));
+    connectors.push_back(std::move(list));
+  }
+  for (const Pose& body : state.bodies) {
+    const Quat& q = body.rotation;
+    bodies.push_back(
+        {{"position", json(body.position)}, {"rotation", {q.w(), q.x(), q.y(), q.z()}}});
+  }
+  return {{"time", state.time}, {"connectors", connectors}, {"bodies", bodies}};
+}
+
+Snapshot snapshot_from(const Json& json) {
+  Snapshot state;
+  state.time = json.at("time").get<double>();
+  for (const Json& list : json.at("connectors")) {
+    auto& particles = state.connectors.emplace_back();
+    for (const Json& particle : list) particles.push_back(vec3(particle));
+  }
+  for (const Json& body : json.at("bodies")) {
+    const Json& q = body.at("rotation");
+    const auto part = [&](std::size_t i) { return q.at(i).get<double>(); };
+    state.bodies.push_back(
+        {vec3(body.at("position")), Quat(part(0), part(1), part(2), part(3)).normalized()});
+  }
+  return state;
+}
+
+}  // namespace
+
+Renderer renderer_of(const std::string& description) {
+  // "WAY: NAME (LLVM 15.0.6, 256 bits), OpenGL 4.5": OSMesa and EGL may lead to the same driver.
+  static const std::regex width(", ([0-9]+) bits");
+  const std::size_t colon = description.find(": ");
+  const std::string driver =
+      colon == std::string::npos ? description : description.substr(colon + 2);
+  std::smatch found;
+  const std::string bits = std::regex_search(driver, found, width) ? found[1].str() : "0";
+  const std::string features = processor_line("flags");
+  return {std::regex_replace(driver, width, ""),
+          fmt::format("{}, features {:016x}, vectors of {} bits", processor_line("model name"),
+                      Hash().text(features).value(), bits)};
+}
+
+std::uint64_t pixel_hash(const Picture& picture) {
+  return Hash()
+      .number(picture.width)
+      .number(picture.height)
+      .bytes(picture.pixels.data(), picture.pixels.size())
+      .value();
+}
+
+GoldenRecord read_golden(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw BadAsset(fmt::format("{}: cannot be read", file.string()));
+  try {
+    const Json record = Json::parse(in);
+    return {{record.at("driver").get<std::string>(), record.at("processor").get<std::string>()},
+            std::stoull(record.at("pixels").get<std::string>(), nullptr, 16),
+            snapshot_from(record.at("state"))};
+  } catch (const std::exception& error) {
+    throw BadAsset(
+        fmt::format("{}: no record of a golden picture: {}", file.string(), error.what()));
+  }
+}
+
+std::string golden_text(const GoldenRecord& record) {
+  const Json json_record = {{"driver", record.renderer.driver},
+                            {"processor", record.renderer.processor},
+                            {"pixels", fmt::format("{:016x}", record.pixels)},
+                            {"state", json(record.state)}};
+  return json_record.dump() + "\n";
+}
+
+std::string_view name_of(Tier tier) {
+  switch (tier) {
+    case Tier::exact:
+      return "every pixel equal";
+    case Tier::same_driver:
+      return "same driver, other processor";
+    case Tier::other_driver:
+      return "another driver";
+  }
+  return "";
+}
+
+Judgement judge(const Picture& actual, const Renderer& renderer, const Picture& golden,
+                const GoldenRecord& record) {
+  Judgement result;
+  result.difference = difference(actual, golden);
+  if (renderer.driver != record.renderer.driver) {
+    result.tier = Tier::other_driver;
+    result.same = same_picture(result.difference);
+  } else if (renderer.processor != record.renderer.processor) {
+    result.tier = Tier::same_driver;
+    result.same = same_rendering(result.difference);
+  } else {
+    result.same = pixel_hash(actual) == record.pixels && pixel_hash(golden) == record.pixels;
+  }
+  return result;
+}
+
+Picture amplified_difference(const Picture& actual, const Picture& golden) {
+  constexpr int kGain = 8;
+  Picture result(golden.width, golden.height);
+  for (int y = 0; y < golden.height; ++y)
+    for (int x = 0; x < golden.width; ++x) {
+      const std::uint8_t *a = actual.at(x, y), *g = golden.at(x, y);
+      const int ghost = (g[0] + g[1] + g[2]) / 12;
+      for (int k = 0; k < 3; ++k)
+        result.at(x, y)[k] = std::uint8_t(std::min(255, ghost + kGain * std::abs(a[k] - g[k])));
+    }
+  return result;
+}
+
+}  // namespace taut

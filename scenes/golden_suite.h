@@ -1,0 +1,32 @@
+// A golden suite: a folder whose golden.toml names frames of scenes, to be kept as pictures and
+// compared with what they look like later.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+
+namespace taut {
+
+/// One picture to keep: a scene at one of its frames.
+struct GoldenFrame {
+  std::string name;
+  std::filesystem::path scene;
+  int frame = 0;
+  MethodChoice method;
+  double within = 0;   // m: how far today's simulation may end from the kept state
+  std::string source;  // file:line, for messages
+};
+
+struct GoldenSuite {
+  std::filesystem::path folder;
+  int width = 320, height = 180, samples = 4;
+  std::vector<GoldenFrame> frames;  // in the order of the file
+};
+
+/// Reads FOLDER/golden.toml. Throws BadScene, also for what is wrong with a scene that it names.
+GoldenSuite load_golden_suite(const std::filesystem::path& folder);
+
+}  // namespace taut

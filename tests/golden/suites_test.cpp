@@ -1,0 +1,106 @@
+// Every suite of golden pictures in this folder looks as it was accepted. After a change that is
+// meant, look at the pictures (the failure says where they are) and take them over:
+//   build/release/taut golden accept tests/golden/SUITE
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kGoldens = fs::path(TAUT_SOURCE_DIR) / "tests/golden";
+
+std::vector<std::string> suites() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(kGoldens))
+    if (fs::exists(entry.path() / "golden.toml")) names.push_back(entry.path().filename());
+  std::ranges::sort(names);
+  return names;
+}
+
+class GoldenSuites : public testing::TestWithParam<std::string> {
+ protected:
+  Outcome check(std::vector<std::string> more = {}) {
+    std::vector<std::string> command = {"golden", "check", kGoldens / GetParam(), "--quiet"};
+    command.insert(command.end(), more.begin(), more.end());
+    return run_taut(command);
+  }
+};
+
+TEST_P(GoldenSuites, LookAsAccepted) {
+  const Outcome outcome = check();
+  EXPECT_EQ(outcome.code, 0) << outcome.output << outcome.messages;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, GoldenSuites, testing::ValuesIn(suites()),
+                         [](const auto& suite) { return suite.param; });
+
+/// A copy of a suite, to be spoilt.
+class GoldenCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::copy(kGoldens / "nunchaku", suite_, fs::copy_options::recursive);
+    // Scenes are found from the suite's repository: here that is the folder.
+    std::ofstream(folder_.path() / "CMakePresets.json") << "{}";
+    for (const char* room : {"scenes", "assets"})
+      fs::copy(fs::path(TAUT_SOURCE_DIR) / room, folder_.path() / room,
+               fs::copy_options::recursive);
+  }
+  Outcome golden(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "golden");
+    return run_taut(arguments, folder_.path());
+  }
+
+  Folder folder_;
+  fs::path suite_ = folder_.path() / "suite";
+};
+
+TEST_F(GoldenCommand, LeavesWhatIsNeededToJudgeADifference) {
+  // The first frame is compared with the picture of the second.
+  fs::copy_file(suite_ / "b_stops.png", suite_ / "a_swings.png",
+                fs::copy_options::overwrite_existing);
+  const Outcome outcome = golden({"check", "suite", "--only", "a_swings"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.output.find("a_swings: "), std::string::npos) << outcome.output;
+  const fs::path out = folder_.path() / "out/golden/suite";
+  for (const char* file : {"index.html", "report.json", "a_swings/actual.png",
+                           "a_swings/golden.png", "a_swings/difference.png"})
+    EXPECT_TRUE(fs::exists(out / file)) << file;
+
+  // Accepted, it is right again, and what was left is gone.
+  EXPECT_EQ(golden({"accept", "suite", "--only", "a_swings"}).output, "a_swings: changed\n");
+  EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 0);
+  EXPECT_FALSE(fs::exists(out / "index.html"));
+  EXPECT_FALSE(fs::exists(out / "a_swings"));
+}
+
+TEST_F(GoldenCommand, NothingKeptIsADifference) {
+  fs::remove(suite_ / "a_swings.json");
+  const Outcome outcome = golden({"check", "suite", "--only", "a_swings"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.output.find("nothing is kept of it yet"), std::string::npos);
+}
+
+TEST_F(GoldenCommand, SaysWhatIsWrongWithASuite) {
+  EXPECT_EQ(golden({"check", "nowhere"}).code, 3);
+  EXPECT_EQ(golden({"check", "suite", "--only", "nothing"}).code, 2);
+  std::ofstream(suite_ / "a_swings.json") << "{}";
+  const Outcome outcome = golden({"check", "suite", "--only", "a_swings"});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.messages.find("a_swings.json: no record"), std::string::npos)
+      << outcome.messages;
+  std::ofstream(suite_ / "golden.toml")
+      << "[frames.a]\nscene = \"scenes/nunchaku.toml\"\ntime = 99\n";
+  EXPECT_NE(golden({"check", "suite"}).messages.find("golden.toml:3:8: frames.a.time: found 99"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace taut
