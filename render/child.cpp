@@ -5,8 +5,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <csignal>
+#include <ctime>
 #include <system_error>
+#include <thread>
+
+#include "render/interrupt.h"
 
 extern char** environ;
 
@@ -53,31 +59,76 @@ class MemoryFile {
   int descriptor_;
 };
 
+/// A child process; it does not outlive this.
+class Child {
+ public:
+  Child(const std::vector<std::string>& arguments, int in, int out, int err) {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, in, 0);
+    posix_spawn_file_actions_adddup2(&actions, out, 1);
+    posix_spawn_file_actions_adddup2(&actions, err, 2);
+    std::vector<char*> argv;
+    for (const std::string& argument : arguments)
+      argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    const int error = posix_spawnp(&id_, argv[0], &actions, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (error != 0) fail(error, "cannot start " + arguments[0]);
+  }
+  ~Child() {
+    if (ended_) return;
+    kill();
+    waitpid(id_, &status_, 0);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  bool ended() {
+    const pid_t id = waitpid(id_, &status_, WNOHANG);
+    if (id < 0 && errno != EINTR) fail(errno, "cannot wait for a child process");
+    return ended_ = id == id_;
+  }
+  void kill() const { ::kill(id_, SIGKILL); }
+  /// CPU time of all its threads, s.
+  double cpu_time() const {
+    clockid_t clock;
+    timespec time{};
+    if (clock_getcpuclockid(id_, &clock) == 0) clock_gettime(clock, &time);
+    return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+  }
+  int status() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_); }
+
+ private:
+  pid_t id_ = 0;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
 }  // namespace
 
-ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input) {
+ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
+                      std::chrono::milliseconds patience) {
+  using Clock = std::chrono::steady_clock;
   MemoryFile in, out, err;
   in.put(input);
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, in.descriptor(), 0);
-  posix_spawn_file_actions_adddup2(&actions, out.descriptor(), 1);
-  posix_spawn_file_actions_adddup2(&actions, err.descriptor(), 2);
-
-  std::vector<char*> argv;
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) fail(error, "cannot start " + arguments[0]);
-
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) fail(errno, "cannot wait for " + arguments[0]);
+  Child child(arguments, in.descriptor(), out.descriptor(), err.descriptor());
+  std::string blocked;
+  auto last_work = Clock::now();
+  double work = 0;
+  for (auto pause = std::chrono::milliseconds(1); !child.ended();) {
+    stop_if_interrupted();
+    std::this_thread::sleep_for(pause);
+    pause = std::min(2 * pause, std::chrono::milliseconds(20));
+    if (const double now = child.cpu_time(); now > work) {
+      work = now;
+      last_work = Clock::now();
+    } else if (blocked.empty() && Clock::now() - last_work > patience) {
+      blocked = arguments[0] + " did nothing for too long and was killed\n";
+      child.kill();
+    }
   }
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out.get(), err.get()};
+  return {child.status(), out.get(), blocked + err.get()};
 }
 
 }  // namespace taut

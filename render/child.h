@@ -1,6 +1,7 @@
 // A child process that reads all its input, writes its output and ends.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,14 @@ struct ChildResult {
   std::string errors;
 };
 
+/// A child that sits and does nothing for so long is taken to be blocked.
+constexpr std::chrono::milliseconds kPatience = std::chrono::minutes(1);
+
 /// Runs `arguments[0]`, found on the PATH and with no shell between, on `input`, and waits for its
-/// end. Input and output live in memory files, so neither side can block the other. Throws
-/// std::system_error where the program cannot be started.
-ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input);
+/// end. Input and output live in memory files, so neither side can block the other. A child that
+/// uses no CPU time for `patience` is killed, and its errors say so. Throws std::system_error where
+/// the program cannot be started, and Interrupted, the child killed.
+ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
+                      std::chrono::milliseconds patience = kPatience);
 
 }  // namespace taut

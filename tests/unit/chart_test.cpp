@@ -10,7 +10,6 @@
 #include <sstream>
 #include <tuple>
 
-#include "render/child.h"
 #include "render/error.h"
 
 namespace taut {
@@ -156,16 +155,6 @@ TEST(Chart, MissingGnuplotIsSaid) {
     EXPECT_NE(std::string(error.what()).find("gnuplot-nox"), std::string::npos);
   }
   setenv("PATH", path.c_str(), 1);
-}
-
-TEST(Child, GivesOutputErrorsAndStatus) {
-  const std::string big(3 << 20, 'x');  // more than any pipe holds
-  const ChildResult copy = run_child({"cat"}, big);
-  EXPECT_EQ(copy.status, 0);
-  EXPECT_EQ(copy.output, big);
-  const ChildResult failed = run_child({"cat", "/nonexistent/file"}, "");
-  EXPECT_EQ(failed.status, 1);
-  EXPECT_NE(failed.errors.find("/nonexistent/file"), std::string::npos);
 }
 
 }  // namespace

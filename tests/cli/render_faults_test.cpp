@@ -1,0 +1,172 @@
+// taut render when the world fails it: killed, interrupted, out of room, without a driver. Frames
+// already made stay, nothing half-written has a final name, and --resume goes on.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "render/picture.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScene = R"(duration = 6.0
+fps = 50
+size = [64, 36]
+[method]
+name = "impulse"
+step = 0.001
+[bodies.free]
+mass = 0.12
+shape = { cylinder = { length = 0.30, diameter = 0.028 } }
+hangs = [0, -1, 0]
+[connectors.cord]
+length = 0.1
+mass = 0.01
+particles = 3
+from = { fixed = [0, 1, 0] }
+to = { body = "free", point = [0, 0.15, 0] }
+start = { direction = [1, -1, 0] }
+[stage]
+camera = [{ t = 0, position = [0, 0.9, 1], target = [0, 0.8, 0] }]
+)";
+constexpr int kFrames = 300;
+
+class RenderFaults : public testing::Test {
+ protected:
+  std::vector<std::string> command(std::vector<std::string> more = {}) const {
+    more.insert(more.begin(),
+                {TAUT_PROGRAM, "render", scene_.string(), "--out", out_.string(), "--quiet"});
+    return more;
+  }
+  Outcome render(std::vector<std::string> more = {},
+                 const std::function<void()>& prepare = {}) const {
+    return Child(command(std::move(more)), folder_.path(), prepare).wait();
+  }
+  fs::path frames() const { return out_ / "frames"; }
+
+  /// Waits until some frames are there.
+  void wait_for_frames(std::size_t count) const {
+    for (int i = 0; i < 3000 && finished().size() < count; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_GE(finished().size(), count);
+  }
+
+  /// Every finished frame by its name. What has a final name must be whole.
+  std::map<std::string, Picture> finished() const {
+    std::map<std::string, Picture> pictures;
+    if (!fs::exists(frames())) return pictures;
+    for (const auto& entry : fs::directory_iterator(frames()))
+      if (entry.path().extension() == ".png")
+        pictures.emplace(entry.path().filename(), read_png(entry.path()));
+    return pictures;
+  }
+
+  /// Every file of the clip that must not depend on what happened on the way.
+  std::map<std::string, std::string> clip() const {
+    std::map<std::string, std::string> files = {{"video", read_file(out_ / "swing.mp4")}};
+    for (const auto& entry : fs::directory_iterator(frames()))
+      if (entry.path().extension() == ".png")
+        files.emplace(entry.path().filename(), read_file(entry.path()));
+    return files;
+  }
+
+  void kill_and_resume(int kills) {
+    ASSERT_EQ(render().code, 0);
+    const auto undisturbed = clip();
+    ASSERT_EQ(undisturbed.size(), kFrames + 1);
+    fs::remove_all(out_);
+    std::mt19937 chance(1);
+    for (int i = 0; i < kills; ++i) {
+      Child child(command({"--resume"}), folder_.path());
+      // A whole run takes seconds: any moment of it, and of the encoding at its end.
+      std::this_thread::sleep_for(std::chrono::milliseconds(chance() % 1500));
+      kill(child.id(), SIGKILL);
+      child.wait();
+      finished();
+      if (fs::exists(out_ / "swing.mp4")) {
+        EXPECT_EQ(read_file(out_ / "swing.mp4"), undisturbed.at("video"));
+        fs::remove_all(out_);
+      }
+    }
+    ASSERT_EQ(render({"--resume"}).code, 0);
+    EXPECT_TRUE(clip() == undisturbed);
+  }
+
+  Folder folder_;
+  fs::path scene_ = folder_.write("swing.toml", kScene);
+  fs::path out_ = folder_.path() / "clip";
+};
+
+TEST_F(RenderFaults, KilledAtAnyMomentItGoesOn) {
+  kill_and_resume(10);
+}
+
+using LongRenderFaults = RenderFaults;
+
+TEST_F(LongRenderFaults, KilledAtTwoHundredMomentsItGoesOn) {
+  kill_and_resume(200);
+}
+
+TEST_F(RenderFaults, SignalsEndItInOrder) {
+  for (const auto& [signal, code] : {std::pair(SIGINT, 130), {SIGTERM, 143}}) {
+    fs::remove_all(out_);
+    Child child(command(), folder_.path());
+    wait_for_frames(5);
+    kill(child.id(), signal);
+    EXPECT_EQ(child.wait().code, code);
+    EXPECT_GE(finished().size(), 5u) << "frames already made stay";
+    EXPECT_FALSE(fs::exists(out_ / "swing.mp4"));
+    for (const auto& entry : fs::recursive_directory_iterator(out_))
+      EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+}
+
+TEST_F(RenderFaults, TwoRunsDoNotShareAFolder) {
+  Child first(command(), folder_.path());
+  wait_for_frames(1);
+  const Outcome second = render();
+  EXPECT_EQ(second.code, 6);
+  EXPECT_NE(second.messages.find("another run is writing frames here"), std::string::npos)
+      << second.messages;
+}
+
+TEST_F(RenderFaults, AFileSizeLimitKeepsTheFramesSoFar) {
+  ASSERT_EQ(render({"--frames", "0-4", "--no-video"}).code, 0);
+  const Outcome outcome = render({"--resume", "--no-video"}, [] {
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  });
+  EXPECT_EQ(outcome.code, 6);
+  EXPECT_NE(outcome.messages.find("File too large"), std::string::npos) << outcome.messages;
+  EXPECT_EQ(finished().size(), 5u);
+}
+
+TEST_F(RenderFaults, NoContextIsFour) {
+  const Outcome outcome =
+      render({"--backend", "egl"}, [] { setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1); });
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_NE(outcome.messages.find("EGL surfaceless"), std::string::npos) << outcome.messages;
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+TEST_F(RenderFaults, AChangedSceneIsDrawnAnew) {
+  ASSERT_EQ(render({"--frames", "100", "--no-video"}).code, 0);
+  const auto before = finished();
+  std::string text = kScene;
+  text.replace(text.find("mass = 0.12"), 11, "mass = 0.02");
+  folder_.write("swing.toml", text);
+  ASSERT_EQ(render({"--frames", "100", "--no-video", "--resume"}).code, 0);
+  EXPECT_NE(finished().at("000100.png").pixels, before.at("000100.png").pixels);
+}
+
+}  // namespace
+}  // namespace taut
