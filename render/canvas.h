@@ -1,18 +1,19 @@
 // Where pictures are drawn: multisampled colour and depth, and the passes that finish them.
 #pragma once
 
+#include <optional>
+
 #include "render/context.h"
 #include "render/gpu.h"
 #include "render/picture.h"
+#include "render/rect.h"
 
 namespace taut {
 
-/// A rectangle of pixels from the lower left corner.
-struct Rect {
-  int x = 0, y = 0, width = 0, height = 0;
-};
-
 /// Colours are stored as the square root of tone-mapped light and averaged as light.
+///
+/// A canvas can keep a backdrop, what has been drawn before anything moved. Frames on the same
+/// backdrop then pay for what they touch alone: elsewhere the picture is the backdrop's own.
 class Canvas {
  public:
   /// Throws NoContext where the driver allows no such size or number of samples.
@@ -24,6 +25,15 @@ class Canvas {
 
   /// Makes the canvas the target of drawing.
   void bind() const;
+
+  /// Begins a frame with the backdrop of that name; false where there is none.
+  bool restore(std::uint64_t backdrop);
+  /// What has been drawn in this frame is a backdrop. It is kept when it comes a second time
+  /// running: behind a moving camera, keeping would be wasted.
+  void keep(std::uint64_t backdrop);
+  /// Something else than the backdrop is drawn here.
+  void touch(const Rect& part);
+
   /// Finishes what was drawn: samples averaged, sRGB, dithered.
   void resolve();
   /// The finished picture.
@@ -34,12 +44,31 @@ class Canvas {
   }
 
  private:
+  /// The multisampled samples of colour and depth.
+  struct Samples {
+    Samples(const Gl& gl, int width, int height, int samples);
+    GlObject color, depth, target;
+  };
+  struct Backdrop {
+    Samples samples;
+    Picture picture;
+  };
+  void copy(const Samples& from, const Samples& to, const Rect& part) const;
+  void resolve(const Rect& part);
+  void read(const Rect& part, Picture& picture) const;
+  Rect whole() const { return {0, 0, width_, height_}; }
+
   const Gl& gl_;
   int width_, height_, samples_;
-  GlObject color_, depth_, target_;
+  Samples drawn_;
   GlObject finished_, finished_target_;
   GlObject no_vertices_;
   Program finish_;
+
+  std::optional<Backdrop> backdrop_;
+  std::uint64_t last_ = 0, kept_ = 0;  // names of backdrops; 0: none
+  bool on_backdrop_ = false;           // in this frame
+  RectSet touched_;
 };
 
 }  // namespace taut

@@ -1,6 +1,5 @@
 #include "render/drawable.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -37,8 +36,9 @@ Drawable::Drawable(const Gl& gl, std::span<const std::uint32_t> indices,
       moving_(make_buffer(gl)),
       rest_(make_buffer(gl)),
       indices_(make_buffer(gl)),
+      some_indices_(make_buffer(gl)),
       array_(make_vertex_array(gl)),
-      count_(GLsizei(indices.size())),
+      triangles_(indices.begin(), indices.end()),
       material_(material),
       surface_(surface) {
   upload(gl, indices_, indices, GL_STATIC_DRAW);
@@ -69,11 +69,26 @@ Drawable::Drawable(const Gl& gl, const Mesh& mesh, const Material& material)
 
 void Drawable::move(std::span<const MovingVertex> vertices) {
   upload(*gl_, moving_, vertices, GL_DYNAMIC_DRAW);
+  box_.setEmpty();
+  positions_.clear();
+  for (const MovingVertex& v : vertices) {
+    positions_.push_back(v.position);
+    box_.extend(v.position);
+  }
+}
+
+void Drawable::draw(std::span<const std::uint32_t> indices) {
+  if (indices.empty()) return;
+  upload(*gl_, some_indices_, indices, GL_STREAM_DRAW);
+  gl_->VertexArrayElementBuffer(array_.id(), some_indices_.id());
+  gl_->BindVertexArray(array_.id());
+  gl_->DrawElements(GL_TRIANGLES, GLsizei(indices.size()), GL_UNSIGNED_INT, nullptr);
+  gl_->VertexArrayElementBuffer(array_.id(), indices_.id());
 }
 
 void Drawable::draw() const {
   gl_->BindVertexArray(array_.id());
-  gl_->DrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
+  gl_->DrawElements(GL_TRIANGLES, GLsizei(triangles_.size()), GL_UNSIGNED_INT, nullptr);
 }
 
 }  // namespace taut

@@ -1,6 +1,9 @@
 // A mesh on the graphics side.
 #pragma once
 
+#include <Eigen/Geometry>
+#include <vector>
+
 #include "render/connector_mesh.h"
 #include "render/gpu.h"
 #include "scenes/model/model.h"
@@ -24,6 +27,14 @@ class Drawable {
 
   void move(std::span<const MovingVertex> vertices);
   void draw() const;
+  /// Draws some of the triangles, given as indices of vertices.
+  void draw(std::span<const std::uint32_t> indices);
+
+  const std::vector<std::uint32_t>& triangles() const { return triangles_; }
+  /// Where the vertices were last moved.
+  const std::vector<Eigen::Vector3f>& positions() const { return positions_; }
+  /// Around them.
+  const Eigen::AlignedBox3f& box() const { return box_; }
 
   const Material& material() const { return material_; }
   Surface surface() const { return surface_; }
@@ -32,8 +43,10 @@ class Drawable {
 
  private:
   const Gl* gl_;
-  GlObject moving_, rest_, indices_, array_;
-  GLsizei count_;
+  GlObject moving_, rest_, indices_, some_indices_, array_;
+  std::vector<std::uint32_t> triangles_;
+  std::vector<Eigen::Vector3f> positions_;
+  Eigen::AlignedBox3f box_;
   Material material_;
   Surface surface_;
   int grain_axis_ = 1;

@@ -4,11 +4,12 @@
 
 namespace taut {
 
-Film::Film(const Context& context, const Scene& scene, int width, int height, int samples)
+Film::Film(const Context& context, const Scene& scene, int width, int height, int samples,
+           const Shadows& shadows)
     : context_(context),
       scene_(scene),
       canvas_(context, width, height, samples),
-      renderer_(context, *scene.stage, scene.world) {}
+      renderer_(context, *scene.stage, scene.world, shadows) {}
 
 Instant Film::instant(const Snapshot& state) const {
   Instant instant{state, {}, camera_at(*scene_.stage, state.time)};
@@ -18,9 +19,9 @@ Instant Film::instant(const Snapshot& state) const {
 }
 
 Picture Film::draw(const Instant& instant) {
-  renderer_.clear(canvas_);
-  lap("clear");
-  renderer_.draw(canvas_, {0, 0, canvas_.width(), canvas_.height()}, instant);
+  const View view{{0, 0, canvas_.width(), canvas_.height()}, instant.camera};
+  renderer_.begin(canvas_, {&view, 1});
+  renderer_.draw(canvas_, view.viewport, instant);
   canvas_.resolve();
   lap("resolve and tone map");
   Picture picture = canvas_.read();

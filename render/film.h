@@ -14,7 +14,8 @@ class Film {
  public:
   /// `scene` has a stage, and must outlive this. Throws NoContext where the driver allows no such
   /// size or number of samples.
-  Film(const Context& context, const Scene& scene, int width, int height, int samples);
+  Film(const Context& context, const Scene& scene, int width, int height, int samples,
+       const Shadows& shadows = {});
 
   /// Everything that moves, in this state: characters pose by its time.
   Instant instant(const Snapshot& state) const;

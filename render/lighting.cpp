@@ -1,5 +1,7 @@
 #include "render/lighting.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -40,6 +42,22 @@ Harmonics ambient_harmonics(const Light& light) {
   Harmonics result;
   for (std::size_t k = 0; k < 9; ++k) result[k] = (sum[k] * norm[k] * lobe[k]).cast<float>();
   return result;
+}
+
+std::string light_constants(const Light& light) {
+  const auto text = [](const auto& v) {
+    return fmt::format("vec3({:.9g}, {:.9g}, {:.9g})", v.x(), v.y(), v.z());
+  };
+  std::string constants;
+  for (const auto& [name, value] : {std::pair("TO_LIGHT", Vec3(-light.direction.normalized())),
+                                    {"LIGHT_COLOR", light.color},
+                                    {"SKY", light.sky},
+                                    {"GROUND", light.ground}})
+    constants += fmt::format("const vec3 {} = {};\n", name, text(value));
+  std::string list;
+  for (const Eigen::Vector3f& c : ambient_harmonics(light))
+    list += (list.empty() ? "" : ", ") + text(c);
+  return constants + fmt::format("const vec3 AMBIENT[9] = vec3[9]({});\n", list);
 }
 
 LightMap light_map(const Vec3& direction, const Eigen::AlignedBox3d& casters, int resolution) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <string>
 
 #include "scenes/stage.h"
 
@@ -15,6 +16,10 @@ using Harmonics = std::array<Eigen::Vector3f, 9>;
 /// The ambient light of a stage: sky above, ground below, and what the ground throws back of the
 /// key light (Ramamoorthi and Hanrahan 2001).
 Harmonics ambient_harmonics(const Light& light);
+
+/// The stage's light as constants of a shader: TO_LIGHT (unit), LIGHT_COLOR, SKY, GROUND and the
+/// harmonics AMBIENT. Constants, because software rasterisers load uniforms anew for every pixel.
+std::string light_constants(const Light& light);
 
 /// World to the unit cube of the shadow map: x and y across the light, z along it. It covers the
 /// box; its size and place move in steps, so that shadow edges do not crawl from frame to frame.

@@ -7,13 +7,10 @@ const char* const frame_block = R"(
 layout(std140, binding = 0) uniform Frame {
   mat4 view_projection;
   mat4 light_projection;   // world to [0,1]^3 of the shadow map
-  vec4 eye;
-  vec4 to_light;           // xyz: unit; w: side of the shadow map, texels
-  vec4 light_color;        // rgb: key light; w: offset along the normal before the look-up, m
-  vec4 sky, ground;        // rgb: ambient radiance
-  vec4 ambient[9];         // rgb: irradiance/pi in spherical harmonics, constants folded in
+  vec4 eye;                // xyz; w: offset along the normal before the shadow's look-up, m
   vec4 capsule_from[6];    // xyz; w: radius
   vec4 capsule_to[6];      // xyz; w: 1/length^2
+  int capsules;            // how many there are
 };
 )";
 
@@ -31,14 +28,15 @@ void main() {
   world_normal = mat3(model) * normal;
   rest_position = rest;
   tint = color;
-  shadow_position = (light_projection * vec4(world_position + light_color.w * world_normal, 1)).xyz;
+  shadow_position = (light_projection * vec4(world_position + eye.w * world_normal, 1)).xyz;
   gl_Position = view_projection * vec4(world_position, 1);
 })";
 
 // Cook-Torrance with GGX (Walter et al. 2007), visibility by Schlick's k = a/2, Schlick's Fresnel;
 // the environment's part of the specular by the fit of Karis 2014 ("Physically based shading on
 // mobile"). Ambient light: spherical harmonics of Ramamoorthi and Hanrahan 2001. Capsule contact
-// shadow: the cosine-weighted solid angle of the nearest sphere on each capsule.
+// shadow: the cosine-weighted solid angle of the nearest sphere on each capsule, less what it is
+// where its reach ends.
 const char* const surface_fragment = R"(
 in vec3 world_position, world_normal, rest_position, tint, shadow_position;
 layout(location = 0) out vec4 encoded;
@@ -52,7 +50,10 @@ layout(binding = 1) uniform sampler2D noise;
 // rather than a condition, as software rasterisers skip only loops: nothing is looked up where the
 // surface faces away or lies outside the map.
 float key_visibility(bool needed) {
-  vec2 at = shadow_position.xy * to_light.w - 0.5;
+#if SHADE == 0
+  return 1;
+#else
+  vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
   vec2 corner = floor(at), f = at - corner;
   vec4 columns = vec4(1 - f.x, 1, 1, f.x), rows = vec4(1 - f.y, 1, 1, f.y);
   vec2 inside = abs(shadow_position.xy - 0.5);
@@ -62,35 +63,37 @@ float key_visibility(bool needed) {
   for (; i < 4; ++i) {
     bool right = (i & 1) != 0, top = i > 1;
     vec2 texel = corner + vec2(right ? 2 : 0, top ? 2 : 0);
-    vec4 lit = textureGather(shadow_map, texel / to_light.w, shadow_position.z);
+    vec4 lit = textureGather(shadow_map, texel * (1.0 / SHADOW_SIZE), shadow_position.z);
     vec2 w = right ? columns.zw : columns.xy, h = top ? rows.zw : rows.xy;
     sum += dot(lit, vec4(w.x * h.y, w.y * h.y, w.y * h.x, w.x * h.x));
   }
   return sum * (1.0 / 9.0);
+#endif
 }
 
 vec3 ambient_light(vec3 n) {
-  return ambient[0].rgb + ambient[1].rgb * n.y + ambient[2].rgb * n.z + ambient[3].rgb * n.x +
-         ambient[4].rgb * (n.x * n.y) + ambient[5].rgb * (n.y * n.z) +
-         ambient[6].rgb * (3.0 * n.z * n.z - 1.0) + ambient[7].rgb * (n.x * n.z) +
-         ambient[8].rgb * (n.x * n.x - n.y * n.y);
+  return AMBIENT[0] + AMBIENT[1] * n.y + AMBIENT[2] * n.z + AMBIENT[3] * n.x +
+         AMBIENT[4] * (n.x * n.y) + AMBIENT[5] * (n.y * n.z) +
+         AMBIENT[6] * (3.0 * n.z * n.z - 1.0) + AMBIENT[7] * (n.x * n.z) +
+         AMBIENT[8] * (n.x * n.x - n.y * n.y);
 }
 
 // What a mirror of that roughness sees: ground below, sky above, softer where rougher.
 vec3 environment(vec3 r, float roughness) {
   float blur = 0.15 + 0.85 * roughness;
-  return mix(ground.rgb, sky.rgb, smoothstep(-blur, blur, r.y));
+  return mix(GROUND, SKY, smoothstep(-blur, blur, r.y));
 }
 
 float contact_light(vec3 p, vec3 n) {
   float light = 1;
-#if CAPSULES
-  for (int i = 0; i < 6; ++i) {
+#if SHADE == 2
+  for (int i = 0; i < capsules; ++i) {
     vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
     vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
     float distance2 = dot(d, d);
     float r2 = capsule_from[i].w * capsule_from[i].w;
-    light *= 1 - 0.9 * min(max(dot(n, d), 0) * inversesqrt(distance2) * r2 / distance2, 1);
+    float sphere = max(r2 / distance2 - 1.0 / (CONTACT_REACH * CONTACT_REACH), 0);
+    light *= 1 - 0.9 * min(max(dot(n, d), 0) * inversesqrt(distance2) * sphere, 1);
   }
 #endif
   return light;
@@ -137,7 +140,7 @@ void main() {
   wrap = vec3(0.1);
 #endif
 
-  vec3 v = normalize(eye.xyz - world_position), l = to_light.xyz;
+  vec3 v = normalize(eye.xyz - world_position), l = TO_LIGHT;
   float nl = dot(n, l), nv = max(dot(n, v), 1e-3);
   vec3 h = normalize(l + v);
   float nh = max(dot(n, h), 0), vh = max(dot(v, h), 0);
@@ -150,14 +153,14 @@ void main() {
   float c = 1 - vh, c2 = c * c;
   vec3 fresnel = f0 + (1 - f0) * (c2 * c2 * c);
 
-  // Units: a white Lambert surface that faces the key light has the radiance light_color.
+  // Units: a white Lambert surface that faces the key light has the radiance LIGHT_COLOR.
   vec3 diffuse = albedo * (1 - metallic);
 #if SURFACE == 2 || SURFACE == 3 || SURFACE == 4
   vec3 diffuse_lit = max((nl + wrap) / ((1 + wrap) * (1 + wrap)), 0);
 #else
   vec3 diffuse_lit = vec3(lit);
 #endif
-  vec3 key = light_color.rgb * key_visibility(max(diffuse_lit.r, diffuse_lit.b) > 0);
+  vec3 key = LIGHT_COLOR * key_visibility(max(diffuse_lit.r, diffuse_lit.b) > 0);
   vec3 radiance = key * (diffuse * diffuse_lit + lobe * fresnel * lit);
 
   vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);

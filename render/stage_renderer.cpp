@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/contact.h"
 #include "render/drawable.h"
+#include "render/hash.h"
 #include "render/lighting.h"
 #include "render/noise.h"
+#include "render/reach.h"
+#include "render/receivers.h"
 #include "render/shaders.h"
 #include "render/skinning.h"
 
@@ -18,16 +22,16 @@ using Eigen::Matrix4f;
 using Eigen::Vector3f;
 using Eigen::Vector4f;
 
-constexpr int kShadowSize = 1536;
 constexpr std::size_t kCapsules = 6;
+constexpr float kShadowFilter = 5;  // texels: half the filter, and the offset along the normal
 constexpr double kExposure = 0.38;
 
 /// What every surface needs to know of a frame; mirrors the shaders' block.
 struct FrameBlock {
   Matrix4f view_projection, light_projection;
-  Vector4f eye, to_light, light_color, sky, ground;
-  std::array<Vector4f, 9> ambient;
+  Vector4f eye;
   std::array<Vector4f, kCapsules> capsule_from, capsule_to;
+  std::array<int, 4> capsules{};  // how many; the rest is padding
 };
 
 /// A radiance as the canvas keeps it; the surface shader's encode().
@@ -58,25 +62,36 @@ std::vector<Drawable> drawables(const Gl& gl, const Model& model) {
 struct Item {
   const Drawable* drawable;
   Matrix4f model;
+
+  Eigen::AlignedBox3f box() const { return drawable->box().transformed(Eigen::Affine3f(model)); }
 };
+
+/// What takes light from a surface; the numbers are the surface shader's SHADE.
+enum class Shade { lit, shadowed, grounded };  // nothing; the shadow map; capsules as well
 
 }  // namespace
 
 struct StageRenderer::Impl {
-  Impl(const Context& context, const Stage& s, const World& world)
+  Impl(const Context& context, const Stage& s, const World& world, const Shadows& options)
       : gl(context.gl()),
         stage(s),
+        shadows(options),
         frame(make_buffer(gl)),
-        shadow_map(make_texture(gl, GL_DEPTH_COMPONENT24, kShadowSize, kShadowSize)),
+        shadow_map(make_texture(gl, GL_DEPTH_COMPONENT24, shadows.map_size, shadows.map_size)),
         shadow_target(make_framebuffer(gl, 0, shadow_map.id())),
         noise(make_noise_texture(gl)),
         depth_program(gl, shaders::frame_block, shaders::depth_vertex, shaders::depth_fragment),
-        ambient(ambient_harmonics(s.light)) {
+        constants(fmt::format(
+            "#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define CONTACT_REACH {:.1f}\n{}{}",
+            kExposure, shadows.map_size, kContactReach, light_constants(s.light),
+            shaders::frame_block)) {
     const GLuint map = shadow_map.id();
     gl.TextureParameteri(map, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     gl.TextureParameteri(map, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 
-    for (const auto& model : stage.scenery) scenery.push_back(drawables(gl, *model));
+    for (const auto& model : stage.scenery)
+      for (Drawable& part : drawables(gl, *model)) scenery.push_back(std::move(part));
+    shadowed.resize(scenery.size());
     for (const auto& model : stage.body_models)
       bodies.push_back(model ? drawables(gl, *model) : std::vector<Drawable>());
     for (const auto& model : stage.characters) characters.push_back(drawables(gl, *model));
@@ -94,14 +109,13 @@ struct StageRenderer::Impl {
     }
   }
 
-  const Program& program(Surface surface, bool with_capsules) {
-    auto& slot = programs[{surface, with_capsules}];
+  const Program& program(Surface surface, Shade shade) {
+    auto& slot = programs[{surface, shade}];
     if (!slot)
-      slot = std::make_unique<Program>(
-          gl,
-          fmt::format("#define EXPOSURE {}\n#define SURFACE {}\n#define CAPSULES {:d}\n{}",
-                      kExposure, int(surface), with_capsules, shaders::frame_block),
-          shaders::surface_vertex, shaders::surface_fragment);
+      slot = std::make_unique<Program>(gl,
+                                       fmt::format("#define SURFACE {}\n#define SHADE {}\n{}",
+                                                   int(surface), int(shade), constants),
+                                       shaders::surface_vertex, shaders::surface_fragment);
     return *slot;
   }
 
@@ -136,13 +150,6 @@ struct StageRenderer::Impl {
     return items;
   }
 
-  std::vector<Item> scenery_items() const {
-    std::vector<Item> items;
-    for (const auto& model : scenery)
-      for (const Drawable& part : model) items.push_back({&part, Matrix4f::Identity()});
-    return items;
-  }
-
   static Eigen::AlignedBox3d casters(const Instant& instant) {
     Eigen::AlignedBox3d box;
     for (const auto& particles : instant.state.connectors)
@@ -155,50 +162,62 @@ struct StageRenderer::Impl {
     return {box.min() - margin, box.max() + margin};
   }
 
-  /// Capsules of the feet and the pelvis: what stands on or near the floor darkens it.
-  void find_capsules(const Instant& instant, FrameBlock& block, std::vector<Vec3>& reach) const {
-    block.capsule_from.fill(Vector4f::Zero());  // Eigen leaves what it makes unset
-    block.capsule_to.fill(Vector4f::Zero());
-    std::size_t count = 0;
-    const auto add = [&](const Vec3& from, const Vec3& to, double radius) {
-      if (count == kCapsules) return;
-      block.capsule_from[count] = with_w(from, radius);
-      block.capsule_to[count] = with_w(to, 1 / std::max((to - from).squaredNorm(), 1e-6));
-      ++count;
-      for (int i = 0; i < 8; ++i)
-        for (const Vec3& p : {from, to})
-          reach.push_back(p + 5 * radius * Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
-    };
-    for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c) {
-      const std::vector<Bone>& bones = stage.characters[c]->bones;
-      for (std::size_t i = 0; i < bones.size(); ++i) {
-        const Vec3& at = instant.bones[c][i].position;
-        const int parent = bones[i].parent;
-        if (bones[i].name.find("Toe") != std::string::npos && parent >= 0)
-          add(instant.bones[c][std::size_t(parent)].position, at, 0.055);
-        if (bones[i].name.find("Hips") != std::string::npos) add(at, at, 0.16);
+  /// The block's capsules, and what they can reach.
+  std::vector<Eigen::AlignedBox3f> add_contacts(const Instant& instant, FrameBlock& block) const {
+    std::vector<Eigen::AlignedBox3f> reach;
+    if (!shadows.contact) return reach;
+    for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
+      for (const Capsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
+        if (reach.size() == kCapsules) break;
+        const Vec3 axis = capsule.to - capsule.from;
+        block.capsule_from[reach.size()] = with_w(capsule.from, capsule.radius);
+        block.capsule_to[reach.size()] = with_w(capsule.to, 1 / std::max(axis.squaredNorm(), 1e-6));
+        reach.push_back(capsule.reach());
       }
-    }
+    block.capsules[0] = int(reach.size());
+    return reach;
   }
 
-  /// The part of the viewport that surrounds these points, clipped to it.
-  static Rect around(const std::vector<Vec3>& points, const Matrix4f& projection,
-                     const Rect& viewport) {
-    Eigen::AlignedBox2d box;
-    for (const Vec3& p : points) {
-      const Vector4f q = projection * with_w(p, 1);
-      if (q.w() < 0.05f) return viewport;
-      box.extend(Eigen::Vector2d(0.5 + 0.5 * q.x() / q.w(), 0.5 + 0.5 * q.y() / q.w()));
-    }
-    if (box.isEmpty()) return {viewport.x, viewport.y, 0, 0};
-    const auto pixel = [](double share, int size) {
-      return int(std::lround(std::clamp(share, 0.0, 1.0) * size));
-    };
-    const int left = pixel(box.min().x(), viewport.width),
-              right = pixel(box.max().x(), viewport.width);
-    const int low = pixel(box.min().y(), viewport.height),
-              high = pixel(box.max().y(), viewport.height);
-    return {viewport.x + left, viewport.y + low, right - left, high - low};
+  /// The block of a frame without anything that moves.
+  FrameBlock scenery_block(const CameraView& camera, const Rect& viewport) const {
+    FrameBlock block;
+    block.view_projection = camera_projection(camera, double(viewport.width) / viewport.height);
+    block.light_projection.setZero();
+    block.eye = with_w(camera.position, 0);
+    block.capsule_from.fill(Vector4f::Zero());
+    block.capsule_to.fill(Vector4f::Zero());
+    return block;
+  }
+
+  void use(const FrameBlock& block) const {
+    upload(gl, frame, std::span<const FrameBlock>(&block, 1), GL_DYNAMIC_DRAW);
+    gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame.id());
+  }
+
+  void draw_solid() const {
+    gl.Enable(GL_DEPTH_TEST);
+    gl.DepthMask(GL_TRUE);
+    gl.DepthFunc(GL_LESS);
+    gl.Enable(GL_CULL_FACE);
+    gl.CullFace(GL_BACK);
+    gl.Disable(GL_BLEND);
+    gl.Disable(GL_SCISSOR_TEST);
+  }
+
+  void draw_shadow_map(std::span<const Item> casters) const {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, shadow_target.id());
+    gl.Viewport(0, 0, shadows.map_size, shadows.map_size);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    // A lit rim stays, which stands for everything beyond the map.
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(2, 2, shadows.map_size - 4, shadows.map_size - 4);
+    gl.Enable(GL_DEPTH_CLAMP);
+    gl.Enable(GL_POLYGON_OFFSET_FILL);
+    gl.PolygonOffset(1.5f, 2.0f);
+    draw_depth(casters);
+    gl.Disable(GL_POLYGON_OFFSET_FILL);
+    gl.Disable(GL_DEPTH_CLAMP);
+    gl.Disable(GL_SCISSOR_TEST);
   }
 
   void draw_depth(std::span<const Item> items) const {
@@ -209,19 +228,45 @@ struct StageRenderer::Impl {
     }
   }
 
-  void draw_surfaces(std::span<const Item> items, float opacity, bool with_capsules) {
-    for (const Item& item : items) {
-      const Program& p = program(item.drawable->surface(), with_capsules);
-      const Material& material = item.drawable->material();
-      p.use();
-      p.set("model", item.model);
-      p.set("base_color", Vector3f(material.base_color.data()));
-      p.set("base_roughness", std::max(material.roughness, 0.08f));
-      p.set("metallic", material.metallic);
-      p.set("opacity", opacity);
-      p.set("grain_axis", item.drawable->grain_axis());
-      item.drawable->draw();
+  void use_surface(const Drawable& drawable, const Matrix4f& model, Shade shade, float opacity) {
+    const Program& p = program(drawable.surface(), shade);
+    const Material& material = drawable.material();
+    p.use();
+    p.set("model", model);
+    p.set("base_color", Vector3f(material.base_color.data()));
+    p.set("base_roughness", std::max(material.roughness, 0.08f));
+    p.set("metallic", material.metallic);
+    p.set("opacity", opacity);
+    p.set("grain_axis", drawable.grain_axis());
+  }
+
+  /// The scenery once more, where shadows of moving things reach it and it still is in front. Tells
+  /// which pixels that can be.
+  Rect draw_shadows(std::span<const Item> moving, std::span<const Eigen::AlignedBox3f> contacts,
+                    const FrameBlock& block, const Rect& viewport) {
+    cover.start(block.light_projection, kShadowFilter / float(shadows.map_size));
+    for (const auto& [drawable, model] : moving) cover.add(*drawable, model);
+    Eigen::AlignedBox3f receivers;
+    for (std::size_t i = 0; i < scenery.size(); ++i)
+      receivers.extend(cover.find(scenery[i], contacts, shadowed[i]));
+
+    Reach reach;
+    const Vector3f direction = stage.light.direction.cast<float>();
+    for (const Item& item : moving) add_shadow(item.box(), direction, receivers, reach);
+    for (const Eigen::AlignedBox3f& box : contacts) add_box(box.intersection(receivers), reach);
+    const Rect part = pixels(reach, block.view_projection, viewport);
+    if (part.empty()) return part;
+
+    gl.DepthFunc(GL_LEQUAL);
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(part.x, part.y, part.width, part.height);
+    for (std::size_t i = 0; i < scenery.size(); ++i) {
+      if (shadowed[i].empty()) continue;
+      use_surface(scenery[i], Matrix4f::Identity(), Shade::grounded, 1);
+      scenery[i].draw(shadowed[i]);
     }
+    gl.Disable(GL_SCISSOR_TEST);
+    return part;
   }
 
   void lap(const char* name) const {
@@ -232,19 +277,24 @@ struct StageRenderer::Impl {
 
   const Gl& gl;
   const Stage& stage;
+  const Shadows shadows;
   Profile* profile = nullptr;
   GlObject frame, shadow_map, shadow_target, noise;
   Program depth_program;
-  Harmonics ambient;
-  std::map<std::pair<Surface, bool>, std::unique_ptr<Program>> programs;
-  std::vector<std::vector<Drawable>> scenery, bodies, characters;
+  std::string constants;  // of the surface shaders
+  std::map<std::pair<Surface, Shade>, std::unique_ptr<Program>> programs;
+  std::vector<Drawable> scenery;
+  std::vector<std::vector<Drawable>> bodies, characters;
   std::vector<std::unique_ptr<ConnectorMesh>> connector_meshes;
   std::vector<Drawable> connectors;
+  ShadowCover cover;
   std::vector<MovingVertex> vertices;
+  std::vector<std::vector<std::uint32_t>> shadowed;  // [scenery], indices of vertices
 };
 
-StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world)
-    : impl_(std::make_unique<Impl>(context, stage, world)) {}
+StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world,
+                             const Shadows& shadows)
+    : impl_(std::make_unique<Impl>(context, stage, world, shadows)) {}
 
 StageRenderer::~StageRenderer() = default;
 
@@ -252,86 +302,77 @@ void StageRenderer::set_profile(Profile* profile) {
   impl_->profile = profile;
 }
 
-void StageRenderer::clear(const Canvas& canvas) const {
-  const Gl& gl = impl_->gl;
+void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
+  Impl& d = *impl_;
+  const Gl& gl = d.gl;
+  Hash name;
+  for (const auto& [viewport, camera] : views) {
+    for (const int pixels : {viewport.x, viewport.y, viewport.width, viewport.height})
+      name.number(pixels);
+    for (int k = 0; k < 3; ++k) name.number(camera.position[k]).number(camera.target[k]);
+    name.number(camera.field_of_view);
+  }
+  if (canvas.restore(name.value())) return d.lap("backdrop");
+
+  d.draw_solid();
   canvas.bind();
-  gl.Disable(GL_SCISSOR_TEST);
-  gl.DepthMask(GL_TRUE);
-  const Vec3 c = impl_->stage.background.unaryExpr(&encoded);
+  const Vec3 c = d.stage.background.unaryExpr(&encoded);
   gl.ClearColor(float(c.x()), float(c.y()), float(c.z()), 1);
+  gl.DepthFunc(GL_LEQUAL);  // where faces coincide, the last is in front: with its shadows, too
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  gl.BindTextureUnit(1, d.noise.id());
+  for (const auto& [viewport, camera] : views) {
+    d.use(d.scenery_block(camera, viewport));
+    gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
+    for (const Drawable& part : d.scenery) {
+      d.use_surface(part, Matrix4f::Identity(), Shade::lit, 1);
+      part.draw();
+    }
+  }
+  canvas.keep(name.value());
+  d.lap("scenery");
 }
 
-void StageRenderer::draw(const Canvas& canvas, const Rect& viewport, const Instant& instant,
+void StageRenderer::draw(Canvas& canvas, const Rect& viewport, const Instant& instant,
                          const Layer& layer) {
   Impl& d = *impl_;
   const Gl& gl = d.gl;
   d.pose(instant);
   d.lap("skin");
   const std::vector<Item> moving = d.moving_items(instant, layer);
-  const std::vector<Item> scenery = layer.scenery ? d.scenery_items() : std::vector<Item>();
+  const bool solid = layer.opacity >= 1;
 
   const Light& light = d.stage.light;
-  const LightMap map = light_map(light.direction, Impl::casters(instant), kShadowSize);
-  FrameBlock block{};
-  block.view_projection =
-      camera_projection(instant.camera, double(viewport.width) / viewport.height);
+  const LightMap map = light_map(light.direction, Impl::casters(instant), d.shadows.map_size);
+  FrameBlock block = d.scenery_block(instant.camera, viewport);
   block.light_projection = map.projection;
-  block.eye = with_w(instant.camera.position, 1);
-  block.to_light = with_w(-light.direction.normalized(), kShadowSize);
-  block.light_color = with_w(light.color, 1.5 * map.texel);
-  block.sky = with_w(light.sky, 0);
-  block.ground = with_w(light.ground, 0);
-  for (std::size_t i = 0; i < 9; ++i) block.ambient[i] << d.ambient[i], 0;
-  std::vector<Vec3> reach;
-  d.find_capsules(instant, block, reach);
-  upload(gl, d.frame, std::span<const FrameBlock>(&block, 1), GL_DYNAMIC_DRAW);
-  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d.frame.id());
+  block.eye.w() = float(1.5 * map.texel);
+  const std::vector<Eigen::AlignedBox3f> contacts = d.add_contacts(instant, block);
+  d.use(block);
 
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthFunc(GL_LESS);
-  gl.Enable(GL_CULL_FACE);
-  gl.CullFace(GL_BACK);
-  gl.Disable(GL_BLEND);
-  gl.Disable(GL_SCISSOR_TEST);
-  if (layer.opacity >= 1) {
-    gl.BindFramebuffer(GL_FRAMEBUFFER, d.shadow_target.id());
-    gl.Viewport(0, 0, kShadowSize, kShadowSize);
-    gl.DepthMask(GL_TRUE);
-    gl.Clear(GL_DEPTH_BUFFER_BIT);
-    // A lit rim stays, which stands for everything beyond the map.
-    gl.Enable(GL_SCISSOR_TEST);
-    gl.Scissor(2, 2, kShadowSize - 4, kShadowSize - 4);
-    gl.Enable(GL_DEPTH_CLAMP);
-    gl.Enable(GL_POLYGON_OFFSET_FILL);
-    gl.PolygonOffset(1.5f, 2.0f);
-    // Scenery casts no shadow: the key light is a stage's light, and walls would shut it out.
-    d.draw_depth(moving);
-    gl.Disable(GL_POLYGON_OFFSET_FILL);
-    gl.Disable(GL_DEPTH_CLAMP);
-    gl.Disable(GL_SCISSOR_TEST);
-  } else {
-    gl.Enable(GL_BLEND);
-    gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  }
-
+  d.draw_solid();
+  // Scenery casts no shadow: the key light is a stage's light, and walls would shut it out.
+  if (solid) d.draw_shadow_map(moving);
   d.lap("shadow map");
+
   canvas.bind();
   gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
   gl.BindTextureUnit(0, d.shadow_map.id());
   gl.BindTextureUnit(1, d.noise.id());
-  d.draw_surfaces(moving, layer.opacity, false);
-  d.lap("figures");
-  // Scenery near the feet first, with contact shadows; drawn again, it fails the depth test there.
-  const Rect near = Impl::around(reach, block.view_projection, viewport);
-  if (near.width > 0 && near.height > 0 && layer.opacity >= 1) {
-    gl.Enable(GL_SCISSOR_TEST);
-    gl.Scissor(near.x, near.y, near.width, near.height);
-    d.draw_surfaces(scenery, 1, true);
-    gl.Disable(GL_SCISSOR_TEST);
+  if (!solid) {
+    gl.Enable(GL_BLEND);
+    gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   }
-  d.draw_surfaces(scenery, layer.opacity, false);
-  d.lap("scenery");
+  Reach things;
+  for (const Item& item : moving) {
+    d.use_surface(*item.drawable, item.model, Shade::shadowed, layer.opacity);
+    item.drawable->draw();
+    add_box(item.box(), things);
+  }
+  canvas.touch(pixels(things, block.view_projection, viewport));
+  d.lap("figures");
+  if (solid) canvas.touch(d.draw_shadows(moving, contacts, block, viewport));
+  d.lap("shadows");
 }
 
 }  // namespace taut

@@ -55,9 +55,9 @@ Picture render(const Stage& stage, const Vec3& camera) {
   const Context context(Backend::automatic);
   Canvas canvas(context, kSize, kSize, 4);
   StageRenderer renderer(context, stage, world);
-  renderer.clear(canvas);
-  renderer.draw(canvas, {0, 0, kSize, kSize},
-                {snapshot(world), {}, {camera, Vec3::Zero(), kFieldOfView}});
+  const View view{{0, 0, kSize, kSize}, {camera, Vec3::Zero(), kFieldOfView}};
+  renderer.begin(canvas, {&view, 1});
+  renderer.draw(canvas, view.viewport, {snapshot(world), {}, view.camera});
   return canvas.finish();
 }
 

@@ -1,0 +1,26 @@
+// Contact shadows: what stands on the floor takes ambient light from it.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "scenes/stage.h"
+#include "sim/types.h"
+
+namespace taut {
+
+/// How far a capsule's contact shadow reaches from its axis, in radii.
+constexpr double kContactReach = 6;
+
+struct Capsule {
+  Vec3 from, to;  // m, the ends of its axis
+  double radius;  // m
+
+  /// Around everything that it darkens.
+  Eigen::AlignedBox3f reach() const;
+};
+
+/// The feet of a character whose bones have these poses.
+std::vector<Capsule> feet(const Model& character, const std::vector<Pose>& bones);
+
+}  // namespace taut

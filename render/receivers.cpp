@@ -1,0 +1,76 @@
+#include "render/receivers.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace taut {
+namespace {
+
+Eigen::AlignedBox3f around(std::span<const Eigen::Vector3f> points, const std::uint32_t* corner) {
+  Eigen::AlignedBox3f box(points[corner[0]]);
+  return box.extend(points[corner[1]]).extend(points[corner[2]]);
+}
+
+}  // namespace
+
+void ShadowCover::start(const Eigen::Matrix4f& light_projection, float filter) {
+  projection_ = light_projection;
+  filter_ = filter;
+  nearest_.assign(kCells * kCells, std::numeric_limits<float>::infinity());
+}
+
+void ShadowCover::project(const Eigen::Matrix4f& projection,
+                          std::span<const Eigen::Vector3f> points) {
+  const Eigen::Matrix3f m = projection.topLeftCorner<3, 3>();
+  const Eigen::Vector3f t = projection.topRightCorner<3, 1>();
+  projected_.clear();
+  for (const Eigen::Vector3f& p : points) projected_.emplace_back(m * p + t);
+}
+
+void ShadowCover::add(const Drawable& caster, const Eigen::Matrix4f& model) {
+  project(projection_ * model, caster.positions());
+  const auto cell = [](float at) { return std::clamp(int(at * kCells), 0, kCells - 1); };
+  const std::span<const std::uint32_t> triangles = caster.triangles();
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    const Eigen::AlignedBox3f box = around(projected_, &triangles[i]);
+    for (int y = cell(box.min().y()); y <= cell(box.max().y()); ++y)
+      for (int x = cell(box.min().x()); x <= cell(box.max().x()); ++x) {
+        float& nearest = nearest_[std::size_t(y * kCells + x)];
+        nearest = std::min(nearest, box.min().z());
+      }
+  }
+}
+
+bool ShadowCover::hides(const Eigen::AlignedBox3f& triangle) const {
+  const Eigen::Array2f low = (triangle.min().head<2>().array() - filter_) * float(kCells);
+  const Eigen::Array2f high = (triangle.max().head<2>().array() + filter_) * float(kCells);
+  if ((high < 0).any() || (low >= float(kCells)).any()) return false;
+  const Eigen::Array2i first = low.max(0.0f).cast<int>();
+  const Eigen::Array2i last = high.min(float(kCells - 1)).cast<int>();
+  for (int y = first.y(); y <= last.y(); ++y)
+    for (int x = first.x(); x <= last.x(); ++x)
+      if (nearest_[std::size_t(y * kCells + x)] < triangle.max().z()) return true;
+  return false;
+}
+
+Eigen::AlignedBox3f ShadowCover::find(const Drawable& mesh,
+                                      std::span<const Eigen::AlignedBox3f> boxes,
+                                      std::vector<std::uint32_t>& indices) {
+  const std::vector<Eigen::Vector3f>& world = mesh.positions();
+  project(projection_, world);
+  indices.clear();
+  Eigen::AlignedBox3f found;
+  const std::span<const std::uint32_t> triangles = mesh.triangles();
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    const std::uint32_t* corner = &triangles[i];
+    const Eigen::AlignedBox3f box = around(world, corner);
+    if (!hides(around(projected_, corner)) &&
+        std::ranges::none_of(boxes, [&](const auto& b) { return b.intersects(box); }))
+      continue;
+    indices.insert(indices.end(), corner, corner + 3);
+    found.extend(box);
+  }
+  return found;
+}
+
+}  // namespace taut

@@ -1,0 +1,46 @@
+// The backdrop that a canvas keeps saves work and changes no pixel.
+#include <gtest/gtest.h>
+
+#include "render/stage_renderer.h"
+#include "scenes/scene.h"
+#include "sim/simulation.h"
+
+namespace taut {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 270;
+
+Picture draw(StageRenderer& renderer, Canvas& canvas, const Instant& instant) {
+  const View view{{0, 0, kWidth, kHeight}, instant.camera};
+  renderer.begin(canvas, {&view, 1});
+  renderer.draw(canvas, view.viewport, instant);
+  return canvas.finish();
+}
+
+TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
+  const Scene scene =
+      load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
+  const Context context(Backend::automatic);
+  StageRenderer renderer(context, *scene.stage, scene.world);
+  Canvas canvas(context, kWidth, kHeight, 4);
+
+  // The camera stands for a while, steps aside for one frame, and comes back.
+  Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
+  std::vector<Instant> instants;
+  for (int i = 0; i < 7; ++i) {
+    simulation.advance_to(0.25 * i);
+    Instant instant{snapshot(simulation.world()), {}, camera_at(*scene.stage, 0)};
+    for (const auto& performance : scene.performances)
+      instant.bones.push_back(performance->bones_at(0.25 * i));
+    if (i == 5) instant.camera.position += Vec3(0.01, 0, 0);
+    instants.push_back(instant);
+  }
+  for (std::size_t i = 0; i < instants.size(); ++i) {
+    Canvas alone(context, kWidth, kHeight, 4);
+    EXPECT_EQ(draw(renderer, canvas, instants[i]).pixels, draw(renderer, alone, instants[i]).pixels)
+        << i;
+  }
+}
+
+}  // namespace
+}  // namespace taut
