@@ -1,44 +1,70 @@
 #include "render/picture.h"
 
 #include <fmt/format.h>
+#include <libdeflate.h>
 #include <png.h>
 
+#include <memory>
 #include <stdexcept>
+#include <string_view>
 
 namespace taut {
 namespace {
 
-[[noreturn]] void fail(png_structp, png_const_charp message) {
-  throw std::runtime_error(message);
+/// Puts the four bytes of a PNG's number, the highest first.
+void append(std::vector<std::uint8_t>& bytes, std::uint32_t number) {
+  for (const int shift : {24, 16, 8, 0}) bytes.push_back(std::uint8_t(number >> shift));
 }
-void ignore(png_structp, png_const_charp) {}
 
-void append(png_structp png, png_bytep data, png_size_t size) {
-  auto& bytes = *static_cast<std::vector<std::uint8_t>*>(png_get_io_ptr(png));
-  bytes.insert(bytes.end(), data, data + size);
+/// Length, name, data, and the checksum of name and data (PNG specification, section 5.3).
+void append_chunk(std::vector<std::uint8_t>& png, std::string_view name,
+                  std::span<const std::uint8_t> data) {
+  append(png, std::uint32_t(data.size()));
+  const auto from = png.size();
+  png.insert(png.end(), name.begin(), name.end());
+  png.insert(png.end(), data.begin(), data.end());
+  append(png, libdeflate_crc32(0, &png[from], png.size() - from));
+}
+
+/// The rows as PNG's filter 1 writes them: each byte less the one of the pixel to its left.
+std::vector<std::uint8_t> filtered_rows(const Picture& picture) {
+  std::vector<std::uint8_t> rows;
+  rows.resize(std::size_t(picture.height) * (std::size_t(picture.width) * 3 + 1));
+  std::uint8_t* out = rows.data();
+  for (int y = 0; y < picture.height; ++y) {
+    *out++ = 1;
+    const std::uint8_t* in = picture.at(0, y);
+    for (int k = 0; k < 3; ++k) *out++ = in[k];
+    for (int x = 1; x < picture.width; ++x, in += 4)
+      for (int k = 0; k < 3; ++k) *out++ = std::uint8_t(in[4 + k] - in[k]);
+  }
+  return rows;
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> encode_png(const Picture& picture) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(picture.pixels.size() / 3);
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, ignore);
-  png_infop info = png_create_info_struct(png);
-  png_set_write_fn(png, &bytes, append, nullptr);
-  // Level 1 with one fixed filter takes a quarter of the default's time for files a fifth larger.
-  png_set_compression_level(png, 1);
-  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
-  png_set_IHDR(png, info, png_uint_32(picture.width), png_uint_32(picture.height), 8,
-               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_write_info(png, info);
-  png_set_filler(png, 0, PNG_FILLER_AFTER);
-  for (int y = 0; y < picture.height; ++y) png_write_row(png, picture.at(0, y));
-  png_write_end(png, info);
-  png_destroy_write_struct(&png, &info);
-  return bytes;
+  const std::vector<std::uint8_t> rows = filtered_rows(picture);
+  // The fastest level: the next takes half as long again to save a twentieth.
+  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+      libdeflate_alloc_compressor(1), &libdeflate_free_compressor);
+  std::vector<std::uint8_t> data(libdeflate_zlib_compress_bound(compressor.get(), rows.size()));
+  data.resize(libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(), data.data(),
+                                       data.size()));
+
+  std::vector<std::uint8_t> header;
+  append(header, std::uint32_t(picture.width));
+  append(header, std::uint32_t(picture.height));
+  for (const int byte : {8, 2, 0, 0, 0}) header.push_back(std::uint8_t(byte));  // 8 bits, RGB
+  const std::uint8_t perceptual = 0;
+
+  std::vector<std::uint8_t> png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  png.reserve(data.size() + 128);
+  append_chunk(png, "IHDR", header);
+  append_chunk(png, "sRGB", {&perceptual, 1});
+  append_chunk(png, "IDAT", data);
+  append_chunk(png, "IEND", {});
+  return png;
 }
 
 Picture read_png(const std::filesystem::path& file) {
