@@ -25,27 +25,42 @@ void rebase_pins(Connector& connector, std::size_t end, const PinRecord& cut) {
   }
 }
 
-/// Gives a particle that was added without mass a part of its neighbours': as much from either as
-/// keeps their centre and their momentum, at most half of it. A neighbour that is held gives
-/// nothing while the other is free, which gives its velocity with its mass.
+/// The particle nearest to `start` that has mass, going by `way` (1 or -1); `start` where none has.
+std::size_t massive(const Connector& connector, std::size_t start, std::ptrdiff_t way) {
+  const auto count = static_cast<std::ptrdiff_t>(connector.particles());
+  for (auto i = static_cast<std::ptrdiff_t>(start); i >= 0 && i < count; i += way) {
+    const auto particle = static_cast<std::size_t>(i);
+    if (connector.particle_mass[particle] > 0) return particle;
+  }
+  return start;
+}
+
+/// Gives a particle that was added without mass a part of its neighbours', at most half of it: as
+/// much from either as keeps their centre. It takes their velocity with it, so that momentum stays.
+/// Pins that were added have no mass to give: then a neighbour that has gives alone, as one that is
+/// free does beside one that is held.
 void share_mass(World& world, Connector& connector, std::size_t added) {
-  const std::size_t before = added - 1, after = added + 1;
+  const std::size_t before = massive(connector, added - 1, -1);
+  const std::size_t after = massive(connector, added + 1, 1);
+  const bool near_before = before + 1 == added, near_after = after == added + 1;
   const bool free_before = !holds(connector, before), free_after = !holds(connector, after);
-  const double way = connector.rest[before] / (connector.rest[before] + connector.rest[added]);
-  const bool one = free_before != free_after;
-  const double part_after = one ? (free_after ? 1 : 0) : way;
+  double part = connector.rest[added - 1] / (connector.rest[added - 1] + connector.rest[added]);
+  if (near_before != near_after) {
+    part = near_after ? 1 : 0;
+  } else if (free_before != free_after) {
+    part = free_after ? 1 : 0;
+  }
   std::vector<double>& mass = connector.particle_mass;
   double most = INFINITY;
-  if (part_after < 1) most = std::min(most, mass[before]);
-  if (part_after > 0) most = std::min(most, mass[after]);
+  if (part < 1) most = std::min(most, mass[before]);
+  if (part > 0) most = std::min(most, mass[after]);
   mass[added] = most / 2;
-  mass[before] -= (1 - part_after) * mass[added];
-  mass[after] -= part_after * mass[added];
-  if (one) connector.velocity[added] = connector.velocity[free_after ? after : before];
+  mass[before] -= (1 - part) * mass[added];
+  mass[after] -= part * mass[added];
+  connector.velocity[added] = (1 - part) * connector.velocity[before];
+  connector.velocity[added] += part * connector.velocity[after];
   for (const Hold& hold : connector.holds) {
-    const bool gave =
-        !free_before && !free_after && hold.particle + 1 >= added && hold.particle <= after;
-    if (gave) reweigh_holder(world, hold.to);
+    if (hold.particle == before || hold.particle == after) reweigh_holder(world, hold.to);
   }
 }
 

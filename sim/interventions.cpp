@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/places.h"
+#include "sim/projection.h"
 #include "sim/rotation.h"
 
 namespace taut {
@@ -13,26 +14,44 @@ bool on(const Connector& connector, double along) {
   return along >= 0 && along <= connector.length * (1 + kSamePlace);
 }
 
-/// True where `target` is within the connector's reach of all that holds it elsewhere, or no
-/// farther than the place is already: methods leave links a little too long.
-bool in_reach(const Connector& connector, const Place& place, const Vec3& target) {
+/// The point of the way from `start` to `end` that is nearest to `to`.
+Vec3 nearest(const Vec3& start, const Vec3& end, const Vec3& to) {
+  const Vec3 way = end - start;
+  const double length = way.squaredNorm();
+  const double part = length > 0 ? std::clamp((to - start).dot(way) / length, 0.0, 1.0) : 0;
+  return start + part * way;
+}
+
+/// Where a particle will be once it is drawn to what holds it, as far as that is known.
+Vec3 goal(const World& world, const Attachment& to, double arrival) {
+  return hold_motion(world, to, std::max(world.time, arrival)).position;
+}
+
+/// Whether what holds the connector elsewhere, where it is and where it is being drawn to, lets the
+/// place go to `target` or, `drawn`, straight there. As far and as near as it is already is never
+/// too much: methods leave links a little too long.
+Outcome reachable(const World& world, const Connector& connector, const Place& place,
+                  const Vec3& target, bool drawn) {
   double along = place.fraction > 0 ? place.fraction * connector.rest[place.particle] : 0;
   for (std::size_t k = 0; k < place.particle; ++k) along += connector.rest[k];
   const double same = kSamePlace * connector.length;
   const Vec3 now = between(connector.position, place);
   double start = 0;
-  auto hold = connector.holds.begin();
-  for (std::size_t i = 0; hold != connector.holds.end(); ++i) {
-    if (i == hold->particle) {
-      const bool elsewhere = i != place.particle || place.fraction > 0;
-      const Vec3& from = connector.position[i];
-      const double reach = std::max(std::abs(along - start), (now - from).norm());
-      if (elsewhere && (target - from).norm() > reach + same) return false;
-      ++hold;
+  std::size_t particle = 0;
+  for (const Hold& hold : connector.holds) {
+    for (; particle < hold.particle; ++particle) start += connector.rest[particle];
+    if (particle == place.particle && place.fraction == 0) continue;
+    const Vec3& there = connector.position[particle];
+    const auto [least, most] = reach(connector, along, start);
+    const double present = (now - there).norm();
+    for (const Vec3& from : {there, goal(world, hold.to, hold.to.approach.arrival)}) {
+      const double apart = (target - from).norm();
+      const double nearing = drawn ? (nearest(now, target, from) - from).norm() : apart;
+      if (apart > std::max(most, present) + same) return Outcome::out_of_reach;
+      if (nearing < std::min(least, present) - same) return Outcome::too_near;
     }
-    if (i < connector.links()) start += connector.rest[i];
   }
-  return true;
+  return Outcome::done;
 }
 
 bool on_free_body(const World& world, const Attachment& to) {
@@ -68,6 +87,34 @@ void attach(World& world, Connector& connector, Hold& hold, const Attachment& to
   const PointMotion motion = hold_motion(world, hold.to, world.time);
   position = motion.position;
   velocity = motion.velocity;
+}
+
+/// How far the span around a particle that was added can go once the links beside it are one.
+enum class Joined { straightens, needs_a_body, bent };
+
+/// Holds on either side may be nearer than the links between them fold; then a free body among them
+/// must give way.
+Joined join(const World& world, const Connector& connector, std::size_t added) {
+  std::size_t first = added, last = added;
+  double length = 0, longest = connector.rest[added - 1] + connector.rest[added];
+  const auto pass = [&](std::size_t link) {
+    length += connector.rest[link];
+    if (link != added && link + 1 != added) longest = std::max(longest, connector.rest[link]);
+  };
+  do pass(--first);
+  while (first > 0 && !holds(connector, first));
+  do pass(last++);
+  while (last < connector.links() && !holds(connector, last));
+  const double apart = (connector.position[last] - connector.position[first]).norm();
+  const bool folds = apart >= 2 * longest - length - kSamePlace * connector.length;
+  bool gives_way = false;
+  for (const std::size_t end : {first, last}) {
+    const auto hold = std::ranges::find(connector.holds, end, &Hold::particle);
+    if (hold == connector.holds.end()) return Joined::straightens;
+    gives_way |= !is_prescribed(world, hold->to);
+  }
+  if (folds) return Joined::straightens;
+  return gives_way ? Joined::needs_a_body : Joined::bent;
 }
 
 struct Found {
@@ -106,7 +153,9 @@ std::string_view words(Outcome outcome) {
     case Outcome::held_there:
       return "the connector is held there already";
     case Outcome::out_of_reach:
-      return "it is farther from the next hold than the connector is long between them";
+      return "it is farther from another hold than the connector is long between them";
+    case Outcome::too_near:
+      return "it is nearer to another hold than the links between them can fold";
     case Outcome::no_pin:
       return "there is no such pin, or it is released already";
   }
@@ -154,9 +203,9 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
       return {Outcome::held_there, 0};
     }
   }
-  if (!in_reach(connector, place, hold_motion(world, to, world.time).position)) {
-    return {Outcome::out_of_reach, 0};
-  }
+  const Vec3 target = goal(world, to, world.time + over);
+  const Outcome outcome = reachable(world, connector, place, target, over > 0);
+  if (outcome != Outcome::done) return {outcome, 0};
   Hold hold;
   hold.particle = place.particle;
   if (place.fraction > 0) {
@@ -186,9 +235,9 @@ Outcome Interventions::move(World& world, std::uint64_t pin, const Attachment& t
   if (connector == nullptr) return Outcome::no_pin;
   if (!exists(world, to)) return Outcome::no_target;
   Hold& hold = connector->holds[h];
-  if (!in_reach(*connector, {hold.particle, 0}, hold_motion(world, to, world.time).position)) {
-    return Outcome::out_of_reach;
-  }
+  const Vec3 target = goal(world, to, world.time + over);
+  const Outcome outcome = reachable(world, *connector, {hold.particle, 0}, target, over > 0);
+  if (outcome != Outcome::done) return outcome;
   const Attachment from = hold.to;
   hold.to = {};
   reweigh_holder(world, from);
@@ -205,6 +254,10 @@ Outcome Interventions::release(World& world, std::uint64_t pin) {
   const PinRecord& record = hold.pin;
   const bool at_once = record.since == world.time;
   const bool last = record.topology == world.topology;
+  const bool was_added = record.fraction > 0;
+  const Joined span =
+      was_added && !at_once ? join(world, *connector, hold.particle) : Joined::straightens;
+  if (span == Joined::bent) return Outcome::too_near;
   connector->holds.erase(connector->holds.begin() + static_cast<std::ptrdiff_t>(h));
   reweigh_holder(world, hold.to);
   if (at_once) {
@@ -217,9 +270,11 @@ Outcome Interventions::release(World& world, std::uint64_t pin) {
       body.spin = record.body_spin;
     }
   }
-  if (record.fraction > 0) {
-    remove_particle(*connector, hold.particle, record.link_rest);
-    if (!at_once) restorer_.restore(*connector, hold.particle - 1);
+  if (was_added) remove_particle(*connector, hold.particle, record.link_rest);
+  if (span == Joined::needs_a_body) {
+    restore_lengths(world);
+  } else if (was_added && !at_once) {
+    restorer_.restore(*connector, hold.particle - 1);
   }
   world.topology = structure(world);
   return Outcome::done;

@@ -15,7 +15,8 @@ enum class Outcome {
   outside,       // not a place along the connector
   no_target,     // no such body or path, or a point that is not finite
   held_there,    // something holds the connector at that place already
-  out_of_reach,  // farther from the next hold than the connector is long between them
+  out_of_reach,  // farther from another hold than the connector is long between them
+  too_near,      // nearer to another hold than the links between them can fold
   no_pin,        // never set, or released already
 };
 
@@ -54,8 +55,10 @@ class Interventions {
   Outcome move(World& world, std::uint64_t pin, const Attachment& to, double over = 0);
 
   /// Joins the spans that the pin divides; a particle that was added for it goes, and the others
-  /// of its span move as little as restores their links, all masses counted. At the time of the
-  /// pin itself everything is as it was before it, bit by bit.
+  /// of its span move as little as restores their links, all masses counted; a free body where
+  /// its span is bent more than particles alone can undo, which allocates. At the time of the pin
+  /// itself everything is as it was before it, bit by bit. Refused (`too_near`) while its span is
+  /// bent between holds that cannot give way.
   Outcome release(World& world, std::uint64_t pin);
 
   /// Divides a connector for good. The second part becomes a connector of its own; a particle at

@@ -29,6 +29,17 @@ Place locate(const Connector& connector, double along) {
   return {connector.links(), 0};
 }
 
+Reach reach(const Connector& connector, double along, double other) {
+  const auto [low, high] = std::minmax(along, other);
+  double start = 0, longest = 0;
+  for (const double rest : connector.rest) {
+    const double end = start + rest;
+    longest = std::max(longest, std::min(end, high) - std::max(start, low));
+    start = end;
+  }
+  return {std::max(0.0, 2 * longest - (high - low)), high - low};
+}
+
 Vec3 between(const std::vector<Vec3>& items, const Place& place) {
   const auto [k, f] = place;
   return f > 0 ? Vec3(items[k] + f * (items[k + 1] - items[k])) : items[k];

@@ -16,6 +16,13 @@ struct Place {
 /// The place at `along` (m from the first particle, of the connector's length), or the nearest end.
 Place locate(const Connector& connector, double along);
 
+/// Two places on a connector, and how far apart they can be: `most` is its length between them, and
+/// `least` is above zero where one link is longer than all others between them together.
+struct Reach {
+  double least = 0, most = 0;  // m
+};
+Reach reach(const Connector& connector, double along, double other);
+
 /// The value at a place of what the particles have, such as positions.
 Vec3 between(const std::vector<Vec3>& items, const Place& place);
 

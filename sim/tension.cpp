@@ -215,16 +215,4 @@ bool TensionSystem::solve(const std::vector<double>& right, std::vector<double>&
   return true;
 }
 
-void stop_stretching(World& world) {
-  Mechanism mechanism(world);
-  TensionSystem system(mechanism);
-  std::vector<double> state, impulse;
-  mechanism.load(world, state);
-  mechanism.look(world.time, state.data());
-  system.assemble(mechanism);
-  system.solve(mechanism.rate(), impulse);
-  mechanism.push(impulse.data(), state.data());
-  mechanism.store(state, world.time, world);
-}
-
 }  // namespace taut

@@ -76,8 +76,4 @@ class TensionSystem {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> dense_solver_;
 };
 
-/// Changes the velocities of `world` by the impulses that stop all links from changing their
-/// length, as when a moving particle is pinned.
-void stop_stretching(World& world);
-
 }  // namespace taut

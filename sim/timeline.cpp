@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "sim/places.h"
+
 namespace taut {
 namespace {
 
@@ -24,18 +26,24 @@ double last_motion(const World& world, const Known& a, const Known& b) {
   return std::min({last, a.until, b.until});
 }
 
-/// Where two holds are farther apart than the connector between them; empty where never.
-std::string parting(const World& world, const Known& a, const Known& b, double length) {
+/// Where two holds are farther apart than the connector between them is long, or nearer than it
+/// folds; empty where never.
+std::string parting(const World& world, const Known& a, const Known& b,
+                    const Connector& connector) {
   constexpr double kLook = 1e-3;  // s; no hand moves a millimetre in less
-  constexpr double kSame = 1e-6;  // of the length
-  const double reach = std::abs(a.along - b.along), end = last_motion(world, a, b);
+  const double same = 1e-6 * connector.length;
+  const auto [least, most] = reach(connector, a.along, b.along);
+  const double end = last_motion(world, a, b);
   for (double time = std::max(a.from, b.from);;) {
     const Vec3 from = hold_motion(world, a.to, time).position;
     const double distance = (hold_motion(world, b.to, time).position - from).norm();
-    if (distance > reach + kSame * length) {
+    const bool far = distance > most + same, near = distance < least - same;
+    if (far || near) {
       std::ostringstream line;
       line << "at " << time << " s it is " << distance << " m from what holds the connector at "
-           << a.along << " m, with " << reach << " m of the connector between them";
+           << a.along << " m, ";
+      if (far) line << "with " << most << " m of the connector between them";
+      if (near) line << "and the links between them fold to no less than " << least << " m";
       return line.str();
     }
     if (time >= end) return {};
@@ -77,13 +85,13 @@ std::string pin_flaw(const World& world, const std::vector<TimedPin>& pins, std:
   for (std::size_t i = 0; i < connector.particles(); ++i) {
     const auto hold = std::ranges::find(connector.holds, i, &Hold::particle);
     if (hold != connector.holds.end()) {
-      if (std::abs(along - pin.along) <= 1e-9 * connector.length) {
+      if (std::abs(along - pin.along) <= kSamePlace * connector.length) {
         return std::string(words(Outcome::held_there));
       }
       if (pin.to && known(world, *pin.to) && known(world, hold->to)) {
         const std::string apart =
             parting(world, {along, world.time, INFINITY, hold->to},
-                    {pin.along, pin.from + pin.over, pin.until, *pin.to}, connector.length);
+                    {pin.along, pin.from + pin.over, pin.until, *pin.to}, connector);
         if (!apart.empty()) return apart;
       }
     }
@@ -94,13 +102,13 @@ std::string pin_flaw(const World& world, const std::vector<TimedPin>& pins, std:
     const bool together =
         other.connector == pin.connector && other.from < pin.until && pin.from < other.until;
     if (!together) continue;
-    if (std::abs(other.along - pin.along) <= 1e-9 * connector.length) {
+    if (std::abs(other.along - pin.along) <= kSamePlace * connector.length) {
       return std::string(words(Outcome::held_there)) + ", by another pin at that time";
     }
     if (!pin.to || !other.to || !known(world, *pin.to) || !known(world, *other.to)) continue;
     const std::string apart =
         parting(world, {other.along, other.from + other.over, other.until, *other.to},
-                {pin.along, pin.from + pin.over, pin.until, *pin.to}, connector.length);
+                {pin.along, pin.from + pin.over, pin.until, *pin.to}, connector);
     if (!apart.empty()) return apart;
   }
   return {};

@@ -40,7 +40,7 @@ struct Flaw {
 
 /// The first entry that cannot be, as far as that is known beforehand: places outside the
 /// connector, times before the world's or out of order, two pins at one place, and pins or ends
-/// that move apart beyond the connector's length between them.
+/// that move apart beyond the connector's length between them, or closer than its links fold.
 std::optional<Flaw> find_flaw(const World& world, const Timeline& timeline);
 
 /// An entry of a timeline that turned out not to be possible when its time came.

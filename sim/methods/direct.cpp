@@ -1,6 +1,7 @@
 #include "sim/methods/direct.h"
 
 #include "sim/methods/direct/control.h"
+#include "sim/projection.h"
 
 namespace taut {
 namespace {
@@ -17,6 +18,7 @@ class Direct : public Method {
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) rebuild(world);
     if (!same(world)) {
+      stop_stretching(world);  // a particle that was pinned in motion leaves its neighbours so
       for (Course& course : courses_) course.load(world);
     }
     for (std::size_t k = 0; k < courses_.size(); ++k) {

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "sim/methods/simbody_model.h"
-#include "sim/tension.h"
+#include "sim/projection.h"
 #include "sim/trajectory.h"
 
 namespace taut {

@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kExact = 1e-12;  // of the length: a span so near its limit is at it
 
+constexpr double kSameLine = 0.5;  // cosine of the most that a span turns between limit and now
+
 /// An end of a span as a thing that impulses move: a point at `arm` from the centre of mass of a
 /// body, or a particle (arm zero). World axes.
 struct Side {
@@ -164,7 +166,7 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   }
   const Side a(world, span, span.a, rotations_), b(world, span, span.b, rotations_);
   const double inverse_mass = a.inverse_mass + b.inverse_mass;
-  if (inverse_mass == 0) return false;
+  if (inverse_mass == 0 || (a.body && a.body == b.body)) return false;
   const auto log = [&](Event::Kind kind, double when, double size) {
     events.push_back({kind, when, span.connector, span.index, size});
   };
@@ -199,13 +201,21 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   const double excess = sign * (distance - limit);
   double ago = parting > 0 ? std::min(excess / parting, dt) : 0;
   if (impact) ago = std::min(excess / std::max(parting - pull * ago / 2, parting / 2), dt);
-  const Vec3 arm_a = a.arm_before(ago), arm_b = b.arm_before(ago);
-  const Vec3 line = (b.point_before(ago) - a.point_before(ago)).normalized();
-  const Vec3 answer = a.answer(line, arm_a, a.arm) + b.answer(line, arm_b, b.arm);
+  Vec3 line = (b.point_before(ago) - a.point_before(ago)).normalized();
+  Vec3 arm_a = a.arm_before(ago), arm_b = b.arm_before(ago);
+  Vec3 answer = a.answer(line, arm_a, a.arm) + b.answer(line, arm_b, b.arm);
   // The shift along `line` that brings the ends back to their limit: |gap + shift answer| = limit.
   const double p = gap.dot(answer), q = answer.squaredNorm();
   const double c = distance * distance - limit * limit;
-  double shift = -c / (p + std::sqrt(std::max(0.0, p * p - q * c)));
+  const bool turns = line.dot(along) < kSameLine || p * p < q * c;
+  double shift = turns ? 0 : -c / (p + std::sqrt(p * p - q * c));
+  if (turns) {  // too fast to be followed back: as the ends are now, to first order
+    ago = 0;
+    line = along;
+    arm_a = a.arm, arm_b = b.arm;
+    answer = a.answer(line, arm_a, a.arm) + b.answer(line, arm_b, b.arm);
+    shift = (limit - distance) / line.dot(answer);
+  }
   double size = 0;
   if (impact) {
     const Vec3 then = a.answer(line, arm_a, arm_a) + b.answer(line, arm_b, arm_b);
@@ -219,7 +229,7 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
     log(Event::Kind::taut, time - ago, 0);
     log(Event::Kind::impulse, time - ago, std::abs(size));
   } else if (parting > 0) {  // steady: the ends neither part nor approach when the step ends
-    const Vec3 now = (gap + shift * answer).normalized();
+    const Vec3 now = turns ? along : Vec3((gap + shift * answer).normalized());
     size = -now.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm)) / now.dot(answer);
   }
   span.taut = true;

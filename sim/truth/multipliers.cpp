@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "sim/mechanism.h"
-#include "sim/tension.h"
+#include "sim/projection.h"
 
 namespace taut {
 namespace {
@@ -18,18 +18,12 @@ namespace odeint = boost::numeric::odeint;
 constexpr std::string_view kName = "truth";
 constexpr double kFirstStep = 1e-4;  // s
 constexpr double kShortest = 1e-12;  // s: a step below it says that the motion is not smooth
-constexpr int kProjections = 8;      // Newton steps at most
-constexpr double kExact = 1e-14;     // m and m/s: rounding of positions of about a metre
-constexpr double kUnkept = 1e-8;     // m: lengths that stay off by more cannot be kept
 
 using State = std::vector<double>;
 
 class Multipliers final : public Method {
  public:
-  explicit Multipliers(const Settings& settings)
-      : stepper_(odeint::make_controlled(number(settings, "local_error"),
-                                         number(settings, "local_error"),
-                                         odeint::runge_kutta_fehlberg78<State>())) {}
+  explicit Multipliers(const Settings& settings) : local_error_(number(settings, "local_error")) {}
 
   void advance(World& world, double until) override;
 
@@ -40,12 +34,13 @@ class Multipliers final : public Method {
   void step(double& time, double until);
   void slope(const State& state, State& derivative, double time);
   void project(double time);
-  void solve();
   [[noreturn]] void give_up(double time, std::size_t row, const char* what) const;
 
+  double local_error_;  // m and m/s
   Stepper stepper_;
   std::optional<Mechanism> mechanism_;
   std::optional<TensionSystem> system_;
+  std::optional<Projection> projection_;
   const World* world_ = nullptr;
   std::uint64_t topology_ = 0;
   std::vector<double> keys_;  // s, rising: times at which a path is not smooth
@@ -54,8 +49,13 @@ class Multipliers final : public Method {
 };
 
 void Multipliers::prepare(const World& world) {
+  // A new one: its workspaces have the size of the state that it first saw.
+  stepper_ =
+      odeint::make_controlled(local_error_, local_error_, odeint::runge_kutta_fehlberg78<State>());
+  step_ = kFirstStep;
   mechanism_.emplace(world);
   system_.emplace(*mechanism_);
+  projection_.emplace(*mechanism_);
   topology_ = world.topology;
   right_.resize(mechanism_->rows().size());
   tension_.resize(right_.size());
@@ -103,49 +103,23 @@ void Multipliers::step(double& time, double until) {
   project(time);
 }
 
-void Multipliers::solve() {
-  system_->assemble(*mechanism_);
-  system_->solve(right_, tension_);
-  ++counters_.solves;
-}
-
 void Multipliers::slope(const State& state, State& derivative, double time) {
   scratch_ = state;
   mechanism_->look(time, scratch_.data());
   for (std::size_t r = 0; r < right_.size(); ++r) {
     right_[r] = mechanism_->loose_excess_acceleration(r);
   }
-  solve();
+  system_->assemble(*mechanism_);
+  system_->solve(right_, tension_);
+  ++counters_.solves;
   mechanism_->differentiate(scratch_.data(), tension_.data(), derivative.data());
 }
 
 void Multipliers::project(double time) {
-  for (std::size_t b = 0; b < mechanism_->bodies().size(); ++b) {
-    Eigen::Map<Eigen::Vector4d>(&state_[mechanism_->pose(b) + 3]).normalize();
-  }
-  if (right_.empty()) return;
-  const auto largest = [](const std::vector<double>& values) {
-    return std::ranges::max_element(values, {}, [](double x) { return std::abs(x); });
-  };
-  double before = 1e300;
-  for (int i = 0; i < kProjections; ++i) {
-    mechanism_->look(time, state_.data());
-    const auto worst = largest(mechanism_->excess());
-    const double off = std::abs(*worst);
-    const auto row = static_cast<std::size_t>(worst - mechanism_->excess().begin());
-    if (!std::isfinite(off)) give_up(time, row, "not finite");
-    if (off < kExact || (off < kUnkept && off > before / 2)) break;
-    if (i + 1 == kProjections && off > kUnkept) give_up(time, row, "the length cannot be kept");
-    before = off;
-    right_ = mechanism_->excess();
-    solve();
-    mechanism_->move(tension_.data(), state_.data());
-  }
-  mechanism_->look(time, state_.data());
-  right_ = mechanism_->rate();
-  solve();
-  mechanism_->push(tension_.data(), state_.data());
-  mechanism_->place(time, state_.data());
+  const Projection::Left left = projection_->lengths(*mechanism_, time, state_);
+  if (!std::isfinite(left.excess)) give_up(time, left.row, "not finite");
+  if (left.excess > Projection::kKept) give_up(time, left.row, "the length cannot be kept");
+  projection_->rates(*mechanism_, time, state_);
 }
 
 void Multipliers::give_up(double time, std::size_t row, const char* what) const {

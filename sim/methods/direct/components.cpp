@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace taut::direct {
 namespace {
@@ -20,6 +21,16 @@ class Sets {
   std::vector<std::size_t> parent_;
 };
 
+/// True where nothing can move the link's ends against each other: both are prescribed, or points
+/// of one body.
+bool is_idle(const World& world, const Connector& connector, const SpanRange& span) {
+  if (span.last - span.first > 1) return false;
+  const Hold *a = hold_at(connector, span.first), *b = hold_at(connector, span.last);
+  if (!a || !b) return false;
+  if (is_prescribed(world, a->to)) return is_prescribed(world, b->to);
+  return b->to.kind == Attachment::Kind::body && a->to.body == b->to.body;
+}
+
 }  // namespace
 
 std::vector<Component> components(const World& world) {
@@ -31,18 +42,16 @@ std::vector<Component> components(const World& world) {
     if (connector.model != ConnectorModel::links) continue;
     std::size_t from = 0;
     const auto cut = [&](std::size_t to) {
-      if (to > from) spans.push_back({c, from, to});
-      from = to;
-    };
-    for (const Hold& hold : connector.holds) {
-      cut(hold.particle);
-      if (is_prescribed(world, hold.to)) continue;
-      if (!spans.empty() && spans.back().connector == c) {
-        joints.emplace_back(spans.size() - 1, hold.to.body);
+      const SpanRange span{c, std::exchange(from, to), to};
+      if (span.first == to || is_idle(world, connector, span)) return;
+      for (const std::size_t end : {span.first, span.last}) {
+        const Hold* hold = hold_at(connector, end);
+        if (hold && !is_prescribed(world, hold->to))
+          joints.emplace_back(spans.size(), hold->to.body);
       }
-      if (hold.particle + 1 < connector.particles())
-        joints.emplace_back(spans.size(), hold.to.body);
-    }
+      spans.push_back(span);
+    };
+    for (const Hold& hold : connector.holds) cut(hold.particle);
     cut(connector.particles() - 1);
   }
 

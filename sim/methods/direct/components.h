@@ -20,7 +20,8 @@ struct Component {
   std::vector<std::size_t> bodies;  // indices into World::bodies
 };
 
-/// Cuts a world at everything whose motion is known beforehand.
+/// Cuts a world at everything whose motion is known beforehand. Links that nothing can stretch or
+/// compress are in none of the parts.
 std::vector<Component> components(const World& world);
 
 /// The hold on a particle, or null.

@@ -56,6 +56,7 @@ void solve_singular(std::size_t n, const double* d, const double* e, const doubl
 TAUT_VECTOR_CLONES
 void solve_tridiagonal(std::size_t n, const double* __restrict d, const double* __restrict e,
                        const double* __restrict r, double* __restrict x, double* __restrict work) {
+  if (n == 0) return;  // a body that flies alone
   double* __restrict q = work;
   double* __restrict z = work + n;
   double* __restrict b = work + 2 * n;
@@ -102,6 +103,7 @@ void solve_tridiagonal(std::size_t n, const double* __restrict d, const double* 
 TAUT_VECTOR_CLONES
 void factor_twisted(std::size_t n, double* __restrict pivot, double* __restrict up,
                     double* __restrict down) {
+  if (n == 0) return;
   const std::size_t m = n / 2;
   for (std::size_t k = 0; k < m; ++k) {
     const std::size_t i = k, j = n - 1 - k;
@@ -156,6 +158,7 @@ template <int kColumns>
 TAUT_VECTOR_CLONES
 void solve_twisted(std::size_t n, const double* pivot, const double* up, const double* down,
                    int columns, std::size_t stride, double* x) {
+  if (n == 0) return;
   if (columns == 2) {
     solve_columns<2>(n, pivot, up, down, stride, x);
   } else {

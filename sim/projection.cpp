@@ -1,0 +1,64 @@
+#include "sim/projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+constexpr int kIterations = 20;
+constexpr double kExact = 1e-14;  // m: rounding of positions of about a metre
+
+}  // namespace
+
+Projection::Left Projection::lengths(Mechanism& mechanism, double time,
+                                     std::vector<double>& state) {
+  for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
+    Eigen::Map<Eigen::Vector4d>(&state[mechanism.pose(b) + 3]).normalize();
+  }
+  mechanism.look(time, state.data());
+  if (multiplier_.empty()) return {};
+  Left left;
+  for (int i = 0;; ++i) {
+    const double before = left.excess;
+    const auto& excess = mechanism.excess();
+    const auto worst = std::ranges::max_element(excess, {}, [](double x) { return std::abs(x); });
+    left = {std::abs(*worst), static_cast<std::size_t>(worst - excess.begin())};
+    const bool settled = i > 0 && left.excess < kKept && left.excess > before / 2;
+    if (!(left.excess >= kExact) || settled || i == kIterations) return left;
+    system_.assemble(mechanism);
+    system_.solve(excess, multiplier_);
+    mechanism.move(multiplier_.data(), state.data());
+    mechanism.look(time, state.data());
+  }
+}
+
+void Projection::rates(Mechanism& mechanism, double time, std::vector<double>& state) {
+  mechanism.look(time, state.data());
+  if (multiplier_.empty()) return;
+  system_.assemble(mechanism);
+  system_.solve(mechanism.rate(), multiplier_);
+  mechanism.push(multiplier_.data(), state.data());
+  mechanism.place(time, state.data());
+}
+
+bool restore_lengths(World& world) {
+  Mechanism mechanism(world);
+  Projection projection(mechanism);
+  std::vector<double> state;
+  mechanism.load(world, state);
+  if (!(projection.lengths(mechanism, world.time, state).excess <= Projection::kKept)) return false;
+  mechanism.store(state, world.time, world);
+  return true;
+}
+
+void stop_stretching(World& world) {
+  Mechanism mechanism(world);
+  Projection projection(mechanism);
+  std::vector<double> state;
+  mechanism.load(world, state);
+  projection.rates(mechanism, world.time, state);
+  mechanism.store(state, world.time, world);
+}
+
+}  // namespace taut
