@@ -129,5 +129,65 @@ TEST(HandComputed, HalfTheLightIsSeen) {
   EXPECT_GT(int(*full.at(128, 128)) - int(*render(stage, camera).at(128, 128)), 30);
 }
 
+/// A square in a horizontal plane, seen from above.
+std::shared_ptr<const Model> square(double half_side, const Material& material) {
+  auto model = std::make_shared<Model>();
+  model->materials = {material};
+  Mesh mesh;
+  for (const auto& [x, z] : {std::pair(-1, -1), {-1, 1}, {1, 1}, {1, -1}}) {
+    Vertex v;
+    v.position = {float(half_side * x), 0, float(half_side * z)};
+    v.normal = {0, 1, 0};
+    mesh.vertices.push_back(v);
+  }
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  model->meshes = {mesh};
+  return model;
+}
+
+TEST(HandComputed, AShadowEndsWhereTheLightGoesPast) {
+  // A plate of 0.6 m, 0.5 m above the floor, in light that falls half as far sideways as down:
+  // its shadow reaches from x = -0.05 to 0.55 m.
+  constexpr double kHeight = 0.5, kHalf = 0.3, kSlope = 0.5;
+  Stage stage;
+  const Material matt{.name = "matt", .base_color = {0.5f, 0.5f, 0.5f}, .roughness = 1};
+  stage.scenery = {square(3, matt)};
+  stage.body_models = {square(kHalf, matt)};
+  stage.light = {Vec3(kSlope, -1, 0), Vec3::Constant(1.2), Vec3::Zero(), Vec3::Zero()};
+  World world;
+  Body plate;
+  plate.position = Vec3(0, kHeight, 0);
+  world.bodies.push_back(plate);
+
+  const Context context(Backend::automatic);
+  constexpr int kWide = 401;
+  Canvas canvas(context, kWide, kWide, 4);
+  StageRenderer renderer(context, stage, world);
+  const CameraView camera{Vec3(0.25, 3, 4), Vec3(0.25, 0, 0.25), 0.35};
+  renderer.clear(canvas);
+  renderer.draw(canvas, {0, 0, kWide, kWide}, {snapshot(world), {}, camera});
+  const Picture picture = canvas.finish();
+
+  // The camera looks along x = 0.25, so a line of the floor across it is a row of the picture.
+  const double distance = (camera.target - camera.position).norm();
+  const double pixel = 2 * distance * std::tan(camera.field_of_view / 2) / kWide;  // m
+  const auto value = [&](int column) { return int(*picture.at(column, kWide / 2)); };
+  const auto x_of = [&](double column) { return 0.25 + (column - kWide / 2) * pixel; };
+  const int lit = value(5), dark = value(kWide / 2);
+  EXPECT_EQ(dark, 0);
+  EXPECT_GT(lit, 60);
+  std::vector<double> edges;  // where the row crosses half of the light, m
+  for (int column = 6; column < kWide; ++column) {
+    const int a = value(column - 1), b = value(column);
+    if ((2 * a > lit) != (2 * b > lit))
+      edges.push_back(x_of(column - 1 + (0.5 * lit - a) / (b - a)));
+  }
+  ASSERT_EQ(edges.size(), 2u);
+  // Half a pixel, and two texels of the shadow map, which covers a little more than the plate.
+  const double tolerance = pixel / 2 + 2 * 2.0 / 1536;
+  EXPECT_NEAR(edges[0], kSlope * kHeight - kHalf, tolerance);
+  EXPECT_NEAR(edges[1], kSlope * kHeight + kHalf, tolerance);
+}
+
 }  // namespace
 }  // namespace taut
