@@ -164,8 +164,10 @@ TEST(HandComputed, AShadowEndsWhereTheLightGoesPast) {
   Canvas canvas(context, kWide, kWide, 4);
   StageRenderer renderer(context, stage, world);
   const CameraView camera{Vec3(0.25, 3, 4), Vec3(0.25, 0, 0.25), 0.35};
-  renderer.clear(canvas);
-  renderer.draw(canvas, {0, 0, kWide, kWide}, {snapshot(world), {}, camera});
+  const Rect whole{0, 0, kWide, kWide};
+  const View view{whole, camera};
+  renderer.begin(canvas, {&view, 1});
+  renderer.draw(canvas, whole, {snapshot(world), {}, camera});
   const Picture picture = canvas.finish();
 
   // The camera looks along x = 0.25, so a line of the floor across it is a row of the picture.

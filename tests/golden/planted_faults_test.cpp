@@ -29,8 +29,9 @@ class PlantedFaults : public testing::Test {
     return read_golden(kFolder / (frame.name + ".json"));
   }
 
-  Picture draw(const Scene& scene, const Snapshot& state, int samples = 4) {
-    Film film(context_, scene, suite_.width, suite_.height, samples);
+  Picture draw(const Scene& scene, const Snapshot& state, int samples = 4,
+               const Shadows& shadows = {}) {
+    Film film(context_, scene, suite_.width, suite_.height, samples, shadows);
     return film.draw(film.instant(state));
   }
 
@@ -111,6 +112,16 @@ TEST_F(PlantedFaults, ALightTwoPercentOffIsSeen) {
 TEST_F(PlantedFaults, MissingAntialiasingIsSeen) {
   const GoldenFrame& frame = suite_.frames.front();
   expect_caught(draw(scene_, record(frame).state, 1), frame);
+}
+
+TEST_F(PlantedFaults, AShadowMapOfHalfTheSizeIsSeen) {
+  const GoldenFrame& frame = suite_.frames.front();
+  expect_caught(draw(scene_, record(frame).state, 4, {.map_size = Shadows().map_size / 2}), frame);
+}
+
+TEST_F(PlantedFaults, MissingContactShadowIsSeen) {
+  const GoldenFrame& frame = suite_.frames.front();
+  expect_caught(draw(scene_, record(frame).state, 4, {.contact = false}), frame);
 }
 
 TEST_F(PlantedFaults, AWrongBoneWeightIsSeen) {
