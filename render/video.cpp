@@ -108,6 +108,8 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
        part.string()},
       list);
 
+  if (!std::filesystem::exists(part))
+    throw EncoderFailed(fmt::format("{}: ffmpeg ended well without making it", file.string()));
   const ChildResult probe =
       run({"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_frames", "-show_entries",
            "stream=nb_read_frames", "-of", "default=nokey=1:noprint_wrappers=1", part.string()},

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "render/picture.h"
+#include "tests/support/fault_table.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -166,6 +167,55 @@ TEST_F(RenderFaults, AChangedSceneIsDrawnAnew) {
   folder_.write("swing.toml", text);
   ASSERT_EQ(render({"--frames", "100", "--no-video", "--resume"}).code, 0);
   EXPECT_NE(finished().at("000100.png").pixels, before.at("000100.png").pixels);
+}
+
+/// A stand-in for ffmpeg that answers when it is asked whether it is there.
+class FakeFfmpeg {
+ public:
+  FakeFfmpeg(const Folder& folder, const std::string& script) {
+    const fs::path program = folder.write(
+        "bin/ffmpeg", "#!/bin/sh\ncase \"$*\" in *-version*) exit 0;; esac\n" + script + "\n");
+    fs::permissions(program, fs::perms::owner_all);
+    path_ = program.parent_path().string() + ":/usr/bin:/bin";
+  }
+  void operator()() const { setenv("PATH", path_.c_str(), 1); }
+
+ private:
+  std::string path_;
+};
+
+TEST_F(RenderFaults, EveryFaultIsNamed) {
+  FaultTable table("Renders", folder_.path());
+  const auto expect = [&](const char* fault, int code, const std::vector<std::string>& options,
+                          const std::function<void()>& prepare = {}) {
+    const Outcome outcome = render(options, prepare);
+    EXPECT_EQ(outcome.code, code) << fault << ": " << outcome.messages;
+    EXPECT_EQ(outcome.output, "") << fault;
+    table.add(fault, outcome);
+  };
+  expect("odd size of a video", 2, {"--size", "63x36"});
+  expect("size beyond the driver", 4, {"--size", "100000x2", "--no-video"});
+  expect("samples beyond the driver", 4, {"--samples", "64"});
+  expect("no such frame", 2, {"--frames", "8-1200"});
+  expect("frames backwards", 2, {"--frames", "3-1"});
+  expect("no rendering context", 4, {"--backend", "egl"},
+         [] { setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1); });
+  expect("FFmpeg missing", 5, {}, [] { setenv("PATH", "/nonexistent", 1); });
+  const std::vector<std::string> few = {"--frames", "0-4"};
+  expect("FFmpeg fails", 5, few, FakeFfmpeg(folder_, "echo no such codec >&2; exit 1"));
+  expect("FFmpeg is killed", 5, few, FakeFfmpeg(folder_, "kill -9 $$"));
+  expect("FFmpeg makes nothing, and says that all is well", 5, few, FakeFfmpeg(folder_, "exit 0"));
+  expect("file size limit", 6, {"--no-video"}, [] {
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  });
+  const fs::path out = std::exchange(out_, folder_.write("file", "x") / "clip");
+  expect("output under a file", 6, {});
+  out_ = out;
+  folder_.write("swing.toml",
+                std::string(kScene).substr(0, std::string_view(kScene).find("[stage]")));
+  expect("scene without a stage", 3, {});
+  EXPECT_TRUE(table.is_as_accepted());
 }
 
 }  // namespace
