@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace taut {
 namespace {
@@ -221,6 +222,26 @@ class ChainMesh final : public ConnectorMesh {
   Piece link_, ring_, collar_;
 };
 
+/// The ball that a point mass at a particle is drawn as: as large as steel of that mass. No ball
+/// where the particle is held or has only its share of the connector.
+std::optional<Piece> weight_piece(const Connector& connector, std::size_t particle) {
+  const double own = connector.mass / double(connector.particles());
+  const double extra = connector.particle_mass[particle] - own;
+  if (extra <= 1e-6 * own + 1e-12) return {};
+  for (const Hold& hold : connector.holds)
+    if (hold.particle == particle) return {};
+  constexpr double kSteel = 7850;  // kg/m3
+  const auto radius = float(std::cbrt(3 * extra / (4 * std::numbers::pi * kSteel)));
+  constexpr int kRows = 16;
+  std::vector<std::array<float, 4>> profile;
+  for (int i = 0; i <= kRows; ++i) {
+    const float angle = std::numbers::pi_v<float> * (float(i) / kRows - 0.5f);
+    const float out = std::cos(angle), up = std::sin(angle);
+    profile.push_back({radius * out, radius * up, out, up});
+  }
+  return turned_piece(profile, 32);
+}
+
 /// A tube through the particles: a Catmull-Rom curve with parallel-transport frames.
 class TubeMesh final : public ConnectorMesh {
  public:
@@ -237,6 +258,15 @@ class TubeMesh final : public ConnectorMesh {
             {Vec3f(float(j) / kSides, float(share * connector.length), radius_), color});
     }
     add_grid(0, std::uint32_t(rings_ + 2), kSides, false, indices_);
+    for (const std::size_t particle : {std::size_t(0), connector.particles() - 1}) {
+      const std::optional<Piece> weight = weight_piece(connector, particle);
+      if (!weight) continue;
+      const auto first = std::uint32_t(rest_.size());
+      for (const std::uint32_t i : weight->indices) indices_.push_back(first + i);
+      // On the crest of a strand everywhere: the rope's pattern leaves the ball plain.
+      rest_.resize(rest_.size() + weight->vertices.size(), {Vec3f(1 / 6.0f, 0, 1), kIron});
+      weights_.push_back({particle, *weight});
+    }
   }
 
   void place(std::span<const Vec3> particles, std::span<const Pose>,
@@ -255,10 +285,15 @@ class TubeMesh final : public ConnectorMesh {
       ring(point, side, axis, radius_, Vec3::Zero(), vertices);
       if (i + 1 == rings_) ring(point, side, axis, 0, axis, vertices);
     }
+    for (const auto& [particle, weight] : weights_) {
+      const Vec3f at = particles[particle].cast<float>();
+      for (const MovingVertex& v : weight.vertices) vertices.push_back({at + v.position, v.normal});
+    }
   }
 
  private:
   static constexpr std::uint32_t kSides = 10;
+  inline static const Vec3f kIron{0.05f, 0.055f, 0.065f};
 
   std::pair<Vec3, Vec3> curve(std::span<const Vec3> p, std::size_t ring) const {
     const std::size_t i = std::min(ring / steps_, spans_ - 1);
@@ -284,7 +319,13 @@ class TubeMesh final : public ConnectorMesh {
     }
   }
 
+  struct Weight {
+    std::size_t particle;
+    Piece piece;
+  };
+
   float radius_;
+  std::vector<Weight> weights_;
   std::size_t spans_, steps_, rings_;
 };
 

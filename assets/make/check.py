@@ -13,6 +13,8 @@ from skeleton import REST
 LIMITS = {  # triangles, bytes
     "martial_artist": (120_000, 3_000_000),
     "dojo": (32_000, 2_500_000),
+    "cube": (4_000, 300_000),
+    "bracket": (4_000, 200_000),
     "stick": (6_000, 200_000),
     "stick_lacquer": (6_000, 200_000),
 }

@@ -5,6 +5,7 @@ import pathlib
 import sys
 import time
 
+import cube
 import dojo
 import glb
 import martial_artist
@@ -17,6 +18,8 @@ MODELS = {
     "stick": lambda: (stick.oak(), None),
     "stick_lacquer": lambda: (stick.lacquer(), None),
     "dojo": lambda: (dojo.build(), None),
+    "cube": lambda: (cube.build(), None),
+    "bracket": lambda: (cube.bracket(), None),
 }
 
 
