@@ -112,7 +112,7 @@ def bounds():
 
 def build():
     """The left hand with its nails."""
-    skin = sculpt("HandL", "Skin", below_elbow, *bounds(), 0.0018, 4700, 0.008)
+    skin = sculpt("HandL", "Skin", below_elbow, *bounds(), 0.0018, 2500, 0.012)
     return merge("HandL", "Skin", [skin] + [nail(name) for name in DIGITS])
 
 

@@ -47,27 +47,27 @@ def _parts():
         return lambda p: np.all([evaluate(cover, p) > -depth for cover, depth in covers], axis=0)
 
     hand = hands.build()
-    foot = sculpt("FootL", "Skin", body.below_shin, (0.03, -0.01, -0.13), (0.24, 0.33, 0.24), 0.0026, 1700, 0.02)
+    foot = sculpt("FootL", "Skin", body.below_shin, (0.03, -0.01, -0.13), (0.24, 0.33, 0.24), 0.0026, 1000, 0.025)
     return [
         sculpt(
-            "Head", "Skin", lambda p: head.head(p, body.bust), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0018, 10600, 0.016,
+            "Head", "Skin", lambda p: head.head(p, body.bust), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0018, 5800, 0.020,
             head.detail, outside((hair.hair, 0.002), (hair.band, 0.002), (jacket.smooth, 0.035)),
         ),
         sculpt(
-            "Hair", "Hair", hair.hair, (-0.11, 1.57, -0.14), (0.11, 1.84, 0.11), 0.0026, 3300, 0.02,
+            "Hair", "Hair", hair.hair, (-0.11, 1.57, -0.14), (0.11, 1.84, 0.11), 0.0026, 2800, 0.02,
             None, outside((hair.band, 0.003), (head.head, 0.004)),
         ),
-        sculpt("Headband", "Band", hair.band, (-0.105, 1.52, -0.18), (0.105, 1.76, 0.125), 0.0026, 1700, 0.02),
+        sculpt("Headband", "Band", hair.band, (-0.105, 1.52, -0.18), (0.105, 1.76, 0.125), 0.0026, 1000, 0.025),
         hand,
         mirror(hand, "HandR"),
         foot,
         mirror(foot, "FootR"),
-        sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0048, 10600, 0.035),
+        sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0048, 8200, 0.045),
         sculpt(
-            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0060, 4300, 0.04,
+            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0060, 3400, 0.05,
             None, lambda p: (evaluate(jacket.smooth, p) > -0.02) | (p[:, 1] < 0.86),
         ),
-        sculpt("Belt", "Belt", belt.belt, (-0.22, 0.70, -0.18), (0.22, 1.08, 0.21), 0.0028, 2400, 0.03),
+        sculpt("Belt", "Belt", belt.belt, (-0.22, 0.70, -0.18), (0.22, 1.08, 0.21), 0.0028, 1700, 0.04),
     ]
 
 
