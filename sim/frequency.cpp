@@ -77,6 +77,20 @@ double fastest_swing(const World& world) {
   });
 }
 
+double heaviest_link(const World& world) {
+  double heaviest = 0;
+  for (const Connector& connector : world.connectors) {
+    const Chain chain = below_hold(world, connector);
+    double tension = 0;
+    for (std::size_t i = chain.mass.size(); i-- > 0;) {
+      tension += chain.mass[i] * world.gravity.norm();
+      const double lighter = i > 0 ? std::min(chain.mass[i], chain.mass[i - 1]) : chain.mass[i];
+      if (chain.rest[i] > 0) heaviest = std::max(heaviest, tension / (lighter * chain.rest[i]));
+    }
+  }
+  return heaviest;
+}
+
 double fastest_stretch(const World& world, double stiffness) {
   return fastest(
       world, [&](const Chain& chain) { return std::vector<double>(chain.rest.size(), stiffness); });

@@ -17,4 +17,8 @@ double fastest_swing(const World& world);
 /// 2 sqrt(stiffness/m) bounds it.
 double fastest_stretch(const World& world, double stiffness);
 
+/// The largest T/(m l) (1/s^2) of any link: T its tension, m the lighter of the masses that it
+/// joins, l its length.
+double heaviest_link(const World& world);
+
 }  // namespace taut

@@ -86,6 +86,13 @@ std::string complaint(const MethodInfo& method, const Settings& settings) {
   return {};
 }
 
+Settings with_defaults(const MethodInfo& method, Settings settings) {
+  for (const SettingInfo& setting : method.settings) {
+    settings.try_emplace(std::string(setting.name), setting.fallback);
+  }
+  return settings;
+}
+
 std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings) {
   const MethodInfo* info = find_method(name);
   if (!info) {
@@ -100,11 +107,7 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
   }
   const std::string wrong = complaint(*info, settings);
   if (!wrong.empty()) throw std::invalid_argument(wrong);
-  Settings full = settings;
-  for (const SettingInfo& setting : info->settings) {
-    full.try_emplace(std::string(setting.name), setting.fallback);
-  }
-  return info->make(full);
+  return info->make(with_defaults(*info, settings));
 }
 
 double number(const Settings& settings, std::string_view name) {

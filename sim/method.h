@@ -116,6 +116,9 @@ const MethodInfo* find_method(std::string_view name);
 /// Why `settings` cannot be given to `method` (unknown name, wrong type, out of range), or empty.
 std::string complaint(const MethodInfo& method, const Settings& settings);
 
+/// `settings` with the method's own choice for those that it leaves out.
+Settings with_defaults(const MethodInfo& method, Settings settings);
+
 /// Makes a method; settings left out take their defaults. Throws std::invalid_argument with the
 /// complaint when a setting is wrong or the name is unknown.
 std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings);

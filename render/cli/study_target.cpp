@@ -17,6 +17,26 @@ Target target_of(const Scene& scene, double duration, const TruthOptions& option
   return target;
 }
 
+std::optional<Reference> quick_reference(const Problem& problem, double scored_error,
+                                         double cpu_cap) {
+  Run first = run(problem, {"truth", {{"local_error", 1e-9}}}, cpu_cap);
+  const Run second = run(problem, {"multibody", {{"accuracy", 1e-5}}}, cpu_cap);
+  const Distance metres = [](const Vec3& at, const Vec3& truth, double) {
+    return (at - truth).norm();
+  };
+  Reference reference;
+  const std::size_t both = std::min(first.frames.size(), second.frames.size());
+  for (std::size_t k = 1; k < both; ++k) {
+    const double apart = frame_error(second.frames[k], first.frames[k], metres);
+    if (apart > scored_error / 100) break;
+    reference.horizon = first.frames[k].time;
+    reference.self_error = std::max(reference.self_error, apart);
+  }
+  if (!(reference.horizon > 0)) return std::nullopt;
+  reference.frames = std::move(first.frames);
+  return reference;
+}
+
 std::optional<Metric> pixels_of(const Scene& scene) {
   if (!scene.stage || scene.stage->camera.empty()) return std::nullopt;
   const Eigen::Vector2d half(scene.width / 2.0, scene.height / 2.0);

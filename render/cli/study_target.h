@@ -20,6 +20,12 @@ struct Target {
 /// The scene's frames of its first `duration` seconds, cut at the horizon.
 Target target_of(const Scene& scene, double duration, const TruthOptions& options);
 
+/// A reference good enough to tell runs that are within `scored_error` (m) of the truth: two
+/// independent solvers, up to where they agree to a hundredth of that. None where one of them
+/// cannot solve the problem within `cpu_cap` (s) or they disagree at once.
+std::optional<Reference> quick_reference(const Problem& problem, double scored_error,
+                                         double cpu_cap);
+
 /// Distance on the picture of the scene's camera, px; none where the scene has no stage. A point
 /// behind the camera is infinitely far from where it should be.
 std::optional<Metric> pixels_of(const Scene& scene);

@@ -1,7 +1,9 @@
 #include "sim/methods/xpbd.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "sim/frequency.h"
 #include "sim/methods/stepped.h"
 
 namespace taut {
@@ -144,27 +146,38 @@ void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double*
   }
 }
 
+/// At rest a step's passes give back to each link the T dt^2 that gravity and its neighbours took:
+/// each gives m/2 of what the link is too long, so that it stays 2 T dt^2 / (m passes) too long.
+double longest_step(const World& world, const Settings& settings) {
+  constexpr double kStretched = 0.01;  // of a link
+  return std::sqrt(kStretched * number(settings, "iterations") / (2 * heaviest_link(world)));
+}
+
 }  // namespace
 
 MethodInfo xpbd_method() {
-  return {.name = kName,
-          .summary = "extended position-based dynamics with small steps",
-          .settings = {step_setting(false, 12),
-                       {.name = "compliance",
-                        .meaning = "How far a newton stretches each link; more is softer.",
-                        .unit = "m/N",
-                        .fallback = 0.0},
-                       {.name = "iterations",
-                        .meaning = "Passes over all links in a step; more is stiffer and dearer.",
-                        .unit = "1",
-                        .fallback = 1.0,
-                        .minimum = 1,
-                        .maximum = 10000,
-                        .whole = true,
-                        .sweep = {1.0, 4.0, 16.0}}},
-          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
-            return std::make_unique<Xpbd>(settings);
-          }};
+  return {
+      .name = kName,
+      .summary = "extended position-based dynamics with small steps",
+      .settings = {step_setting(false, 12),
+                   {.name = "compliance",
+                    .meaning = "How far a newton stretches each link; more is softer.",
+                    .unit = "m/N",
+                    .fallback = 0.0},
+                   {.name = "iterations",
+                    .meaning = "Passes over all links in a step; more is stiffer and dearer.",
+                    .unit = "1",
+                    .fallback = 1.0,
+                    .minimum = 1,
+                    .maximum = 10000,
+                    .whole = true,
+                    .sweep = {1.0, 4.0, 16.0}}},
+      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+        return std::make_unique<Xpbd>(settings);
+      },
+      .longest_step = longest_step,
+      .longest_step_law = "1% of stretch at rest, dt^2 = m l / 200 T",
+  };
 }
 
 }  // namespace taut

@@ -26,7 +26,7 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> c
   };
   const double overhead = clock_cost();
   std::vector<BenchRow> rows;
-  for (const Candidate& candidate : candidates) rows.push_back({candidate, {}, {}, {}, 0});
+  for (const Candidate& candidate : candidates) rows.push_back({candidate, {}, {}, {}, 0, 0});
   std::vector<Timings> timings(rows.size());
   for (std::size_t repeat = 0; repeat < options.repeats; ++repeat) {
     for (std::size_t c = 0; c < rows.size(); ++c) {
@@ -45,7 +45,9 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> c
           timing.frames[k].push_back(cost);
           sum += cost;
         }
-        timing.means.push_back(sum / static_cast<double>(problem.times.size()));
+        const auto frames = static_cast<double>(problem.times.size());
+        timing.means.push_back(sum / frames);
+        rows[c].steps = static_cast<double>(simulation.method().counters().steps) / frames;
       } catch (const Diverged& error) {
         rows[c].failure = error.what();
       }

@@ -16,6 +16,7 @@ struct BenchRow {
   std::string failure;         // why it has no timings, or not of every frame
   std::vector<Spread> frames;  // s of CPU time per frame, over the repeats
   Spread mean;                 // s per frame: the mean of a repeat's frames, over the repeats
+  double steps = 0;            // per frame
   std::size_t repeats = 0;
 };
 

@@ -33,6 +33,19 @@ std::optional<std::size_t> cheapest(std::span<const CostAndError> points, double
   return found;
 }
 
+std::optional<double> cost_at(std::span<const CostAndError> points, double error) {
+  const std::vector<std::size_t> front = pareto_front(points);
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    const CostAndError& fine = points[front[i]];
+    if (fine.error > error) continue;
+    if (i == 0 || fine.error == error) return fine.cost;
+    const CostAndError& coarse = points[front[i - 1]];
+    const double share = std::log(coarse.error / error) / std::log(coarse.error / fine.error);
+    return coarse.cost * std::pow(fine.cost / coarse.cost, share);
+  }
+  return std::nullopt;
+}
+
 Spread spread(std::vector<double> values) {
   if (values.empty()) return {};
   std::ranges::sort(values);

@@ -19,6 +19,11 @@ std::vector<std::size_t> pareto_front(std::span<const CostAndError> points);
 /// The cheapest point whose error is at most `error`.
 std::optional<std::size_t> cheapest(std::span<const CostAndError> points, double error);
 
+/// What an error of `error` costs along the front: between the two points on either side of it, on
+/// a straight line of their logarithms. Where even the cheapest is nearer: what that costs. None
+/// where the front does not reach it.
+std::optional<double> cost_at(std::span<const CostAndError> points, double error);
+
 /// Median and the quartiles around it of `values`; zero where there are none.
 struct Spread {
   double low = 0, median = 0, high = 0;

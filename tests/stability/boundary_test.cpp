@@ -19,13 +19,6 @@ constexpr double kKick = 1e-6;  // m
 constexpr double kGrown = 1e3;  // times the kick
 constexpr std::uint64_t kSteps = 1000;
 
-Settings full(const MethodInfo& method, Settings settings) {
-  for (const SettingInfo& info : method.settings) {
-    settings.try_emplace(std::string(info.name), info.fallback);
-  }
-  return settings;
-}
-
 /// A hanging chain whose links are stretched by what hangs below, each a spring of `stiffness`
 /// (N/m), and whose beads are moved by turns to one side and the other, up and down.
 World hanging(double stiffness) {
@@ -60,7 +53,7 @@ bool grows(const World& start, const std::string& method, Settings settings, dou
 void expect_boundary(const std::string& method, const Settings& settings, double stiffness) {
   const MethodInfo& info = *find_method(method);
   const World world = hanging(stiffness);
-  const double limit = info.longest_step(world, full(info, settings));
+  const double limit = info.longest_step(world, with_defaults(info, settings));
   EXPECT_FALSE(grows(world, method, settings, 0.9 * limit)) << method << ", limit " << limit;
   EXPECT_TRUE(grows(world, method, settings, 1.1 * limit)) << method << ", limit " << limit;
 }
@@ -91,11 +84,11 @@ TEST(Boundary, LimitsAreThoseOfTheTextbook) {
   const double m = world.connectors[0].particle_mass[1], l = 1.0 / kBeads;
   const double swing = 2 * std::sqrt(kBeads * m * worlds::kGravity / (m * l));
   const MethodInfo& constraints = *find_method("dynamic-constraints");
-  const Settings rk4 = full(constraints, {{"integrator", std::string("rk4")}});
+  const Settings rk4 = with_defaults(constraints, {{"integrator", std::string("rk4")}});
   EXPECT_GE(constraints.longest_step(world, rk4), 2.828 / swing);
   EXPECT_LT(constraints.longest_step(world, rk4), 1.2 * 2.83 / swing);
   const MethodInfo& info = *find_method("springs");
-  const Settings settings = full(info, springs("semi-implicit-euler", 1e4, 0));
+  const Settings settings = with_defaults(info, springs("semi-implicit-euler", 1e4, 0));
   EXPECT_NEAR(info.longest_step(world, settings) * std::sqrt(1e4 / m), 1, 0.01);
 }
 

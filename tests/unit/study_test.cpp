@@ -62,6 +62,16 @@ TEST(Front, HoldsWhatNothingBeatsInBoth) {
   EXPECT_FALSE(cheapest(points, 0.01));
 }
 
+TEST(Front, CostOfAnErrorLiesBetweenItsNeighbours) {
+  const std::vector<CostAndError> points{{1, 1e-1}, {50, 1}, {100, 1e-3}, {kInfinity, kInfinity}};
+  EXPECT_DOUBLE_EQ(cost_at(points, 1e-1).value(), 1);
+  EXPECT_NEAR(cost_at(points, 1e-2).value(), 10, 1e-9);
+  EXPECT_DOUBLE_EQ(cost_at(points, 1e-3).value(), 100);
+  EXPECT_FALSE(cost_at(points, 1e-4));
+  EXPECT_DOUBLE_EQ(cost_at(points, 0.5).value(), 1);
+  EXPECT_FALSE(cost_at({}, 1));
+}
+
 TEST(Front, SpreadIsMedianAndQuartiles) {
   const Spread s = spread({4, 1, 3, 2, 5});
   EXPECT_EQ(s.low, 2);

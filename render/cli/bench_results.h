@@ -1,0 +1,37 @@
+// The results of `taut bench` as tables, a chart and JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/cli/paper_ratio.h"
+#include "render/cli/study_options.h"
+#include "sim/study/bench.h"
+
+namespace taut::cli {
+
+/// The timings at one number of particles.
+struct BenchBlock {
+  std::size_t particles = 0;
+  std::vector<BenchRow> rows;  // one per contender
+  PaperRatio paper;
+};
+
+struct BenchResults {
+  Scene scene;
+  std::vector<Contender> contenders;
+  std::string against;  // the contender that others are compared with
+  std::vector<BenchBlock> blocks;
+
+  std::vector<PaperRatio> paper() const;
+};
+
+/// One row per number of particles and contender: time per frame, ratio, settings, failures.
+Table bench_table(const BenchResults& results);
+/// The time of every frame.
+Table bench_frames_table(const BenchResults& results);
+/// Time by the number of particles, time of each frame, and the paper's ratio.
+Chart bench_chart(const BenchResults& results);
+std::string bench_json(const BenchResults& results);
+
+}  // namespace taut::cli

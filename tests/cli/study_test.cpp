@@ -1,0 +1,219 @@
+// The commands that compare methods: bench, chart and stability, on grids as small as they come.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "render/table.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScene = R"(title = "Short swing"
+duration = 0.2
+fps = 20
+[connectors.rope]
+length = 0.2
+mass = 0.05
+particles = 4
+from = { fixed = [0, 0.6, 0] }
+to = { point_mass = 0.2 }
+start = { direction = [1, 0, 0] }
+)";
+
+// Both ends are driven apart beyond the length, which rigid links cannot follow.
+constexpr const char* kTorn = R"(duration = 0.2
+fps = 20
+[paths.hand]
+keys = [{ t = 0, position = [0.19, 0.6, 0] }, { t = 0.1, position = [2, 0.6, 0] }]
+[connectors.rope]
+length = 0.2
+mass = 0.05
+particles = 4
+from = { fixed = [0, 0.6, 0] }
+to = { path = "hand" }
+start = { hanging_to = [0.19, 0.6, 0] }
+)";
+
+std::size_t column(const Table& table, const std::string& name) {
+  return static_cast<std::size_t>(std::ranges::find(table.columns, name) - table.columns.begin());
+}
+
+std::vector<std::string> cells(const Table& table, const std::string& name) {
+  std::vector<std::string> list;
+  for (const auto& row : table.rows) list.push_back(row.at(column(table, name)));
+  return list;
+}
+
+/// Starts a command, and stops it by `signal` once `file` has grown beyond `size`.
+Outcome stopped(const std::vector<std::string>& command, const fs::path& folder,
+                const fs::path& file, std::size_t size, int signal) {
+  std::vector<std::string> words{TAUT_PROGRAM};
+  words.insert(words.end(), command.begin(), command.end());
+  Child child(words, folder);
+  for (int i = 0; i < 2000 && !(fs::exists(file) && fs::file_size(file) > size); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  kill(child.id(), signal);
+  return child.wait();
+}
+
+TEST(Study, HelpHasExamples) {
+  for (const std::string command : {"bench", "chart", "stability"}) {
+    const Outcome outcome = run_taut({command, "--help"});
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_NE(outcome.output.find("Examples:\n  taut " + command), std::string::npos);
+  }
+}
+
+TEST(Study, MisuseIsTwoAndABadSceneIsThree) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  folder.write("empty.toml", "duration = 1\nfps = 10\n");
+  for (const std::string command : {"bench", "chart", "stability"}) {
+    for (const std::vector<std::string>& rest :
+         std::vector<std::vector<std::string>>{{},
+                                               {"scene.toml", "--methods", "impulsive"},
+                                               {"scene.toml", "--budget", "0"},
+                                               {"empty.toml"}}) {
+      std::vector<std::string> words{command};
+      words.insert(words.end(), rest.begin(), rest.end());
+      const Outcome outcome = run_taut(words, folder.path());
+      EXPECT_EQ(outcome.code, 2) << fmt::format("{}", fmt::join(words, " "));
+      EXPECT_NE(outcome.messages, "");
+    }
+    EXPECT_EQ(run_taut({command, "missing.toml"}, folder.path()).code, 3);
+  }
+  EXPECT_EQ(run_taut({"bench", "scene.toml", "--particles", "1"}, folder.path()).code, 2);
+  EXPECT_EQ(run_taut({"bench", "scene.toml", "--methods", "xpbd"}, folder.path()).code, 2)
+      << "springs, which others are compared with, is not among them";
+}
+
+TEST(Bench, TimesEveryFrameAndFindsThePapersRatio) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const Outcome outcome = run_taut({"bench", "scene.toml", "--quick", "--budget", "1", "--methods",
+                                    "impulse,springs", "--particles", "4,8", "--json", "-q"},
+                                   folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_EQ(outcome.messages, "");
+  const auto json = nlohmann::json::parse(outcome.output);
+  ASSERT_EQ(json.at("rows").size(), 4u);
+  for (const auto& row : json.at("rows"))
+    EXPECT_GT(std::stod(row.at("µs per frame").get<std::string>()), 0);
+  ASSERT_EQ(json.at("paper_ratio").size(), 4u);  // one step a frame, and the default, at both
+  for (const auto& row : json.at("paper_ratio")) {
+    EXPECT_GT(std::stod(row.at("springs / impulse").get<std::string>()), 1);
+    EXPECT_GT(std::stod(row.at("springs: stiffness (N/m)").get<std::string>()), 0);
+  }
+  const fs::path out = folder.path() / "out/scene";
+  const Table frames = from_csv(read_file(out / "bench_frames.csv"));
+  EXPECT_EQ(frames.rows.size(), 2u * 2u * 100u);
+  for (const char* name : {"bench.csv", "bench.svg", "bench.png"})
+    EXPECT_TRUE(fs::exists(out / name));
+}
+
+TEST(Bench, ADivergenceIsSaidAndOthersGoOn) {
+  const Folder folder;
+  folder.write("torn.toml", kTorn);
+  const Outcome outcome =
+      run_taut({"bench", "torn.toml", "--quick", "--budget", "1", "--methods",
+                "dynamic-constraints,springs,xpbd", "--particles", "4", "--against", "xpbd"},
+               folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const Table table = from_csv(read_file(folder.path() / "out/torn/bench.csv"));
+  const auto remarks = cells(table, "remark"), times = cells(table, "µs per frame");
+  EXPECT_NE(remarks.at(0).find("diverged"), std::string::npos) << remarks.at(0);
+  EXPECT_EQ(times.at(0), "-");
+  EXPECT_EQ(remarks.at(2), "");
+  EXPECT_GT(std::stod(times.at(2)), 0);
+}
+
+TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const std::vector<std::string> command{"chart", "scene.toml", "--budget",
+                                         "4",     "--methods",  "impulse,springs,xpbd,direct"};
+  const fs::path out = folder.path() / "out/scene";
+  const Outcome first = stopped(command, folder.path(), out / "chart.unfinished", 500, SIGINT);
+  ASSERT_EQ(first.code, 130) << first.messages;
+  EXPECT_FALSE(fs::exists(out / "chart.csv"));
+  EXPECT_TRUE(fs::exists(out / "chart.unfinished"));
+
+  const Outcome second = run_taut(command, folder.path());
+  ASSERT_EQ(second.code, 0) << second.messages;
+  EXPECT_NE(second.messages.find("going on after"), std::string::npos) << second.messages;
+  EXPECT_FALSE(fs::exists(out / "chart.unfinished"));
+  for (const char* name : {"chart.svg", "chart.png", "chart_reach.csv", "chart_model.csv"}) {
+    EXPECT_TRUE(fs::exists(out / name)) << name;
+  }
+  const std::string page = read_file(out / "chart.html");
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(page.find("src="), std::string::npos) << "the page needs another file";
+
+  // The direct method follows its tolerance, so it reaches every target.
+  const Table reach = from_csv(read_file(out / "chart_reach.csv"));
+  const auto methods = cells(reach, "method");
+  const auto at = static_cast<std::size_t>(std::ranges::find(methods, "direct") - methods.begin());
+  EXPECT_GT(std::stod(cells(reach, "ms/s for 1e-06").at(at)), 0);
+  EXPECT_EQ(cells(reach, "ms/s for 1e-06").at(0), "-") << "impulse";
+}
+
+TEST(Chart, AnotherSceneStartsAnew) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const std::vector<std::string> command{"chart", "scene.toml", "--budget",
+                                         "3",     "--methods",  "impulse"};
+  const fs::path out = folder.path() / "out/scene";
+  ASSERT_EQ(stopped(command, folder.path(), out / "chart.unfinished", 300, SIGTERM).code, 143);
+  folder.write("scene.toml", std::string(kScene) + "# changed\n");
+  const Outcome second = run_taut(command, folder.path());
+  EXPECT_EQ(second.code, 0);
+  EXPECT_EQ(second.messages.find("going on after"), std::string::npos);
+}
+
+TEST(Stability, MapsHaveEveryCellAndGoOn) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const std::vector<std::string> command{"stability", "scene.toml", "--quick",        "--budget",
+                                         "4",         "--methods",  "springs,impulse"};
+  const fs::path out = folder.path() / "out/scene";
+  ASSERT_EQ(stopped(command, folder.path(), out / "stability.unfinished", 1000, SIGINT).code, 130);
+  const Outcome second = run_taut(command, folder.path());
+  ASSERT_EQ(second.code, 0) << second.messages;
+  EXPECT_NE(second.messages.find("going on after"), std::string::npos) << second.messages;
+  const Table table = from_csv(read_file(out / "stability.csv"));
+  // Four values of each of five axes and five steps; impulse has no stiffness.
+  EXPECT_EQ(table.rows.size(), 4u * 5u * (5u + 4u));
+  const auto maps = cells(table, "map"), classes = cells(table, "class");
+  EXPECT_NE(std::ranges::find(classes, "failed"), classes.end()) << "springs beyond their limit";
+  EXPECT_NE(std::ranges::find(classes, "plausible"), classes.end());
+  for (const char* map : {"mass_ratio", "particles", "stiffness", "driven_speed", "start_angle"}) {
+    EXPECT_NE(std::ranges::find(maps, map), maps.end()) << map;
+    EXPECT_TRUE(fs::exists(out / fmt::format("stability_{}.png", map)));
+    EXPECT_TRUE(fs::exists(out / fmt::format("stability_{}.svg", map)));
+  }
+  EXPECT_TRUE(fs::exists(out / "stability.html"));
+}
+
+TEST(Study, OutputThatCannotBeWrittenIsSix) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  folder.write("file", "kept");
+  for (const std::string command : {"bench", "chart", "stability"}) {
+    const Outcome outcome = run_taut({command, "scene.toml", "--quick", "--budget", "1",
+                                      "--methods", "springs", "--out", "file"},
+                                     folder.path());
+    EXPECT_EQ(outcome.code, 6) << command << outcome.messages;
+  }
+  EXPECT_EQ(read_file(folder.path() / "file"), "kept");
+}
+
+}  // namespace
+}  // namespace taut
