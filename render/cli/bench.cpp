@@ -28,16 +28,15 @@ Problem frames_of(const Scene& scene) {
   return problem;
 }
 
-BenchBlock measure(const Options& options, const std::vector<Contender>& contenders,
-                   std::size_t particles) {
-  const Scene scene = study_scene(options.study, particles);
+BenchBlock measure(const StudyOptions& options, const std::vector<Contender>& contenders,
+                   std::size_t particles, double seconds) {
+  const Scene scene = study_scene(options, particles);
   std::vector<Candidate> candidates;
   for (const Contender& one : contenders) {
     if (one.method->missing.empty()) candidates.push_back(one.candidate);
   }
-  const double seconds = options.study.budget / static_cast<double>(options.particles.size());
   BenchOptions limits;
-  limits.repeats = options.study.quick ? 5 : 25;
+  limits.repeats = options.quick ? 5 : 25;
   limits.seconds = seconds / 2 / static_cast<double>(std::max<std::size_t>(1, candidates.size()));
   limits.pause = stop_if_interrupted;
   std::vector<BenchRow> measured = bench(frames_of(scene), candidates, limits);
@@ -55,21 +54,32 @@ BenchBlock measure(const Options& options, const std::vector<Contender>& contend
     }
   }
   const double duration = static_cast<double>(kFrames) / scene.fps;
-  block.paper = paper_ratio(options.study, contenders, particles, duration, seconds / 2);
+  block.paper = paper_ratio(options, contenders, particles, duration, seconds / 2);
   return block;
 }
 
-int run(const Options& options, const Common& common) {
-  BenchResults results{
-      study_scene(options.study), chosen_contenders(options.study), options.against, {}};
-  if (std::ranges::find(results.contenders, options.against, &Contender::label) ==
+}  // namespace
+
+BenchResults measure_bench(const StudyOptions& options, const std::vector<std::size_t>& particles,
+                           const std::string& against, bool quiet) {
+  BenchResults results{study_scene(options), chosen_contenders(options), against, {}};
+  if (std::ranges::find(results.contenders, against, &Contender::label) ==
       results.contenders.end()) {
-    throw Misuse(fmt::format("--against: {} is not among the methods timed", options.against));
+    throw Misuse(fmt::format("--against: {} is not among the methods timed", against));
   }
-  for (const std::size_t particles : options.particles) {
-    if (!common.quiet) fmt::print(stderr, "timing {} particles\n", particles);
-    results.blocks.push_back(measure(options, results.contenders, particles));
+  const double seconds = options.budget / static_cast<double>(particles.size());
+  for (const std::size_t n : particles) {
+    if (!quiet) fmt::print(stderr, "timing {} particles\n", n);
+    results.blocks.push_back(measure(options, results.contenders, n, seconds));
   }
+  return results;
+}
+
+namespace {
+
+int run(const Options& options, const Common& common) {
+  const BenchResults results =
+      measure_bench(options.study, options.particles, options.against, common.quiet);
   const std::filesystem::path folder = study_folder(options.study);
   write_csv(bench_table(results), folder / "bench");
   write_csv(bench_frames_table(results), folder / "bench_frames");

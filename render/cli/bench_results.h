@@ -26,6 +26,10 @@ struct BenchResults {
   std::vector<PaperRatio> paper() const;
 };
 
+/// Times every contender at every number of particles, within about the options' budget.
+BenchResults measure_bench(const StudyOptions& options, const std::vector<std::size_t>& particles,
+                           const std::string& against, bool quiet);
+
 /// One row per number of particles and contender: time per frame, ratio, settings, failures.
 Table bench_table(const BenchResults& results);
 /// The time of every frame.

@@ -41,5 +41,7 @@ void add_bench(CLI::App& app, Program& program);
 void add_chart(CLI::App& app, Program& program);
 void add_stability(CLI::App& app, Program& program);
 void add_golden(CLI::App& app, Program& program);
+void add_judge(CLI::App& app, Program& program);
+void add_claims(CLI::App& app, Program& program);
 
 }  // namespace taut::cli

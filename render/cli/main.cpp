@@ -78,8 +78,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(std::string("\n") + kExamples);
   Program program;
-  for (const auto add :
-       {add_render, add_simulate, add_check, add_bench, add_chart, add_stability, add_golden})
+  for (const auto add : {add_render, add_simulate, add_check, add_bench, add_chart, add_stability,
+                         add_golden, add_judge, add_claims})
     add(app, program);
   try {
     app.parse(argc, argv);

@@ -85,6 +85,7 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap) {
       if (!std::isfinite(gained) || !std::isfinite(stretch)) {
         result.end = Run::End::diverged;
         result.reason = "not finite";
+        result.failed_at = time;
         break;
       }
       result.frames.push_back(snapshot(simulation.world()));
@@ -96,6 +97,7 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap) {
   } catch (const Diverged& error) {
     result.end = Run::End::diverged;
     result.reason = error.what();
+    result.failed_at = error.time;
   }
   result.counters = simulation.method().counters();
   return result;

@@ -29,6 +29,7 @@ struct Run {
   Counters counters;
   double cpu = 0;          // s, of stepping alone
   double reached = 0;      // s, the time of the last frame
+  double failed_at = 0;    // s, where it diverged
   double stretch_max = 0;  // of all frames
   double energy_gain = 0;  // J, the most above the energy at the start, of all frames
   double energy_loss = 0;  // J, the most below it

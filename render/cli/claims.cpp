@@ -1,0 +1,277 @@
+// taut claims: what of the paper reproduces, each claim measured.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "render/atomic_file.h"
+#include "render/cli/bench_results.h"
+#include "render/cli/command.h"
+#include "render/cli/study_target.h"
+#include "render/interrupt.h"
+
+namespace taut::cli {
+namespace {
+
+constexpr std::size_t kFew = 21, kMany = 81;  // particles: the scene's own, and a long chain
+
+struct Options {
+  StudyOptions study;
+  bool markdown = false;
+};
+
+/// What the claims are judged by.
+struct Evidence {
+  BenchResults bench;
+  std::vector<double> errors;       // RMS against truth, share of the length; per contender
+  std::vector<double> differences;  // mean of the segments against dynamic constraints, m
+  double horizon = 0;               // s, of both
+  double length = 0;                // m
+  double always = 0;                // cost of impulse with h = 0 over that with its own h
+
+  std::size_t at(std::string_view label) const {
+    const auto found = std::ranges::find(bench.contenders, label, &Contender::label);
+    return static_cast<std::size_t>(found - bench.contenders.begin());
+  }
+  bool has(std::string_view label) const {
+    const std::size_t c = at(label);
+    return c < bench.contenders.size() && bench.blocks[0].rows[c].failure.empty();
+  }
+  /// CPU s per frame.
+  double cost(std::string_view label, std::size_t block = 0) const {
+    return bench.blocks[block].rows[at(label)].mean.median;
+  }
+  /// The interquartile range of the frames' medians, as a share of their median.
+  double unevenness(std::string_view label) const {
+    std::vector<double> frames;
+    for (const Spread& frame : bench.blocks[0].rows[at(label)].frames) {
+      frames.push_back(frame.median);
+    }
+    const Spread all = spread(std::move(frames));
+    return (all.high - all.low) / all.median;
+  }
+  double real_time() const { return 1.0 / bench.scene.fps; }
+};
+
+Evidence gather(const StudyOptions& options, const Common& common) {
+  Evidence evidence;
+  evidence.bench = measure_bench(options, {kFew, kMany}, "springs", common.quiet);
+  const Scene scene = study_scene(options, kFew);
+  evidence.length = scene.world.connectors.front().length;
+  TruthOptions truth;
+  truth.scored_error = 1e-4 * evidence.length;
+  truth.second_accuracy = 1e-7;
+  const Target target = target_of(scene, scene.duration, truth);
+  evidence.horizon = target.reference.horizon;
+  const Metric metric = share_of_length(evidence.length);
+  std::vector<std::vector<Snapshot>> all;
+  for (const Contender& one : evidence.bench.contenders) {
+    stop_if_interrupted();
+    all.emplace_back();
+    if (one.method->missing.empty()) {
+      all.back() = taut::run(target.problem, one.candidate, 60).frames;
+    }
+    evidence.errors.push_back(
+        rms_error(all.back(), target.reference.frames, evidence.horizon, metric.distance));
+  }
+  const auto& reference = all[evidence.at("dynamic-constraints")];
+  for (const auto& frames : all) {
+    double sum = 0;
+    const std::size_t both = std::min(frames.size(), reference.size());
+    for (std::size_t k = 0; k < both; ++k) sum += segment_difference(frames[k], reference[k]);
+    evidence.differences.push_back(both ? sum / static_cast<double>(both) : NAN);
+  }
+  std::vector<double> with, without;
+  for (int i = 0; i < 15; ++i) {
+    stop_if_interrupted();
+    with.push_back(time_run(target.problem, {"impulse", {}}));
+    without.push_back(time_run(target.problem, {"impulse", {{"h", 0.0}}}));
+  }
+  evidence.always = spread(without).median / spread(with).median;
+  return evidence;
+}
+
+enum class Outcome { reproduced, conditional, not_reproduced, not_measured };
+
+struct Claim {
+  std::string words, where;
+  Outcome outcome;
+  std::string numbers;
+};
+
+const char* name_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::reproduced:
+      return "reproduced";
+    case Outcome::conditional:
+      return "under conditions";
+    case Outcome::not_reproduced:
+      return "not reproduced";
+    case Outcome::not_measured:
+      return "not measured";
+  }
+  return "";
+}
+
+Outcome yes_or_no(bool yes) {
+  return yes ? Outcome::reproduced : Outcome::not_reproduced;
+}
+
+std::string micro(double seconds) {
+  return rounded(1e6 * seconds) + " µs";
+}
+
+std::string percent(double share) {
+  return rounded(100 * share) + "%";
+}
+
+// Experiment 1: cost.
+void add_costs(const Evidence& e, std::vector<Claim>& claims) {
+  const double frame = e.real_time();
+  const double few = e.cost("dynamic-constraints:dense"),
+               many = e.cost("dynamic-constraints:dense", 1);
+  claims.push_back(
+      {"Dynamic constraints cannot run in real time", "V, Figure 5",
+       few > frame ? Outcome::reproduced
+                   : (many > frame ? Outcome::conditional : Outcome::not_reproduced),
+       fmt::format(
+           "dense solve: {} a frame at {} particles, {} at {}, of {}; the tridiagonal solve "
+           "of the same system: {} and {}",
+           micro(few), kFew, micro(many), kMany, micro(frame), micro(e.cost("dynamic-constraints")),
+           micro(e.cost("dynamic-constraints", 1)))});
+  const std::string package = e.has("sdfast") ? "sdfast" : "multibody";
+  claims.push_back(
+      {"SD/FAST is slower still", "V, Figure 5",
+       package == "sdfast" ? yes_or_no(e.cost(package) > few) : Outcome::conditional,
+       fmt::format(
+           "{}{} {} against the dense solve's {}",
+           package == "sdfast" ? "" : "SD/FAST is not in this build; its successor Simbody, ",
+           package, micro(e.cost(package)), micro(few))});
+  claims.push_back(
+      {"Of the existing methods only the particle system runs in real time", "V, Figure 5",
+       yes_or_no(few > frame && e.cost("multibody") > frame),
+       fmt::format("at {} particles dense dynamic constraints {}, multibody {}, springs "
+                   "{} a frame, of {}",
+                   kFew, micro(few), micro(e.cost("multibody")), micro(e.cost("springs")),
+                   micro(frame))});
+  claims.push_back({"The particle system takes the same time in every frame", "V, Figure 5",
+                    yes_or_no(e.unevenness("springs") < 0.1),
+                    fmt::format("quartiles of its frames lie {} of the median apart (impulse: {}, "
+                                "multibody: {})",
+                                percent(e.unevenness("springs")), percent(e.unevenness("impulse")),
+                                percent(e.unevenness("multibody")))});
+  const PaperSetting& setting = e.bench.blocks[0].paper.settings.front();
+  claims.push_back(
+      {fmt::format("The method is {} times as fast as the particle system", kPaperRatio), "V",
+       Outcome::conditional,
+       fmt::format("at default settings {}; {} where impulse takes {} step a frame and springs {} "
+                   "of {} N/m, whose error is then {} of the length (impulse: {})",
+                   rounded(e.cost("springs") / e.cost("impulse")), rounded(setting.ratio),
+                   rounded(setting.impulse_steps), rounded(setting.substeps),
+                   rounded(setting.stiffness), percent(setting.error),
+                   percent(setting.impulse_error))});
+  std::optional<EqualError> coarse, fine;
+  for (const EqualError& one : e.bench.blocks[0].paper.equal) {
+    if (one.method != "springs" || !(one.cost > 0)) continue;
+    if (!coarse || one.error > coarse->error) coarse = one;
+    if (!fine || one.error < fine->error) fine = one;
+  }
+  if (coarse && fine) {
+    claims.push_back(
+        {"The same, at equal error (not asked in the paper)", "-",
+         yes_or_no(coarse->cost > coarse->impulse_cost),
+         fmt::format(
+             "springs cost {} times as much at an error of {} of the length, {} times at {}, "
+             "below which impulse does not come",
+             rounded(coarse->cost / coarse->impulse_cost), percent(coarse->error),
+             rounded(fine->cost / fine->impulse_cost), percent(fine->error))});
+  }
+  claims.push_back({"Correcting lengths only where they are violated saves time", "IV.B",
+                    yes_or_no(e.always > 1.05),
+                    fmt::format("correcting all links (h = 0) costs {} times as much as with the "
+                                "default h",
+                                rounded(e.always))});
+  claims.push_back({"The method runs in real time", "V, Figure 5",
+                    yes_or_no(e.cost("impulse", 1) < frame),
+                    fmt::format("{} a frame at {} particles, {} at {}", micro(e.cost("impulse")),
+                                kFew, micro(e.cost("impulse", 1)), kMany)});
+}
+
+// Experiment 2: accuracy.
+void add_accuracy(const Evidence& e, std::vector<Claim>& claims) {
+  const auto error = [&](std::string_view label) { return e.errors[e.at(label)]; };
+  const auto difference = [&](std::string_view label) {
+    return percent(e.differences[e.at(label)] / e.length);
+  };
+  const std::string package = e.has("sdfast") ? "sdfast" : "multibody";
+  const PaperSetting& soft = e.bench.blocks[0].paper.settings.front();
+  claims.push_back({"Dynamic constraints can serve as the reference", "V, Figure 6",
+                    yes_or_no(error("dynamic-constraints") < 0.01),
+                    fmt::format("{} of the length from the converged truth in {} s",
+                                percent(error("dynamic-constraints")), rounded(e.horizon))});
+  claims.push_back(
+      {"The particle system is the least accurate", "V, Figure 6",
+       error("springs") > error("impulse") && error("springs") > error(package)
+           ? Outcome::reproduced
+           : (soft.error > soft.impulse_error ? Outcome::conditional : Outcome::not_reproduced),
+       fmt::format(
+           "springs of the default stiffness {}, impulse {}; springs as soft as the paper's "
+           "ratio needs {}",
+           percent(error("springs")), percent(error("impulse")), percent(soft.error))});
+  claims.push_back(
+      {"The method is more accurate than SD/FAST", "V, Figure 6",
+       yes_or_no(error("impulse") < error(package)),
+       fmt::format("mean difference of segments from dynamic constraints, of the "
+                   "length: impulse {}, {} {}, springs {}",
+                   difference("impulse"), package, difference(package), difference("springs"))});
+}
+
+std::vector<Claim> claims_of(const Evidence& evidence) {
+  std::vector<Claim> claims;
+  add_costs(evidence, claims);
+  add_accuracy(evidence, claims);
+  return claims;
+}
+
+Table table_of(const std::vector<Claim>& claims) {
+  Table table{{"the paper says", "in", "here", "measured"}, {}};
+  for (const Claim& claim : claims) {
+    table.add({claim.words, claim.where, name_of(claim.outcome), claim.numbers});
+  }
+  return table;
+}
+
+int run(const Options& options, const Common& common) {
+  const Scene scene = study_scene(options.study);
+  const Table table = table_of(claims_of(gather(options.study, common)));
+  if (common.json) {
+    nlohmann::ordered_json json = {{"scene", options.study.scene}, {"machine", machine()}};
+    for (const auto& row : table.rows) {
+      json["claims"].push_back(
+          {{"claim", row[0]}, {"where", row[1]}, {"outcome", row[2]}, {"measured", row[3]}});
+    }
+    write_output(json.dump(2) + "\n");
+  } else {
+    write_output(options.markdown ? to_markdown(table) : to_text(table));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_claims(CLI::App& app, Program& program) {
+  CLI::App& command = add_command(app, program, "claims", "What of the paper reproduces, measured",
+                                  R"(  taut claims scenes/rope_swing.toml
+  taut claims scenes/rope_swing.toml --markdown)");
+  const auto options = std::make_shared<Options>();
+  command.add_option("scene", options->study.scene, "A scene of one rope")->required();
+  command.add_flag("--markdown", options->markdown, "The table as Markdown");
+  options->study.budget = 60;
+  command.callback([options, &program] {
+    program.run = [options, &program] { return run(*options, program.common); };
+  });
+}
+
+}  // namespace taut::cli

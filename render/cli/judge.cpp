@@ -1,0 +1,145 @@
+// taut judge: one word for what each method makes of each scene.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "render/atomic_file.h"
+#include "render/cli/command.h"
+#include "render/cli/progress.h"
+#include "render/cli/study_options.h"
+#include "render/cli/study_target.h"
+#include "render/interrupt.h"
+#include "sim/study/stability.h"
+
+namespace taut::cli {
+namespace {
+
+struct Options {
+  StudyOptions study;  // of its fields only methods
+  std::vector<std::string> scenes;
+  double cap = 5;  // s of CPU time
+  bool markdown = false;
+};
+
+std::string percent(double share) {
+  return rounded(100 * share) + "%";
+}
+
+/// The class, and the number that it was found by.
+std::string words(const Run& run, const Judgement& j) {
+  switch (j.verdict) {
+    case Verdict::failed:
+      return run.end == Run::End::diverged
+                 ? fmt::format("failed: diverged at {} s", rounded(run.failed_at))
+                 : "failed: gained " + percent(j.gain) + " energy";
+    case Verdict::stretched:
+      return "stretched " + percent(j.stretch);
+    case Verdict::over_damped:
+      return "over-damped: lost " + percent(j.loss);
+    case Verdict::over_cap:
+      return fmt::format("over the CPU cap at {} s", rounded(run.reached));
+    case Verdict::accurate:
+      return "accurate: " + percent(j.error);
+    case Verdict::plausible:
+      return std::isnan(j.error) ? "plausible" : "plausible: off by " + percent(j.error);
+  }
+  return "";
+}
+
+/// The contender at its defaults. A scene whose step is a whole frame asks every method that has a
+/// step to take that.
+Candidate candidate_for(const Contender& contender, const Scene& scene) {
+  Candidate candidate = contender.candidate;
+  const auto step = scene.method.settings.find("step");
+  if (step == scene.method.settings.end() ||
+      number(scene.method.settings, "step") * scene.fps < 0.999) {
+    return candidate;
+  }
+  if (std::ranges::find(contender.method->settings, "step", &SettingInfo::name) !=
+      contender.method->settings.end()) {
+    candidate.settings.insert(*step);
+  }
+  return candidate;
+}
+
+std::vector<std::string> row_of(const Options& options, const std::string& file,
+                                const std::vector<Contender>& contenders) {
+  StudyOptions study = options.study;
+  study.scene = file;
+  const Scene scene = study_scene(study);
+  const Problem problem{scene.world, frame_times(scene.duration, scene.fps)};
+  double length = 0;
+  for (const Connector& connector : scene.world.connectors) length += connector.length;
+  const auto reference = quick_reference(problem, 0.01 * length, options.cap);
+  std::vector<std::string> row{scene.title, reference ? rounded(reference->horizon) : "-"};
+  for (const Contender& contender : contenders) {
+    stop_if_interrupted();
+    if (!contender.method->missing.empty()) {
+      row.emplace_back(contender.method->missing);
+      continue;
+    }
+    const Run result = taut::run(problem, candidate_for(contender, scene), options.cap);
+    row.push_back(words(result, judge(problem, result, reference ? &*reference : nullptr)));
+  }
+  return row;
+}
+
+int run(const Options& options, const Common& common) {
+  const std::vector<Contender> contenders = chosen_contenders(options.study);
+  Table table{{"scene", "truth until (s)"}, {}};
+  for (const Contender& contender : contenders) table.columns.push_back(contender.label);
+  {
+    Progress progress("judging", "scenes", options.scenes.size(), common.quiet);
+    for (const std::string& file : options.scenes) {
+      table.add(row_of(options, file, contenders));
+      progress.update(table.rows.size());
+    }
+  }
+  if (!options.study.out.empty())
+    write_csv(table, std::filesystem::path(options.study.out) / "judge");
+  if (common.json) {
+    nlohmann::ordered_json json;
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      nlohmann::ordered_json scene = {{"scene", options.scenes[i]}};
+      for (std::size_t c = 1; c < table.columns.size(); ++c) {
+        scene[table.columns[c]] = table.rows[i][c];
+      }
+      json.push_back(std::move(scene));
+    }
+    write_output(json.dump(2) + "\n");
+  } else {
+    write_output(options.markdown ? to_markdown(table) : to_text(table));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_judge(CLI::App& app, Program& program) {
+  CLI::App& command =
+      add_command(app, program, "judge", "One word for what each method makes of each scene",
+                  R"(  taut judge scenes/hard/*.toml
+  taut judge scenes/hard/whip.toml --methods xpbd,direct
+  taut judge scenes/hard/*.toml --markdown --methods impulse,springs,direct
+
+The first class that fits: failed (diverged, or gained 10% of the energy), stretched (a link by 1%),
+over-damped (lost 10%), accurate (RMS within 1% of the length of truth), plausible. Methods run at
+their own settings; where the scene's step is a whole frame, they take that.)");
+  const auto options = std::make_shared<Options>();
+  command.add_option("scenes", options->scenes, "Scene files")->required();
+  command.add_option("--out", options->study.out, "Folder for judge.csv; default: none");
+  command
+      .add_option("--methods", options->study.methods,
+                  "Methods to judge, METHOD or METHOD:FORM, with commas; default: all")
+      ->delimiter(',');
+  command.add_option("--cap", options->cap, "Seconds of CPU time that a run may take; default: 5")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--markdown", options->markdown, "The table as Markdown");
+  command.callback([options, &program] {
+    program.run = [options, &program] { return run(*options, program.common); };
+  });
+}
+
+}  // namespace taut::cli
