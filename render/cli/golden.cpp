@@ -267,8 +267,8 @@ int run(const Options& options, const Common& common) {
 void add_golden(CLI::App& app, Program& program) {
   CLI::App& command =
       add_command(app, program, "golden", "Pictures that are kept, and compared with today's",
-                  R"(  taut golden check tests/golden/suite
-  taut golden accept tests/golden/suite --only throw
+                  R"(  taut golden check tests/golden/scenes
+  taut golden accept tests/golden/scenes --only throw
 
 A golden.toml in the folder names the pictures:
   size = [320, 180]
