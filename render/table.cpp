@@ -26,8 +26,18 @@ bool is_number(const std::string& cell) {
   return error == std::errc() && (*end == '\0' || *end == ' ' || *end == '%');
 }
 
+/// True where the column holds numbers, and else only dashes or nothing.
 bool numeric(const Table& table, std::size_t column) {
-  return std::ranges::any_of(table.rows, [&](const auto& row) { return is_number(row[column]); });
+  bool any = false;
+  for (const auto& row : table.rows) {
+    const std::string& cell = row[column];
+    if (is_number(cell)) {
+      any = true;
+    } else if (!cell.empty() && cell != "-") {
+      return false;
+    }
+  }
+  return any;
 }
 
 template <class Cell>

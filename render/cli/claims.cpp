@@ -15,7 +15,7 @@
 namespace taut::cli {
 namespace {
 
-constexpr std::size_t kFew = 21, kMany = 81;  // particles: the scene's own, and a long chain
+constexpr std::size_t kFew = 21, kMany = 101;  // particles: the scene's own, and a long chain
 
 struct Options {
   StudyOptions study;
@@ -30,6 +30,7 @@ struct Evidence {
   double horizon = 0;               // s, of both
   double length = 0;                // m
   double always = 0;                // cost of impulse with h = 0 over that with its own h
+  std::vector<double> pinned;       // as errors, with the connector's middle held as well
 
   std::size_t at(std::string_view label) const {
     const auto found = std::ranges::find(bench.contenders, label, &Contender::label);
@@ -54,6 +55,26 @@ struct Evidence {
   }
   double real_time() const { return 1.0 / bench.scene.fps; }
 };
+
+/// The scene's rope let go from where it hangs between its first end and a point beside that, with
+/// its middle particle held there: an intervention.
+Problem with_pin(const StudyOptions& options) {
+  const Scene scene = study_scene(options);
+  const Connector& straight = scene.world.connectors.front();
+  const Vec3 end = straight.position.front() + Vec3(0.6 * straight.length, 0, 0);
+  const std::string start =
+      fmt::format("{{ hanging_to = [{:.17g}, {:.17g}, {:.17g}] }}", end.x(), end.y(), end.z());
+  Problem problem{study_scene(options, {{connector_key(scene, "start"), start}}).world,
+                  frame_times(scene.duration / 2, scene.fps)};
+  Connector& rope = problem.world.connectors.front();
+  Hold pin;
+  pin.particle = rope.particles() / 2;
+  pin.to.point = rope.position[pin.particle];
+  rope.holds.push_back(pin);
+  std::ranges::sort(rope.holds, {}, &Hold::particle);
+  problem.world.topology = structure(problem.world);
+  return problem;
+}
 
 Evidence gather(const StudyOptions& options, const Common& common) {
   Evidence evidence;
@@ -82,6 +103,16 @@ Evidence gather(const StudyOptions& options, const Common& common) {
     const std::size_t both = std::min(frames.size(), reference.size());
     for (std::size_t k = 0; k < both; ++k) sum += segment_difference(frames[k], reference[k]);
     evidence.differences.push_back(both ? sum / static_cast<double>(both) : NAN);
+  }
+  const Problem pinned = with_pin(options);
+  const auto reference_pinned = quick_reference(pinned, 0.01 * evidence.length, 10);
+  for (const Contender& one : evidence.bench.contenders) {
+    stop_if_interrupted();
+    evidence.pinned.push_back(NAN);
+    if (!one.method->missing.empty() || !reference_pinned) continue;
+    const Run result = taut::run(pinned, one.candidate, 60);
+    evidence.pinned.back() = rms_error(result.frames, reference_pinned->frames,
+                                       reference_pinned->horizon, metric.distance);
   }
   std::vector<double> with, without;
   for (int i = 0; i < 15; ++i) {
@@ -228,10 +259,25 @@ void add_accuracy(const Evidence& e, std::vector<Claim>& claims) {
                    difference("impulse"), package, difference(package), difference("springs"))});
 }
 
+/// Section IV.C.
+void add_interventions(const Evidence& e, std::vector<Claim>& claims) {
+  const auto error = [&](std::string_view label) { return e.pinned[e.at(label)]; };
+  claims.push_back({"The method handles a pin by dividing the connector", "IV.C",
+                    yes_or_no(error("impulse") < 0.2),
+                    fmt::format("with its middle held, {} of the length from truth",
+                                percent(error("impulse")))});
+  claims.push_back({"Other methods cannot be divided, and lose their correctness", "IV.C",
+                    yes_or_no(!(error("dynamic-constraints") < error("impulse"))),
+                    fmt::format("the same pin: dynamic constraints {}, multibody {}, springs {}",
+                                percent(error("dynamic-constraints")), percent(error("multibody")),
+                                percent(error("springs")))});
+}
+
 std::vector<Claim> claims_of(const Evidence& evidence) {
   std::vector<Claim> claims;
   add_costs(evidence, claims);
   add_accuracy(evidence, claims);
+  add_interventions(evidence, claims);
   return claims;
 }
 
@@ -269,6 +315,10 @@ void add_claims(CLI::App& app, Program& program) {
   command.add_option("scene", options->study.scene, "A scene of one rope")->required();
   command.add_flag("--markdown", options->markdown, "The table as Markdown");
   options->study.budget = 60;
+  for (const char* name : {"impulse", "dynamic-constraints", "sdfast", "multibody", "springs"}) {
+    if (find_method(name)) options->study.methods.emplace_back(name);
+  }
+  options->study.methods.emplace_back("dynamic-constraints:dense");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });
