@@ -160,6 +160,36 @@ Table reach_table(const AccuracyStudy& study) {
   return table;
 }
 
+Table best_table(const AccuracyStudy& study) {
+  Table table{{"error asked for", "cheapest", "settings", "ms per simulated second", "next",
+               "times as dear"},
+              {}};
+  struct Reach {
+    const AccuracyBlock* block;
+    std::size_t row;
+    double cost;
+  };
+  const auto add = [&](const std::string& name, double error, std::size_t metric) {
+    std::vector<Reach> reached;
+    for (const AccuracyBlock& block : study.blocks) {
+      if (const auto row = reaching(block, error, metric)) {
+        reached.push_back({&block, *row, cost(block.rows[*row])});
+      }
+    }
+    std::ranges::sort(reached, {}, &Reach::cost);
+    if (reached.empty()) return table.add({name, "-", "", "-", "-", "-"});
+    const Reach& best = reached.front();
+    const bool more = reached.size() > 1;
+    table.add({name, best.block->contender.label,
+               describe(best.block->rows[best.row].candidate.settings), rounded(1e3 * best.cost),
+               more ? reached[1].block->contender.label : "-",
+               more ? rounded(reached[1].cost / best.cost) : "-"});
+  };
+  for (const double target : study.targets) add(percent(target) + " of the length", target, kShare);
+  if (study.in_pixels) add("1 px", 1, kPixels);
+  return table;
+}
+
 namespace {
 
 Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
@@ -220,10 +250,13 @@ std::string accuracy_page(const AccuracyStudy& study) {
         "it stands for. This error is the model's: no solver and no step removes it.</p>\n{}\n{}",
         inline_svg(model_chart(study.model, study.title)), to_html(model_table(study.model)));
   }
-  return html_page(study.title + ": speed against accuracy",
-                   fmt::format(
-                       R"(<p>{}</p>
+  return html_page(
+      study.title + ": speed against accuracy",
+      fmt::format(
+          R"(<p>{}</p>
 <p>Scene: {}. {}.</p>
+{}
+<h2>What to use</h2>
 {}
 <h2>What an error costs</h2>
 <p>Milliseconds of CPU time per simulated second of the cheapest settings tried that reach an RMS
@@ -232,9 +265,9 @@ error, as a share of the length.</p>
 {}
 <h2>Every run</h2>
 {})",
-                       escape_html(circumstances(study)), escape_html(study.scene),
-                       escape_html(machine()), inline_svg(accuracy_chart(study)),
-                       to_html(reach_table(study)), model, to_html(points_table(study))));
+          escape_html(circumstances(study)), escape_html(study.scene), escape_html(machine()),
+          inline_svg(accuracy_chart(study)), to_html(best_table(study)),
+          to_html(reach_table(study)), model, to_html(points_table(study))));
 }
 
 std::string accuracy_json(const AccuracyStudy& study) {

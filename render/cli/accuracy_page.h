@@ -31,6 +31,8 @@ Table points_table(const AccuracyStudy& study);
 /// Per method, the cheapest cost that reaches each target (and one pixel), and the settings that
 /// do.
 Table reach_table(const AccuracyStudy& study);
+/// Per target, the cheapest contender that reaches it, its settings, and the next.
+Table best_table(const AccuracyStudy& study);
 /// Fronts as lines, what they dominate as faint markers; a second panel in pixels where rows have
 /// them.
 Chart accuracy_chart(const AccuracyStudy& study);

@@ -110,7 +110,7 @@ void time_all(AccuracyStudy& study, const Problem& problem, double seconds, doub
   }
 }
 
-int run(const StudyOptions& options, const Common& common) {
+int run(const StudyOptions& options, bool markdown, const Common& common) {
   const Scene scene = study_scene(options, {}, true);
   const double length = scene.world.connectors.front().length;
   if (!(length > 0)) throw Misuse("a joint has no length to measure errors by");
@@ -163,7 +163,13 @@ int run(const StudyOptions& options, const Common& common) {
   page.write(accuracy_page(study));
   page.commit();
   journal.finish();
-  write_output(common.json ? accuracy_json(study) : to_text(reach));
+  if (common.json) {
+    write_output(accuracy_json(study));
+  } else {
+    const Table best = best_table(study);
+    write_output(markdown ? to_markdown(best) + "\n" + to_markdown(reach)
+                          : to_text(best) + "\n" + to_text(reach));
+  }
   if (!common.quiet) fmt::print(stderr, "{}/chart: .csv .svg .png .html\n", folder.string());
   return kDone;
 }
@@ -178,11 +184,13 @@ void add_chart(CLI::App& app, Program& program) {
 
 A chart that is stopped goes on where it was when the same command is given again.)");
   const auto options = std::make_shared<StudyOptions>();
+  const auto markdown = std::make_shared<bool>(false);
   add_study_options(command, *options, 240);
-  command.callback([options, &program] {
-    program.run = [options, &program] {
+  command.add_flag("--markdown", *markdown, "The tables as Markdown");
+  command.callback([options, markdown, &program] {
+    program.run = [options, markdown, &program] {
       if (options->quick) options->budget = std::min(options->budget, 20.0);
-      return run(*options, program.common);
+      return run(*options, *markdown, program.common);
     };
   });
 }

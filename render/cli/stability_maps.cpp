@@ -61,6 +61,9 @@ Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std::size_t
   Panel panel;
   panel.title = contender.label;
   panel.x = {map.axis.label, map.axis.log};
+  if (!map.axis.log) {
+    for (const double value : map.axis.values) panel.x.tics.emplace_back(value, rounded(value));
+  }
   const SettingInfo* setting = map_height(*contender.method);
   if (!contender.method->missing.empty() || !setting) {
     panel.remarks.push_back(
@@ -134,7 +137,7 @@ Chart stability_chart(const StabilityStudy& study, const StabilityMap& map) {
   chart.subtitle = fmt::format(
       "{}, runs of {} s. The first class that fits: failed (diverged or gained 10% of the energy), "
       "stretched (a link by 1%), over-damped (lost 10%), accurate (within 1% of the length of "
-      "truth{}), plausible. A cell may take {} s of CPU time. {}",
+      "truth{}), plausible; the last two hold. A cell may take {} s of CPU time. {}",
       study.title, rounded(study.duration),
       study.judged ? "" : "; not told from plausible in a quick map", rounded(study.cap),
       machine());

@@ -202,6 +202,25 @@ TEST(Stability, MapsHaveEveryCellAndGoOn) {
   EXPECT_TRUE(fs::exists(out / "stability.html"));
 }
 
+TEST(Judge, SaysOneWordPerMethodAndScene) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  folder.write("torn.toml", kTorn);
+  const Outcome outcome = run_taut({"judge", "scene.toml", "torn.toml", "--methods",
+                                    "dynamic-constraints,xpbd,direct", "--json", "-q"},
+                                   folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto json = nlohmann::json::parse(outcome.output);
+  const auto starts = [&](std::size_t scene, const char* method, const std::string& word) {
+    const std::string cell = json.at(scene).at(method);
+    EXPECT_EQ(cell.rfind(word, 0), 0u) << method << ": " << cell;
+  };
+  starts(0, "direct", "accurate");
+  starts(0, "dynamic-constraints", "accurate");
+  starts(1, "dynamic-constraints", "failed: diverged");
+  starts(1, "xpbd", "stretched");
+}
+
 TEST(Study, OutputThatCannotBeWrittenIsSix) {
   const Folder folder;
   folder.write("scene.toml", kScene);
