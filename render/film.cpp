@@ -9,7 +9,7 @@ Film::Film(const Context& context, const Scene& scene, int width, int height, in
     : context_(context),
       scene_(scene),
       canvas_(context, width, height, samples),
-      renderer_(context, *scene.stage, scene.world, shadows) {}
+      renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shadows) {}
 
 Instant Film::instant(const Snapshot& state) const {
   Instant instant{state, {}, camera_at(*scene_.stage, state.time)};

@@ -30,10 +30,18 @@ Scene read_scene(const Document& document, bool with_stage) {
   const Paths paths = read_paths(document);
   scene.world.bodies = read_bodies(document, paths);
   read_connectors(document, paths, scene.world);
-  scene.pins = read_pins(document, paths, scene.world, scene.duration);
   finish(scene.world);
+  scene.timeline = read_timeline(document, paths, scene.world, scene.duration);
   if (with_stage && root.find("stage")) read_stage(document, paths, scene);
   return scene;
+}
+
+Simulation start(const Scene& scene) {
+  return start(scene, scene.method);
+}
+
+Simulation start(const Scene& scene, const MethodChoice& method) {
+  return {scene.world, make_method(method.name, method.settings), scene.timeline};
 }
 
 Scene load_scene(const std::filesystem::path& file, bool with_stage,

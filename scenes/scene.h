@@ -10,6 +10,7 @@
 #include "scenes/character/performance.h"
 #include "scenes/stage.h"
 #include "sim/method.h"
+#include "sim/simulation.h"
 #include "sim/trajectory.h"
 #include "sim/world.h"
 
@@ -20,15 +21,6 @@ struct MethodChoice {
   Settings settings;  // those that the scene names, validated against the method's list
 };
 
-/// An intervention: one point of a connector is held from one time to another.
-struct ScenePin {
-  std::size_t connector = 0;   // index into World::connectors
-  double at = 0;               // m along it from its first end
-  double from = 0, until = 0;  // s; `until` is infinite where the pin is never released
-  Attachment to;
-  std::string source;  // file:line, for messages
-};
-
 struct Scene {
   std::filesystem::path file;
   std::string title;
@@ -36,8 +28,8 @@ struct Scene {
   int fps = 60;
   int width = 1920, height = 1080;
   MethodChoice method;
-  World world;                 // finished, at time 0
-  std::vector<ScenePin> pins;  // in the order of the file
+  World world;        // finished, at time 0
+  Timeline timeline;  // pins and cuts, in the order of the file
   std::optional<Stage> stage;
   std::vector<std::shared_ptr<const Performance>> performances;  // one per Stage::characters
 
@@ -45,12 +37,19 @@ struct Scene {
   int frames() const;
 };
 
+/// The scene at its start, with its method, and what happens to it.
+Simulation start(const Scene& scene);
+/// The same by another method.
+Simulation start(const Scene& scene, const MethodChoice& method);
+
 /// The method of a scene that names none.
 MethodChoice default_method();
 
 /// The longest step that is at most `step` (s) and divides a frame of 1/`fps`; none where that
 /// would change it by more than 2%.
 std::optional<double> dividing_step(double step, int fps);
+/// What to give instead, as messages say it.
+std::string dividing_text(double step, int fps);
 
 /// A value to read in place of the one in the file: its dotted key, and the value as TOML writes
 /// it.

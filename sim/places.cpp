@@ -45,6 +45,25 @@ Vec3 between(const std::vector<Vec3>& items, const Place& place) {
   return f > 0 ? Vec3(items[k] + f * (items[k + 1] - items[k])) : items[k];
 }
 
+std::vector<Vec3> positions(const Connector& connector, double from,
+                            const std::vector<double>& along) {
+  const double same = kSamePlace * connector.length;
+  std::vector<Vec3> found;
+  found.reserve(along.size());
+  double start = 0;
+  std::size_t k = 0;
+  for (const double place : along) {
+    const double there = place - from;
+    while (k < connector.links() && there > start + connector.rest[k] - same) {
+      start += connector.rest[k++];
+    }
+    const bool at_particle = k == connector.links() || there <= start + same;
+    found.push_back(
+        between(connector.position, {k, at_particle ? 0 : (there - start) / connector.rest[k]}));
+  }
+  return found;
+}
+
 bool holds(const Connector& connector, std::size_t particle) {
   return std::ranges::binary_search(connector.holds, particle, {}, &Hold::particle);
 }

@@ -26,6 +26,10 @@ Reach reach(const Connector& connector, double along, double other);
 /// The value at a place of what the particles have, such as positions.
 Vec3 between(const std::vector<Vec3>& items, const Place& place);
 
+/// Where the places at `along` (m, rising) are; `from` is where the connector begins on that scale.
+std::vector<Vec3> positions(const Connector& connector, double from,
+                            const std::vector<double>& along);
+
 /// True where something holds the particle.
 bool holds(const Connector& connector, std::size_t particle);
 

@@ -4,12 +4,15 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "sim/places.h"
+
 namespace taut {
 
 Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline timeline)
     : world_(std::move(world)),
       method_(std::move(method)),
       timeline_(std::move(timeline)),
+      parts_(world_.connectors),
       pins_(timeline_.pins.size(), 0) {
   for (std::size_t i = 0; i < timeline_.pins.size(); ++i) {
     entries_.push_back({timeline_.pins[i].from, Entry::Kind::pin, i});
@@ -21,6 +24,7 @@ Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline tim
   std::ranges::sort(entries_, {}, [](const Entry& entry) {
     return std::tuple(entry.time, entry.kind, entry.index);
   });
+  show();
   interventions_.reserve(world_, timeline_.pins.size(), timeline_.cuts.size());
 }
 
@@ -37,21 +41,57 @@ void Simulation::advance_to(double time) {
 void Simulation::enact(const Entry& entry) {
   Outcome outcome = Outcome::done;
   if (entry.kind == Entry::Kind::cut) {
-    const TimedCut& cut = timeline_.cuts[entry.index];
-    outcome = interventions_.cut(world_, cut.connector, cut.along).outcome;
+    outcome = cut(timeline_.cuts[entry.index]);
   } else if (entry.kind == Entry::Kind::release) {
     outcome = interventions_.release(world_, pins_[entry.index]);
   } else {
     const TimedPin& pin = timeline_.pins[entry.index];
-    const Pinned pinned =
-        pin.to ? interventions_.pin(world_, pin.connector, pin.along, *pin.to, pin.over)
-               : interventions_.pin(world_, pin.connector, pin.along);
+    const auto [connector, along] = parts_.at(pin.connector, pin.along);
+    const Pinned pinned = pin.to ? interventions_.pin(world_, connector, along, *pin.to, pin.over)
+                                 : interventions_.pin(world_, connector, along);
     pins_[entry.index] = pinned.pin;
     outcome = pinned.outcome;
   }
   if (outcome == Outcome::done) return;
-  throw BadIntervention({entry.kind == Entry::Kind::cut, entry.index, std::string(words(outcome))},
-                        entry.time);
+  const bool is_cut = entry.kind == Entry::Kind::cut;
+  throw BadIntervention(
+      {is_cut, entry.index, std::string(words(outcome))}, entry.time,
+      is_cut ? timeline_.cuts[entry.index].source : timeline_.pins[entry.index].source);
+}
+
+Outcome Simulation::cut(const TimedCut& cut) {
+  const auto [connector, along] = parts_.at(cut.connector, cut.along);
+  const Divided made = interventions_.cut(world_, connector, along);
+  if (made.outcome == Outcome::done) parts_.cut(cut.connector, cut.along, made.connector);
+  return made.outcome;
+}
+
+void Simulation::show() {
+  if (timeline_.empty()) return;
+  Parts parts(world_.connectors);
+  for (const TimedCut& cut : in_order_of_time(timeline_.cuts)) {
+    parts.cut(cut.connector, cut.along, parts.all().size());
+  }
+  const World end = divided(world_, timeline_);
+  for (const Parts::Part& part : parts.all()) {
+    Shown shown{part.whole, {part.start}};
+    for (const double rest : end.connectors.at(part.connector).rest) {
+      shown.along.push_back(shown.along.back() + rest);
+    }
+    shown_.push_back(std::move(shown));
+  }
+}
+
+Snapshot Simulation::state() const {
+  Snapshot shot = snapshot(world_);
+  if (timeline_.empty()) return shot;
+  shot.connectors.clear();
+  for (const Shown& shown : shown_) {
+    const double middle = (shown.along.front() + shown.along.back()) / 2;
+    const auto [connector, along] = parts_.at(shown.whole, middle);
+    shot.connectors.push_back(positions(world_.connectors[connector], middle - along, shown.along));
+  }
+  return shot;
 }
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 
 #include "sim/interventions.h"
 #include "sim/method.h"
+#include "sim/parts.h"
 #include "sim/timeline.h"
 #include "sim/trajectory.h"
 #include "sim/world.h"
@@ -25,6 +26,12 @@ class Simulation {
   void advance_to(double time);
 
   const World& world() const { return world_; }
+
+  /// The visible state, in which every connector keeps its particles from the first frame to the
+  /// last: those of divided(), whatever the timeline has pinned and cut so far. Without a timeline
+  /// it is the world's own.
+  Snapshot state() const;
+
   const Method& method() const { return *method_; }
 
   // For what nobody foresaw, between two advances.
@@ -39,11 +46,21 @@ class Simulation {
     std::size_t index;  // in the timeline's list
   };
   void enact(const Entry& entry);
+  Outcome cut(const TimedCut& cut);
+  void show();
+
+  /// A connector of divided(): its particles' places on the connector that it is a part of.
+  struct Shown {
+    std::size_t whole = 0;
+    std::vector<double> along;  // m, rising
+  };
 
   World world_;
   std::unique_ptr<Method> method_;
   Interventions interventions_;
   Timeline timeline_;
+  Parts parts_;
+  std::vector<Shown> shown_;
   std::vector<Entry> entries_;       // in order of time
   std::size_t next_ = 0;             // of the entries
   std::vector<std::uint64_t> pins_;  // numbers of the timeline's pins, 0 before they are set

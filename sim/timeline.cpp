@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "sim/parts.h"
 #include "sim/places.h"
 
 namespace taut {
@@ -114,6 +115,23 @@ std::string pin_flaw(const World& world, const std::vector<TimedPin>& pins, std:
   return {};
 }
 
+/// What is wrong with a cut at the place of another.
+std::string cut_flaw(const World& world, const std::vector<TimedCut>& cuts, std::size_t index) {
+  const TimedCut& cut = cuts[index];
+  const std::string place = place_flaw(world, cut.connector, cut.along, cut.time);
+  if (!place.empty()) return place;
+  const double same = kSamePlace * world.connectors[cut.connector].length;
+  if (cut.along <= same || cut.along >= world.connectors[cut.connector].length - same) {
+    return "it is at an end of the connector";
+  }
+  for (std::size_t j = 0; j < index; ++j) {
+    if (cuts[j].connector == cut.connector && std::abs(cuts[j].along - cut.along) <= same) {
+      return "the connector is cut there already";
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<Flaw> find_flaw(const World& world, const Timeline& timeline) {
@@ -122,16 +140,33 @@ std::optional<Flaw> find_flaw(const World& world, const Timeline& timeline) {
     if (!what.empty()) return Flaw{false, i, std::move(what)};
   }
   for (std::size_t i = 0; i < timeline.cuts.size(); ++i) {
-    const TimedCut& cut = timeline.cuts[i];
-    std::string what = place_flaw(world, cut.connector, cut.along, cut.time);
+    std::string what = cut_flaw(world, timeline.cuts, i);
     if (!what.empty()) return Flaw{true, i, std::move(what)};
   }
   return {};
 }
 
-BadIntervention::BadIntervention(Flaw found, double at)
+std::vector<TimedCut> in_order_of_time(std::vector<TimedCut> cuts) {
+  std::ranges::stable_sort(cuts, {}, &TimedCut::time);
+  return cuts;
+}
+
+World divided(World world, const Timeline& timeline) {
+  Parts parts(world.connectors);
+  Interventions interventions;
+  for (const TimedCut& cut : in_order_of_time(timeline.cuts)) {
+    const auto [part, along] = parts.at(cut.connector, cut.along);
+    if (interventions.cut(world, part, along).outcome == Outcome::done) {
+      parts.cut(cut.connector, cut.along, world.connectors.size() - 1);
+    }
+  }
+  return world;
+}
+
+BadIntervention::BadIntervention(Flaw found, double at, const std::string& source)
     : std::runtime_error([&] {
         std::ostringstream line;
+        if (!source.empty()) line << source << ": ";
         line << (found.cut ? "cut " : "pin ") << found.index + 1 << ", at " << at
              << " s: " << found.what;
         return line.str();

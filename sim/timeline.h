@@ -11,6 +11,9 @@
 
 namespace taut {
 
+// Connectors and places along them are those of the world at its start, whatever has been cut
+// since.
+
 struct TimedPin {
   std::size_t connector = 0;
   double along = 0;              // m of the connector's length, from its first particle
@@ -18,18 +21,29 @@ struct TimedPin {
   double until = INFINITY;       // s; infinite: for good
   std::optional<Attachment> to;  // nothing: where it is at `from`
   double over = 0;               // s in which it is drawn there
+  std::string source = {};       // where it is written, for messages
 };
 
 struct TimedCut {
   std::size_t connector = 0;
   double along = 0;  // m
   double time = 0;   // s
+  std::string source = {};
 };
 
 struct Timeline {
   std::vector<TimedPin> pins;
   std::vector<TimedCut> cuts;
+
+  bool empty() const { return pins.empty() && cuts.empty(); }
 };
+
+/// Cuts as they follow each other.
+std::vector<TimedCut> in_order_of_time(std::vector<TimedCut> cuts);
+
+/// The world as if all cuts were made at its start: the parts of its connectors as pictures and
+/// tables show them from the first frame to the last. The cuts must be without flaws.
+World divided(World world, const Timeline& timeline);
 
 /// What is wrong with an entry of a timeline.
 struct Flaw {
@@ -46,7 +60,7 @@ std::optional<Flaw> find_flaw(const World& world, const Timeline& timeline);
 /// An entry of a timeline that turned out not to be possible when its time came.
 class BadIntervention : public std::runtime_error {
  public:
-  BadIntervention(Flaw found, double at);
+  BadIntervention(Flaw found, double at, const std::string& source = {});
   Flaw flaw;
   double time;  // s
 };

@@ -76,7 +76,8 @@ Json as_json(const Scene& scene) {
                                           {"mass", connector.mass},
                                           {"particles", connector.particles()}};
   }
-  json["pins"] = scene.pins.size();
+  json["pins"] = scene.timeline.pins.size();
+  json["cuts"] = scene.timeline.cuts.size();
   json["stage"] = scene.stage.has_value();
   if (scene.stage) {
     json["models"] = Json::array();
@@ -110,9 +111,13 @@ std::string as_text(const Scene& scene) {
                      held_by(world, connector, 0),
                      held_by(world, connector, connector.particles() - 1)));
   }
-  for (const ScenePin& pin : scene.pins) {
+  for (const TimedPin& pin : scene.timeline.pins) {
     line(fmt::format("pin: {} at {} m, from {} s until {} s", world.connectors[pin.connector].name,
-                     pin.at, pin.from, pin.until));
+                     pin.along, pin.from, pin.until));
+  }
+  for (const TimedCut& cut : scene.timeline.cuts) {
+    line(fmt::format("cut: {} at {} m, at {} s", world.connectors[cut.connector].name, cut.along,
+                     cut.time));
   }
   if (!scene.stage) {
     line("no stage: it can be simulated, not rendered");

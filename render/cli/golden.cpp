@@ -56,12 +56,12 @@ struct Result {
 };
 
 Snapshot simulate(const Scene& scene, const GoldenFrame& frame) {
-  Simulation simulation(scene.world, make_method(frame.method.name, frame.method.settings));
+  Simulation simulation = start(scene, frame.method);
   for (int k = 1; k <= frame.frame; ++k) {
     stop_if_interrupted();
     simulation.advance_to(double(k) / scene.fps);
   }
-  return snapshot(simulation.world());
+  return simulation.state();
 }
 
 /// The largest distance between like points, m; none where the states are not of one world.
@@ -134,7 +134,7 @@ class Goldens {
     const bool kept = fs::exists(file(frame, ".json")) && fs::exists(file(frame, ".png"));
     GoldenRecord record;
     if (kept && !simulate_anew) record = read_golden(file(frame, ".json"));
-    if (!kept || simulate_anew || !distance(snapshot(set.scene.world), record.state))
+    if (!kept || simulate_anew || !distance(start(set.scene).state(), record.state))
       record.state = simulate(set.scene, frame);
     const Picture picture = set.film.draw(set.film.instant(record.state));
     std::string change = "new";

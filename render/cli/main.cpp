@@ -9,6 +9,7 @@
 #include "render/interrupt.h"
 #include "scenes/error.h"
 #include "sim/method.h"
+#include "sim/timeline.h"
 
 namespace taut::cli {
 
@@ -37,6 +38,8 @@ int run(const Program& program) {
     return complain(kUsage, error);
   } catch (const BadScene& error) {
     return complain(kBadScene, error);
+  } catch (const BadIntervention& error) {
+    return complain(kBadScene, error);
   } catch (const BadAsset& error) {
     return complain(kBadScene, error);
   } catch (const NoContext& error) {
@@ -64,7 +67,7 @@ CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
   command.add_flag("--json", program.common.json, "The result on standard output as JSON");
   command
       .add_option("--threads", program.common.threads,
-                  "Threads to use; 0, the default: as many as the machine has")
+                  "Threads to draw with, at most (simulating takes one); 0, the default: all")
       ->check(CLI::Range(0, 1024));
   command.footer("\nExamples:\n" + examples);
   return command;

@@ -69,6 +69,14 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
   if (options.step) {
     choice.settings.erase("tolerance");
     choice.settings["step"] = *options.step;
+    if (*options.step > 0) {  // else complaint() says what is wrong with it
+      const auto exact = dividing_step(*options.step, scene.fps);
+      if (!exact) {
+        throw Misuse(fmt::format("--step {}: expected {}", *options.step,
+                                 dividing_text(*options.step, scene.fps)));
+      }
+      choice.settings["step"] = *exact;
+    }
   }
   if (options.tolerance) {
     choice.settings.erase("step");

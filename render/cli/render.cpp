@@ -46,7 +46,7 @@ struct Options {
 /// The states at the frames' times.
 std::vector<Snapshot> record(const Scene& scene, const std::vector<int>& frames,
                              Profile* profile = nullptr) {
-  Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
+  Simulation simulation = start(scene);
   std::vector<Snapshot> states;
   int done = 0;
   for (const int frame : frames) {
@@ -56,7 +56,7 @@ std::vector<Snapshot> record(const Scene& scene, const std::vector<int>& frames,
       simulation.advance_to(double(done + 1) / scene.fps);
       if (profile) profile->lap("simulate");
     }
-    states.push_back(snapshot(simulation.world()));
+    states.push_back(simulation.state());
   }
   return states;
 }

@@ -66,7 +66,8 @@ bool closed(const World& world) {
          });
 }
 
-std::string header(const World& world) {
+std::string header(const Scene& scene) {
+  const World world = divided(scene.world, scene.timeline);
   std::string line = "t";
   for (const Connector& connector : world.connectors) {
     for (std::size_t i = 0; i < connector.particles(); ++i) {
@@ -84,16 +85,15 @@ std::string header(const World& world) {
 }
 
 /// One frame, with as many digits as bring back the same number.
-std::string row(const World& world) {
-  std::string line = fmt::format("{:.17g}", world.time);
+std::string row(const Snapshot& state) {
+  std::string line = fmt::format("{:.17g}", state.time);
   const auto add = [&line](double number) {
     fmt::format_to(std::back_inserter(line), ",{:.17g}", number);
   };
-  for (const Connector& connector : world.connectors) {
-    for (const Vec3& particle : connector.position) std::ranges::for_each(particle, add);
+  for (const auto& particles : state.connectors) {
+    for (const Vec3& particle : particles) std::ranges::for_each(particle, add);
   }
-  for (const Body& body : world.bodies) {
-    const Pose frame = body.frame();
+  for (const Pose& frame : state.bodies) {
     const Quat& q = frame.rotation;
     std::ranges::for_each(frame.position, add);
     for (const double part : {q.w(), q.x(), q.y(), q.z()}) add(part);
@@ -128,7 +128,7 @@ Report simulate(const Scene& scene, Simulation& simulation, Rows& rows, bool qui
   Report report;
   report.energy_scale = energy_scale(world);
   Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
-  if (rows.wanted()) rows.write(header(world));
+  if (rows.wanted()) rows.write(header(scene));
   for (int frame = 0; frame < frames; ++frame) {
     stop_if_interrupted();
     const double before = cpu_seconds();
@@ -137,7 +137,7 @@ Report simulate(const Scene& scene, Simulation& simulation, Rows& rows, bool qui
     const double energy = kinetic_energy(world) + potential_energy(world);
     report.drift = std::max(report.drift, std::abs(energy - start));
     report.stretch = std::max(report.stretch, stretch_max(world));
-    if (rows.wanted()) rows.write(row(world));
+    if (rows.wanted()) rows.write(row(simulation.state()));
     progress.update(static_cast<std::uint64_t>(frame) + 1);
   }
   rows.finish();
@@ -176,7 +176,7 @@ int run(const Options& options, const Common& common) {
   Scene scene = load_scene(options.scene, false);
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
-  Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
+  Simulation simulation = start(scene);
   Rows rows(options.csv, !common.json);
   const Report report = simulate(scene, simulation, rows, common.quiet);
   if (common.json) write_output(json_text(scene, simulation, report));
@@ -197,7 +197,8 @@ void add_simulate(CLI::App& app, Program& program) {
   taut simulate scenes/rope_swing.toml --method springs --step 1e-4 --set stiffness=5000 --json
 
 One row per frame: t, every particle of every connector (NAME.0.x,NAME.0.y,NAME.0.z,...), every
-body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz). SI units.)");
+body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz). SI units. Particles that pins
+add have no columns; what is cut off a connector has its own from the start, as NAME'.)");
   const auto options = std::make_shared<Options>();
   command.add_option("scene", options->scene, "A scene file")->required();
   command.add_option("--csv", options->csv,

@@ -89,8 +89,8 @@ Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& c
   if (scene.world.connectors.empty()) {
     throw Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
-  if (!scene.pins.empty()) {
-    throw Misuse(fmt::format("{}: has pins; studies take scenes without", options.scene));
+  if (!scene.timeline.empty()) {
+    throw Misuse(fmt::format("{}: has pins or cuts; studies take scenes without", options.scene));
   }
   return scene;
 }

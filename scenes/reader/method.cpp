@@ -6,16 +6,6 @@
 
 namespace taut {
 
-namespace {
-
-std::string dividing_text(double step, int fps) {
-  const double count = std::ceil(1 / (fps * step));
-  return fmt::format("a step that divides the frame of 1/{} s, such as {:.12g} (1/{} s)", fps,
-                     1 / (fps * count), fps * count);
-}
-
-}  // namespace
-
 MethodChoice default_method() {
   return {"direct", {}};
 }
@@ -26,6 +16,12 @@ std::optional<double> dividing_step(double step, int fps) {
   const double fitted = 1 / (fps * std::ceil(1 / (fps * step) - 1e-6));
   if (std::abs(fitted - step) > 0.02 * step) return {};
   return fitted;
+}
+
+std::string dividing_text(double step, int fps) {
+  const double count = std::ceil(1 / (fps * step));
+  return fmt::format("a step that divides the frame of 1/{} s, such as {:.12g} (1/{} s)", fps,
+                     1 / (fps * count), fps * count);
 }
 
 MethodChoice read_method(const Document& document, const Value* table, int fps) {

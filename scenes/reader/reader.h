@@ -67,8 +67,9 @@ MethodChoice read_method(const Document& document, const Value* table, int fps);
 std::vector<Body> read_bodies(const Document& document, const Paths& paths);
 /// Connectors with their shapes; places the bodies that hang.
 void read_connectors(const Document& document, const Paths& paths, World& world);
-std::vector<ScenePin> read_pins(const Document& document, const Paths& paths, const World& world,
-                                double duration);
+/// Pins and cuts, of a world that is finished.
+Timeline read_timeline(const Document& document, const Paths& paths, const World& world,
+                       double duration);
 
 /// What an end or a pin is attached to: `body` with `point`, `path` with `point`, or the point in
 /// space that the key `space` gives.

@@ -213,10 +213,20 @@ const TableFormat& pin_format() {
        needed(not_negative("at", "Where along it, from its first end.", "m")),
        needed(not_negative("from", "When it is caught.", "s")),
        positive("until", "When it is released; default: never.", "s"),
-       vector("point", "Where it is held: in space, or on the body or path."),
+       not_negative("over", "How long it takes to get to where it is held; default: at once.", "s"),
+       vector("point",
+              "Where it is held: in space, or on the body or path; without these, where it is."),
        text("body", "Name of the body that holds it."),
        text("path", "Name of the path that carries it.")},
       {{{"body", "path"}, false}}};
+  return format;
+}
+
+const TableFormat& cut_format() {
+  static const TableFormat format{
+      {needed(text("connector", "Name of the connector that is cut.")),
+       needed(not_negative("at", "Where along it, from its first end.", "m")),
+       needed(not_negative("t", "When.", "s"))}};
   return format;
 }
 
@@ -323,6 +333,7 @@ const TableFormat& scene_format() {
       table("bodies", "Rigid bodies.", body_format(), Type::named),
       table("connectors", "Ropes, chains and cords.", connector_format(), Type::named),
       table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
+      table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),
       table("stage", "What pictures need beside the world.", stage_format()),
   }};
   return format;

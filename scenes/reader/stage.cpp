@@ -138,6 +138,9 @@ void read_stage(const Document& document, const Paths& paths, Scene& scene) {
   });
   for_each(root.find("connectors"),
            [&](const Value& connector) { stage.connector_looks.push_back(read_look(connector)); });
+  for (const TimedCut& cut : in_order_of_time(scene.timeline.cuts)) {  // as divided() adds them
+    stage.connector_looks.push_back(ConnectorLook(stage.connector_looks[cut.connector]));
+  }
   for_each(root.find("characters"), [&](const Value& character) {
     const Value& mesh = *character.find("mesh");
     const ModelPointer model = models.get(mesh);

@@ -23,7 +23,7 @@ Frames run(const World& world, std::string_view method, const Settings& settings
   try {
     for (const double time : times) {
       simulation.advance_to(time);
-      Snapshot frame = snapshot(simulation.world());
+      Snapshot frame = simulation.state();
       if (!enough(frames.size(), frame)) break;
       frames.push_back(std::move(frame));
     }
@@ -70,7 +70,7 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
   Simulation simulation(world, make_method("truth", first), timeline);
   for (const double time : times) {
     simulation.advance_to(time);
-    truth.frames.push_back(snapshot(simulation.world()));
+    truth.frames.push_back(simulation.state());
   }
   const double apart = kCloser * options.scored_error;
   const auto close = [&](std::size_t frame, const Snapshot& other) {

@@ -45,7 +45,6 @@ connector = "chain"
 at = 0.06
 from = 0.2
 until = 0.4
-point = [0.0, 1.0, 0.0]
 )";
 
 }  // namespace taut

@@ -77,6 +77,7 @@ TEST(Program, MisuseIsTwo) {
            {"simulate", "scene.toml", "--fps", "many"},
            {"simulate", "scene.toml", "--step", "-1"},
            {"simulate", "scene.toml", "--step", "nan"},
+           {"simulate", "scene.toml", "--step", "0.007"},  // does not divide a frame of 20 ms
            {"simulate", "scene.toml", "--step", "0.001", "--tolerance", "0.001"},
            {"simulate", "scene.toml", "--method", "impulsive"},
            {"simulate", "scene.toml", "--set", "h"},

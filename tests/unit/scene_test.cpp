@@ -253,15 +253,15 @@ connector = "rope"
 at = 0.5
 from = 0.2
 until = 0.3
-point = [1, 2, 3]
+point = [0, 0.6, 0]
 )");
-  ASSERT_EQ(scene.pins.size(), 2u);
-  EXPECT_EQ(scene.pins[0].to.kind, Attachment::Kind::body);
-  EXPECT_EQ(scene.pins[0].to.point, Vec3(0, 0.5, 0));
-  EXPECT_TRUE(std::isinf(scene.pins[0].until));
-  EXPECT_EQ(scene.pins[1].to.kind, Attachment::Kind::fixed);
-  EXPECT_EQ(scene.pins[1].to.point, Vec3(1, 2, 3));
-  EXPECT_EQ(scene.pins[1].until, 0.3);
+  ASSERT_EQ(scene.timeline.pins.size(), 2u);
+  EXPECT_EQ(scene.timeline.pins[0].to->kind, Attachment::Kind::body);
+  EXPECT_EQ(scene.timeline.pins[0].to->point, Vec3(0, 0.5, 0));
+  EXPECT_TRUE(std::isinf(scene.timeline.pins[0].until));
+  EXPECT_EQ(scene.timeline.pins[1].to->kind, Attachment::Kind::fixed);
+  EXPECT_EQ(scene.timeline.pins[1].to->point, Vec3(0, 0.6, 0));
+  EXPECT_EQ(scene.timeline.pins[1].until, 0.3);
 }
 
 TEST_F(SceneTest, AStageShowsShapesWhereNoMeshIsNamed) {

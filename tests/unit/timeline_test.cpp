@@ -90,6 +90,33 @@ TEST(Timeline, ThingsHappenAtTheirTimes) {
   EXPECT_EQ(simulation.world().connectors[1].holds.size(), 1u);
 }
 
+TEST(Timeline, StatesKeepTheirParticlesWhateverIsPinnedAndCut) {
+  const World rope = hanging_rope();
+  // Cut at a particle and between two, pinned between two; the later cut is of what the first left.
+  const Timeline timeline{{{0, 0.45, 0.1, 0.3, {}, 0}}, {{0, 0.7, 0.25}, {0, 0.85, 0.2}}};
+  const World parts = divided(rope, timeline);
+  ASSERT_EQ(parts.connectors.size(), 3u);
+  Simulation simulation(rope, make_method("truth", {}), timeline);
+  for (const double time : {0.0, 0.15, 0.22, 0.26, 0.35}) {
+    simulation.advance_to(time);
+    const Snapshot state = simulation.state();
+    ASSERT_EQ(state.connectors.size(), 3u);
+    for (std::size_t c = 0; c < 3; ++c) {
+      ASSERT_EQ(state.connectors[c].size(), parts.connectors[c].particles()) << time;
+    }
+    // It hangs at rest until its parts fall, one after the other.
+    const auto fallen = [&](double since) {
+      return time > since ? 9.81 * (time - since) * (time - since) / 2 : 0;
+    };
+    const double top = state.connectors[0][7].y(), middle = state.connectors[2][0].y(),
+                 low = state.connectors[1][0].y();
+    EXPECT_NEAR(top, -0.7, 1e-9) << time;
+    EXPECT_NEAR(middle, -0.7 - fallen(0.25), 1e-9) << time;
+    EXPECT_NEAR(low, -0.85 - fallen(0.2), 1e-9) << time;
+    EXPECT_NEAR(state.connectors[0][3].y(), -0.3, 1e-9);
+  }
+}
+
 TEST(Timeline, WhatCannotBeWhenItsTimeComesIsNamed) {
   World world = hanging_rope();
   Timeline timeline{{pin_at(0.5, 0.2, 1, Vec3(0, -0.5, 0))}, {}};

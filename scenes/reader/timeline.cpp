@@ -1,0 +1,97 @@
+#include <fmt/format.h>
+
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+class TimelineReader {
+ public:
+  TimelineReader(const Document& document, const Paths& paths, const World& world, double duration)
+      : document_(document), paths_(paths), world_(world), duration_(duration) {
+    for (const Connector& connector : world.connectors) names_.push_back(connector.name);
+  }
+
+  TimedPin pin(const Value& value) const {
+    TimedPin pin;
+    pin.connector = connector(value);
+    pin.along = along(value, pin.connector);
+    pin.from = time(*value.find("from"));
+    if (const Value* until = value.find("until")) {
+      if (until->number <= pin.from) {
+        document_.mismatch(*until, fmt::format("a time after {} s", pin.from));
+      }
+      pin.until = until->number;
+    }
+    if (value.find("point") || value.find("body") || value.find("path")) {
+      pin.to = read_attachment(document_, value, "point", paths_, world_);
+    }
+    pin.over = number_or(value, "over", 0);
+    pin.source = source(value);
+    return pin;
+  }
+
+  TimedCut cut(const Value& value) const {
+    TimedCut cut;
+    cut.connector = connector(value);
+    cut.along = along(value, cut.connector);
+    cut.time = time(*value.find("t"));
+    cut.source = source(value);
+    return cut;
+  }
+
+ private:
+  std::size_t connector(const Value& value) const {
+    return index_of(document_, *value.find("connector"), names_, "connector");
+  }
+
+  double along(const Value& value, std::size_t connector) const {
+    const double length = world_.connectors[connector].length;
+    const Value& at = *value.find("at");
+    if (at.number > length) {
+      document_.mismatch(at,
+                         fmt::format("at most the length of {}, {} m", names_[connector], length));
+    }
+    return at.number;
+  }
+
+  double time(const Value& value) const {
+    if (value.number >= duration_) {
+      document_.mismatch(value, fmt::format("a time before the end of the scene, {} s", duration_));
+    }
+    return value.number;
+  }
+
+  std::string source(const Value& value) const {
+    return fmt::format("{}:{}", document_.file.string(), value.place.line);
+  }
+
+  const Document& document_;
+  const Paths& paths_;
+  const World& world_;
+  double duration_;  // s
+  std::vector<std::string_view> names_;
+};
+
+}  // namespace
+
+Timeline read_timeline(const Document& document, const Paths& paths, const World& world,
+                       double duration) {
+  const TimelineReader reader(document, paths, world, duration);
+  const Value* pins = document.root.find("pins");
+  const Value* cuts = document.root.find("cuts");
+  Timeline timeline;
+  if (pins) {
+    for (const Value& value : pins->children) timeline.pins.push_back(reader.pin(value));
+  }
+  if (cuts) {
+    for (const Value& value : cuts->children) timeline.cuts.push_back(reader.cut(value));
+  }
+  if (const auto flaw = find_flaw(world, timeline)) {
+    document.fail((flaw->cut ? cuts : pins)->children[flaw->index], flaw->what);
+  }
+  return timeline;
+}
+
+}  // namespace taut
