@@ -4,18 +4,50 @@
 #include <cmath>
 
 namespace taut {
+namespace {
+
+constexpr double kFade = 0.2;  // s
+constexpr double kDim = 0.6;   // opacity of a list's lines whose time it is not
+constexpr double kLeading = 1.5;
+
+/// How much of something shows that fades in and out between two times.
+double shown(double from, double until, double time) {
+  if (time < from || time >= until) return 0;
+  return std::min({1.0, (time - from + 1e-3) / kFade, (until - time) / kFade});
+}
+
+struct Lines {
+  Picture& picture;
+  Font& font;
+  double size = std::max(0.026 * picture.height, 9.0);
+  double x = 0.05 * picture.width, y = 0.93 * picture.height;
+
+  /// `up` lines above the lowest.
+  void draw(std::string_view text, int up, double opacity) {
+    const double shadow = std::max(1.0, size / 18), line = y - up * kLeading * size;
+    font.draw(picture, text, x + shadow, line + shadow, size, {0, 0, 0}, 0.55 * opacity);
+    font.draw(picture, text, x, line, size, {248, 245, 238}, 0.95 * opacity);
+  }
+};
+
+}  // namespace
 
 void draw_captions(Picture& picture, Font& font, std::span<const Caption> captions, double time) {
-  constexpr double kFade = 0.2;  // s
-  const double size = std::max(0.026 * picture.height, 9.0);
-  const double x = 0.05 * picture.width, y = 0.93 * picture.height;
-  for (const Caption& caption : captions) {
-    const double since = time - caption.from, left = caption.until - time;
-    if (since < 0 || left <= 0) continue;
-    const double opacity = std::min({1.0, (since + 1e-3) / kFade, left / kFade});
-    const double shadow = std::max(1.0, size / 18);
-    font.draw(picture, caption.text, x + shadow, y + shadow, size, {0, 0, 0}, 0.55 * opacity);
-    font.draw(picture, caption.text, x, y, size, {248, 245, 238}, 0.95 * opacity);
+  Lines lines{picture, font};
+  for (auto first = captions.begin(); first != captions.end();) {
+    const auto last = std::find_if(first + 1, captions.end(), [&](const Caption& caption) {
+      return first->list.empty() || caption.list != first->list;
+    });
+    double until = first->until;
+    for (auto caption = first; caption != last; ++caption) until = std::max(until, caption->until);
+    if (!first->list.empty()) until += kFade;  // its last line is read to the end
+    const double opacity = shown(first->from, until, time);
+    auto up = static_cast<int>(last - first);
+    for (; first != last; ++first) {
+      const bool now = first->list.empty() || (time >= first->from && time < first->until);
+      --up;
+      if (opacity > 0) lines.draw(first->text, up, opacity * (now ? 1 : kDim));
+    }
   }
 }
 

@@ -1,4 +1,5 @@
-// Captions: quiet lines of text at the lower left that come and go softly.
+// Captions: quiet lines of text at the lower left that come and go softly. Neighbours of one list
+// stand above each other, the one whose time it is bright among the others.
 #pragma once
 
 #include <span>

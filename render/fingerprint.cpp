@@ -62,7 +62,7 @@ std::uint64_t fingerprint(const Stage& stage) {
     add(hash, look.color);
   }
   for (const Caption& caption : stage.captions)
-    hash.number(caption.from).number(caption.until).text(caption.text);
+    hash.number(caption.from).number(caption.until).text(caption.text).text(caption.list);
   return hash.value();
 }
 

@@ -41,10 +41,12 @@ struct ConnectorLook {
   Vec3 color = Vec3(0.6, 0.5, 0.35);
 };
 
-/// A line of text on the picture between two times.
+/// A line of text on the picture between two times. Captions of one list stay on the picture
+/// together, from the first to the last, and the one whose time it is stands out.
 struct Caption {
   double from = 0, until = 0;  // s
   std::string text;
+  std::string list;  // empty: of none
 };
 
 struct Stage {

@@ -248,7 +248,10 @@ const TableFormat& stage_format() {
                                   color("ground", "Linear ambient light from below.")}};
   static const TableFormat caption{{needed(not_negative("from", "When it appears.", "s")),
                                     needed(positive("until", "When it goes.", "s")),
-                                    needed(text("text", "What it says."))}};
+                                    needed(text("text", "What it says.")),
+                                    text("list",
+                                         "Captions of one list show together, the one "
+                                         "whose time it is brighter.")}};
   static const TableFormat format{
       {{.name = "scenery",
         .type = Type::files,

@@ -64,7 +64,8 @@ std::vector<Caption> read_captions(const Document& document, const Value& list) 
   std::vector<Caption> captions;
   for (const Value& entry : list.children) {
     const Value& until = *entry.find("until");
-    captions.push_back({entry.find("from")->number, until.number, entry.find("text")->text});
+    captions.push_back({entry.find("from")->number, until.number, entry.find("text")->text,
+                        std::string(text_or(entry, "list", ""))});
     if (!(until.number > captions.back().from)) {
       document.mismatch(until, fmt::format("a time after {} s", captions.back().from));
     }
