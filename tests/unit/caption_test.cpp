@@ -1,0 +1,51 @@
+// Captions on a black picture: when they show, and how bright the lines of a list are.
+#include "render/caption.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace taut {
+namespace {
+
+class CaptionTest : public testing::Test {
+ protected:
+  /// The brightest red in rows of the picture that the captions leave at `time`, from its height.
+  int brightest(const std::vector<Caption>& captions, double time, double above, double below) {
+    Picture picture(320, 200);
+    std::ranges::fill(picture.pixels, std::uint8_t{0});
+    draw_captions(picture, font_, captions, time);
+    int most = 0;
+    for (int y = int(above * picture.height); y < int(below * picture.height); ++y)
+      for (int x = 0; x < picture.width; ++x) most = std::max<int>(most, picture.at(x, y)[0]);
+    return most;
+  }
+
+  Font font_;
+  const std::vector<Caption> list_ = {{1, 2, "HHH", "phases"}, {2, 3, "HHH", "phases"}};
+};
+
+TEST_F(CaptionTest, ShowsBetweenItsTimes) {
+  const std::vector<Caption> one = {{1, 2, "HHH", ""}};
+  EXPECT_EQ(brightest(one, 0.9, 0, 1), 0);
+  EXPECT_GT(brightest(one, 1.5, 0, 1), 200);
+  EXPECT_GT(brightest(one, 1.5, 0, 1), brightest(one, 1.95, 0, 1));
+  EXPECT_EQ(brightest(one, 2.0, 0, 1), 0);
+}
+
+TEST_F(CaptionTest, AListStaysAndTheLineWhoseTimeItIsStandsOut) {
+  const double parted = 0.885;  // between the upper line and the lower
+  for (const bool upper : {true, false}) {
+    const double time = upper ? 1.5 : 2.5;
+    const int high = brightest(list_, time, 0, parted), low = brightest(list_, time, parted, 1);
+    EXPECT_GT(upper ? high : low, 200);
+    EXPECT_GT(upper ? low : high, 80);
+    EXPECT_GT(upper ? high - low : low - high, 50);
+  }
+  EXPECT_EQ(brightest(list_, 0.9, 0, 1), 0);
+  EXPECT_GT(brightest(list_, 2.99, parted, 1), 200) << "the last line is read to the end";
+  EXPECT_EQ(brightest(list_, 3.3, 0, 1), 0);
+}
+
+}  // namespace
+}  // namespace taut
