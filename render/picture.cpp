@@ -67,20 +67,36 @@ std::vector<std::uint8_t> encode_png(const Picture& picture) {
   return png;
 }
 
-Picture read_png(const std::filesystem::path& file) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
+namespace {
+
+/// Ends the reading that `begun` tells the success of.
+Picture finish_reading(png_image& image, int begun, const std::string& source) {
   const auto check = [&](int ok) {
     if (ok) return;
     const std::string why = image.message;
     png_image_free(&image);
-    throw std::runtime_error(fmt::format("{}: {}", file.string(), why));
+    throw std::runtime_error(fmt::format("{}: {}", source, why));
   };
-  check(png_image_begin_read_from_file(&image, file.c_str()));
+  check(begun);
   image.format = PNG_FORMAT_RGBA;
   Picture picture(int(image.width), int(image.height));
   check(png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr));
   return picture;
+}
+
+}  // namespace
+
+Picture read_png(const std::filesystem::path& file) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  return finish_reading(image, png_image_begin_read_from_file(&image, file.c_str()), file.string());
+}
+
+Picture decode_png(std::span<const std::uint8_t> bytes) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  return finish_reading(image, png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()),
+                        "a PNG picture");
 }
 
 }  // namespace taut

@@ -27,5 +27,7 @@ std::vector<std::uint8_t> encode_png(const Picture& picture);
 
 /// Reads back a PNG file. Throws std::runtime_error that names the file.
 Picture read_png(const std::filesystem::path& file);
+/// The same from a PNG file's bytes.
+Picture decode_png(std::span<const std::uint8_t> bytes);
 
 }  // namespace taut

@@ -89,4 +89,25 @@ double stretch_max(const World& world) {
   return most;
 }
 
+double energy_scale(const World& world) {
+  double mass = 0, height = 0;
+  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.mass_properties.mass;
+  for (const Connector& connector : world.connectors) {
+    for (const double particle : connector.particle_mass) mass += particle;
+    height = std::max(height, connector.length);
+  }
+  return mass * world.gravity.norm() * height + kinetic_energy(world);
+}
+
+bool is_closed(const World& world) {
+  const auto rests = [](const Path& path) { return path.keys().size() == 1; };
+  const bool bodies = std::ranges::all_of(
+      world.bodies, [&](const Body& body) { return !body.driven() || rests(*body.path); });
+  return bodies && std::ranges::all_of(world.connectors, [&](const Connector& connector) {
+           return std::ranges::all_of(connector.holds, [&](const Hold& hold) {
+             return hold.to.kind != Attachment::Kind::path || rests(*hold.to.path);
+           });
+         });
+}
+
 }  // namespace taut

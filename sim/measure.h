@@ -16,4 +16,11 @@ Vec3 angular_momentum(const World& world, const Vec3& about = Vec3::Zero());
 /// The largest |link length / rest length - 1| of any link (rest length zero: the gap in m).
 double stretch_max(const World& world);
 
+/// An energy to compare changes with: that of lifting everything that moves freely by the length of
+/// the longest connector, and its present motion, J.
+double energy_scale(const World& world);
+/// True where nothing can do work on what moves freely: energy_scale() then tells how much a change
+/// of energy is.
+bool is_closed(const World& world);
+
 }  // namespace taut

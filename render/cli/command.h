@@ -40,6 +40,7 @@ void add_check(CLI::App& app, Program& program);
 void add_bench(CLI::App& app, Program& program);
 void add_chart(CLI::App& app, Program& program);
 void add_stability(CLI::App& app, Program& program);
+void add_compare(CLI::App& app, Program& program);
 void add_golden(CLI::App& app, Program& program);
 void add_judge(CLI::App& app, Program& program);
 void add_claims(CLI::App& app, Program& program);

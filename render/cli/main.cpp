@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   app.footer(std::string("\n") + kExamples);
   Program program;
   for (const auto add : {add_render, add_simulate, add_check, add_bench, add_chart, add_stability,
-                         add_golden, add_judge, add_claims})
+                         add_compare, add_golden, add_judge, add_claims})
     add(app, program);
   try {
     app.parse(argc, argv);

@@ -42,30 +42,6 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// An energy to compare changes with: that of lifting everything that moves freely by the length of
-/// the longest connector, and the motion at the start.
-double energy_scale(const World& world) {
-  double mass = 0, height = 0;
-  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.mass_properties.mass;
-  for (const Connector& connector : world.connectors) {
-    for (const double particle : connector.particle_mass) mass += particle;
-    height = std::max(height, connector.length);
-  }
-  return mass * world.gravity.norm() * height + kinetic_energy(world);
-}
-
-/// True where nothing can do work on what moves freely.
-bool closed(const World& world) {
-  const auto rests = [](const Path& path) { return path.keys().size() == 1; };
-  const bool bodies = std::ranges::all_of(
-      world.bodies, [&](const Body& body) { return !body.driven() || rests(*body.path); });
-  return bodies && std::ranges::all_of(world.connectors, [&](const Connector& connector) {
-           return std::ranges::all_of(connector.holds, [&](const Hold& hold) {
-             return hold.to.kind != Attachment::Kind::path || rests(*hold.to.path);
-           });
-         });
-}
-
 std::string header(const Scene& scene) {
   const World world = divided(scene.world, scene.timeline);
   std::string line = "t";
@@ -161,7 +137,7 @@ std::string json_text(const Scene& scene, const Simulation& simulation, const Re
   json["handed_over"] = counters.handed_over;
   json["stretch_max"] = report.stretch;
   json["energy_drift"] = nullptr;
-  if (closed(simulation.world()) && report.energy_scale > 0) {
+  if (is_closed(simulation.world()) && report.energy_scale > 0) {
     json["energy_drift"] = report.drift / report.energy_scale;
   }
   json["energy_drift_is"] =

@@ -1,0 +1,50 @@
+#include "render/paint.h"
+
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+namespace taut {
+
+void fill(Picture& picture, const Rect& rect, Rgb color, double opacity) {
+  const Rect part = intersection(rect, {0, 0, picture.width, picture.height});
+  for (int y = part.y; y < part.top(); ++y)
+    for (int x = part.x; x < part.right(); ++x)
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint8_t& value = picture.at(x, y)[k];
+        value = std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), opacity)));
+      }
+}
+
+void paste(const Picture& from, Picture& to, int x, int y) {
+  for (int row = 0; row < from.height; ++row)
+    std::memcpy(to.at(x, y + row), from.at(0, row), std::size_t(from.width) * 4);
+}
+
+Picture shrunk(const Picture& picture, int factor) {
+  Picture small(picture.width / factor, picture.height / factor);
+  const int area = factor * factor;
+  for (int y = 0; y < small.height; ++y)
+    for (int x = 0; x < small.width; ++x)
+      for (int k = 0; k < 3; ++k) {
+        int sum = 0;
+        for (int v = 0; v < factor; ++v)
+          for (int u = 0; u < factor; ++u) sum += picture.at(x * factor + u, y * factor + v)[k];
+        small.at(x, y)[k] = std::uint8_t((sum + area / 2) / area);
+      }
+  return small;
+}
+
+std::vector<std::string> wrapped(Font& font, const std::string& text, double size, double width) {
+  std::vector<std::string> lines;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!lines.empty() && font.width(lines.back() + " " + word, size) <= width)
+      lines.back() += " " + word;
+    else
+      lines.push_back(word);
+  }
+  return lines;
+}
+
+}  // namespace taut

@@ -1,0 +1,24 @@
+// Flat shapes and lines of text on finished pictures.
+#pragma once
+
+#include <string>
+
+#include "render/picture.h"
+#include "render/rect.h"
+#include "render/text.h"
+
+namespace taut {
+
+/// Blends a colour over a rectangle (from the upper left corner), as far as it lies inside.
+void fill(Picture& picture, const Rect& rect, Rgb color, double opacity = 1);
+
+/// Copies a picture into another, its upper left corner at (x, y); it must fit.
+void paste(const Picture& from, Picture& to, int x, int y);
+
+/// Each `factor` x `factor` pixels averaged into one.
+Picture shrunk(const Picture& picture, int factor);
+
+/// Text broken into lines no wider than `width` pixels where its words allow.
+std::vector<std::string> wrapped(Font& font, const std::string& text, double size, double width);
+
+}  // namespace taut

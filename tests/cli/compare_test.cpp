@@ -1,0 +1,120 @@
+// taut compare: cells, tables, methods that stop, and what is refused.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "render/picture.h"
+#include "render/table.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScene = R"(duration = 0.2
+fps = 50
+size = [480, 270]
+[method]
+name = "impulse"
+step = 0.001
+[connectors.rope]
+length = 0.2
+mass = 0.05
+particles = 6
+from = { fixed = [0, 1, 0] }
+to = { point_mass = 0.2 }
+start = { direction = [1, 0, 0] }
+[stage]
+camera = [{ t = 0, position = [0, 0.9, 1], target = [0, 0.9, 0] }]
+)";
+
+class Compare : public testing::Test {
+ protected:
+  Outcome compare(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"compare", scene_.string(), "--out", out_.string(), "--quiet"});
+    return run_taut(more);
+  }
+  fs::path frame(int number) const {
+    return out_ / "frames" / ("00000" + std::to_string(number) + ".png");
+  }
+
+  Folder folder_;
+  fs::path scene_ = folder_.write("swing.toml", kScene);
+  fs::path out_ = folder_.path() / "compared";
+};
+
+TEST_F(Compare, SixMethodsInAClip) {
+  const Outcome outcome = compare({"--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto report = nlohmann::json::parse(outcome.output);
+  ASSERT_EQ(report.at("methods").size(), 6u);
+  EXPECT_GT(report.at("horizon"), 0.1);
+  for (const auto& method : report.at("methods")) EXPECT_EQ(method.at("frames"), 10);
+  EXPECT_TRUE(fs::exists(out_ / "swing.mp4"));
+  EXPECT_EQ(read_png(frame(9)).width, 480);
+  const Table table = from_csv(read_file(out_ / "compare.csv"));
+  EXPECT_EQ(table.rows.size(), 6u);
+  for (const auto& row : table.rows) {
+    // What converges to the truth is nearer to it than what does not.
+    const double error = std::stod(row[2]);
+    if (row[0] == "direct" || row[0] == "multibody") {
+      EXPECT_LT(error, 0.1) << row[0];
+    }
+    if (row[0] == "impulse") {
+      EXPECT_GT(error, 0.1);
+    }
+    if (row[0] == "dynamic-constraints") {
+      EXPECT_EQ(row[1], "0");
+    }
+  }
+}
+
+TEST_F(Compare, CellsDifferWhereMethodsDo) {
+  ASSERT_EQ(compare({"--methods", "impulse,direct", "--frames", "0,9", "--no-video"}).code, 0);
+  EXPECT_FALSE(fs::exists(frame(1)));
+  // At the start both cells show the same; later not. The label's strip is left out.
+  const auto differ = [&](const Picture& picture) {
+    int count = 0;
+    for (int y = 40; y < 160; ++y)
+      for (int x = 4; x < 236; ++x)
+        count += std::abs(*picture.at(x, y) - *picture.at(x + 240, y)) > 8;
+    return count;
+  };
+  EXPECT_LT(differ(read_png(frame(0))), 20);
+  EXPECT_GT(differ(read_png(frame(9))), 20);
+}
+
+TEST_F(Compare, AMethodThatStopsLeavesTheOthers) {
+  // Explicit Euler with a step beyond every limit.
+  const std::string text = kScene;
+  std::string broken = text;
+  broken.replace(broken.find("\"impulse\"\nstep = 0.001"), 22,
+                 "\"springs\"\nintegrator = \"explicit-euler\"\nstep = 0.02\nstiffness = 1e6");
+  scene_ = folder_.write("broken.toml", broken);
+  const Outcome outcome = compare({"--methods", "springs,direct", "--no-video", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto report = nlohmann::json::parse(outcome.output);
+  EXPECT_LT(report.at("methods")[0].at("frames"), 10);
+  EXPECT_NE(report.at("methods")[0].at("failure"), "");
+  EXPECT_EQ(report.at("methods")[0].at("from the truth, mm"), "-");
+  EXPECT_EQ(report.at("methods")[1].at("frames"), 10);
+  EXPECT_EQ(report.at("methods")[1].at("failure"), "");
+}
+
+TEST_F(Compare, RefusesBeforeWorking) {
+  EXPECT_EQ(compare({"--methods", "spring"}).code, 2);
+  EXPECT_EQ(compare({"--frames", "8-12"}).code, 2);
+  EXPECT_EQ(compare({"--size", "63x36"}).code, 2);
+  EXPECT_EQ(compare({"--size", "100000x200", "--no-video", "--methods", "direct"}).code, 4);
+  const std::string text = kScene;
+  scene_ = folder_.write("bare.toml", text.substr(0, text.find("[stage]")));
+  EXPECT_EQ(compare({}).code, 3);
+  out_ = folder_.write("file", "x") / "clip";
+  scene_ = folder_.write("swing.toml", kScene);
+  EXPECT_EQ(compare({}).code, 6);
+}
+
+}  // namespace
+}  // namespace taut
