@@ -146,11 +146,12 @@ void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double*
   }
 }
 
-/// At rest a step's passes give back to each link the T dt^2 that gravity and its neighbours took:
-/// each gives m/2 of what the link is too long, so that it stays 2 T dt^2 / (m passes) too long.
+/// At rest a pass gives each link the T dt^2 that gravity and its neighbours took, by which the
+/// next link's turn moves the particle between them: so much, over m, a link stays too long. More
+/// passes share it.
 double longest_step(const World& world, const Settings& settings) {
   constexpr double kStretched = 0.01;  // of a link
-  return std::sqrt(kStretched * number(settings, "iterations") / (2 * heaviest_link(world)));
+  return std::sqrt(kStretched * number(settings, "iterations") / heaviest_link(world));
 }
 
 }  // namespace
@@ -176,7 +177,7 @@ MethodInfo xpbd_method() {
         return std::make_unique<Xpbd>(settings);
       },
       .longest_step = longest_step,
-      .longest_step_law = "1% of stretch at rest, dt^2 = m l / 200 T",
+      .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
   };
 }
 

@@ -92,6 +92,25 @@ TEST(Boundary, LimitsAreThoseOfTheTextbook) {
   EXPECT_NEAR(info.longest_step(world, settings) * std::sqrt(1e4 / m), 1, 0.01);
 }
 
+// XPBD does not diverge: it stretches, by T dt^2/(m l) of a link that the next pulls with T. The
+// top one's next carries a bead less.
+TEST(Boundary, OfXpbdIsAStretchAndGoesWithTheSquareOfTheStep) {
+  const MethodInfo& xpbd = *find_method("xpbd");
+  const World world = worlds::chain(kBeads + 1, 1, -Vec3::UnitY());
+  const double limit = xpbd.longest_step(world, with_defaults(xpbd, {}));
+  const auto stretched = [&](double step) {
+    Simulation simulation(world, make_method("xpbd", {{"step", step}}));
+    double most = 0;  // once it has settled
+    for (int i = 1; i <= 400; ++i) {
+      simulation.advance_to(10 * i * step);
+      if (i > 200) most = std::max(most, stretch_max(simulation.world()));
+    }
+    return most;
+  };
+  EXPECT_NEAR(stretched(limit), 0.01 * (kBeads - 1) / kBeads, 1e-4);
+  EXPECT_NEAR(stretched(limit) / stretched(limit / 2), 4, 0.1);
+}
+
 // A rope let go from horizontal snaps taut again and again: tensions many times those at rest, on
 // which the theory's limit is built. A step that the settings leave open has to bear them.
 TEST(Boundary, OpenStepsAreStable) {
