@@ -8,6 +8,7 @@
 #include "sim/methods/dynamic_constraints.h"
 #include "sim/methods/impulse.h"
 #include "sim/methods/multibody.h"
+#include "sim/methods/sdfast.h"
 #include "sim/methods/springs.h"
 #include "sim/methods/xpbd.h"
 #include "sim/truth/multipliers.h"
@@ -17,6 +18,7 @@ namespace taut {
 std::span<const MethodInfo> methods() {
   static const std::vector<MethodInfo> list = {
       impulse_method(),   dynamic_constraints_method(),
+      sdfast_method(),
       multibody_method(), springs_method(),
       xpbd_method(),      direct_method(),
       truth_method(),

@@ -38,6 +38,11 @@ class Direct : public Method {
 
  private:
   void rebuild(const World& world) {
+    for (const Connector& connector : world.connectors) {
+      if (connector.model == ConnectorModel::links) continue;
+      throw Diverged("direct", world.time, counters_.steps, connector.name, 0,
+                     "follows links, not massless spans (model = \"span\")");
+    }
     built_ = true;
     topology_ = world.topology;
     courses_.clear();

@@ -8,6 +8,7 @@
 #include "sim/method.h"
 #include "sim/simulation.h"
 #include "sim/trajectory.h"
+#include "worlds.h"
 
 namespace taut {
 namespace {
@@ -276,6 +277,24 @@ TEST(Direct, ABarOnTwoCordsKeepsItsEnergyAndItsHolds) {
     const Vec3 held = now.bodies[0].point(cord.holds[1].to.point);
     EXPECT_LT((cord.position[10] - held).norm(), 1e-12);
   }
+}
+
+TEST(Direct, MasslessSpansAreRefused) {
+  World world = worlds::chain(6, 0.5, Vec3::UnitX());
+  world.connectors[0].model = ConnectorModel::span;
+  EXPECT_THROW(make_method("direct", {})->advance(world, 0.1), Diverged);
+}
+
+// What nothing holds flies by itself.
+TEST(Direct, ABodyWithoutAConnectorFallsAndSpins) {
+  World world;
+  world.bodies = {worlds::box("box")};
+  finish(world);
+  const Vec3 momentum = world.bodies[0].world_inertia() * world.bodies[0].spin;
+  make_method("direct", {{"tolerance", 1e-8}})->advance(world, 0.5);
+  const Body& box = world.bodies[0];
+  EXPECT_NEAR(box.position.y(), -worlds::kGravity * 0.125, 1e-9);
+  EXPECT_LT((box.world_inertia() * box.spin - momentum).norm(), 1e-7 * momentum.norm());
 }
 
 }  // namespace

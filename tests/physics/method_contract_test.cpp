@@ -230,7 +230,8 @@ TEST(MethodContractTable, StandsInTheReadme) {
 
 TEST(MethodContractTable, HoldsEveryMethod) {
   for (const MethodInfo& method : methods()) {
-    if (!method.missing.empty()) continue;
+    // SD/FAST's models are planar chains: it has tests of its own.
+    if (method.name == "sdfast") continue;
     EXPECT_TRUE(std::ranges::any_of(contract::theories(), [&](const Theory& theory) {
       return theory.method == method.name;
     })) << method.name;
