@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
 
 #include "scenes/reader/reader.h"
 
@@ -69,6 +70,11 @@ class Layout {
                          fmt::format("a number above 0 for {} particles (a joint of length 0 has "
                                      "2)",
                                      particles));
+    }
+    particles_ += particles;
+    if (particles_ > kMostParticles) {
+      document_.mismatch(*value.find("particles"),
+                         fmt::format("at most {} in all connectors together", kMostParticles));
     }
     Connector connector =
         straight_connector(value.name, length, mass, particles, Vec3::Zero(), Vec3::UnitY());
@@ -173,7 +179,12 @@ class Layout {
                      fmt::format("the ends are {:.6g} m apart, expected at most the length, {} m",
                                  apart, connector.length));
     }
-    return hanging_points(connector, origin, end, world_.gravity);
+    try {
+      return hanging_points(connector, origin, end, world_.gravity);
+    } catch (const std::invalid_argument& error) {
+      document_.fail(hanging ? *hanging : value,
+                     fmt::format("{}, expected another start", error.what()));
+    }
   }
 
   static std::vector<Vec3> straight(const Connector& connector, const Vec3& origin,

@@ -60,6 +60,24 @@ TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
   EXPECT_TRUE(table.is_as_accepted());
 }
 
+TEST(BadScene, MoreParticlesThanMemoryIsFor) {
+  std::string text = "duration = 1\n";
+  for (int i = 0; i < 11; ++i) {
+    text += fmt::format(
+        "[connectors.rope_{}]\nlength = 1.0\nmass = 1.0\nparticles = 100000\n"
+        "from = {{ fixed = [0, 1, 0] }}\nto = {{ free = true }}\n",
+        i);
+  }
+  const Folder folder;
+  folder.write("scene.toml", text);
+  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.messages.find("scene.toml:65:13: connectors.rope_10.particles: found 100000, "
+                                  "expected at most 1000000 in all connectors together"),
+            std::string::npos)
+      << outcome.messages;
+}
+
 TEST(BadScene, FilesThatAreNoScenes) {
   const Folder folder;
   fs::create_directory(folder.path() / "folder.toml");
