@@ -1,6 +1,8 @@
 #include "tests/physics/routine.h"
 
+#include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "sim/simulation.h"
 
@@ -20,8 +22,7 @@ Instance instance(const World& world) {
           free.point(end),
           free.point(-end),
           free.position,
-          free.velocity,
-          free.spin};
+          free.velocity};
 }
 
 }  // namespace

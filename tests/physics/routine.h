@@ -11,11 +11,11 @@ namespace taut {
 
 /// The free stick and the hand at the end of one step.
 struct Instance {
-  double time;                    // s
-  FrameMotion hand;               // of the path
-  Vec3 grip;                      // the held stick's point in the hand, m
-  Vec3 from, top, tip;            // the chain's end on the held stick; the free stick's ends, m
-  Vec3 position, velocity, spin;  // of the free stick's centre of mass
+  double time;              // s
+  FrameMotion hand;         // of the path
+  Vec3 grip;                // the held stick's point in the hand, m
+  Vec3 from, top, tip;      // the chain's end on the held stick; the free stick's ends, m
+  Vec3 position, velocity;  // of the free stick's centre of mass
 
   double span() const { return (top - from).norm(); }
 };
