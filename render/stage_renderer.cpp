@@ -11,8 +11,8 @@
 #include "render/lighting.h"
 #include "render/noise.h"
 #include "render/reach.h"
-#include "render/receivers.h"
 #include "render/shaders.h"
+#include "render/shadow_cover.h"
 #include "render/skinning.h"
 
 namespace taut {

@@ -1,4 +1,4 @@
-#include "render/receivers.h"
+#include "render/shadow_cover.h"
 
 #include <algorithm>
 #include <limits>
