@@ -1,130 +1,23 @@
 // taut claims: what of the paper reproduces, each claim measured.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "render/atomic_file.h"
-#include "render/cli/bench_results.h"
 #include "render/cli/command.h"
-#include "render/cli/study_target.h"
-#include "render/interrupt.h"
+#include "render/cli/evidence.h"
 
 namespace taut::cli {
 namespace {
-
-constexpr std::size_t kFew = 21, kMany = 101;  // particles: the scene's own, and a long chain
 
 struct Options {
   StudyOptions study;
   bool markdown = false;
 };
 
-/// What the claims are judged by.
-struct Evidence {
-  BenchResults bench;
-  std::vector<double> errors;       // RMS against truth, share of the length; per contender
-  std::vector<double> differences;  // mean of the segments against dynamic constraints, m
-  double horizon = 0;               // s, of both
-  double length = 0;                // m
-  double always = 0;                // cost of impulse with h = 0 over that with its own h
-  std::vector<double> pinned;       // as errors, with the connector's middle held as well
-
-  std::size_t at(std::string_view label) const {
-    const auto found = std::ranges::find(bench.contenders, label, &Contender::label);
-    return static_cast<std::size_t>(found - bench.contenders.begin());
-  }
-  bool has(std::string_view label) const {
-    const std::size_t c = at(label);
-    return c < bench.contenders.size() && bench.blocks[0].rows[c].failure.empty();
-  }
-  /// CPU s per frame.
-  double cost(std::string_view label, std::size_t block = 0) const {
-    return bench.blocks[block].rows[at(label)].mean.median;
-  }
-  /// The interquartile range of the frames' medians, as a share of their median.
-  double unevenness(std::string_view label) const {
-    std::vector<double> frames;
-    for (const Spread& frame : bench.blocks[0].rows[at(label)].frames) {
-      frames.push_back(frame.median);
-    }
-    const Spread all = spread(std::move(frames));
-    return (all.high - all.low) / all.median;
-  }
-  double real_time() const { return 1.0 / bench.scene.fps; }
-};
-
-/// The scene's rope let go from where it hangs between its first end and a point beside that, with
-/// its middle particle held there: an intervention.
-Problem with_pin(const StudyOptions& options) {
-  const Scene scene = study_scene(options);
-  const Connector& straight = scene.world.connectors.front();
-  const Vec3 end = straight.position.front() + Vec3(0.6 * straight.length, 0, 0);
-  const std::string start =
-      fmt::format("{{ hanging_to = [{:.17g}, {:.17g}, {:.17g}] }}", end.x(), end.y(), end.z());
-  Problem problem{study_scene(options, {{connector_key(scene, "start"), start}}).world,
-                  frame_times(scene.duration / 2, scene.fps)};
-  Connector& rope = problem.world.connectors.front();
-  Hold pin;
-  pin.particle = rope.particles() / 2;
-  pin.to.point = rope.position[pin.particle];
-  rope.holds.push_back(pin);
-  std::ranges::sort(rope.holds, {}, &Hold::particle);
-  problem.world.topology = structure(problem.world);
-  return problem;
-}
-
-Evidence gather(const StudyOptions& options, const Common& common) {
-  Evidence evidence;
-  evidence.bench = measure_bench(options, {kFew, kMany}, "springs", common.quiet);
-  const Scene scene = study_scene(options, kFew);
-  evidence.length = scene.world.connectors.front().length;
-  TruthOptions truth;
-  truth.scored_error = 1e-4 * evidence.length;
-  truth.second_accuracy = 1e-7;
-  const Target target = target_of(scene, scene.duration, truth);
-  evidence.horizon = target.reference.horizon;
-  const Metric metric = share_of_length(evidence.length);
-  std::vector<std::vector<Snapshot>> all;
-  for (const Contender& one : evidence.bench.contenders) {
-    stop_if_interrupted();
-    all.emplace_back();
-    if (one.method->missing.empty()) {
-      all.back() = taut::run(target.problem, one.candidate, 60).frames;
-    }
-    evidence.errors.push_back(
-        rms_error(all.back(), target.reference.frames, evidence.horizon, metric.distance));
-  }
-  const auto& reference = all[evidence.at("dynamic-constraints")];
-  for (const auto& frames : all) {
-    double sum = 0;
-    const std::size_t both = std::min(frames.size(), reference.size());
-    for (std::size_t k = 0; k < both; ++k) sum += segment_difference(frames[k], reference[k]);
-    evidence.differences.push_back(both ? sum / static_cast<double>(both) : NAN);
-  }
-  const Problem pinned = with_pin(options);
-  const auto reference_pinned = quick_reference(pinned, 0.01 * evidence.length, 10);
-  for (const Contender& one : evidence.bench.contenders) {
-    stop_if_interrupted();
-    evidence.pinned.push_back(NAN);
-    if (!one.method->missing.empty() || !reference_pinned) continue;
-    const Run result = taut::run(pinned, one.candidate, 60);
-    evidence.pinned.back() = rms_error(result.frames, reference_pinned->frames,
-                                       reference_pinned->horizon, metric.distance);
-  }
-  std::vector<double> with, without;
-  for (int i = 0; i < 15; ++i) {
-    stop_if_interrupted();
-    with.push_back(time_run(target.problem, {"impulse", {}}));
-    without.push_back(time_run(target.problem, {"impulse", {{"h", 0.0}}}));
-  }
-  evidence.always = spread(without).median / spread(with).median;
-  return evidence;
-}
-
-enum class Outcome { reproduced, conditional, not_reproduced, not_measured };
+enum class Outcome { reproduced, conditional, not_reproduced };
 
 struct Claim {
   std::string words, where;
@@ -140,8 +33,6 @@ const char* name_of(Outcome outcome) {
       return "under conditions";
     case Outcome::not_reproduced:
       return "not reproduced";
-    case Outcome::not_measured:
-      return "not measured";
   }
   return "";
 }
@@ -291,7 +182,7 @@ Table table_of(const std::vector<Claim>& claims) {
 
 int run(const Options& options, const Common& common) {
   const Scene scene = study_scene(options.study);
-  const Table table = table_of(claims_of(gather(options.study, common)));
+  const Table table = table_of(claims_of(gather_evidence(options.study, common.quiet)));
   if (common.json) {
     nlohmann::ordered_json json = {{"scene", options.study.scene}, {"machine", machine()}};
     for (const auto& row : table.rows) {
