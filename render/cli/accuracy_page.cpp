@@ -201,7 +201,7 @@ Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
   if (metric == kShare) panel.y.maximum = 3;  // beyond, all is lost
   for (const AccuracyBlock& block : study.blocks) {
     const std::vector<std::size_t> best = pareto_front(cost_and_error(block.rows, metric));
-    Series front{block.contender.label, block.contender.style, true, true, false, {}};
+    Series front{legend_name(block.contender), block.contender.style, true, true, false, {}};
     Series rest{"", block.contender.style, false, true, true, {}};
     for (const std::size_t i : best) {
       const Spread time = spread(block.rows[i].cpu);

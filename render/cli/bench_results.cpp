@@ -61,7 +61,8 @@ Panel growth_panel(const BenchResults& results) {
                               std::to_string(block.particles));
   }
   for (std::size_t c = 0; c < results.contenders.size(); ++c) {
-    Series means{results.contenders[c].label, results.contenders[c].style, true, true, false, {}};
+    Series means{
+        legend_name(results.contenders[c]), results.contenders[c].style, true, true, false, {}};
     for (const BenchBlock& block : results.blocks) {
       const Spread& mean = block.rows[c].mean;
       if (!timed(block.rows[c])) continue;
@@ -81,7 +82,8 @@ Panel frames_panel(const BenchResults& results) {
   panel.x = {fmt::format("frame (1/{} s)", results.scene.fps)};
   panel.y = {"CPU time per frame (µs)", true};
   for (std::size_t c = 0; c < results.contenders.size(); ++c) {
-    Series line{results.contenders[c].label, results.contenders[c].style, true, false, false, {}};
+    Series line{
+        legend_name(results.contenders[c]), results.contenders[c].style, true, false, false, {}};
     const auto& frames = block.rows[c].frames;
     for (std::size_t k = 0; k < frames.size(); ++k) {
       if (frames[k].median > 0) {

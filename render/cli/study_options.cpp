@@ -67,6 +67,11 @@ std::vector<Contender> chosen_contenders(const StudyOptions& options) {
   return chosen;
 }
 
+std::string legend_name(const Contender& contender) {
+  const std::string missing(contender.method->missing);
+  return missing.empty() ? contender.label : contender.label + " (" + missing + ")";
+}
+
 std::vector<Candidate> candidates_of(const Contender& contender, bool quick) {
   std::vector<Candidate> all;
   if (!contender.method->missing.empty()) return all;

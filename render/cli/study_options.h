@@ -36,6 +36,9 @@ struct Contender {
 /// lacks too. Throws Misuse.
 std::vector<Contender> chosen_contenders(const StudyOptions& options);
 
+/// Its name in legends: the label and, where this build lacks it, why.
+std::string legend_name(const Contender& contender);
+
 /// Every setting of a contender's sweep (only the ends and middle of numbers where `quick`), with
 /// what its form sets put over it.
 std::vector<Candidate> candidates_of(const Contender& contender, bool quick);
