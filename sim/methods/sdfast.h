@@ -5,10 +5,12 @@
 
 namespace taut {
 
-/// Equations of motion in joint angles, written as C by SD/FAST's generator when taut was built,
-/// and its own integrator, Runge-Kutta-Merson with steps by error control. Follows one chain that
-/// hangs in a plane from a fixed point, with or without a point mass at its end; Diverged says so
-/// of other worlds. `missing` where the generator was not installed.
+/// Equations of motion in joint coordinates, written as C by SD/FAST's generator when taut was
+/// built, and its own integrator, Runge-Kutta-Merson with steps by error control. Follows one
+/// chain, from a fixed or moving point or from nothing at all, with a free body at either end or
+/// none: with pin joints where it hangs from a fixed point and stays in a plane, otherwise with
+/// ball joints. Diverged says what it does not follow: loops, pins between the ends, several
+/// connectors. `missing` where the generator was not installed.
 MethodInfo sdfast_method();
 
 }  // namespace taut

@@ -1,0 +1,26 @@
+// Plane chains from a fixed point, in the angles of pin joints.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sim/methods/direct/plane.h"
+#include "sim/methods/sdfast/chain.h"
+#include "sim/methods/sdfast/model.h"
+
+namespace taut::sdfast {
+
+/// The plane in which the world's chain moves and its weight pulls, or none.
+std::optional<direct::Plane> plane_of(const World& world);
+
+/// Gives the model the chain's masses and lengths. In its reference shape the chain hangs down, so
+/// that joints lie above particles.
+void set_up_pins(const Model& model, const World& world, const Chain& chain,
+                 const direct::Plane& plane);
+/// Reads the state of a model from `world`, and writes it there.
+void load_pins(const World& world, const Chain& chain, const direct::Plane& plane,
+               std::vector<double>& state);
+void store_pins(const std::vector<double>& state, const Chain& chain, const direct::Plane& plane,
+                World& world);
+
+}  // namespace taut::sdfast
