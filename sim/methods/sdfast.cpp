@@ -43,10 +43,10 @@ class SdFast final : public Method {
   void store(World& world, double until);
   void check(const World& world) const;
   bool planar() const { return model_->joints == Joints::pin; }
-  static void drag(double time);
+  static void look(double time);
   [[noreturn]] void give_up(const World& world, const std::string& what) const;
 
-  static const SdFast* user_;  // of all models: whose numbers theirs are
+  static SdFast* user_;  // of all models: whose numbers theirs are
 
   double tolerance_;
   Formulation formulation_;
@@ -60,7 +60,7 @@ class SdFast final : public Method {
   std::vector<double> state_, rate_;
 };
 
-const SdFast* SdFast::user_ = nullptr;
+SdFast* SdFast::user_ = nullptr;
 
 void SdFast::give_up(const World& world, const std::string& what) const {
   throw Diverged(std::string(kName), world.time, counters_.steps,
@@ -125,19 +125,22 @@ void SdFast::store(World& world, double until) {
   place_held(world, until);
 }
 
-/// In the frame of a moving base, which does not turn, everything falls against its acceleration.
-void SdFast::drag(double time) {
-  const PointMotion base = hold_motion(*user_->moving_, *user_->chain_.held, time);
-  sdfast::drag_balls(*user_->model_, *user_->moving_, user_->chain_, base.acceleration);
+/// At each instant that a model looks at. In the frame of a moving base, which does not turn,
+/// everything falls against its acceleration.
+void SdFast::look(double time) {
+  SdFast& user = *user_;
+  ++user.counters_.solves;
+  if (!user.chain_.held || user.chain_.held->kind == Attachment::Kind::fixed) return;
+  const PointMotion base = hold_motion(*user.moving_, *user.chain_.held, time);
+  sdfast::drag_balls(*user.model_, *user.moving_, user.chain_, base.acceleration);
 }
 
 void SdFast::integrate(World& world, double until) {
   constexpr double kNoConstraints = 1e-10;
-  const bool moves = chain_.held && chain_.held->kind != Attachment::Kind::fixed;
   double time = world.time;
   int failed = 0;
   moving_ = &world;
-  sdfast::forces = moves ? &SdFast::drag : nullptr;
+  sdfast::forces = &SdFast::look;
   model_->motion(&time, state_.data(), rate_.data(), until - time, kNoConstraints, tolerance_,
                  &start_, &failed);
   ++counters_.steps;

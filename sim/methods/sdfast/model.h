@@ -41,7 +41,8 @@ struct Model {
   void (*clear_error)();
 };
 
-/// What the model that integrates calls at each instant (s) for forces beside gravity; null: none.
+/// What the model that integrates calls at each instant (s) that it looks at, for forces beside
+/// gravity.
 inline void (*forces)(double time) = nullptr;
 
 /// Empty where the generator was not installed.

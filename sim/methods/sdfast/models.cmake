@@ -1,10 +1,12 @@
 # Models of chains by SD/FAST's generator, where there is one: README.md says how to get it. Nothing that it
 # writes is kept in the sources.
 find_program(TAUT_SDFAST sdfast DOC "SD/FAST's generator, for the method sdfast")
-set(TAUT_SDFAST_LINKS 1 5 10 20 40 CACHE STRING "Numbers of links that the method sdfast has planar models for")
+set(TAUT_SDFAST_LINKS 1 5 10 20 40 80 CACHE STRING "Numbers of links that the method sdfast has planar models for")
 set(TAUT_SDFAST_BALL_LINKS 1 5 10 20 CACHE STRING "The same with ball joints")
-# Its code grows with the cube of the links: 1.3 MB for 10, 5 MB and minutes of compiling for 20.
-set(TAUT_SDFAST_BALL_KANE_LINKS 1 5 CACHE STRING "The same with ball joints and Kane's formulation")
+# Kane's code grows with more than the square of the links: 1.3 MB for 10 on ball joints, 5 MB and minutes of
+# compiling for 20.
+set(TAUT_SDFAST_KANE_LINKS 1 5 10 20 40 CACHE STRING "As TAUT_SDFAST_LINKS, for Kane's formulation")
+set(TAUT_SDFAST_BALL_KANE_LINKS 1 5 CACHE STRING "As TAUT_SDFAST_BALL_LINKS, for Kane's formulation")
 
 set(folder ${CMAKE_CURRENT_BINARY_DIR}/sdfast)
 file(MAKE_DIRECTORY ${folder})
@@ -45,7 +47,7 @@ endfunction()
 if(TAUT_SDFAST)
   enable_language(C)
   set(pin_order_n ${TAUT_SDFAST_LINKS})
-  set(pin_kane ${TAUT_SDFAST_LINKS})
+  set(pin_kane ${TAUT_SDFAST_KANE_LINKS})
   set(ball_order_n ${TAUT_SDFAST_BALL_LINKS})
   set(ball_kane ${TAUT_SDFAST_BALL_KANE_LINKS})
   set(free_order_n ${TAUT_SDFAST_BALL_LINKS})
