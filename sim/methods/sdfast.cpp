@@ -75,9 +75,10 @@ void SdFast::choose(const World& world) {
     give_up(world, error.what());
   }
   Joints joints = chain_.held ? Joints::ball : Joints::free;
-  if (!always_ball_ && sdfast::is_planar(world, chain_)) {
+  const auto plane = always_ball_ ? std::nullopt : sdfast::plane_of(world, chain_);
+  if (plane) {
     joints = Joints::pin;
-    plane_ = *sdfast::plane_of(world);
+    plane_ = *plane;
   }
   const auto models = sdfast::models();
   const auto found = std::ranges::find_if(models, [&](const Model& model) {
@@ -178,30 +179,33 @@ void SdFast::advance(World& world, double until) {
 }  // namespace
 
 MethodInfo sdfast_method() {
-  return {.name = kName,
-          .summary = "single chains in joint coordinates, by SD/FAST's generated code",
-          .settings = {{.name = "tolerance",
-                        .meaning = "Error allowed in a step, in radians and rad/s; less is dearer.",
-                        .unit = "1",
-                        .fallback = 1e-3,
-                        .minimum = 1e-12,
-                        .maximum = 1,
-                        .sweep = {0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
-                       {.name = "formulation",
-                        .meaning = "Order(N), whose cost grows with the links, or Kane's.",
-                        .unit = "",
-                        .fallback = std::string("order-n"),
-                        .choices = {"order-n", "kane"}},
-                       {.name = "joints",
-                        .meaning = "Pins where the chain moves in a plane, or ball joints always.",
-                        .unit = "",
-                        .fallback = std::string("fewest"),
-                        .choices = {"fewest", "ball"}}},
-          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
-            return std::make_unique<SdFast>(settings);
-          },
-          .missing = sdfast::models().empty() ? "not installed" : "",
-          .forms = {{"kane", {{"formulation", std::string("kane")}}}}};
+  return {
+      .name = kName,
+      .summary = "single chains in joint coordinates, by SD/FAST's generated code",
+      .settings = {{.name = "tolerance",
+                    .meaning =
+                        "Error allowed in a step, in joint coordinates and their rates; less is "
+                        "dearer.",
+                    .unit = "1",
+                    .fallback = 1e-3,
+                    .minimum = 1e-12,
+                    .maximum = 1,
+                    .sweep = {0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
+                   {.name = "formulation",
+                    .meaning = "Order(N), whose cost grows with the links, or Kane's.",
+                    .unit = "",
+                    .fallback = std::string("order-n"),
+                    .choices = {"order-n", "kane"}},
+                   {.name = "joints",
+                    .meaning = "Pins where the chain moves in a plane, or ball joints always.",
+                    .unit = "",
+                    .fallback = std::string("fewest"),
+                    .choices = {"fewest", "ball"}}},
+      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+        return std::make_unique<SdFast>(settings);
+      },
+      .missing = sdfast::models().empty() ? "not installed" : "",
+      .forms = {{"kane", {{"formulation", std::string("kane")}}}}};
 }
 
 }  // namespace taut

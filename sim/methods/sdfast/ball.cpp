@@ -3,7 +3,7 @@
 namespace taut::sdfast {
 namespace {
 
-/// A body of the model: where what it stands for is, as set_up_balls() tells the model.
+/// kg, at the particle `i` of the chain: its own, or of the body that carries it and others.
 double mass_of(const World& world, const Chain& chain, std::size_t i) {
   const Connector& connector = world.connectors.front();
   if (i == 0 && chain.base) return world.bodies[chain.base->body].mass_properties.mass;
@@ -43,7 +43,7 @@ std::size_t state_size(const Chain& chain) {
   return 7 * balls + (is_free(chain) ? 6 : 0);
 }
 
-/// Orientation and spin (world axes) of the bodies, one after another along the chain.
+/// Orientation and spin (rad/s, world axes) of the model's bodies, one after another.
 struct Turning {
   Quat rotation = Quat::Identity();
   Vec3 spin = Vec3::Zero();

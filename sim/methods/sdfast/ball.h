@@ -21,8 +21,8 @@ void load_balls(const World& world, const Chain& chain, std::vector<double>& sta
 /// Writes the state at `time` to `world`, whose held particles it leaves alone, and makes the
 /// quaternions of the state units again.
 void store_balls(std::vector<double>& state, const Chain& chain, double time, World& world);
-/// Pushes every body of the model by its weight in a frame that falls with `acceleration` (m/s^2):
-/// a base that moves with it needs no more than that.
+/// Pushes every body of a held chain's model against the base's `acceleration` (m/s^2), as if its
+/// frame, which does not turn, were at rest.
 void drag_balls(const Model& model, const World& world, const Chain& chain,
                 const Vec3& acceleration);
 

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
-
-#include "sim/methods/sdfast/pin.h"
+#include <utility>
 
 namespace taut::sdfast {
 namespace {
@@ -47,11 +46,6 @@ Chain find_chain(const World& world) {
             "follows no particles without mass");
   }
   return chain;
-}
-
-bool is_planar(const World& world, const Chain& chain) {
-  return chain.held && chain.held->kind == Attachment::Kind::fixed && !chain.tip &&
-         plane_of(world).has_value();
 }
 
 }  // namespace taut::sdfast

@@ -22,7 +22,4 @@ struct Chain {
 /// The chain of `world`. Throws std::invalid_argument that says what no model follows.
 Chain find_chain(const World& world);
 
-/// Whether the chain hangs from a fixed point, holds no body and moves in a plane.
-bool is_planar(const World& world, const Chain& chain);
-
 }  // namespace taut::sdfast

@@ -5,7 +5,8 @@
 
 namespace taut::sdfast {
 
-std::optional<direct::Plane> plane_of(const World& world) {
+std::optional<direct::Plane> plane_of(const World& world, const Chain& chain) {
+  if (!chain.held || chain.held->kind != Attachment::Kind::fixed || chain.tip) return {};
   const Connector& connector = world.connectors.front();
   std::vector<Vec3> vectors{world.gravity};
   for (std::size_t k = 0; k < connector.links(); ++k) {

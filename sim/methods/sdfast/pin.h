@@ -10,8 +10,9 @@
 
 namespace taut::sdfast {
 
-/// The plane in which the world's chain moves and its weight pulls, or none.
-std::optional<direct::Plane> plane_of(const World& world);
+/// The plane in which the chain moves and its weight pulls, or none; none, too, where it does not
+/// hang from a fixed point or holds a body.
+std::optional<direct::Plane> plane_of(const World& world, const Chain& chain);
 
 /// Gives the model the chain's masses and lengths. In its reference shape the chain hangs down, so
 /// that joints lie above particles.
