@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -219,6 +220,39 @@ TEST(Judge, SaysOneWordPerMethodAndScene) {
   starts(0, "dynamic-constraints", "accurate");
   starts(1, "dynamic-constraints", "failed: diverged");
   starts(1, "xpbd", "stretched");
+}
+
+TEST(LongStability, FullMapsOfTheRopeSwing) {
+  const Folder folder;
+  const Outcome outcome =
+      Child({TAUT_PROGRAM, "stability", "scenes/rope_swing.toml", "--methods",
+             "impulse,springs,springs:explicit-euler,xpbd,direct", "--out", folder.path(), "-q"},
+            TAUT_SOURCE_DIR)
+          .wait(std::chrono::seconds(900));
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const Table table = from_csv(read_file(folder.path() / "stability.csv"));
+  const auto maps = cells(table, "map"), values = cells(table, "value"),
+             methods = cells(table, "method"), classes = cells(table, "class"),
+             errors = cells(table, "error (share of length)"), at = cells(table, "at");
+  std::map<std::string, double> first_failure;  // the shortest step that failed, by row of a map
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const std::string row = maps[i] + ' ' + values[i] + ' ' + methods[i];
+    if (classes[i] == "failed" && methods[i] != "direct") {
+      const auto [entry, fresh] = first_failure.emplace(row, std::stod(at[i]));
+      if (!fresh) entry->second = std::min(entry->second, std::stod(at[i]));
+    }
+    // A tolerance of 1e-5 m, a twenty-thousandth of the length, is well within 1%.
+    if (methods[i] == "direct" && std::stod(at[i]) <= 1e-5 && errors[i] != "-") {
+      EXPECT_EQ(classes[i], "accurate") << row;
+    }
+  }
+  EXPECT_FALSE(first_failure.empty());
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const auto failure = first_failure.find(maps[i] + ' ' + values[i] + ' ' + methods[i]);
+    if (failure != first_failure.end() && std::stod(at[i]) > failure->second) {
+      EXPECT_NE(classes[i], "accurate") << failure->first << " at " << at[i];
+    }
+  }
 }
 
 TEST(Study, OutputThatCannotBeWrittenIsSix) {
