@@ -37,7 +37,8 @@ Setting parsed(const MethodInfo& method, const std::string& name, const std::str
 }  // namespace
 
 void add_method_options(CLI::App& command, MethodOptions& options) {
-  command.add_option("--method", options.method, "Another method than the scene's");
+  command.add_option("--method", options.method,
+                     "Another method than the scene's, at its own settings");
   auto* step = command.add_option("--step", options.step, "Longest step of the method, s");
   auto* tolerance = command.add_option("--tolerance", options.tolerance,
                                        "Error to keep, m, for methods that control it");
@@ -62,10 +63,7 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
     throw Misuse(
         fmt::format("--method: {} is not in this build ({})", choice.name, method->missing));
   }
-  if (choice.name != scene.method.name) {
-    std::erase_if(choice.settings,
-                  [&](const auto& setting) { return !complaint(*method, {setting}).empty(); });
-  }
+  if (choice.name != scene.method.name) choice.settings.clear();
   if (options.step) {
     choice.settings.erase("tolerance");
     choice.settings["step"] = *options.step;

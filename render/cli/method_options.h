@@ -20,8 +20,8 @@ struct MethodOptions {
 
 void add_method_options(CLI::App& command, MethodOptions& options);
 
-/// The scene's method with the options put over its settings. Another method keeps those settings
-/// of the scene that it has too. Throws Misuse.
+/// The scene's method with the options put over its settings. Another method starts from its own:
+/// the step that suits one diverges in the next. Throws Misuse.
 MethodChoice chosen_method(const MethodOptions& options, const Scene& scene);
 
 /// Every setting of the method, those left out with their defaults.

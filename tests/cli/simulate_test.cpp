@@ -9,6 +9,7 @@
 #include <sstream>
 #include <thread>
 
+#include "sim/method.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -207,6 +208,16 @@ TEST(Simulate, TwoRunsDoNotShareAFile) {
   const Outcome second = run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path());
   EXPECT_EQ(second.code, 6);
   EXPECT_NE(second.messages.find("another run"), std::string::npos) << second.messages;
+}
+
+TEST(Simulate, EveryMethodFollowsTheSwingAtItsOwnSettings) {
+  for (const MethodInfo& method : methods()) {
+    if (!method.missing.empty()) continue;
+    const Outcome outcome =
+        run_taut({"simulate", "scenes/rope_swing.toml", "--method", std::string(method.name)});
+    EXPECT_EQ(outcome.code, 0) << method.name << ": " << outcome.messages;
+    EXPECT_EQ(lines(outcome.output).size(), 91u) << method.name;
+  }
 }
 
 TEST(Simulate, DivergenceIsSevenAndWritesNothing) {
