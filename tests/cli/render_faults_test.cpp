@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "render/picture.h"
+#include "tests/cli/swing_scene.h"
 #include "tests/support/fault_table.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
@@ -19,26 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene = R"(duration = 6.0
-fps = 50
-size = [64, 36]
-[method]
-name = "impulse"
-step = 0.001
-[bodies.free]
-mass = 0.12
-shape = { cylinder = { length = 0.30, diameter = 0.028 } }
-hangs = [0, -1, 0]
-[connectors.cord]
-length = 0.1
-mass = 0.01
-particles = 3
-from = { fixed = [0, 1, 0] }
-to = { body = "free", point = [0, 0.15, 0] }
-start = { direction = [1, -1, 0] }
-[stage]
-camera = [{ t = 0, position = [0, 0.9, 1], target = [0, 0.8, 0] }]
-)";
+const std::string kScene = swing_scene(6.0);
 constexpr int kFrames = 300;
 
 class RenderFaults : public testing::Test {

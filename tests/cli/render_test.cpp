@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/picture.h"
+#include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -14,26 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene = R"(duration = 0.2
-fps = 50
-size = [64, 36]
-[method]
-name = "impulse"
-step = 0.001
-[bodies.free]
-mass = 0.12
-shape = { cylinder = { length = 0.30, diameter = 0.028 } }
-hangs = [0, -1, 0]
-[connectors.cord]
-length = 0.1
-mass = 0.01
-particles = 3
-from = { fixed = [0, 1, 0] }
-to = { body = "free", point = [0, 0.15, 0] }
-start = { direction = [1, -1, 0] }
-[stage]
-camera = [{ t = 0, position = [0, 0.9, 1], target = [0, 0.8, 0] }]
-)";
+const std::string kScene = swing_scene(0.2);
 
 class Render : public testing::Test {
  protected:
