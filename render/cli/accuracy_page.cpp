@@ -94,7 +94,7 @@ std::string circumstances(const AccuracyStudy& study) {
 Table points_table(const AccuracyStudy& study) {
   Table table{
       {"method", "settings", "outcome", "error (share of length)", "CPU per simulated second (s)",
-       "low quartile (s)", "high quartile (s)", "timings", "steps per second", "solves per second",
+       "least (s)", "most (s)", "timings", "steps per second", "solves per second",
        "largest stretch", "on the front", "reason"},
       {}};
   if (study.in_pixels) table.columns.push_back("error (px)");
@@ -118,8 +118,8 @@ Table points_table(const AccuracyStudy& study) {
                                      outcome(row),
                                      text(row.errors[kShare]),
                                      text(time.median),
-                                     text(time.low),
-                                     text(time.high),
+                                     text(time.least),
+                                     text(time.most),
                                      std::to_string(row.cpu.size()),
                                      text(row.steps),
                                      text(row.solves),
@@ -205,8 +205,8 @@ Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
     Series rest{"", block.contender.style, false, true, true, {}};
     for (const std::size_t i : best) {
       const Spread time = spread(block.rows[i].cpu);
-      front.points.push_back({1e3 * time.median, block.rows[i].errors[metric], 1e3 * time.low,
-                              1e3 * time.high, kAuto, kAuto});
+      front.points.push_back({1e3 * time.median, block.rows[i].errors[metric], 1e3 * time.least,
+                              1e3 * time.most, kAuto, kAuto});
     }
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
       if (block.rows[i].end != Run::End::done) continue;
@@ -230,7 +230,8 @@ Chart accuracy_chart(const AccuracyStudy& study) {
   Chart chart;
   chart.title = finding(study);
   chart.subtitle = circumstances(study) +
-                   " Lines: each method's best settings; faint: the rest. Bars: quartiles.";
+                   " Lines: each method's best settings; faint: the rest. Points: median of the "
+                   "timings; bars: least to most.";
   chart.width = study.in_pixels ? 1500 : 1200;
   chart.height = 820;
   chart.panels.push_back(error_panel(study, kShare));

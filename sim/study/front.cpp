@@ -55,7 +55,7 @@ Spread spread(std::vector<double> values) {
     const std::size_t above = std::min(below + 1, values.size() - 1);
     return values[below] + (place - std::floor(place)) * (values[above] - values[below]);
   };
-  return {quantile(0.25), quantile(0.5), quantile(0.75)};
+  return {values.front(), quantile(0.25), quantile(0.5), quantile(0.75), values.back()};
 }
 
 }  // namespace taut

@@ -24,9 +24,9 @@ std::optional<std::size_t> cheapest(std::span<const CostAndError> points, double
 /// where the front does not reach it.
 std::optional<double> cost_at(std::span<const CostAndError> points, double error);
 
-/// Median and the quartiles around it of `values`; zero where there are none.
+/// Median of `values`, the quartiles around it and the ends; zero where there are none.
 struct Spread {
-  double low = 0, median = 0, high = 0;
+  double least = 0, low = 0, median = 0, high = 0, most = 0;
 };
 Spread spread(std::vector<double> values);
 

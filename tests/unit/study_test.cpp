@@ -72,8 +72,10 @@ TEST(Front, CostOfAnErrorLiesBetweenItsNeighbours) {
   EXPECT_FALSE(cost_at({}, 1));
 }
 
-TEST(Front, SpreadIsMedianAndQuartiles) {
+TEST(Front, SpreadIsMedianQuartilesAndEnds) {
   const Spread s = spread({4, 1, 3, 2, 5});
+  EXPECT_EQ(s.least, 1);
+  EXPECT_EQ(s.most, 5);
   EXPECT_EQ(s.low, 2);
   EXPECT_EQ(s.median, 3);
   EXPECT_EQ(s.high, 4);
