@@ -10,6 +10,7 @@
 #include <regex>
 
 #include "render/hash.h"
+#include "render/snapshot_json.h"
 #include "scenes/error.h"
 
 namespace taut {
@@ -27,45 +28,6 @@ std::string processor_line(const std::string& key) {
   return "unknown";
 }
 
-Json json(const Vec3& v) {
-  return Json::array({v.x(), v.y(), v.z()});
-}
-
-Vec3 vec3(const Json& list) {
-  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
-}
-
-Json json(const Snapshot& state) {
-  Json connectors = Json::array(), bodies = Json::array();
-  for (const auto& particles : state.connectors) {
-    Json list = Json::array();
-    for (const Vec3& particle : particles) list.push_back(json(particle));
-    connectors.push_back(std::move(list));
-  }
-  for (const Pose& body : state.bodies) {
-    const Quat& q = body.rotation;
-    bodies.push_back(
-        {{"position", json(body.position)}, {"rotation", {q.w(), q.x(), q.y(), q.z()}}});
-  }
-  return {{"time", state.time}, {"connectors", connectors}, {"bodies", bodies}};
-}
-
-Snapshot snapshot_from(const Json& json) {
-  Snapshot state;
-  state.time = json.at("time").get<double>();
-  for (const Json& list : json.at("connectors")) {
-    auto& particles = state.connectors.emplace_back();
-    for (const Json& particle : list) particles.push_back(vec3(particle));
-  }
-  for (const Json& body : json.at("bodies")) {
-    const Json& q = body.at("rotation");
-    const auto part = [&](std::size_t i) { return q.at(i).get<double>(); };
-    state.bodies.push_back(
-        {vec3(body.at("position")), Quat(part(0), part(1), part(2), part(3)).normalized()});
-  }
-  return state;
-}
-
 }  // namespace
 
 Renderer renderer_of(const std::string& description) {
@@ -76,10 +38,13 @@ Renderer renderer_of(const std::string& description) {
       colon == std::string::npos ? description : description.substr(colon + 2);
   std::smatch found;
   const std::string bits = std::regex_search(driver, found, width) ? found[1].str() : "0";
-  const std::string features = processor_line("flags");
   return {std::regex_replace(driver, width, ""),
-          fmt::format("{}, features {:016x}, vectors of {} bits", processor_line("model name"),
-                      Hash().text(features).value(), bits)};
+          fmt::format("{}, vectors of {} bits", processor(), bits)};
+}
+
+std::string processor() {
+  return fmt::format("{}, features {:016x}", processor_line("model name"),
+                     Hash().text(processor_line("flags")).value());
 }
 
 std::uint64_t pixel_hash(const Picture& picture) {
@@ -108,7 +73,7 @@ std::string golden_text(const GoldenRecord& record) {
   const Json json_record = {{"driver", record.renderer.driver},
                             {"processor", record.renderer.processor},
                             {"pixels", fmt::format("{:016x}", record.pixels)},
-                            {"state", json(record.state)}};
+                            {"state", to_json(record.state)}};
   return json_record.dump() + "\n";
 }
 

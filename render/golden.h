@@ -21,6 +21,9 @@ struct Renderer {
 /// Of a context with this description (Context::description), on this machine.
 Renderer renderer_of(const std::string& description);
 
+/// This machine's processor: its name, and a hash of its features.
+std::string processor();
+
 /// What is kept of a frame beside its picture. The state is the simulation's, not to be simulated
 /// again: slack motion is chaotic, and differs between machines.
 struct GoldenRecord {

@@ -16,20 +16,23 @@ using Type = KeyFormat::Type;
 // Swings stay this close to themselves from one processor to another; slack motion does not.
 constexpr double kWithin = 1e-6;  // m
 
+/// A table that names a scene, a time by the key `time`, a method and a distance.
+TableFormat kept_format(std::string_view scene, std::string_view time, std::string_view when) {
+  return {{{.name = "scene", .type = Type::file, .meaning = scene, .required = true},
+           {.name = time, .meaning = when, .unit = "s", .minimum = 0, .required = true},
+           {.name = "method", .type = Type::method, .meaning = "Default: the scene's own."},
+           {.name = "within",
+            .meaning = "How far today's simulation may be from a kept state.",
+            .unit = "m",
+            .minimum = 0,
+            .above = true}}};
+}
+
 const TableFormat& suite_format() {
-  static const TableFormat frame{
-      {{.name = "scene", .type = Type::file, .meaning = "A scene with a stage.", .required = true},
-       {.name = "time",
-        .meaning = "When; the nearest frame is taken.",
-        .unit = "s",
-        .minimum = 0,
-        .required = true},
-       {.name = "method", .type = Type::method, .meaning = "Default: the scene's own."},
-       {.name = "within",
-        .meaning = "How far today's simulation may end from the kept state.",
-        .unit = "m",
-        .minimum = 0,
-        .above = true}}};
+  static const TableFormat frame =
+      kept_format("A scene with a stage.", "time", "When; the nearest frame is taken.");
+  static const TableFormat trajectory =
+      kept_format("A scene.", "until", "Up to when; the nearest frame is the last.");
   static const TableFormat format{{{.name = "schema_version",
                                     .meaning = "Version of this format.",
                                     .minimum = 1,
@@ -52,26 +55,34 @@ const TableFormat& suite_format() {
                                    {.name = "frames",
                                     .type = Type::named,
                                     .meaning = "The pictures, by their names.",
-                                    .required = true,
-                                    .table = &frame}}};
+                                    .table = &frame},
+                                   {.name = "trajectories",
+                                    .type = Type::named,
+                                    .meaning = "The motions, by their names.",
+                                    .table = &trajectory}}};
   return format;
 }
 
-GoldenFrame read_frame(const Document& document, const Value& value) {
-  const Value& file = *value.find("scene");
-  GoldenFrame frame;
-  frame.name = value.name;
-  frame.source = fmt::format("{}:{}", document.file.string(), value.key_place.line);
-  frame.scene = find_file(document, file);
-  const Scene scene = load_scene(frame.scene, false);
-  const Value& time = *value.find("time");
-  frame.frame = static_cast<int>(std::lround(time.number * scene.fps));
-  if (frame.frame >= scene.frames())
+/// What a frame and a trajectory have in common; `key` holds the time.
+struct Kept {
+  std::filesystem::path scene;
+  int frame = 0;
+  MethodChoice method;
+  double within = 0;
+};
+
+Kept read_kept(const Document& document, const Value& value, std::string_view key) {
+  Kept kept;
+  kept.scene = find_file(document, *value.find("scene"));
+  const Scene scene = load_scene(kept.scene, false);
+  const Value& time = *value.find(key);
+  kept.frame = static_cast<int>(std::lround(time.number * scene.fps));
+  if (kept.frame >= scene.frames())
     document.mismatch(time, fmt::format("a time before the scene's end, {} s", scene.duration));
   const Value* method = value.find("method");
-  frame.method = method ? read_method(document, method, scene.fps) : scene.method;
-  frame.within = number_or(value, "within", kWithin);
-  return frame;
+  kept.method = method ? read_method(document, method, scene.fps) : scene.method;
+  kept.within = number_or(value, "within", kWithin);
+  return kept;
 }
 
 }  // namespace
@@ -86,8 +97,25 @@ GoldenSuite load_golden_suite(const std::filesystem::path& folder) {
     suite.height = static_cast<int>(size->children[1].number);
   }
   suite.samples = static_cast<int>(number_or(document.root, "samples", suite.samples));
-  for (const Value& frame : document.root.find("frames")->children)
-    suite.frames.push_back(read_frame(document, frame));
+  const Value* frames = document.root.find("frames");
+  const Value* trajectories = document.root.find("trajectories");
+  if (!frames && !trajectories)
+    document.fail(document.root, "expected one of: frames, trajectories");
+  if (frames) {
+    for (const Value& value : frames->children) {
+      Kept kept = read_kept(document, value, "time");
+      suite.frames.push_back({value.name, std::move(kept.scene), kept.frame, std::move(kept.method),
+                              kept.within,
+                              fmt::format("{}:{}", document.file.string(), value.key_place.line)});
+    }
+  }
+  if (trajectories) {
+    for (const Value& value : trajectories->children) {
+      Kept kept = read_kept(document, value, "until");
+      suite.trajectories.push_back(
+          {value.name, std::move(kept.scene), kept.frame, std::move(kept.method), kept.within});
+    }
+  }
   return suite;
 }
 

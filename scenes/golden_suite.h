@@ -1,5 +1,5 @@
-// A golden suite: a folder whose golden.toml names frames of scenes, to be kept as pictures and
-// compared with what they look like later.
+// A golden suite: a folder whose golden.toml names frames and motions of scenes, to be kept and
+// compared with what they are later.
 #pragma once
 
 #include <filesystem>
@@ -20,10 +20,20 @@ struct GoldenFrame {
   std::string source;  // file:line, for messages
 };
 
+/// One motion to keep: a scene's states from the start to one of its frames.
+struct GoldenTrajectory {
+  std::string name;
+  std::filesystem::path scene;
+  int last = 0;  // frame
+  MethodChoice method;
+  double within = 0;  // m: how far today's simulation may be from any kept state
+};
+
 struct GoldenSuite {
   std::filesystem::path folder;
   int width = 320, height = 180, samples = 4;
   std::vector<GoldenFrame> frames;  // in the order of the file
+  std::vector<GoldenTrajectory> trajectories;
 };
 
 /// Reads FOLDER/golden.toml. Throws BadScene, also for what is wrong with a scene that it names.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
@@ -79,6 +81,57 @@ TEST_F(GoldenCommand, LeavesWhatIsNeededToJudgeADifference) {
   EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 0);
   EXPECT_FALSE(fs::exists(out / "index.html"));
   EXPECT_FALSE(fs::exists(out / "a_swings"));
+}
+
+/// A suite of one motion whose kept record is changed.
+class GoldenMotion : public GoldenCommand {
+ protected:
+  void SetUp() override {
+    GoldenCommand::SetUp();
+    folder_.write("motions/golden.toml",
+                  "[trajectories.swing]\nscene = \"scenes/rope_swing.toml\"\nuntil = 0.2\n");
+    ASSERT_EQ(golden({"accept", "motions"}).output, "swing: new\n");
+    ASSERT_EQ(golden({"check", "motions"}).output, "1 as kept\n");
+  }
+  /// What a check says once `change` was made to the record.
+  Outcome after(const std::function<void(nlohmann::json&)>& change) {
+    nlohmann::json record = nlohmann::json::parse(read_file(record_));
+    change(record);
+    std::ofstream(record_) << record;
+    return golden({"check", "motions"});
+  }
+
+  fs::path record_ = folder_.path() / "motions/swing.trajectory.json";
+};
+
+TEST_F(GoldenMotion, MustHaveTheSameBitsOnTheSameMachine) {
+  const Outcome outcome = after([](auto& record) { record["hash"] = "0"; });
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.output.find("the machine is the same and the bits are not"), std::string::npos)
+      << outcome.output;
+  EXPECT_EQ(golden({"accept", "motions"}).output, "swing: changed\n");
+  EXPECT_EQ(golden({"check", "motions"}).code, 0);
+}
+
+TEST_F(GoldenMotion, IsComparedByDistanceOnAnother) {
+  const auto moved_by = [](double distance) {
+    return [distance](auto& record) {
+      record["machine"] = "another";
+      record["hash"] = "0";
+      auto& x = record["states"][3]["connectors"][0][7][0];
+      x = x.template get<double>() + distance;
+    };
+  };
+  EXPECT_EQ(after(moved_by(0.9e-6)).code, 0);
+  EXPECT_EQ(after(moved_by(0.2e-6)).code, 1) << "1.1 um by now";
+}
+
+TEST_F(GoldenMotion, OfAnotherWorldIsADifference) {
+  EXPECT_EQ(after([](auto& record) {
+              record["machine"] = "another";
+              record["states"][0]["connectors"][0].erase(0);
+            }).code,
+            1);
 }
 
 TEST_F(GoldenCommand, NothingKeptIsADifference) {

@@ -1,0 +1,105 @@
+#include "render/golden_trajectory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "render/golden.h"
+#include "render/hash.h"
+#include "render/interrupt.h"
+#include "render/snapshot_json.h"
+#include "scenes/error.h"
+#include "sim/simulation.h"
+
+namespace taut {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kStates = 8;  // kept of each trajectory, at most
+
+}  // namespace
+
+TrajectoryRecord record_of(const GoldenTrajectory& trajectory) {
+  const Scene scene = load_scene(trajectory.scene, false);
+  Simulation simulation = start(scene, trajectory.method);
+  TrajectoryRecord record;
+  record.machine = fmt::format("{}, compiler {}", processor(), __VERSION__);
+  Hash hash;
+  const int states = std::min(kStates, trajectory.last);
+  for (int k = 1; k <= trajectory.last; ++k) {
+    stop_if_interrupted();
+    simulation.advance_to(double(k) / scene.fps);
+    hash.number(state_hash(simulation.world()));
+    // Of last frames, the states-th parts, each rounded down.
+    if (k * states / trajectory.last != (k - 1) * states / trajectory.last)
+      record.states.push_back(simulation.state());
+  }
+  record.hash = hash.value();
+  return record;
+}
+
+TrajectoryRecord read_trajectory(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw BadAsset(fmt::format("{}: cannot be read", file.string()));
+  try {
+    const Json json = Json::parse(in);
+    TrajectoryRecord record;
+    record.machine = json.at("machine").get<std::string>();
+    record.hash = std::stoull(json.at("hash").get<std::string>(), nullptr, 16);
+    for (const Json& state : json.at("states")) record.states.push_back(snapshot_from(state));
+    return record;
+  } catch (const std::exception& error) {
+    throw BadAsset(
+        fmt::format("{}: no record of a golden trajectory: {}", file.string(), error.what()));
+  }
+}
+
+std::string trajectory_text(const TrajectoryRecord& record) {
+  Json states = Json::array();
+  for (const Snapshot& state : record.states) states.push_back(to_json(state));
+  return Json({{"machine", record.machine},
+               {"hash", fmt::format("{:016x}", record.hash)},
+               {"states", std::move(states)}})
+             .dump() +
+         "\n";
+}
+
+TrajectoryJudgement judge(const TrajectoryRecord& today, const TrajectoryRecord& kept,
+                          double within) {
+  TrajectoryJudgement result;
+  result.exact = today.machine == kept.machine;
+  if (today.states.size() != kept.states.size())
+    result.distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(today.states.size(), kept.states.size()); ++i)
+    result.distance = std::max(result.distance, distance(today.states[i], kept.states[i]));
+  if (result.exact && today.hash != kept.hash) {
+    result.failure =
+        fmt::format("the machine is the same and the bits are not; states lie up to {:.3g} m apart",
+                    result.distance);
+  } else if (!result.exact && !(result.distance <= within)) {
+    result.failure = fmt::format("the simulation is {:.3g} m from a kept state, {:.3g} m allowed",
+                                 result.distance, within);
+  }
+  return result;
+}
+
+double distance(const Snapshot& a, const Snapshot& b) {
+  constexpr double kOther = std::numeric_limits<double>::infinity();
+  if (a.connectors.size() != b.connectors.size() || a.bodies.size() != b.bodies.size())
+    return kOther;
+  double largest = 0;
+  for (std::size_t c = 0; c < a.connectors.size(); ++c) {
+    if (a.connectors[c].size() != b.connectors[c].size()) return kOther;
+    for (std::size_t i = 0; i < a.connectors[c].size(); ++i)
+      largest = std::max(largest, (a.connectors[c][i] - b.connectors[c][i]).norm());
+  }
+  for (std::size_t i = 0; i < a.bodies.size(); ++i)
+    largest = std::max(largest, (a.bodies[i].position - b.bodies[i].position).norm());
+  return largest;
+}
+
+}  // namespace taut

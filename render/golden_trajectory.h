@@ -1,0 +1,43 @@
+// Golden trajectories: what is kept of a motion, and how today's is judged by it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenes/golden_suite.h"
+#include "sim/trajectory.h"
+
+namespace taut {
+
+/// Bits of states are the same wherever processor and compiler are.
+struct TrajectoryRecord {
+  std::string machine;           // processor and compiler
+  std::uint64_t hash = 0;        // of the whole dynamic state at every frame
+  std::vector<Snapshot> states;  // some of the frames, the last included
+};
+
+/// Simulates the trajectory. Throws Diverged, Interrupted.
+TrajectoryRecord record_of(const GoldenTrajectory& trajectory);
+
+/// Reads a kept record. Throws BadAsset that names the file and what is wrong with it.
+TrajectoryRecord read_trajectory(const std::filesystem::path& file);
+std::string trajectory_text(const TrajectoryRecord& record);
+
+struct TrajectoryJudgement {
+  bool exact = false;   // judged by bits, else by distance
+  double distance = 0;  // m, the largest of a point in any kept state
+  std::string failure;  // empty: as it was kept
+};
+
+/// Judges today's record: by its hash where machine and record match, and by the distance `within`
+/// (m) elsewhere.
+TrajectoryJudgement judge(const TrajectoryRecord& today, const TrajectoryRecord& kept,
+                          double within);
+
+/// The largest distance between like points of two states, m; infinite where they are not of one
+/// world.
+double distance(const Snapshot& a, const Snapshot& b);
+
+}  // namespace taut

@@ -1,0 +1,15 @@
+// States as JSON, every number exactly.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "sim/trajectory.h"
+
+namespace taut {
+
+nlohmann::ordered_json to_json(const Snapshot& state);
+
+/// Throws nlohmann::json::exception where `json` is no state.
+Snapshot snapshot_from(const nlohmann::ordered_json& json);
+
+}  // namespace taut
