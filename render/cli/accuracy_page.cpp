@@ -29,6 +29,15 @@ double cost(const AccuracyRow& row) {
   return spread(row.cpu).median;
 }
 
+/// From the least to the most of a row's timings, and at least as far as the machine was unsteady:
+/// the few timings of one row may agree by chance.
+Spread drawn_spread(const AccuracyStudy& study, const AccuracyRow& row) {
+  Spread time = spread(row.cpu);
+  time.least = std::min(time.least, time.median * (1 - study.unsteadiness));
+  time.most = std::max(time.most, time.median * (1 + study.unsteadiness));
+  return time;
+}
+
 std::string percent(double share) {
   return fmt::format("{}%", rounded(100 * share));
 }
@@ -94,7 +103,7 @@ std::string circumstances(const AccuracyStudy& study) {
 Table points_table(const AccuracyStudy& study) {
   Table table{
       {"method", "settings", "outcome", "error (share of length)", "CPU per simulated second (s)",
-       "least (s)", "most (s)", "timings", "steps per second", "solves per second",
+       "spread from (s)", "spread to (s)", "timings", "steps per second", "solves per second",
        "largest stretch", "on the front", "reason"},
       {}};
   if (study.in_pixels) table.columns.push_back("error (px)");
@@ -108,7 +117,7 @@ Table points_table(const AccuracyStudy& study) {
     const std::vector<std::size_t> front = pareto_front(cost_and_error(block.rows, 0));
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
       const AccuracyRow& row = block.rows[i];
-      const Spread time = spread(row.cpu);
+      const Spread time = drawn_spread(study, row);
       const auto text = [&](double value) {
         return row.end == Run::End::done ? fmt::format("{:.9g}", value) : std::string();
       };
@@ -204,7 +213,7 @@ Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
     Series front{legend_name(block.contender), block.contender.style, true, true, false, {}};
     Series rest{"", block.contender.style, false, true, true, {}};
     for (const std::size_t i : best) {
-      const Spread time = spread(block.rows[i].cpu);
+      const Spread time = drawn_spread(study, block.rows[i]);
       front.points.push_back({1e3 * time.median, block.rows[i].errors[metric], 1e3 * time.least,
                               1e3 * time.most, kAuto, kAuto});
     }

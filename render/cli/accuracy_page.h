@@ -23,6 +23,7 @@ struct AccuracyStudy {
   std::vector<double> targets;  // of the length
   bool in_pixels = false;       // rows have a second error, in pixels of the scene's camera
   std::vector<AccuracyBlock> blocks;
+  double unsteadiness = 0;  // of the timings of all blocks
   ModelStudy model;  // no rows: not asked for
 };
 

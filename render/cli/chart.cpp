@@ -93,18 +93,30 @@ void score_all(AccuracyStudy& study, const Target& target, const std::vector<Met
   }
 }
 
-/// Times all again and again in turn until `seconds` are over; those that take more than `slow`
-/// seconds less often, for they would eat the time of all others.
-void time_all(AccuracyStudy& study, const Problem& problem, double seconds, double slow) {
+/// True for the rows that are on a front by any metric.
+std::vector<bool> on_a_front(const AccuracyBlock& block, std::size_t metrics) {
+  std::vector<bool> best(block.rows.size());
+  for (std::size_t metric = 0; metric < metrics; ++metric) {
+    for (const std::size_t i : pareto_front(cost_and_error(block.rows, metric))) best[i] = true;
+  }
+  return best;
+}
+
+/// Times all once more and the fronts again and again, in turn, until `seconds` are over; those
+/// that take more than `slow` seconds less often, for they would eat the time of all others.
+void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, double seconds,
+              double slow) {
   const Clock::time_point start = Clock::now();
   for (std::size_t timings = 1; timings < kTimings; ++timings) {
     for (AccuracyBlock& block : study.blocks) {
-      for (AccuracyRow& row : block.rows) {
+      const std::vector<bool> best = on_a_front(block, metrics);
+      for (std::size_t i = 0; i < block.rows.size(); ++i) {
+        AccuracyRow& row = block.rows[i];
         stop_if_interrupted();
         if (seconds_since(start) > seconds) return;
-        if (row.cpu.empty() || row.cpu.size() > timings) continue;
-        if (row.cpu.front() * problem.duration() > slow && timings >= kSlowTimings) continue;
-        add_timing(problem, row);
+        if (row.cpu.empty() || (timings > 1 && !best[i])) continue;
+        if (timings >= kSlowTimings && row.cpu.front() * target.problem.duration() > slow) continue;
+        add_timing(target.problem, row);
       }
     }
   }
@@ -144,7 +156,12 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   }
   // Most of the time finds errors, the rest repeats timings.
   score_all(study, target, metrics, 0.6 * options.budget, options.quick, journal, common.quiet);
-  time_all(study, target.problem, 0.4 * options.budget, 0.002 * options.budget);
+  time_all(study, target, metrics.size(), 0.4 * options.budget, 0.002 * options.budget);
+  std::vector<AccuracyRow> rows;
+  for (const AccuracyBlock& block : study.blocks) {
+    rows.insert(rows.end(), block.rows.begin(), block.rows.end());
+  }
+  study.unsteadiness = unsteadiness(rows);
   if (!options.quick && scene.world.connectors.size() == 1) {
     if (!common.quiet) fmt::print(stderr, "solving chains of 6 to 321 particles\n");
     study.model = model_study(options, study.horizon, journal);

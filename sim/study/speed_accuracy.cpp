@@ -1,5 +1,6 @@
 #include "sim/study/speed_accuracy.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace taut {
@@ -24,6 +25,16 @@ AccuracyRow score(const Problem& problem, const Reference& reference,
 void add_timing(const Problem& problem, AccuracyRow& row) {
   if (row.end != Run::End::done) return;
   row.cpu.push_back(time_run(problem, row.candidate) / problem.duration());
+}
+
+double unsteadiness(std::span<const AccuracyRow> rows) {
+  std::vector<double> shares;
+  for (const AccuracyRow& row : rows) {
+    if (row.cpu.size() < 3) continue;
+    const Spread time = spread(row.cpu);
+    shares.push_back(std::max(time.most - time.median, time.median - time.least) / time.median);
+  }
+  return spread(std::move(shares)).median;
 }
 
 std::vector<CostAndError> cost_and_error(std::span<const AccuracyRow> rows, std::size_t metric) {

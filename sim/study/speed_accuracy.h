@@ -29,6 +29,10 @@ AccuracyRow score(const Problem& problem, const Reference& reference,
 /// Adds one timing to a row whose run was done.
 void add_timing(const Problem& problem, AccuracyRow& row);
 
+/// How steady the machine was: the median, over all rows timed three times or more, of the largest
+/// distance of a timing from the row's median, as a share of that. Zero where there is no such row.
+double unsteadiness(std::span<const AccuracyRow> rows);
+
 /// Median cost and error of every row under one metric.
 std::vector<CostAndError> cost_and_error(std::span<const AccuracyRow> rows, std::size_t metric);
 

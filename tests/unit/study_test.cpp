@@ -8,6 +8,7 @@
 #include "sim/study/candidate.h"
 #include "sim/study/front.h"
 #include "sim/study/run.h"
+#include "sim/study/speed_accuracy.h"
 
 namespace taut {
 namespace {
@@ -81,6 +82,16 @@ TEST(Front, SpreadIsMedianQuartilesAndEnds) {
   EXPECT_EQ(s.high, 4);
   EXPECT_EQ(spread({1, 2}).median, 1.5);
   EXPECT_EQ(spread({}).median, 0);
+}
+
+TEST(Front, UnsteadinessIsTheMedianRowsLargestDistance) {
+  std::vector<AccuracyRow> rows(4);
+  rows[0].cpu = {1.0, 1.1, 0.98};  // 10%
+  rows[1].cpu = {2.0, 2.0, 1.6};   // 20%
+  rows[2].cpu = {1.0, 1.3, 1.0};   // 30%
+  rows[3].cpu = {1.0, 9.0};        // too few
+  EXPECT_DOUBLE_EQ(unsteadiness(rows), 0.2);
+  EXPECT_EQ(unsteadiness(std::span(rows).last(1)), 0);
 }
 
 std::vector<Snapshot> two_frames(double shift) {
