@@ -32,7 +32,7 @@ bool is_frame(const std::filesystem::path& file) {
 
 }  // namespace
 
-FrameFolder::FrameFolder(std::filesystem::path folder, bool resume) : folder_(std::move(folder)) {
+FrameFolder::FrameFolder(std::filesystem::path folder, bool keep) : folder_(std::move(folder)) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (!std::filesystem::is_directory(folder_))
@@ -46,7 +46,7 @@ FrameFolder::FrameFolder(std::filesystem::path folder, bool resume) : folder_(st
     throw CannotWrite(fmt::format("{}: another run is writing frames here", folder_.string()));
   }
 
-  if (resume) read_journal();
+  if (keep) read_journal();
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     const auto& file = entry.path();
     if (is_frame(file) && !kept_.contains(std::stoi(file.stem().string())))

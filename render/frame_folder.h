@@ -21,15 +21,17 @@ namespace taut {
 /// was made from, and that of its file; a frame is kept only where both still hold.
 class FrameFolder {
  public:
-  /// Makes the folder. Frames that another run left are kept when `resume` and their journal
-  /// stands, and removed otherwise. Throws CannotWrite, also while another run writes here.
-  FrameFolder(std::filesystem::path folder, bool resume);
+  /// Makes the folder. Frames that another run left stay where their journal stands and `keep` is
+  /// set, and are removed otherwise. Throws CannotWrite, also while another run writes here.
+  FrameFolder(std::filesystem::path folder, bool keep);
   /// Waits until the frames given so far are written.
   ~FrameFolder();
   FrameFolder(const FrameFolder&) = delete;
   FrameFolder& operator=(const FrameFolder&) = delete;
 
   std::filesystem::path file(int frame) const;
+  /// True where a whole frame of this number is there, whatever it was made from.
+  bool knows(int frame) const { return kept_.contains(frame); }
   /// True where a frame made from these inputs is there, whole.
   bool has(int frame, std::uint64_t inputs) const;
   /// Writes the frame on another thread; waits while two others are on their way. Throws

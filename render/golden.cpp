@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include "render/hash.h"
 #include "render/snapshot_json.h"
@@ -32,14 +31,16 @@ std::string processor_line(const std::string& key) {
 
 Renderer renderer_of(const std::string& description) {
   // "WAY: NAME (LLVM 15.0.6, 256 bits), OpenGL 4.5": OSMesa and EGL may lead to the same driver.
-  static const std::regex width(", ([0-9]+) bits");
   const std::size_t colon = description.find(": ");
-  const std::string driver =
-      colon == std::string::npos ? description : description.substr(colon + 2);
-  std::smatch found;
-  const std::string bits = std::regex_search(driver, found, width) ? found[1].str() : "0";
-  return {std::regex_replace(driver, width, ""),
-          fmt::format("{}, vectors of {} bits", processor(), bits)};
+  std::string driver = colon == std::string::npos ? description : description.substr(colon + 2);
+  std::string width = "unknown width";
+  const std::size_t end = driver.find(" bits");
+  const std::size_t begin = end == std::string::npos ? end : driver.rfind(", ", end);
+  if (begin != std::string::npos) {
+    width = driver.substr(begin + 2, end - begin - 2) + " bits";
+    driver.erase(begin, end + 5 - begin);
+  }
+  return {std::move(driver), fmt::format("{}, vectors of {}", processor(), width)};
 }
 
 std::string processor() {

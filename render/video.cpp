@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <system_error>
 
-#include "render/child.h"
 #include "render/error.h"
 
 namespace taut {
@@ -18,10 +17,11 @@ std::string complaint_of(const ChildResult& result) {
                      result.errors.substr(result.errors.size() - kept));
 }
 
-ChildResult run(const std::vector<std::string>& arguments, const std::string& input) {
+ChildResult run(const std::vector<std::string>& arguments, const std::string& input,
+                std::chrono::milliseconds patience = kPatience) {
   ChildResult result;
   try {
-    result = run_child(arguments, input);
+    result = run_child(arguments, input, patience);
   } catch (const std::system_error& error) {
     throw EncoderFailed(fmt::format("{} (is FFmpeg installed?)", error.what()));
   }
@@ -46,7 +46,8 @@ void require_ffmpeg() {
 }
 
 void encode_video(std::span<const std::filesystem::path> frames, int fps,
-                  const std::filesystem::path& file, int threads) {
+                  const std::filesystem::path& file, std::chrono::milliseconds patience,
+                  int threads) {
   std::string list = "ffconcat version 1.0\n";
   for (const auto& frame : frames) list += fmt::format("file {}\n", quoted(frame));
   std::filesystem::path part = file;
@@ -106,14 +107,14 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
        "-f",
        "mp4",
        part.string()},
-      list);
+      list, patience);
 
   if (!std::filesystem::exists(part))
     throw EncoderFailed(fmt::format("{}: ffmpeg ended well without making it", file.string()));
   const ChildResult probe =
       run({"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_frames", "-show_entries",
            "stream=nb_read_frames", "-of", "default=nokey=1:noprint_wrappers=1", part.string()},
-          "");
+          "", patience);
   if (probe.output != fmt::format("{}\n", frames.size()))
     throw EncoderFailed(fmt::format("{}: ffmpeg made {} frames instead of {}", file.string(),
                                     std::atoi(probe.output.c_str()), frames.size()));

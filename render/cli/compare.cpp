@@ -32,7 +32,8 @@ constexpr const char* kPaper = "dynamic-constraints";  // by what the paper's Fi
 
 struct Options {
   StudyOptions study;
-  std::string frames, size, backend = "auto";
+  std::optional<std::string> frames;
+  std::string size, backend = "auto";
   int fps = 0, samples = 4;
   bool no_video = false;
 };

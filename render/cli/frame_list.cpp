@@ -21,11 +21,11 @@ std::optional<int> whole_number(std::string_view text) {
 
 }  // namespace
 
-std::vector<int> frame_list(const std::string& text, int total) {
+std::vector<int> frame_list(const std::optional<std::string>& text, int total) {
   std::set<int> frames;
-  if (text.empty())
+  if (!text)
     for (int i = 0; i < total; ++i) frames.insert(i);
-  std::string_view rest = text;
+  std::string_view rest = text ? *text : "";
   while (!rest.empty()) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
     const std::string_view part = rest.substr(0, comma);
@@ -40,7 +40,7 @@ std::vector<int> frame_list(const std::string& text, int total) {
     for (int i = *first; i <= *last; ++i) frames.insert(i);
     rest.remove_prefix(std::min(comma + 1, rest.size()));
   }
-  if (frames.empty()) throw Misuse("the clip has no frames");
+  if (frames.empty()) throw Misuse("--frames: names no frame (expected A-B,C)");
   return {frames.begin(), frames.end()};
 }
 

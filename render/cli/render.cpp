@@ -36,9 +36,11 @@ double seconds_since(Clock::time_point start) {
 }
 
 struct Options {
-  std::string scene, out, frames, size, backend = "auto";
+  std::string scene, out, size, backend = "auto";
+  std::optional<std::string> frames;
   int fps = 0, samples = 4;
-  bool resume = false, no_video = false, contact_sheet = false, profile = false;
+  double patience = 60;  // s
+  bool resume = false, anew = false, no_video = false, contact_sheet = false, profile = false;
   std::optional<double> poster;  // s
   MethodOptions method;
 };
@@ -152,7 +154,7 @@ int render(const Common& common, const Options& options) {
   const Context context(backend, common.threads);
   Film film(context, scene, scene.width, scene.height, options.samples);
   if (stills) return render_stills(scene, options, film, out);
-  FrameFolder folder(out / "frames", options.resume);
+  FrameFolder folder(out / "frames", !options.anew);
   Profile profile;
   Profile* const measured = options.profile ? &profile : nullptr;
   film.set_profile(measured);
@@ -169,7 +171,7 @@ int render(const Common& common, const Options& options) {
                                  .number(scene.height)
                                  .number(options.samples)
                                  .value();
-  std::size_t drawn = 0;
+  std::size_t drawn = 0, drawn_again = 0;
   const auto rendering_start = Clock::now();
   {
     Progress progress("rendering", "frames", frames.size(), common.quiet);
@@ -180,6 +182,7 @@ int render(const Common& common, const Options& options) {
       if (measured) profile.lap("pose");
       const std::uint64_t inputs = Hash().number(clip).number(fingerprint(instant)).value();
       if (!folder.has(frames[i], inputs)) {
+        drawn_again += folder.knows(frames[i]);
         folder.put(frames[i], inputs, film.draw(instant));
         ++drawn;
         if (measured) {  // alone, so that its time is not another stage's
@@ -192,6 +195,13 @@ int render(const Common& common, const Options& options) {
     folder.finish();
   }
   const double rendering_time = seconds_since(rendering_start);
+  if (!common.quiet && (drawn_again > 0 || drawn < frames.size()))
+    fmt::print(
+        stderr, "{} of {} frames were there already{}\n", frames.size() - drawn, frames.size(),
+        drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
+                                      "other options, and are drawn again",
+                                      drawn_again)
+                        : "");
 
   nlohmann::ordered_json report = {
       {"scene", options.scene},
@@ -213,7 +223,8 @@ int render(const Common& common, const Options& options) {
     for (const int frame : frames) files.push_back(folder.file(frame));
     const std::filesystem::path file = out / (name + ".mp4");
     const auto encoding_start = Clock::now();
-    encode_video(files, scene.fps, file);
+    encode_video(files, scene.fps, file,
+                 std::chrono::milliseconds(std::llround(1e3 * options.patience)));
     report["seconds_per_frame"]["encoding"] = seconds_since(encoding_start) / double(frames.size());
     report["video"] = file.string();
   }
@@ -252,13 +263,19 @@ void add_render(CLI::App& app, Program& program) {
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
       ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
   command.add_flag("--resume", options->resume,
-                   "Keep finished frames that would come out the same");
+                   "Keep finished frames that would come out the same: the default");
+  command.add_flag("--anew", options->anew, "Draw every frame, also those that are there")
+      ->excludes("--resume");
   command.add_flag("--contact-sheet", options->contact_sheet,
                    "Only a sheet of the captions' middles, contact_sheet.png");
   command.add_option("--poster", options->poster, "Only the picture at this time (s), poster.png");
   command.add_flag("--profile", options->profile,
                    "Time a frame's stages, one after another, and print their medians");
   command.add_flag("--no-video", options->no_video, "Frames only");
+  command
+      .add_option("--patience", options->patience,
+                  "Seconds after which an FFmpeg that does nothing is given up; default 60")
+      ->check(CLI::PositiveNumber);
   command.callback([&program, options] {
     program.run = [&program, options] { return render(program.common, *options); };
   });

@@ -111,6 +111,8 @@ TEST(BadScene, FilesThatAreNoScenes) {
   expect("binary", "binary.toml", "not a TOML file");
   expect("100,000 brackets", "deep.toml", "not a TOML file");
   expect("a key of 100,000 dots", "dots.toml", "dots");
+  fs::create_symlink("/proc/self/mem", folder.path() / "unreadable.toml");
+  expect("unreadable", "unreadable.toml", "cannot be read: Input/output error");
   expect("sparse, 1 GiB", "huge.toml", "larger than 4 MiB");
   EXPECT_TRUE(table.is_as_accepted());
 }

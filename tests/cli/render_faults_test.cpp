@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <csignal>
+#include <fstream>
 #include <map>
 #include <random>
 #include <thread>
@@ -33,6 +34,12 @@ class RenderFaults : public testing::Test {
   Outcome render(std::vector<std::string> more = {},
                  const std::function<void()>& prepare = {}) const {
     return Child(command(std::move(more)), folder_.path(), prepare).wait();
+  }
+  /// A render of a few frames that says what it finds of an earlier one.
+  Outcome again(const std::string& program, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {program, "render", scene_.string(), "--out", out_.string(),
+                               "--frames", "0-4", "--no-video"});
+    return Child(std::move(more), folder_.path()).wait();
   }
   fs::path frames() const { return out_ / "frames"; }
 
@@ -151,6 +158,34 @@ TEST_F(RenderFaults, AChangedSceneIsDrawnAnew) {
   EXPECT_NE(finished().at("000100.png").pixels, before.at("000100.png").pixels);
 }
 
+TEST_F(RenderFaults, FramesOfAnEarlierRunStayWhereTheyAreTheSame) {
+  FaultTable table("Output that exists", folder_.path());
+  const auto expect = [&](const char* fault, const Outcome& outcome, const char* says) {
+    EXPECT_EQ(outcome.code, 0) << fault << ": " << outcome.messages;
+    EXPECT_NE(outcome.messages.find(says), std::string::npos) << fault << ": " << outcome.messages;
+    table.add(fault, outcome);
+  };
+  const char* const kAll = "5 of 5 frames were there already";
+  const char* const kNone = "0 of 5 frames were there already; 5 were made from another";
+  EXPECT_EQ(again(TAUT_PROGRAM).messages, "");
+  expect("the same clip", again(TAUT_PROGRAM), kAll);
+  expect("the same clip, resumed", again(TAUT_PROGRAM, {"--resume"}), kAll);
+  fs::resize_file(out_ / "frames/000002.png", 100);
+  expect("a frame cut short", again(TAUT_PROGRAM, {"--resume"}), "4 of 5 frames");
+  // A copy that differs in a byte that is never run.
+  const fs::path changed = folder_.path() / "taut";
+  fs::copy_file(TAUT_PROGRAM, changed);
+  std::ofstream(changed, std::ios::app) << '\0';
+  expect("another program", again(changed, {"--resume"}), kNone);
+  expect("another driver", again(changed, {"--resume", "--backend", "osmesa"}), kNone);
+  std::string text = kScene;
+  text.replace(text.find("length = 0.30"), 13, "length = 0.25");
+  folder_.write("swing.toml", text);
+  expect("another scene", again(changed, {"--resume", "--backend", "osmesa"}), kNone);
+  EXPECT_EQ(again(changed, {"--anew"}).messages, "");
+  EXPECT_TRUE(table.is_as_accepted());
+}
+
 /// A stand-in for ffmpeg that answers when it is asked whether it is there.
 class FakeFfmpeg {
  public:
@@ -180,6 +215,9 @@ TEST_F(RenderFaults, EveryFaultIsNamed) {
   expect("samples beyond the driver", 4, {"--samples", "64"});
   expect("no such frame", 2, {"--frames", "8-1200"});
   expect("frames backwards", 2, {"--frames", "3-1"});
+  expect("zero frames", 2, {"--frames", ""});
+  expect("simulation diverging", 7,
+         {"--method", "springs", "--step", "0.02", "--set", "stiffness=1e9"});
   expect("no rendering context", 4, {"--backend", "egl"},
          [] { setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1); });
   expect("FFmpeg missing", 5, {}, [] { setenv("PATH", "/nonexistent", 1); });
@@ -187,7 +225,30 @@ TEST_F(RenderFaults, EveryFaultIsNamed) {
   expect("FFmpeg fails", 5, few, FakeFfmpeg(folder_, "echo no such codec >&2; exit 1"));
   expect("FFmpeg is killed", 5, few, FakeFfmpeg(folder_, "kill -9 $$"));
   expect("FFmpeg makes nothing, and says that all is well", 5, few, FakeFfmpeg(folder_, "exit 0"));
-  expect("file size limit", 6, {"--no-video"}, [] {
+  expect("FFmpeg makes too few frames", 5, few,
+         FakeFfmpeg(folder_,
+                    "for last; do :; done; /usr/bin/ffmpeg -v error -f lavfi -i "
+                    "color=s=64x36:r=50:d=0.04 -y -f mp4 $last"));
+  std::vector<std::string> impatient = few;
+  impatient.insert(impatient.end(), {"--patience", "0.5"});
+  expect("FFmpeg is blocked", 5, impatient, FakeFfmpeg(folder_, "exec sleep 1000"));
+  for (const auto& [fault, signal] :
+       {std::pair("Ctrl-C", SIGINT), {"SIGTERM", SIGTERM}, {"kill -9", SIGKILL}}) {
+    fs::remove_all(out_);
+    Child child(command(), folder_.path());
+    wait_for_frames(1);
+    kill(child.id(), signal);
+    const Outcome outcome = child.wait();
+    EXPECT_EQ(outcome.code, 128 + signal);
+    table.add(fault, outcome);
+  }
+  {
+    fs::remove_all(out_);
+    Child first(command(), folder_.path());
+    wait_for_frames(1);
+    expect("two runs into one folder", 6, {});
+  }
+  expect("file size limit", 6, {"--no-video", "--anew"}, [] {
     const rlimit limit{1000, 1000};
     setrlimit(RLIMIT_FSIZE, &limit);
   });
