@@ -238,9 +238,12 @@ Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
 Chart accuracy_chart(const AccuracyStudy& study) {
   Chart chart;
   chart.title = finding(study);
-  chart.subtitle = circumstances(study) +
-                   " Lines: each method's best settings; faint: the rest. Points: median of the "
-                   "timings; bars: least to most.";
+  chart.subtitle =
+      circumstances(study) +
+      fmt::format(
+          " Lines: each method's best settings; faint: the rest. Points: the median of a "
+          "run's timings; bars: all of them, and at least {} either way.",
+          percent(study.unsteadiness));
   chart.width = study.in_pixels ? 1500 : 1200;
   chart.height = 820;
   chart.panels.push_back(error_panel(study, kShare));
