@@ -27,12 +27,12 @@ Scene read_scene(const Document& document, bool with_stage) {
   }
   scene.method = read_method(document, root.find("method"), scene.fps);
   scene.world.gravity = vec3_or(root, "gravity", scene.world.gravity);
-  const Paths paths = read_paths(document);
-  scene.world.bodies = read_bodies(document, paths);
-  read_connectors(document, paths, scene.world);
+  Motions motions(document);
+  scene.world.bodies = read_bodies(document, motions);
+  read_connectors(document, motions, scene.world);
   finish(scene.world);
-  scene.timeline = read_timeline(document, paths, scene.world, scene.duration);
-  if (with_stage && root.find("stage")) read_stage(document, paths, scene);
+  scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
+  if (with_stage && root.find("stage")) read_stage(document, motions, scene);
   return scene;
 }
 

@@ -7,6 +7,7 @@ import time
 
 import cube
 import dojo
+import earring
 import glb
 import martial_artist
 import skeleton
@@ -17,6 +18,7 @@ MODELS = {
     "martial_artist": lambda: (martial_artist.build(), skeleton.REST),
     "stick": lambda: (stick.oak(), None),
     "stick_lacquer": lambda: (stick.lacquer(), None),
+    "earring": lambda: (earring.drop(), None),
     "dojo": lambda: (dojo.build(), None),
     "cube": lambda: (cube.build(), None),
     "bracket": lambda: (cube.bracket(), None),

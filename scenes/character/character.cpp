@@ -7,12 +7,17 @@ namespace {
 
 class Player : public Performance {
  public:
-  Player(std::shared_ptr<const Model> model, const HeldStick& stick, double duration)
+  Player(std::shared_ptr<const Model> model, const HeldStick& stick, double duration,
+         const Path* head)
       : model_(std::move(model)),
         path_(stick.path),
         figure_(*model_, stick.diameter / 2),
         controls_(act(figure_, *path_, duration)) {
     plan_arm(figure_, *path_, controls_);
+    if (!head) return;
+    for (Eigen::Index i = 0; i < controls_.count(); ++i) {
+      controls_.samples().col(i).segment<3>(head_yaw) += head->at(controls_.time(i)).position;
+    }
   }
 
   std::vector<Pose> bones_at(double time) const override {
@@ -30,8 +35,19 @@ class Player : public Performance {
 }  // namespace
 
 std::shared_ptr<const Performance> make_performance(std::shared_ptr<const Model> model,
-                                                    const HeldStick& right_hand, double duration) {
-  return std::make_shared<Player>(std::move(model), right_hand, duration);
+                                                    const HeldStick& right_hand, double duration,
+                                                    const Path* head) {
+  return std::make_shared<Player>(std::move(model), right_hand, duration, head);
+}
+
+Path bone_path(const Performance& performance, std::size_t bone, double duration) {
+  std::vector<PathKey> keys;
+  for (int i = 0; keys.empty() || keys.back().time < duration; ++i) {
+    const double time = i / acting_rate;
+    const Pose pose = performance.bones_at(time).at(bone);
+    keys.push_back({time, pose.position, pose.rotation});
+  }
+  return Path(std::move(keys));
 }
 
 }  // namespace taut

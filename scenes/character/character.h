@@ -18,9 +18,15 @@ struct HeldStick {
   double diameter = 0.028;  // m
 };
 
-/// Poses of `model` over [0, duration] (s); before and after, the first and the last pose. Throws
-/// BadAsset when the model lacks a bone that the performance moves, naming it.
+/// Poses of `model` over [0, duration] (s); before and after, the first and the last pose. `head`
+/// turns the head beyond what the hand's path makes it do: x, y and z of its position are yaw to
+/// the left, lean forward and tilt to the right (rad). Throws BadAsset when the model lacks a bone
+/// that the performance moves, naming it.
 std::shared_ptr<const Performance> make_performance(std::shared_ptr<const Model> model,
-                                                    const HeldStick& right_hand, double duration);
+                                                    const HeldStick& right_hand, double duration,
+                                                    const Path* head = nullptr);
+
+/// The path of a bone over [0, duration] (s), so that what hangs on it can be simulated.
+Path bone_path(const Performance& performance, std::size_t bone, double duration);
 
 }  // namespace taut

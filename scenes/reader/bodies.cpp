@@ -35,21 +35,18 @@ MassProperties read_inertia(const Document& document, const Value& body, double 
 }
 
 std::shared_ptr<const Path> read_driver(const Document& document, const Value& driver,
-                                        const Paths& paths) {
-  if (const Value* path = driver.find("path")) {
-    if (const Value* hand = driver.find("hand")) {
-      document.fail_at_key(*hand, "stands beside path, expected a character");
-    }
-    return path_named(document, *path, paths);
-  }
+                                        Motions& motions) {
+  if (const Value* path = driver.find("path")) return motions.path(*path);
+  if (driver.find("bone")) return motions.bone(driver);
   const Value* characters = document.root.find("characters");
   const auto names = names_of(characters);
   const std::size_t index = index_of(document, *driver.find("character"), names, "character");
-  if (!driver.find("hand")) document.fail(driver, "hand is missing, expected one of: right");
-  return path_named(document, *characters->children[index].find("right_hand"), paths);
+  if (!driver.find("hand"))
+    document.fail(driver, "hand is missing, expected one of: right; or a bone");
+  return motions.path(*characters->children[index].find("right_hand"));
 }
 
-Body read_body(const Document& document, const Value& value, const Paths& paths) {
+Body read_body(const Document& document, const Value& value, Motions& motions) {
   Body body;
   body.name = value.name;
   const double mass = value.find("mass")->number;
@@ -70,7 +67,7 @@ Body read_body(const Document& document, const Value& value, const Paths& paths)
   body.velocity = vec3_or(value, "velocity", Vec3::Zero());
   body.spin = vec3_or(value, "spin", Vec3::Zero());
   if (driver) {
-    body.path = read_driver(document, *driver, paths);
+    body.path = read_driver(document, *driver, motions);
     const Pose frame = driven_frame(body, 0).pose();
     body.position = frame.to_world(body.mass_properties.centre);
     body.rotation = frame.rotation;
@@ -83,11 +80,11 @@ Body read_body(const Document& document, const Value& value, const Paths& paths)
 
 }  // namespace
 
-std::vector<Body> read_bodies(const Document& document, const Paths& paths) {
+std::vector<Body> read_bodies(const Document& document, Motions& motions) {
   std::vector<Body> bodies;
   if (const Value* table = document.root.find("bodies")) {
     for (const Value& value : table->children) {
-      bodies.push_back(read_body(document, value, paths));
+      bodies.push_back(read_body(document, value, motions));
     }
   }
   return bodies;

@@ -101,7 +101,9 @@ std::vector<std::string_view> names_of(const Value* table) {
 }
 
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
-                           const Paths& paths, const World& world) {
+                           Motions& motions, const World& world) {
+  const Value* character = table.find("character");
+  if (character && !table.find("bone")) document.fail_at_key(*character, "needs bone");
   Attachment to;
   if (const Value* body = table.find("body")) {
     std::vector<std::string_view> names;
@@ -111,7 +113,11 @@ Attachment read_attachment(const Document& document, const Value& table, std::st
     to.point = vec3_or(table, "point", Vec3::Zero());
   } else if (const Value* path = table.find("path")) {
     to.kind = Attachment::Kind::path;
-    to.path = path_named(document, *path, paths);
+    to.path = motions.path(*path);
+    to.point = vec3_or(table, "point", Vec3::Zero());
+  } else if (table.find("bone")) {
+    to.kind = Attachment::Kind::path;
+    to.path = motions.bone(table);
     to.point = vec3_or(table, "point", Vec3::Zero());
   } else {
     to.point = table.find(space)->vec3();

@@ -27,8 +27,8 @@ struct End {
 
 class Layout {
  public:
-  Layout(const Document& document, const Paths& paths, World& world)
-      : document_(document), paths_(paths), world_(world) {
+  Layout(const Document& document, Motions& motions, World& world)
+      : document_(document), motions_(motions), world_(world) {
     const Value* bodies = document.root.find("bodies");
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
       unplaced_.push_back(bodies->children[i].find("hangs"));
@@ -91,18 +91,18 @@ class Layout {
     world_.connectors.push_back(std::move(connector));
   }
 
-  End read_end(const Value& value) const {
+  End read_end(const Value& value) {
     End end{&value, {}};
     const Value* point = value.find("point");
-    if (point && !value.find("body") && !value.find("path")) {
-      document_.fail_at_key(*point, "needs body or path");
+    if (point && !value.find("body") && !value.find("path") && !value.find("bone")) {
+      document_.fail_at_key(*point, "needs body, path or bone");
     }
     if (const Value* mass = value.find("point_mass")) {
       end.point_mass = mass->number;
     } else if (const Value* free = value.find("free")) {
       if (!free->flag) document_.mismatch(*free, "true, or another key");
     } else {
-      end.to = read_attachment(document_, value, "fixed", paths_, world_);
+      end.to = read_attachment(document_, value, "fixed", motions_, world_);
       if (end.to->kind == Attachment::Kind::body) end.hanging = unplaced_[end.to->body];
     }
     return end;
@@ -226,7 +226,7 @@ class Layout {
   }
 
   const Document& document_;
-  const Paths& paths_;
+  Motions& motions_;
   World& world_;
   std::size_t particles_ = 0;           // of all connectors so far
   std::vector<const Value*> unplaced_;  // [body] its `hangs` while it has no place
@@ -234,8 +234,8 @@ class Layout {
 
 }  // namespace
 
-void read_connectors(const Document& document, const Paths& paths, World& world) {
-  Layout(document, paths, world).run();
+void read_connectors(const Document& document, Motions& motions, World& world) {
+  Layout(document, motions, world).run();
 }
 
 }  // namespace taut

@@ -127,10 +127,4 @@ Paths read_paths(const Document& document) {
   return paths;
 }
 
-std::shared_ptr<const Path> path_named(const Document& document, const Value& value,
-                                       const Paths& paths) {
-  const auto names = names_of(document.root.find("paths"));
-  return paths.find(names[index_of(document, value, names, "path")])->second;
-}
-
 }  // namespace taut

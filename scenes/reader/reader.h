@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scenes/error.h"
@@ -53,9 +54,33 @@ std::vector<std::string_view> names_of(const Value* table);
 using Paths = std::map<std::string, std::shared_ptr<const Path>, std::less<>>;
 
 Paths read_paths(const Document& document);
-/// The path of that name. Throws BadScene.
-std::shared_ptr<const Path> path_named(const Document& document, const Value& value,
-                                       const Paths& paths);
+
+struct Character {
+  std::shared_ptr<const Model> model;
+  std::shared_ptr<const Performance> performance;
+};
+
+/// What moves as the scene says, whatever is simulated: its paths, and the bones of its characters.
+/// All throw BadScene.
+class Motions {
+ public:
+  explicit Motions(const Document& document);
+
+  /// The path of that name.
+  std::shared_ptr<const Path> path(const Value& name) const;
+  /// The path of the bone that a table's `character` and `bone` name.
+  std::shared_ptr<const Path> bone(const Value& table);
+  /// A character, in the order of the file: read and acted out when it is first asked for.
+  const Character& character(std::size_t index);
+
+ private:
+  Character act(const Value& character) const;
+
+  const Document& document_;
+  Paths paths_;
+  std::map<std::size_t, Character> characters_;
+  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Path>> bones_;
+};
 
 /// A path from rows t,x,y,z[,qw,qx,qy,qz] of a CSV file. Throws BadAsset with file:line.
 Path read_path_csv(const std::filesystem::path& file);
@@ -64,20 +89,20 @@ Path read_path_csv(const std::filesystem::path& file);
 MethodChoice read_method(const Document& document, const Value* table, int fps);
 
 /// Bodies with their masses; those that hang have no place yet.
-std::vector<Body> read_bodies(const Document& document, const Paths& paths);
+std::vector<Body> read_bodies(const Document& document, Motions& motions);
 /// Connectors with their shapes; places the bodies that hang.
-void read_connectors(const Document& document, const Paths& paths, World& world);
+void read_connectors(const Document& document, Motions& motions, World& world);
 /// Pins and cuts, of a world that is finished.
-Timeline read_timeline(const Document& document, const Paths& paths, const World& world,
+Timeline read_timeline(const Document& document, Motions& motions, const World& world,
                        double duration);
 
-/// What an end or a pin is attached to: `body` with `point`, `path` with `point`, or the point in
-/// space that the key `space` gives.
+/// What an end or a pin is attached to: `body`, `path`, or `bone` of a `character`, with `point`;
+/// or the point in space that the key `space` gives.
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
-                           const Paths& paths, const World& world);
+                           Motions& motions, const World& world);
 
 /// Reads the models too, and works out what the characters do.
-void read_stage(const Document& document, const Paths& paths, Scene& scene);
+void read_stage(const Document& document, Motions& motions, Scene& scene);
 
 /// Particles a link apart along straight pieces through `corners`, from the first on. Fewer than
 /// `particles` when the line is too short.

@@ -85,10 +85,25 @@ const TableFormat& path_format() {
   return format;
 }
 
+const TableFormat& head_key_format() {
+  static const TableFormat format{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       {.name = "yaw", .meaning = "To the left.", .unit = "rad"},
+       {.name = "lean", .meaning = "Forward.", .unit = "rad"},
+       {.name = "tilt", .meaning = "To the right.", .unit = "rad"},
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
+  return format;
+}
+
 const TableFormat& character_format() {
   static const TableFormat format{
       {needed({.name = "mesh", .type = Type::file, .meaning = "A skinned glTF or GLB model."}),
-       needed(text("right_hand", "Name of the path that the right hand's grip follows."))}};
+       needed(text("right_hand", "Name of the path that the right hand's grip follows.")),
+       {.name = "head",
+        .type = Type::tables,
+        .meaning = "How the head turns when, beyond what follows from the hand; smooth between.",
+        .least = 1,
+        .table = &head_key_format()}}};
   return format;
 }
 
@@ -115,8 +130,9 @@ const TableFormat& driver_format() {
                                    {.name = "hand",
                                     .type = Type::choice,
                                     .meaning = "Which hand holds the body.",
-                                    .choices = {"right"}}},
-                                  {{{"path", "character"}}}};
+                                    .choices = {"right"}},
+                                   text("bone", "Name of the character's bone that carries it.")},
+                                  {{{"path", "character"}}, {{"path", "hand", "bone"}, false}}};
   return format;
 }
 
@@ -150,12 +166,14 @@ const TableFormat& body_format() {
 const TableFormat& end_format() {
   static const TableFormat format{
       {text("body", "Name of the body that holds the end."),
-       vector("point", "Where on the body or path, in its frame; default: its origin."),
+       vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
        vector("fixed", "A point in space."),
        text("path", "Name of the path that carries the end."),
+       text("bone", "Name of the bone that carries the end, of a character."),
+       text("character", "Name of that character."),
        positive("point_mass", "Mass of a point that the end carries.", "kg"),
        {.name = "free", .type = Type::flag, .meaning = "true: nothing holds the end."}},
-      {{{"body", "fixed", "path", "point_mass", "free"}}}};
+      {{{"body", "fixed", "path", "bone", "point_mass", "free"}}}};
   return format;
 }
 
@@ -214,11 +232,14 @@ const TableFormat& pin_format() {
        needed(not_negative("from", "When it is caught.", "s")),
        positive("until", "When it is released; default: never.", "s"),
        not_negative("over", "How long it takes to get to where it is held; default: at once.", "s"),
-       vector("point",
-              "Where it is held: in space, or on the body or path; without these, where it is."),
+       vector(
+           "point",
+           "Where it is held: in space, or on the body, path or bone; without these, where it is."),
        text("body", "Name of the body that holds it."),
-       text("path", "Name of the path that carries it.")},
-      {{{"body", "path"}, false}}};
+       text("path", "Name of the path that carries it."),
+       text("bone", "Name of the bone that carries it, of a character."),
+       text("character", "Name of that character.")},
+      {{{"body", "path", "bone"}, false}}};
   return format;
 }
 

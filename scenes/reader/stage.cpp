@@ -2,7 +2,6 @@
 
 #include <map>
 
-#include "scenes/character/character.h"
 #include "scenes/reader/reader.h"
 #include "scenes/shapes.h"
 
@@ -105,21 +104,9 @@ ConnectorLook read_look(const Value& connector) {
   return look;
 }
 
-/// The stick that the character of that name holds; the path alone where it holds none.
-HeldStick read_held_stick(const Document& document, const Value& character, const Paths& paths) {
-  HeldStick stick{path_named(document, *character.find("right_hand"), paths)};
-  for_each(document.root.find("bodies"), [&](const Value& body) {
-    const Value* driver = body.find("driven_by");
-    const Value* shape = body.find("shape");
-    if (!driver || text_or(*driver, "character", "") != character.name) return;
-    if (shape) stick.diameter = number_or(shape->children.front(), "diameter", stick.diameter);
-  });
-  return stick;
-}
-
 }  // namespace
 
-void read_stage(const Document& document, const Paths& paths, Scene& scene) {
+void read_stage(const Document& document, Motions& motions, Scene& scene) {
   const Value& root = document.root;
   const Value& value = *root.find("stage");
   Models models(document);
@@ -142,14 +129,12 @@ void read_stage(const Document& document, const Paths& paths, Scene& scene) {
   for (const TimedCut& cut : in_order_of_time(scene.timeline.cuts)) {  // as divided() adds them
     stage.connector_looks.push_back(ConnectorLook(stage.connector_looks[cut.connector]));
   }
-  for_each(root.find("characters"), [&](const Value& character) {
-    const Value& mesh = *character.find("mesh");
-    const ModelPointer model = models.get(mesh);
-    const HeldStick stick = read_held_stick(document, character, paths);
-    stage.characters.push_back(model);
-    scene.performances.push_back(
-        with_place(document, mesh, [&] { return make_performance(model, stick, scene.duration); }));
-  });
+  const std::size_t characters = names_of(root.find("characters")).size();
+  for (std::size_t i = 0; i < characters; ++i) {
+    const Character& character = motions.character(i);
+    stage.characters.push_back(character.model);
+    scene.performances.push_back(character.performance);
+  }
   scene.stage = std::move(stage);
 }
 

@@ -8,8 +8,8 @@ namespace {
 
 class TimelineReader {
  public:
-  TimelineReader(const Document& document, const Paths& paths, const World& world, double duration)
-      : document_(document), paths_(paths), world_(world), duration_(duration) {
+  TimelineReader(const Document& document, Motions& motions, const World& world, double duration)
+      : document_(document), motions_(motions), world_(world), duration_(duration) {
     for (const Connector& connector : world.connectors) names_.push_back(connector.name);
   }
 
@@ -24,8 +24,9 @@ class TimelineReader {
       }
       pin.until = until->number;
     }
-    if (value.find("point") || value.find("body") || value.find("path")) {
-      pin.to = read_attachment(document_, value, "point", paths_, world_);
+    if (value.find("point") || value.find("body") || value.find("path") || value.find("bone") ||
+        value.find("character")) {
+      pin.to = read_attachment(document_, value, "point", motions_, world_);
     }
     pin.over = number_or(value, "over", 0);
     pin.source = source(value);
@@ -68,7 +69,7 @@ class TimelineReader {
   }
 
   const Document& document_;
-  const Paths& paths_;
+  Motions& motions_;
   const World& world_;
   double duration_;  // s
   std::vector<std::string_view> names_;
@@ -76,9 +77,9 @@ class TimelineReader {
 
 }  // namespace
 
-Timeline read_timeline(const Document& document, const Paths& paths, const World& world,
+Timeline read_timeline(const Document& document, Motions& motions, const World& world,
                        double duration) {
-  const TimelineReader reader(document, paths, world, duration);
+  const TimelineReader reader(document, motions, world, duration);
   const Value* pins = document.root.find("pins");
   const Value* cuts = document.root.find("cuts");
   Timeline timeline;

@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include "scenes/character/character.h"
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+/// What a character does is worked out as a whole, beforehand; longer would fill a machine's
+/// memory.
+constexpr double kLongestPerformance = 600;  // s
+
+/// The stick that the character of that name holds; the path alone where it holds none.
+HeldStick read_held_stick(const Document& document, const Value& character,
+                          const Motions& motions) {
+  HeldStick stick{motions.path(*character.find("right_hand"))};
+  const Value* bodies = document.root.find("bodies");
+  if (!bodies) return stick;
+  for (const Value& body : bodies->children) {
+    const Value* driver = body.find("driven_by");
+    const Value* shape = body.find("shape");
+    if (!driver || !driver->find("hand")) continue;
+    if (text_or(*driver, "character", "") != character.name || !shape) continue;
+    stick.diameter = number_or(shape->children.front(), "diameter", stick.diameter);
+  }
+  return stick;
+}
+
+/// How the head turns, as make_performance() wants it.
+Path read_head(const Document& document, const Value& list) {
+  std::vector<PathKey> keys;
+  for (const Value& entry : list.children) {
+    const Value& time = *entry.find("t");
+    if (!keys.empty() && !(time.number > keys.back().time)) {
+      document.mismatch(
+          time, fmt::format("a time after {} s, that of the key before it", keys.back().time));
+    }
+    const Vec3 angles(number_or(entry, "yaw", 0), number_or(entry, "lean", 0),
+                      number_or(entry, "tilt", 0));
+    keys.push_back({time.number, angles, Quat::Identity(), flag_or(entry, "ease", false)});
+  }
+  return Path(std::move(keys));
+}
+
+}  // namespace
+
+Motions::Motions(const Document& document) : document_(document), paths_(read_paths(document)) {}
+
+std::shared_ptr<const Path> Motions::path(const Value& name) const {
+  const auto names = names_of(document_.root.find("paths"));
+  return paths_.find(names[index_of(document_, name, names, "path")])->second;
+}
+
+const Character& Motions::character(std::size_t index) {
+  const auto known = characters_.find(index);
+  if (known != characters_.end()) return known->second;
+  const Value& value = document_.root.find("characters")->children.at(index);
+  return characters_.emplace(index, act(value)).first->second;
+}
+
+Character Motions::act(const Value& character) const {
+  const Value& mesh = *character.find("mesh");
+  const Value& duration = *document_.root.find("duration");
+  if (duration.number > kLongestPerformance) {
+    document_.mismatch(duration, fmt::format("at most {} s with characters", kLongestPerformance));
+  }
+  const auto file = find_file(document_, mesh);
+  return with_place(document_, mesh, [&] {
+    const auto model = std::make_shared<const Model>(load_model(file));
+    const HeldStick stick = read_held_stick(document_, character, *this);
+    const Value* keys = character.find("head");
+    std::optional<Path> head;
+    if (keys) head = read_head(document_, *keys);
+    return Character{model,
+                     make_performance(model, stick, duration.number, head ? &*head : nullptr)};
+  });
+}
+
+std::shared_ptr<const Path> Motions::bone(const Value& table) {
+  const auto characters = names_of(document_.root.find("characters"));
+  const Value& name = *table.find("bone");
+  const Value* who = table.find("character");
+  if (!who) document_.fail_at_key(name, "needs character");
+  const std::size_t index = index_of(document_, *who, characters, "character");
+  const Character& found = character(index);
+  std::vector<std::string_view> names;
+  for (const Bone& bone : found.model->bones) names.push_back(bone.name);
+  const std::size_t bone = index_of(document_, name, names, "bone");
+  auto& path = bones_[{index, bone}];
+  if (!path) {
+    const double duration = document_.root.find("duration")->number;
+    path = std::make_shared<const Path>(bone_path(*found.performance, bone, duration));
+  }
+  return path;
+}
+
+}  // namespace taut
