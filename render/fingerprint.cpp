@@ -4,7 +4,7 @@
 #include <iterator>
 #include <string>
 
-#include "render/hash.h"
+#include "sim/hash.h"
 
 namespace taut {
 namespace {

@@ -11,7 +11,7 @@
 #include <iterator>
 
 #include "render/error.h"
-#include "render/hash.h"
+#include "sim/hash.h"
 
 namespace taut {
 namespace {

@@ -8,9 +8,9 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "render/hash.h"
 #include "render/snapshot_json.h"
 #include "scenes/error.h"
+#include "sim/hash.h"
 
 namespace taut {
 namespace {

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "render/golden.h"
-#include "render/hash.h"
 #include "render/interrupt.h"
 #include "render/snapshot_json.h"
 #include "scenes/error.h"
+#include "sim/hash.h"
 #include "sim/simulation.h"
 
 namespace taut {

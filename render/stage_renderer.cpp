@@ -7,13 +7,13 @@
 
 #include "render/contact.h"
 #include "render/drawable.h"
-#include "render/hash.h"
 #include "render/lighting.h"
 #include "render/noise.h"
 #include "render/reach.h"
 #include "render/shaders.h"
 #include "render/shadow_cover.h"
 #include "render/skinning.h"
+#include "sim/hash.h"
 
 namespace taut {
 namespace {

@@ -1,29 +1,13 @@
 #include "sim/trajectory.h"
 
-#include <bit>
+#include "sim/hash.h"
 
 namespace taut {
 namespace {
 
-class Fnv1a {
- public:
-  void add(double value) {
-    auto bits = std::bit_cast<std::uint64_t>(value);
-    for (int byte = 0; byte < 8; ++byte, bits >>= 8) {
-      hash_ = (hash_ ^ (bits & 0xff)) * 0x100000001b3ULL;
-    }
-  }
-  void add(const Vec3& v) {
-    for (const double c : v) add(c);
-  }
-  void add(const Quat& q) {
-    for (const double c : q.coeffs()) add(c);
-  }
-  std::uint64_t hash() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
-};
+void add(Hash& hash, const Vec3& v) {
+  hash.number(v.x()).number(v.y()).number(v.z());
+}
 
 }  // namespace
 
@@ -38,19 +22,19 @@ Snapshot snapshot(const World& world) {
 }
 
 std::uint64_t state_hash(const World& world) {
-  Fnv1a hash;
-  hash.add(world.time);
+  Hash hash;
+  hash.number(world.time);
   for (const Body& body : world.bodies) {
-    hash.add(body.position);
-    hash.add(body.rotation);
-    hash.add(body.velocity);
-    hash.add(body.spin);
+    add(hash, body.position);
+    for (const double c : body.rotation.coeffs()) hash.number(c);
+    add(hash, body.velocity);
+    add(hash, body.spin);
   }
   for (const Connector& connector : world.connectors) {
-    for (const Vec3& position : connector.position) hash.add(position);
-    for (const Vec3& velocity : connector.velocity) hash.add(velocity);
+    for (const Vec3& position : connector.position) add(hash, position);
+    for (const Vec3& velocity : connector.velocity) add(hash, velocity);
   }
-  return hash.hash();
+  return hash.value();
 }
 
 }  // namespace taut

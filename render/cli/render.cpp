@@ -17,13 +17,13 @@
 #include "render/film.h"
 #include "render/fingerprint.h"
 #include "render/frame_folder.h"
-#include "render/hash.h"
 #include "render/interrupt.h"
 #include "render/profile.h"
 #include "render/table.h"
 #include "render/video.h"
 #include "scenes/error.h"
 #include "scenes/scene.h"
+#include "sim/hash.h"
 #include "sim/simulation.h"
 
 namespace taut::cli {

@@ -10,7 +10,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/fingerprint.h"
-#include "render/hash.h"
+#include "sim/hash.h"
 
 namespace taut::cli {
 namespace {

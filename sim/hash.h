@@ -1,4 +1,4 @@
-// FNV-1a, 64 bits: a fingerprint of inputs and files, not a defence against anyone.
+// FNV-1a, 64 bits: a fingerprint of states, inputs and files, not a defence against anyone.
 #pragma once
 
 #include <cstdint>
