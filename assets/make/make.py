@@ -10,6 +10,7 @@ import dojo
 import earring
 import glb
 import martial_artist
+import peg
 import skeleton
 import stick
 from materials import MATERIALS
@@ -19,6 +20,7 @@ MODELS = {
     "stick": lambda: (stick.oak(), None),
     "stick_lacquer": lambda: (stick.lacquer(), None),
     "earring": lambda: (earring.drop(), None),
+    "peg": lambda: (peg.build(), None),
     "dojo": lambda: (dojo.build(), None),
     "cube": lambda: (cube.build(), None),
     "bracket": lambda: (cube.bracket(), None),
