@@ -21,6 +21,10 @@ int checked_samples(const Context& context, int width, int height, int samples) 
   return samples;
 }
 
+std::string sample_count(int samples) {
+  return fmt::format("#define SAMPLES {}\n", samples);
+}
+
 }  // namespace
 
 Canvas::Samples::Samples(const Gl& gl, int width, int height, int samples)
@@ -37,9 +41,11 @@ Canvas::Canvas(const Context& context, int width, int height, int samples)
       finished_(make_texture(gl_, GL_RGBA8, width, height)),
       finished_target_(make_framebuffer(gl_, finished_.id(), 0)),
       no_vertices_(make_vertex_array(gl_)),
-      finish_(gl_, fmt::format("#define SAMPLES {}\n", samples), shaders::cover_vertex,
-              shaders::finish_fragment) {
+      finish_(gl_, sample_count(samples), shaders::cover_vertex, shaders::finish_fragment),
+      gather_(gl_, sample_count(samples), shaders::cover_vertex, shaders::gather_fragment),
+      finish_gathered_(gl_, sample_count(0), shaders::cover_vertex, shaders::finish_fragment) {
   finish_.set("height", height);
+  finish_gathered_.set("height", height);
 }
 
 void Canvas::bind() const {
@@ -47,6 +53,7 @@ void Canvas::bind() const {
 }
 
 bool Canvas::restore(std::uint64_t backdrop) {
+  gathered_ = {};
   on_backdrop_ = kept_ && kept_ == backdrop;
   if (!on_backdrop_) return false;
   for (const Rect& part : touched_) copy(backdrop_->samples, drawn_, part);
@@ -82,21 +89,69 @@ void Canvas::copy(const Samples& from, const Samples& to, const Rect& part) cons
                          1);
 }
 
-void Canvas::resolve() {
-  if (!on_backdrop_) return resolve(whole());
-  for (const Rect& part : touched_) resolve(part);
+void Canvas::expose(const Rect& part, int count, const std::function<void(int)>& draw) {
+  const int pictures = count / samples_;
+  if (pictures > 1) {
+    if (!exposure_) {
+      GlObject light = make_texture(gl_, GL_RGBA16F, width_, height_);
+      GlObject target = make_framebuffer(gl_, light.id(), 0);
+      exposure_.emplace(Samples(gl_, width_, height_, samples_), std::move(light),
+                        std::move(target));
+    }
+    copy(drawn_, exposure_->start, part);
+    gathered_ = part;
+  }
+  for (int picture = 0; picture < pictures; ++picture) {
+    if (picture > 0) copy(exposure_->start, drawn_, part);
+    gl_.Enable(GL_SAMPLE_MASK);
+    for (int sample = 0; sample < samples_; ++sample) {
+      gl_.SampleMaski(0, 1u << sample);
+      draw(sample * pictures + picture);
+    }
+    gl_.Disable(GL_SAMPLE_MASK);
+    if (pictures > 1) gather(part, picture, pictures);
+  }
+  touch(part);
 }
 
-void Canvas::resolve(const Rect& part) {
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, finished_target_.id());
+/// Adds a picture's share to the mean light.
+void Canvas::gather(const Rect& part, int picture, int pictures) {
+  gather_.set("share", 1.0f / float(pictures));
+  gl_.Disable(GL_BLEND);
+  if (picture > 0) {
+    gl_.Enable(GL_BLEND);
+    gl_.BlendFunc(GL_ONE, GL_ONE);
+  }
+  gl_.BindTextureUnit(0, drawn_.color.id());
+  cover(part, gather_, exposure_->target.id());
+  gl_.Disable(GL_BLEND);
+}
+
+void Canvas::resolve() {
+  const auto flipped = [this](const Rect& part) {  // finished pictures begin with their top row
+    return Rect{part.x, height_ - part.top(), part.width, part.height};
+  };
+  gl_.Disable(GL_BLEND);
+  gl_.BindTextureUnit(0, drawn_.color.id());
+  if (on_backdrop_) {
+    for (const Rect& part : touched_) cover(flipped(part), finish_, finished_target_.id());
+  } else {
+    cover(whole(), finish_, finished_target_.id());
+  }
+  if (gathered_.empty()) return;
+  gl_.BindTextureUnit(0, exposure_->light.id());
+  cover(flipped(gathered_), finish_gathered_, finished_target_.id());
+}
+
+/// Runs a program for every pixel of a part.
+void Canvas::cover(const Rect& part, const Program& program, GLuint target) const {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target);
   gl_.Viewport(0, 0, width_, height_);
   gl_.Disable(GL_DEPTH_TEST);
-  gl_.Disable(GL_BLEND);
   gl_.Enable(GL_SCISSOR_TEST);
-  gl_.Scissor(part.x, height_ - part.top(), part.width, part.height);
-  gl_.BindTextureUnit(0, drawn_.color.id());
+  gl_.Scissor(part.x, part.y, part.width, part.height);
   gl_.BindVertexArray(no_vertices_.id());
-  finish_.use();
+  program.use();
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   gl_.Disable(GL_SCISSOR_TEST);
 }

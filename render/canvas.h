@@ -1,6 +1,7 @@
 // Where pictures are drawn: multisampled colour and depth, and the passes that finish them.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "render/context.h"
@@ -34,6 +35,12 @@ class Canvas {
   /// Something else than the backdrop is drawn here.
   void touch(const Rect& part);
 
+  /// Draws over what is there so far, inside a part of it, as at many times: `draw(i)` for each i
+  /// below `count`, a whole multiple of samples(). Each drawing takes one of the samples of every
+  /// pixel, so that as many as there are samples make a whole picture; of more pictures the mean is
+  /// taken. One that follows shows times from all over.
+  void expose(const Rect& part, int count, const std::function<void(int)>& draw);
+
   /// Finishes what was drawn: samples averaged, sRGB, dithered.
   void resolve();
   /// The finished picture.
@@ -54,7 +61,8 @@ class Canvas {
     Picture picture;
   };
   void copy(const Samples& from, const Samples& to, const Rect& part) const;
-  void resolve(const Rect& part);
+  void gather(const Rect& part, int picture, int pictures);
+  void cover(const Rect& part, const Program& program, GLuint target) const;
   void read(const Rect& part, Picture& picture) const;
   Rect whole() const { return {0, 0, width_, height_}; }
 
@@ -63,7 +71,14 @@ class Canvas {
   Samples drawn_;
   GlObject finished_, finished_target_;
   GlObject no_vertices_;
-  Program finish_;
+  Program finish_, gather_, finish_gathered_;
+  /// What pictures of several times begin with, and the mean light of those done.
+  struct Exposure {
+    Samples start;
+    GlObject light, target;
+  };
+  std::optional<Exposure> exposure_;
+  Rect gathered_;  // what of the frame is in Exposure::light
 
   std::optional<Backdrop> backdrop_;
   std::uint64_t last_ = 0, kept_ = 0;  // names of backdrops; 0: none

@@ -18,17 +18,24 @@ Instant Film::instant(const Snapshot& state) const {
   return instant;
 }
 
-Picture Film::draw(const Instant& instant) {
-  const View view{{0, 0, canvas_.width(), canvas_.height()}, instant.camera};
+std::vector<Instant> Film::shutter(std::span<const Snapshot> states) const {
+  std::vector<Instant> instants;
+  for (const Snapshot& state : states) instants.push_back(instant(state));
+  return instants;
+}
+
+Film::Frame Film::draw(std::span<const Instant> shutter) {
+  const Instant& own = shutter[shutter.size() / 2];
+  const View view{{0, 0, canvas_.width(), canvas_.height()}, own.camera};
   renderer_.begin(canvas_, {&view, 1});
-  renderer_.draw(canvas_, view.viewport, instant);
+  const int exposures = renderer_.expose(canvas_, view.viewport, shutter);
   canvas_.resolve();
   lap("resolve and tone map");
-  Picture picture = canvas_.read();
+  Frame frame{canvas_.read(), exposures};
   lap("read back");
-  draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
+  draw_captions(frame.picture, font_, scene_.stage->captions, own.state.time);
   lap("captions");
-  return picture;
+  return frame;
 }
 
 void Film::set_profile(Profile* profile) {

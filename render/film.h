@@ -19,7 +19,17 @@ class Film {
 
   /// Everything that moves, in this state: characters pose by its time.
   Instant instant(const Snapshot& state) const;
-  Picture draw(const Instant& instant);
+  Picture draw(const Instant& instant) { return draw({&instant, 1}).picture; }
+
+  /// The same of each of several states.
+  std::vector<Instant> shutter(std::span<const Snapshot> states) const;
+
+  struct Frame {
+    Picture picture;
+    int exposures;  // instants that it shows
+  };
+  /// The frame while a shutter is open: instants evenly apart, its own in the middle.
+  Frame draw(std::span<const Instant> shutter);
 
   /// Where to note the stages' times, each waited for; null: nowhere.
   void set_profile(Profile* profile);

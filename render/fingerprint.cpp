@@ -66,17 +66,19 @@ std::uint64_t fingerprint(const Stage& stage) {
   return hash.value();
 }
 
-std::uint64_t fingerprint(const Instant& instant) {
+std::uint64_t fingerprint(std::span<const Instant> shutter) {
   Hash hash;
-  hash.number(instant.state.time);
-  for (const auto& particles : instant.state.connectors)
-    for (const Vec3& p : particles) add(hash, p);
-  for (const Pose& body : instant.state.bodies) add(hash, body);
-  for (const auto& bones : instant.bones)
-    for (const Pose& bone : bones) add(hash, bone);
-  add(hash, instant.camera.position);
-  add(hash, instant.camera.target);
-  hash.number(instant.camera.field_of_view);
+  for (const Instant& instant : shutter) {
+    hash.number(instant.state.time);
+    for (const auto& particles : instant.state.connectors)
+      for (const Vec3& p : particles) add(hash, p);
+    for (const Pose& body : instant.state.bodies) add(hash, body);
+    for (const auto& bones : instant.bones)
+      for (const Pose& bone : bones) add(hash, bone);
+    add(hash, instant.camera.position);
+    add(hash, instant.camera.target);
+    hash.number(instant.camera.field_of_view);
+  }
   return hash.value();
 }
 

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
-#include "render/stage_renderer.h"
+#include "render/instant.h"
 #include "scenes/stage.h"
 
 namespace taut {
@@ -12,7 +13,7 @@ namespace taut {
 std::uint64_t program_fingerprint();
 /// Of what never moves: models, lights, looks, captions.
 std::uint64_t fingerprint(const Stage& stage);
-/// Of what moves, bit for bit.
-std::uint64_t fingerprint(const Instant& instant);
+/// Of what moves while the shutter is open, bit for bit.
+std::uint64_t fingerprint(std::span<const Instant> shutter);
 
 }  // namespace taut

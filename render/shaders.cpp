@@ -2,7 +2,7 @@
 
 namespace taut::shaders {
 
-// What every surface needs to know of a frame; FrameBlock in stage_renderer.cpp mirrors it.
+// What every surface needs to know of a frame; FrameBlock in surfaces.h mirrors it.
 const char* const frame_block = R"(
 layout(std140, binding = 0) uniform Frame {
   mat4 view_projection;
@@ -190,18 +190,39 @@ void main() {
   gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0, 1);
 })";
 
-const char* const finish_fragment = R"(
+const char* const gather_fragment = R"(
 layout(binding = 0) uniform sampler2DMS samples;
+layout(location = 0) out vec4 mean;
+uniform float share;
+void main() {
+  vec3 light = vec3(0);
+  for (int i = 0; i < SAMPLES; ++i) {
+    vec3 s = texelFetch(samples, ivec2(gl_FragCoord.xy), i).rgb;
+    light += s * s;
+  }
+  mean = vec4(light * (share / SAMPLES), 1);
+})";
+
+const char* const finish_fragment = R"(
+#if SAMPLES > 0
+layout(binding = 0) uniform sampler2DMS samples;
+#else
+layout(binding = 0) uniform sampler2D gathered;
+#endif
 layout(location = 0) out vec4 color;
 uniform int height;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.x, height - 1 - int(gl_FragCoord.y));
+#if SAMPLES > 0
   vec3 light = vec3(0);
   for (int i = 0; i < SAMPLES; ++i) {
     vec3 s = texelFetch(samples, pixel, i).rgb;
     light += s * s;
   }
   light *= 1.0 / SAMPLES;
+#else
+  vec3 light = texelFetch(gathered, pixel, 0).rgb;
+#endif
   vec3 srgb = mix(12.92 * light, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055,
                   step(0.0031308, light));
   // Interleaved gradient noise (Jimenez 2014), one step of the 8-bit scale wide.

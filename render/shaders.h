@@ -6,7 +6,7 @@ namespace taut::shaders {
 /// What every surface needs to know of a frame; goes before the shaders of surfaces and depth.
 extern const char* const frame_block;
 
-/// Lit surfaces. Defines: SURFACE (a Surface), CAPSULES (0 or 1: contact shadow from capsules).
+/// Lit surfaces. Defines: SURFACE (a Surface), SHADE (a Shade).
 extern const char* const surface_vertex;
 extern const char* const surface_fragment;
 
@@ -16,7 +16,10 @@ extern const char* const depth_fragment;
 
 /// One triangle that covers the picture, and the passes that finish it.
 extern const char* const cover_vertex;
-/// The mean light of a pixel's samples to dithered 8-bit sRGB, top row first. Define: SAMPLES.
+/// A share of the mean light of a pixel's samples. Define: SAMPLES.
+extern const char* const gather_fragment;
+/// The mean light of a pixel's samples, or with SAMPLES 0 light as it was gathered, to dithered
+/// 8-bit sRGB, top row first. Define: SAMPLES.
 extern const char* const finish_fragment;
 
 }  // namespace taut::shaders

@@ -6,9 +6,9 @@
 namespace taut {
 namespace {
 
-Eigen::AlignedBox3f around(std::span<const Eigen::Vector3f> points, const std::uint32_t* corner) {
-  Eigen::AlignedBox3f box(points[corner[0]]);
-  return box.extend(points[corner[1]]).extend(points[corner[2]]);
+Eigen::AlignedBox3f around(const Places& places, const std::uint32_t* corner) {
+  Eigen::AlignedBox3f box(places[corner[0]]);
+  return box.extend(places[corner[1]]).extend(places[corner[2]]);
 }
 
 }  // namespace
@@ -19,20 +19,21 @@ void ShadowCover::start(const Eigen::Matrix4f& light_projection, float filter) {
   nearest_.assign(kCells * kCells, std::numeric_limits<float>::infinity());
 }
 
-void ShadowCover::project(const Eigen::Matrix4f& projection,
-                          std::span<const Eigen::Vector3f> points) {
-  const Eigen::Matrix3f m = projection.topLeftCorner<3, 3>();
-  const Eigen::Vector3f t = projection.topRightCorner<3, 1>();
-  projected_.clear();
-  for (const Eigen::Vector3f& p : points) projected_.emplace_back(m * p + t);
+void ShadowCover::project(const Places& places, Places& projected) const {
+  const Eigen::Matrix3f m = projection_.topLeftCorner<3, 3>();
+  const Eigen::Vector3f t = projection_.topRightCorner<3, 1>();
+  projected.clear();
+  for (const Eigen::Vector3f& p : places) projected.emplace_back(m * p + t);
 }
 
-void ShadowCover::add(const Drawable& caster, const Eigen::Matrix4f& model) {
-  project(projection_ * model, caster.positions());
+void ShadowCover::add(std::span<const std::uint32_t> triangles, std::span<const Places> times) {
+  if (triangles.empty()) return;
+  projected_.resize(std::max(projected_.size(), times.size()));
+  for (std::size_t i = 0; i < times.size(); ++i) project(times[i], projected_[i]);
   const auto cell = [](float at) { return std::clamp(int(at * kCells), 0, kCells - 1); };
-  const std::span<const std::uint32_t> triangles = caster.triangles();
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
-    const Eigen::AlignedBox3f box = around(projected_, &triangles[i]);
+    Eigen::AlignedBox3f box;
+    for (std::size_t k = 0; k < times.size(); ++k) box.extend(around(projected_[k], &triangles[i]));
     for (int y = cell(box.min().y()); y <= cell(box.max().y()); ++y)
       for (int x = cell(box.min().x()); x <= cell(box.max().x()); ++x) {
         float& nearest = nearest_[std::size_t(y * kCells + x)];
@@ -53,18 +54,18 @@ bool ShadowCover::hides(const Eigen::AlignedBox3f& triangle) const {
   return false;
 }
 
-Eigen::AlignedBox3f ShadowCover::find(const Drawable& mesh,
+Eigen::AlignedBox3f ShadowCover::find(std::span<const std::uint32_t> triangles,
+                                      const Places& places,
                                       std::span<const Eigen::AlignedBox3f> boxes,
                                       std::vector<std::uint32_t>& indices) {
-  const std::vector<Eigen::Vector3f>& world = mesh.positions();
-  project(projection_, world);
+  projected_.resize(std::max<std::size_t>(projected_.size(), 1));
+  project(places, projected_[0]);
   indices.clear();
   Eigen::AlignedBox3f found;
-  const std::span<const std::uint32_t> triangles = mesh.triangles();
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
     const std::uint32_t* corner = &triangles[i];
-    const Eigen::AlignedBox3f box = around(world, corner);
-    if (!hides(around(projected_, corner)) &&
+    const Eigen::AlignedBox3f box = around(places, corner);
+    if (!hides(around(projected_[0], corner)) &&
         std::ranges::none_of(boxes, [&](const auto& b) { return b.intersects(box); }))
       continue;
     indices.insert(indices.end(), corner, corner + 3);

@@ -1,37 +1,22 @@
-// Draws a stage at one instant: what a trajectory and the characters' poses look like.
+// Draws a stage at one instant or while a shutter is open: what a trajectory and the characters'
+// poses look like.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "render/canvas.h"
-#include "render/connector_mesh.h"
+#include "render/instant.h"
 #include "render/profile.h"
 #include "scenes/stage.h"
-#include "sim/trajectory.h"
 #include "sim/world.h"
 
 namespace taut {
-
-/// Everything that moves, at one time.
-struct Instant {
-  Snapshot state;
-  std::vector<std::vector<Pose>> bones;  // [character][bone], world space
-  CameraView camera;
-};
 
 /// A part of the canvas, and what is seen there.
 struct View {
   Rect viewport;
   CameraView camera;
-};
-
-/// What is drawn of an instant, and how.
-struct Layer {
-  bool characters = true, bodies = true, connectors = true;
-  float opacity = 1;  // below 1: blended over what is there, casting no shadow
 };
 
 /// What costs time and could be left out.
@@ -53,6 +38,12 @@ class StageRenderer {
   void begin(Canvas& canvas, std::span<const View> views);
   /// Draws what moves into a part of the canvas, and its shadow on the scenery there.
   void draw(Canvas& canvas, const Rect& viewport, const Instant& instant, const Layer& layer = {});
+  /// The same while a shutter is open: `shutter` holds instants evenly apart, the frame's own in
+  /// the middle (of an even number the later one). What moves less than a pixel is drawn once, at
+  /// the frame's own instant; the rest as often as its fastest point needs, at most as often as
+  /// there are instants. The camera stands where it is in the middle. Returns how many instants the
+  /// picture shows.
+  int expose(Canvas& canvas, const Rect& viewport, std::span<const Instant> shutter);
 
   /// Where to note the stages' times, each waited for; null: nowhere.
   void set_profile(Profile* profile);

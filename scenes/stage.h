@@ -51,6 +51,7 @@ struct Caption {
 
 struct Stage {
   std::vector<CameraKey> camera;
+  double shutter = 0;  // the share of a frame's time for which it is open; 0: an instant
   Light light;
   Vec3 background = Vec3(0.35, 0.38, 0.42);               // linear
   std::vector<std::shared_ptr<const Model>> scenery;      // in world space

@@ -22,6 +22,7 @@
 #include "render/table.h"
 #include "render/video.h"
 #include "scenes/error.h"
+#include "scenes/exposure.h"
 #include "scenes/scene.h"
 #include "sim/hash.h"
 #include "sim/simulation.h"
@@ -45,20 +46,24 @@ struct Options {
   MethodOptions method;
 };
 
-/// The states at the frames' times.
-std::vector<Snapshot> record(const Scene& scene, const std::vector<int>& frames,
-                             Profile* profile = nullptr) {
+/// The states that each of the frames shows.
+std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<int>& frames,
+                                          Profile* profile = nullptr) {
   Simulation simulation = start(scene);
-  std::vector<Snapshot> states;
-  int done = 0;
-  for (const int frame : frames) {
-    for (; done < frame; ++done) {
-      stop_if_interrupted();
-      if (profile) profile->start();
-      simulation.advance_to(double(done + 1) / scene.fps);
-      if (profile) profile->lap("simulate");
+  std::vector<std::vector<Snapshot>> states;
+  // Frames between are stopped at as well: methods that choose their steps go the same way
+  // whichever frames are asked for.
+  for (int frame = 0, next = 0; next < int(frames.size()); ++frame) {
+    stop_if_interrupted();
+    if (profile) profile->start();
+    std::vector<Snapshot> shutter;
+    for (const double time : exposure_times(scene, double(frame) / scene.fps)) {
+      simulation.advance_to(time);
+      shutter.push_back(simulation.state());
     }
-    states.push_back(simulation.state());
+    if (profile) profile->lap("simulate");
+    for (; next < int(frames.size()) && frames[std::size_t(next)] == frame; ++next)
+      states.push_back(shutter);
   }
   return states;
 }
@@ -85,16 +90,16 @@ int render_stills(const Scene& scene, const Options& options, Film& film,
     std::ranges::sort(frames);
     if (frames.empty()) throw Misuse("--contact-sheet: the scene has no captions to show");
     std::vector<Picture> pictures;
-    for (const Snapshot& state : record(scene, frames)) {
+    for (const auto& states : record(scene, frames)) {
       stop_if_interrupted();
-      pictures.push_back(film.draw(film.instant(state)));
+      pictures.push_back(film.draw(film.shutter(states)).picture);
     }
     write_png(out / "contact_sheet.png", contact_sheet(pictures, 3));
     made += (out / "contact_sheet.png").string() + "\n";
   }
   if (options.poster) {
-    const Snapshot state = record(scene, {frame_at(*options.poster)})[0];
-    write_png(out / "poster.png", film.draw(film.instant(state)));
+    const auto states = record(scene, {frame_at(*options.poster)})[0];
+    write_png(out / "poster.png", film.draw(film.shutter(states)).picture);
     made += (out / "poster.png").string() + "\n";
   }
   write_output(made);
@@ -160,7 +165,7 @@ int render(const Common& common, const Options& options) {
   film.set_profile(measured);
 
   const auto simulation_start = Clock::now();
-  const std::vector<Snapshot> states = record(scene, frames, measured);
+  const auto states = record(scene, frames, measured);
   const double simulation_time = seconds_since(simulation_start);
 
   const std::uint64_t clip = Hash()
@@ -171,19 +176,21 @@ int render(const Common& common, const Options& options) {
                                  .number(scene.height)
                                  .number(options.samples)
                                  .value();
-  std::size_t drawn = 0, drawn_again = 0;
+  std::size_t drawn = 0, drawn_again = 0, exposures = 0;
   const auto rendering_start = Clock::now();
   {
     Progress progress("rendering", "frames", frames.size(), common.quiet);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       stop_if_interrupted();
       if (measured) profile.start();
-      const Instant instant = film.instant(states[i]);
+      const std::vector<Instant> shutter = film.shutter(states[i]);
       if (measured) profile.lap("pose");
-      const std::uint64_t inputs = Hash().number(clip).number(fingerprint(instant)).value();
+      const std::uint64_t inputs = Hash().number(clip).number(fingerprint(shutter)).value();
       if (!folder.has(frames[i], inputs)) {
         drawn_again += folder.knows(frames[i]);
-        folder.put(frames[i], inputs, film.draw(instant));
+        auto [picture, shown] = film.draw(shutter);
+        folder.put(frames[i], inputs, std::move(picture));
+        exposures += std::size_t(shown);
         ++drawn;
         if (measured) {  // alone, so that its time is not another stage's
           folder.finish();
@@ -202,6 +209,8 @@ int render(const Common& common, const Options& options) {
                                       "other options, and are drawn again",
                                       drawn_again)
                         : "");
+  // A frame that shows one instant has the canvas's samples; others one for each instant, at least.
+  const double mean_exposures = drawn ? double(exposures) / double(drawn) : 0;
 
   nlohmann::ordered_json report = {
       {"scene", options.scene},
@@ -214,6 +223,7 @@ int render(const Common& common, const Options& options) {
       {"renderer", context.description()},
       {"frames", frames.size()},
       {"frames_drawn", drawn},
+      {"mean_exposures", mean_exposures},
       {"frames_folder", (out / "frames").string()},
       {"seconds_per_frame",
        {{"simulation", simulation_time / double(frames.back() + 1)},

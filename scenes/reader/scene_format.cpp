@@ -282,6 +282,11 @@ const TableFormat& stage_format() {
         .meaning = "Where the camera is when; smooth between, except for cuts.",
         .least = 1,
         .table = &camera},
+       {.name = "shutter",
+        .meaning = "Share of a frame's time for which the shutter is open, around the frame's own "
+                   "instant; 0.5: 180 degrees; default: 0, no motion blur.",
+        .minimum = 0,
+        .maximum = 1},
        table("light", "The key light and the light from all around.", light),
        color("background", "Linear colour where nothing is."),
        table("captions", "Lines of text on the picture.", caption, Type::tables)}};

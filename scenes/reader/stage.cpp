@@ -113,6 +113,7 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
   Stage stage;
   const Value* camera = value.find("camera");
   stage.camera = camera ? read_camera(document, *camera) : std::vector{CameraKey{}};
+  stage.shutter = number_or(value, "shutter", stage.shutter);
   if (const Value* light = value.find("light")) stage.light = read_light(document, *light);
   stage.background = vec3_or(value, "background", stage.background);
   if (const Value* captions = value.find("captions")) {

@@ -1,0 +1,24 @@
+// One moment of a scene as pictures need it.
+#pragma once
+
+#include <vector>
+
+#include "scenes/stage.h"
+#include "sim/trajectory.h"
+
+namespace taut {
+
+/// Everything that moves, at one time.
+struct Instant {
+  Snapshot state;
+  std::vector<std::vector<Pose>> bones;  // [character][bone], world space
+  CameraView camera;
+};
+
+/// What is drawn of an instant, and how.
+struct Layer {
+  bool characters = true, bodies = true, connectors = true;
+  float opacity = 1;  // below 1: blended over what is there, casting no shadow
+};
+
+}  // namespace taut

@@ -1,0 +1,53 @@
+#include "render/jitter.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace taut {
+namespace {
+
+constexpr float kSun = 0.0047f;  // rad, the radius of its disc
+
+/// The i-th point of a sequence that fills the unit square evenly however far it goes: multiples of
+/// the reciprocals of the plastic number (Roberts 2018).
+Eigen::Vector2f point(int i) {
+  constexpr double kPlastic = 1.32471795724474602596;
+  const auto part = [&](double step) {
+    const double x = 0.5 + step * i;
+    return float(x - std::floor(x));
+  };
+  return {part(1 / kPlastic), part(1 / (kPlastic * kPlastic))};
+}
+
+}  // namespace
+
+int exposures(double wanted, int samples, int states) {
+  if (samples > states) return 1;
+  int count = samples;
+  while (count < wanted && 2 * count <= states) count *= 2;
+  return count;
+}
+
+Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const Rect& viewport, int i) {
+  const Eigen::Vector2f pixels = 0.25f * (point(i).array() - 0.5f);
+  Eigen::Matrix4f moved = view_projection;
+  moved.row(0) += 2 * pixels.x() / float(viewport.width) * view_projection.row(3);
+  moved.row(1) += 2 * pixels.y() / float(viewport.height) * view_projection.row(3);
+  return moved;
+}
+
+Eigen::Matrix4f moved_light(const Eigen::Matrix4f& light_projection, const Vec3& casters, int i) {
+  const Eigen::Vector2f p = point(i);
+  const float turn = 2 * std::numbers::pi_v<float> * p.x(), out = kSun * std::sqrt(p.y());
+  const float depth = light_projection.row(2).dot(casters.cast<float>().homogeneous());
+  Eigen::RowVector4f beyond = light_projection.row(2);  // of a point, in depths of the map
+  beyond.w() -= depth;
+  beyond /= light_projection.row(2).head<3>().norm();  // in m
+  Eigen::Matrix4f moved = light_projection;
+  for (int k = 0; k < 2; ++k)
+    moved.row(k) += out * (k ? std::sin(turn) : std::cos(turn)) *
+                    light_projection.row(k).head<3>().norm() * beyond;
+  return moved;
+}
+
+}  // namespace taut

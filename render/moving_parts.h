@@ -1,0 +1,39 @@
+// What moves on a stage: characters, bodies and connectors, on the graphics side.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "render/connector_mesh.h"
+#include "render/instant.h"
+#include "render/item.h"
+#include "scenes/stage.h"
+#include "sim/world.h"
+
+namespace taut {
+
+class MovingParts {
+ public:
+  /// `world` tells what connectors hang on; its state does not matter. The stage must outlive this.
+  MovingParts(const Gl& gl, const Stage& stage, const World& world);
+
+  /// Moves everything to where it is at that time.
+  void pose(const Instant& instant);
+  /// What the layer shows of the instant last posed: the same items for each instant, in the same
+  /// order.
+  std::vector<Item> items(const Instant& instant, const Layer& layer = {});
+
+ private:
+  const Stage& stage_;
+  std::vector<std::vector<Drawable>> bodies_, characters_;  // [body or character][mesh]
+  std::vector<std::unique_ptr<ConnectorMesh>> connector_meshes_;
+  std::vector<Drawable> connectors_;
+  std::vector<MovingVertex> vertices_;
+};
+
+std::vector<Drawable> drawables(const Gl& gl, const Model& model);
+
+/// A box around everything that moves, from bones, particles and bodies, in m.
+Eigen::AlignedBox3d extent(const Instant& instant);
+
+}  // namespace taut
