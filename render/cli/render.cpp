@@ -209,7 +209,7 @@ int render(const Common& common, const Options& options) {
                                       "other options, and are drawn again",
                                       drawn_again)
                         : "");
-  // A frame that shows one instant has the canvas's samples; others one for each instant, at least.
+  // Where something moves, a pixel of a frame has a sample for each exposure.
   const double mean_exposures = drawn ? double(exposures) / double(drawn) : 0;
 
   nlohmann::ordered_json report = {
@@ -247,7 +247,9 @@ int render(const Common& common, const Options& options) {
     write_output(text);
   } else {
     write_output((video ? report["video"] : report["frames_folder"]).get<std::string>() + "\n");
-    if (measured) write_output(to_text(stage_table(profile, drawn)));
+    if (measured)
+      write_output(fmt::format("{}exposures per frame: {:.2f}\n",
+                               to_text(stage_table(profile, drawn)), mean_exposures));
   }
   return kDone;
 }

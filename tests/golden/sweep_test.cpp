@@ -1,0 +1,113 @@
+// What of a moving mesh is drawn once, and what in every exposure.
+#include "render/sweep.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/context.h"
+#include "render/lighting.h"
+
+namespace taut {
+namespace {
+
+using Eigen::Matrix4f;
+using Eigen::Vector3f;
+
+/// A ribbon of `columns` squares of 10 cm along x, at z = 0, facing the camera on +z.
+struct Ribbon {
+  explicit Ribbon(const Gl& gl, std::uint32_t columns)
+      : drawable(gl, indices(columns), rest(columns), Material{}, Surface::plain) {}
+
+  static std::vector<RestVertex> rest(std::uint32_t columns) {
+    std::vector<RestVertex> result;
+    for (std::uint32_t i = 0; i <= columns; ++i)
+      for (const float y : {0.0f, 0.1f})
+        result.push_back({Vector3f(0.1f * float(i), y, 0), Vector3f::Ones()});
+    return result;
+  }
+  static std::vector<std::uint32_t> indices(std::uint32_t columns) {
+    std::vector<std::uint32_t> result;
+    for (std::uint32_t i = 0; i < 2 * columns; i += 2)
+      for (const std::uint32_t v : {i, i + 2, i + 1, i + 1, i + 2, i + 3}) result.push_back(v);
+    return result;
+  }
+  /// Each vertex moved by what `offset` says of its x.
+  template <typename Offset>
+  void move(std::uint32_t columns, Offset offset) {
+    std::vector<MovingVertex> vertices;
+    for (const RestVertex& v : rest(columns))
+      vertices.push_back({v.rest + offset(v.rest.x()), Vector3f::UnitZ()});
+    drawable.move(vertices);
+  }
+  Drawable drawable;
+};
+
+class SweepTest : public testing::Test {
+ protected:
+  static constexpr Rect kView{0, 0, 1000, 1000};
+  // A metre at z = 0 is 1000 / (2 * 4 tan 0.25) pixels.
+  const Matrix4f projection_ = camera_projection({Vec3(0, 0, 4), Vec3::Zero(), 0.5}, 1);
+  const double metre_ = 1000 / (8 * std::tan(0.25));
+  Context context_{Backend::automatic};
+  Ribbon ribbon_{context_.gl(), 10};
+  Sweep sweep_;
+
+  template <typename Offset>
+  void add(Offset offset) {
+    ribbon_.move(10, offset);
+    const Item item(ribbon_.drawable, Matrix4f::Identity());
+    sweep_.add({&item, 1});
+  }
+};
+
+TEST_F(SweepTest, TravelIsTheWayOfTheFastestPoint) {
+  // Up and down again: the way counts, not where it ends.
+  add([](float) { return Vector3f(Vector3f::Zero()); });
+  add([](float x) { return Vector3f(0, 0.05f * x, 0); });
+  add([](float) { return Vector3f(Vector3f::Zero()); });
+  EXPECT_NEAR(sweep_.find_moving(projection_, kView), 2 * 0.05 * metre_, 0.01);
+}
+
+TEST_F(SweepTest, TheBorderIsInBothParts) {
+  const auto bend = [](float by) {
+    return [by](float x) { return Vector3f(0, x > 0.65f ? by : 0.0f, 0); };
+  };
+  add(bend(-0.02f));
+  add(bend(0));
+  add(bend(0.02f));
+  sweep_.find_moving(projection_, kView);
+  // Squares 0 to 5 stand, 7 to 9 move, and 6 has corners of both.
+  EXPECT_EQ(sweep_.moving(0).still.size(), 7u * 6);
+  EXPECT_EQ(sweep_.moving(0).live.size(), 4u * 6);
+  EXPECT_EQ(sweep_.moving(0).live.front(), 12u);
+  const Eigen::AlignedBox3f box = sweep_.box(0, sweep_.moving(0).live);
+  EXPECT_LE(box.min().y(), -0.02f);
+  EXPECT_GE(box.max().y(), 0.12f);
+  EXPECT_GT(box.min().x(), 0.5f);
+}
+
+TEST_F(SweepTest, WhatMovesMakesChangeWhereItsShadowFalls) {
+  // A second ribbon stands behind the moving end of the first, as the light sees it.
+  Ribbon behind(context_.gl(), 10);
+  behind.move(10, [](float) { return Vector3f(0, 0, -0.5f); });
+  for (const float by : {-0.02f, 0.0f, 0.02f}) {
+    ribbon_.move(10, [by](float x) { return Vector3f(0, x > 0.65f ? by : 0.0f, 0); });
+    const Item items[] = {{ribbon_.drawable, Matrix4f::Identity()},
+                          {behind.drawable, Matrix4f::Identity()}};
+    sweep_.add(items);
+  }
+  sweep_.find_moving(projection_, kView);
+  EXPECT_TRUE(sweep_.moving(1).live.empty());
+  ShadowCover cover;
+  const Eigen::AlignedBox3d casters(Vec3(0, -0.1, -0.6), Vec3(1, 0.2, 0.1));
+  cover.start(light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f);
+  sweep_.find_changing(cover);
+  EXPECT_FALSE(sweep_.changing(1).live.empty());
+  const Eigen::AlignedBox3f shaded = sweep_.box(1, sweep_.changing(1).live);
+  EXPECT_GT(shaded.min().x(), 0.35f);
+  EXPECT_GE(shaded.max().x(), 1.0f);
+}
+
+}  // namespace
+}  // namespace taut

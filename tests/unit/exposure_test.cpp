@@ -1,0 +1,99 @@
+// Which states a frame shows while its shutter is open, and how exposures differ.
+#include "scenes/exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "render/jitter.h"
+#include "render/lighting.h"
+
+namespace taut {
+namespace {
+
+Scene with_shutter(double shutter, const char* method, Settings settings) {
+  Scene scene;
+  scene.duration = 2;
+  scene.method = {method, std::move(settings)};
+  scene.stage.emplace();
+  scene.stage->shutter = shutter;
+  return scene;
+}
+
+TEST(Exposure, AClosedShutterShowsTheFramesOwnInstant) {
+  const Scene scene = with_shutter(0, "impulse", {{"step", 1.0 / 1920}});
+  EXPECT_EQ(exposure_times(scene, 0.5), std::vector<double>{0.5});
+}
+
+TEST(Exposure, TimesAreTheMethodsOwnSteps) {
+  const double step = 1.0 / 1920;  // 16 in half a frame
+  const Scene scene = with_shutter(0.5, "impulse", {{"step", step}});
+  const std::vector<double> times = exposure_times(scene, 0.5);
+  ASSERT_EQ(times.size(), std::size_t(kExposureStates));
+  EXPECT_EQ(times[kExposureStates / 2], 0.5);
+  for (int i = 0; i < kExposureStates; ++i)
+    EXPECT_NEAR(times[std::size_t(i)], 0.5 + (i - 8) * step, 1e-12);
+  // At a quarter of the speed the shutter is open for four steps: each is shown four times.
+  const std::vector<double> slow = exposure_times(scene, 0.5, 0.25);
+  for (const double time : slow) EXPECT_NEAR(time / step, std::round(time / step), 1e-6);
+  EXPECT_NEAR(slow.back() - slow.front(), 4 * step, 1e-12);
+}
+
+TEST(Exposure, MethodsThatChooseTheirStepsStopAnywhere) {
+  const Scene scene = with_shutter(1, "direct", {{"tolerance", 1e-4}});
+  const std::vector<double> times = exposure_times(scene, 0.5);
+  for (std::size_t i = 1; i < times.size(); ++i)
+    EXPECT_NEAR(times[i] - times[i - 1], 1.0 / 60 / kExposureStates, 1e-12);
+}
+
+TEST(Exposure, NothingIsBeforeTheStart) {
+  const Scene scene = with_shutter(0.5, "direct", {});
+  const std::vector<double> times = exposure_times(scene, 0);
+  EXPECT_EQ(times.front(), 0);
+  EXPECT_TRUE(std::ranges::is_sorted(times));
+}
+
+TEST(Exposure, TheShutterChangesNoBitOfTheTrajectory) {
+  const Scene scene = load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
+  ASSERT_GT(scene.stage->shutter, 0);
+  Simulation closed = start(scene), open = start(scene);
+  for (int frame = 1; frame <= 2 * scene.fps; ++frame) {
+    const double own = double(frame) / scene.fps;
+    closed.advance_to(own);
+    for (const double time : exposure_times(scene, own)) {
+      open.advance_to(time);
+      if (time == own) {
+        ASSERT_EQ(state_hash(open.world()), state_hash(closed.world())) << own;
+      }
+    }
+  }
+}
+
+TEST(Exposure, CountIsSamplesTimesAPowerOfTwo) {
+  EXPECT_EQ(exposures(0.1, 4, 16), 4);
+  EXPECT_EQ(exposures(4.0, 4, 16), 4);
+  EXPECT_EQ(exposures(4.1, 4, 16), 8);
+  EXPECT_EQ(exposures(99, 4, 16), 16);
+  EXPECT_EQ(exposures(3, 1, 16), 4);
+  EXPECT_EQ(exposures(99, 4, 1), 1);
+}
+
+TEST(Exposure, ShadowsSoftenWithTheDistanceFromWhatThrowsThem) {
+  const Eigen::AlignedBox3d box(Vec3(-1, 0, -1), Vec3(1, 2, 1));
+  const Vec3 down(0, -1, 0);
+  const Eigen::Matrix4f straight = light_map(down, box, 1024).projection;
+  const double width = 1 / straight.row(0).head<3>().norm();  // m, of the map
+  for (int i = 0; i < 16; ++i) {
+    const Eigen::Matrix4f moved = moved_light(straight, box.center(), i);
+    const auto shift = [&](const Vec3& p) {
+      const Eigen::Vector4f h = p.cast<float>().homogeneous();
+      return width * double(((moved - straight) * h).norm());
+    };
+    EXPECT_NEAR(shift({0.7, 1, -0.3}), 0, 1e-6);
+    EXPECT_LE(shift({0, 0, 0}), 0.0047 + 1e-5) << "the sun's radius, a metre away";
+    EXPECT_NEAR(shift({0, -1, 0}), 2 * shift({0, 0, 0}), 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace taut
