@@ -51,7 +51,7 @@ ComparisonFilm::ComparisonFilm(const Context& context, const Scene& scene,
       cells_(cells(comparison.methods.size(), width, std::max(int(kCells * height), 1))),
       top_(cells_.back().top()),
       canvas_(context, width, top_, samples),
-      renderer_(context, *scene.stage, scene.world),
+      renderer_(context, *scene.stage, divided(scene.world, scene.timeline)),
       still_(width, height) {
   draw_charts();
   draw_table();

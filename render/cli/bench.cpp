@@ -23,7 +23,7 @@ struct Options {
 };
 
 Problem frames_of(const Scene& scene) {
-  Problem problem{scene.world, {}};
+  Problem problem{scene.world, {}, scene.timeline};
   for (int k = 1; k <= kFrames; ++k) problem.times.push_back(static_cast<double>(k) / scene.fps);
   return problem;
 }
@@ -120,6 +120,7 @@ void add_bench(CLI::App& app, Program& program) {
   taut bench scenes/rope_swing.toml --particles 21 --against xpbd --methods impulse,xpbd)");
   const auto options = std::make_shared<Options>();
   add_study_options(command, options->study, 120);
+  options->study.follows = Follows::pins;
   command
       .add_option("--particles", options->particles,
                   "Numbers of particles of the first connector, with commas; default: 11,21,41,81, "

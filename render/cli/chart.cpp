@@ -203,6 +203,7 @@ A chart that is stopped goes on where it was when the same command is given agai
   const auto options = std::make_shared<StudyOptions>();
   const auto markdown = std::make_shared<bool>(false);
   add_study_options(command, *options, 240);
+  options->follows = Follows::pins;
   command.add_flag("--markdown", *markdown, "The tables as Markdown");
   command.callback([options, markdown, &program] {
     program.run = [options, markdown, &program] {

@@ -60,19 +60,6 @@ Candidate candidate_on(const Scene& scene, const Contender& contender) {
   return candidate;
 }
 
-/// The largest |length / rest length - 1| of any link in a state.
-double stretch_of(const World& world, const Snapshot& state) {
-  double largest = 0;
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    const std::vector<double>& rest = world.connectors[c].rest;
-    for (std::size_t i = 0; i < rest.size(); ++i) {
-      const double length = (state.connectors[c][i + 1] - state.connectors[c][i]).norm();
-      largest = std::max(largest, rest[i] > 0 ? std::abs(length / rest[i] - 1) : length);
-    }
-  }
-  return largest;
-}
-
 /// The mean distance (m) of the segments in each frame that both have, of the first `most`.
 std::vector<double> distances(std::span<const Snapshot> frames, std::span<const Snapshot> from,
                               std::size_t most) {
@@ -90,13 +77,13 @@ std::string mean_text(const std::vector<double>& distances, std::size_t frames) 
 
 /// Runs everything, and measures it.
 Comparison compare(const Scene& scene, const std::vector<Contender>& contenders, bool quiet) {
-  Problem problem{scene.world, {}};
+  Problem problem{scene.world, {}, scene.timeline};
   for (int k = 0; k < scene.frames(); ++k) problem.times.push_back(double(k) / scene.fps);
   const double length = scene.world.connectors.front().length;
   if (!quiet) fmt::print(stderr, "solving the truth\n");
   TruthOptions accuracy;
   if (length > 0) accuracy.scored_error = kScored * length;
-  Truth truth = solve_truth(scene.world, problem.times, accuracy);
+  Truth truth = solve_truth(scene.world, problem.times, accuracy, scene.timeline);
   const std::size_t predictable =
       std::size_t(std::ranges::upper_bound(problem.times, truth.horizon) - problem.times.begin());
 
@@ -133,7 +120,8 @@ Comparison compare(const Scene& scene, const std::vector<Contender>& contenders,
                           "energy drift, %",
                           "CPU us per frame"};
   result.measured_from = predictable > 1 ? "the truth" : "dynamic constraints";
-  const bool closed = is_closed(scene.world) && energy_scale(scene.world) > 0;
+  const bool closed =
+      is_closed(scene.world) && scene.timeline.empty() && energy_scale(scene.world) > 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const Run& run = runs[i];
     ComparedMethod method{contenders[i].label,
@@ -143,8 +131,7 @@ Comparison compare(const Scene& scene, const std::vector<Contender>& contenders,
                           run.reason,
                           {},
                           {}};
-    for (const Snapshot& state : run.frames)
-      method.stretch.push_back(stretch_of(scene.world, state));
+    method.stretch = run.stretch;
     const auto from_truth = distances(run.frames, result.truth, predictable);
     const auto from_paper = distances(run.frames, paper->frames, problem.times.size());
     method.distance = predictable > 1 ? from_truth : from_paper;
@@ -255,6 +242,7 @@ void add_compare(CLI::App& app, Program& program) {
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
       ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
   command.add_flag("--no-video", options->no_video, "Frames only");
+  options->study.follows = Follows::pins_and_cuts;
   command.callback([&program, options] {
     program.run = [&program, options] { return compare(program.common, *options); };
   });

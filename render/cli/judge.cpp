@@ -68,8 +68,9 @@ std::vector<std::string> row_of(const Options& options, const std::string& file,
                                 const std::vector<Contender>& contenders) {
   StudyOptions study = options.study;
   study.scene = file;
+  study.follows = Follows::pins_and_cuts;
   const Scene scene = study_scene(study);
-  const Problem problem{scene.world, frame_times(scene.duration, scene.fps)};
+  const Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
   double length = 0;
   for (const Connector& connector : scene.world.connectors) length += connector.length;
   const auto reference = quick_reference(problem, 0.01 * length, options.cap);

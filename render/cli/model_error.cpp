@@ -30,7 +30,7 @@ Motion motion_of(const StudyOptions& options, std::size_t links, double duration
                  const Candidate& candidate) {
   stop_if_interrupted();
   const Scene scene = study_scene(options, links + 1);
-  const Problem problem{scene.world, frame_times(duration, scene.fps)};
+  const Problem problem{scene.world, frame_times(duration, scene.fps), scene.timeline};
   const Run result = taut::run(problem, candidate, 60);
   Motion motion;
   for (const Snapshot& frame : result.frames) {

@@ -94,8 +94,15 @@ Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& c
   if (scene.world.connectors.empty()) {
     throw Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
-  if (!scene.timeline.empty()) {
-    throw Misuse(fmt::format("{}: has pins or cuts; studies take scenes without", options.scene));
+  if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
+    throw Misuse(
+        fmt::format("{}: has pins, which chart, bench, compare and judge follow, and this "
+                    "command does not",
+                    options.scene));
+  }
+  if (!scene.timeline.cuts.empty() && options.follows != Follows::pins_and_cuts) {
+    throw Misuse(fmt::format(
+        "{}: has cuts, which compare and judge follow, and this command does not", options.scene));
   }
   return scene;
 }

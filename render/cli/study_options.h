@@ -13,12 +13,16 @@
 
 namespace taut::cli {
 
+/// What a study follows of what a scene's timeline has.
+enum class Follows { nothing, pins, pins_and_cuts };
+
 struct StudyOptions {
   std::string scene;
   std::string out;                   // empty: out/SCENE
   std::vector<std::string> methods;  // METHOD or METHOD:FORM; empty: all
   double budget = 0;                 // s of wall time
   bool quick = false;
+  Follows follows = Follows::nothing;
 };
 
 /// SCENE, --out, --methods, --budget (`budget` seconds unless told) and --quick.
@@ -46,8 +50,8 @@ std::vector<Candidate> candidates_of(const Contender& contender, bool quick);
 /// The folder that results go to.
 std::filesystem::path study_folder(const StudyOptions& options);
 
-/// The scene, without its stage unless asked for. Throws Misuse where it has pins or no connector:
-/// studies compare methods on what all of them can do.
+/// The scene, without its stage unless asked for. Throws Misuse where it has no connector, or pins
+/// or cuts that the study does not follow.
 Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes = {},
                   bool with_stage = false);
 /// The scene with another number of particles in its first connector.

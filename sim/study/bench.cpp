@@ -34,7 +34,8 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> c
       if (!rows[c].failure.empty() || timing.spent > options.seconds) continue;
       if (options.pause) options.pause();
       Simulation simulation(problem.world,
-                            make_method(rows[c].candidate.method, rows[c].candidate.settings));
+                            make_method(rows[c].candidate.method, rows[c].candidate.settings),
+                            problem.timeline);
       timing.frames.resize(problem.times.size());
       double sum = 0;
       try {
@@ -49,6 +50,8 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> c
         timing.means.push_back(sum / frames);
         rows[c].steps = static_cast<double>(simulation.method().counters().steps) / frames;
       } catch (const Diverged& error) {
+        rows[c].failure = error.what();
+      } catch (const BadIntervention& error) {
         rows[c].failure = error.what();
       }
       timing.spent += sum;

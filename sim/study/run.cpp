@@ -68,7 +68,8 @@ double thread_seconds() {
 }
 
 Run run(const Problem& problem, const Candidate& candidate, double cpu_cap) {
-  Simulation simulation(problem.world, make_method(candidate.method, candidate.settings));
+  Simulation simulation(problem.world, make_method(candidate.method, candidate.settings),
+                        problem.timeline);
   Slices slices(candidate.settings, cpu_cap);
   const double at_start = energy(problem.world);
   Run result;
@@ -88,13 +89,18 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap) {
         result.failed_at = time;
         break;
       }
-      result.frames.push_back(snapshot(simulation.world()));
+      result.frames.push_back(simulation.state());
       result.reached = time;
       result.energy_gain = std::max(result.energy_gain, gained);
       result.energy_loss = std::max(result.energy_loss, -gained);
+      result.stretch.push_back(stretch);
       result.stretch_max = std::max(result.stretch_max, stretch);
     }
   } catch (const Diverged& error) {
+    result.end = Run::End::diverged;
+    result.reason = error.what();
+    result.failed_at = error.time;
+  } catch (const BadIntervention& error) {
     result.end = Run::End::diverged;
     result.reason = error.what();
     result.failed_at = error.time;
@@ -104,7 +110,8 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap) {
 }
 
 double time_run(const Problem& problem, const Candidate& candidate) {
-  Simulation simulation(problem.world, make_method(candidate.method, candidate.settings));
+  Simulation simulation(problem.world, make_method(candidate.method, candidate.settings),
+                        problem.timeline);
   const double before = thread_seconds();
   for (const double time : problem.times) simulation.advance_to(time);
   return thread_seconds() - before;

@@ -9,11 +9,12 @@
 
 namespace taut {
 
-/// What is run: a world, and the times (s, rising, from the world's own on) at which it is looked
-/// at.
+/// What is run: a world, the times (s, rising, from the world's own on) at which it is looked at,
+/// and what happens to it.
 struct Problem {
   World world;
   std::vector<double> times;
+  Timeline timeline = {};
 
   double duration() const { return times.empty() ? 0 : times.back() - world.time; }
 };
@@ -27,12 +28,13 @@ struct Run {
   std::string reason;            // of an end that is not `done`
   std::vector<Snapshot> frames;  // at Problem::times, as far as the run came
   Counters counters;
-  double cpu = 0;          // s, of stepping alone
-  double reached = 0;      // s, the time of the last frame
-  double failed_at = 0;    // s, where it diverged
-  double stretch_max = 0;  // of all frames
-  double energy_gain = 0;  // J, the most above the energy at the start, of all frames
-  double energy_loss = 0;  // J, the most below it
+  double cpu = 0;               // s, of stepping alone
+  double reached = 0;           // s, the time of the last frame
+  double failed_at = 0;         // s, where it diverged
+  std::vector<double> stretch;  // of each frame, as stretch_max() has it
+  double stretch_max = 0;       // of all frames
+  double energy_gain = 0;       // J, the most above the energy at the start, of all frames
+  double energy_loss = 0;       // J, the most below it
 };
 
 /// Runs `candidate` and records what Run holds. Stops once the stepping has taken `cpu_cap` (s).

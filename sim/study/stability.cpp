@@ -92,7 +92,7 @@ Judgement judge(const Problem& problem, const Run& run, const Reference* referen
                 const VerdictLimits& limits) {
   Judgement judgement;
   judgement.stretch = run.stretch_max;
-  if (!is_driven(problem.world)) {
+  if (!is_driven(problem.world) && problem.timeline.empty()) {
     const double scale = available_energy(problem.world);
     judgement.gain = run.energy_gain / scale;
     judgement.loss = run.energy_loss / scale;

@@ -92,6 +92,13 @@ TEST(Study, MisuseIsTwoAndABadSceneIsThree) {
     EXPECT_EQ(run_taut({command, "missing.toml"}, folder.path()).code, 3);
   }
   EXPECT_EQ(run_taut({"bench", "scene.toml", "--particles", "1"}, folder.path()).code, 2);
+  for (const char* name : {"pin", "hose"}) {
+    const std::string scene = fmt::format(TAUT_SOURCE_DIR "/scenes/{}.toml", name);
+    const Outcome outcome =
+        run_taut({name[0] == 'p' ? "stability" : "chart", scene}, folder.path());
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_NE(outcome.messages.find("this command does not"), std::string::npos);
+  }
   EXPECT_EQ(run_taut({"bench", "scene.toml", "--methods", "xpbd"}, folder.path()).code, 2)
       << "springs, which others are compared with, is not among them";
 }

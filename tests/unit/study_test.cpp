@@ -138,6 +138,20 @@ TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
   EXPECT_GT(result.cpu, 0);
 }
 
+TEST(StudyRun, FollowsPinsAndCuts) {
+  Problem problem{swing(11), frame_times(0.5, 60)};
+  problem.timeline.pins = {{0, 0.53, 0.11, 0.31, {}}};
+  problem.timeline.cuts = {{0, 0.7, 0.4}};
+  const auto result = run(problem, {"direct", {}}, 10);
+  ASSERT_EQ(result.end, ::taut::Run::End::done);
+  Simulation simulation(problem.world, make_method("direct", {}), problem.timeline);
+  simulation.advance_to(0.5);
+  EXPECT_EQ(result.frames.back().connectors, simulation.state().connectors);
+  EXPECT_EQ(result.frames.back().connectors.size(), 2u);
+  problem.timeline.pins[0].to.emplace().point = Vec3(9, 9, 9);  // out of reach when its time comes
+  EXPECT_EQ(run(problem, {"direct", {}}, 10).end, ::taut::Run::End::diverged);
+}
+
 TEST(StudyRun, StopsAtItsCap) {
   const Problem problem{swing(101), frame_times(100, 1)};
   const auto result = run(problem, {"impulse", {{"step", 1e-5}}}, 0.05);
