@@ -100,7 +100,19 @@ Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
   }
 }
 
+Path Path::round(const Circle& circle) {
+  Path path;
+  path.circle_ = circle;
+  const double third = 1 / (3 * circle.frequency);
+  for (const double time :
+       {0.0, circle.ramp, circle.ramp + third, circle.ramp + 2 * third, circle.ramp + 3 * third}) {
+    path.keys_.push_back({time, motion(circle, time).position});
+  }
+  return path;
+}
+
 FrameMotion Path::at(double time) const {
+  if (circle_) return motion(*circle_, time);
   const auto after = std::upper_bound(keys_.begin(), keys_.end(), time,
                                       [](double t, const PathKey& key) { return t < key.time; });
   if (after == keys_.begin()) return frame_motion({value_.front(), Row::Zero(), Row::Zero()});

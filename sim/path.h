@@ -1,9 +1,10 @@
-// A keyframed path: positions and orientations through keys, C2 in time.
+// A path: positions and orientations through keys or round a circle, C2 in time.
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "sim/circle.h"
 #include "sim/types.h"
 
 namespace taut {
@@ -18,19 +19,27 @@ struct PathKey {
 };
 
 /// Position and orientation as functions of time, twice continuously differentiable, passing
-/// through every key. Before the first key and after the last the path rests.
+/// through every key. Before the first key the path rests, and after the last unless it is a
+/// circle.
 class Path {
  public:
   /// Keys need strictly rising times; throws std::invalid_argument otherwise or when empty.
   explicit Path(std::vector<PathKey> keys);
 
-  /// The exact motion at `time` (s): its derivatives are those of the spline, not differences.
+  static Path round(const Circle& circle);
+
+  /// The exact motion at `time` (s): a spline's derivatives are those of the spline, not
+  /// differences.
   FrameMotion at(double time) const;
 
+  /// Of a circle: its start, the end of its ramp, and the thirds of the turn after it. All times at
+  /// which the third derivative jumps are among the keys.
   const std::vector<PathKey>& keys() const { return keys_; }
 
  private:
+  Path() = default;
   std::vector<PathKey> keys_;
+  std::optional<Circle> circle_;
   // Values and their first two derivatives at the keys, 7 rows: x y z, then quaternion w x y z.
   using Row = Eigen::Matrix<double, 7, 1>;
   std::vector<Row> value_, rate_, rate2_;

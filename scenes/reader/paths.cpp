@@ -43,6 +43,19 @@ Path read_keys(const Document& document, const Value& list) {
   return Path(std::move(keys));
 }
 
+Path read_circle(const Document& document, const Value& value) {
+  const Circle circle{value.find("centre")->vec3(), value.find("start")->vec3(),
+                      direction(document, *value.find("axis")), value.find("frequency")->number,
+                      value.find("ramp")->number};
+  constexpr double kRounding = 1e-9;  // of numbers that people type, as a share of the radius
+  const Vec3 radius = circle.start - circle.centre;
+  if (!(radius.norm() > 0) || std::abs(radius.dot(circle.axis)) > kRounding * radius.norm()) {
+    document.mismatch(*value.find("start"),
+                      "a point beside the centre, at right angles to the axis");
+  }
+  return Path::round(circle);
+}
+
 /// A row of numbers between commas; false when a field is none.
 bool split(std::string_view line, std::vector<double>& row) {
   row.clear();
@@ -119,9 +132,11 @@ Paths read_paths(const Document& document) {
   Paths paths;
   if (const Value* table = document.root.find("paths")) {
     for (const Value& entry : table->children) {
-      const Value* keys = entry.find("keys");
-      paths[entry.name] = std::make_shared<const Path>(
-          keys ? read_keys(document, *keys) : read_file(document, *entry.find("file")));
+      const Value& motion = entry.children.front();
+      paths[entry.name] =
+          std::make_shared<const Path>(motion.name == "keys"     ? read_keys(document, motion)
+                                       : motion.name == "circle" ? read_circle(document, motion)
+                                                                 : read_file(document, motion));
     }
   }
   return paths;

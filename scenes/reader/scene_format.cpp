@@ -71,6 +71,25 @@ const TableFormat& path_key_format() {
   return format;
 }
 
+const TableFormat& circle_format() {
+  static const TableFormat format{
+      {needed(vector("centre", "Of the circle.")),
+       needed(vector("start", "Where the path rests until 0 s.")),
+       needed(vector("axis", "It turns about, right-handed; at right angles to the radius.", "")),
+       needed({.name = "frequency",
+               .meaning = "Turns per second, after the ramp.",
+               .unit = "1/s",
+               .minimum = 1e-3,
+               .maximum = 1e3}),
+       needed({.name = "ramp",
+               .meaning = "How long the angular speed takes to rise, as a smoothstep.",
+               .unit = "s",
+               .minimum = 0,
+               .maximum = kLongest,
+               .above = true})}};
+  return format;
+}
+
 const TableFormat& path_format() {
   static const TableFormat format{
       {{.name = "keys",
@@ -80,8 +99,9 @@ const TableFormat& path_format() {
         .table = &path_key_format()},
        {.name = "file",
         .type = Type::file,
-        .meaning = "A CSV file with columns t,x,y,z[,qw,qx,qy,qz] instead of keys."}},
-      {{{"keys", "file"}}}};
+        .meaning = "A CSV file with columns t,x,y,z[,qw,qx,qy,qz] instead of keys."},
+       table("circle", "Round and round, from rest, instead of keys.", circle_format())},
+      {{{"keys", "file", "circle"}}}};
   return format;
 }
 

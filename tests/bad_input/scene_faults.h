@@ -68,6 +68,11 @@ inline std::vector<SceneFault> scene_faults() {
        "only one of: rotation, axis"},
       {"path: no keys", keys, "keys = ^[]", "found a list of 0"},
       {"path: missing file", keys, "file = ^\"no.csv\"", "there is no file \"no.csv\""},
+      {"path: circle that starts beside its plane", keys,
+       "circle = { centre = [0, 1, 0], start = ^[0.2, 1, 0.1], axis = [0, 0, 1], frequency = 1, "
+       "ramp "
+       "= 1 }",
+       "expected a point beside the centre"},
       {"unknown path", "driven_by = { path = \"hand\" }", "driven_by = { path = ^\"hnad\" }",
        "the name of a path, did you mean \"hand\"?"},
       {"unknown character", "driven_by = { path = \"hand\" }",

@@ -127,8 +127,31 @@ TEST(Path, OneKeyIsAPlace) {
   for (const double t : {0.0, 2.0, 3.0}) EXPECT_EQ(path.at(t).position, Vec3(1, 2, 3));
 }
 
+TEST(Path, GoesRoundACircle) {
+  const Circle circle{Vec3(0, 1.15, 0), Vec3(0, 1, 0), Vec3::UnitZ(), 1.5, 0.5};
+  const Path path = Path::round(circle);
+  EXPECT_EQ(path.at(-1).position, circle.start);
+  EXPECT_EQ(path.at(-1).velocity, Vec3::Zero());
+  const double speed = 2 * M_PI * 1.5;  // rad/s
+  // The smoothstep's integral is a half, so half a ramp of full speed is behind.
+  for (const double t : {0.5, 0.6, 1.0, 7.0}) {
+    const double angle = speed * (t - 0.25);
+    const Vec3 out(std::sin(angle), -std::cos(angle), 0),
+        along(std::cos(angle), std::sin(angle), 0);
+    const FrameMotion motion = path.at(t);
+    EXPECT_LT((motion.position - (circle.centre + 0.15 * out)).norm(), 1e-14) << t;
+    EXPECT_LT((motion.velocity - 0.15 * speed * along).norm(), 1e-12) << t;
+    EXPECT_LT((motion.acceleration + 0.15 * speed * speed * out).norm(), 1e-11) << t;
+  }
+  // Half of the ramp: smoothstep 1/2, its integral 3/32, its slope 3/2 over the ramp.
+  const FrameMotion half = path.at(0.25);
+  EXPECT_NEAR(half.velocity.norm(), 0.15 * speed / 2, 1e-14);
+  EXPECT_NEAR(std::atan2(half.position.x(), 1.15 - half.position.y()), speed * 0.5 * 3 / 32, 1e-14);
+  EXPECT_NEAR(half.acceleration.dot(half.velocity.normalized()), 0.15 * speed * 1.5 / 0.5, 1e-12);
+}
+
 TEST(Path, RefusesTimesThatDoNotRise) {
-  EXPECT_THROW(Path({}), std::invalid_argument);
+  EXPECT_THROW(Path(std::vector<PathKey>{}), std::invalid_argument);
   EXPECT_THROW(Path({{0, Vec3::Zero()}, {0, Vec3::UnitX()}}), std::invalid_argument);
   EXPECT_THROW(Path({{1, Vec3::Zero()}, {0, Vec3::UnitX()}}), std::invalid_argument);
   const double nan = std::numeric_limits<double>::quiet_NaN();

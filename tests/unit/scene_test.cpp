@@ -324,5 +324,38 @@ TEST(NunchakuScene, AnotherMeshReplacesTheStick) {
   EXPECT_NE(after.stage->body_models[0]->name, after.stage->body_models[1]->name);
 }
 
+/// The scenes of the comparison with engines: what is fixed by it.
+TEST(BenchScenes, AreWhatEnginesAreComparedOn) {
+  const auto read = [](const std::string& name) {
+    return load_scene(TAUT_SOURCE_DIR "/scenes/bench_" + name + ".toml", false);
+  };
+  const auto expect_swing = [](const World& world, std::size_t particles, double handle) {
+    const Connector& rope = world.connectors.at(0);
+    ASSERT_EQ(rope.particles(), particles);
+    const double share = 0.05 / static_cast<double>(particles);
+    for (std::size_t i = 0; i + 1 < particles; ++i) {
+      EXPECT_NEAR(rope.particle_mass[i], share, 1e-15);
+    }
+    EXPECT_NEAR(rope.particle_mass.back(), handle + share, 1e-15);
+    EXPECT_EQ(rope.holds.size(), 1u);
+    expect_near(rope.position.back() - rope.position.front(), {0.2, 0, 0});
+  };
+  expect_swing(read("swing").world, 21, 0.2);
+  expect_swing(read("heavy").world, 51, 5.0);
+
+  const Scene scene = read("stick");
+  const Connector& cord = scene.world.connectors.at(0);
+  EXPECT_EQ(cord.particles(), 11u);
+  expect_near(cord.position.back() - cord.position.front(), {0, -0.1, 0});
+  const Body& stick = scene.world.bodies.at(0);
+  expect_near(stick.frame().position, {0, 1 - 0.1 - 0.15, 0});
+  EXPECT_EQ(stick.bare.mass, 0.25);
+  // One turn and an eighth in the first second, at 1.5 turns a second.
+  const PointMotion hand = hold_motion(scene.world, cord.holds.at(0).to, 1);
+  const double r = 0.15, eighth = std::sqrt(0.5);
+  expect_near(hand.position, {r * eighth, 1.15 - r * eighth, 0});
+  EXPECT_NEAR(hand.velocity.norm(), 2 * std::numbers::pi * 1.5 * r, 1e-12);
+}
+
 }  // namespace
 }  // namespace taut
