@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "sim/add_method.h"
 #include "sim/methods/direct.h"
 #include "sim/methods/dynamic_constraints.h"
 #include "sim/methods/impulse.h"
@@ -15,15 +16,26 @@
 
 namespace taut {
 
-std::span<const MethodInfo> methods() {
-  static const std::vector<MethodInfo> list = {
-      impulse_method(),   dynamic_constraints_method(),
-      sdfast_method(),
-      multibody_method(), springs_method(),
-      xpbd_method(),      direct_method(),
-      truth_method(),
+namespace {
+
+std::vector<MethodInfo>& list_of_methods() {
+  static std::vector<MethodInfo> list = {
+      impulse_method(), dynamic_constraints_method(),
+      sdfast_method(),  multibody_method(),
+      springs_method(), xpbd_method(),
+      direct_method(),  truth_method(),
   };
   return list;
+}
+
+}  // namespace
+
+std::span<const MethodInfo> methods() {
+  return list_of_methods();
+}
+
+void add_method(MethodInfo method) {
+  list_of_methods().push_back(std::move(method));
 }
 
 const MethodInfo* find_method(std::string_view name) {

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <limits>
 #include <memory>
 
 #include "render/atomic_file.h"
@@ -11,116 +9,14 @@
 #include "render/cli/command.h"
 #include "render/cli/journal.h"
 #include "render/cli/model_error.h"
-#include "render/cli/progress.h"
+#include "render/cli/scoring.h"
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
-#include "render/interrupt.h"
 
 namespace taut::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double kTargets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};  // shares of the length
-constexpr std::size_t kTimings = 10, kSlowTimings = 3;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::vector<std::string> cells_of(const AccuracyRow& row) {
-  std::vector<std::string> cells{std::to_string(static_cast<int>(row.end)),
-                                 row.reason,
-                                 exact(row.steps),
-                                 exact(row.solves),
-                                 exact(row.stretch_max),
-                                 exact(row.cpu.empty() ? 0 : row.cpu.front())};
-  for (const double error : row.errors) cells.push_back(exact(error));
-  return cells;
-}
-
-AccuracyRow row_from(const Candidate& candidate, const std::vector<std::string>& cells) {
-  AccuracyRow row;
-  row.candidate = candidate;
-  row.end = static_cast<Run::End>(number_in(cells.at(0)));
-  row.reason = cells.at(1);
-  row.steps = number_in(cells.at(2));
-  row.solves = number_in(cells.at(3));
-  row.stretch_max = number_in(cells.at(4));
-  if (row.end == Run::End::done) row.cpu = {number_in(cells.at(5))};
-  for (std::size_t i = 6; i < cells.size(); ++i) row.errors.push_back(number_in(cells[i]));
-  return row;
-}
-
-AccuracyRow not_run(const Candidate& candidate, std::size_t metrics) {
-  AccuracyRow row;
-  row.candidate = candidate;
-  row.end = Run::End::over_cap;
-  row.reason = "the method's share of the budget was spent";
-  row.errors.assign(metrics, std::numeric_limits<double>::infinity());
-  return row;
-}
-
-/// Scores every candidate of every contender, cheap ones first, within equal shares of `seconds`.
-void score_all(AccuracyStudy& study, const Target& target, const std::vector<Metric>& metrics,
-               double seconds, bool quick, Journal& journal, bool quiet) {
-  std::vector<std::vector<Candidate>> candidates;
-  std::size_t total = 0;
-  for (const AccuracyBlock& block : study.blocks) {
-    candidates.push_back(candidates_of(block.contender, quick));
-    total += candidates.back().size();
-  }
-  Progress progress("scoring", "runs", total, quiet);
-  std::size_t done = 0;
-  const double share = seconds / static_cast<double>(study.blocks.size());
-  for (std::size_t b = 0; b < study.blocks.size(); ++b) {
-    const Clock::time_point start = Clock::now();
-    for (const Candidate& candidate : candidates[b]) {
-      stop_if_interrupted();
-      const std::string key = "score " + describe(candidate);
-      if (const auto* cells = journal.find(key)) {
-        study.blocks[b].rows.push_back(row_from(candidate, *cells));
-      } else if (seconds_since(start) > share) {
-        study.blocks[b].rows.push_back(not_run(candidate, metrics.size()));
-      } else {
-        const AccuracyRow row =
-            score(target.problem, target.reference, metrics, candidate, share / 4);
-        journal.add(key, cells_of(row));
-        study.blocks[b].rows.push_back(row);
-      }
-      progress.update(++done);
-    }
-  }
-}
-
-/// True for the rows that are on a front by any metric.
-std::vector<bool> on_a_front(const AccuracyBlock& block, std::size_t metrics) {
-  std::vector<bool> best(block.rows.size());
-  for (std::size_t metric = 0; metric < metrics; ++metric) {
-    for (const std::size_t i : pareto_front(cost_and_error(block.rows, metric))) best[i] = true;
-  }
-  return best;
-}
-
-/// Times all once more and the fronts again and again, in turn, until `seconds` are over; those
-/// that take more than `slow` seconds less often, for they would eat the time of all others.
-void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, double seconds,
-              double slow) {
-  const Clock::time_point start = Clock::now();
-  for (std::size_t timings = 1; timings < kTimings; ++timings) {
-    for (AccuracyBlock& block : study.blocks) {
-      const std::vector<bool> best = on_a_front(block, metrics);
-      for (std::size_t i = 0; i < block.rows.size(); ++i) {
-        AccuracyRow& row = block.rows[i];
-        stop_if_interrupted();
-        if (seconds_since(start) > seconds) return;
-        if (row.cpu.empty() || (timings > 1 && !best[i])) continue;
-        if (timings >= kSlowTimings && row.cpu.front() * target.problem.duration() > slow) continue;
-        add_timing(target.problem, row);
-      }
-    }
-  }
-}
 
 int run(const StudyOptions& options, bool markdown, const Common& common) {
   const Scene scene = study_scene(options, {}, true);
@@ -155,7 +51,7 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
     study.blocks.push_back({contender, {}});
   }
   // Most of the time finds errors, the rest repeats timings.
-  score_all(study, target, metrics, 0.6 * options.budget, options.quick, journal, common.quiet);
+  score_all(study, target, metrics, 0.6 * options.budget, options.quick, &journal, common.quiet);
   time_all(study, target, metrics.size(), 0.4 * options.budget, 0.002 * options.budget);
   std::vector<AccuracyRow> rows;
   for (const AccuracyBlock& block : study.blocks) {

@@ -1,0 +1,18 @@
+// taut beside other engines: their settings in taut's own studies.
+#include "render/cli/program.h"
+#include "sim/add_method.h"
+#include "tests/bench/engines/engine.h"
+
+int main(int argc, char** argv) {
+  using namespace taut;
+#ifdef TAUT_BULLET
+  add_method(engines::bullet_method());
+#endif
+#ifdef TAUT_MUJOCO
+  add_method(engines::mujoco_method());
+#endif
+#ifdef TAUT_ODE
+  add_method(engines::ode_method());
+#endif
+  return cli::run_program(argc, argv, {cli::add_reach, cli::add_chart});
+}
