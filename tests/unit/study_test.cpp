@@ -140,8 +140,8 @@ TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
 
 TEST(StudyRun, FollowsPinsAndCuts) {
   Problem problem{swing(11), frame_times(0.5, 60)};
-  problem.timeline.pins = {{0, 0.53, 0.11, 0.31, {}}};
-  problem.timeline.cuts = {{0, 0.7, 0.4}};
+  problem.timeline.pins = {{0, 0.113, 0.11, 0.31, {}}};
+  problem.timeline.cuts = {{0, 0.15, 0.4}};
   const auto result = run(problem, {"direct", {}}, 10);
   ASSERT_EQ(result.end, ::taut::Run::End::done);
   Simulation simulation(problem.world, make_method("direct", {}), problem.timeline);
