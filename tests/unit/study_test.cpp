@@ -140,16 +140,18 @@ TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
 
 TEST(StudyRun, FollowsPinsAndCuts) {
   Problem problem{swing(11), frame_times(0.5, 60)};
-  problem.timeline.pins = {{0, 0.113, 0.11, 0.31, {}}};
+  problem.timeline.pins = {{0, 0.113, 0.1, 0.3, {}}};
   problem.timeline.cuts = {{0, 0.15, 0.4}};
-  const auto result = run(problem, {"direct", {}}, 10);
+  const Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
+  const auto result = run(problem, candidate, 10);
   ASSERT_EQ(result.end, ::taut::Run::End::done);
-  Simulation simulation(problem.world, make_method("direct", {}), problem.timeline);
+  Simulation simulation(problem.world, make_method("impulse", candidate.settings),
+                        problem.timeline);
   simulation.advance_to(0.5);
   EXPECT_EQ(result.frames.back().connectors, simulation.state().connectors);
   EXPECT_EQ(result.frames.back().connectors.size(), 2u);
   problem.timeline.pins[0].to.emplace().point = Vec3(9, 9, 9);  // out of reach when its time comes
-  EXPECT_EQ(run(problem, {"direct", {}}, 10).end, ::taut::Run::End::diverged);
+  EXPECT_EQ(run(problem, candidate, 10).end, ::taut::Run::End::diverged);
 }
 
 TEST(StudyRun, StopsAtItsCap) {
