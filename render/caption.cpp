@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/paint.h"
+
 namespace taut {
 namespace {
 
-constexpr double kFade = 0.2;  // s
-constexpr double kDim = 0.6;   // opacity of a list's lines whose time it is not
+constexpr double kFade = 0.2;   // s
+constexpr double kDim = 0.6;    // opacity of a list's lines whose time it is not
+constexpr double kPanel = 0.4;  // darkness behind the lines
 constexpr double kLeading = 1.5;
 
 /// How much of something shows that fades in and out between two times.
@@ -21,6 +24,15 @@ struct Lines {
   Font& font;
   double size = std::max(0.026 * picture.height, 9.0);
   double x = 0.05 * picture.width, y = 0.93 * picture.height;
+
+  /// Darkens the picture behind the lowest `count` lines.
+  void darken(int count, double width, double opacity) {
+    const double margin = 0.6 * size, height = ((count - 1) * kLeading + 1) * size;
+    fill(picture,
+         {int(x - margin), int(y - height - 0.5 * margin), int(width + 2 * margin),
+          int(height + 2 * margin)},
+         {16, 13, 10}, kPanel * opacity);
+  }
 
   /// `up` lines above the lowest.
   void draw(std::string_view text, int up, double opacity) {
@@ -43,6 +55,12 @@ void draw_captions(Picture& picture, Font& font, std::span<const Caption> captio
     if (!first->list.empty()) until += kFade;  // its last line is read to the end
     const double opacity = shown(first->from, until, time);
     auto up = static_cast<int>(last - first);
+    if (opacity > 0) {
+      double width = 0;
+      for (auto caption = first; caption != last; ++caption)
+        width = std::max(width, font.width(caption->text, lines.size));
+      lines.darken(up, width, opacity);
+    }
     for (; first != last; ++first) {
       const bool now = first->list.empty() || (time >= first->from && time < first->until);
       --up;

@@ -58,7 +58,7 @@ ComparisonFilm::ComparisonFilm(const Context& context, const Scene& scene,
 }
 
 Instant ComparisonFilm::instant(const Snapshot& state, double time) const {
-  Instant instant{state, {}, camera_at(*scene_.stage, time)};
+  Instant instant{state, {}, camera_at(scene_.stage->camera, time)};
   for (const auto& performance : scene_.performances)
     instant.bones.push_back(performance->bones_at(time));
   return instant;
@@ -68,8 +68,8 @@ Picture ComparisonFilm::draw(std::size_t frame) {
   const double time = comparison_.times[frame];
   std::vector<View> views;
   for (const Rect& cell : cells_)
-    views.push_back(
-        {{cell.x, top_ - cell.top(), cell.width, cell.height}, camera_at(*scene_.stage, time)});
+    views.push_back({{cell.x, top_ - cell.top(), cell.width, cell.height},
+                     camera_at(scene_.stage->camera, time)});
   renderer_.begin(canvas_, views);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ComparedMethod& method = comparison_.methods[i];

@@ -5,12 +5,11 @@
 namespace taut {
 
 Picture contact_sheet(std::span<const Picture> pictures, int columns) {
-  const int width = pictures[0].width / columns, height = pictures[0].height / columns;
+  const int width = pictures[0].width, height = pictures[0].height;
   const int rows = (int(pictures.size()) + columns - 1) / columns;
   Picture sheet(width * columns, height * rows);
   for (int i = 0; i < int(pictures.size()); ++i)
-    paste(shrunk(pictures[std::size_t(i)], columns), sheet, i % columns * width,
-          i / columns * height);
+    paste(pictures[std::size_t(i)], sheet, i % columns * width, i / columns * height);
   return sheet;
 }
 

@@ -7,8 +7,7 @@
 
 namespace taut {
 
-/// Pictures of one size side by side, `columns` to a row, each shrunk by the whole number `columns`
-/// so that a row is as wide as one picture was.
+/// Pictures of one size side by side, `columns` to a row.
 Picture contact_sheet(std::span<const Picture> pictures, int columns);
 
 }  // namespace taut

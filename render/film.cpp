@@ -1,6 +1,8 @@
 #include "render/film.h"
 
 #include "render/caption.h"
+#include "render/card.h"
+#include "render/fingerprint.h"
 
 namespace taut {
 
@@ -12,29 +14,50 @@ Film::Film(const Context& context, const Scene& scene, int width, int height, in
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shadows) {}
 
 Instant Film::instant(const Snapshot& state) const {
-  Instant instant{state, {}, camera_at(*scene_.stage, state.time)};
+  Instant instant{state, {}, camera_at(scene_.stage->camera, state.time)};
   for (const auto& performance : scene_.performances)
     instant.bones.push_back(performance->bones_at(state.time));
   return instant;
 }
 
-std::vector<Instant> Film::shutter(std::span<const Snapshot> states) const {
+std::vector<Instant> Film::shutter(const ClipFrame& frame, std::span<const Snapshot> states) const {
   std::vector<Instant> instants;
-  for (const Snapshot& state : states) instants.push_back(instant(state));
+  for (const Snapshot& state : states) {
+    instants.push_back(instant(state));
+    instants.back().camera = camera_at(frame.shot->camera, frame.time);
+  }
   return instants;
 }
 
-Film::Frame Film::draw(std::span<const Instant> shutter) {
-  const Instant& own = shutter[shutter.size() / 2];
-  const View view{{0, 0, canvas_.width(), canvas_.height()}, own.camera};
+Picture Film::draw(const Instant& instant) {
+  Picture picture = draw_stage({&instant, 1}).picture;
+  draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
+  return picture;
+}
+
+Film::Frame Film::draw(const ClipFrame& frame, std::span<const Instant> shutter) {
+  // Under a card the picture stands still.
+  const std::uint64_t wanted = frame.card ? fingerprint(shutter) : 0;
+  if (!frame.card || wanted != stage_drawn_) stage_picture_ = draw_stage(shutter);
+  stage_drawn_ = wanted;
+  Frame drawn = *stage_picture_;
+  if (frame.card) {
+    draw_card(drawn.picture, font_, bold_, *frame.card, scene_.method.name, frame.card_shown);
+  } else {
+    draw_captions(drawn.picture, font_, scene_.stage->captions, frame.time);
+  }
+  lap("captions");
+  return drawn;
+}
+
+Film::Frame Film::draw_stage(std::span<const Instant> shutter) {
+  const View view{{0, 0, canvas_.width(), canvas_.height()}, shutter[shutter.size() / 2].camera};
   renderer_.begin(canvas_, {&view, 1});
   const int exposures = renderer_.expose(canvas_, view.viewport, shutter);
   canvas_.resolve();
   lap("resolve and tone map");
   Frame frame{canvas_.read(), exposures};
   lap("read back");
-  draw_captions(frame.picture, font_, scene_.stage->captions, own.state.time);
-  lap("captions");
   return frame;
 }
 

@@ -1,15 +1,17 @@
-// A scene's clip as pictures: its stage drawn at any of its states, with captions.
+// A scene's clip as pictures: its stage drawn at any of its states, with captions and cards.
 #pragma once
+
+#include <optional>
 
 #include "render/canvas.h"
 #include "render/profile.h"
 #include "render/stage_renderer.h"
 #include "render/text.h"
-#include "scenes/scene.h"
+#include "scenes/clip.h"
 
 namespace taut {
 
-/// A frame depends on its instant alone, never on the frames drawn before.
+/// A frame depends on its own instants alone, never on the frames drawn before.
 class Film {
  public:
   /// `scene` has a stage, and must outlive this. Throws NoContext where the driver allows no such
@@ -17,31 +19,32 @@ class Film {
   Film(const Context& context, const Scene& scene, int width, int height, int samples,
        const Shadows& shadows = {});
 
-  /// Everything that moves, in this state: characters pose by its time.
+  /// Everything that moves, in this state, by the scene's camera: characters pose by its time.
   Instant instant(const Snapshot& state) const;
-  Picture draw(const Instant& instant) { return draw({&instant, 1}).picture; }
-
-  /// The same of each of several states.
-  std::vector<Instant> shutter(std::span<const Snapshot> states) const;
+  Picture draw(const Instant& instant);
 
   struct Frame {
     Picture picture;
     int exposures;  // instants that it shows
   };
-  /// The frame while a shutter is open: instants evenly apart, its own in the middle.
-  Frame draw(std::span<const Instant> shutter);
+  /// The states that a frame of the clip shows, as it shows them.
+  std::vector<Instant> shutter(const ClipFrame& frame, std::span<const Snapshot> states) const;
+  Frame draw(const ClipFrame& frame, std::span<const Instant> shutter);
 
   /// Where to note the stages' times, each waited for; null: nowhere.
   void set_profile(Profile* profile);
 
  private:
+  Frame draw_stage(std::span<const Instant> shutter);
   void lap(const char* stage) const;
 
   const Context& context_;
   const Scene& scene_;
   Canvas canvas_;
   StageRenderer renderer_;
-  Font font_;
+  Font font_, bold_{Font::Weight::bold};
+  std::uint64_t stage_drawn_ = 0;  // fingerprint of the picture below; 0: none
+  std::optional<Frame> stage_picture_;
   Profile* profile_ = nullptr;
 };
 

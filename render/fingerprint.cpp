@@ -63,6 +63,7 @@ std::uint64_t fingerprint(const Stage& stage) {
   }
   for (const Caption& caption : stage.captions)
     hash.number(caption.from).number(caption.until).text(caption.text).text(caption.list);
+  for (const Card& card : {stage.title, stage.end}) hash.text(card.heading).text(card.text);
   return hash.value();
 }
 

@@ -7,10 +7,13 @@
 
 namespace taut {
 
-int Scene::frames() const {
-  // A duration that is a whole number of frames but for rounding has no frame at its end.
+int frame_count(double duration, int fps) {
   const double count = duration * fps, nearest = std::round(count);
   return static_cast<int>(std::abs(count - nearest) < 1e-9 * count ? nearest : std::ceil(count));
+}
+
+int Scene::frames() const {
+  return frame_count(duration, fps);
 }
 
 Scene read_scene(const Document& document, bool with_stage) {

@@ -37,6 +37,10 @@ struct Scene {
   int frames() const;
 };
 
+/// Number of frames, `fps` to a second, that begin in `duration` (s). A duration that is a whole
+/// number of frames but for rounding has no frame at its end.
+int frame_count(double duration, int fps);
+
 /// The scene at its start, with its method, and what happens to it.
 Simulation start(const Scene& scene);
 /// The same by another method.

@@ -6,15 +6,13 @@ namespace taut {
 
 namespace {
 
-/// The rate of change of a key's `member` through its neighbours, zero where a run of keys begins
-/// or ends, so that the camera starts and stops gently.
+/// The rate of change of a key's `member` through its neighbours, zero at the first and the last,
+/// so that the camera starts and stops gently.
 template <typename Member>
 auto rate(const std::vector<CameraKey>& keys, std::size_t i, Member member) {
   const auto at = [&](std::size_t k) { return std::invoke(member, keys[k]); };
   using Value = std::decay_t<decltype(at(0))>;
-  const bool first = i == 0 || keys[i].cut;
-  const bool last = i + 1 == keys.size() || keys[i + 1].cut;
-  if (first || last) return Value(at(i) * 0.0);
+  if (i == 0 || i + 1 == keys.size()) return Value(at(i) * 0.0);
   return Value((at(i + 1) - at(i - 1)) / (keys[i + 1].time - keys[i - 1].time));
 }
 
@@ -30,14 +28,14 @@ auto between(const std::vector<CameraKey>& keys, std::size_t i, double u, Member
 
 }  // namespace
 
-CameraView camera_at(const Stage& stage, double time) {
-  const auto& keys = stage.camera;
+CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
   const auto after = std::ranges::upper_bound(keys, time, {}, &CameraKey::time);
   const auto next = static_cast<std::size_t>(after - keys.begin());
-  const std::size_t i = next == 0 ? 0 : next - 1;
-  if (next == 0 || next == keys.size() || keys[next].cut) {
-    return {keys[i].position, keys[i].target, keys[i].field_of_view};
+  if (next == 0 || next == keys.size()) {
+    const CameraKey& key = next == 0 ? keys.front() : keys.back();
+    return {key.position, key.target, key.field_of_view};
   }
+  const std::size_t i = next - 1;
   const double u = (time - keys[i].time) / (keys[next].time - keys[i].time);
   return {between(keys, i, u, &CameraKey::position), between(keys, i, u, &CameraKey::target),
           between(keys, i, u, &CameraKey::field_of_view)};

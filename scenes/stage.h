@@ -11,14 +11,12 @@
 
 namespace taut {
 
-/// Where the camera is from `time` on: it moves smoothly from each key to the next, and jumps to a
-/// key that says `cut`.
+/// Where the camera is at `time`: it moves smoothly from each key to the next.
 struct CameraKey {
   double time = 0;
   Vec3 position = Vec3(0, 1.4, 3.5);
   Vec3 target = Vec3(0, 1.1, 0);
   double field_of_view = 0.6;  // vertical, rad
-  bool cut = false;
 };
 
 struct CameraView {
@@ -49,8 +47,24 @@ struct Caption {
   std::string list;  // empty: of none
 };
 
-struct Stage {
+/// A part of the scene as the clip shows it, seen by a camera of its own.
+struct Shot {
+  double from = 0, until = 0;  // s of the scene
+  double rate = 1;             // seconds of the scene to one of the clip
   std::vector<CameraKey> camera;
+};
+
+/// Lines of text over a picture that stands still, before or after the shots.
+struct Card {
+  double duration = 0;  // s of the clip; 0: there is none
+  std::string heading;
+  std::string text;  // lines below it; "{method}" stands for the method's name
+};
+
+struct Stage {
+  std::vector<CameraKey> camera;  // of the scene as a whole
+  std::vector<Shot> shots;        // in the order of the clip; at least one
+  Card title, end;
   double shutter = 0;  // the share of a frame's time for which it is open; 0: an instant
   Light light;
   Vec3 background = Vec3(0.35, 0.38, 0.42);               // linear
@@ -61,7 +75,7 @@ struct Stage {
   std::vector<Caption> captions;
 };
 
-/// The camera at `time`.
-CameraView camera_at(const Stage& stage, double time);
+/// The camera at `time` (s); before its first and after its last key it stands still.
+CameraView camera_at(const std::vector<CameraKey>& keys, double time);
 
 }  // namespace taut

@@ -13,7 +13,7 @@
 #include "render/cli/frame_list.h"
 #include "render/cli/method_options.h"
 #include "render/cli/progress.h"
-#include "render/contact_sheet.h"
+#include "render/cli/stills.h"
 #include "render/film.h"
 #include "render/fingerprint.h"
 #include "render/frame_folder.h"
@@ -22,10 +22,8 @@
 #include "render/table.h"
 #include "render/video.h"
 #include "scenes/error.h"
-#include "scenes/exposure.h"
 #include "scenes/scene.h"
 #include "sim/hash.h"
-#include "sim/simulation.h"
 
 namespace taut::cli {
 namespace {
@@ -41,70 +39,10 @@ struct Options {
   std::optional<std::string> frames;
   int fps = 0, samples = 4;
   double patience = 60;  // s
-  bool resume = false, anew = false, no_video = false, contact_sheet = false, profile = false;
-  std::optional<double> poster;  // s
+  bool resume = false, anew = false, no_video = false, profile = false;
+  Stills stills;
   MethodOptions method;
 };
-
-/// The states that each of the frames shows.
-std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<int>& frames,
-                                          Profile* profile = nullptr) {
-  Simulation simulation = start(scene);
-  std::vector<std::vector<Snapshot>> states;
-  // Frames between are stopped at as well: methods that choose their steps go the same way
-  // whichever frames are asked for.
-  for (int frame = 0, next = 0; next < int(frames.size()); ++frame) {
-    stop_if_interrupted();
-    if (profile) profile->start();
-    std::vector<Snapshot> shutter;
-    for (const double time : exposure_times(scene, double(frame) / scene.fps)) {
-      simulation.advance_to(time);
-      shutter.push_back(simulation.state());
-    }
-    if (profile) profile->lap("simulate");
-    for (; next < int(frames.size()) && frames[std::size_t(next)] == frame; ++next)
-      states.push_back(shutter);
-  }
-  return states;
-}
-
-void write_png(const std::filesystem::path& name, const Picture& picture) {
-  const auto bytes = encode_png(picture);
-  AtomicFile file(name);
-  file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  file.commit();
-}
-
-/// Single pictures instead of a clip: the middles of the captions on one sheet, a poster.
-int render_stills(const Scene& scene, const Options& options, Film& film,
-                  const std::filesystem::path& out) {
-  const int last = scene.frames() - 1;
-  const auto frame_at = [&](double time) {
-    return std::clamp(int(std::lround(time * scene.fps)), 0, last);
-  };
-  std::string made;
-  if (options.contact_sheet) {
-    std::vector<int> frames;
-    for (const Caption& c : scene.stage->captions)
-      frames.push_back(frame_at((c.from + c.until) / 2));
-    std::ranges::sort(frames);
-    if (frames.empty()) throw Misuse("--contact-sheet: the scene has no captions to show");
-    std::vector<Picture> pictures;
-    for (const auto& states : record(scene, frames)) {
-      stop_if_interrupted();
-      pictures.push_back(film.draw(film.shutter(states)).picture);
-    }
-    write_png(out / "contact_sheet.png", contact_sheet(pictures, 3));
-    made += (out / "contact_sheet.png").string() + "\n";
-  }
-  if (options.poster) {
-    const auto states = record(scene, {frame_at(*options.poster)})[0];
-    write_png(out / "poster.png", film.draw(film.shutter(states)).picture);
-    made += (out / "poster.png").string() + "\n";
-  }
-  write_output(made);
-  return kDone;
-}
 
 /// The stages' medians, the share of the frames that went through each (scenery is drawn anew only
 /// where the camera moved), and what they add up to in a mean frame.
@@ -143,14 +81,14 @@ int render(const Common& common, const Options& options) {
   if (options.fps > 0) scene.fps = options.fps;
   if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
   scene.method = chosen_method(options.method, scene);
-  const bool stills = options.contact_sheet || options.poster;
-  const bool video = !options.no_video && !stills;
+  const bool video = !options.no_video && !options.stills.any();
   if (video && (scene.width % 2 || scene.height % 2))
     throw Misuse(
         fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides "
                     "(--no-video makes frames of any size)",
                     scene.width, scene.height));
-  const std::vector<int> frames = frame_list(options.frames, scene.frames());
+  const std::vector<ClipFrame> clip = clip_frames(scene);
+  const std::vector<int> frames = frame_list(options.frames, int(clip.size()));
   if (video) require_ffmpeg();
 
   const std::string name = std::filesystem::path(options.scene).stem().string();
@@ -158,24 +96,27 @@ int render(const Common& common, const Options& options) {
                                                         : std::filesystem::path(options.out);
   const Context context(backend, common.threads);
   Film film(context, scene, scene.width, scene.height, options.samples);
-  if (stills) return render_stills(scene, options, film, out);
+  if (options.stills.any()) {
+    write_output(make_stills(options.stills, scene, film, out));
+    return kDone;
+  }
   FrameFolder folder(out / "frames", !options.anew);
   Profile profile;
   Profile* const measured = options.profile ? &profile : nullptr;
   film.set_profile(measured);
 
   const auto simulation_start = Clock::now();
-  const auto states = record(scene, frames, measured);
+  const auto states = record(scene, clip, frames, stop_if_interrupted);
   const double simulation_time = seconds_since(simulation_start);
 
-  const std::uint64_t clip = Hash()
-                                 .number(program_fingerprint())
-                                 .number(fingerprint(*scene.stage))
-                                 .text(context.description())
-                                 .number(scene.width)
-                                 .number(scene.height)
-                                 .number(options.samples)
-                                 .value();
+  const std::uint64_t shared = Hash()
+                                   .number(program_fingerprint())
+                                   .number(fingerprint(*scene.stage))
+                                   .text(context.description())
+                                   .number(scene.width)
+                                   .number(scene.height)
+                                   .number(options.samples)
+                                   .value();
   std::size_t drawn = 0, drawn_again = 0, exposures = 0;
   const auto rendering_start = Clock::now();
   {
@@ -183,12 +124,14 @@ int render(const Common& common, const Options& options) {
     for (std::size_t i = 0; i < frames.size(); ++i) {
       stop_if_interrupted();
       if (measured) profile.start();
-      const std::vector<Instant> shutter = film.shutter(states[i]);
+      const ClipFrame& frame = clip[std::size_t(frames[i])];
+      const std::vector<Instant> shutter = film.shutter(frame, states[i]);
       if (measured) profile.lap("pose");
-      const std::uint64_t inputs = Hash().number(clip).number(fingerprint(shutter)).value();
+      const std::uint64_t inputs =
+          Hash().number(shared).number(fingerprint(shutter)).number(frame.card_shown).value();
       if (!folder.has(frames[i], inputs)) {
         drawn_again += folder.knows(frames[i]);
-        auto [picture, shown] = film.draw(shutter);
+        auto [picture, shown] = film.draw(frame, shutter);
         folder.put(frames[i], inputs, std::move(picture));
         exposures += std::size_t(shown);
         ++drawn;
@@ -278,9 +221,14 @@ void add_render(CLI::App& app, Program& program) {
                    "Keep finished frames that would come out the same: the default");
   command.add_flag("--anew", options->anew, "Draw every frame, also those that are there")
       ->excludes("--resume");
-  command.add_flag("--contact-sheet", options->contact_sheet,
+  command.add_flag("--contact-sheet", options->stills.contact_sheet,
                    "Only a sheet of the captions' middles, contact_sheet.png");
-  command.add_option("--poster", options->poster, "Only the picture at this time (s), poster.png");
+  command
+      .add_option("--every", options->stills.every,
+                  "The sheet shows the clip at every so many seconds instead")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--poster", options->stills.poster,
+                     "Only the picture at this time of the clip (s), poster.png");
   command.add_flag("--profile", options->profile,
                    "Time a frame's stages, one after another, and print their medians");
   command.add_flag("--no-video", options->no_video, "Frames only");

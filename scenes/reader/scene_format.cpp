@@ -281,8 +281,23 @@ const TableFormat& stage_format() {
         .unit = "rad",
         .minimum = 0,
         .maximum = 3,
-        .above = true},
-       {.name = "cut", .type = Type::flag, .meaning = "Jumps to this key."}}};
+        .above = true}}};
+  static const KeyFormat camera_keys{.name = "camera",
+                                     .type = Type::tables,
+                                     .meaning = "Where the camera is when; smooth between.",
+                                     .least = 1,
+                                     .table = &camera};
+  static const TableFormat shot{{needed(not_negative("from", "Time of its first frame.", "s")),
+                                 needed(positive("until", "Time after its last frame.", "s")),
+                                 {.name = "rate",
+                                  .meaning = "How fast it goes: 0.25 is slow motion; default: 1.",
+                                  .minimum = 0.001,
+                                  .maximum = 1000},
+                                 camera_keys}};
+  static const TableFormat card{
+      {needed(positive("duration", "How long it stays.", "s")),
+       needed(text("heading", "Its first line, in large letters.")),
+       text("text", "The lines below; {method} stands for the method's name.")}};
   static const TableFormat light{{vector("direction", "The way the key light travels.", ""),
                                   color("color", "Linear radiance of the key light."),
                                   color("sky", "Linear ambient light from above."),
@@ -297,11 +312,15 @@ const TableFormat& stage_format() {
       {{.name = "scenery",
         .type = Type::files,
         .meaning = "Models that stand still, in world space."},
-       {.name = "camera",
+       camera_keys,
+       {.name = "shots",
         .type = Type::tables,
-        .meaning = "Where the camera is when; smooth between, except for cuts.",
+        .meaning = "What the clip shows, one after another, cut hard; default: the whole scene by "
+                   "the camera above, which is also that of a shot without its own.",
         .least = 1,
-        .table = &camera},
+        .table = &shot},
+       table("title", "A card before the first shot.", card),
+       table("end", "A card after the last shot.", card),
        {.name = "shutter",
         .meaning = "Share of a frame's time for which the shutter is open, around the frame's own "
                    "instant; 0.5: 180 degrees; default: 0, no motion blur.",

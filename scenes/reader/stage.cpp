@@ -44,7 +44,6 @@ std::vector<CameraKey> read_camera(const Document& document, const Value& list) 
       document.mismatch(*entry.find("target"), "a point other than the camera's position");
     }
     key.field_of_view = number_or(entry, "field_of_view", key.field_of_view);
-    key.cut = flag_or(entry, "cut", false);
     keys.push_back(key);
   }
   return keys;
@@ -57,6 +56,32 @@ Light read_light(const Document& document, const Value& value) {
   light.sky = vec3_or(value, "sky", light.sky);
   light.ground = vec3_or(value, "ground", light.ground);
   return light;
+}
+
+/// The shots, or the whole scene as one.
+std::vector<Shot> read_shots(const Document& document, const Value* list, double duration,
+                             const std::vector<CameraKey>& camera) {
+  if (!list) return {{.until = duration, .camera = camera}};
+  std::vector<Shot> shots;
+  for (const Value& entry : list->children) {
+    const Value& until = *entry.find("until");
+    Shot shot{entry.find("from")->number, until.number, number_or(entry, "rate", 1), camera};
+    if (!(shot.until > shot.from)) {
+      document.mismatch(until, fmt::format("a time after {} s", shot.from));
+    }
+    if (shot.until > duration) {
+      document.mismatch(until, fmt::format("at most the scene's duration, {} s", duration));
+    }
+    if (const Value* keys = entry.find("camera")) shot.camera = read_camera(document, *keys);
+    shots.push_back(std::move(shot));
+  }
+  return shots;
+}
+
+Card read_card(const Value* value) {
+  if (!value) return {};
+  return {value->find("duration")->number, value->find("heading")->text,
+          std::string(text_or(*value, "text", ""))};
 }
 
 std::vector<Caption> read_captions(const Document& document, const Value& list) {
@@ -113,6 +138,9 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
   Stage stage;
   const Value* camera = value.find("camera");
   stage.camera = camera ? read_camera(document, *camera) : std::vector{CameraKey{}};
+  stage.shots = read_shots(document, value.find("shots"), scene.duration, stage.camera);
+  stage.title = read_card(value.find("title"));
+  stage.end = read_card(value.find("end"));
   stage.shutter = number_or(value, "shutter", stage.shutter);
   if (const Value* light = value.find("light")) stage.light = read_light(document, *light);
   stage.background = vec3_or(value, "background", stage.background);

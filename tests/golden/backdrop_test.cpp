@@ -29,7 +29,7 @@ TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
   std::vector<Instant> instants;
   for (int i = 0; i < 7; ++i) {
     simulation.advance_to(0.25 * i);
-    Instant instant{snapshot(simulation.world()), {}, camera_at(*scene.stage, 0)};
+    Instant instant{snapshot(simulation.world()), {}, camera_at(scene.stage->camera, 0)};
     for (const auto& performance : scene.performances)
       instant.bones.push_back(performance->bones_at(0.25 * i));
     if (i == 5) instant.camera.position += Vec3(0.01, 0, 0);

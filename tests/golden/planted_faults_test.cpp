@@ -50,7 +50,7 @@ class PlantedFaults : public testing::Test {
 
   /// The state with the last body moved in the picture, across its length.
   Snapshot stick_moved(const Snapshot& state, double pixels) const {
-    const CameraView camera = camera_at(*scene_.stage, state.time);
+    const CameraView camera = camera_at(scene_.stage->camera, state.time);
     Snapshot moved = state;
     Pose& stick = moved.bodies.back();
     const Vec3 forward = (camera.target - camera.position).normalized();

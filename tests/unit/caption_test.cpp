@@ -1,9 +1,11 @@
-// Captions on a black picture: when they show, and how bright the lines of a list are.
+// Captions and cards: when they show, and how bright they are.
 #include "render/caption.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+
+#include "render/card.h"
 
 namespace taut {
 namespace {
@@ -45,6 +47,24 @@ TEST_F(CaptionTest, AListStaysAndTheLineWhoseTimeItIsStandsOut) {
   EXPECT_EQ(brightest(list_, 0.9, 0, 1), 0);
   EXPECT_GT(brightest(list_, 2.99, parted, 1), 200) << "the last line is read to the end";
   EXPECT_EQ(brightest(list_, 3.3, 0, 1), 0);
+}
+
+TEST_F(CaptionTest, ACardDarkensThePictureBehindItsLines) {
+  Font bold(Font::Weight::bold);
+  const Card card{.duration = 1, .heading = "HHH", .text = "one\ntwo"};
+  Picture picture(320, 200), half = picture, named = picture, other = picture;  // white
+  draw_card(picture, font_, bold, card, "impulse", 1);
+  draw_card(half, font_, bold, card, "impulse", 0.5);
+  EXPECT_LT(picture.at(5, 5)[0], 100);
+  EXPECT_GT(half.at(5, 5)[0], picture.at(5, 5)[0]);
+  EXPECT_LT(half.at(5, 5)[0], 255);
+  int brightest = 0;
+  for (int x = 0; x < 320; ++x) brightest = std::max<int>(brightest, picture.at(x, 85)[0]);
+  EXPECT_GT(brightest, 200);
+  const Card by{.duration = 1, .heading = "H", .text = "by {method}"};
+  draw_card(named, font_, bold, by, "direct", 1);
+  draw_card(other, font_, bold, {.duration = 1, .heading = "H", .text = "by direct"}, "", 1);
+  EXPECT_EQ(named.pixels, other.pixels);
 }
 
 }  // namespace

@@ -1,0 +1,78 @@
+#include "render/cli/stills.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "render/atomic_file.h"
+#include "render/cli/command.h"
+#include "render/contact_sheet.h"
+#include "render/interrupt.h"
+#include "render/paint.h"
+
+namespace taut::cli {
+namespace {
+
+void write_png(const std::filesystem::path& name, const Picture& picture) {
+  const auto bytes = encode_png(picture);
+  AtomicFile file(name);
+  file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  file.commit();
+}
+
+/// The first of the frames nearest to a time of the scene that no card covers.
+int frame_at(const std::vector<ClipFrame>& frames, double time) {
+  const auto off = [&](const ClipFrame& f) { return f.card ? 1e300 : std::abs(f.time - time); };
+  return int(std::ranges::min_element(frames, {}, off) - frames.begin());
+}
+
+/// The frames of a contact sheet, and how many stand in a row.
+std::pair<std::vector<int>, int> on_sheet(const Stills& stills, const Scene& scene,
+                                          const std::vector<ClipFrame>& frames) {
+  std::vector<int> chosen;
+  if (!stills.every) {
+    for (const Caption& caption : scene.stage->captions)
+      chosen.push_back(frame_at(frames, (caption.from + caption.until) / 2));
+    std::ranges::sort(chosen);
+    if (chosen.empty()) throw Misuse("--contact-sheet: the scene has no captions to show");
+    return {chosen, 3};
+  }
+  for (int i = 0;; ++i) {
+    const auto frame = std::lround(i * *stills.every * scene.fps);
+    if (frame >= std::ssize(frames)) break;
+    chosen.push_back(int(frame));
+  }
+  return {chosen, int(std::ceil(std::sqrt(double(chosen.size()))))};
+}
+
+}  // namespace
+
+std::string make_stills(const Stills& stills, const Scene& scene, Film& film,
+                        const std::filesystem::path& out) {
+  const std::vector<ClipFrame> frames = clip_frames(scene);
+  const auto draw_all = [&](const std::vector<int>& wanted, int shrink) {
+    const auto states = record(scene, frames, wanted, stop_if_interrupted);
+    std::vector<Picture> pictures;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      stop_if_interrupted();
+      const ClipFrame& frame = frames[std::size_t(wanted[i])];
+      pictures.push_back(shrunk(film.draw(frame, film.shutter(frame, states[i])).picture, shrink));
+    }
+    return pictures;
+  };
+  std::string made;
+  if (stills.contact_sheet || stills.every) {
+    const auto [wanted, columns] = on_sheet(stills, scene, frames);
+    write_png(out / "contact_sheet.png", contact_sheet(draw_all(wanted, columns), columns));
+    made += (out / "contact_sheet.png").string() + "\n";
+  }
+  if (stills.poster) {
+    const int last = int(frames.size()) - 1;
+    const int frame = std::clamp(int(std::lround(*stills.poster * scene.fps)), 0, last);
+    write_png(out / "poster.png", draw_all({frame}, 1)[0]);
+    made += (out / "poster.png").string() + "\n";
+  }
+  return made;
+}
+
+}  // namespace taut::cli

@@ -1,0 +1,82 @@
+// What a clip shows: the order of cards and shots, the time of each frame, and what was simulated
+// for it.
+#include "scenes/clip.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/physics/worlds.h"
+
+namespace taut {
+namespace {
+
+Scene swinging() {
+  Scene scene;
+  scene.duration = 2;
+  scene.fps = 60;
+  scene.method = {"impulse", {{"step", 1.0 / 2400}}};
+  scene.world = worlds::chain(5, 1, Vec3::UnitX());
+  scene.stage.emplace();
+  scene.stage->shots = {{.until = 2, .camera = {CameraKey{}}}};
+  return scene;
+}
+
+TEST(Clip, ASceneWithoutShotsIsPlayedOnce) {
+  const Scene scene = swinging();
+  const std::vector<ClipFrame> frames = clip_frames(scene);
+  ASSERT_EQ(int(frames.size()), scene.frames());
+  for (std::size_t k = 0; k < frames.size(); ++k) EXPECT_EQ(frames[k].time, double(k) / 60);
+}
+
+TEST(Clip, ShotsFollowEachOtherAtTheirOwnRates) {
+  Scene scene = swinging();
+  scene.stage->shots = {{.from = 0, .until = 1, .camera = {CameraKey{}}},
+                        {.from = 0.5, .until = 0.75, .rate = 0.25, .camera = {CameraKey{}}}};
+  const std::vector<ClipFrame> frames = clip_frames(scene);
+  ASSERT_EQ(frames.size(), 60u + 60u);
+  EXPECT_EQ(frames[59].time, 59.0 / 60);
+  for (int k = 0; k < 60; ++k) {
+    EXPECT_NEAR(frames[std::size_t(60 + k)].time, 0.5 + k / 240.0, 1e-12);
+    EXPECT_EQ(frames[std::size_t(60 + k)].shot, &scene.stage->shots[1]);
+  }
+}
+
+TEST(Clip, CardsStandOverTheFirstAndTheLastPicture) {
+  Scene scene = swinging();
+  scene.stage->title = {.duration = 1, .heading = "title", .text = ""};
+  scene.stage->end = {.duration = 0.5, .heading = "end", .text = ""};
+  const std::vector<ClipFrame> frames = clip_frames(scene);
+  ASSERT_EQ(frames.size(), 60u + 120u + 30u);
+  EXPECT_EQ(frames[0].card, &scene.stage->title);
+  EXPECT_EQ(frames[0].card_shown, 1);
+  EXPECT_EQ(frames[0].time, 0);
+  EXPECT_LT(frames[59].card_shown, 0.1);
+  EXPECT_EQ(frames[60].card, nullptr);
+  EXPECT_EQ(frames[180].card, &scene.stage->end);
+  EXPECT_LT(frames[180].card_shown, 0.1);
+  EXPECT_EQ(frames[209].time, 119.0 / 60);
+}
+
+TEST(Clip, SlowMotionShowsStatesOfTheSameMotion) {
+  Scene scene = swinging();
+  scene.stage->shutter = 0.5;
+  const std::vector<ClipFrame> straight = clip_frames(scene);
+  const auto tick = [] {};
+  const std::vector<int> wanted = {30, 44};
+  const auto normal = record(scene, straight, wanted, tick);
+  scene.stage->shots = {{.from = 0, .until = 1, .camera = {CameraKey{}}},
+                        {.from = 0.5, .until = 0.75, .rate = 0.25, .camera = {CameraKey{}}}};
+  const std::vector<ClipFrame> again = clip_frames(scene);
+  // Frames 60 and 60 + 4 * 14 of the second clip have the times of 30 and 44.
+  const auto slow = record(scene, again, {60, 60 + 4 * 14}, tick);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const Snapshot& a = normal[i][normal[i].size() / 2];
+    const Snapshot& b = slow[i][slow[i].size() / 2];
+    EXPECT_EQ(a.time, b.time);
+    EXPECT_EQ(a.connectors, b.connectors);
+    EXPECT_NEAR(slow[i].back().time - slow[i].front().time,
+                (normal[i].back().time - normal[i].front().time) / 4, 1.0 / 2400);
+  }
+}
+
+}  // namespace
+}  // namespace taut
