@@ -6,23 +6,23 @@
 namespace taut {
 namespace {
 
-/// The step (s) that the scene's method takes in every frame; 0: it chooses from step to step.
-double own_step(const Scene& scene) {
+/// Into how many equal steps the scene's method divides a frame; for methods that choose their
+/// steps, into how many parts times are rounded.
+std::uint64_t steps_per_frame(const Scene& scene) {
+  constexpr std::uint64_t kFine = 1024;
   const MethodInfo& method = *find_method(scene.method.name);
   const Settings settings = with_defaults(method, scene.method.settings);
   const auto step = settings.find("step");
-  if (step == settings.end() || !(std::get<double>(step->second) > 0)) return 0;
-  const double frame = 1.0 / scene.fps;
-  return frame / static_cast<double>(step_count(frame, std::get<double>(step->second)));
+  if (step == settings.end() || !(std::get<double>(step->second) > 0)) return kFine;
+  return step_count(1.0 / scene.fps, std::get<double>(step->second));
 }
 
 }  // namespace
 
 double own_time(const Scene& scene, double time) {
-  const double step = own_step(scene);
-  if (step == 0) return time;
-  const double own = std::round(time / step) * step;
-  return std::abs(own - time) < 1e-6 * step ? time : own;
+  // One quotient, so that a time has the same bits however it was come by.
+  const double rate = double(steps_per_frame(scene)) * scene.fps;
+  return std::round(time * rate) / rate;
 }
 
 std::vector<double> exposure_times(const Scene& scene, double time, double rate) {
@@ -31,8 +31,7 @@ std::vector<double> exposure_times(const Scene& scene, double time, double rate)
   std::vector<double> times;
   for (int i = 0; i < kExposureStates; ++i) {
     const int off = i - kExposureStates / 2;
-    times.push_back(off == 0 ? time
-                             : std::max(own_time(scene, time + off * open / kExposureStates), 0.0));
+    times.push_back(std::max(own_time(scene, time + off * open / kExposureStates), 0.0));
   }
   return times;
 }

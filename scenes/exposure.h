@@ -19,7 +19,8 @@ constexpr int kExposureStates = 16;
 /// before the scene's start is the start.
 std::vector<double> exposure_times(const Scene& scene, double time, double rate = 1);
 
-/// The time nearest to `time` (s) at which the scene's method stops by itself.
+/// The time nearest to `time` (s) at which the scene's method ends a step by itself. Methods that
+/// choose their steps end one anywhere; times are rounded for them, to far below a frame.
 double own_time(const Scene& scene, double time);
 
 }  // namespace taut

@@ -39,6 +39,16 @@ TEST(Exposure, TimesAreTheMethodsOwnSteps) {
   EXPECT_NEAR(slow.back() - slow.front(), 4 * step, 1e-12);
 }
 
+TEST(Exposure, ATimeHasTheSameBitsHoweverItWasComeBy) {
+  for (const double step : {1.0 / 2040, 0.0}) {
+    const Scene scene = with_shutter(0.5, step > 0 ? "impulse" : "direct",
+                                     step > 0 ? Settings{{"step", step}} : Settings{});
+    for (int k = 0; k < 100; ++k) EXPECT_EQ(own_time(scene, k / 60.0), k / 60.0);
+    for (const double time : {0.3, 0.7, 1.1})
+      EXPECT_EQ(own_time(scene, time + 1e-15), own_time(scene, time - 1e-15));
+  }
+}
+
 TEST(Exposure, MethodsThatChooseTheirStepsStopAnywhere) {
   const Scene scene = with_shutter(1, "direct", {{"tolerance", 1e-4}});
   const std::vector<double> times = exposure_times(scene, 0.5);
