@@ -1,5 +1,7 @@
 #include "sim/methods/direct.h"
 
+#include <cstring>
+
 #include "sim/methods/direct/control.h"
 #include "sim/projection.h"
 
@@ -52,37 +54,41 @@ class Direct : public Method {
     noted_.clear();
   }
 
+  /// Visits the world's state as blocks of doubles.
   template <typename Visit>
-  static void each_number(const World& world, Visit visit) {
-    visit(world.time);
+  static void each_block(const World& world, Visit visit) {
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    visit(&world.time, 1);
     for (const Body& body : world.bodies) {
       if (body.driven()) continue;
-      for (const double x : body.position) visit(x);
-      for (const double x : body.velocity) visit(x);
-      for (const double x : body.rotation.coeffs()) visit(x);
-      for (const double x : body.spin) visit(x);
+      visit(body.position.data(), 3);
+      visit(body.velocity.data(), 3);
+      visit(body.rotation.coeffs().data(), 4);
+      visit(body.spin.data(), 3);
     }
     for (const Connector& connector : world.connectors) {
-      for (const Vec3& position : connector.position) {
-        for (const double x : position) visit(x);
-      }
-      for (const Vec3& velocity : connector.velocity) {
-        for (const double x : velocity) visit(x);
-      }
+      if (connector.position.empty()) continue;
+      visit(connector.position.data()->data(), 3 * connector.position.size());
+      visit(connector.velocity.data()->data(), 3 * connector.velocity.size());
     }
   }
 
   bool same(const World& world) const {
     if (noted_.empty()) return false;
-    std::size_t k = 0;
+    const double* noted = noted_.data();
     bool equal = true;
-    each_number(world, [&](double x) { equal &= noted_[k++] == x; });
+    each_block(world, [&](const double* block, std::size_t size) {
+      equal = equal && std::memcmp(noted, block, size * sizeof(double)) == 0;
+      noted += size;
+    });
     return equal;
   }
 
   void note(const World& world) {
     noted_.clear();
-    each_number(world, [&](double x) { noted_.push_back(x); });
+    each_block(world, [&](const double* block, std::size_t size) {
+      noted_.insert(noted_.end(), block, block + size);
+    });
   }
 
   direct::Control control_;

@@ -68,7 +68,7 @@ TEST(Direct, SmallSwingsKeepTheFrequenciesOfTheLaguerreZeros) {
       chain.position[k].x() = amplitude * laguerre(n - k, zero);
     }
     const Vec3 start = chain.position[n];
-    Simulation simulation(world, make_method("direct", tolerance(1e-11)));
+    Simulation simulation(world, make_method("direct", tolerance(5e-12)));
     simulation.advance_to(2 * std::numbers::pi / w);
     const Connector& after = simulation.world().connectors[0];
     EXPECT_NEAR(after.position[n].x(), start.x(), 1e-5 * amplitude) << ratio;

@@ -2,23 +2,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "sim/methods/direct/net.h"
+#include "sim/methods/direct/planar_chain.h"
 
 namespace taut::direct {
 namespace {
 
-/// The error of one step, as a share of the tolerance: errors of earlier steps grow (by about a
-/// hundred in a second for a rope of 0.2 m that swings) and add up.
-constexpr double kStepShare = 0.01;
+// The error that a step may make, in tolerances: of the explicit methods so much per second (most
+// of it cancels: waves go round), and at most so much; of the implicit one, which loses every wave
+// only once, so much in any step.
+constexpr double kCarefulRate = 30, kAdamsRate = 15;  // 1/s
+constexpr double kExplicitShare = 0.1, kImplicitShare = 0.02;
 
 constexpr double kSafety = 0.9;
 constexpr double kMostGrowth = 4, kMostShrink = 0.2;
 constexpr double kFirstStep = 1e-3;  // s; the error control finds the right one from there
 
-// What a step costs, in solves of all tensions; measured.
-constexpr double kCarefulCost = 15, kCheapCost = 8;
-constexpr int kShortestProbeInterval = 4, kLongestProbeInterval = 64;  // steps
+// What a step costs, in accelerations; measured.
+constexpr double kCarefulCost = 12.5, kAdamsCost = 1.25, kImplicitCost = 6.5;
+constexpr int kShortestRest = 4, kLongestRest = 256;  // careful steps
 
-/// A fixed step whose error estimate exceeds this share of the net's length is done again.
+// Adams keeps its spacing while the error is below the one and, where it is below the other, while
+// the waves would not let the step grow by a third.
+constexpr double kMuch = 0.8, kLittle = 0.15, kLeastSpacing = 0.75;
+constexpr double kNewSpacing = 0.93;  // of the longest, so that it lasts
+
+/// The waves that explicit methods stir up must stay this small, as turns of a link.
+constexpr double kRoughness = 0.05;
+
+/// A fixed step whose error estimate exceeds this share of the length of all links is done again.
 constexpr double kCoarsest = 0.01;
 
 /// The step whose error would be the one allowed, after one of h that had `error` times that where
@@ -38,144 +52,242 @@ Course::Course(const World& world, Component component, const Control& control)
 
 void Course::plan(const World& world, double time, const std::optional<Plane>& plane) {
   planned_at_ = time;
-  net_ = std::make_unique<Net>(world, component_, plane);
-  careful_ = std::make_unique<Dop853Step>(net_->size());
-  cheap_ = std::make_unique<RosenbrockStep>(net_->size());
-  acceleration_.assign(net_->size(), 0.0);
+  if (plane && PlanarChain::fits(world, component_)) {
+    motion_ = std::make_unique<PlanarChain>(world, component_, *plane);
+  } else {
+    motion_ = std::make_unique<Net>(world, component_, plane);
+  }
+  careful_ = std::make_unique<Dop853Step>(motion_->size());
+  adams_ = std::make_unique<AdamsStep>(motion_->size());
+  implicit_ = std::make_unique<RosenbrockStep>(motion_->size());
+  acceleration_.assign(motion_->size(), 0.0);
+  cost_ = {kCarefulCost, kAdamsCost, kImplicitCost};
+  for (double& cost : cost_) cost += motion_->projection_cost();
 }
 
 void Course::load(const World& world) {
   plan(world, world.time, find_plane(world, component_, world.time, Vec3::Zero()));
   time_ = world.time;
-  net_->load(world, time_, q_, rate_);
-  net_->project(time_, q_.data(), rate_.data());
-  fresh_ = use_cheap_ = false;
-  careful_step_ = kFirstStep;
-  steps_to_probe_ = 0;
-  probe_interval_ = kShortestProbeInterval;
+  motion_->load(world, time_, q_, rate_);
+  motion_->project(time_, q_.data(), rate_.data());
+  fresh_ = false;
+  rung_ = careful;
+  step_ = kFirstStep;
+  rests_.fill({0, kShortestRest});
 }
 
 void Course::advance(World& world, double until, Counters& counters) {
-  net_->attach(world);
+  motion_->attach(world);
   if (control_.step > 0) {
     advance_by_step(world, until, counters);
   } else {
-    advance_by_tolerance(world, until, kStepShare * control_.tolerance, counters);
+    advance_by_tolerance(world, until, control_.tolerance, counters);
   }
-  net_->store(world, until, q_.data(), rate_.data());
+  motion_->store(world, until, q_.data(), rate_.data());
 }
 
 void Course::refresh(Counters& counters) {
   if (fresh_) return;
-  net_->acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
-  limit_ = Dop853Step::kStable / net_->fastest();
+  motion_->acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
+  fastest_ = motion_->fastest();
   counters.solves += 1;
   fresh_ = true;
 }
 
-/// The error (m) of a step of h by the integrator that use_cheap_ says.
-double Course::attempt(double h, Counters& counters) {
-  if (use_cheap_) {
-    counters.solves += RosenbrockStep::kStages - 1;
-    return cheap_->attempt(*net_, time_, h, q_.data(), rate_.data(), acceleration_.data());
-  }
-  counters.solves += kStages - 1;
-  return careful_->attempt(*net_, time_, h, q_.data(), rate_.data(), acceleration_.data());
+/// The longest step (s) of the rung under the waves of the present state.
+double Course::stable_step(Rung rung) const {
+  if (rung == implicit) return std::numeric_limits<double>::infinity();
+  const double reach = rung == careful ? Dop853Step::kStable : AdamsStep::kStable;
+  return reach / fastest_;
 }
 
-void Course::accept(double time, Counters& counters) {
-  const std::vector<double>& q = use_cheap_ ? cheap_->q() : careful_->q();
-  const std::vector<double>& rate = use_cheap_ ? cheap_->rate() : careful_->rate();
-  std::copy(q.begin(), q.end(), q_.begin());
-  std::copy(rate.begin(), rate.end(), rate_.begin());
+/// The error (m) that a step of h may make.
+double Course::allowed_error(Rung rung, double h, double tolerance) const {
+  if (rung == implicit) return kImplicitShare * tolerance;
+  const double rate = rung == careful ? kCarefulRate : kAdamsRate;
+  return std::min(rate * h, kExplicitShare) * std::min(tolerance, kRoughness * motion_->shortest());
+}
+
+/// The number of equal steps of at most about `wish` to `until`, so that none is a sliver.
+double Course::pieces_to(double until, double wish) const {
+  return std::max(1.0, std::ceil((until - time_) / wish - 1e-6));
+}
+
+/// The same for Adams, who keeps his spacing where it divides the way.
+double Course::adams_pieces_to(double until, double wish) const {
+  const double h = adams_->spacing(), pieces = std::round((until - time_) / h);
+  const bool divides = std::abs(pieces * h - (until - time_)) <= 1e-9 * h;
+  if (divides && h <= wish && h >= kLeastSpacing * wish) return pieces;
+  return pieces_to(until, h > wish ? kNewSpacing * wish : wish);
+}
+
+/// The error (m) of a step of h by one of the integrators that do not look back.
+double Course::attempt(Rung rung, double h, Counters& counters) {
+  const double *q = q_.data(), *rate = rate_.data(), *first = acceleration_.data();
+  refresh(counters);
+  if (rung == careful) {
+    counters.solves += kStages - 1;
+    return careful_->attempt(*motion_, time_, h, q, rate, first);
+  }
+  counters.solves += RosenbrockStep::kStages - 1;
+  return implicit_->attempt(*motion_, time_, h, q, rate, first);
+}
+
+void Course::accept(Rung rung, double time, Counters& counters) {
   time_ = time;
-  net_->project(time_, q_.data(), rate_.data());
-  fresh_ = false;
   counters.steps += 1;
+  if (rung == careful) careful_->swap_result(q_, rate_);
+  if (rung == adams) adams_->swap_result(q_, rate_);
+  if (rung == implicit) implicit_->swap_result(q_, rate_);
+  motion_->project(time_, q_.data(), rate_.data());
+  fresh_ = false;
 }
 
 /// A hold has left the plane: goes on from where the last step ended, in another plane (a chain
 /// that hangs still fits many) or in space.
 bool Course::leave_plane(World& world) {
-  const std::optional<Vec3> reason = net_->left_plane();
+  const std::optional<Vec3> reason = motion_->left_plane();
   if (!reason) return false;
-  net_->store(world, time_, q_.data(), rate_.data());
+  motion_->store(world, time_, q_.data(), rate_.data());
   std::optional<Plane> plane;
   if (planned_at_ != time_) plane = find_plane(world, component_, time_, *reason);
   plan(world, time_, plane);
-  net_->load(world, time_, q_, rate_);
+  motion_->load(world, time_, q_, rate_);
   fresh_ = false;
   return true;
 }
 
-void Course::advance_by_tolerance(World& world, double until, double allowed, Counters& counters) {
+void Course::advance_by_tolerance(World& world, double until, double tolerance,
+                                  Counters& counters) {
   while (time_ < until) {
-    refresh(counters);
-    const double wish = use_cheap_ ? cheap_step_ : std::min(careful_step_, limit_);
-    // Equal steps to the end, so that none is a sliver.
-    const double left = until - time_;
-    const double pieces = std::max(1.0, std::ceil(left / wish - 1e-6));
-    const double h = left / pieces;
-    if (!(time_ + h > time_)) throw StepTooSmall{time_};
-    const double error = attempt(h, counters) / allowed;
-    if (leave_plane(world)) continue;
-    const bool good = error <= 1;  // false for NaN
-    if (good) {
-      accept(pieces > 1 ? time_ + h : until, counters);
+    if (rung_ != adams) refresh(counters);
+    double wish = std::min(step_, stable_step(rung_));
+    Rung rung = rung_;
+    double h = 0, error = 0;
+    if (rung_ == adams) {
+      if (adams_->longest() > 0) wish = std::min(wish, adams_->longest());
+      const double pieces = adams_pieces_to(until, wish);
+      h = (until - time_) / pieces;
+      if (adams_->prepare(h)) {
+        error = march(until, pieces, tolerance, counters);
+        if (leave_plane(world)) continue;
+      } else {
+        rung = careful;  // the first steps
+      }
     } else {
-      counters.rejected += 1;
+      h = (until - time_) / pieces_to(until, wish);
     }
-    adapt(h, wish, error, counters);
-    if (!good && use_cheap_) fresh_ = false;  // it needs the tensions of the present state
+    if (!(time_ + h > time_)) throw StepTooSmall{time_};
+    if (rung != adams) {
+      const double end = until - time_ > 1.5 * h ? time_ + h : until;
+      error = attempt(rung, h, counters) / allowed_error(rung, h, tolerance);
+      if (leave_plane(world)) continue;
+      if (error <= 1) {  // false for NaN
+        accept(rung, end, counters);
+        if (rung_ == adams) {
+          refresh(counters);
+          adams_->remember(acceleration_.data(), h);
+        } else {
+          adams_->clear();
+        }
+      } else {
+        counters.rejected += 1;
+        fresh_ = fresh_ && rung == careful;  // the implicit one needs the tensions of this state
+      }
+    }
+    if (rung != rung_ && !(error <= 1)) hand_over_to(careful, counters);
+    if (rung == rung_) adapt(h, wish, error, counters);
   }
+}
+
+/// Takes steps of Adams's spacing, at most `pieces` of them to `until`, for as long as waves and
+/// error suit it. Returns the error of the last one, as a share of the one allowed.
+double Course::march(double until, double pieces, double tolerance, Counters& counters) {
+  const double h = adams_->spacing(), share = allowed_error(adams, h, tolerance);
+  double error = 0;
+  int& rest = rests_[implicit].steps;
+  for (double left = pieces; left > 0; --left) {
+    counters.solves += 1;
+    error = adams_->attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * share) / share;
+    if (motion_->left_plane()) return error;
+    if (!(error <= 1)) {
+      counters.rejected += 1;
+      return error;
+    }
+    adams_->accept();
+    accept(adams, left > 1 ? time_ + h : until, counters);
+    fastest_ = motion_->fastest();
+    const double waves = h * fastest_ / AdamsStep::kStable;
+    if (waves > 1 || error > kMuch) return error;
+    if ((error < kLittle && waves < kLeastSpacing) || --rest <= 0) return error;
+  }
+  return error;
 }
 
 /// Chooses the next step and its integrator from how a step of h went where `wish` was possible.
 void Course::adapt(double h, double wish, double error, Counters& counters) {
-  const double order = use_cheap_ ? RosenbrockStep::kErrorOrder : Dop853Step::kErrorOrder;
-  const double next = scaled_step(h, wish, error, order);
-  if (!use_cheap_) {
-    careful_step_ = next;
-    if (careful_step_ > limit_ && --steps_to_probe_ <= 0) {
-      use_cheap_ = true;
-      cheap_step_ = limit_;
+  // Of the error as a share of the one allowed, which grows with the step.
+  constexpr double kOrder[kRungs] = {Dop853Step::kErrorOrder - 1, AdamsStep::kErrorOrder - 1,
+                                     RosenbrockStep::kErrorOrder};
+  const bool small = rung_ == adams && error < kLittle;  // then `error` may be a bound
+  step_ = small ? std::max(kMostGrowth * h, wish) : scaled_step(h, wish, error, kOrder[rung_]);
+  const double speed = std::min(step_, stable_step(rung_)) / cost_[rung_];
+  if (rung_ != careful) {
+    const Rung below = static_cast<Rung>(rung_ - 1);
+    const double wave_limit = stable_step(below);
+    if (speed < wave_limit / cost_[below]) {
+      hand_over_to(below, counters);
+      step_ = wave_limit;
+      return;
     }
-    return;
+    if (error <= 1 && ++rests_[rung_].steps > rests_[rung_].interval) {
+      rests_[rung_].interval = kShortestRest;
+    }
   }
-  cheap_step_ = next;
-  if (cheap_step_ * kCarefulCost < limit_ * kCheapCost) {
-    use_cheap_ = false;
-    careful_step_ = limit_;
-    steps_to_probe_ = probe_interval_;
-    probe_interval_ = std::min(2 * probe_interval_, kLongestProbeInterval);
-    counters.handed_over += 1;
-  } else if (error <= 1) {
-    probe_interval_ = kShortestProbeInterval;
+  if (rung_ == careful && step_ > stable_step(careful) && --rests_[adams].steps <= 0) {
+    climb(adams, stable_step(adams));
+  } else if (rung_ != implicit && --rests_[implicit].steps <= 0) {
+    climb(implicit, speed * cost_[implicit]);
   }
 }
 
-/// Fixed steps: the careful integrator where it is stable, else the cheap one. A step that goes
+/// Goes down the ladder, and lets the rung that failed rest.
+void Course::hand_over_to(Rung below, Counters& counters) {
+  Rest& rest = rests_[rung_];
+  rest.steps = rest.interval;
+  rest.interval = std::min(2 * rest.interval, kLongestRest);
+  rung_ = below;
+  counters.handed_over += 1;
+}
+
+void Course::climb(Rung to, double step) {
+  rung_ = to;
+  step_ = step;
+  rests_[to].steps = 0;
+}
+
+/// Fixed steps: the careful integrator where it is stable, else the implicit one. A step that goes
 /// astray is done again in smaller ones.
 void Course::advance_by_step(World& world, double until, Counters& counters) {
   const StepTimes times(time_, until, control_.step);
-  const double allowed = kCoarsest * net_->length();
+  const double coarsest = kCoarsest * motion_->length();
   for (std::uint64_t i = 1; i <= times.count; ++i) {
     const double end = times.at(i);
     while (time_ < end) {
       refresh(counters);
       const double h = end - time_;
-      use_cheap_ = h > limit_;
-      const double error = attempt(h, counters);
+      rung_ = h > stable_step(careful) ? implicit : careful;
+      const double error = attempt(rung_, h, counters);
       if (leave_plane(world)) continue;
-      if (error <= allowed) {
-        accept(end, counters);
+      if (error <= coarsest) {
+        accept(rung_, end, counters);
         continue;
       }
       counters.rejected += 1;
       counters.handed_over += 1;
-      use_cheap_ = false;
-      careful_step_ = h / 2;
-      advance_by_tolerance(world, end, allowed, counters);
+      rung_ = careful;
+      step_ = h / 2;
+      advance_by_tolerance(world, end, coarsest, counters);
     }
   }
 }

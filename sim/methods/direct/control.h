@@ -1,13 +1,16 @@
 // Step control: which integrator takes a step, how far it goes, and what becomes of one that fails.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "sim/method.h"
+#include "sim/methods/direct/adams.h"
+#include "sim/methods/direct/components.h"
 #include "sim/methods/direct/dop853.h"
-#include "sim/methods/direct/net.h"
+#include "sim/methods/direct/plane.h"
 #include "sim/methods/direct/rosenbrock.h"
 
 namespace taut::direct {
@@ -20,11 +23,12 @@ struct Control {
 
 /// One component of a world on its way through time.
 ///
-/// The careful integrator (DOP853) is accurate but explicit: its steps end where the waves under
-/// the tension become unstable. The cheap one (ROS34PW2) has no such limit but is less accurate.
-/// Each step goes to the one that gets further for its cost; the cheap one hands over to the
-/// careful one where its error forces it to steps that the careful one could take as well: in
-/// slack, under pushing links, in whips.
+/// Its integrators form a ladder, from the careful DOP853 over Adams's to the implicit ROS34PW2.
+/// Going up they are less accurate but get further for their cost: explicit steps end where the
+/// waves under the tension become unstable, Adams's with half the accelerations. Where a rung is
+/// held up by those waves and not by its error, the next one is tried; where its error forces it to
+/// steps that the rung below could take as well (in slack, under pushing links, in whips), it hands
+/// over to that.
 class Course {
  public:
   Course(const World& world, Component component, const Control& control);
@@ -42,27 +46,41 @@ class Course {
   };
 
  private:
+  enum Rung { careful, adams, implicit, kRungs };
+  struct Rest {  // of a rung that the one below has to try again
+    int steps = 0, interval = 0;
+  };
+
   void plan(const World& world, double time, const std::optional<Plane>& plane);
-  void advance_by_tolerance(World& world, double until, double allowed, Counters& counters);
+  void advance_by_tolerance(World& world, double until, double tolerance, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
   void refresh(Counters& counters);
-  double attempt(double h, Counters& counters);
-  void accept(double time, Counters& counters);
+  double stable_step(Rung rung) const;
+  double allowed_error(Rung rung, double h, double tolerance) const;
+  double pieces_to(double until, double wish) const;
+  double adams_pieces_to(double until, double wish) const;
+  double attempt(Rung rung, double h, Counters& counters);
+  double march(double until, double pieces, double tolerance, Counters& counters);
+  void accept(Rung rung, double time, Counters& counters);
   void adapt(double h, double wish, double error, Counters& counters);
+  void hand_over_to(Rung below, Counters& counters);
+  void climb(Rung to, double step);
   bool leave_plane(World& world);
 
   Component component_;
   Control control_;
-  std::unique_ptr<Net> net_;
+  std::unique_ptr<Motion> motion_;
   std::unique_ptr<Dop853Step> careful_;
-  std::unique_ptr<RosenbrockStep> cheap_;
+  std::unique_ptr<AdamsStep> adams_;
+  std::unique_ptr<RosenbrockStep> implicit_;
   double time_ = 0, planned_at_ = 0;  // s
-  std::vector<double> q_, rate_, acceleration_;
-  bool fresh_ = false;      // acceleration_ and limit_ are those of the present state
-  double limit_ = 0;        // s, the longest stable step of the careful integrator
-  bool use_cheap_ = false;  // for the next step
-  double careful_step_ = 0, cheap_step_ = 0;  // s, what their errors allow; zero: unknown
-  int steps_to_probe_ = 0, probe_interval_ = 1;
+  Array q_, rate_, acceleration_;
+  bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state
+  double fastest_ = 0;   // rad/s, of the waves
+  Rung rung_ = careful;  // for the next step
+  double step_ = 0;      // s, what its error allows
+  std::array<Rest, kRungs> rests_;
+  std::array<double, kRungs> cost_;  // of a step, in accelerations
 };
 
 }  // namespace taut::direct

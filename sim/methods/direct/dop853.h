@@ -1,8 +1,6 @@
 // The careful integrator: explicit Runge-Kutta of order 8 for second-order motion.
 #pragma once
 
-#include <vector>
-
 #include "sim/methods/direct/dop853_table.h"
 #include "sim/methods/direct/motion.h"
 
@@ -14,13 +12,16 @@ class Dop853Step {
  public:
   explicit Dop853Step(std::size_t size);
 
-  /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`. The result is
-  /// in q() and rate(); returns the estimated error (m).
+  /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`. X; returns the
+  /// estimated error (m).
   double attempt(Motion& motion, double time, double h, const double* q, const double* rate,
                  const double* first);
 
-  const std::vector<double>& q() const { return q_; }
-  const std::vector<double>& rate() const { return rate_; }
+  /// Swaps the result of the last attempt with the caller's state.
+  void swap_result(Array& q, Array& rate) {
+    q_.swap(q);
+    rate_.swap(rate);
+  }
 
   /// The order by which the error estimate falls with h, for step control.
   static constexpr double kErrorOrder = 8;
@@ -29,8 +30,8 @@ class Dop853Step {
 
  private:
   std::size_t size_;
-  std::vector<double> accelerations_;  // [stage - 1][size]; stage 0 is the caller's
-  std::vector<double> q_, rate_, error_q_, error_rate_;
+  Array accelerations_;  // [stage - 1][size]; stage 0 is the caller's
+  Array q_, rate_, error_q_, error_rate_;
 };
 
 }  // namespace taut::direct

@@ -9,7 +9,6 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kLanes = 4;
 constexpr std::size_t kArrays = 20;
 
 // A link that is turned by almost a right angle from its chart's base has left the chart.

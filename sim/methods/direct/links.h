@@ -3,7 +3,8 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
+
+#include "sim/methods/direct/vector.h"
 
 namespace taut::direct {
 
@@ -81,7 +82,7 @@ class Links {
   // One block, so that no two arrays lie a multiple of a page apart, where stores would hold up
   // loads. Rows and columns of the system are scaled to a diagonal of 2, near which neither its
   // minors nor their inverses overflow.
-  std::vector<double> arena_;
+  Array arena_;
   double *rest_, *inverse_rest_, *both_, *shared_, *scale_;
   double *beside_, *weight_, *next_gain_, *last_gain_, *own_gain_;  // scaled constants of the loops
   double *diagonal_, *off_, *right_, *unknown_;                     // unknowns: T / scale

@@ -1,24 +1,52 @@
 // What the direct method's integrators step: second-order motion of a few coordinates.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <optional>
+
+#include "sim/methods/direct/vector.h"
+#include "sim/world.h"
 
 namespace taut::direct {
 
-/// q'' = a(t, q, q'), with arrays of size() doubles. The coordinates are directions (unit vectors
-/// and unit quaternions), never positions: every length holds whatever an integrator does.
+/// q'' = a(t, q, q'), with arrays of size() doubles, a multiple of four. The coordinates are
+/// directions (angles, unit vectors and unit quaternions), never positions: every length holds
+/// whatever an integrator does.
 class Motion {
  public:
   virtual ~Motion() = default;
+
+  /// Reads the state from the world, whose time is `time`.
+  virtual void load(const World& world, double time, Array& q, Array& rate) = 0;
+  /// Writes the state at `time`, positions included, to the world.
+  virtual void store(World& world, double time, const double* q, const double* rate) = 0;
+  /// Reads holds from `world` from now on.
+  virtual void attach(const World& world) = 0;
+  /// The acceleration by which a hold has left the plane since load(), if one has.
+  virtual const std::optional<Vec3>& left_plane() const = 0;
+  virtual double length() const = 0;    // m, of all links
+  virtual double shortest() const = 0;  // m, of a link
+  /// An upper bound of the frequencies (rad/s) of the waves under the last tensions.
+  virtual double fastest() const = 0;
 
   virtual std::size_t size() const = 0;
   /// Writes q'' at `time` (s).
   virtual void acceleration(double time, const double* q, const double* rate, double* out) = 0;
   /// Returns q and q' to where they belong after a step: unit lengths, closed loops.
   virtual void project(double time, double* q, double* rate) = 0;
-  /// The RMS error of the particles' positions (m) that the errors `eq` of q and `er` of q' cause.
-  /// An error of velocity counts for as much as it moves a particle in a short while.
-  virtual double error(const double* eq, const double* er) const = 0;
+  /// What that costs, in accelerations.
+  virtual double projection_cost() const = 0;
+  /// By how far (m, RMS) a small change of q displaces the particles.
+  virtual double shift(const double* change) const = 0;
+  /// A cheap upper bound of that, from the sum of the squares of `change`.
+  virtual double shift_bound(double squares) const = 0;
+  /// The time (s) for which an error of velocity counts.
+  virtual double memory() const = 0;
+  /// The error (m) of the particles' positions that the errors of q and q' amount to.
+  double error(const double* of_q, const double* of_rate) const {
+    return std::hypot(shift(of_q), memory() * shift(of_rate));
+  }
 
   // A chart for long steps, in which the unit lengths hold of themselves: of each q its part x
   // across its place in `base`, so that q = x + sqrt(1 - x.x) base.

@@ -33,22 +33,21 @@ class Net : public Motion {
   /// In `plane`, which must suit the world's present state (see find_plane), or in space.
   Net(const World& world, const Component& component, const std::optional<Plane>& plane);
 
-  /// Reads the state from the world, whose time is `time`.
-  void load(const World& world, double time, std::vector<double>& q, std::vector<double>& rate);
-  /// Writes the state at `time`, positions included, to the world.
-  void store(World& world, double time, const double* q, const double* rate);
-  /// Reads holds from `world` from now on.
-  void attach(const World& world) { world_ = &world; }
-  /// The acceleration by which a hold has left the plane since load(), if one has.
-  const std::optional<Vec3>& left_plane() const { return left_plane_; }
-  double length() const { return length_; }  // m, of all links
-  /// An upper bound of the frequencies (rad/s) of the waves under the last tensions.
-  double fastest() const { return links_->fastest(); }
+  void load(const World& world, double time, Array& q, Array& rate) override;
+  void store(World& world, double time, const double* q, const double* rate) override;
+  void attach(const World& world) override { world_ = &world; }
+  const std::optional<Vec3>& left_plane() const override { return left_plane_; }
+  double length() const override { return length_; }
+  double shortest() const override { return shortest_; }
+  double fastest() const override { return links_->fastest(); }
 
   std::size_t size() const override { return links_->end() + 4 * bodies_.size() + Links::kPad; }
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   void project(double time, double* q, double* rate) override;
-  double error(const double* eq, const double* er) const override;
+  double projection_cost() const override;
+  double shift(const double* change) const override;
+  double shift_bound(double squares) const override { return reach_ * std::sqrt(squares); }
+  double memory() const override { return memory_; }
   bool lift(const double* base, double* x, double* rate) const override;
   void across(const double* base, double* x) const override;
   void freeze(double sigma_squared) override;
@@ -162,9 +161,10 @@ class Net : public Motion {
   std::vector<Coupling> couplings_;
   std::vector<std::size_t> coupled_;  // links with a row of the dense system
   std::unique_ptr<Links> links_;
-  double length_ = 0;
-  double memory_ = 0;  // s, see error()
-  double frozen_ = 1;  // 1/s^2, of freeze()
+  double length_ = 0, shortest_ = 0;  // m, of all links, of the shortest
+  double memory_ = 0;                 // s
+  double reach_ = 0;                  // m, of shift_bound()
+  double frozen_ = 1;                 // 1/s^2, of freeze()
 
   bool floats_ = false;  // nothing prescribed: its centre of mass flies freely
   double mass_ = 0;      // kg
@@ -175,11 +175,11 @@ class Net : public Motion {
   // Per point of every span (one more than its links), and per body: mass, place.
   std::vector<double> point_mass_;
   std::vector<Point> points_, centres_, bar_centres_;
-  bool loops_ = false;         // some span closes one
-  std::vector<Point> gaps_;    // per span, where it closes a loop
-  std::vector<double> still_;  // workspace of spread()
+  bool loops_ = false;       // some span closes one
+  std::vector<Point> gaps_;  // per span, where it closes a loop
+  Array still_;              // workspace of spread()
   // Workspaces of add_couplings().
-  std::vector<double> response_;
+  Array response_;
   Eigen::MatrixXd dense_, gain_;
   Eigen::VectorXd dense_right_;
 };

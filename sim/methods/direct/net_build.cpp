@@ -3,18 +3,13 @@
 #include <cmath>
 
 #include "sim/methods/direct/net.h"
+#include "sim/methods/direct/scales.h"
 
 namespace taut::direct {
 namespace {
 
-/// An error of velocity counts for this share of the time in which a pendulum of the net's length
-/// would turn it into an error of position.
-constexpr double kMemoryShare = 0.15;
-constexpr double kStandardGravity = 9.80665;  // m/s^2
-
-/// A particle without mass, which the model has no equation for, is taken to weigh this share of
-/// everything that moves with it.
-constexpr double kLeastMassShare = 1e-9;
+/// A link this short, as a share of all, counts as none.
+constexpr double kLeastLink = 1e-6;
 
 /// A centre of mass this near (in radii of gyration) to the point that a body hangs by is at it.
 constexpr double kLeastArm = 1e-6;
@@ -255,7 +250,26 @@ void Net::measure_links(const World& world) {
   for (const End& end : ends_) {
     if (end.body != kNone) links[end.link].end += 1 / bodies_[end.body].mass;
   }
-  memory_ = kMemoryShare * std::sqrt(length_ / kStandardGravity);
+  memory_ = memory_of_velocity(length_);
+  // Pins may leave links without length; a body alone has none.
+  shortest_ = links.empty() ? 1 : length_;
+  for (const Links::Link& link : links) {
+    if (link.rest > kLeastLink * length_) shortest_ = std::min(shortest_, link.rest);
+  }
+  // Cauchy's and Schwarz's inequality for the sums in shift().
+  double reach = 0;
+  std::size_t count = bodies_.size();
+  for (const Span& span : spans_) {
+    count += span.links;
+    for (std::size_t k = 0; k < span.links; ++k) {
+      const double rest = links[span.offset + k].rest;
+      reach += static_cast<double>(span.links - k) * rest * rest;
+    }
+  }
+  for (const Part& part : bodies_) {
+    reach = std::max(reach, 2 * part.inertia.trace() / part.mass);
+  }
+  reach_ = std::sqrt(reach / static_cast<double>(std::max<std::size_t>(count, 1)));
   links_ = std::make_unique<Links>(links, plane_ ? 2 : 3);
   points_.resize(point_mass_.size());
   centres_.resize(bodies_.size());

@@ -1,8 +1,6 @@
 // The cheap integrator: linearly implicit in the waves that the tensions carry.
 #pragma once
 
-#include <vector>
-
 #include "sim/methods/direct/motion.h"
 
 namespace taut::direct {
@@ -19,16 +17,19 @@ class RosenbrockStep {
   double attempt(Motion& motion, double time, double h, const double* q, const double* rate,
                  const double* first);
 
-  const std::vector<double>& q() const { return q_; }
-  const std::vector<double>& rate() const { return rate_; }
+  /// Swaps the result of the last attempt with the caller's state.
+  void swap_result(Array& q, Array& rate) {
+    q_.swap(q);
+    rate_.swap(rate);
+  }
 
   static constexpr int kStages = 4;
   static constexpr double kErrorOrder = 3;
 
  private:
   std::size_t size_;
-  std::vector<double> increments_;  // [stage][of x, of its rate][size]
-  std::vector<double> q_, rate_, chart_rate_, acceleration_, error_q_, error_rate_;
+  Array increments_;  // [stage][of x, of its rate][size]
+  Array q_, rate_, chart_rate_, acceleration_, error_q_, error_rate_;
 };
 
 }  // namespace taut::direct

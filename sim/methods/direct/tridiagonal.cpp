@@ -159,7 +159,9 @@ TAUT_VECTOR_CLONES
 void solve_twisted(std::size_t n, const double* pivot, const double* up, const double* down,
                    int columns, std::size_t stride, double* x) {
   if (n == 0) return;
-  if (columns == 2) {
+  if (columns == 1) {
+    solve_columns<1>(n, pivot, up, down, stride, x);
+  } else if (columns == 2) {
     solve_columns<2>(n, pivot, up, down, stride, x);
   } else {
     solve_columns<3>(n, pivot, up, down, stride, x);

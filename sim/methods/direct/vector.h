@@ -1,6 +1,10 @@
 // Vector code for more than one kind of processor.
 #pragma once
 
+#include <cstddef>
+#include <new>
+#include <vector>
+
 // Compiles a function twice, for any x86-64 and for those with AVX2 and FMA, and chooses when the
 // program starts. Only plain loops profit: what they call must be inlined.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
@@ -8,3 +12,26 @@
 #else
 #define TAUT_VECTOR_CLONES
 #endif
+
+namespace taut::direct {
+
+/// Numbers in the widest vector that loops are written for.
+inline constexpr std::size_t kLanes = 4;
+
+/// Begins a cache line, so that no vector lies across two.
+template <typename T>
+struct LineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kLine{64};
+
+  LineAllocator() = default;
+  template <typename U>
+  LineAllocator(const LineAllocator<U>&) {}
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kLine)); }
+  void deallocate(T* p, std::size_t) { ::operator delete(p, kLine); }
+  bool operator==(const LineAllocator&) const = default;
+};
+
+using Array = std::vector<double, LineAllocator<double>>;
+
+}  // namespace taut::direct

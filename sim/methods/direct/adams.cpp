@@ -1,0 +1,139 @@
+#include "sim/methods/direct/adams.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/methods/direct/vector.h"
+
+namespace taut::direct {
+namespace {
+
+using Out = double* __restrict;
+using In = const double* __restrict;
+
+/// A sum that vector code can add to.
+struct Lanes {
+  double lane[kLanes] = {};
+  double sum() const { return (lane[0] + lane[1]) + (lane[2] + lane[3]); }
+};
+
+constexpr std::size_t kNeeded = 4;
+
+// With the differences taken over earlier accelerations, a = a_n + ..., integrated once and twice
+// over a step; Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, III.1,
+// III.10.
+constexpr double kRate[4] = {55.0 / 24, -59.0 / 24, 37.0 / 24, -9.0 / 24};
+constexpr double kPlace[4] = {323.0 / 360, -264.0 / 360, 159.0 / 360, -38.0 / 360};
+constexpr double kRateError = 251.0 / 720;  // of the fourth difference
+
+TAUT_VECTOR_CLONES
+void adams_step(std::size_t n, double h, In q, In rate, In a, In b, In c, In d, Out q_out,
+                Out rate_out) {
+  const double h2 = h * h;
+  for (std::size_t i = 0; i < n; ++i) {
+    q_out[i] = q[i] + h * rate[i] +
+               h2 * (kPlace[0] * a[i] + kPlace[1] * b[i] + kPlace[2] * c[i] + kPlace[3] * d[i]);
+    rate_out[i] =
+        rate[i] + h * (kRate[0] * a[i] + kRate[1] * b[i] + kRate[2] * c[i] + kRate[3] * d[i]);
+  }
+}
+
+/// Writes the error of the rate; returns the sum of its squares.
+TAUT_VECTOR_CLONES
+double adams_error(std::size_t n, double h, In next, In a, In b, In c, In d, Out error) {
+  const double scale = kRateError * h;
+  Lanes squares;
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    for (std::size_t j = i; j < i + kLanes; ++j) {
+      error[j] = scale * ((next[j] + d[j]) - 4 * (a[j] + c[j]) + 6 * b[j]);
+      squares.lane[j - i] += error[j] * error[j];
+    }
+  }
+  return squares.sum();
+}
+
+using Weights = std::array<double, AdamsStep::kKept>;
+
+/// Those of Lagrange's polynomial through 0, 1, ... points - 1, at x; zero beyond.
+Weights lagrange(std::size_t points, double x) {
+  constexpr double kFactorial[AdamsStep::kKept] = {1, 1, 2, 6, 24, 120};
+  double below[AdamsStep::kKept + 1], above[AdamsStep::kKept + 1];  // products of x - k, k - x
+  below[0] = above[points] = 1;
+  for (std::size_t k = 0; k < points; ++k) below[k + 1] = below[k] * (x - static_cast<double>(k));
+  for (std::size_t k = points; k-- > 0;) above[k] = above[k + 1] * (static_cast<double>(k) - x);
+  Weights weight{};
+  for (std::size_t k = 0; k < points; ++k) {
+    weight[k] = below[k] * above[k + 1] / (kFactorial[k] * kFactorial[points - 1 - k]);
+  }
+  return weight;
+}
+
+TAUT_VECTOR_CLONES
+void interpolate(std::size_t n, const Weights& w, const std::array<double*, 6>& a, Out out) {
+  In a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3], a4 = a[4], a5 = a[5];
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i] = ((w[0] * a0[i] + w[1] * a1[i]) + (w[2] * a2[i] + w[3] * a3[i])) +
+             (w[4] * a4[i] + w[5] * a5[i]);
+  }
+}
+
+}  // namespace
+
+AdamsStep::AdamsStep(std::size_t size)
+    : size_(size), arena_((2 * kKept + 1) * size, 0.0), q_(size), rate_(size), error_(size) {
+  for (std::size_t j = 0; j < kKept; ++j) {
+    past_[j] = arena_.data() + j * size;
+    spare_[j] = arena_.data() + (kKept + j) * size;
+  }
+  next_ = arena_.data() + 2 * kKept * size;
+}
+
+void AdamsStep::remember(const double* acceleration, double h) {
+  if (known_ > 1 && std::abs(h - h_) > 1e-9 * h) known_ = 1;
+  h_ = h;
+  std::copy(acceleration, acceleration + size_, next_);
+  accept();
+}
+
+void AdamsStep::accept() {
+  std::rotate(past_.begin(), past_.end() - 1, past_.end());
+  std::swap(past_[0], next_);
+  known_ = std::min(known_ + 1, kKept);
+}
+
+double AdamsStep::longest() const {
+  if (known_ < kNeeded) return 0;
+  return static_cast<double>(known_ - 1) / static_cast<double>(kNeeded - 1) * h_;
+}
+
+bool AdamsStep::prepare(double h) {
+  if (!(h <= longest() * (1 + 1e-9))) return false;
+  if (std::abs(h - h_) > 1e-9 * h) respace(h);
+  return true;
+}
+
+/// Interpolates the accelerations at a new spacing, as far as they reach.
+void AdamsStep::respace(double h) {
+  const double ratio = h / h_;
+  const auto reach = static_cast<std::size_t>(static_cast<double>(known_ - 1) / ratio + 1e-9);
+  const std::size_t kept = std::min(reach + 1, kKept);
+  for (std::size_t j = 1; j < kept; ++j) {
+    const auto weight = lagrange(known_, static_cast<double>(j) * ratio);
+    interpolate(size_, weight, past_, spare_[j]);
+  }
+  for (std::size_t j = 1; j < kept; ++j) std::swap(past_[j], spare_[j]);
+  known_ = kept;
+  h_ = h;
+}
+
+double AdamsStep::attempt(Motion& motion, double time, const double* q, const double* rate,
+                          double unimportant) {
+  double *a = past_[0], *b = past_[1], *c = past_[2], *d = past_[3];
+  adams_step(size_, h_, q, rate, a, b, c, d, q_.data(), rate_.data());
+  motion.acceleration(time + h_, q_.data(), rate_.data(), next_);
+  const double squares = adams_error(size_, h_, next_, a, b, c, d, error_.data());
+  const double bound = motion.memory() * motion.shift_bound(squares);
+  return bound < unimportant ? bound : motion.memory() * motion.shift(error_.data());
+}
+
+}  // namespace taut::direct

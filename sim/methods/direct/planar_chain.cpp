@@ -1,0 +1,271 @@
+#include "sim/methods/direct/planar_chain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/methods/direct/scales.h"
+#include "sim/methods/direct/sincos.h"
+#include "sim/methods/direct/tridiagonal.h"
+#include "sim/methods/direct/vector.h"
+
+namespace taut::direct {
+namespace {
+
+constexpr std::size_t kArrays = 19;
+
+using Out = double* __restrict;
+using In = const double* __restrict;
+
+TAUT_VECTOR_CLONES
+void assemble(std::size_t n, In angle, In rate, In beside, In weight, Out cosine, Out sine, Out off,
+              Out right) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const SinCos turn = sine_and_cosine(angle[k + 1] - angle[k]);
+    cosine[k] = turn.cosine;
+    sine[k] = turn.sine;
+    off[k] = beside[k] * turn.cosine;
+    right[k] = weight[k] * (rate[k] * rate[k]);
+  }
+}
+
+TAUT_VECTOR_CLONES
+void directions(std::size_t n, In angle, Out cosine, Out sine) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const SinCos direction = sine_and_cosine(angle[k]);
+    cosine[k] = direction.cosine;
+    sine[k] = direction.sine;
+  }
+}
+
+/// The angles' accelerations; returns the largest of wave_gain * |x|.
+TAUT_VECTOR_CLONES
+double turn(std::size_t n, In sine, In next_gain, In last_gain, In wave_gain, In x, Out out) {
+  double lanes[kLanes] = {};
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    for (std::size_t j = 0; j < kLanes; ++j) {
+      const std::size_t k = i + j;
+      out[k] = next_gain[k] * x[k + 1] * sine[k] - last_gain[k] * x[k - 1] * sine[k - 1];
+      const double wave = wave_gain[k] * std::abs(x[k]);
+      lanes[j] = wave > lanes[j] ? wave : lanes[j];
+    }
+  }
+  return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
+}
+
+}  // namespace
+
+bool PlanarChain::fits(const World& world, const Component& component) {
+  if (component.spans.size() != 1) return false;
+  const SpanRange& span = component.spans[0];
+  const Connector& connector = world.connectors[span.connector];
+  const auto prescribed = [&](std::size_t particle) {
+    const Hold* hold = hold_at(connector, particle);
+    return hold && is_prescribed(world, hold->to);
+  };
+  for (std::size_t k = span.first; k < span.last; ++k) {
+    if (!(connector.rest[k] > 0)) return false;
+  }
+  return prescribed(span.first) != prescribed(span.last);
+}
+
+PlanarChain::PlanarChain(const World& world, const Component& component, const Plane& plane)
+    : world_(&world), plane_(plane), range_(component.spans[0]), gravity_(world.gravity) {
+  const Connector& connector = world.connectors[range_.connector];
+  const Hold* first = hold_at(connector, range_.first);
+  reversed_ = !first || !is_prescribed(world, first->to);
+  hold_ = hold_at(connector, particle(0))->to;
+  if (!component.bodies.empty()) bar_ = component.bodies[0];
+  links_ = range_.last - range_.first + (bar_ ? 1 : 0);
+  loop_ = (links_ + 1 + kLanes - 1) / kLanes * kLanes;
+  const std::size_t stride = loop_ + 2 * kLanes;
+  arena_.assign((kArrays + 2) * stride, 0.0);
+  double** const arrays[kArrays] = {&rest_,         &scale_,        &beside_,    &weight_,
+                                    &next_gain_,    &last_gain_,    &wave_gain_, &diagonal_,
+                                    &cosine_,       &sine_,         &off_,       &right_,
+                                    &unknown_,      &frozen_pivot_, &frozen_up_, &frozen_down_,
+                                    &place_cosine_, &place_sine_,   &work_};
+  static_assert(std::size(arrays) == kArrays);
+  for (std::size_t k = 0; k < kArrays && arrays[k]; ++k) {
+    *arrays[k] = arena_.data() + kLanes + k * stride;
+  }
+  measure(world);
+}
+
+void PlanarChain::measure(const World& world) {
+  const Connector& connector = world.connectors[range_.connector];
+  const std::size_t particles = range_.last - range_.first + 1;
+  std::vector<double> mass{0};
+  for (std::size_t k = 1; k < particles; ++k) {
+    rest_[k] = connector.rest[std::min(particle(k - 1), particle(k))];
+    mass.push_back(connector.particle_mass[particle(k)]);
+  }
+  if (bar_) {
+    const Body& body = world.bodies[*bar_];
+    const MassProperties& m = body.mass_properties;
+    const Vec3 normal = body.rotation.conjugate() * plane_.normal;
+    const Hold* hold = hold_at(connector, particle(particles - 1));
+    arm_ = (hold->to.point - m.centre).norm();
+    const Stick stick(m.mass, normal.dot(m.inertia * normal), arm_);
+    mass.back() = stick.tip;
+    mass.push_back(stick.far);
+    rest_[links_] = stick.reach;
+  }
+  double total = 0;
+  for (const double m : mass) total += m;
+  const double least = kLeastMassShare * (total > 0 ? total : 1);
+  std::vector<double> inverse(mass.size() + 1, 0.0);
+  for (std::size_t k = 1; k < mass.size(); ++k) inverse[k] = 1 / std::max(mass[k], least);
+  for (std::size_t k = 1; k <= links_; ++k) {
+    length_ += rest_[k];
+    scale_[k] = std::sqrt(2 / (inverse[k - 1] + inverse[k]));
+    diagonal_[k] = 2;
+    weight_[k] = rest_[k] * scale_[k];
+  }
+  for (std::size_t k = 1; k <= links_; ++k) {
+    const double per_rest = 1 / rest_[k];
+    wave_gain_[k] = 2 * (inverse[k - 1] + inverse[k]) * scale_[k] * per_rest;
+    if (k < links_) {
+      beside_[k] = inverse[k] * scale_[k] * scale_[k + 1];
+      next_gain_[k] = inverse[k] * scale_[k + 1] * per_rest;
+    }
+    if (k > 1) last_gain_[k] = inverse[k - 1] * scale_[k - 1] * per_rest;
+  }
+  shortest_ = *std::min_element(rest_ + 1, rest_ + links_ + 1);
+  memory_ = memory_of_velocity(length_);
+  // Cauchy's and Schwarz's inequality for the sum in shift().
+  for (std::size_t k = 1; k <= links_; ++k) {
+    reach_ += static_cast<double>(links_ + 1 - k) * rest_[k] * rest_[k];
+  }
+  reach_ = std::sqrt(reach_ / static_cast<double>(links_));
+}
+
+void PlanarChain::load(const World& world, double, Array& q, Array& rate) {
+  attach(world);
+  left_plane_.reset();
+  gravity_ = world.gravity;
+  q.assign(size(), 0.0);
+  rate.assign(size(), 0.0);
+  const Connector& connector = world.connectors[range_.connector];
+  Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized() : plane_.x;
+  const auto set = [&](std::size_t k, const Vec3& turn) {
+    q[k] = std::atan2(u.dot(plane_.y), u.dot(plane_.x));
+    rate[k] = turn.dot(plane_.normal.cross(u));
+  };
+  const std::size_t particles = range_.last - range_.first + 1;
+  for (std::size_t k = 1; k < particles; ++k) {
+    const std::size_t a = particle(k - 1), b = particle(k);
+    const Vec3 gap = connector.position[b] - connector.position[a];
+    // Particles that coincide say nothing of the link between them: it goes on like the last.
+    if (gap.norm() > 1e-9 * rest_[k]) u = gap.normalized();
+    const double per_rest = 1 / rest_[k];
+    set(k, per_rest * (connector.velocity[b] - connector.velocity[a]));
+  }
+  if (!bar_) return;
+  const Body& body = world.bodies[*bar_];
+  u = (body.position - connector.position[particle(particles - 1)]).normalized();
+  set(links_, body.spin.cross(u));
+  bar_angle_ = q[links_];
+  rotation_ = body.rotation;
+}
+
+void PlanarChain::store(World& world, double time, const double* q, const double* rate) {
+  attach(world);
+  Connector& connector = world.connectors[range_.connector];
+  const PointMotion start = hold_motion(world, hold_, time);
+  directions(loop_, q, place_cosine_, place_sine_);
+  Vec3 position = start.position, velocity = start.velocity;
+  const std::size_t particles = range_.last - range_.first + 1;
+  connector.position[particle(0)] = position;
+  connector.velocity[particle(0)] = velocity;
+  const auto along = [&](std::size_t k) -> Vec3 {
+    return place_cosine_[k] * plane_.x + place_sine_[k] * plane_.y;
+  };
+  const auto across = [&](std::size_t k) -> Vec3 {
+    return place_cosine_[k] * plane_.y - place_sine_[k] * plane_.x;
+  };
+  for (std::size_t k = 1; k < particles; ++k) {
+    position += rest_[k] * along(k);
+    velocity += rest_[k] * rate[k] * across(k);
+    connector.position[particle(k)] = position;
+    connector.velocity[particle(k)] = velocity;
+  }
+  if (!bar_) return;
+  Body& body = world.bodies[*bar_];
+  body.position = position + arm_ * along(links_);
+  body.velocity = velocity + arm_ * rate[links_] * across(links_);
+  body.rotation = Quat(Eigen::AngleAxisd(q[links_] - bar_angle_, plane_.normal)) * rotation_;
+  body.spin = rate[links_] * plane_.normal;
+}
+
+void PlanarChain::acceleration(double time, const double* q, const double* rate, double* out) {
+  pull_ = gravity_;
+  if (hold_.kind != Attachment::Kind::fixed) {
+    pull_ -= hold_motion(*world_, hold_, time).acceleration;
+    if (!plane_.holds(pull_)) left_plane_ = pull_;
+  }
+  const double fx = pull_.dot(plane_.x), fy = pull_.dot(plane_.y);
+  assemble(loop_, q, rate, beside_, weight_, cosine_, sine_, off_, right_);
+  right_[1] += scale_[1] * (cosine_[0] * fx + sine_[0] * fy);
+  solve_tridiagonal(links_, diagonal_ + 1, off_ + 1, right_ + 1, unknown_ + 1, work_);
+  fastest_squared_ = turn(loop_, sine_, next_gain_, last_gain_, wave_gain_, unknown_, out);
+  out[1] += (cosine_[0] * fy - sine_[0] * fx) / rest_[1];
+  for (std::size_t k = loop_; k < size(); ++k) out[k] = 0;
+}
+
+/// As if the links were parallel. Four parts of the sum go on at once.
+double PlanarChain::shift(const double* change) const {
+  constexpr std::size_t kParts = 4;
+  double place[kParts] = {}, sum[kParts] = {}, squares[kParts] = {};
+  const std::size_t length = links_ / kParts;
+  const auto add = [&](std::size_t part, std::size_t k) {
+    place[part] += rest_[k] * change[k];
+    sum[part] += place[part];
+    squares[part] += place[part] * place[part];
+  };
+  for (std::size_t i = 1; i <= length; ++i) {
+    for (std::size_t part = 0; part < kParts; ++part) add(part, part * length + i);
+  }
+  for (std::size_t k = kParts * length + 1; k <= links_; ++k) add(kParts - 1, k);
+  double total = squares[0], before = place[0];
+  for (std::size_t part = 1; part < kParts; ++part) {
+    const std::size_t count = part + 1 < kParts ? length : links_ - part * length;
+    total += before * (static_cast<double>(count) * before + 2 * sum[part]) + squares[part];
+    before += place[part];
+  }
+  return std::sqrt(std::max(total, 0.0) / static_cast<double>(links_));
+}
+
+bool PlanarChain::lift(const double* base, double* x, double*) const {
+  constexpr double kRightAngle = 1.5707963267948966;
+  double most = 0;
+  for (std::size_t k = 1; k <= links_; ++k) {
+    most = std::max(most, std::abs(x[k]));
+    x[k] += base[k];
+  }
+  return most < kRightAngle;
+}
+
+/// sigma^2 - L, rows times l: L p is what the tensions make of a change p of the angles, as far as
+/// they pull and the links do not fold.
+void PlanarChain::freeze(double sigma_squared) {
+  const auto pull = [&](std::size_t gain_of, const double* gain, std::size_t of, std::size_t c) {
+    return rest_[gain_of] * gain[gain_of] * std::max(unknown_[of] * cosine_[c], 0.0);
+  };
+  const double first =
+      std::max(cosine_[0] * pull_.dot(plane_.x) + sine_[0] * pull_.dot(plane_.y), 0.0);
+  for (std::size_t k = 1; k <= links_; ++k) {
+    const double next = k < links_ ? pull(k, next_gain_, k + 1, k) : 0;
+    const double last = k > 1 ? pull(k, last_gain_, k - 1, k - 1) : first;
+    frozen_pivot_[k] = sigma_squared * rest_[k] + next + last;
+    frozen_up_[k] = next;
+    if (k > 1) frozen_down_[k - 1] = last;
+  }
+  factor_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1);
+}
+
+void PlanarChain::solve_frozen(double* x) const {
+  for (std::size_t k = 1; k <= links_; ++k) x[k] *= rest_[k];
+  solve_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1, 1, 0, x + 1);
+}
+
+}  // namespace taut::direct
