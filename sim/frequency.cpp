@@ -7,9 +7,10 @@
 namespace taut {
 namespace {
 
-/// Masses (kg) below the first held particle and the links (m) above each, from the top down.
+/// What hangs below the first held particle, from the top down: masses (kg), how freely they move
+/// (1/kg; not at all where something else holds them), and the links (m) above each.
 struct Chain {
-  std::vector<double> mass, rest;
+  std::vector<double> mass, mobility, rest;
 };
 
 double mass_of(const World& world, const Connector& connector, std::size_t particle) {
@@ -30,6 +31,10 @@ Chain below_hold(const World& world, const Connector& connector) {
   for (std::size_t i = 1; i <= last; ++i) {
     const std::size_t particle = backwards ? last - i : i;
     chain.mass.push_back(mass_of(world, connector, particle));
+    const bool held = std::ranges::any_of(connector.holds, [&](const Hold& h) {
+      return h.particle == particle && is_prescribed(world, h.to);
+    });
+    chain.mobility.push_back(held ? 0 : 1 / chain.mass.back());
     chain.rest.push_back(connector.rest[backwards ? particle : i - 1]);
   }
   return chain;
@@ -37,15 +42,15 @@ Chain below_hold(const World& world, const Connector& connector) {
 
 /// The square of the fastest motion of m_i x_i'' = k_i (x_{i-1} - x_i) + k_{i+1} (x_{i+1} - x_i),
 /// particle 0 fixed; k (N/m) per link.
-double fastest_squared(const std::vector<double>& mass, const std::vector<double>& k) {
-  const auto n = static_cast<Eigen::Index>(mass.size());
+double fastest_squared(const std::vector<double>& mobility, const std::vector<double>& k) {
+  const auto n = static_cast<Eigen::Index>(mobility.size());
   if (n == 0) return 0;
   Eigen::VectorXd diagonal(n), beside(n - 1);
   for (Eigen::Index row = 0; row < n; ++row) {
     const auto i = static_cast<std::size_t>(row);
     const double below = i + 1 < k.size() ? k[i + 1] : 0;
-    diagonal[row] = (k[i] + below) / mass[i];
-    if (row + 1 < n) beside[row] = -below / std::sqrt(mass[i] * mass[i + 1]);
+    diagonal[row] = (k[i] + below) * mobility[i];
+    if (row + 1 < n) beside[row] = -below * std::sqrt(mobility[i] * mobility[i + 1]);
   }
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
   solver.computeFromTridiagonal(diagonal, beside, Eigen::EigenvaluesOnly);
@@ -58,7 +63,7 @@ double fastest(const World& world, Stiffness k_of) {
   double squared = 0;
   for (const Connector& connector : world.connectors) {
     const Chain chain = below_hold(world, connector);
-    squared = std::max(squared, fastest_squared(chain.mass, k_of(chain)));
+    squared = std::max(squared, fastest_squared(chain.mobility, k_of(chain)));
   }
   return std::sqrt(squared);
 }
@@ -84,8 +89,9 @@ double heaviest_link(const World& world) {
     double tension = 0;
     for (std::size_t i = chain.mass.size(); i-- > 0;) {
       tension += chain.mass[i] * world.gravity.norm();
-      const double lighter = i > 0 ? std::min(chain.mass[i], chain.mass[i - 1]) : chain.mass[i];
-      if (chain.rest[i] > 0) heaviest = std::max(heaviest, tension / (lighter * chain.rest[i]));
+      const double mobility =
+          i > 0 ? std::max(chain.mobility[i], chain.mobility[i - 1]) : chain.mobility[i];
+      if (chain.rest[i] > 0) heaviest = std::max(heaviest, tension * mobility / chain.rest[i]);
     }
   }
   return heaviest;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <complex>
 
+#include "sim/projection.h"
+
 namespace taut {
 namespace {
 
@@ -15,6 +17,8 @@ double rk4_growth(std::complex<double> q) {
 
 void SteppedMethod::advance(World& world, double until) {
   if (!mechanism_ || world.topology != topology_) {
+    // What was pinned in motion, or let go where it was bent, has velocities that stretch links.
+    if (mechanism_) stop_stretching(world);
     mechanism_.emplace(world);
     topology_ = world.topology;
     mechanism_->load(world, state_);

@@ -15,6 +15,24 @@ Scene scene(const char* name) {
   return load_scene(std::string(TAUT_SOURCE_DIR "/scenes/") + name, false);
 }
 
+// A particle that is added for a pin has no mass: no bound on a step comes of it.
+TEST(PinnedRope, IsFollowedByEveryMethodAsItIs) {
+  const World rope = worlds::chain(9, 0.5, worlds::from_down(60));
+  Timeline timeline;
+  timeline.pins = {{0, 0.27, 0.1, 0.2, {}}};
+  Simulation truth(rope, make_method("truth", {}), timeline);
+  truth.advance_to(0.3);
+  for (const MethodInfo& method : methods()) {
+    if (method.name == "sdfast") continue;  // follows no pinned chain
+    Simulation simulation(rope, make_method(method.name, {}), timeline);
+    simulation.advance_to(0.3);
+    for (std::size_t i = 0; i < 9; ++i) {
+      const Vec3 apart = simulation.state().connectors[0][i] - truth.state().connectors[0][i];
+      EXPECT_LT(apart.norm(), 0.1 * 0.5) << method.name;  // of the half metre that it goes
+    }
+  }
+}
+
 // Caught in its middle, the rope's lower half and the object swing as one stiff pendulum about the
 // pin: the rope is light, and stays straight but for some thousandths.
 TEST(PinScene, TheCaughtRopeSwingsWithThePeriodOfTheShorterPendulum) {
