@@ -1,36 +1,55 @@
-// What this machine can do at best: the floor that the other benchmarks are compared with.
+#include "tests/bench/floor.h"
+
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
+#include "sim/study/run.h"
+
+namespace taut::bench {
 namespace {
 
-/// The latency of a multiply-add whose operand is the result of the one before: what a sweep along
-/// a chain waits for at each link, however wide the machine is.
-void DependentMultiplyAdd(benchmark::State& state) {
-  constexpr std::size_t kLength = 1000;
-  double x = 1, factor = 0.999, term = 1e-3;
-  benchmark::DoNotOptimize(factor);
-  benchmark::DoNotOptimize(term);
-  for (auto _ : state) {
-    for (std::size_t i = 0; i < kLength; ++i) x = x * factor + term;
-    benchmark::DoNotOptimize(x);
-  }
-  state.counters["ns"] = benchmark::Counter(
-      1e-9 * kLength, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-}
-BENCHMARK(DependentMultiplyAdd);
+constexpr std::size_t kLength = 1000000;
 
-/// Bytes read and written by a sum of two arrays, from memory that no cache holds.
-void Bandwidth(benchmark::State& state) {
-  std::vector<double> a(1 << 23, 1.0), b(1 << 23, 2.0);
-  for (auto _ : state) {
-    for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
-    benchmark::ClobberMemory();
+/// The least of some repeats, which no other work of the machine has disturbed.
+template <typename Work>
+double least_seconds(Work work) {
+  double least = 1;
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    const double start = thread_seconds();
+    work();
+    least = std::min(least, thread_seconds() - start);
   }
-  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(a.size() * 24));
+  return least;
 }
-BENCHMARK(Bandwidth);
 
 }  // namespace
+
+double multiply_add_latency() {
+  static const double latency = least_seconds([] {
+                                  double x = 1, factor = 0.999, term = 1e-3;
+                                  benchmark::DoNotOptimize(factor);
+                                  benchmark::DoNotOptimize(term);
+                                  for (std::size_t i = 0; i < kLength; ++i) x = x * factor + term;
+                                  benchmark::DoNotOptimize(x);
+                                }) /
+                                kLength;
+  return latency;
+}
+
+double byte_time() {
+  constexpr std::size_t kNumbers = 1000, kRepeats = 1000;
+  static const double time = least_seconds([] {
+                               static std::vector<double> numbers(kNumbers, 1.0);
+                               for (std::size_t k = 0; k < kRepeats; ++k) {
+                                 for (double& number : numbers) number = -number;
+                                 benchmark::ClobberMemory();
+                               }
+                             }) /
+                             (kRepeats * kNumbers * 2 * sizeof(double));
+  return time;
+}
+
+}  // namespace taut::bench
