@@ -28,6 +28,7 @@ AccuracyStudy study_of(const StudyOptions& options, double least_error, bool qui
   if (!quiet) fmt::print(stderr, "{}: solving the truth\n", options.scene);
   TruthOptions truth;
   truth.scored_error = least_error;
+  truth.second_accuracy = 1e-4 * least_error;
   const Target target = target_of(scene, scene.duration, truth);
   if (target.problem.times.size() < 2) {
     throw Misuse(fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "scenes/reader/reader.h"
+#include "scenes/reader/repeats.h"
 
 namespace taut {
 
@@ -56,6 +57,9 @@ class Layout {
         }
       }
     }
+    if (table) {
+      for (std::size_t i = 0; i < table->children.size(); ++i) repeat(table->children[i], i);
+    }
     for (const Value* hangs : unplaced_) {
       if (hangs) document_.fail(*hangs, "no connector holds the body, expected one to hang from");
     }
@@ -71,7 +75,7 @@ class Layout {
                                      "2)",
                                      particles));
     }
-    particles_ += particles;
+    particles_ += particles * repeat_count(value);
     if (particles_ > kMostParticles) {
       document_.mismatch(*value.find("particles"),
                          fmt::format("at most {} in all connectors together", kMostParticles));
@@ -89,6 +93,24 @@ class Layout {
                          "held");
     }
     world_.connectors.push_back(std::move(connector));
+  }
+
+  /// Adds a connector's copies behind all that the file names.
+  void repeat(const Value& value, std::size_t index) {
+    const Value* list = value.find("repeat");
+    if (!list) return;
+    for (const char* key : {"from", "to"}) {
+      const Value& end = *value.find(key);
+      const Value* path = end.find("path");
+      const bool circle = path && document_.root.find("paths")->find(path->text)->find("circle");
+      if (circle || end.find("body") || end.find("bone")) {
+        document_.fail_at_key(*list, "needs ends that are free, fixed, or on a path of keys");
+      }
+    }
+    const std::vector<Repeat> all = repeats(value);
+    for (std::size_t k = 1; k < all.size(); ++k) {
+      world_.connectors.push_back(repeated(world_.connectors[index], k, all[k]));
+    }
   }
 
   End read_end(const Value& value) {

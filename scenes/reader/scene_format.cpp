@@ -212,6 +212,18 @@ const TableFormat& start_format() {
   return format;
 }
 
+const TableFormat& repeat_format() {
+  static const TableFormat format{
+      {needed({.name = "count",
+               .meaning = "How many, the first included.",
+               .minimum = 1,
+               .maximum = kMostParticles,
+               .whole = true}),
+       needed(vector("by", "From one to the next.")),
+       not_negative("delay", "How much later the next one's paths are.", "s")}};
+  return format;
+}
+
 const TableFormat& connector_format() {
   static const TableFormat format{
       {needed(not_negative("length", "Of all links together; 0: a joint of two particles.", "m")),
@@ -232,6 +244,8 @@ const TableFormat& connector_format() {
              "Its shape at the start; default: hanging between ends whose places are "
              "known, else straight along gravity.",
              start_format()),
+       table("repeat", "Copies in a row; a second entry: copies of that row, and so on.",
+             repeat_format(), Type::tables),
        {.name = "model",
         .type = Type::choice,
         .meaning = "Rigid links with mass, or a massless span.",

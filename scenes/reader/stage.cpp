@@ -3,6 +3,7 @@
 #include <map>
 
 #include "scenes/reader/reader.h"
+#include "scenes/reader/repeats.h"
 #include "scenes/shapes.h"
 
 namespace taut {
@@ -155,6 +156,12 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
   });
   for_each(root.find("connectors"),
            [&](const Value& connector) { stage.connector_looks.push_back(read_look(connector)); });
+  const Value* connectors = root.find("connectors");
+  for (std::size_t i = 0; connectors && i < connectors->children.size(); ++i) {
+    const ConnectorLook look = stage.connector_looks[i];
+    stage.connector_looks.insert(stage.connector_looks.end(),
+                                 repeat_count(connectors->children[i]) - 1, look);
+  }
   for (const TimedCut& cut : in_order_of_time(scene.timeline.cuts)) {  // as divided() adds them
     stage.connector_looks.push_back(ConnectorLook(stage.connector_looks[cut.connector]));
   }

@@ -73,6 +73,8 @@ inline std::vector<SceneFault> scene_faults() {
        "ramp "
        "= 1 }",
        "expected a point beside the centre"},
+      {"repeat of what a body holds", "particles = 11",
+       "particles = 11\n^repeat = [{ count = 2, by = [1, 0, 0] }]", "needs ends that are free"},
       {"unknown path", "driven_by = { path = \"hand\" }", "driven_by = { path = ^\"hnad\" }",
        "the name of a path, did you mean \"hand\"?"},
       {"unknown character", "driven_by = { path = \"hand\" }",

@@ -324,6 +324,45 @@ TEST(NunchakuScene, AnotherMeshReplacesTheStick) {
   EXPECT_NE(after.stage->body_models[0]->name, after.stage->body_models[1]->name);
 }
 
+TEST_F(SceneTest, RepeatsAConnectorInPlaceAndTime) {
+  const Scene scene = read(R"(
+[paths.top]
+keys = [{ t = 0, position = [0, 2, 0], ease = true }, { t = 0.1, position = [0.1, 2, 0], ease = true }]
+
+[connectors.cord]
+length = 1
+mass = 0.1
+particles = 3
+from = { path = "top" }
+to = { point_mass = 0.2 }
+repeat = [{ count = 3, by = [0.5, 0, 0], delay = 0.01 }, { count = 2, by = [0, 0, 1] }]
+
+[connectors.other]
+length = 1
+mass = 0.1
+particles = 2
+from = { fixed = [9, 0, 0] }
+to = { free = true }
+
+[stage]
+)",
+                           true);
+  const auto& all = scene.world.connectors;
+  ASSERT_EQ(all.size(), 7u);
+  EXPECT_EQ(all[1].name, "other");  // what the file names comes first
+  EXPECT_EQ(all[2].name, "cord#2");
+  EXPECT_EQ(scene.stage->connector_looks.size(), all.size());
+  const std::size_t far = 6;  // the third of the second row
+  expect_near(all[far].position[2], {1, 1, 1});
+  EXPECT_EQ(all[far].particle_mass, all[0].particle_mass);
+  for (const double time : {0.0, 0.06, 0.3}) {  // 20 ms later
+    const PointMotion copy = hold_motion(scene.world, all[far].holds[0].to, time + 0.02);
+    const PointMotion first = hold_motion(scene.world, all[0].holds[0].to, time);
+    expect_near(copy.position, first.position + Vec3(1, 0, 1));
+    expect_near(copy.velocity, first.velocity, 1e-11);
+  }
+}
+
 /// The scenes of the comparison with engines: what is fixed by it.
 TEST(BenchScenes, AreWhatEnginesAreComparedOn) {
   const auto read = [](const std::string& name) {
