@@ -1,9 +1,12 @@
 #include "scenes/scene.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "scenes/reader/format.h"
 #include "scenes/reader/reader.h"
+#include "sim/coarser.h"
 
 namespace taut {
 
@@ -35,6 +38,7 @@ Scene read_scene(const Document& document, bool with_stage) {
   read_connectors(document, motions, scene.world);
   finish(scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
+  if (const Value* plan = root.find("plan")) scene.plan = read_plan(document, *plan, scene.fps);
   if (with_stage && root.find("stage")) read_stage(document, motions, scene);
   return scene;
 }
@@ -52,6 +56,26 @@ Scene load_scene(const std::filesystem::path& file, bool with_stage,
   Document document = read_document(file);
   for (const auto& [key, value] : changes) change(document, key, value);
   return read_scene(document, with_stage);
+}
+
+Scene load_planned(const std::filesystem::path& file, bool with_stage) {
+  const std::optional<Plan> plan = load_scene(file, false).plan;
+  const auto again = [&](const char* why) {
+    throw BadScene(fmt::format("{}: {}; taut plan {} --tolerance {} --write makes one",
+                               file.string(), why, file.string(), plan ? plan->tolerance : "1px"));
+  };
+  if (!plan) again("has no plan");
+  if (plan->stamp != plan_stamp(file)) again("changed since its plan was made");
+  std::vector<SceneChange> changes;
+  for (const auto& [connector, particles] : plan->particles) {
+    changes.push_back(
+        {fmt::format("connectors.{}.particles", connector), fmt::to_string(particles)});
+  }
+  const World exact = load_scene(file, false).world;
+  Scene scene = load_scene(file, with_stage, changes);
+  take_masses(scene.world, exact);
+  scene.method = plan->method;
+  return scene;
 }
 
 }  // namespace taut

@@ -8,18 +8,14 @@
 #include <vector>
 
 #include "scenes/character/performance.h"
+#include "scenes/method_choice.h"
+#include "scenes/plan.h"
 #include "scenes/stage.h"
-#include "sim/method.h"
 #include "sim/simulation.h"
 #include "sim/trajectory.h"
 #include "sim/world.h"
 
 namespace taut {
-
-struct MethodChoice {
-  std::string name;
-  Settings settings;  // those that the scene names, validated against the method's list
-};
 
 struct Scene {
   std::filesystem::path file;
@@ -30,6 +26,7 @@ struct Scene {
   MethodChoice method;
   World world;        // finished, at time 0
   Timeline timeline;  // pins and cuts, in the order of the file
+  std::optional<Plan> plan;
   std::optional<Stage> stage;
   std::vector<std::shared_ptr<const Performance>> performances;  // one per Stage::characters
 
@@ -65,5 +62,9 @@ struct SceneChange {
 /// Reads and checks a scene. Throws BadScene. Assets are loaded only when `with_stage`.
 Scene load_scene(const std::filesystem::path& file, bool with_stage,
                  const std::vector<SceneChange>& changes = {});
+
+/// Reads a scene as its plan models and solves it. Throws BadScene, also where it has no plan or
+/// changed since the plan was made.
+Scene load_planned(const std::filesystem::path& file, bool with_stage);
 
 }  // namespace taut

@@ -45,5 +45,6 @@ void add_golden(CLI::App& app, Program& program);
 void add_judge(CLI::App& app, Program& program);
 void add_claims(CLI::App& app, Program& program);
 void add_reach(CLI::App& app, Program& program);
+void add_plan(CLI::App& app, Program& program);
 
 }  // namespace taut::cli

@@ -5,5 +5,5 @@ int main(int argc, char** argv) {
   using namespace taut::cli;
   return run_program(argc, argv,
                      {add_render, add_simulate, add_check, add_bench, add_chart, add_stability,
-                      add_compare, add_golden, add_judge, add_reach, add_claims});
+                      add_compare, add_golden, add_judge, add_reach, add_claims, add_plan});
 }

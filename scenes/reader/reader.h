@@ -101,6 +101,9 @@ Timeline read_timeline(const Document& document, Motions& motions, const World& 
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
                            Motions& motions, const World& world);
 
+/// A plan made earlier, whether or not the scene is still the one that it was made for.
+Plan read_plan(const Document& document, const Value& table, int fps);
+
 /// Reads the models too, and works out what the characters do.
 void read_stage(const Document& document, Motions& motions, Scene& scene);
 

@@ -380,6 +380,23 @@ const std::map<std::string_view, TableFormat>& method_formats() {
   return formats;
 }
 
+const TableFormat& plan_format() {
+  static const TableFormat connector{{needed({.name = "particles",
+                                              .meaning = "How many, both ends counted.",
+                                              .minimum = 2,
+                                              .maximum = kMostParticles,
+                                              .whole = true})}};
+  static const TableFormat format{
+      {needed(text("tolerance", "What was asked: 1px, 0.5mm.")),
+       needed(not_negative("error", "The largest until then, in the tolerance's unit.", "")),
+       needed(not_negative("until", "How long the motion is predictable.", "s")),
+       not_negative("energy", "Its largest change afterwards, as a share.", "1"),
+       needed(text("stamp", "Hash of what the plan was made from.")),
+       needed({.name = "method", .type = Type::method, .meaning = "What solves it."}),
+       table("connectors", "How many particles will do.", connector, Type::named)}};
+  return format;
+}
+
 const TableFormat& scene_format() {
   static const TableFormat format{{
       {.name = "schema_version",
@@ -417,6 +434,7 @@ const TableFormat& scene_format() {
       table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
       table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),
       table("stage", "What pictures need beside the world.", stage_format()),
+      table("plan", "What taut plan found; --planned takes it.", plan_format()),
   }};
   return format;
 }

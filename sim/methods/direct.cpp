@@ -121,7 +121,8 @@ MethodInfo direct_method() {
         control.tolerance = number(settings, "tolerance");
         control.step = number(settings, "step");
         return std::make_unique<Direct>(control);
-      }};
+      },
+      [](const Settings&, double links) { return 150 + 6 * links; }};
 }
 
 }  // namespace taut

@@ -139,6 +139,11 @@ MethodInfo dynamic_constraints_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<DynamicConstraints>(settings);
       },
+      .work =
+          [](const Settings& settings, double links) {
+            if (text(settings, "solver") == "dense") return 150 * links + links * links * links / 2;
+            return 60 + 26 * links;
+          },
       .forms = {{"dense", {{"solver", std::string("dense")}}}},
       .longest_step = longest_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",

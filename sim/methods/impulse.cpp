@@ -277,6 +277,7 @@ MethodInfo impulse_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Impulse>(settings);
       },
+      .work = [](const Settings&, double links) { return 330 + 18 * links; },
       .forms = {{"as-printed", {{"as_printed", true}}}},
   };
 }

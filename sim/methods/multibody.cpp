@@ -76,7 +76,8 @@ MethodInfo multibody_method() {
                         .sweep = {std::string("merson"), std::string("runge-kutta-3")}}},
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Multibody>(settings);
-          }};
+          },
+          .work = [](const Settings&, double links) { return 14000 + 1450 * links; }};
 }
 
 }  // namespace taut

@@ -204,6 +204,7 @@ MethodInfo sdfast_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<SdFast>(settings);
       },
+      .work = [](const Settings&, double links) { return 1000 + 200 * links; },
       .missing = sdfast::models().empty() ? "not installed" : "",
       .forms = {{"kane", {{"formulation", std::string("kane")}}}}};
 }

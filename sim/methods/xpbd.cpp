@@ -176,6 +176,7 @@ MethodInfo xpbd_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Xpbd>(settings);
       },
+      .work = [](const Settings&, double links) { return 60 + 32 * links; },
       .longest_step = longest_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
   };

@@ -139,6 +139,7 @@ MethodInfo truth_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Multipliers>(settings);
           },
+          .work = [](const Settings&, double links) { return 100 + 40 * links; },
           .reference = true};
 }
 

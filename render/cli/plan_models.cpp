@@ -1,0 +1,78 @@
+#include "render/cli/plan_models.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/cli/study_options.h"
+#include "scenes/error.h"
+#include "sim/coarser.h"
+
+namespace taut::cli {
+namespace {
+
+/// Shares of the links that are tried.
+std::vector<double> shares(std::size_t most_links) {
+  std::vector<double> list{1};
+  for (double share = 1; share * static_cast<double>(most_links) > 1; share /= 2) {
+    for (const double eighths : {7.0, 6.0, 5.0, 4.0}) list.push_back(share * eighths / 8);
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<SceneModel> models_of(const Scene& scene) {
+  std::size_t most = 1;
+  for (const Connector& connector : scene.world.connectors) {
+    most = std::max(most, connector.links());
+  }
+  std::vector<SceneModel> models;
+  for (const double share : shares(most)) {
+    std::map<std::string, std::size_t> particles;
+    std::vector<SceneChange> changes;
+    for (const Connector& connector : scene.world.connectors) {
+      const auto links = static_cast<std::size_t>(
+          std::max(1.0, std::round(share * static_cast<double>(connector.links()))));
+      particles[connector.name] = links + 1;
+      changes.push_back(
+          {fmt::format("connectors.{}.particles", connector.name), fmt::to_string(links + 1)});
+    }
+    if (!models.empty() && models.back().particles == particles) continue;
+    try {
+      Scene changed = load_scene(scene.file, false, changes);
+      take_masses(changed.world, scene.world);
+      models.push_back({particles, {changed.world, changed.timeline, {}}});
+    } catch (const BadScene&) {
+      // Its start, or one of its pins, needs more particles.
+    }
+  }
+  return models;
+}
+
+std::vector<Candidate> all_candidates() {
+  std::vector<Candidate> all;
+  for (const Contender& contender : chosen_contenders({})) {
+    const std::vector<Candidate> some = candidates_of(contender, false);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  // The one that is likely to be chosen first: what is dearer than its best is given up early.
+  std::ranges::stable_partition(
+      all, [](const Candidate& candidate) { return candidate.method == default_method().name; });
+  return all;
+}
+
+std::string describe(const SceneModel& model, const Scene& scene) {
+  std::string text;
+  for (const Connector& connector : scene.world.connectors) {
+    const std::size_t particles = model.particles.at(connector.name);
+    if (particles == connector.particles()) continue;
+    text += fmt::format("{}{}{} of {} particles", text.empty() ? "" : ", ",
+                        scene.world.connectors.size() > 1 ? connector.name + " " : "", particles,
+                        connector.particles());
+  }
+  return text.empty() ? "as it is written" : text;
+}
+
+}  // namespace taut::cli

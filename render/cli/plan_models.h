@@ -1,0 +1,30 @@
+// The ways to model a scene that the planner chooses from.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "sim/study/planner.h"
+
+namespace taut::cli {
+
+struct SceneModel {
+  std::map<std::string, std::size_t> particles;  // of each connector
+  PlanModel model;                               // with every method's settings as candidates
+  double error = 0;  // in the tolerance's unit, of the model alone: solved finely
+};
+
+/// The scene as it is written, then with fewer and fewer particles: of each connector about 7/8,
+/// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one. Candidates and
+/// errors are not yet set.
+std::vector<SceneModel> models_of(const Scene& scene);
+
+/// Every method at every setting of its sweep, the scene's default method first.
+std::vector<Candidate> all_candidates();
+
+/// "6 of 11 particles"; "as it is written".
+std::string describe(const SceneModel& model, const Scene& scene);
+
+}  // namespace taut::cli

@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include "scenes/error.h"
+#include "scenes/plan.h"
+#include "scenes/scene.h"
+#include "tests/support/folder.h"
+
+namespace taut {
+namespace {
+
+constexpr const char* kScene = R"(duration = 1.0
+[connectors.rope]
+length = 0.2
+mass = 0.05
+particles = 21
+from = { fixed = [0, 0, 0] }
+to = { free = true }
+start = { direction = [1, 0, 0] }
+)";
+
+Plan a_plan() {
+  Plan plan;
+  plan.tolerance = "1px";
+  plan.error = 0.4;
+  plan.until = 4.1;
+  plan.energy = 0.001;
+  plan.method = {"xpbd", {{"step", 1.0 / 960}, {"iterations", 4.0}}};
+  plan.particles = {{"rope", 6}};
+  return plan;
+}
+
+class PlanFile : public testing::Test {
+ protected:
+  /// The scene with a plan made for it as it is.
+  void plan() {
+    Plan plan = a_plan();
+    plan.stamp = plan_stamp(file_);
+    folder_.write("scene.toml", with_plan(read_file(file_), plan));
+  }
+
+  Folder folder_;
+  std::filesystem::path file_ = folder_.write("scene.toml", kScene);
+};
+
+TEST_F(PlanFile, IsReadAsItWasWritten) {
+  plan();
+  const Scene scene = load_scene(file_, false);
+  ASSERT_TRUE(scene.plan.has_value());
+  EXPECT_EQ(scene.plan->tolerance, "1px");
+  EXPECT_EQ(scene.plan->until, 4.1);
+  EXPECT_EQ(scene.plan->energy, 0.001);
+  EXPECT_EQ(scene.plan->method.settings, a_plan().method.settings);
+  EXPECT_EQ(scene.world.connectors[0].particles(), 21u) << "the scene itself stays";
+  const Scene planned = load_planned(file_, false);
+  EXPECT_EQ(planned.method.name, "xpbd");
+  EXPECT_EQ(planned.world.connectors[0].particles(), 6u);
+}
+
+TEST_F(PlanFile, ReplacesAnOlderOne) {
+  plan();
+  const std::string once = read_file(file_);
+  plan();
+  EXPECT_EQ(read_file(file_), once);
+  EXPECT_EQ(load_planned(file_, false).method.name, "xpbd");
+}
+
+TEST_F(PlanFile, OfASceneThatChangedIsRefused) {
+  EXPECT_THROW(load_planned(file_, false), BadScene);
+  plan();
+  std::string text = read_file(file_);
+  text.replace(text.find("mass = 0.05"), 11, "mass = 0.06");
+  folder_.write("scene.toml", text);
+  EXPECT_NO_THROW(load_scene(file_, false)) << "only the plan is of no use any more";
+  try {
+    load_planned(file_, false);
+    FAIL() << "taken";
+  } catch (const BadScene& error) {
+    EXPECT_NE(std::string(error.what()).find("changed since its plan was made"), std::string::npos);
+  }
+}
+
+TEST_F(PlanFile, TablesAfterItStay) {
+  plan();
+  folder_.write("scene.toml",
+                read_file(file_) + "[paths.hand]\nkeys = [{ t = 0, position = [0, 0, 0] }]\n");
+  plan();
+  const std::string text = read_file(file_);
+  EXPECT_NE(text.find("[paths.hand]"), std::string::npos);
+  EXPECT_EQ(text.find("[plan]"), text.rfind("[plan]"));
+  EXPECT_NO_THROW(load_planned(file_, false));
+}
+
+TEST(Certificate, SaysHowFarAndHowLong) {
+  EXPECT_EQ(certificate(a_plan()),
+            "within 0.4 px of the exact motion until 4.1 s; afterwards energy within 0.1%");
+  Plan driven = a_plan();
+  driven.energy.reset();
+  driven.tolerance = "0.5mm";
+  EXPECT_EQ(certificate(driven), "within 0.4 mm of the exact motion until 4.1 s");
+}
+
+}  // namespace
+}  // namespace taut
