@@ -9,7 +9,7 @@
 namespace taut {
 namespace {
 
-constexpr double kDarkness = 0.72;  // of the picture behind
+constexpr double kDarkness = 0.6;  // of the picture behind
 constexpr double kLeading = 1.6;
 constexpr Rgb kPaper{248, 245, 238}, kQuiet{206, 200, 188};
 

@@ -21,7 +21,7 @@ using Eigen::Vector3f;
 using Boxes = std::vector<Eigen::AlignedBox3f>;
 
 constexpr float kShadowFilter = 5;  // texels: half the filter, and the offset along the normal
-constexpr double kApart = 3;        // px between the places of a point in neighbouring exposures
+constexpr double kApart = 6;        // px between the places of a point in neighbouring exposures
 
 Eigen::Vector4f with_w(const Vec3& v, double w) {
   return {float(v.x()), float(v.y()), float(v.z()), float(w)};

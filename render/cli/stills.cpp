@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 #include "render/atomic_file.h"
@@ -20,10 +21,14 @@ void write_png(const std::filesystem::path& name, const Picture& picture) {
   file.commit();
 }
 
-/// The first of the frames nearest to a time of the scene that no card covers.
-int frame_at(const std::vector<ClipFrame>& frames, double time) {
-  const auto off = [&](const ClipFrame& f) { return f.card ? 1e300 : std::abs(f.time - time); };
-  return int(std::ranges::min_element(frames, {}, off) - frames.begin());
+/// The frame that shows a time of the scene best: of those within a frame of it the slowest shot's,
+/// of these the nearest. None under a card.
+int frame_at(const std::vector<ClipFrame>& frames, double time, int fps) {
+  const auto worth = [&](const ClipFrame& f) {
+    const double off = f.card ? 1e300 : std::abs(f.time - time);
+    return std::tuple(off > 1.0 / fps ? off : 0, f.rate, off);
+  };
+  return int(std::ranges::min_element(frames, {}, worth) - frames.begin());
 }
 
 /// The frames of a contact sheet, and how many stand in a row.
@@ -32,7 +37,7 @@ std::pair<std::vector<int>, int> on_sheet(const Stills& stills, const Scene& sce
   std::vector<int> chosen;
   if (!stills.every) {
     for (const Caption& caption : scene.stage->captions)
-      chosen.push_back(frame_at(frames, (caption.from + caption.until) / 2));
+      chosen.push_back(frame_at(frames, (caption.from + caption.until) / 2, scene.fps));
     std::ranges::sort(chosen);
     if (chosen.empty()) throw Misuse("--contact-sheet: the scene has no captions to show");
     return {chosen, 3};

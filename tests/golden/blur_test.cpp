@@ -98,7 +98,7 @@ TEST_F(Blur, APixelHasTheLightOfTheTimeForWhichItIsCovered) {
 TEST_F(Blur, MoreWayTakesMoreExposuresUpToTheStates) {
   int slow = 0, fast = 0, still = 0;
   expose(shutter(0, 10), &slow);
-  expose(shutter(0, 20), &fast);
+  expose(shutter(0, 30), &fast);
   const Picture picture = expose(shutter(0, 0), &still);
   EXPECT_EQ(slow, 4);
   EXPECT_EQ(fast, 8);

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "scenes/error.h"
 #include "tests/physics/worlds.h"
 
 namespace taut {
@@ -75,6 +78,30 @@ TEST(Clip, SlowMotionShowsStatesOfTheSameMotion) {
     EXPECT_EQ(a.connectors, b.connectors);
     EXPECT_NEAR(slow[i].back().time - slow[i].front().time,
                 (normal[i].back().time - normal[i].front().time) / 4, 1.0 / 2400);
+  }
+}
+
+/// The hose's scene with other shots.
+Scene with_shots(const std::string& shots) {
+  return load_scene(TAUT_SOURCE_DIR "/scenes/hose.toml", true, {{"stage.shots", shots}});
+}
+
+TEST(Clip, ShotsAreReadAndThoseThatCannotBeAreTold) {
+  const Scene scene = with_shots("[ { from = 0.5, until = 1.0, rate = 0.5 } ]");
+  ASSERT_EQ(scene.stage->shots.size(), 1u);
+  EXPECT_EQ(scene.stage->shots[0].rate, 0.5);
+  EXPECT_EQ(scene.stage->shots[0].camera.size(), scene.stage->camera.size()) << "the stage's own";
+  for (const auto& [shots, says] :
+       {std::pair("[ { from = 0.5, until = 0.5 } ]", "a time after 0.5 s"),
+        {"[ { from = 0.5, until = 99.0 } ]", "at most the scene's duration"},
+        {"[ { from = 0.5, until = 1.0, rate = 0.0 } ]", "rate"},
+        {"[ { from = 0.5 } ]", "until"}}) {
+    try {
+      with_shots(shots);
+      ADD_FAILURE() << shots;
+    } catch (const BadScene& error) {
+      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+    }
   }
 }
 
