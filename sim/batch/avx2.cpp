@@ -1,4 +1,4 @@
-// Groups of 8 floats or 4 doubles.
+// Groups of 8 floats or 4 doubles; in pairs they spill too many registers to be faster.
 #include "sim/batch/width.h"
 
 namespace taut::batch {

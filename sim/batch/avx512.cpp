@@ -1,4 +1,5 @@
-// Groups of 16 floats or 8 doubles.
+// Pairs of groups of 16 floats or 8 doubles.
+#include "sim/batch/pair.h"
 #include "sim/batch/width.h"
 
 namespace taut::batch {
@@ -10,14 +11,14 @@ using Doubles [[gnu::vector_size(64)]] = double;
 }  // namespace
 
 Kernel<float> avx512_float() {
-  return {64 / sizeof(float), [](std::size_t links, void* group, const Steps<float>& steps) {
-            advance_group<Floats>(links, group, steps);
+  return {2 * 64 / sizeof(float), [](std::size_t links, void* group, const Steps<float>& steps) {
+            advance_group<Pair<Floats>>(links, group, steps);
           }};
 }
 
 Kernel<double> avx512_double() {
-  return {64 / sizeof(double), [](std::size_t links, void* group, const Steps<double>& steps) {
-            advance_group<Doubles>(links, group, steps);
+  return {2 * 64 / sizeof(double), [](std::size_t links, void* group, const Steps<double>& steps) {
+            advance_group<Pair<Doubles>>(links, group, steps);
           }};
 }
 

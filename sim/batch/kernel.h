@@ -59,7 +59,7 @@ template <typename V, typename Scalar>
       }
       const V factor = beside * pivot;
       right = wanted + factor * right;
-      pivot = 1 / (at(kBoth, i) - factor * beside);
+      pivot = Scalar(1) / (at(kBoth, i) - factor * beside);
       if (i + 1 < links) {
         beside = at(kLower, i) * (at(kDirection, i) * at(kDirection, i + 1) +
                                   at(kDirection + 1, i) * at(kDirection + 1, i + 1) +
@@ -82,7 +82,7 @@ template <typename V, typename Scalar>
         square += drift[c] * drift[c];
       }
       // 1/sqrt(1 + e) by its series: e is of the fourth order in the angle of a step.
-      const V excess = square - 1;
+      const V excess = square - Scalar(1);
       const V shorten = excess * (Scalar(0.375) * excess - Scalar(0.5));
       for (std::size_t c = 0; c < 3; ++c) {
         const V back = shorten * drift[c];

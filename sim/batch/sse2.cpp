@@ -1,4 +1,5 @@
-// Groups of 4 floats or 2 doubles.
+// Pairs of groups of 4 floats or 2 doubles.
+#include "sim/batch/pair.h"
 #include "sim/batch/width.h"
 
 namespace taut::batch {
@@ -10,14 +11,14 @@ using Doubles [[gnu::vector_size(16)]] = double;
 }  // namespace
 
 Kernel<float> sse2_float() {
-  return {16 / sizeof(float), [](std::size_t links, void* group, const Steps<float>& steps) {
-            advance_group<Floats>(links, group, steps);
+  return {2 * 16 / sizeof(float), [](std::size_t links, void* group, const Steps<float>& steps) {
+            advance_group<Pair<Floats>>(links, group, steps);
           }};
 }
 
 Kernel<double> sse2_double() {
-  return {16 / sizeof(double), [](std::size_t links, void* group, const Steps<double>& steps) {
-            advance_group<Doubles>(links, group, steps);
+  return {2 * 16 / sizeof(double), [](std::size_t links, void* group, const Steps<double>& steps) {
+            advance_group<Pair<Doubles>>(links, group, steps);
           }};
 }
 

@@ -126,7 +126,8 @@ double floor_of(Width width) {
     least = std::min(least, std::max(operations.additions, operations.products) * pair +
                                 operations.divisions * quotient);
   }
-  return least / static_cast<double>(batch::kernel<Scalar>(width).lanes);
+  constexpr double kBytes[] = {sizeof(Scalar), 16, 32, 64};  // of a vector
+  return least * sizeof(Scalar) / kBytes[static_cast<int>(width)];
 }
 
 World ropes(std::size_t count) {
