@@ -67,6 +67,9 @@ TEST(Allocation, NeitherDoInterventions) {
     for (int i = 1; i <= 20; ++i) {
       const Pinned a = interventions.pin(world, 0, 0.33), b = interventions.pin(world, 0, 0.5);
       simulation.advance_to(from + i * 0.02 - 0.01);
+      Attachment to;
+      to.point = material_point(world.connectors[0], 0.33).position;
+      EXPECT_EQ(interventions.move(world, a.pin, to, 0.02), Outcome::done);
       interventions.release(world, a.pin);
       interventions.release(world, b.pin);
       simulation.advance_to(from + i * 0.02);
