@@ -7,7 +7,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/method_options.h"
-#include "scenes/scene.h"
+#include "scenes/clip.h"
 #include "scenes/schema.h"
 
 namespace taut::cli {
@@ -76,6 +76,7 @@ Json as_json(const Scene& scene) {
                                           {"mass", connector.mass},
                                           {"particles", connector.particles()}};
   }
+  if (scene.stage) json["clip_frames"] = clip_frames(scene).size();
   json["pins"] = scene.timeline.pins.size();
   json["cuts"] = scene.timeline.cuts.size();
   json["stage"] = scene.stage.has_value();
@@ -123,7 +124,8 @@ std::string as_text(const Scene& scene) {
     line("no stage: it can be simulated, not rendered");
     return text;
   }
-  line(fmt::format("stage: {}x{}", scene.width, scene.height));
+  line(fmt::format("stage: {}x{}; the clip has {} frames in {} shots", scene.width, scene.height,
+                   clip_frames(scene).size(), scene.stage->shots.size()));
   for (const auto& [use, model] : models(scene)) {
     line(fmt::format("{}: {}, {} triangles{}", use, model->name, triangles(*model),
                      model->bones.empty() ? "" : fmt::format(", {} bones", model->bones.size())));
