@@ -24,7 +24,7 @@ struct AccuracyStudy {
   bool in_pixels = false;       // rows have a second error, in pixels of the scene's camera
   std::vector<AccuracyBlock> blocks;
   double unsteadiness = 0;  // of the timings of all blocks
-  ModelStudy model;  // no rows: not asked for
+  ModelStudy model;         // no rows: not asked for
 };
 
 /// Every run: settings, error, cost, steps, how it ended.

@@ -120,6 +120,12 @@ std::string as_text(const Scene& scene) {
     line(fmt::format("cut: {} at {} m, at {} s", world.connectors[cut.connector].name, cut.along,
                      cut.time));
   }
+  if (scene.plan) {
+    line(scene.plan->stamp == plan_stamp(scene.file)
+             ? fmt::format("plan: {} by {} (--planned)", certificate(*scene.plan),
+                           scene.plan->method.name)
+             : "plan: of the scene as it was; it changed since");
+  }
   if (!scene.stage) {
     line("no stage: it can be simulated, not rendered");
     return text;

@@ -37,14 +37,25 @@ Setting parsed(const MethodInfo& method, const std::string& name, const std::str
 }  // namespace
 
 void add_method_options(CLI::App& command, MethodOptions& options) {
-  command.add_option("--method", options.method,
-                     "Another method than the scene's, at its own settings");
+  auto* method = command.add_option("--method", options.method,
+                                    "Another method than the scene's, at its own settings");
   auto* step = command.add_option("--step", options.step, "Longest step of the method, s");
   auto* tolerance = command.add_option("--tolerance", options.tolerance,
                                        "Error to keep, m, for methods that control it");
   step->excludes(tolerance);
-  command.add_option("--set", options.set, "A setting of the method, KEY=VALUE; may be repeated")
-      ->allow_extra_args(false);
+  auto* set =
+      command
+          .add_option("--set", options.set, "A setting of the method, KEY=VALUE; may be repeated")
+          ->allow_extra_args(false);
+  command
+      .add_flag("--planned", options.planned,
+                "The model and the method of the scene's plan, as taut plan --write made it")
+      ->excludes(method, step, tolerance, set);
+}
+
+Scene load_chosen(const std::filesystem::path& file, bool with_stage,
+                  const MethodOptions& options) {
+  return options.planned ? load_planned(file, with_stage) : load_scene(file, with_stage);
 }
 
 MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {

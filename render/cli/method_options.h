@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -16,9 +17,13 @@ struct MethodOptions {
   std::optional<double> step;       // s
   std::optional<double> tolerance;  // m
   std::vector<std::string> set;     // KEY=VALUE
+  bool planned = false;             // the model and the method of the scene's plan
 };
 
 void add_method_options(CLI::App& command, MethodOptions& options);
+
+/// The scene as it is written or, where the options say so, as its plan has it. Throws BadScene.
+Scene load_chosen(const std::filesystem::path& file, bool with_stage, const MethodOptions& options);
 
 /// The scene's method with the options put over its settings. Another method starts from its own:
 /// the step that suits one diverges in the next. Throws Misuse.

@@ -312,7 +312,7 @@ int run(const Options& options, const Common& common) {
     one.error = error_along(one.model.world, one.model.timeline, finely, scene.world, reference,
                             asked.tolerance.distance);
     // What is beyond the tolerance when it is solved well must not be saved by errors that cancel.
-    if (one.error <= asked.tolerance.most) one.model.candidates = all_candidates();
+    if (one.error <= asked.tolerance.most) one.model.candidates = all_candidates(scene.fps);
     models.push_back(one.model);
     total += one.model.candidates.size();
   }

@@ -51,11 +51,17 @@ std::vector<SceneModel> models_of(const Scene& scene) {
   return models;
 }
 
-std::vector<Candidate> all_candidates() {
+std::vector<Candidate> all_candidates(int fps) {
   std::vector<Candidate> all;
   for (const Contender& contender : chosen_contenders({})) {
     const std::vector<Candidate> some = candidates_of(contender, false);
     all.insert(all.end(), some.begin(), some.end());
+  }
+  for (Candidate& candidate : all) {
+    const auto step = candidate.settings.find("step");
+    if (step == candidate.settings.end()) continue;
+    double& seconds = std::get<double>(step->second);
+    if (seconds > 0) seconds = 1 / (fps * std::ceil(1 / (fps * seconds) - 1e-6));
   }
   // The one that is likely to be chosen first: what is dearer than its best is given up early.
   std::ranges::stable_partition(

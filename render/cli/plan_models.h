@@ -21,8 +21,9 @@ struct SceneModel {
 /// errors are not yet set.
 std::vector<SceneModel> models_of(const Scene& scene);
 
-/// Every method at every setting of its sweep, the scene's default method first.
-std::vector<Candidate> all_candidates();
+/// Every method at every setting of its sweep, with steps that divide a frame of 1/`fps` s; the
+/// default method first.
+std::vector<Candidate> all_candidates(int fps);
 
 /// "6 of 11 particles"; "as it is written".
 std::string describe(const SceneModel& model, const Scene& scene);

@@ -75,7 +75,7 @@ nlohmann::ordered_json stage_json(const Profile& profile) {
 
 int render(const Common& common, const Options& options) {
   const Backend backend = backend_named(options.backend);
-  Scene scene = load_scene(options.scene, true);
+  Scene scene = load_chosen(options.scene, true, options.method);
   if (!scene.stage)
     throw BadScene(fmt::format("{}: has no [stage], so there is nothing to draw", options.scene));
   if (options.fps > 0) scene.fps = options.fps;
@@ -163,6 +163,8 @@ int render(const Common& common, const Options& options) {
       {"size", {scene.width, scene.height}},
       {"fps", scene.fps},
       {"samples", options.samples},
+      {"certificate", options.method.planned ? certificate(*scene.plan)
+                                             : "none: the clip is not by a plan (--planned)"},
       {"renderer", context.description()},
       {"frames", frames.size()},
       {"frames_drawn", drawn},

@@ -149,7 +149,7 @@ std::string json_text(const Scene& scene, const Simulation& simulation, const Re
 }
 
 int run(const Options& options, const Common& common) {
-  Scene scene = load_scene(options.scene, false);
+  Scene scene = load_chosen(options.scene, false, options.method);
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
   Simulation simulation = start(scene);

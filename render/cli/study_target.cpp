@@ -42,8 +42,9 @@ std::optional<Metric> pixels_of(const Scene& scene) {
   const Eigen::Vector2d half(scene.width / 2.0, scene.height / 2.0);
   const auto project = [stage = *scene.stage, half](const Vec3& point,
                                                     double time) -> std::optional<Eigen::Vector2d> {
-    const Eigen::Vector4f at = camera_projection(camera_at(stage.camera, time), half.x() / half.y()) *
-                               point.cast<float>().homogeneous();
+    const Eigen::Vector4f at =
+        camera_projection(camera_at(stage.camera, time), half.x() / half.y()) *
+        point.cast<float>().homogeneous();
     if (!(at.w() > 0)) return std::nullopt;
     return half.cwiseProduct(at.head<2>().cast<double>() / at.w());
   };

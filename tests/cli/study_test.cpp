@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "render/table.h"
+#include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -208,6 +209,42 @@ TEST(Stability, MapsHaveEveryCellAndGoOn) {
     EXPECT_TRUE(fs::exists(out / fmt::format("stability_{}.svg", map)));
   }
   EXPECT_TRUE(fs::exists(out / "stability.html"));
+}
+
+TEST(Plan, IsFoundWrittenAndTaken) {
+  const Folder folder;
+  folder.write("swing.toml", swing_scene(1.0));
+  const Outcome found =
+      run_taut({"plan", "swing.toml", "--tolerance", "0.5mm", "--json", "--write"}, folder.path());
+  ASSERT_EQ(found.code, 0) << found.messages;
+  const auto plan = nlohmann::json::parse(found.output);
+  EXPECT_LE(plan.at("error").get<double>(), 0.5);
+  EXPECT_GT(plan.at("until").get<double>(), 0.2);
+  EXPECT_FALSE(plan.at("left_out").empty());
+
+  const Outcome check = run_taut({"check", "swing.toml"}, folder.path());
+  EXPECT_NE(check.output.find("plan: within"), std::string::npos) << check.output;
+  const Outcome planned =
+      run_taut({"simulate", "swing.toml", "--planned", "--json"}, folder.path());
+  ASSERT_EQ(planned.code, 0) << planned.messages;
+  EXPECT_EQ(nlohmann::json::parse(planned.output).at("method"), plan.at("method"));
+
+  std::string text = read_file(folder.path() / "swing.toml");
+  folder.write("swing.toml", text.replace(text.find("mass = 0.12"), 11, "mass = 0.13"));
+  const Outcome refused = run_taut({"simulate", "swing.toml", "--planned"}, folder.path());
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.messages.find("changed since its plan was made"), std::string::npos);
+}
+
+TEST(Plan, MisuseIsTwo) {
+  const Folder folder;
+  folder.write("swing.toml", swing_scene(1.0));
+  for (const char* tolerance : {"1", "-1px", "nanmm", "1km", "0mm", "px"}) {
+    const Outcome outcome =
+        run_taut({"plan", "swing.toml", "--tolerance", tolerance}, folder.path());
+    EXPECT_EQ(outcome.code, 2) << tolerance;
+    EXPECT_NE(outcome.messages.find("px or mm"), std::string::npos) << outcome.messages;
+  }
 }
 
 TEST(Judge, SaysOneWordPerMethodAndScene) {
