@@ -174,6 +174,28 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   EXPECT_EQ(cells(reach, "ms/s for 1e-06").at(0), "-") << "impulse";
 }
 
+TEST(Reach, SaysWhatAnErrorCostsSceneBesideScene) {
+  const Folder folder;
+  folder.write("a.toml", kScene);
+  folder.write("b.toml", kScene);
+  const Outcome outcome =
+      run_taut({"reach", "a.toml", "b.toml", "--methods", "impulse,direct", "--errors",
+                "0.1,0.00001", "--budget", "2", "--markdown", "--out", "out"},
+               folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_NE(outcome.output.find("| Short swing: 100 mm | Short swing: 0.01 mm |"),
+            std::string::npos)
+      << outcome.output;
+  const Table table = from_csv(read_file(folder.path() / "out/reach.csv"));
+  const auto errors = cells(table, "error (m)"), asked = cells(table, "error asked for (m)");
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    EXPECT_LE(std::stod(errors[i]), std::stod(asked[i])) << i;
+  }
+  // Both come within half the length; only the direct method within a hundredth of a millimetre.
+  EXPECT_EQ(cells(table, "method"), (std::vector<std::string>{"impulse", "direct", "direct",
+                                                              "impulse", "direct", "direct"}));
+}
+
 TEST(Chart, AnotherSceneStartsAnew) {
   const Folder folder;
   folder.write("scene.toml", kScene);
