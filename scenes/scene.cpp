@@ -19,6 +19,22 @@ int Scene::frames() const {
   return frame_count(duration, fps);
 }
 
+namespace {
+
+/// A method that follows links alone would take a massless span for one.
+void refuse_spans(const Document& document, const MethodInfo& method) {
+  const Value* connectors = document.root.find("connectors");
+  if (!connectors || method.follows_spans) return;
+  for (const Value& connector : connectors->children) {
+    const Value* model = connector.find("model");
+    if (!model || model->text != "span") continue;
+    document.mismatch(
+        *model, fmt::format("\"links\": the method {} follows no massless spans", method.name));
+  }
+}
+
+}  // namespace
+
 Scene read_scene(const Document& document, bool with_stage) {
   check_format(document);
   const Value& root = document.root;
@@ -36,6 +52,7 @@ Scene read_scene(const Document& document, bool with_stage) {
   Motions motions(document);
   scene.world.bodies = read_bodies(document, motions);
   read_connectors(document, motions, scene.world);
+  refuse_spans(document, *find_method(scene.method.name));
   finish(scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
   if (const Value* plan = root.find("plan")) scene.plan = read_plan(document, *plan, scene.fps);

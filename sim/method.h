@@ -108,6 +108,8 @@ struct MethodInfo {
   /// a full set of settings; null: there is no such theory.
   double (*longest_step)(const World& world, const Settings& settings) = nullptr;
   std::string_view longest_step_law = {};  // the law in a few words, for legends
+  /// Connectors may be massless spans; others take every connector for links.
+  bool follows_spans = false;
 };
 
 /// Every method, in the order in which tables show them.

@@ -74,6 +74,13 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
     throw Misuse(
         fmt::format("--method: {} is not in this build ({})", choice.name, method->missing));
   }
+  const bool spans = std::ranges::any_of(scene.world.connectors, [](const Connector& connector) {
+    return connector.model == ConnectorModel::span;
+  });
+  if (spans && !method->follows_spans) {
+    throw Misuse(
+        fmt::format("--method: {} follows no massless spans (model = \"span\")", choice.name));
+  }
   if (choice.name != scene.method.name) choice.settings.clear();
   if (options.step) {
     choice.settings.erase("tolerance");

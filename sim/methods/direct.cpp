@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "sim/methods/direct/control.h"
+#include "sim/methods/direct/spans.h"
 #include "sim/projection.h"
 
 namespace taut {
@@ -18,6 +19,7 @@ class Direct : public Method {
   explicit Direct(const direct::Control& control) : control_(control) {}
 
   void advance(World& world, double until) override {
+    if (direct::has_spans(world)) return advance_spans(world, until);
     if (!built_ || topology_ != world.topology) rebuild(world);
     if (!same(world)) {
       stop_stretching(world);  // a particle that was pinned in motion leaves its neighbours so
@@ -39,12 +41,18 @@ class Direct : public Method {
   }
 
  private:
-  void rebuild(const World& world) {
-    for (const Connector& connector : world.connectors) {
-      if (connector.model == ConnectorModel::links) continue;
-      throw Diverged("direct", world.time, counters_.steps, connector.name, 0,
-                     "follows links, not massless spans (model = \"span\")");
+  void advance_spans(World& world, double until) {
+    if (!spans_) spans_ = std::make_unique<direct::Spans>(std::make_unique<Direct>(control_));
+    if (!built_ || topology_ != world.topology) {
+      built_ = true;
+      topology_ = world.topology;
+      spans_->prepare(world);
     }
+    spans_->advance(world, until, events_);
+    counters_ = spans_->counters();
+  }
+
+  void rebuild(const World& world) {
     built_ = true;
     topology_ = world.topology;
     courses_.clear();
@@ -95,34 +103,40 @@ class Direct : public Method {
   bool built_ = false;
   std::uint64_t topology_ = 0;
   std::vector<Course> courses_;
-  std::vector<double> noted_;  // the world as advance() left it
+  std::unique_ptr<direct::Spans> spans_;  // where the world has massless ones
+  std::vector<double> noted_;             // the world as advance() left it
 };
 
 }  // namespace
 
 MethodInfo direct_method() {
   return {
-      "direct",
-      "all links at once, exactly, in linear time; order and step follow from the error asked for",
-      {{.name = "tolerance",
-        .meaning = "the RMS error of the particles' positions after a second; raising it is faster",
-        .unit = "m",
-        .fallback = 1e-4,
-        .maximum = 1e3,
-        .above = true,
-        .sweep = {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
-       {.name = "step",
-        .meaning = "a fixed step in place of the tolerance; zero lets the tolerance choose",
-        .unit = "s",
-        .fallback = 0.0,
-        .maximum = 1.0}},
-      [](const Settings& settings) -> std::unique_ptr<Method> {
+      .name = "direct",
+      .summary =
+          "all links at once, exactly, in linear time; order and step follow from the error asked "
+          "for",
+      .settings =
+          {{.name = "tolerance",
+            .meaning =
+                "the RMS error of the particles' positions after a second; raising it is faster",
+            .unit = "m",
+            .fallback = 1e-4,
+            .maximum = 1e3,
+            .above = true,
+            .sweep = {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}},
+           {.name = "step",
+            .meaning = "a fixed step in place of the tolerance; zero lets the tolerance choose",
+            .unit = "s",
+            .fallback = 0.0,
+            .maximum = 1.0}},
+      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         direct::Control control;
         control.tolerance = number(settings, "tolerance");
         control.step = number(settings, "step");
         return std::make_unique<Direct>(control);
       },
-      [](const Settings&, double links) { return 150 + 6 * links; }};
+      .work = [](const Settings&, double links) { return 150 + 6 * links; },
+      .follows_spans = true};
 }
 
 }  // namespace taut

@@ -279,6 +279,7 @@ MethodInfo impulse_method() {
       },
       .work = [](const Settings&, double links) { return 330 + 18 * links; },
       .forms = {{"as-printed", {{"as_printed", true}}}},
+      .follows_spans = true,
   };
 }
 

@@ -60,6 +60,20 @@ TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
   EXPECT_TRUE(table.is_as_accepted());
 }
 
+TEST(BadScene, AMethodThatFollowsLinksAloneTakesNoSpans) {
+  const Folder folder;
+  folder.write("scene.toml",
+               "duration = 1\n[method]\nname = \"xpbd\"\n[connectors.rope]\nlength = 1.0\n"
+               "mass = 0.1\nparticles = 5\nmodel = \"span\"\nfrom = { fixed = [0, 1, 0] }\n"
+               "to = { point_mass = 0.2 }\nstart = { direction = [0, -1, 0] }\n");
+  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.messages.find("scene.toml:8:9: connectors.rope.model: found \"span\", expected "
+                                  "\"links\": the method xpbd follows no massless spans"),
+            std::string::npos)
+      << outcome.messages;
+}
+
 TEST(BadScene, MoreParticlesThanMemoryIsFor) {
   std::string text = "duration = 1\n";
   for (int i = 0; i < 11; ++i) {

@@ -279,12 +279,6 @@ TEST(Direct, ABarOnTwoCordsKeepsItsEnergyAndItsHolds) {
   }
 }
 
-TEST(Direct, MasslessSpansAreRefused) {
-  World world = worlds::chain(6, 0.5, Vec3::UnitX());
-  world.connectors[0].model = ConnectorModel::span;
-  EXPECT_THROW(make_method("direct", {})->advance(world, 0.1), Diverged);
-}
-
 // What nothing holds flies by itself.
 TEST(Direct, ABodyWithoutAConnectorFallsAndSpins) {
   World world;

@@ -33,6 +33,9 @@ class Net : public Motion {
   /// In `plane`, which must suit the world's present state (see find_plane), or in space.
   Net(const World& world, const Component& component, const std::optional<Plane>& plane);
 
+  /// The tension (N) of the connector's first link, as in the world's present state.
+  double tension(const World& world, std::size_t connector);
+
   void load(const World& world, double time, Array& q, Array& rate) override;
   void store(World& world, double time, const double* q, const double* rate) override;
   void attach(const World& world) override { world_ = &world; }

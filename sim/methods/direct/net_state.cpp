@@ -1,5 +1,6 @@
 // The state of a net: to and from the world, back to where it belongs, and its error.
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "sim/methods/direct/net.h"
@@ -92,6 +93,15 @@ void Net::load(const World& world, double time, Array& q, Array& rate) {
   }
   place(time, q.data(), rate.data());
   spin_momentum_ = rotary(time).momentum;
+}
+
+double Net::tension(const World& world, std::size_t connector) {
+  Array q, rate, acceleration_of_q(size(), 0.0);
+  load(world, world.time, q, rate);
+  acceleration(world.time, q.data(), rate.data(), acceleration_of_q.data());
+  const auto found = std::ranges::find_if(
+      spans_, [&](const Span& span) { return span.range.connector == connector; });
+  return links_->tension(found->offset);
 }
 
 Net::Point Net::start_of(const Span& span, double time) const {

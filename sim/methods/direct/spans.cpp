@@ -1,0 +1,259 @@
+#include "sim/methods/direct/spans.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sim/methods/direct/net.h"
+
+namespace taut::direct {
+namespace {
+
+constexpr double kLook = 1.0 / 512;   // s, between two looks at what changes
+constexpr double kLocated = 1e-10;    // s, within which the moment of a change is known
+constexpr double kLeastSlack = 1e-9;  // of its length: a span with less is laid straight
+constexpr double kTooLong = 1e-12;    // of its length: a slack span so much longer goes taut
+/// A rebound that would be over within this time (s) is none.
+constexpr double kShortestFlight = 1e-4;
+
+struct Ends {
+  PointMotion a, b;
+  Vec3 line;  // unit vector from a to b
+  double distance = 0, parting = 0;
+};
+
+Ends ends_of(const World& world, const Attachment& a, const Attachment& b) {
+  Ends ends;
+  ends.a = hold_motion(world, a, world.time);
+  ends.b = hold_motion(world, b, world.time);
+  const Vec3 gap = ends.b.position - ends.a.position;
+  ends.distance = gap.norm();
+  ends.line = ends.distance > 0 ? Vec3(gap / ends.distance) : Vec3::UnitY();
+  ends.parting = ends.line.dot(ends.b.velocity - ends.a.velocity);
+  return ends;
+}
+
+/// How fast the attached point moves along `line` after a unit impulse along it; 1/kg.
+double answer(const World& world, const Attachment& to, const Vec3& line) {
+  if (is_prescribed(world, to)) return 0;
+  const Body& body = world.bodies[to.body];
+  const Vec3 turn = (body.point(to.point) - body.position).cross(line);
+  return 1 / body.mass_properties.mass + turn.dot(body.world_inertia().ldlt().solve(turn));
+}
+
+void kick(World& world, const Attachment& to, const Vec3& impulse) {
+  if (is_prescribed(world, to)) return;
+  Body& body = world.bodies[to.body];
+  const Vec3 arm = body.point(to.point) - body.position;
+  body.velocity += impulse / body.mass_properties.mass;
+  body.spin += body.world_inertia().ldlt().solve(arm.cross(impulse));
+}
+
+/// The acceleration (m/s^2) with which the point parts along `line` while nothing pulls at it.
+double falls(const World& world, const Attachment& to, const Vec3& line) {
+  if (is_prescribed(world, to)) return line.dot(hold_motion(world, to, world.time).acceleration);
+  return line.dot(world.gravity);
+}
+
+}  // namespace
+
+bool has_spans(const World& world) {
+  return std::ranges::any_of(world.connectors,
+                             [](const Connector& c) { return c.model == ConnectorModel::span; });
+}
+
+Attachment Spans::attachment(const World& world, const Span& span, const SpanEnd& end) {
+  if (const Hold* hold = hold_at(world.connectors[span.connector], end.particle)) return hold->to;
+  Attachment to;
+  to.kind = Attachment::Kind::body;
+  const auto same = [&](const PointMass& p) {
+    return p.connector == span.connector && p.particle == end.particle;
+  };
+  const auto known = std::ranges::find_if(point_masses_, same);
+  to.body = world.bodies.size() + static_cast<std::size_t>(known - point_masses_.begin());
+  if (known == point_masses_.end()) point_masses_.push_back({span.connector, end.particle});
+  return to;
+}
+
+void Spans::prepare(const World& world) {
+  const std::vector<Span> before = std::exchange(spans_, {});
+  divide(world, before, spans_);
+  ties_.clear();
+  point_masses_.clear();
+  copied_.clear();
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    if (world.connectors[c].model == ConnectorModel::links) copied_.push_back(c);
+  }
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    const Span& span = spans_[s];
+    const Connector& connector = world.connectors[span.connector];
+    if (connector.model == ConnectorModel::links) continue;
+    const auto takes_part = [](const SpanEnd& end) { return end.kind != SpanEnd::Kind::follower; };
+    if (!takes_part(span.a) || !takes_part(span.b)) continue;
+    ties_.push_back({s, attachment(world, span, span.a), attachment(world, span, span.b),
+                     connector.elasticity});
+  }
+  inner_ = world;
+  for (const PointMass& p : point_masses_) {
+    Body body;
+    body.name = world.connectors[p.connector].name;
+    const double mass = world.connectors[p.connector].particle_mass[p.particle];
+    body.mass_properties = {mass, Vec3::Zero(), mass * Mat3::Identity()};  // turned by nothing
+    inner_.bodies.push_back(body);
+  }
+  connect();
+}
+
+/// Puts the taut spans into the inner world as links, beside the links of the outer.
+void Spans::connect() {
+  inner_.connectors.resize(copied_.size());
+  for (Tie& tie : ties_) {
+    if (!spans_[tie.span].taut) continue;
+    tie.link = inner_.connectors.size();
+    Connector link =
+        straight_connector("span", spans_[tie.span].length, 0, 2, Vec3::Zero(), Vec3::UnitY());
+    link.holds = {{0, tie.a, {}}, {1, tie.b, {}}};
+    inner_.connectors.push_back(std::move(link));
+  }
+  place_held(inner_, inner_.time);
+  ++inner_.topology;
+}
+
+void Spans::read(const World& world) {
+  inner_.time = world.time;
+  inner_.gravity = world.gravity;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) inner_.bodies[b] = world.bodies[b];
+  for (std::size_t k = 0; k < point_masses_.size(); ++k) {
+    const Connector& connector = world.connectors[point_masses_[k].connector];
+    Body& body = inner_.bodies[world.bodies.size() + k];
+    body.position = connector.position[point_masses_[k].particle];
+    body.velocity = connector.velocity[point_masses_[k].particle];
+  }
+  for (std::size_t k = 0; k < copied_.size(); ++k) {
+    inner_.connectors[k] = world.connectors[copied_[k]];
+  }
+}
+
+void Spans::write(World& world) const {
+  world.time = inner_.time;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) world.bodies[b] = inner_.bodies[b];
+  for (std::size_t k = 0; k < copied_.size(); ++k) {
+    world.connectors[copied_[k]] = inner_.connectors[k];
+  }
+  for (std::size_t k = 0; k < point_masses_.size(); ++k) {
+    const Body& body = inner_.bodies[world.bodies.size() + k];
+    Connector& connector = world.connectors[point_masses_[k].connector];
+    connector.position[point_masses_[k].particle] = body.position;
+    connector.velocity[point_masses_[k].particle] = body.velocity;
+  }
+  place_held(world, world.time);
+  for (const Tie& tie : ties_) {
+    const Span& span = spans_[tie.span];
+    lay(world.connectors[span.connector], span, world.gravity);
+  }
+}
+
+/// Lays the particles between the ends: straight where taut, else as they would hang there.
+void Spans::lay(Connector& connector, const Span& span, const Vec3& gravity) {
+  const std::size_t first = span.a.particle, last = span.b.particle;
+  const Vec3 from = connector.position[first], to = connector.position[last];
+  const Vec3 start = connector.velocity[first], change = connector.velocity[last] - start;
+  Connector part;
+  part.rest.assign(connector.rest.begin() + static_cast<std::ptrdiff_t>(first),
+                   connector.rest.begin() + static_cast<std::ptrdiff_t>(last));
+  part.particle_mass.assign(span.links() + 1, 1.0);
+  part.position.resize(span.links() + 1);
+  part.velocity.resize(span.links() + 1);
+  part.length = span.length;
+  std::vector<Vec3> hanging;
+  const double slack = span.length - (to - from).norm();
+  if (slack > kLeastSlack * span.length && span.links() > 1) {
+    hanging = hanging_points(part, from, to, gravity);
+  }
+  double along = 0;
+  for (std::size_t k = first + 1; k < last; ++k) {
+    along += connector.rest[k - 1];
+    const double share = span.length > 0 ? along / span.length : 0;
+    connector.position[k] = hanging.empty() ? Vec3(from + share * (to - from)) : hanging[k - first];
+    connector.velocity[k] = start + share * change;
+  }
+}
+
+/// True where the state of the inner world is not one that the tie can be in.
+bool Spans::breaks(const Tie& tie) const {
+  if (!spans_[tie.span].taut) {
+    const Ends ends = ends_of(inner_, tie.a, tie.b);
+    const bool gives = !is_prescribed(inner_, tie.a) || !is_prescribed(inner_, tie.b);
+    return gives && ends.distance > spans_[tie.span].length * (1 + kTooLong) && ends.parting > 0;
+  }
+  for (const Component& component : components(inner_)) {
+    for (const SpanRange& range : component.spans) {
+      if (range.connector != tie.link) continue;
+      Net net(inner_, component, std::nullopt);
+      return net.tension(inner_, tie.link) < 0;
+    }
+  }
+  return false;  // between two prescribed ends
+}
+
+bool Spans::breaks() const {
+  return std::ranges::any_of(ties_, [&](const Tie& tie) { return breaks(tie); });
+}
+
+/// Goes on to `until`, or to where the first tie has just broken.
+void Spans::advance_to_break(double until) {
+  before_ = inner_;
+  links_->advance(inner_, until);
+  if (!breaks()) return;
+  double whole = before_.time, broken = until;
+  while (broken - whole > kLocated) {
+    const double middle = (whole + broken) / 2;
+    if (!(middle > whole && middle < broken)) break;
+    inner_ = before_;
+    links_->advance(inner_, middle);
+    (breaks() ? broken : whole) = middle;
+  }
+  inner_ = before_;
+  links_->advance(inner_, broken);
+}
+
+/// The ends of a slack span part at its full length: true where they are thrown back.
+bool Spans::rebounds(const Tie& tie, std::vector<Event>& events) {
+  const Ends ends = ends_of(inner_, tie.a, tie.b);
+  const double mobility = answer(inner_, tie.a, ends.line) + answer(inner_, tie.b, ends.line);
+  const double pull = falls(inner_, tie.b, ends.line) - falls(inner_, tie.a, ends.line);
+  const double back = tie.elasticity * ends.parting;
+  const bool flies = back > 0 && 2 * back > pull * kShortestFlight;
+  const double impulse = (ends.parting + (flies ? back : 0)) / mobility;
+  const Span& span = spans_[tie.span];
+  events.push_back({Event::Kind::taut, inner_.time, span.connector, span.index, 0});
+  events.push_back({Event::Kind::impulse, inner_.time, span.connector, span.index, impulse});
+  if (!flies) return false;
+  kick(inner_, tie.a, impulse * ends.line);
+  kick(inner_, tie.b, -impulse * ends.line);
+  place_held(inner_, inner_.time);
+  return true;
+}
+
+void Spans::advance(World& world, double until, std::vector<Event>& events) {
+  read(world);
+  while (inner_.time < until) {
+    advance_to_break(std::min(until, inner_.time + kLook));
+    bool changed = false;
+    for (const Tie& tie : ties_) {
+      if (!breaks(tie)) continue;
+      Span& span = spans_[tie.span];
+      if (span.taut) {
+        events.push_back({Event::Kind::slack, inner_.time, span.connector, span.index, 0});
+      } else if (rebounds(tie, events)) {
+        continue;
+      }
+      span.taut = !span.taut;
+      changed = true;
+    }
+    if (changed) connect();
+  }
+  write(world);
+}
+
+}  // namespace taut::direct

@@ -1,0 +1,62 @@
+// Massless spans by the direct method: free while slack, one rigid link while taut.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/method.h"
+#include "sim/methods/span.h"
+
+namespace taut::direct {
+
+/// Follows a world some of whose connectors are massless spans, by a method that follows links.
+/// That one sees a world of its own, in which a taut span is a link without mass between its two
+/// ends and a slack one is not there; a point mass at an end is a body that nothing turns. What
+/// changes there is found between two looks and located in time: a slack span that gets longer than
+/// it is goes taut, a taut one whose tension turns negative goes slack. Going taut, the ends are
+/// thrown back with the connector's elasticity; where that is none, or the rebound would be over at
+/// once, the link takes their parting away, which keeps all momenta.
+class Spans {
+ public:
+  /// `links` follows everything but spans.
+  explicit Spans(std::unique_ptr<Method> links) : links_(std::move(links)) {}
+
+  /// Call before the first advance() and whenever the topology is new.
+  void prepare(const World& world);
+  void advance(World& world, double until, std::vector<Event>& events);
+
+  const Counters& counters() const { return links_->counters(); }
+
+ private:
+  struct Tie {
+    std::size_t span = 0;  // index into spans_
+    Attachment a, b;       // in the inner world
+    double elasticity = 0;
+    std::size_t link = 0;  // its connector there, while it is taut
+  };
+  struct PointMass {
+    std::size_t connector = 0, particle = 0;
+  };
+
+  Attachment attachment(const World& world, const Span& span, const SpanEnd& end);
+  void read(const World& world);
+  void write(World& world) const;
+  static void lay(Connector& connector, const Span& span, const Vec3& gravity);
+  void connect();
+  bool breaks(const Tie& tie) const;
+  bool breaks() const;
+  void advance_to_break(double until);
+  bool rebounds(const Tie& tie, std::vector<Event>& events);
+
+  std::unique_ptr<Method> links_;
+  World inner_, before_;
+  std::vector<Span> spans_;
+  std::vector<Tie> ties_;
+  std::vector<PointMass> point_masses_;  // bodies of the inner world, behind those of the outer
+  std::vector<std::size_t> copied_;      // connectors of the outer world that are links
+};
+
+/// True where `world` has a connector that is a massless span.
+bool has_spans(const World& world);
+
+}  // namespace taut::direct
