@@ -61,8 +61,10 @@ TEST_F(Render, ProfileListsTheStages) {
     names.push_back(stage.at("stage"));
     wall += stage.at("wall").get<double>();
   }
-  for (const char* name : {"simulate", "pose", "skin", "figures", "PNG"})
+  for (const char* name : {"pose", "sweep", "figures", "PNG"})
     EXPECT_EQ(std::ranges::count(names, name), 1) << name;
+  EXPECT_GT(report.at("seconds_per_frame").at("simulation").get<double>(), 0);
+  EXPECT_GE(report.at("mean_exposures").get<double>(), 1);
   EXPECT_GT(wall, 0);
   EXPECT_LT(wall, 2 * report.at("seconds_per_frame").at("rendering").get<double>());
   const Outcome table = render({"--profile", "--no-video"});
