@@ -14,7 +14,7 @@ namespace taut::cli {
 void score_all(AccuracyStudy& study, const Target& target, const std::vector<Metric>& metrics,
                double seconds, bool quick, Journal* journal, bool quiet);
 
-/// Times all once more and the fronts again and again, in turn, until `seconds` are over; those
+/// Times all a few times and the fronts again and again, in turn, until `seconds` are over; those
 /// that take more than `slow` seconds less often, for they would eat the time of all others.
 void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, double seconds,
               double slow);
