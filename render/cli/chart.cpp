@@ -31,11 +31,7 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   TruthOptions truth;
   truth.scored_error = length * (options.quick ? 1e-4 : 1e-6);
   if (options.quick) truth.second_accuracy = 1e-7;
-  const Target target = target_of(scene, scene.duration, truth);
-  if (target.problem.times.size() < 2) {
-    throw Misuse(fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
-                             options.scene, target.reference.horizon));
-  }
+  const Target target = predictable_target(scene, truth);
 
   AccuracyStudy study;
   study.scene = options.scene;

@@ -29,11 +29,7 @@ AccuracyStudy study_of(const StudyOptions& options, double least_error, bool qui
   TruthOptions truth;
   truth.scored_error = least_error;
   truth.second_accuracy = 1e-4 * least_error;
-  const Target target = target_of(scene, scene.duration, truth);
-  if (target.problem.times.size() < 2) {
-    throw Misuse(fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
-                             options.scene, target.reference.horizon));
-  }
+  const Target target = predictable_target(scene, truth);
   AccuracyStudy study;
   study.scene = options.scene;
   study.title = scene.title;

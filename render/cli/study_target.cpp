@@ -1,9 +1,12 @@
 #include "render/cli/study_target.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <limits>
 #include <vector>
 
+#include "render/cli/command.h"
 #include "render/lighting.h"
 
 namespace taut::cli {
@@ -14,6 +17,15 @@ Target target_of(const Scene& scene, double duration, const TruthOptions& option
   target.reference = {std::move(truth.frames), truth.horizon, truth.self_error};
   std::erase_if(target.problem.times, [&](double time) { return time > truth.horizon; });
   target.reference.frames.resize(target.problem.times.size());
+  return target;
+}
+
+Target predictable_target(const Scene& scene, const TruthOptions& options) {
+  Target target = target_of(scene, scene.duration, options);
+  if (target.problem.times.size() < 2) {
+    throw Misuse(fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
+                             scene.file.string(), target.reference.horizon));
+  }
   return target;
 }
 

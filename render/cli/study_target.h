@@ -20,6 +20,9 @@ struct Target {
 /// The scene's frames of its first `duration` seconds, cut at the horizon.
 Target target_of(const Scene& scene, double duration, const TruthOptions& options);
 
+/// The whole scene up to its horizon. Throws Misuse where that is before the second frame.
+Target predictable_target(const Scene& scene, const TruthOptions& options);
+
 /// A reference good enough to tell runs that are within `scored_error` (m) of the truth: two
 /// independent solvers, up to where they agree to a hundredth of that. None where one of them
 /// cannot solve the problem within `cpu_cap` (s) or they disagree at once.

@@ -2,108 +2,14 @@
 
 #include <algorithm>
 
-#include "scenes/reader/format.h"
+#include "scenes/reader/format_keys.h"
 #include "sim/method.h"
 
 namespace taut {
 
 namespace {
 
-using Type = KeyFormat::Type;
-
-// Generous, and small enough that no product of them overflows an int or fills a machine's memory.
-constexpr double kLongest = 86400;      // s, a day
-constexpr double kMostParticles = 1e5;  // of a connector
-constexpr double kMostFps = 1000;
-constexpr double kWidest = 16384;  // pixels
-
-KeyFormat vector(std::string_view name, std::string_view meaning, std::string_view unit = "m") {
-  return {
-      .name = name, .type = Type::numbers, .meaning = meaning, .unit = unit, .least = 3, .most = 3};
-}
-
-KeyFormat color(std::string_view name, std::string_view meaning) {
-  KeyFormat key = vector(name, meaning, "");
-  key.minimum = 0;
-  return key;
-}
-
-KeyFormat rotation(std::string_view meaning) {
-  return {.name = "rotation", .type = Type::numbers, .meaning = meaning, .least = 4, .most = 4};
-}
-
-KeyFormat positive(std::string_view name, std::string_view meaning, std::string_view unit) {
-  return {.name = name, .meaning = meaning, .unit = unit, .minimum = 0, .above = true};
-}
-
-KeyFormat not_negative(std::string_view name, std::string_view meaning, std::string_view unit) {
-  return {.name = name, .meaning = meaning, .unit = unit, .minimum = 0};
-}
-
-KeyFormat text(std::string_view name, std::string_view meaning) {
-  return {.name = name, .type = Type::text, .meaning = meaning};
-}
-
-KeyFormat table(std::string_view name, std::string_view meaning, const TableFormat& format,
-                Type type = Type::table) {
-  return {.name = name, .type = type, .meaning = meaning, .table = &format};
-}
-
-KeyFormat needed(KeyFormat key) {
-  key.required = true;
-  return key;
-}
-
-const TableFormat& path_key_format() {
-  static const TableFormat format{
-      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
-       needed(vector("position", "Where the path is.")),
-       rotation("Orientation as a quaternion [w, x, y, z]; default: as the key before."),
-       vector("axis", "Direction of the y axis, instead of a rotation; turned the shortest way.",
-              ""),
-       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."},
-       {.name = "hold",
-        .meaning = "Rests here for so long.",
-        .unit = "s",
-        .minimum = 0,
-        .above = true}},
-      {{{"rotation", "axis"}, false}}};
-  return format;
-}
-
-const TableFormat& circle_format() {
-  static const TableFormat format{
-      {needed(vector("centre", "Of the circle.")),
-       needed(vector("start", "Where the path rests until 0 s.")),
-       needed(vector("axis", "It turns about, right-handed; at right angles to the radius.", "")),
-       needed({.name = "frequency",
-               .meaning = "Turns per second, after the ramp.",
-               .unit = "1/s",
-               .minimum = 1e-3,
-               .maximum = 1e3}),
-       needed({.name = "ramp",
-               .meaning = "How long the angular speed takes to rise, as a smoothstep.",
-               .unit = "s",
-               .minimum = 0,
-               .maximum = kLongest,
-               .above = true})}};
-  return format;
-}
-
-const TableFormat& path_format() {
-  static const TableFormat format{
-      {{.name = "keys",
-        .type = Type::tables,
-        .meaning = "Where the path is when; smooth between.",
-        .least = 1,
-        .table = &path_key_format()},
-       {.name = "file",
-        .type = Type::file,
-        .meaning = "A CSV file with columns t,x,y,z[,qw,qx,qy,qz] instead of keys."},
-       table("circle", "Round and round, from rest, instead of keys.", circle_format())},
-      {{{"keys", "file", "circle"}}}};
-  return format;
-}
+using namespace format_keys;
 
 const TableFormat& head_key_format() {
   static const TableFormat format{
@@ -285,67 +191,6 @@ const TableFormat& cut_format() {
   return format;
 }
 
-const TableFormat& stage_format() {
-  static const TableFormat camera{
-      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
-       needed(vector("position", "Of the eye.")),
-       needed(vector("target", "What it looks at.")),
-       {.name = "field_of_view",
-        .meaning = "From the lower to the upper edge of the picture.",
-        .unit = "rad",
-        .minimum = 0,
-        .maximum = 3,
-        .above = true}}};
-  static const KeyFormat camera_keys{.name = "camera",
-                                     .type = Type::tables,
-                                     .meaning = "Where the camera is when; smooth between.",
-                                     .least = 1,
-                                     .table = &camera};
-  static const TableFormat shot{{needed(not_negative("from", "Time of its first frame.", "s")),
-                                 needed(positive("until", "Time after its last frame.", "s")),
-                                 {.name = "rate",
-                                  .meaning = "How fast it goes: 0.25 is slow motion; default: 1.",
-                                  .minimum = 0.001,
-                                  .maximum = 1000},
-                                 camera_keys}};
-  static const TableFormat card{
-      {needed(positive("duration", "How long it stays.", "s")),
-       needed(text("heading", "Its first line, in large letters.")),
-       text("text", "The lines below; {method} stands for the method's name.")}};
-  static const TableFormat light{{vector("direction", "The way the key light travels.", ""),
-                                  color("color", "Linear radiance of the key light."),
-                                  color("sky", "Linear ambient light from above."),
-                                  color("ground", "Linear ambient light from below.")}};
-  static const TableFormat caption{{needed(not_negative("from", "When it appears.", "s")),
-                                    needed(positive("until", "When it goes.", "s")),
-                                    needed(text("text", "What it says.")),
-                                    text("list",
-                                         "Captions of one list show together, the one "
-                                         "whose time it is brighter.")}};
-  static const TableFormat format{
-      {{.name = "scenery",
-        .type = Type::files,
-        .meaning = "Models that stand still, in world space."},
-       camera_keys,
-       {.name = "shots",
-        .type = Type::tables,
-        .meaning = "What the clip shows, one after another, cut hard; default: the whole scene by "
-                   "the camera above, which is also that of a shot without its own.",
-        .least = 1,
-        .table = &shot},
-       table("title", "A card before the first shot.", card),
-       table("end", "A card after the last shot.", card),
-       {.name = "shutter",
-        .meaning = "Share of a frame's time for which the shutter is open, around the frame's own "
-                   "instant; 0.5: 180 degrees; default: 0, no motion blur.",
-        .minimum = 0,
-        .maximum = 1},
-       table("light", "The key light and the light from all around.", light),
-       color("background", "Linear colour where nothing is."),
-       table("captions", "Lines of text on the picture.", caption, Type::tables)}};
-  return format;
-}
-
 KeyFormat setting_format(const SettingInfo& info) {
   KeyFormat key{.name = info.name,
                 .meaning = info.meaning,
@@ -378,23 +223,6 @@ const std::map<std::string_view, TableFormat>& method_formats() {
     return list;
   }();
   return formats;
-}
-
-const TableFormat& plan_format() {
-  static const TableFormat connector{{needed({.name = "particles",
-                                              .meaning = "How many, both ends counted.",
-                                              .minimum = 2,
-                                              .maximum = kMostParticles,
-                                              .whole = true})}};
-  static const TableFormat format{
-      {needed(text("tolerance", "What was asked: 1px, 0.5mm.")),
-       needed(not_negative("error", "The largest until then, in the tolerance's unit.", "")),
-       needed(not_negative("until", "How long the motion is predictable.", "s")),
-       not_negative("energy", "Its largest change afterwards, as a share.", "1"),
-       needed(text("stamp", "Hash of what the plan was made from.")),
-       needed({.name = "method", .type = Type::method, .meaning = "What solves it."}),
-       table("connectors", "How many particles will do.", connector, Type::named)}};
-  return format;
 }
 
 const TableFormat& scene_format() {
