@@ -5,9 +5,15 @@ namespace {
 
 using namespace format_keys;
 
+constexpr double kShortestHold = 1e-6;  // s; a shorter one late in a day would not move its time
+
 const TableFormat& path_key_format() {
   static const TableFormat format{
-      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+      {needed({.name = "t",
+               .meaning = "Time of the key.",
+               .unit = "s",
+               .minimum = -kLongest,
+               .maximum = kLongest}),
        needed(vector("position", "Where the path is.")),
        rotation("Orientation as a quaternion [w, x, y, z]; default: as the key before."),
        vector("axis", "Direction of the y axis, instead of a rotation; turned the shortest way.",
@@ -16,8 +22,8 @@ const TableFormat& path_key_format() {
        {.name = "hold",
         .meaning = "Rests here for so long.",
         .unit = "s",
-        .minimum = 0,
-        .above = true}},
+        .minimum = kShortestHold,
+        .maximum = kLongest}},
       {{{"rotation", "axis"}, false}}};
   return format;
 }
