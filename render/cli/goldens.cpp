@@ -70,7 +70,14 @@ FrameResult Goldens::check(const GoldenFrame& frame) {
         "the scene has other particles or bodies than the kept state; accept it with --simulate";
     return result;
   }
-  result.golden = picture_of(frame);
+  Picture golden = read_png(file(frame, ".png"));
+  if (golden.width != suite_.width || golden.height != suite_.height) {
+    result.failure =
+        fmt::format("is of {}x{} pixels and the suite of {}x{}; look at it, and accept it",
+                    golden.width, golden.height, suite_.width, suite_.height);
+    return result;
+  }
+  result.golden = std::move(golden);
   result.actual = set.film.draw(set.film.instant(record.state));
   result.judgement = judge(*result.actual, renderer_, *result.golden, record);
   const PictureDifference& d = result.judgement.difference;
@@ -94,22 +101,22 @@ TrajectoryJudgement Goldens::check(const GoldenTrajectory& trajectory) {
 
 std::string Goldens::accept(const GoldenFrame& frame, bool simulate_anew) {
   Set& set = set_of(frame);
-  const bool kept = is_kept(frame);
   GoldenRecord record;
-  if (kept && !simulate_anew) record = read_golden(file(frame, ".json"));
-  if (!kept || simulate_anew || std::isinf(distance(start(set.scene).state(), record.state)))
+  std::optional<Picture> before;
+  if (is_kept(frame)) {
+    record = read_golden(file(frame, ".json"));
+    before = read_png(file(frame, ".png"));
+  }
+  if (!before || simulate_anew || std::isinf(distance(start(set.scene).state(), record.state)))
     record.state = simulate(set.scene, frame);
   const Picture picture = set.film.draw(set.film.instant(record.state));
-  std::string change = "new";
-  if (kept) {
-    const Picture before = picture_of(frame);
-    change = before.pixels == picture.pixels ? "as before" : "changed";
-  }
   record.renderer = renderer_;
   record.pixels = pixel_hash(picture);
   write_picture(file(frame, ".png"), picture);
   write_text(file(frame, ".json"), golden_text(record));
-  return change;
+  return !before                                                              ? "new"
+         : before->width == picture.width && before->pixels == picture.pixels ? "as before"
+                                                                              : "changed";
 }
 
 std::string Goldens::accept(const GoldenTrajectory& trajectory) {
@@ -145,15 +152,6 @@ fs::path Goldens::file(const GoldenFrame& frame, const char* extension) const {
 
 fs::path Goldens::file(const GoldenTrajectory& trajectory) const {
   return suite_.folder / (trajectory.name + ".trajectory.json");
-}
-
-Picture Goldens::picture_of(const GoldenFrame& frame) const {
-  Picture picture = read_png(file(frame, ".png"));
-  if (picture.width != suite_.width || picture.height != suite_.height)
-    throw BadAsset(fmt::format("{}: is of {}x{} pixels, expected {}x{}",
-                               file(frame, ".png").string(), picture.width, picture.height,
-                               suite_.width, suite_.height));
-  return picture;
 }
 
 /// The scene of a frame; frames that follow each other share it.

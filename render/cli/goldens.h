@@ -47,7 +47,6 @@ class Goldens {
   std::filesystem::path file(const GoldenFrame& frame, const char* extension) const;
   std::filesystem::path file(const GoldenTrajectory& trajectory) const;
   bool is_kept(const GoldenFrame& frame) const;
-  Picture picture_of(const GoldenFrame& frame) const;
   Set& set_of(const GoldenFrame& frame);
 
   GoldenSuite suite_;

@@ -83,6 +83,20 @@ TEST_F(GoldenCommand, LeavesWhatIsNeededToJudgeADifference) {
   EXPECT_FALSE(fs::exists(out / "a_swings"));
 }
 
+TEST_F(GoldenCommand, AnotherSizeIsADifferenceToAccept) {
+  const std::string suite = read_file(suite_ / "golden.toml");
+  const std::string_view size = "size = [320, 180]";
+  ASSERT_NE(suite.find(size), std::string::npos);
+  std::ofstream(suite_ / "golden.toml")
+      << std::string(suite).replace(suite.find(size), size.size(), "size = [160, 90]");
+  const Outcome outcome = golden({"check", "suite", "--only", "a_swings"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.output.find("is of 320x180 pixels and the suite of 160x90"), std::string::npos)
+      << outcome.output;
+  EXPECT_EQ(golden({"accept", "suite", "--only", "a_swings"}).output, "a_swings: changed\n");
+  EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 0);
+}
+
 /// A suite of one motion whose kept record is changed.
 class GoldenMotion : public GoldenCommand {
  protected:
