@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sim/room.h"
+
 namespace taut {
 namespace {
 
@@ -50,20 +52,69 @@ Vec3 angle(const Quat& rotation) {
   return 2 * towards * std::atan2(sine, std::abs(rotation.w())) / sine * rotation.vec();
 }
 
-Mechanism::Mechanism(const World& world) : gravity_(world.gravity) {
-  std::vector<std::size_t> free_index(world.bodies.size());
+void Mechanism::rebuild(const World& world) {
+  gravity_ = world.gravity;
+  reserve(world);
+  add_bodies(world);
+  add_points(world);
+  velocities_ = 3 * points() + 7 * bodies_.size();
+  twists_ = velocities_ + 3 * points();
+  add_rows(world);
+  add_grips();
+  loose_.assign(points(), gravity_);
+  direction_.resize(rows_.size());
+  excess_.resize(rows_.size());
+  rate_.resize(rows_.size());
+  curvature_.resize(rows_.size());
+}
+
+void Mechanism::reserve(const World& world) {
+  std::size_t points = 0, joints = 0;
+  for (const Connector& connector : world.connectors) {
+    points += connector.particles();
+    for (const double rest : connector.rest) joints += rest > 0 ? 0 : 1;
+  }
+  if (room_ > 0 && points <= room_) return;
+  const Room all = room(world);
+  room_ = all.particles;
+  inverse_mass_.reserve(room_);
+  loose_.reserve(room_);
+  carried_.reserve(all.holds);
+  prescribed_.reserve(all.holds);
+  grips_.reserve(2 * all.holds);
+  const std::size_t rows = room_ + 2 * joints;
+  rows_.reserve(rows);
+  direction_.reserve(rows);
+  excess_.reserve(rows);
+  rate_.reserve(rows);
+  curvature_.reserve(rows);
+}
+
+void Mechanism::add_bodies(const World& world) {
+  free_index_.resize(world.bodies.size());
+  body_index_.clear();
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const Body& body = world.bodies[b];
     if (body.driven()) continue;
-    free_index[b] = bodies_.size();
+    const std::size_t index = body_index_.size();
+    free_index_[b] = index;
     body_index_.push_back(b);
+    if (index == bodies_.size()) bodies_.emplace_back();
     const MassProperties& mass = body.mass_properties;
-    const FreeRotation rotation(mass.inertia);
-    bodies_.push_back({.inverse_mass = 1 / mass.mass,
-                       .inertia = mass.inertia,
-                       .rotation = rotation,
-                       .inverse_inertia = rotation.inverse_inertia(Quat::Identity())});
+    FreeBody& made = bodies_[index];
+    made.inverse_mass = 1 / mass.mass;
+    if (made.inertia == mass.inertia) continue;  // as before
+    made.inertia = mass.inertia;
+    made.rotation = FreeRotation(mass.inertia);
+    made.inverse_inertia = made.rotation.inverse_inertia(Quat::Identity());
   }
+  bodies_.resize(body_index_.size());
+}
+
+void Mechanism::add_points(const World& world) {
+  inverse_mass_.clear();
+  carried_.clear();
+  prescribed_.clear();
   for (const Connector& connector : world.connectors) {
     const std::size_t first = inverse_mass_.size();
     for (const double mass : connector.particle_mass) {
@@ -77,7 +128,7 @@ Mechanism::Mechanism(const World& world) : gravity_(world.gravity) {
       } else {
         const Vec3 centre = world.bodies[hold.to.body].mass_properties.centre;
         carried_.push_back({.point = point,
-                            .body = small(free_index[hold.to.body]),
+                            .body = small(free_index_[hold.to.body]),
                             .local = hold.to.point - centre});
       }
     }
@@ -85,17 +136,10 @@ Mechanism::Mechanism(const World& world) : gravity_(world.gravity) {
   if (std::ranges::find(inverse_mass_, kMassless) != inverse_mass_.end()) {
     throw std::invalid_argument("a particle that nothing holds needs a mass");
   }
-  velocities_ = 3 * points() + 7 * bodies_.size();
-  twists_ = velocities_ + 3 * points();
-  add_rows(world);
-  loose_.assign(points(), gravity_);
-  direction_.resize(rows_.size());
-  excess_.resize(rows_.size());
-  rate_.resize(rows_.size());
-  curvature_.resize(rows_.size());
 }
 
 void Mechanism::add_rows(const World& world) {
+  rows_.clear();
   std::size_t first = 0;
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
@@ -113,7 +157,13 @@ void Mechanism::add_rows(const World& world) {
     }
     first += connector.particles();
   }
+}
+
+void Mechanism::add_grips() {
+  grips_.clear();
+  if (carried_.empty()) return;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
+    if (inverse_mass_[rows_[r].a] != 0 && inverse_mass_[rows_[r].b] != 0) continue;  // both free
     for (std::size_t i = 0; i < carried_.size(); ++i) {
       const auto point = carried_[i].point;
       if (rows_[r].a == point) grips_.push_back({small(r), small(i), 1.0});

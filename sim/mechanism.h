@@ -45,18 +45,25 @@ class Mechanism {
   struct FreeBody {
     double inverse_mass = 0;      // 1/kg
     Mat3 inertia = Mat3::Zero();  // kg m^2, body axes
-    FreeRotation rotation;
+    FreeRotation rotation = FreeRotation(Mat3::Zero());
     Mat3 inverse_inertia = Mat3::Zero();  // 1/(kg m^2), body axes
     Mat3 world_inverse = Mat3::Zero();    // world axes at the instant last looked at
     Vec3 gyration = Vec3::Zero();         // rad/s^2: spin rate without torque, at that instant
   };
 
+  Mechanism() = default;
+  explicit Mechanism(const World& world) { rebuild(world); }
+
   /// Lays `world` out; good for as long as its topology number stays. Massless spans are laid out
-  /// as links. Throws std::invalid_argument where a particle that nothing holds has no mass.
-  explicit Mechanism(const World& world);
+  /// as links. Throws std::invalid_argument where a particle that nothing holds has no mass. Makes
+  /// as much room as the world has, so that a later call does not allocate.
+  void rebuild(const World& world);
 
   std::size_t state_size() const { return twists_ + 6 * bodies_.size(); }
   std::size_t points() const { return inverse_mass_.size(); }
+  /// The sizes of a state and of arrays of rows that there is room for.
+  std::size_t state_room() const { return state_size() + 6 * (room_ - points()); }
+  std::size_t row_room() const { return rows_.capacity(); }
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<FreeBody>& bodies() const { return bodies_; }
   const std::vector<Carried>& carried() const { return carried_; }
@@ -105,15 +112,21 @@ class Mechanism {
   std::optional<std::size_t> broken_row(const double* state) const;
 
  private:
+  void reserve(const World& world);
+  void add_bodies(const World& world);
+  void add_points(const World& world);
   void add_rows(const World& world);
+  void add_grips();
   void measure(const double* state);
 
   const World* world_ = nullptr;  // between load() and store()
-  Vec3 gravity_;
+  std::size_t room_ = 0;          // points
+  Vec3 gravity_ = Vec3::Zero();
   std::vector<double> inverse_mass_;
   std::vector<Row> rows_;
   std::vector<FreeBody> bodies_;
   std::vector<std::size_t> body_index_;  // into World::bodies
+  std::vector<std::size_t> free_index_;  // of World::bodies into bodies_; driven ones: anything
   std::vector<Carried> carried_;
   std::vector<Grip> grips_;
   std::vector<std::pair<std::uint32_t, Attachment>> prescribed_;  // point, hold

@@ -11,6 +11,12 @@ constexpr double kExact = 1e-14;  // m: rounding of positions of about a metre
 
 }  // namespace
 
+void Projection::rebuild(const Mechanism& mechanism) {
+  system_.rebuild(mechanism);
+  multiplier_.reserve(mechanism.row_room());
+  multiplier_.resize(mechanism.rows().size());
+}
+
 Projection::Left Projection::lengths(Mechanism& mechanism, double time,
                                      std::vector<double>& state) {
   for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
@@ -52,13 +58,13 @@ bool restore_lengths(World& world) {
   return true;
 }
 
-void stop_stretching(World& world) {
-  Mechanism mechanism(world);
-  Projection projection(mechanism);
-  std::vector<double> state;
-  mechanism.load(world, state);
-  projection.rates(mechanism, world.time, state);
-  mechanism.store(state, world.time, world);
+void StretchStopper::stop(World& world) {
+  mechanism_.rebuild(world);
+  projection_.rebuild(mechanism_);
+  state_.reserve(mechanism_.state_room());
+  mechanism_.load(world, state_);
+  projection_.rates(mechanism_, world.time, state_);
+  mechanism_.store(state_, world.time, world);
 }
 
 }  // namespace taut

@@ -22,8 +22,11 @@ class Projection {
     std::size_t row = 0;  // where that is
   };
 
-  explicit Projection(const Mechanism& mechanism)
-      : system_(mechanism), multiplier_(mechanism.rows().size()) {}
+  Projection() = default;
+  explicit Projection(const Mechanism& mechanism) { rebuild(mechanism); }
+
+  /// Makes room for the mechanism, and as much as that has.
+  void rebuild(const Mechanism& mechanism);
 
   /// Newton's method on the lengths, to rounding where they can be kept.
   Left lengths(Mechanism& mechanism, double time, std::vector<double>& state);
@@ -40,8 +43,16 @@ class Projection {
 /// False, and nothing has changed, where holds do not let them.
 bool restore_lengths(World& world);
 
-/// Changes the velocities of `world` by the impulses that stop all links from changing their
-/// length, as when a moving particle is pinned.
-void stop_stretching(World& world);
+/// Changes the velocities of a world by the impulses that stop all links from changing their
+/// length, as when a moving particle is pinned. Keeps its workspace.
+class StretchStopper {
+ public:
+  void stop(World& world);
+
+ private:
+  Mechanism mechanism_;
+  Projection projection_;
+  std::vector<double> state_;
+};
 
 }  // namespace taut

@@ -20,12 +20,16 @@ bool neighbours(const std::vector<Row>& rows, std::size_t row) {
 
 }  // namespace
 
-TensionSystem::TensionSystem(const Mechanism& mechanism)
-    : rows_(mechanism.rows().size()),
-      values_(2 * rows_),
-      inverse_pivot_(rows_),
-      factor_(rows_),
-      dense_right_(static_cast<Eigen::Index>(rows_)) {
+void TensionSystem::rebuild(const Mechanism& mechanism) {
+  rows_ = mechanism.rows().size();
+  const std::size_t room = mechanism.row_room();
+  values_.reserve(2 * room);
+  border_index_.reserve(room);
+  inverse_pivot_.reserve(room);
+  factor_.reserve(room);
+  values_.assign(2 * rows_, 0.0);
+  inverse_pivot_.resize(rows_);
+  factor_.resize(rows_);
   find_terms(mechanism);
   find_border();
 }
@@ -43,6 +47,9 @@ std::uint32_t TensionSystem::entry(const Mechanism& mechanism, std::size_t row, 
 }
 
 void TensionSystem::find_terms(const Mechanism& mechanism) {
+  entries_.clear();
+  point_terms_.clear();
+  body_terms_.clear();
   const auto& rows = mechanism.rows();
   for (std::size_t r = 0; r < rows_; ++r) {
     // Rows of a connector stand together; those that share a point are at most six apart.
@@ -69,6 +76,8 @@ void TensionSystem::find_terms(const Mechanism& mechanism) {
 }
 
 void TensionSystem::find_border() {
+  border_.clear();
+  border_entries_.clear();
   border_index_.assign(rows_, kInside);
   for (const Entry& e : entries_) {
     for (const std::uint32_t row : {e.row, e.other}) {
@@ -86,7 +95,7 @@ void TensionSystem::find_border() {
     }
   }
   const auto size = static_cast<Eigen::Index>(border_.size());
-  columns_.resize(static_cast<Eigen::Index>(rows_), size);
+  columns_.resize(rows_ * border_.size());
   schur_.resize(size, size);
   border_x_.resize(size);
 }
@@ -154,7 +163,8 @@ bool TensionSystem::solve_banded(const std::vector<double>& right, std::vector<d
   sweep(x.data());
   if (border_.empty()) return true;
 
-  columns_.setZero();
+  std::ranges::fill(columns_, 0.0);
+  const auto column = [&](std::size_t s) { return columns_.data() + s * rows_; };
   schur_.setZero();
   for (std::size_t s = 0; s < border_.size(); ++s) {
     const auto i = static_cast<Eigen::Index>(s);
@@ -163,23 +173,24 @@ bool TensionSystem::solve_banded(const std::vector<double>& right, std::vector<d
   }
   for (const Entry& e : border_entries_) {
     const auto s = border_index_[e.row], t = border_index_[e.other];
-    (t == kInside ? columns_(e.other, s) : schur_(s, t)) = values_[e.value];
+    (t == kInside ? column(s)[e.other] : schur_(s, t)) = values_[e.value];
   }
   const double largest = schur_.diagonal().maxCoeff();
-  for (Eigen::Index s = 0; s < columns_.cols(); ++s) sweep(&columns_(0, s));
+  for (std::size_t s = 0; s < border_.size(); ++s) sweep(column(s));
   for (const Entry& e : border_entries_) {
     if (border_index_[e.other] != kInside) continue;
     const auto s = border_index_[e.row];
-    schur_.row(s) -= values_[e.value] * columns_.row(e.other);
+    for (std::size_t t = 0; t < border_.size(); ++t) {
+      schur_(s, static_cast<Eigen::Index>(t)) -= values_[e.value] * column(t)[e.other];
+    }
     border_x_[s] -= values_[e.value] * x[e.other];
   }
   border_solver_.compute(schur_);
   if (!(border_solver_.vectorD().minCoeff() > kSingular * largest)) return false;
   border_solver_.solveInPlace(border_x_);
-  for (Eigen::Index s = 0; s < columns_.cols(); ++s) {
-    for (std::size_t r = 0; r < rows_; ++r) {
-      x[r] -= columns_(static_cast<Eigen::Index>(r), s) * border_x_[s];
-    }
+  for (std::size_t s = 0; s < border_.size(); ++s) {
+    const double share = border_x_[static_cast<Eigen::Index>(s)];
+    for (std::size_t r = 0; r < rows_; ++r) x[r] -= column(s)[r] * share;
   }
   for (std::size_t s = 0; s < border_.size(); ++s) {
     x[border_[s]] = border_x_[static_cast<Eigen::Index>(s)];
@@ -204,7 +215,7 @@ void TensionSystem::solve_dense(const std::vector<double>& right, std::vector<do
   if (rows_ == 0) return;
   dense_solver_.setThreshold(kSingular);
   dense_solver_.compute(dense());
-  dense_right_ = Eigen::Map<const Eigen::VectorXd>(right.data(), dense_right_.size());
+  dense_right_ = Eigen::Map<const Eigen::VectorXd>(right.data(), static_cast<Eigen::Index>(rows_));
   dense_right_ = dense_solver_.solve(dense_right_);
   x.assign(dense_right_.data(), dense_right_.data() + dense_right_.size());
 }

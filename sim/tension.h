@@ -17,7 +17,11 @@ namespace taut {
 /// joints, and the rows at a free body that carries more than one point.
 class TensionSystem {
  public:
-  explicit TensionSystem(const Mechanism& mechanism);
+  TensionSystem() = default;
+  explicit TensionSystem(const Mechanism& mechanism) { rebuild(mechanism); }
+
+  /// Finds out how the rows of `mechanism` couple; makes as much room as that has.
+  void rebuild(const Mechanism& mechanism);
 
   void assemble(const Mechanism& mechanism);
 
@@ -70,7 +74,8 @@ class TensionSystem {
   std::vector<Entry> border_entries_;        // every entry of a border row: {row, other, value}
 
   std::vector<double> inverse_pivot_, factor_;
-  Eigen::MatrixXd columns_, schur_, dense_;
+  std::vector<double> columns_;  // one of rows_ numbers per border row
+  Eigen::MatrixXd schur_, dense_;
   Eigen::VectorXd border_x_, dense_right_;
   Eigen::LDLT<Eigen::MatrixXd> border_solver_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> dense_solver_;

@@ -22,7 +22,7 @@ class Direct : public Method {
     if (direct::has_spans(world)) return advance_spans(world, until);
     if (!built_ || topology_ != world.topology) rebuild(world);
     if (!same(world)) {
-      stop_stretching(world);  // a particle that was pinned in motion leaves its neighbours so
+      stopper_.stop(world);  // a particle that was pinned in motion leaves its neighbours so
       for (Course& course : courses_) course.load(world);
     }
     for (std::size_t k = 0; k < courses_.size(); ++k) {
@@ -103,6 +103,7 @@ class Direct : public Method {
   bool built_ = false;
   std::uint64_t topology_ = 0;
   std::vector<Course> courses_;
+  StretchStopper stopper_;
   std::unique_ptr<direct::Spans> spans_;  // where the world has massless ones
   std::vector<double> noted_;             // the world as advance() left it
 };

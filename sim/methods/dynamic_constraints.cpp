@@ -25,16 +25,20 @@ class DynamicConstraints final : public SteppedMethod {
         time_constant_(number(settings, "time_constant")),
         dense_(text(settings, "solver") == "dense"),
         integrator_(integrator_named(text(settings, "integrator"))),
-        stability_limit_(stability_limit(integrator_, 0)) {}
+        stability_limit_(stability_limit(integrator_, 0)),
+        stepper_(integrator_) {}
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
-    stepper_ = Stepper(mechanism, integrator_);
-    system_.emplace(mechanism);
-    right_.resize(mechanism.rows().size());
-    mobility_ = row_mobility(mechanism);
+    stepper_.prepare(mechanism);
+    system_.rebuild(mechanism);
+    resize_within(mechanism.row_room(), mechanism.rows().size(), right_);
+    row_mobility(mechanism, mobility_);
+    start_.reserve(mechanism.state_room());
     fastest_squared_ = 0;
-    return std::min(kLongest, kSafety * stability_limit_ / fastest_swing(world));
+    const double longest = kSafety * stability_limit_;  // times 1/w
+    if (kLongest * std::sqrt(4 * heaviest_link(world)) <= longest) return kLongest;
+    return std::min(kLongest, longest / fastest_swing(world));
   }
 
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override {
@@ -56,15 +60,15 @@ class DynamicConstraints final : public SteppedMethod {
     const double tau = time_constant_ > 0 ? time_constant_ : kStepsToReturn * dt;
     stepper_.step(
         mechanism, time, dt, state, [&](const Mechanism& at, std::vector<double>& tension) {
-          system_->assemble(at);
+          system_.assemble(at);
           for (std::size_t r = 0; r < right_.size(); ++r) {
             right_[r] =
                 at.loose_excess_acceleration(r) + (2 * at.rate()[r] + at.excess()[r] / tau) / tau;
           }
           ++counters_.solves;
           if (dense_) {
-            system_->solve_dense(right_, tension);
-          } else if (system_->solve(right_, tension)) {
+            system_.solve_dense(right_, tension);
+          } else if (system_.solve(right_, tension)) {
             ++counters_.handed_over;
           }
           if (adaptive_) {
@@ -96,7 +100,7 @@ class DynamicConstraints final : public SteppedMethod {
   Integrator integrator_;
   double stability_limit_;  // 1/w
   Stepper stepper_;
-  std::optional<TensionSystem> system_;
+  TensionSystem system_;
   std::vector<double> right_;     // m/s^2
   std::vector<double> mobility_;  // per row, 1/kg
   std::vector<double> start_;     // the state before the step

@@ -56,6 +56,7 @@ class SdFast final : public Method {
   direct::Plane plane_;                       // of pins
   const World* moving_ = nullptr;             // while a model integrates
   std::uint64_t topology_ = 0, left_at_ = 0;  // hash of the world as this left it
+  StretchStopper stopper_;
   int start_ = 1;
   std::vector<double> state_, rate_;
 };
@@ -107,7 +108,7 @@ void SdFast::set_up(const World& world) {
 }
 
 void SdFast::load(World& world) {
-  stop_stretching(world);  // joint coordinates have no such velocities
+  stopper_.stop(world);  // joint coordinates have no such velocities
   if (planar()) {
     sdfast::load_pins(world, chain_, plane_, state_);
   } else {

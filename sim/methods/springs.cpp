@@ -18,11 +18,11 @@ constexpr double kShortest = 1e-5;  // s, when no step is stable
 constexpr double kGrowth = 1;       // 1/s, of the fastest swing under explicit Euler
 
 /// A bound on the frequency (rad/s) of the fastest way in which links of `stiffness` (N/m) stretch,
-/// whatever the shape; 2 sqrt(k/m) for a chain of equal particles.
-double fastest_wave(const Mechanism& mechanism, double stiffness) {
+/// whatever the shape, by the mobility of their rows; 2 sqrt(k/m) for a chain of equal particles.
+double fastest_wave(const std::vector<double>& mobility, double stiffness) {
   // Gershgorin on J M^-1 J^T: a row's own mobility, and once more what it shares at either end.
   double most = 0;
-  for (const double mobility : row_mobility(mechanism)) most = std::max(most, mobility);
+  for (const double row : mobility) most = std::max(most, row);
   return std::sqrt(stiffness * 2 * most);
 }
 
@@ -32,16 +32,18 @@ class Springs : public SteppedMethod {
       : SteppedMethod("springs", number(settings, "step")),
         stiffness_(number(settings, "stiffness")),
         damping_(number(settings, "damping")),
-        integrator_(integrator_named(text(settings, "integrator"))) {}
+        integrator_(integrator_named(text(settings, "integrator"))),
+        limit_(stability_limit(integrator_, damping_)),
+        stepper_(integrator_) {}
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
-    stepper_ = Stepper(mechanism, integrator_);
-    const double fastest = fastest_wave(mechanism, stiffness_);
+    stepper_.prepare(mechanism);
+    row_mobility(mechanism, mobility_);
+    const double fastest = fastest_wave(mobility_, stiffness_);
     damper_ = fastest > 0 ? 2 * damping_ * stiffness_ / fastest : 0;
-    const double limit = stability_limit(integrator_, damping_);
-    if (!(limit > 0)) return kShortest;
-    const double stable = std::min(kLongest, kSafety * limit / fastest);
+    if (!(limit_ > 0)) return kShortest;
+    const double stable = std::min(kLongest, kSafety * limit_ / fastest);
     if (integrator_ != Integrator::explicit_euler) return stable;
     // No damper brakes a swing of frequency w, which explicit Euler makes grow at the rate w^2
     // dt/2.
@@ -61,7 +63,9 @@ class Springs : public SteppedMethod {
   double stiffness_, damping_;  // N/m, 1
   double damper_ = 0;           // N s/m
   Integrator integrator_;
+  double limit_;  // of its stable steps, as a multiple of 1/w
   Stepper stepper_;
+  std::vector<double> mobility_;  // per row, 1/kg
 };
 
 double longest_step(const World& world, const Settings& settings) {

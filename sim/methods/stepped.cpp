@@ -3,8 +3,6 @@
 #include <cmath>
 #include <complex>
 
-#include "sim/projection.h"
-
 namespace taut {
 namespace {
 
@@ -16,40 +14,44 @@ double rk4_growth(std::complex<double> q) {
 }  // namespace
 
 void SteppedMethod::advance(World& world, double until) {
-  if (!mechanism_ || world.topology != topology_) {
-    // What was pinned in motion, or let go where it was bent, has velocities that stretch links.
-    if (mechanism_) stop_stretching(world);
-    mechanism_.emplace(world);
+  if (!built_ || world.topology != topology_) {
+    mechanism_.rebuild(world);
+    projection_.rebuild(mechanism_);
     topology_ = world.topology;
-    mechanism_->load(world, state_);
-    mechanism_->look(world.time, state_.data());
-    limit_ = prepare(*mechanism_, world);
+    resize_within(mechanism_.state_room(), mechanism_.state_size(), state_);
+    mechanism_.load(world, state_);
+    // What was pinned in motion, or let go where it was bent, has velocities that stretch links.
+    if (built_) projection_.rates(mechanism_, world.time, state_);
+    built_ = true;
+    mechanism_.look(world.time, state_.data());
+    limit_ = prepare(mechanism_, world);
   } else {
-    mechanism_->load(world, state_);
+    mechanism_.load(world, state_);
   }
   const StepTimes times(world.time, until, step_ > 0 ? step_ : limit_);
   for (std::uint64_t i = 0; i < times.count; ++i) {
-    step(*mechanism_, times.at(i), times.dt, state_);
+    step(mechanism_, times.at(i), times.dt, state_);
     ++counters_.steps;
-    if (const auto broken = mechanism_->broken_row(state_.data())) {
-      const Row& row = mechanism_->rows()[*broken];
+    if (const auto broken = mechanism_.broken_row(state_.data())) {
+      const Row& row = mechanism_.rows()[*broken];
       throw Diverged(name_, times.at(i + 1), counters_.steps, world.connectors[row.connector].name,
                      row.link, "diverged (a link is not finite or a hundred times too long)");
     }
   }
-  mechanism_->store(state_, until, world);
+  mechanism_.store(state_, until, world);
 }
 
-std::vector<double> row_mobility(const Mechanism& mechanism) {
-  std::vector<double> mobile = mechanism.inverse_mass();
-  for (const auto& carried : mechanism.carried()) {
-    const auto& body = mechanism.bodies()[carried.body];
-    mobile[carried.point] =
-        body.inverse_mass + carried.local.squaredNorm() * body.inverse_inertia.norm();
+void row_mobility(const Mechanism& mechanism, std::vector<double>& rows) {
+  resize_within(mechanism.row_room(), mechanism.rows().size(), rows);
+  const auto& mobile = mechanism.inverse_mass();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    rows[r] = mobile[mechanism.rows()[r].a] + mobile[mechanism.rows()[r].b];
   }
-  std::vector<double> rows;
-  for (const Row& row : mechanism.rows()) rows.push_back(mobile[row.a] + mobile[row.b]);
-  return rows;
+  for (const auto& grip : mechanism.grips()) {
+    const auto& carried = mechanism.carried()[grip.carried];
+    const auto& body = mechanism.bodies()[carried.body];
+    rows[grip.row] += body.inverse_mass + carried.local.squaredNorm() * body.inverse_inertia.norm();
+  }
 }
 
 void drift(const Mechanism& mechanism, double dt, std::vector<double>& state) {
@@ -89,12 +91,12 @@ double stability_limit(Integrator integrator, double damping_ratio) {
   return stable;
 }
 
-Stepper::Stepper(const Mechanism& mechanism, Integrator integrator)
-    : integrator_(integrator), tension_(mechanism.rows().size()) {
-  const std::size_t size = mechanism.state_size();
-  k1_.resize(size);
-  if (integrator != Integrator::rk4) return;
-  for (auto* workspace : {&stage_, &k2_, &k3_, &k4_}) workspace->resize(size);
+void Stepper::prepare(const Mechanism& mechanism) {
+  const std::size_t size = mechanism.state_size(), room = mechanism.state_room();
+  resize_within(mechanism.row_room(), mechanism.rows().size(), tension_);
+  resize_within(room, size, k1_);
+  if (integrator_ != Integrator::rk4) return;
+  for (auto* workspace : {&stage_, &k2_, &k3_, &k4_}) resize_within(room, size, *workspace);
 }
 
 void Stepper::add(double dt, const std::vector<double>& k, std::vector<double>& state) {

@@ -1,16 +1,17 @@
 // What methods of fixed steps on a mechanism share: the loop over steps, and the integrators.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/mechanism.h"
 #include "sim/method.h"
+#include "sim/projection.h"
 
 namespace taut {
 
-/// Moves a mechanism by equal steps. A method says what one step is.
+/// Moves a mechanism by equal steps. A method says what one step is. Everything that depends on the
+/// topology is made anew in place, in room that is there from the start.
 class SteppedMethod : public Method {
  public:
   void advance(World& world, double until) final;
@@ -28,13 +29,21 @@ class SteppedMethod : public Method {
  private:
   std::string name_;
   double step_, limit_ = 0;
+  bool built_ = false;
   std::uint64_t topology_ = 0;
-  std::optional<Mechanism> mechanism_;
+  Mechanism mechanism_;
+  Projection projection_;
   std::vector<double> state_;
 };
 
 /// How freely a pull along each row parts its points (1/kg): at most, in whatever direction.
-std::vector<double> row_mobility(const Mechanism& mechanism);
+void row_mobility(const Mechanism& mechanism, std::vector<double>& rows);
+
+/// Gives a workspace its size, and room to grow to `room`.
+inline void resize_within(std::size_t room, std::size_t size, std::vector<double>& workspace) {
+  workspace.reserve(room);
+  workspace.resize(size);
+}
 
 /// Moves points and bodies of `state` by their velocities for `dt` (s): in straight lines, bodies
 /// turning as they do without torque.
@@ -52,8 +61,10 @@ double stability_limit(Integrator integrator, double damping_ratio);
 /// of the mechanism at the instant that it looks at.
 class Stepper {
  public:
-  Stepper() = default;
-  Stepper(const Mechanism& mechanism, Integrator integrator);
+  explicit Stepper(Integrator integrator) : integrator_(integrator) {}
+
+  /// Makes workspaces for the mechanism.
+  void prepare(const Mechanism& mechanism);
 
   template <class Law>
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state, Law&& law) {
@@ -95,7 +106,7 @@ class Stepper {
   void combine(double dt, std::vector<double>& state);
   static void normalize(const Mechanism& mechanism, std::vector<double>& state);
 
-  Integrator integrator_ = Integrator::semi_implicit_euler;
+  Integrator integrator_;
   std::vector<double> tension_, stage_, k1_, k2_, k3_, k4_;
 };
 

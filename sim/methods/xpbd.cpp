@@ -45,7 +45,9 @@ class Xpbd final : public SteppedMethod {
 };
 
 double Xpbd::prepare(Mechanism& mechanism, const World&) {
-  multiplier_.resize(mechanism.rows().size());
+  resize_within(mechanism.row_room(), mechanism.rows().size(), multiplier_);
+  flown_.reserve(mechanism.state_room());
+  carriers_.reserve(mechanism.row_room());
   carriers_.assign(mechanism.rows().size(), {});
   for (const auto& grip : mechanism.grips()) {
     Carriers& carriers = carriers_[grip.row];

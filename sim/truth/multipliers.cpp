@@ -5,7 +5,6 @@
 #include <boost/numeric/odeint/stepper/generation.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cmath>
-#include <optional>
 
 #include "sim/mechanism.h"
 #include "sim/projection.h"
@@ -23,12 +22,18 @@ using State = std::vector<double>;
 
 class Multipliers final : public Method {
  public:
-  explicit Multipliers(const Settings& settings) : local_error_(number(settings, "local_error")) {}
+  explicit Multipliers(const Settings& settings)
+      : stepper_(odeint::make_controlled(number(settings, "local_error"),
+                                         number(settings, "local_error"), Explicit())) {}
 
   void advance(World& world, double until) override;
 
  private:
-  using Stepper = odeint::result_of::make_controlled<odeint::runge_kutta_fehlberg78<State>>::type;
+  // Workspaces follow the state's size, which interventions change.
+  using Explicit = odeint::runge_kutta_fehlberg78<
+      State, double, State, double, odeint::algebra_dispatcher<State>::algebra_type,
+      odeint::operations_dispatcher<State>::operations_type, odeint::always_resizer>;
+  using Stepper = odeint::controlled_runge_kutta<Explicit>;
 
   void prepare(const World& world);
   void step(double& time, double until);
@@ -36,11 +41,11 @@ class Multipliers final : public Method {
   void project(double time);
   [[noreturn]] void give_up(double time, std::size_t row, const char* what) const;
 
-  double local_error_;  // m and m/s
   Stepper stepper_;
-  std::optional<Mechanism> mechanism_;
-  std::optional<TensionSystem> system_;
-  std::optional<Projection> projection_;
+  Mechanism mechanism_;
+  TensionSystem system_;
+  Projection projection_;
+  bool built_ = false;
   const World* world_ = nullptr;
   std::uint64_t topology_ = 0;
   std::vector<double> keys_;  // s, rising: times at which a path is not smooth
@@ -49,15 +54,16 @@ class Multipliers final : public Method {
 };
 
 void Multipliers::prepare(const World& world) {
-  // A new one: its workspaces have the size of the state that it first saw.
-  stepper_ =
-      odeint::make_controlled(local_error_, local_error_, odeint::runge_kutta_fehlberg78<State>());
   step_ = kFirstStep;
-  mechanism_.emplace(world);
-  system_.emplace(*mechanism_);
-  projection_.emplace(*mechanism_);
+  mechanism_.rebuild(world);
+  system_.rebuild(mechanism_);
+  projection_.rebuild(mechanism_);
+  for (State* state : {&state_, &scratch_}) state->reserve(mechanism_.state_room());
+  for (State* rows : {&right_, &tension_}) rows->reserve(mechanism_.row_room());
+  if (!built_) stepper_.adjust_size(State(mechanism_.state_room()));
+  built_ = true;
   topology_ = world.topology;
-  right_.resize(mechanism_->rows().size());
+  right_.resize(mechanism_.rows().size());
   tension_.resize(right_.size());
   keys_.clear();
   const auto add = [&](const std::shared_ptr<const Path>& path) {
@@ -72,17 +78,17 @@ void Multipliers::prepare(const World& world) {
 }
 
 void Multipliers::advance(World& world, double until) {
-  const bool fresh = !mechanism_ || world.topology != topology_;
+  const bool fresh = !built_ || world.topology != topology_;
   if (fresh) prepare(world);
   world_ = &world;
-  mechanism_->load(world, state_);
+  mechanism_.load(world, state_);
   double time = world.time;
   if (fresh) project(time);
   while (time < until) {
     const auto key = std::ranges::upper_bound(keys_, time);
     step(time, key == keys_.end() ? until : std::min(*key, until));
   }
-  mechanism_->store(state_, until, world);
+  mechanism_.store(state_, until, world);
 }
 
 /// One accepted step, not beyond `until`.
@@ -105,25 +111,25 @@ void Multipliers::step(double& time, double until) {
 
 void Multipliers::slope(const State& state, State& derivative, double time) {
   scratch_ = state;
-  mechanism_->look(time, scratch_.data());
+  mechanism_.look(time, scratch_.data());
   for (std::size_t r = 0; r < right_.size(); ++r) {
-    right_[r] = mechanism_->loose_excess_acceleration(r);
+    right_[r] = mechanism_.loose_excess_acceleration(r);
   }
-  system_->assemble(*mechanism_);
-  system_->solve(right_, tension_);
+  system_.assemble(mechanism_);
+  system_.solve(right_, tension_);
   ++counters_.solves;
-  mechanism_->differentiate(scratch_.data(), tension_.data(), derivative.data());
+  mechanism_.differentiate(scratch_.data(), tension_.data(), derivative.data());
 }
 
 void Multipliers::project(double time) {
-  const Projection::Left left = projection_->lengths(*mechanism_, time, state_);
+  const Projection::Left left = projection_.lengths(mechanism_, time, state_);
   if (!std::isfinite(left.excess)) give_up(time, left.row, "not finite");
   if (left.excess > Projection::kKept) give_up(time, left.row, "the length cannot be kept");
-  projection_->rates(*mechanism_, time, state_);
+  projection_.rates(mechanism_, time, state_);
 }
 
 void Multipliers::give_up(double time, std::size_t row, const char* what) const {
-  const Row& at = mechanism_->rows()[row];
+  const Row& at = mechanism_.rows()[row];
   throw Diverged(std::string(kName), time, counters_.steps, world_->connectors[at.connector].name,
                  at.link, what);
 }
