@@ -52,6 +52,29 @@ def _lash(q):
     return intersect(d, head.EYE[1] + 0.0008 - q[:, 1], 0.001)
 
 
+def _lid():
+    """The part of the upper lid that comes down over the ball, at rest inside the fixed lid: a shell over angles
+    about the axis along which it turns, and across. A skin's colour, as nothing shades it while it is seen."""
+    radius = head.EYE_RADIUS + 0.0014
+    across, up = np.meshgrid(np.linspace(-1.05, 1.05, 17), np.linspace(0, 1, 9), indexing="ij")
+    u = np.clip(radius * np.sin(across) / 0.0158, -1, 1)
+    rim = np.arcsin((0.0046 * (1 - u * u) ** 0.60 + 0.0012) / (radius * np.cos(across)))
+    turn = (rim + (1.25 - rim) * up).ravel()
+    a = across.ravel()
+    normal = np.stack([np.sin(a), np.cos(a) * np.sin(turn), np.cos(a) * np.cos(turn)], axis=1)
+    quads = [(9 * i + k, 9 * i + 9 + k, 9 * i + 10 + k, 9 * i + k + 1) for i in range(16) for k in range(8)]
+    triangles = np.array([t for q in quads for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))])
+    part = Part("LidL", "Skin", head.EYE + radius * normal, normal, triangles)
+    part.tint(np.full(len(a), 1.0), (0.82, 0.74, 0.70))
+    return part
+
+
+def lids():
+    """Both upper lids; they stay out of the baked shading, which would take them for buried."""
+    left = _lid()
+    return [left, mirror(left, "LidR")]
+
+
 def build():
     left = [
         _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.45, 10, 24)),

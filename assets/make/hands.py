@@ -3,7 +3,7 @@ import numpy as np
 
 import nets
 from mesh import Part, merge, sculpt
-from sdf import bump, ellipsoid, intersect, limb, sphere, union, within
+from sdf import bump, ellipsoid, intersect, limb, mirrored, ramp, sphere, union, within
 from skeleton import DIGITS, FINGERS, REST, hand_frame, joint, tip, unit
 
 # Radius at each joint and at the finger's end, m.
@@ -101,7 +101,12 @@ def _with_digits(p, d):
 
 def below_elbow(p):
     """Cut inside the sleeve."""
-    return intersect(hand(p), -((p - (_WRIST - 0.15 * _ALONG)) @ _ALONG), 0.003)
+    return intersect(hand(p), depth(p) - 0.14, 0.003)
+
+
+def depth(p):
+    """How far up the fore arm from the wrist, m, of either arm."""
+    return (_WRIST - mirrored(p)) @ _ALONG
 
 
 def bounds():
@@ -117,7 +122,7 @@ def build():
 
 
 def weights(points, blur):
-    """(n, 52) for the left hand: digits by nearness, phalanges by planes through the joints.
+    """(n, bones) for the left hand: digits by nearness, phalanges by planes through the joints.
 
     blur: sparse neighbour mean of the mesh. A phalanx gives way to the next within +-`soft` of the
     plane that halves the angle of the joint: narrow enough to bend like a knuckle.
@@ -141,7 +146,8 @@ def weights(points, blur):
     out = np.zeros((n, len(REST.names)))
     hand_part = np.zeros(n)
     for c, name in enumerate(DIGITS):
-        share = member[:, c]
+        # The web between two digits goes with the hand, not with the other digit.
+        share = member[:, c] * ramp(0.010, 0.003, nearness[:, c])
         chain = [f"LeftHand{name}{k}" for k in (1, 2, 3)]
         steps = [_past(points, bone, name, k) for k, bone in enumerate(chain)] + [np.zeros(n)]
         hand_part += share * (1 - steps[0])
@@ -150,6 +156,7 @@ def weights(points, blur):
     x = (points - _WRIST) @ _ALONG
     t = np.clip((x + 0.030) / 0.042, 0, 1)
     turned = t * t * (3 - 2 * t)
+    hand_part += 1 - (hand_part + out.sum(axis=1))
     out[:, REST.index("LeftHand")] = hand_part * turned
     out[:, REST.index("LeftForeArm")] = hand_part * (1 - turned)
     out /= out.sum(axis=1, keepdims=True)

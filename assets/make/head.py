@@ -3,9 +3,8 @@ import numpy as np
 
 from body import neck
 from sdf import ellipsoid, intersect, limb, mirrored, rotation, sphere, subtract, tube, union, within
-from skeleton import vec
+from skeleton import EYE, vec
 
-EYE = vec(0.0315, 1.6515, 0.0665)  # centre of the left eye ball
 EYE_RADIUS = 0.0140
 _LID = 0.0018
 _SLIT = 0.0158  # half width of the opening

@@ -5,7 +5,7 @@ import nets
 from body import trunk
 from cloth import ribbon, spline
 from jacket_folds import folds
-from sdf import Loft, ellipsoid, intersect, limb, mirrored, ramp, subtract, union
+from sdf import Loft, bump, ellipsoid, intersect, limb, mirrored, ramp, subtract, union
 from skeleton import joint, unit, vec
 
 HEM, BELT = 0.735, 1.035  # heights
@@ -14,6 +14,7 @@ _SHOULDER, _ELBOW, _WRIST = joint("LeftArm"), joint("LeftForeArm"), joint("LeftH
 _UPPER, _FORE = unit(_ELBOW - _SHOULDER), unit(_WRIST - _ELBOW)
 _CUFF = _WRIST - 0.060 * _FORE
 _LAPEL = 0.021  # half width
+PIT = vec(0.220, 1.265, -0.012)  # the bottom of the left arm pit's valley
 
 _BODY = Loft(
     y=[0.70, 0.78, 0.86, 0.92, 0.98, 1.035, 1.075, 1.12, 1.20, 1.28, 1.36, 1.42, 1.47, 1.50],
@@ -46,9 +47,23 @@ def smooth(p):
     arm = union(arm, limb(q, _SHOULDER, _ELBOW, 0.070, 0.066), 0.05)
     arm = union(arm, limb(q, _ELBOW, _CUFF + vec(0, -0.012, 0), 0.067, 0.072, (0, 0, 1), 0.86), 0.04)
     arm = intersect(arm, (q - _CUFF) @ _FORE, 0.005)
-    d = union(d, arm, 0.07)
+    d = union(d, arm, 0.10)
     d = union(d, ellipsoid(q, (0.085, 1.335, 0.066), (0.080, 0.070, 0.060)), 0.06)  # chest
     return union(d, ellipsoid(q, (0.085, 1.375, -0.100), (0.070, 0.085, 0.040)), 0.06)  # shoulder blades
+
+
+def lining(p, normals):
+    """1 on the insides of sleeves and skirt, 0 outside."""
+    return ramp(0.0, -0.5, np.sum(normals * nets.normals(smooth, p, 0.004), axis=1))
+
+
+def give(p):
+    """Over what length the cloth spreads the bend of a limb, m: a raised arm lifts the side down to the belt, and
+    the skirt hangs over both thighs."""
+    q = mirrored(p)
+    above_elbow = ramp(0.13, -0.20, (q - _ELBOW) @ _FORE)
+    side = 0.26 * bump(q, PIT, 0.225) * above_elbow
+    return side + 0.05 * bump(q, _ELBOW, 0.09) + 0.15 * ramp(0.95, 0.80, p[:, 1])
 
 
 def _collar(p):
@@ -76,11 +91,11 @@ def jacket(p):
     under_belt = np.exp(-(((p[:, 1] - BELT) / 0.026) ** 2))  # the belt presses the lapels flat
     over = over * (1 - under_belt)
     d = _openings(p, q, smooth(p) - height - 0.0050 * over, height)
-    lying = _collar(p) - 0.6 * height * (p[:, 1] < 1.44) - 0.0025 + 0.0080 * under_belt
+    lying = _collar(p) - 0.6 * height * ramp(1.46, 1.40, p[:, 1]) - 0.0025 + 0.0080 * under_belt
     under = ribbon(p * vec(-1, 1, 1), lying, _LAPEL_PATH, _LAPEL, 0.0058)
     under = np.where(p[:, 1] < 1.40, intersect(under, line + 0.010, 0.003), under)
-    d = union(d, under, 0.003)
-    d = union(d, ribbon(p, lying - 0.0050 * over, _LAPEL_PATH, _LAPEL, 0.0058), 0.003)
+    d = union(d, under, 0.006)
+    d = union(d, ribbon(p, lying - 0.0050 * over, _LAPEL_PATH, _LAPEL, 0.0058), 0.006)
     d = intersect(d, _hem(p), 0.005)
     return _seams(p, q, d)
 
@@ -97,8 +112,8 @@ def _openings(p, q, d, height):
     d = subtract(d, intersect(v, inner, 0.004), 0.004)
     throat = limb(p, (0, 1.40, -0.020), (0, 1.62, -0.036), 0.0765, 0.0645)
     d = subtract(d, intersect(throat, inner, 0.004), 0.003)
-    low, high = _WRIST - 0.17 * _FORE + vec(0, -0.006, 0), _WRIST + 0.02 * _FORE + vec(0, -0.012, 0)
-    d = subtract(d, limb(q, low, high, 0.044, 0.0620, (0, 0, 1), 0.86) - 0.8 * height, 0.004)
+    low, high = _WRIST - 0.15 * _FORE + vec(0, -0.006, 0), _WRIST + 0.02 * _FORE + vec(0, -0.012, 0)
+    d = subtract(d, limb(q, low, high, 0.038, 0.0620, (0, 0, 1), 0.86) - 0.8 * height, 0.004)
     skirt = intersect(_SKIRT_CAVITY(p) - 0.8 * height, p[:, 1] - 0.84, 0.03)
     d = subtract(d, skirt, 0.004)
     slit = intersect(np.abs(p[:, 2] + 0.012) - 0.003 - 0.05 * np.maximum(0.86 - p[:, 1], 0), p[:, 1] - 0.86, 0.01)

@@ -44,14 +44,14 @@ def _growth(p, d):
 
 
 def _loose(p):
-    """Held by the belt, the shoulders and the arm pits, stiffened by the lapels and the cuffs."""
+    """Held by the belt, the shoulders and the arm pits (where folds of sleeve and trunk would meet), stiffened by the lapels and the cuffs."""
     q, y = mirrored(p), p[:, 1]
     belt = 1.05 * _bell(y, jacket.BELT, 0.024) * (q[:, 0] < 0.25)
     shoulders = 0.75 * ramp(1.42, 1.49, y)
     left = np.abs(p[:, 0] - jacket.lapel_centre(y))
     right = np.where(y > 1.2, np.abs(p[:, 0] + jacket.lapel_centre(y)), 1)
-    lapel = 0.55 * ramp(0.045, 0.020, np.minimum(left, right)) * (p[:, 2] > 0.03)
+    lapel = 0.95 * ramp(0.060, 0.030, np.minimum(left, right)) * (p[:, 2] > 0.03)
     cuff = 0.5 * ramp(0.14, 0.20, (q - _ELBOW) @ _FORE)
-    pit = 0.6 * np.exp(-np.sum(((q - vec(0.205, 1.335, -0.01)) / 0.055) ** 2, axis=1))
+    pit = 1.5 * np.exp(-np.sum(((q - jacket.PIT) / vec(0.055, 0.055, 0.10)) ** 2, axis=1))
     free = np.clip(1 - belt - shoulders - lapel - cuff - pit, 0, 1)
     return -0.006 * free, 0.014 * free

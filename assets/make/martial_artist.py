@@ -14,7 +14,7 @@ from mesh import mirror, sculpt, smoothing
 from nets import evaluate
 from sdf import intersect, limb, mirrored, ramp
 from skeleton import REST, joint
-from weights import BodyHeat, rigid, sides, strongest
+from weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
 
 _TRUNK = ["Hips", "Spine", "Spine1", "Chest", "Neck"]
 _BONES = {
@@ -82,12 +82,16 @@ def _weigh(part, heat):
         dense = heat.at(part.points, _BONES[part.name])
         if part.name == "Belt":
             dense = _hang_tails(part, dense, heat)
+        if part.name == "Jacket":
+            dense = _drape(part, dense)
         if part.name == "Trousers":
             dense = _part_legs(part, dense)
         if part.name == "Head":  # the face stays rigid: only the throat bends
             dense = _stiffen_face(part, dense)
     else:
-        dense = rigid(n, "Head")
+        side = "Left" if part.name.endswith("L") else "Right"
+        bone = {"Eye": side + "Eye", "Iris": side + "Eye", "Pupil": side + "Eye", "Lid": side + "Lid", "Lash": side + "Lid"}
+        dense = rigid(n, bone.get(part.name[:-1], "Head"))
     part.joints, part.weights = strongest(dense)
 
 
@@ -103,6 +107,25 @@ def _hang_tails(part, dense, heat):
     other = heat.at(part.points * np.array([-1.0, 1, 1]), _BONES["Belt"])
     share = 0.38 * ramp(1.010, 0.975, part.points[:, 1])[:, None]
     return (1 - share) * dense + share * other
+
+
+def _drape(part, dense):
+    """The jacket's cloth follows the limbs widely, the trunk as the body does; its lining goes with its outside."""
+    limb = np.array([b.startswith(("Left", "Right")) for b in REST.names])
+    limbs = spread(dense[:, limb], part.triangles, part.points, jacket.give(part.points))
+    trunk = dense[:, ~limb] / np.maximum(dense[:, ~limb].sum(axis=1, keepdims=True), 1e-6)
+    out = np.empty_like(dense)
+    out[:, limb], out[:, ~limb] = limbs, trunk * (1 - limbs.sum(axis=1, keepdims=True))
+    inside = jacket.lining(part.points, part.normals)[:, None]
+    outer = inside[:, 0] < 0.5
+    return (1 - inside) * out + inside * nearby(part.points, part.points[outer], out[outer])
+
+
+def _tuck(hand, sleeve):
+    """The fore arm moves with the sleeve that covers it, so that it does not come through."""
+    inside = ramp(0.055, 0.095, hands.depth(hand.points))[:, None]
+    covered = nearby(hand.points, sleeve.points, dense_of(sleeve))
+    hand.joints, hand.weights = strongest((1 - inside) * dense_of(hand) + inside * covered)
 
 
 def _part_legs(part, dense):
@@ -127,6 +150,10 @@ def build(report=print):
     heat = BodyHeat(_clothed, (-0.80, -0.02, -0.26), (0.80, 1.86, 0.26))
     for part in parts:
         _weigh(part, heat)
+    by_name = {part.name: part for part in parts}
+    for name in ("HandL", "HandR"):
+        _tuck(by_name[name], by_name["Jacket"])
+    for part in parts:
         side = -1 if part.name.endswith("R") else 1
         if part.name == "Head":
             head.paint(part)
@@ -135,6 +162,10 @@ def build(report=print):
         elif part.name in ("FootL", "FootR"):
             body.paint_foot(part, side)
     occlusion.bake(parts)
+    lids = eyes.lids()
+    for part in lids:
+        _weigh(part, heat)
+    parts += lids
     for part in parts:
         report(f"  {part.name:10s} {len(part.points):6d} vertices {len(part.triangles):6d} triangles")
     return parts

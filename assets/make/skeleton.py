@@ -1,4 +1,4 @@
-"""The rest skeleton of the martial artist: 52 joints, three per finger.
+"""The rest skeleton of the martial artist: 56 joints, three per finger, an eye and its upper lid on each side.
 
 glTF axes: y up, z forward, x to the character's left; metres. The arms hang 40 degrees below the
 horizontal, palms down and inward. Other parts of the project pose these joints by name and measure
@@ -32,6 +32,9 @@ def vec(*xyz):
 def unit(v):
     v = np.asarray(v, float)
     return v / np.linalg.norm(v)
+
+
+EYE = vec(0.0315, 1.6515, 0.0665)  # centre of the left eye ball
 
 
 class Skeleton:
@@ -117,6 +120,10 @@ def build():
         for name, p in arm_tips.items():
             s.tail[side + name] = flip * p
         s.tail[side + "ToeBase"] = flip * vec(0.140, 0.016, 0.195)
+    for side, sign in SIDES:
+        for name in ("Eye", "Lid"):
+            s.add(side + name, "Head", vec(sign, 1, 1) * EYE)
+            s.tail[side + name] = s.head[side + name] + vec(0, 0, 0.014)
     onward = {"Hips": "Spine", "Chest": "Neck"}
     for side, _ in SIDES:
         onward[side + "Hand"] = side + "HandMiddle1"

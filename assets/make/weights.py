@@ -6,7 +6,8 @@ so that heat reaches the arm from the chest only through the shoulder.
 """
 import numpy as np
 from scipy import ndimage, sparse
-from scipy.sparse.linalg import cg
+from scipy.sparse.linalg import cg, splu
+from scipy.spatial import cKDTree
 
 import sdf
 from skeleton import REST, SIDES, joint, tip
@@ -94,7 +95,7 @@ class BodyHeat:
         return np.maximum(out, 0)
 
     def at(self, points, bones):
-        """(n, 52): weights of the named bones only, summing to 1."""
+        """(n, bones): weights of the named bones only, summing to 1."""
         cell = ((points - self.lo) / VOXEL).T
         out = np.zeros((len(points), len(REST.names)))
         for k, b in enumerate(self.bones):
@@ -103,16 +104,53 @@ class BodyHeat:
         return out / out.sum(axis=1, keepdims=True)
 
 
+def spread(dense, triangles, points, length):
+    """Weights blurred along a surface, each vertex's over about `length` (n,), m, so that cloth bends widely where
+    the body bends sharply: a step of diffusion by linear finite elements, which no mesh's edges can steer."""
+    n, t = len(points), triangles
+    corner = points[t]
+    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    rows, cols, values = [], [], []
+    for k in range(3):
+        i, j = t[:, (k + 1) % 3], t[:, (k + 2) % 3]
+        u, v = points[i] - points[t[:, k]], points[j] - points[t[:, k]]
+        cotangent = np.sum(u * v, axis=1) / np.maximum(2 * area, 1e-12)
+        # A negative one would push weights out of [0, 1].
+        value = 0.5 * np.clip(cotangent, 0.02, 20) * 0.5 * (length[i] ** 2 + length[j] ** 2)
+        rows, cols, values = rows + [i, j], cols + [j, i], values + [value, value]
+    links = sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(cols))), (n, n))
+    mass = np.bincount(t.ravel(), np.repeat(area / 3, 3), n)
+    system = sparse.diags(mass + np.asarray(links.sum(axis=1)).ravel()) - links
+    return splu(system.tocsc()).solve(mass[:, None] * dense)
+
+
+def nearby(points, others, dense):
+    """The weights of other points, averaged round each point over about 15 mm."""
+    distance, k = cKDTree(others).query(points, k=24)
+    share = np.exp(-(((distance - distance[:, :1]) / 0.015) ** 2))
+    return np.einsum("nk,nkb->nb", share / share.sum(axis=1, keepdims=True), dense[k])
+
+
+def dense_of(part):
+    """A part's weights as (n, bones)."""
+    out = np.zeros((len(part.points), len(REST.names)))
+    for k in range(4):
+        out[np.arange(len(out)), part.joints[:, k]] += part.weights[:, k]
+    return out
+
+
 def sides(*kinds):
     """Both sides' bones of the given kinds."""
     return [side + kind for side, _ in SIDES for kind in kinds]
 
 
 def strongest(dense):
-    """At most four weights per vertex: joints (n, 4), weights (n, 4) that sum to 1 in float32."""
-    order = np.argsort(-dense, axis=1, kind="stable")[:, :4]
+    """At most four weights per vertex: joints (n, 4), weights (n, 4) that sum to 1 in float32. What the fifth has
+    is taken from all, so that a bone that falls behind four others leaves nothing to tear where it does."""
+    order = np.argsort(-dense, axis=1, kind="stable")[:, :5]
     w = np.take_along_axis(dense, order, axis=1)
-    w[w < 0.012] = 0
+    w, order = w[:, :4] - np.minimum(w[:, 4:], 0.5 * w[:, :1]), order[:, :4]
+    w[w < 0.004] = 0
     w = (w / w.sum(axis=1, keepdims=True)).astype(np.float32)
     w[:, 0] = 1 - w[:, 1:].sum(axis=1)
     order[w == 0] = 0

@@ -15,6 +15,7 @@ from mesh import smoothing
 
 ROUNDS = 450
 STIFFNESS = 0.12  # of bending, per round: sets the shortest wave
+SOFTENING = 4
 SAG = 2e-5  # m per round, downwards
 
 
@@ -59,7 +60,10 @@ class Wrinkles:
             x[:, 1] -= SAG
             height = np.sum((x - rest) * normal, axis=1)
             x = x + normal * (np.clip(height, lowest, highest) - height)[:, None]
-        return np.sum((x - rest) * normal, axis=1)
+        height = np.sum((x - rest) * normal, axis=1)
+        for _ in range(SOFTENING):  # creases narrower than the sheet's mesh are its noise
+            height = blur @ height
+        return height
 
     def _bake(self, lo, hi, step, width):
         """Onto a grid round the surface, from which a cubic spline reads."""
