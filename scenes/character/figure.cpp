@@ -42,7 +42,7 @@ double share_twist(Quat& lower, const Quat& hand, const Vec3& rest_along) {
 Figure::Figure(const Model& model, double stick_radius)
     : skeleton_(model),
       grip_(grip_stick(model, skeleton_, Side::right, stick_radius)),
-      left_fist_(fist(skeleton_, Side::left)) {
+      left_fist_(fist(model, skeleton_, Side::left)) {
   const std::array<std::string, 2> sides = {"Left", "Right"};
   for (std::size_t i = 0; i < 2; ++i) {
     const auto find = [&](const char* name) { return skeleton_.find(sides[i] + name); };

@@ -4,11 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/character/skeleton.h"
+#include "scenes/character/digit.h"
 
 namespace taut {
-
-enum class Side { left, right };
 
 /// The directions of a hand at rest, in the model's axes: from the wrist to the middle knuckle,
 /// across it to the thumb's side, and out of the palm. Orthonormal, of either handedness.
@@ -25,11 +23,12 @@ struct Grip {
   std::vector<std::pair<std::size_t, Quat>> fingers;
 };
 
-/// Closes the fingers joint by joint until the skin of each phalanx touches a stick of that radius
-/// (m) in the palm, then lays the thumb over it. The skin is `model`'s.
+/// Lays a stick of that radius (m) on the palm, wraps the fingers round it until the skin of their
+/// phalanges touches it, and the thumb from the other side. The skin is `model`'s.
 Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double radius);
 
-/// An empty fist.
-std::vector<std::pair<std::size_t, Quat>> fist(const Skeleton& skeleton, Side side);
+/// An empty fist, the thumb across the fingers.
+std::vector<std::pair<std::size_t, Quat>> fist(const Model& model, const Skeleton& skeleton,
+                                               Side side);
 
 }  // namespace taut
