@@ -39,12 +39,10 @@ std::vector<Case> pairwise(const std::vector<std::size_t>& particles) {
   std::vector<Case> cases;
   for (std::size_t a = 0; a < 5; ++a) {
     for (std::size_t b = 0; b < 5; ++b) {
-      // A load of a million chains that is pushed buckles them in nanoseconds: no whip there.
-      const bool pushed = kRatios[a % kRatios.size()] > 1e4;
       cases.push_back({kRatios[a % kRatios.size()], particles[b % particles.size()],
                        kRates[(a + b) % 5 % kRates.size()],
                        kAngles[(a + 2 * b) % 5 % kAngles.size()],
-                       pushed ? 0 : kWhips[(a + 3 * b) % 5 % kWhips.size()]});
+                       kWhips[(a + 3 * b) % 5 % kWhips.size()]});
     }
   }
   return cases;
@@ -97,7 +95,7 @@ TEST(DirectSweep, NothingFailsStretchesOrGainsEnergy) {
 }
 
 TEST(LongDirectSweep, NothingFailsStretchesOrGainsEnergy) {
-  sweep({2, 11, 101, 1001}, 0.25, 60);
+  sweep({2, 11, 101, 1001, 10000}, 0.1, 120);
 }
 
 // The same motion however the frames divide it.

@@ -32,6 +32,11 @@ constexpr double kNewSpacing = 0.93;  // of the longest, so that it lasts
 /// The waves that explicit methods stir up must stay this small, as turns of a link.
 constexpr double kRoughness = 0.05;
 
+/// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
+/// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
+/// digits.
+constexpr double kShortOfWaves = 1e-3, kRounding = 1e-6;
+
 /// A fixed step whose error estimate exceeds this share of the length of all links is done again.
 constexpr double kCoarsest = 0.01;
 
@@ -108,6 +113,12 @@ double Course::allowed_error(Rung rung, double h, double tolerance) const {
   return std::min(rate * h, kExplicitShare) * std::min(tolerance, kRoughness * motion_->shortest());
 }
 
+/// The part of the error (m) of a step of h that no shorter step would mend.
+double Course::rounding(double h) const {
+  if (h * fastest_ > kShortOfWaves) return 0;
+  return kRounding * h * motion_->memory() * motion_->shift(acceleration_.data());
+}
+
 /// The number of equal steps of at most about `wish` to `until`, so that none is a sliver.
 double Course::pieces_to(double until, double wish) const {
   return std::max(1.0, std::ceil((until - time_) / wish - 1e-6));
@@ -180,8 +191,10 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
     if (!(time_ + h > time_)) throw StepTooSmall{time_};
     if (rung != adams) {
       const double end = until - time_ > 1.5 * h ? time_ + h : until;
-      error = attempt(rung, h, counters) / allowed_error(rung, h, tolerance);
+      const double allowed = allowed_error(rung, h, tolerance);
+      error = attempt(rung, h, counters) / allowed;
       if (leave_plane(world)) continue;
+      if (error > 1) error *= allowed / (allowed + rounding(h));
       if (error <= 1) {  // false for NaN
         accept(rung, end, counters);
         if (rung_ == adams) {

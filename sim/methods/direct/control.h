@@ -57,6 +57,7 @@ class Course {
   void refresh(Counters& counters);
   double stable_step(Rung rung) const;
   double allowed_error(Rung rung, double h, double tolerance) const;
+  double rounding(double h) const;
   double pieces_to(double until, double wish) const;
   double adams_pieces_to(double until, double wish) const;
   double attempt(Rung rung, double h, Counters& counters);
