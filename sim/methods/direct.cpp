@@ -1,10 +1,12 @@
 #include "sim/methods/direct.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "sim/methods/direct/control.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/projection.h"
+#include "sim/room.h"
 
 namespace taut {
 namespace {
@@ -23,13 +25,13 @@ class Direct : public Method {
     if (!built_ || topology_ != world.topology) rebuild(world);
     if (!same(world)) {
       stopper_.stop(world);  // a particle that was pinned in motion leaves its neighbours so
-      for (Course& course : courses_) course.load(world);
+      for (std::size_t k = 0; k < followed_; ++k) courses_[k]->load(world);
     }
-    for (std::size_t k = 0; k < courses_.size(); ++k) {
+    for (std::size_t k = 0; k < followed_; ++k) {
       try {
-        courses_[k].advance(world, until, counters_);
+        courses_[k]->advance(world, until, counters_);
       } catch (const Course::StepTooSmall& stop) {
-        const Component& part = courses_[k].component();
+        const Component& part = courses_[k]->component();
         throw Diverged("direct", stop.time, counters_.steps,
                        part.spans.empty() ? world.bodies[part.bodies[0]].name
                                           : world.connectors[part.spans[0].connector].name,
@@ -55,11 +57,32 @@ class Direct : public Method {
   void rebuild(const World& world) {
     built_ = true;
     topology_ = world.topology;
-    courses_.clear();
-    for (Component& component : direct::components(world)) {
-      courses_.emplace_back(world, std::move(component), control_);
-    }
+    const std::span<const Component> parts = division_.divide(world);
+    if (courses_.size() < parts.size()) make_room(world, parts);
+    followed_ = parts.size();
+    for (std::size_t k = 0; k < followed_; ++k) courses_[k]->follow(parts[k]);
     noted_.clear();
+  }
+
+  /// Makes courses for the parts, and for those into which the pins that the world has room for can
+  /// divide them.
+  void make_room(const World& world, std::span<const Component> parts) {
+    std::size_t largest = 0, spare = 0, pins = 0;  // links, particles
+    for (const Component& part : parts) {
+      std::size_t links = part.bodies.size();
+      for (const direct::SpanRange& span : part.spans) links += span.last - span.first;
+      largest = std::max(largest, links);
+    }
+    for (const Connector& connector : world.connectors) {
+      spare += connector.position.capacity() - connector.particles();
+      pins += connector.holds.capacity() - connector.holds.size();
+    }
+    if (spare == 0) pins = 0;  // nothing is meant to be added
+    while (courses_.size() < parts.size() + pins) {
+      courses_.push_back(std::make_unique<Course>(control_));
+      if (spare > 0) courses_.back()->reserve(largest + spare, 2 * (pins + 2), world.bodies.size());
+    }
+    noted_.reserve(15 * world.bodies.size() + 6 * room(world).particles + 1);
   }
 
   /// Visits the world's state as blocks of doubles.
@@ -102,7 +125,9 @@ class Direct : public Method {
   direct::Control control_;
   bool built_ = false;
   std::uint64_t topology_ = 0;
-  std::vector<Course> courses_;
+  direct::Division division_;
+  std::vector<std::unique_ptr<Course>> courses_;  // more than are followed, to have room
+  std::size_t followed_ = 0;
   StretchStopper stopper_;
   std::unique_ptr<direct::Spans> spans_;  // where the world has massless ones
   std::vector<double> noted_;             // the world as advance() left it

@@ -79,8 +79,17 @@ void interpolate(std::size_t n, const Weights& w, const std::array<double*, 6>& 
 
 }  // namespace
 
-AdamsStep::AdamsStep(std::size_t size)
-    : size_(size), arena_((2 * kKept + 1) * size, 0.0), q_(size), rate_(size), error_(size) {
+void AdamsStep::reserve(std::size_t size) {
+  arena_.reserve((2 * kKept + 1) * size);
+  for (Array* array : {&q_, &rate_, &error_}) array->reserve(size);
+}
+
+void AdamsStep::resize(std::size_t size) {
+  size_ = size;
+  known_ = 0;
+  h_ = 0;
+  arena_.assign((2 * kKept + 1) * size, 0.0);
+  for (Array* array : {&q_, &rate_, &error_}) array->assign(size, 0.0);
   for (std::size_t j = 0; j < kKept; ++j) {
     past_[j] = arena_.data() + j * size;
     spare_[j] = arena_.data() + (kKept + j) * size;

@@ -12,7 +12,10 @@ namespace taut::direct {
 /// Adams' and Bashforth's for its rate.
 class AdamsStep {
  public:
-  explicit AdamsStep(std::size_t size);
+  /// Room for states of so many numbers.
+  void reserve(std::size_t size);
+  /// Sets it up for states of `size` numbers; it remembers nothing.
+  void resize(std::size_t size);
 
   /// Forgets everything.
   void clear() { known_ = 0; }
@@ -49,13 +52,13 @@ class AdamsStep {
  private:
   void respace(double h);
 
-  std::size_t size_;
+  std::size_t size_ = 0;
   Array arena_;
-  std::array<double*, kKept> past_;  // accelerations, the latest first
-  std::array<double*, kKept> spare_;
-  double* next_;           // that at the end of the step
-  std::size_t known_ = 0;  // of past_
-  double h_ = 0;           // s, between them
+  std::array<double*, kKept> past_{};  // accelerations, the latest first
+  std::array<double*, kKept> spare_{};
+  double* next_ = nullptr;  // that at the end of the step
+  std::size_t known_ = 0;   // of past_
+  double h_ = 0;            // s, between them
   Array q_, rate_, error_;
 };
 

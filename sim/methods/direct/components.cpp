@@ -4,22 +4,10 @@
 #include <numeric>
 #include <utility>
 
+#include "sim/room.h"
+
 namespace taut::direct {
 namespace {
-
-/// Sets of indices that can be joined.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 /// True where nothing can move the link's ends against each other: both are prescribed, or points
 /// of one body.
@@ -33,10 +21,29 @@ bool is_idle(const World& world, const Connector& connector, const SpanRange& sp
 
 }  // namespace
 
-std::vector<Component> components(const World& world) {
-  const std::size_t bodies = world.bodies.size();
-  std::vector<SpanRange> spans;
-  std::vector<std::pair<std::size_t, std::size_t>> joints;  // span, body
+std::size_t Division::find(std::size_t node) {
+  while (parent_[node] != node) node = parent_[node] = parent_[parent_[node]];
+  return node;
+}
+
+void Division::reserve(const World& world) {
+  std::size_t nodes = world.bodies.size() + world.connectors.size();
+  for (const Connector& connector : world.connectors) nodes += connector.holds.size();
+  if (nodes <= room_) return;
+  room_ = world.bodies.size() + world.connectors.size() + room(world).holds;
+  spans_.reserve(room_);
+  sorted_spans_.reserve(room_);
+  joints_.reserve(2 * room_);
+  parent_.reserve(room_);
+  index_.reserve(room_);
+  sorted_bodies_.reserve(room_);
+  parts_.reserve(room_);
+  found_.reserve(room_);
+}
+
+void Division::collect(const World& world) {
+  spans_.clear();
+  joints_.clear();
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
     if (connector.model != ConnectorModel::links) continue;
@@ -46,32 +53,58 @@ std::vector<Component> components(const World& world) {
       if (span.first == to || is_idle(world, connector, span)) return;
       for (const std::size_t end : {span.first, span.last}) {
         const Hold* hold = hold_at(connector, end);
-        if (hold && !is_prescribed(world, hold->to))
-          joints.emplace_back(spans.size(), hold->to.body);
+        if (hold && !is_prescribed(world, hold->to)) {
+          joints_.push_back({spans_.size(), hold->to.body});
+        }
       }
-      spans.push_back(span);
+      spans_.push_back(span);
     };
     for (const Hold& hold : connector.holds) cut(hold.particle);
     cut(connector.particles() - 1);
   }
+}
 
-  Sets sets(bodies + spans.size());
-  for (const auto& [span, body] : joints) sets.join(bodies + span, body);
-  std::vector<Component> found;
-  std::vector<std::size_t> index(bodies + spans.size(), world.bodies.size() + spans.size());
-  const auto of = [&](std::size_t node) -> Component& {
-    std::size_t& at = index[sets.find(node)];
-    if (at >= found.size()) {
-      at = found.size();
-      found.emplace_back();
-    }
-    return found[at];
-  };
-  for (std::size_t s = 0; s < spans.size(); ++s) of(bodies + s).spans.push_back(spans[s]);
-  for (std::size_t b = 0; b < bodies; ++b) {
-    if (!world.bodies[b].driven()) of(b).bodies.push_back(b);
+/// Numbers the parts in the order in which they are asked for.
+std::size_t Division::part_of(std::size_t node) {
+  std::size_t& part = index_[find(node)];
+  if (part == index_.size()) {
+    part = parts_.size();
+    parts_.emplace_back();
   }
-  return found;
+  return part;
+}
+
+std::span<const Component> Division::divide(const World& world) {
+  reserve(world);
+  collect(world);
+  const std::size_t bodies = world.bodies.size(), nodes = bodies + spans_.size();
+  parent_.resize(nodes);
+  std::iota(parent_.begin(), parent_.end(), 0);
+  for (const Joint& joint : joints_) parent_[find(bodies + joint.span)] = find(joint.body);
+  index_.assign(nodes, nodes);
+  parts_.clear();
+  for (std::size_t s = 0; s < spans_.size(); ++s) ++parts_[part_of(bodies + s)].spans;
+  const auto is_free = [&](std::size_t body) { return !world.bodies[body].driven(); };
+  for (std::size_t b = 0; b < bodies; ++b) {
+    if (is_free(b)) ++parts_[part_of(b)].bodies;
+  }
+  sorted_spans_.resize(spans_.size());
+  sorted_bodies_.resize(bodies);
+  found_.clear();
+  SpanRange* span = sorted_spans_.data();
+  std::size_t* body = sorted_bodies_.data();
+  for (Part& part : parts_) {
+    found_.push_back({{span, part.spans}, {body, part.bodies}});
+    part.next_span = std::exchange(span, span + part.spans);
+    part.next_body = std::exchange(body, body + part.bodies);
+  }
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    *parts_[part_of(bodies + s)].next_span++ = spans_[s];
+  }
+  for (std::size_t b = 0; b < bodies; ++b) {
+    if (is_free(b)) *parts_[part_of(b)].next_body++ = b;
+  }
+  return found_;
 }
 
 const Hold* hold_at(const Connector& connector, std::size_t particle) {

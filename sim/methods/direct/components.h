@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "sim/world.h"
@@ -16,13 +17,39 @@ struct SpanRange {
 
 /// Spans and free bodies that only move together.
 struct Component {
-  std::vector<SpanRange> spans;
-  std::vector<std::size_t> bodies;  // indices into World::bodies
+  std::span<const SpanRange> spans;
+  std::span<const std::size_t> bodies;  // indices into World::bodies
 };
 
-/// Cuts a world at everything whose motion is known beforehand. Links that nothing can stretch or
-/// compress are in none of the parts.
-std::vector<Component> components(const World& world);
+/// Divides worlds. Keeps its workspace.
+class Division {
+ public:
+  /// Cuts a world at everything whose motion is known beforehand. Links that nothing can stretch or
+  /// compress are in none of the parts. They stay until the next call.
+  std::span<const Component> divide(const World& world);
+
+ private:
+  struct Joint {
+    std::size_t span = 0, body = 0;
+  };
+  struct Part {  // how much of the arrays is a component's, and where the next of it goes
+    std::size_t spans = 0, bodies = 0;
+    SpanRange* next_span = nullptr;
+    std::size_t* next_body = nullptr;
+  };
+  void reserve(const World& world);
+  void collect(const World& world);
+  /// The node that stands for all that are joined with this one; bodies come first, then spans.
+  std::size_t find(std::size_t node);
+  std::size_t part_of(std::size_t node);
+
+  std::size_t room_ = 0;  // nodes
+  std::vector<SpanRange> spans_, sorted_spans_;
+  std::vector<Joint> joints_;
+  std::vector<std::size_t> parent_, index_, sorted_bodies_;
+  std::vector<Part> parts_;
+  std::vector<Component> found_;
+};
 
 /// The hold on a particle, or null.
 const Hold* hold_at(const Connector& connector, std::size_t particle);

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/methods/direct/net.h"
-#include "sim/methods/direct/planar_chain.h"
-
 namespace taut::direct {
 namespace {
 
@@ -50,28 +47,36 @@ double scaled_step(double h, double wish, double error, double order) {
 
 }  // namespace
 
-Course::Course(const World& world, Component component, const Control& control)
-    : component_(std::move(component)), control_(control) {
-  plan(world, world.time, find_plane(world, component_, world.time, Vec3::Zero()));
+void Course::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
+  planes_.reserve(links);
+  chain_.reserve(links);
+  net_.reserve(links, ends, bodies);
+  const std::size_t size = 3 * (links + kLanes) + 4 * ends + 2 * Links::kPad;
+  careful_.reserve(size);
+  adams_.reserve(size);
+  implicit_.reserve(size);
+  for (Array* array : {&q_, &rate_, &acceleration_}) array->reserve(size);
 }
 
 void Course::plan(const World& world, double time, const std::optional<Plane>& plane) {
   planned_at_ = time;
   if (plane && PlanarChain::fits(world, component_)) {
-    motion_ = std::make_unique<PlanarChain>(world, component_, *plane);
+    chain_.rebuild(world, component_, *plane);
+    motion_ = &chain_;
   } else {
-    motion_ = std::make_unique<Net>(world, component_, plane);
+    net_.rebuild(world, component_, plane);
+    motion_ = &net_;
   }
-  careful_ = std::make_unique<Dop853Step>(motion_->size());
-  adams_ = std::make_unique<AdamsStep>(motion_->size());
-  implicit_ = std::make_unique<RosenbrockStep>(motion_->size());
+  careful_.resize(motion_->size());
+  adams_.resize(motion_->size());
+  implicit_.resize(motion_->size());
   acceleration_.assign(motion_->size(), 0.0);
   cost_ = {kCarefulCost, kAdamsCost, kImplicitCost};
   for (double& cost : cost_) cost += motion_->projection_cost();
 }
 
 void Course::load(const World& world) {
-  plan(world, world.time, find_plane(world, component_, world.time, Vec3::Zero()));
+  plan(world, world.time, planes_.find(world, component_, world.time, Vec3::Zero()));
   time_ = world.time;
   motion_->load(world, time_, q_, rate_);
   motion_->project(time_, q_.data(), rate_.data());
@@ -126,7 +131,7 @@ double Course::pieces_to(double until, double wish) const {
 
 /// The same for Adams, who keeps his spacing where it divides the way.
 double Course::adams_pieces_to(double until, double wish) const {
-  const double h = adams_->spacing(), pieces = std::round((until - time_) / h);
+  const double h = adams_.spacing(), pieces = std::round((until - time_) / h);
   const bool divides = std::abs(pieces * h - (until - time_)) <= 1e-9 * h;
   if (divides && h <= wish && h >= kLeastSpacing * wish) return pieces;
   return pieces_to(until, h > wish ? kNewSpacing * wish : wish);
@@ -138,18 +143,18 @@ double Course::attempt(Rung rung, double h, Counters& counters) {
   refresh(counters);
   if (rung == careful) {
     counters.solves += kStages - 1;
-    return careful_->attempt(*motion_, time_, h, q, rate, first);
+    return careful_.attempt(*motion_, time_, h, q, rate, first);
   }
   counters.solves += RosenbrockStep::kStages - 1;
-  return implicit_->attempt(*motion_, time_, h, q, rate, first);
+  return implicit_.attempt(*motion_, time_, h, q, rate, first);
 }
 
 void Course::accept(Rung rung, double time, Counters& counters) {
   time_ = time;
   counters.steps += 1;
-  if (rung == careful) careful_->swap_result(q_, rate_);
-  if (rung == adams) adams_->swap_result(q_, rate_);
-  if (rung == implicit) implicit_->swap_result(q_, rate_);
+  if (rung == careful) careful_.swap_result(q_, rate_);
+  if (rung == adams) adams_.swap_result(q_, rate_);
+  if (rung == implicit) implicit_.swap_result(q_, rate_);
   motion_->project(time_, q_.data(), rate_.data());
   fresh_ = false;
 }
@@ -161,7 +166,7 @@ bool Course::leave_plane(World& world) {
   if (!reason) return false;
   motion_->store(world, time_, q_.data(), rate_.data());
   std::optional<Plane> plane;
-  if (planned_at_ != time_) plane = find_plane(world, component_, time_, *reason);
+  if (planned_at_ != time_) plane = planes_.find(world, component_, time_, *reason);
   plan(world, time_, plane);
   motion_->load(world, time_, q_, rate_);
   fresh_ = false;
@@ -176,10 +181,10 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
     Rung rung = rung_;
     double h = 0, error = 0;
     if (rung_ == adams) {
-      if (adams_->longest() > 0) wish = std::min(wish, adams_->longest());
+      if (adams_.longest() > 0) wish = std::min(wish, adams_.longest());
       const double pieces = adams_pieces_to(until, wish);
       h = (until - time_) / pieces;
-      if (adams_->prepare(h)) {
+      if (adams_.prepare(h)) {
         error = march(until, pieces, tolerance, counters);
         if (leave_plane(world)) continue;
       } else {
@@ -199,9 +204,9 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
         accept(rung, end, counters);
         if (rung_ == adams) {
           refresh(counters);
-          adams_->remember(acceleration_.data(), h);
+          adams_.remember(acceleration_.data(), h);
         } else {
-          adams_->clear();
+          adams_.clear();
         }
       } else {
         counters.rejected += 1;
@@ -216,18 +221,18 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
 /// Takes steps of Adams's spacing, at most `pieces` of them to `until`, for as long as waves and
 /// error suit it. Returns the error of the last one, as a share of the one allowed.
 double Course::march(double until, double pieces, double tolerance, Counters& counters) {
-  const double h = adams_->spacing(), share = allowed_error(adams, h, tolerance);
+  const double h = adams_.spacing(), share = allowed_error(adams, h, tolerance);
   double error = 0;
   int& rest = rests_[implicit].steps;
   for (double left = pieces; left > 0; --left) {
     counters.solves += 1;
-    error = adams_->attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * share) / share;
+    error = adams_.attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * share) / share;
     if (motion_->left_plane()) return error;
     if (!(error <= 1)) {
       counters.rejected += 1;
       return error;
     }
-    adams_->accept();
+    adams_.accept();
     accept(adams, left > 1 ? time_ + h : until, counters);
     fastest_ = motion_->fastest();
     const double waves = h * fastest_ / AdamsStep::kStable;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -10,6 +9,8 @@
 #include "sim/methods/direct/adams.h"
 #include "sim/methods/direct/components.h"
 #include "sim/methods/direct/dop853.h"
+#include "sim/methods/direct/net.h"
+#include "sim/methods/direct/planar_chain.h"
 #include "sim/methods/direct/plane.h"
 #include "sim/methods/direct/rosenbrock.h"
 
@@ -31,8 +32,14 @@ struct Control {
 /// over to that.
 class Course {
  public:
-  Course(const World& world, Component component, const Control& control);
+  explicit Course(const Control& control) : control_(control) {}
+  Course(const Course&) = delete;
 
+  /// Room for a component of so many links with so many ends of spans, in a world of so many
+  /// bodies.
+  void reserve(std::size_t links, std::size_t ends, std::size_t bodies);
+  /// Follows the component, which must stay, once it is loaded.
+  void follow(const Component& component) { component_ = component; }
   /// Reads the state from the world.
   void load(const World& world);
   /// Steps to `until` and writes the state to the world. Throws StepTooSmall.
@@ -70,10 +77,13 @@ class Course {
 
   Component component_;
   Control control_;
-  std::unique_ptr<Motion> motion_;
-  std::unique_ptr<Dop853Step> careful_;
-  std::unique_ptr<AdamsStep> adams_;
-  std::unique_ptr<RosenbrockStep> implicit_;
+  PlaneFinder planes_;
+  PlanarChain chain_;
+  Net net_;
+  Motion* motion_ = nullptr;  // one of the two
+  Dop853Step careful_;
+  AdamsStep adams_;
+  RosenbrockStep implicit_;
   double time_ = 0, planned_at_ = 0;  // s
   Array q_, rate_, acceleration_;
   bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state
@@ -81,7 +91,7 @@ class Course {
   Rung rung_ = careful;  // for the next step
   double step_ = 0;      // s, what its error allows
   std::array<Rest, kRungs> rests_;
-  std::array<double, kRungs> cost_;  // of a step, in accelerations
+  std::array<double, kRungs> cost_{};  // of a step, in accelerations
 };
 
 }  // namespace taut::direct

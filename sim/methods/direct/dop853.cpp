@@ -112,13 +112,16 @@ void error_of_order_3(std::size_t n, double h, const double* const* a, double* q
 
 }  // namespace
 
-Dop853Step::Dop853Step(std::size_t size)
-    : size_(size),
-      accelerations_((kStages - 1) * size),
-      q_(size),
-      rate_(size),
-      error_q_(size),
-      error_rate_(size) {}
+void Dop853Step::reserve(std::size_t size) {
+  accelerations_.reserve((kStages - 1) * size);
+  for (Array* array : {&q_, &rate_, &error_q_, &error_rate_}) array->reserve(size);
+}
+
+void Dop853Step::resize(std::size_t size) {
+  size_ = size;
+  accelerations_.assign((kStages - 1) * size, 0.0);
+  for (Array* array : {&q_, &rate_, &error_q_, &error_rate_}) array->assign(size, 0.0);
+}
 
 double Dop853Step::attempt(Motion& motion, double time, double h, const double* q,
                            const double* rate, const double* first) {

@@ -10,7 +10,10 @@ namespace taut::direct {
 /// (Nystrom's form), so that only accelerations are kept.
 class Dop853Step {
  public:
-  explicit Dop853Step(std::size_t size);
+  /// Room for states of so many numbers.
+  void reserve(std::size_t size);
+  /// Sets it up for states of `size` numbers.
+  void resize(std::size_t size);
 
   /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`. X; returns the
   /// estimated error (m).
@@ -29,7 +32,7 @@ class Dop853Step {
   static constexpr double kStable = 5.2;
 
  private:
-  std::size_t size_;
+  std::size_t size_ = 0;
   Array accelerations_;  // [stage - 1][size]; stage 0 is the caller's
   Array q_, rate_, error_q_, error_rate_;
 };

@@ -156,11 +156,15 @@ void across_in_space(std::size_t n, In base, Out x) {
 
 }  // namespace
 
-Links::Links(std::span<const Link> links, int components)
-    : count_(links.size()),
-      stride_((links.size() + kLanes - 1) / kLanes * kLanes),
-      components_(components),
-      arena_(kPad + kArrays * (stride_ + 2 * kPad), 0.0) {
+void Links::reserve(std::size_t links) {
+  arena_.reserve(kPad + kArrays * (links + kLanes + 2 * kPad));
+}
+
+void Links::rebuild(std::span<const Link> links, int components) {
+  count_ = links.size();
+  stride_ = (links.size() + kLanes - 1) / kLanes * kLanes;
+  components_ = components;
+  arena_.assign(kPad + kArrays * (stride_ + 2 * kPad), 0.0);
   double** const arrays[] = {&rest_,      &inverse_rest_, &both_,      &shared_,    &scale_,
                              &beside_,    &weight_,       &next_gain_, &last_gain_, &own_gain_,
                              &diagonal_,  &off_,          &right_,     &unknown_,   &frozen_pivot_,

@@ -22,9 +22,13 @@ class Links {
     double shared = 0;  // 1/kg, that of the particle it shares with the next link, or zero
     double end = 0;     // 1/kg, roughly what bodies at its ends add to `both`
   };
-  Links(std::span<const Link> links, int components);
+  Links() = default;
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
+
+  /// Room for so many links.
+  void reserve(std::size_t links);
+  void rebuild(std::span<const Link> links, int components);
 
   std::size_t count() const { return count_; }
   std::size_t stride() const { return stride_; }
@@ -77,8 +81,8 @@ class Links {
   void across(const double* base, double* x) const;
 
  private:
-  std::size_t count_, stride_;
-  int components_;
+  std::size_t count_ = 0, stride_ = 0;
+  int components_ = 3;
   // One block, so that no two arrays lie a multiple of a page apart, where stores would hold up
   // loads. Rows and columns of the system are scaled to a diagonal of 2, near which neither its
   // minors nor their inverses overflow.

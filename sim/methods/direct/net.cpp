@@ -23,7 +23,7 @@ void Net::read_bodies(const double* q, const double* rate) {
     part.world_inverse_inertia = part.rotation * part.inverse_inertia * part.rotation.transpose();
     const Vec3 momentum = part.rotation * (part.inertia * (part.rotation.transpose() * part.spin));
     part.spin_rate = part.world_inverse_inertia * momentum.cross(part.spin);
-    for (const std::size_t e : part.ends) {
+    for (const std::size_t e : ends_of(part)) {
       End& end = ends_[e];
       end.arm = part.rotation * end.local_arm;
       end.lead = part.spin.cross(part.spin.cross(end.arm)) + part.spin_rate.cross(end.arm);
@@ -45,22 +45,21 @@ void Net::read_holds(double time) {
 /// cause it = l |u'|^2 + u_i . (the rest of a_{i+1} - a_i).
 void Net::add_ends(const double* q) {
   for (const End& end : ends_) {
-    if (end.body != kNone) links_->reset_diagonal(end.link);
+    if (end.body != kNone) links_.reset_diagonal(end.link);
   }
   for (const End& end : ends_) {
     const Vec3 u = at(q, end.link);
-    links_->add_right(end.link, -end.pull * u.dot(end.lead));
+    links_.add_right(end.link, -end.pull * u.dot(end.lead));
     if (end.body == kNone) continue;
     const Part& part = bodies_[end.body];
     const Vec3 turn = end.arm.cross(u);
-    links_->add_diagonal(end.link, 1 / part.mass + turn.dot(part.world_inverse_inertia * turn));
+    links_.add_diagonal(end.link, 1 / part.mass + turn.dot(part.world_inverse_inertia * turn));
   }
 }
 
 /// Bodies that several links hold add E Q E' to the tridiagonal A, E the columns of the unit
 /// matrix for those links: T = A^-1 r - A^-1 E (1 + Q G)^-1 Q E' A^-1 r, G = E' A^-1 E (Woodbury).
 void Net::add_couplings(const double* q) {
-  const auto n = static_cast<Eigen::Index>(coupled_.size());
   const auto row = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
   dense_.setZero();
   for (const Coupling& c : couplings_) {
@@ -72,19 +71,22 @@ void Net::add_couplings(const double* q) {
         (u.dot(v) / part.mass + a.arm.cross(u).dot(part.world_inverse_inertia * b.arm.cross(v)));
   }
   for (std::size_t k = 0; k < coupled_.size(); ++k) {
-    dense_right_[row(k)] = links_->tension(coupled_[k]);
+    dense_right_[row(k)] = links_.tension(coupled_[k]);
   }
   for (std::size_t k = 0; k < coupled_.size(); ++k) {
-    double* response = response_.data() + k * links_->count();
-    links_->respond(coupled_[k], response);
+    double* response = response_.data() + k * links_.count();
+    links_.respond(coupled_[k], response);
     for (std::size_t j = 0; j < coupled_.size(); ++j) {
-      gain_(row(j), row(k)) = links_->scale(coupled_[j]) * response[coupled_[j]];
+      gain_(row(j), row(k)) = links_.scale(coupled_[j]) * response[coupled_[j]];
     }
   }
-  const Eigen::MatrixXd system = Eigen::MatrixXd::Identity(n, n) + dense_ * gain_;
-  const Eigen::VectorXd share = system.partialPivLu().solve(dense_ * dense_right_);
+  system_.noalias() = dense_ * gain_;
+  system_.diagonal().array() += 1;
+  share_.noalias() = dense_ * dense_right_;
+  decomposed_.compute(system_);
+  dense_right_ = decomposed_.solve(share_);
   for (std::size_t k = 0; k < coupled_.size(); ++k) {
-    links_->add_response(response_.data() + k * links_->count(), -share[row(k)]);
+    links_.add_response(response_.data() + k * links_.count(), -dense_right_[row(k)]);
   }
 }
 
@@ -93,13 +95,13 @@ void Net::move_bodies(const double* q, double* out) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Part& part = bodies_[b];
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    for (const std::size_t e : part.ends) {
-      const Vec3 pull = ends_[e].pull * links_->tension(ends_[e].link) * at(q, ends_[e].link);
+    for (const std::size_t e : ends_of(part)) {
+      const Vec3 pull = ends_[e].pull * links_.tension(ends_[e].link) * at(q, ends_[e].link);
       force += pull;
       torque += ends_[e].arm.cross(pull);
     }
     const Vec3 turn = part.world_inverse_inertia * torque;
-    for (const std::size_t e : part.ends) {
+    for (const std::size_t e : ends_of(part)) {
       ends_[e].lead += force / part.mass + turn.cross(ends_[e].arm);
     }
     const Vec3 rise = (part.spin_rate + turn) / 2;
@@ -116,25 +118,25 @@ void Net::move_bodies(const double* q, double* out) {
 
 /// Solves the system and writes the accelerations that the tensions and the ends' leads cause.
 void Net::respond(const double* q, double* out) {
-  links_->solve();
+  links_.solve();
   if (!coupled_.empty()) add_couplings(q);
-  links_->pull(q, out);
+  links_.pull(q, out);
   move_bodies(q, out);
   for (const End& end : ends_) {
-    add(out, end.link, -end.pull * links_->inverse_rest(end.link) * end.lead);
+    add(out, end.link, -end.pull * links_.inverse_rest(end.link) * end.lead);
   }
 }
 
 void Net::acceleration(double time, const double* q, const double* rate, double* out) {
   read_bodies(q, rate);
   read_holds(time);
-  links_->assemble(q, rate);
+  links_.assemble(q, rate);
   add_ends(q);
   respond(q, out);
 }
 
 bool Net::lift(const double* base, double* x, double* rate) const {
-  bool inside = links_->lift(base, x, rate);
+  bool inside = links_.lift(base, x, rate);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const std::size_t k = quaternion(b);
     const Eigen::Map<const Eigen::Vector4d> o(base + k);
@@ -151,7 +153,7 @@ bool Net::lift(const double* base, double* x, double* rate) const {
 }
 
 void Net::across(const double* base, double* x) const {
-  links_->across(base, x);
+  links_.across(base, x);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Eigen::Map<const Eigen::Vector4d> o(base + quaternion(b));
     Eigen::Map<Eigen::Vector4d> p(x + quaternion(b));
@@ -160,12 +162,12 @@ void Net::across(const double* base, double* x) const {
 }
 
 void Net::freeze(double sigma_squared) {
-  links_->freeze(sigma_squared);
+  links_.freeze(sigma_squared);
   frozen_ = sigma_squared;
 }
 
 void Net::solve_frozen(double* x) const {
-  links_->solve_frozen(x);
+  links_.solve_frozen(x);
   for (std::size_t k = quaternion(0); k < quaternion(bodies_.size()); ++k) x[k] /= frozen_;
 }
 

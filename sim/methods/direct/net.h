@@ -4,8 +4,8 @@
 #include <Eigen/LU>
 #include <array>
 #include <cstddef>
-#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sim/methods/direct/components.h"
@@ -30,8 +30,10 @@ namespace taut::direct {
 /// In a plane directions have two components, and bodies that hang by one point are links.
 class Net : public Motion {
  public:
-  /// In `plane`, which must suit the world's present state (see find_plane), or in space.
-  Net(const World& world, const Component& component, const std::optional<Plane>& plane);
+  /// Room for so many links, and spans with so many ends, in a world of so many bodies.
+  void reserve(std::size_t links, std::size_t ends, std::size_t bodies);
+  /// In `plane`, which must suit the world's present state (see PlaneFinder), or in space.
+  void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane);
 
   /// The tension (N) of the connector's first link, as in the world's present state.
   double tension(const World& world, std::size_t connector);
@@ -42,9 +44,9 @@ class Net : public Motion {
   const std::optional<Vec3>& left_plane() const override { return left_plane_; }
   double length() const override { return length_; }
   double shortest() const override { return shortest_; }
-  double fastest() const override { return links_->fastest(); }
+  double fastest() const override { return links_.fastest(); }
 
-  std::size_t size() const override { return links_->end() + 4 * bodies_.size() + Links::kPad; }
+  std::size_t size() const override { return links_.end() + 4 * bodies_.size() + Links::kPad; }
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   void project(double time, double* q, double* rate) override;
   double projection_cost() const override;
@@ -94,7 +96,7 @@ class Net : public Motion {
     std::size_t body = 0;  // index into World::bodies
     double mass = 0;
     Mat3 inertia = Mat3::Identity(), inverse_inertia = Mat3::Identity();  // in its axes
-    std::vector<std::size_t> ends;
+    std::size_t first_end = 0, ends = 0;                                  // of body_ends_
     // At the present stage:
     Mat3 rotation = Mat3::Identity(), world_inverse_inertia = Mat3::Identity();
     Vec3 spin = Vec3::Zero(), spin_rate = Vec3::Zero();  // the rate that no tension causes
@@ -113,7 +115,7 @@ class Net : public Motion {
 
   // Building (net_build.cpp).
   void add_span(const World& world, const SpanRange& range, bool reversed);
-  void order_spans(const World& world, const std::vector<SpanRange>& ranges);
+  void order_spans(const World& world, std::span<const SpanRange> ranges);
   void measure_links(const World& world);
   void couple();
 
@@ -138,21 +140,25 @@ class Net : public Motion {
   Rotary rotary(double time) const;
   void restore_momentum(double time, double* q, double* rate);
 
+  /// What holds the body, as indices into ends_.
+  std::span<const std::size_t> ends_of(const Part& part) const {
+    return {body_ends_.data() + part.first_end, part.ends};
+  }
   Vec3 at(const double* array, std::size_t link) const {
     Vec3 sum = Vec3::Zero();
-    for (int c = 0; c < links_->components(); ++c) {
-      sum += array[links_->begin(c) + link] * axes_[static_cast<std::size_t>(c)];
+    for (int c = 0; c < links_.components(); ++c) {
+      sum += array[links_.begin(c) + link] * axes_[static_cast<std::size_t>(c)];
     }
     return sum;
   }
   void add(double* array, std::size_t link, const Vec3& v) const {
-    for (int c = 0; c < links_->components(); ++c) {
-      array[links_->begin(c) + link] += v.dot(axes_[static_cast<std::size_t>(c)]);
+    for (int c = 0; c < links_.components(); ++c) {
+      array[links_.begin(c) + link] += v.dot(axes_[static_cast<std::size_t>(c)]);
     }
   }
-  std::size_t quaternion(std::size_t body) const { return links_->end() + 4 * body; }
+  std::size_t quaternion(std::size_t body) const { return links_.end() + 4 * body; }
 
-  const World* world_;
+  const World* world_ = nullptr;
   std::optional<Plane> plane_;
   std::optional<Vec3> left_plane_;
   std::array<Vec3, 3> axes_;                   // of the directions' components
@@ -161,13 +167,16 @@ class Net : public Motion {
   std::vector<End> ends_;
   std::vector<Bar> bars_;
   std::vector<Part> bodies_;
+  std::vector<std::size_t> body_ends_;  // body by body
+  std::vector<char> placed_, done_;     // workspaces of order_spans(): bodies, spans
   std::vector<Coupling> couplings_;
   std::vector<std::size_t> coupled_;  // links with a row of the dense system
-  std::unique_ptr<Links> links_;
-  double length_ = 0, shortest_ = 0;  // m, of all links, of the shortest
-  double memory_ = 0;                 // s
-  double reach_ = 0;                  // m, of shift_bound()
-  double frozen_ = 1;                 // 1/s^2, of freeze()
+  Links links_;
+  std::vector<Links::Link> measured_;  // what links_ is made of
+  double length_ = 0, shortest_ = 0;   // m, of all links, of the shortest
+  double memory_ = 0;                  // s
+  double reach_ = 0;                   // m, of shift_bound()
+  double frozen_ = 1;                  // 1/s^2, of freeze()
 
   bool floats_ = false;  // nothing prescribed: its centre of mass flies freely
   double mass_ = 0;      // kg
@@ -183,13 +192,24 @@ class Net : public Motion {
   Array still_;              // workspace of spread()
   // Workspaces of add_couplings().
   Array response_;
-  Eigen::MatrixXd dense_, gain_;
-  Eigen::VectorXd dense_right_;
+  Eigen::MatrixXd dense_, gain_, system_;
+  Eigen::VectorXd dense_right_, share_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> decomposed_;
 };
 
-/// The plane in which a component moves as far as its present state and its holds at `time` tell,
-/// if Net can step it there. `also` is one more acceleration in that plane, or zero.
-std::optional<Plane> find_plane(const World& world, const Component& component, double time,
-                                const Vec3& also);
+/// Finds planes for nets. Keeps its workspace.
+class PlaneFinder {
+ public:
+  /// Room for components of so many links.
+  void reserve(std::size_t links) { vectors_.reserve(2 * links + kOthers); }
+  /// The plane in which a component moves as far as its present state and its holds at `time` tell,
+  /// if Net can step it there. `also` is one more acceleration in that plane, or zero.
+  std::optional<Plane> find(const World& world, const Component& component, double time,
+                            const Vec3& also);
+
+ private:
+  static constexpr std::size_t kOthers = 16;  // vectors of holds and bodies
+  std::vector<Vec3> vectors_, hints_;
+};
 
 }  // namespace taut::direct

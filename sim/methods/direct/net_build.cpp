@@ -37,9 +37,11 @@ Hanging hanging(const World& world, const Component& component, std::size_t body
 
 }  // namespace
 
-std::optional<Plane> find_plane(const World& world, const Component& component, double time,
-                                const Vec3& also) {
-  std::vector<Vec3> vectors{world.gravity, also}, hints;
+std::optional<Plane> PlaneFinder::find(const World& world, const Component& component, double time,
+                                       const Vec3& also) {
+  std::vector<Vec3>&vectors = vectors_, &hints = hints_;
+  vectors.assign({world.gravity, also});
+  hints.clear();
   for (const SpanRange& span : component.spans) {
     const Connector& connector = world.connectors[span.connector];
     for (std::size_t k = span.first; k < span.last; ++k) {
@@ -81,11 +83,38 @@ std::optional<Plane> find_plane(const World& world, const Component& component, 
   return plane;
 }
 
-Net::Net(const World& world, const Component& component, const std::optional<Plane>& plane)
-    : world_(&world),
-      plane_(plane),
-      part_of_(world.bodies.size(), kNone),
-      bar_of_(world.bodies.size(), kNone) {
+void Net::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
+  links_.reserve(links);
+  measured_.reserve(links);
+  point_mass_.reserve(links + ends);
+  points_.reserve(links + ends);
+  still_.reserve(3 * (links + kLanes) + 4 * ends + 2 * Links::kPad);
+  spans_.reserve(ends);
+  gaps_.reserve(ends);
+  ends_.reserve(ends);
+  body_ends_.reserve(ends);
+  part_of_.reserve(bodies);
+  bar_of_.reserve(bodies);
+  placed_.reserve(ends);
+  done_.reserve(ends);
+  bars_.reserve(ends);
+  bar_centres_.reserve(ends);
+  bodies_.reserve(ends);
+  centres_.reserve(ends);
+}
+
+void Net::rebuild(const World& world, const Component& component,
+                  const std::optional<Plane>& plane) {
+  world_ = &world;
+  plane_ = plane;
+  left_plane_.reset();
+  part_of_.assign(world.bodies.size(), kNone);
+  bar_of_.assign(world.bodies.size(), kNone);
+  spans_.clear();
+  ends_.clear();
+  bars_.clear();
+  bodies_.clear();
+  mass_ = 0;
   axes_ = plane ? std::array<Vec3, 3>{plane->x, plane->y, plane->normal}
                 : std::array<Vec3, 3>{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   for (const std::size_t b : component.bodies) {
@@ -145,7 +174,7 @@ void Net::add_span(const World& world, const SpanRange& range, bool reversed) {
     if (!is_prescribed(world, hold->to)) {
       made.body = part_of_[hold->to.body];
       made.local_arm = hold->to.point - world.bodies[hold->to.body].mass_properties.centre;
-      bodies_[made.body].ends.push_back(ends_.size());
+      ++bodies_[made.body].ends;
     }
     ends_.push_back(made);
     return ends_.size() - 1;
@@ -157,8 +186,10 @@ void Net::add_span(const World& world, const SpanRange& range, bool reversed) {
 
 /// Walks from the prescribed holds (or, where there are none, from a body or a free end) along the
 /// spans, so that each span starts where one before it ended.
-void Net::order_spans(const World& world, const std::vector<SpanRange>& ranges) {
-  std::vector<char> placed(bodies_.size(), 0), done(ranges.size(), 0);
+void Net::order_spans(const World& world, std::span<const SpanRange> ranges) {
+  std::vector<char>&placed = placed_, &done = done_;
+  placed.assign(bodies_.size(), 0);
+  done.assign(ranges.size(), 0);
   enum class Place { free, known, unknown };
   const auto place = [&](const SpanRange& range, std::size_t particle) {
     const Hold* hold = hold_at(world.connectors[range.connector], particle);
@@ -202,7 +233,10 @@ void Net::order_spans(const World& world, const std::vector<SpanRange>& ranges) 
 }
 
 void Net::measure_links(const World& world) {
-  std::vector<Links::Link> links;
+  std::vector<Links::Link>& links = measured_;
+  links.clear();
+  point_mass_.clear();
+  length_ = 0;
   for (const Span& span : spans_) {
     const Connector& connector = world.connectors[span.range.connector];
     const auto stick = [&](std::size_t bar) {
@@ -270,16 +304,25 @@ void Net::measure_links(const World& world) {
     reach = std::max(reach, 2 * part.inertia.trace() / part.mass);
   }
   reach_ = std::sqrt(reach / static_cast<double>(std::max<std::size_t>(count, 1)));
-  links_ = std::make_unique<Links>(links, plane_ ? 2 : 3);
-  points_.resize(point_mass_.size());
-  centres_.resize(bodies_.size());
-  bar_centres_.resize(bars_.size());
+  links_.rebuild(links, plane_ ? 2 : 3);
+  points_.assign(point_mass_.size(), {});
+  centres_.assign(bodies_.size(), {});
+  bar_centres_.assign(bars_.size(), {});
   loops_ = std::ranges::any_of(spans_, &Span::closes);
-  gaps_.resize(spans_.size());
-  still_.resize(size());
+  gaps_.assign(spans_.size(), {});
+  still_.assign(size(), 0.0);
 }
 
 void Net::couple() {
+  body_ends_.clear();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    bodies_[b].first_end = body_ends_.size();
+    for (std::size_t e = 0; e < ends_.size(); ++e) {
+      if (ends_[e].body == b) body_ends_.push_back(e);
+    }
+  }
+  coupled_.clear();
+  couplings_.clear();
   const auto row = [&](std::size_t link) {
     const auto found = std::ranges::find(coupled_, link);
     if (found == coupled_.end()) {
@@ -289,14 +332,14 @@ void Net::couple() {
     return static_cast<std::size_t>(found - coupled_.begin());
   };
   for (const Part& part : bodies_) {
-    for (const std::size_t a : part.ends) {
-      for (const std::size_t b : part.ends) {
+    for (const std::size_t a : ends_of(part)) {
+      for (const std::size_t b : ends_of(part)) {
         if (a != b) couplings_.push_back({a, b, row(ends_[a].link), row(ends_[b].link)});
       }
     }
   }
   const auto n = static_cast<Eigen::Index>(coupled_.size());
-  response_.resize(links_->count() * coupled_.size());
+  response_.resize(links_.count() * coupled_.size());
   dense_.resize(n, n);
   gain_.resize(n, n);
   dense_right_.resize(n);

@@ -53,8 +53,8 @@ void Net::load(const World& world, double time, Array& q, Array& rate) {
       const std::size_t i = offset + k, a = span.particle(k), b = span.particle(k + 1);
       const Vec3 gap = connector.position[b] - connector.position[a];
       // Particles that coincide say nothing of the link between them: it goes on like the last.
-      if (gap.norm() > 1e-9 * links_->rest(i)) u = gap.normalized();
-      set(i, u, links_->inverse_rest(i) * (connector.velocity[b] - connector.velocity[a]));
+      if (gap.norm() > 1e-9 * links_.rest(i)) u = gap.normalized();
+      set(i, u, links_.inverse_rest(i) * (connector.velocity[b] - connector.velocity[a]));
     }
     for (const std::size_t b : {span.first_bar, span.last_bar}) {
       if (b == kNone) continue;
@@ -101,7 +101,7 @@ double Net::tension(const World& world, std::size_t connector) {
   acceleration(world.time, q.data(), rate.data(), acceleration_of_q.data());
   const auto found = std::ranges::find_if(
       spans_, [&](const Span& span) { return span.range.connector == connector; });
-  return links_->tension(found->offset);
+  return links_.tension(found->offset);
 }
 
 Net::Point Net::start_of(const Span& span, double time) const {
@@ -124,8 +124,8 @@ void Net::place(double time, const double* q, const double* rate) {
     Point point = start_of(span, time);
     points_[p++] = point;
     for (std::size_t i = span.offset; i < span.offset + span.links; ++i) {
-      point.position += links_->rest(i) * at(q, i);
-      point.velocity += links_->rest(i) * at(rate, i);
+      point.position += links_.rest(i) * at(q, i);
+      point.velocity += links_.rest(i) * at(rate, i);
       points_[p++] = point;
     }
     if (!span.closes && span.last != kNone) {  // the body hangs from here
@@ -218,7 +218,7 @@ void Net::project(double time, double* q, double* rate) {
 }
 
 void Net::unit(double* q, double* rate) const {
-  links_->normalise(q, rate);
+  links_.normalise(q, rate);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Eigen::Map<Eigen::Vector4d> p(q + quaternion(b)), r(rate + quaternion(b));
     p.normalize();
@@ -257,13 +257,13 @@ void Net::spread(const double* q, Vec3 Point::*gap, double* array) {
   std::fill(still_.begin(), still_.end(), 0.0);
   read_bodies(q, still_.data());
   for (End& end : ends_) end.lead = Vec3::Zero();
-  links_->assemble(q, still_.data());
+  links_.assemble(q, still_.data());
   add_ends(q);
   for (std::size_t s = 0; s < spans_.size(); ++s) {
     if (!spans_[s].closes) continue;
     const Vec3 share = gaps_[s].*gap / static_cast<double>(spans_[s].links);
     for (std::size_t i = spans_[s].offset; i < spans_[s].offset + spans_[s].links; ++i) {
-      links_->add_right(i, at(q, i).dot(share));
+      links_.add_right(i, at(q, i).dot(share));
     }
   }
   respond(q, still_.data());
@@ -271,7 +271,7 @@ void Net::spread(const double* q, Vec3 Point::*gap, double* array) {
     if (!spans_[s].closes) continue;
     const Vec3 share = gaps_[s].*gap / static_cast<double>(spans_[s].links);
     for (std::size_t i = spans_[s].offset; i < spans_[s].offset + spans_[s].links; ++i) {
-      add(still_.data(), i, links_->inverse_rest(i) * share);
+      add(still_.data(), i, links_.inverse_rest(i) * share);
     }
   }
   for (std::size_t k = 0; k < size(); ++k) array[k] += still_[k];
@@ -316,7 +316,7 @@ void Net::restore_momentum(double time, double* q, double* rate) {
   place(time, q, rate);
   const Rotary now = rotary(time);
   const Vec3 spin = spin_for(now.inertia, spin_momentum_ - now.momentum);
-  for (std::size_t i = 0; i < links_->count(); ++i) add(rate, i, spin.cross(at(q, i)));
+  for (std::size_t i = 0; i < links_.count(); ++i) add(rate, i, spin.cross(at(q, i)));
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const double* p = q + quaternion(b);
     const Quat turn = half_turning(spin, Quat(p[0], p[1], p[2], p[3]));
@@ -335,9 +335,9 @@ double Net::shift(const double* change) const {
   for (const Span& span : spans_) {
     double place[3] = {0, 0, 0};
     for (std::size_t i = span.offset; i < span.offset + span.links; ++i) {
-      const double rest = links_->rest(i);
-      for (int c = 0; c < links_->components(); ++c) {
-        place[c] += rest * change[links_->begin(c) + i];
+      const double rest = links_.rest(i);
+      for (int c = 0; c < links_.components(); ++c) {
+        place[c] += rest * change[links_.begin(c) + i];
         sum += place[c] * place[c];
       }
     }

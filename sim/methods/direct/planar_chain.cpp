@@ -68,12 +68,22 @@ bool PlanarChain::fits(const World& world, const Component& component) {
   return prescribed(span.first) != prescribed(span.last);
 }
 
-PlanarChain::PlanarChain(const World& world, const Component& component, const Plane& plane)
-    : world_(&world), plane_(plane), range_(component.spans[0]), gravity_(world.gravity) {
+void PlanarChain::reserve(std::size_t links) {
+  arena_.reserve((kArrays + 2) * (links + 1 + 3 * kLanes));
+  mass_.reserve(links + 1);
+  inverse_.reserve(links + 2);
+}
+
+void PlanarChain::rebuild(const World& world, const Component& component, const Plane& plane) {
+  world_ = &world;
+  plane_ = plane;
+  range_ = component.spans[0];
+  gravity_ = world.gravity;
   const Connector& connector = world.connectors[range_.connector];
   const Hold* first = hold_at(connector, range_.first);
   reversed_ = !first || !is_prescribed(world, first->to);
   hold_ = hold_at(connector, particle(0))->to;
+  bar_.reset();
   if (!component.bodies.empty()) bar_ = component.bodies[0];
   links_ = range_.last - range_.first + (bar_ ? 1 : 0);
   loop_ = (links_ + 1 + kLanes - 1) / kLanes * kLanes;
@@ -94,7 +104,8 @@ PlanarChain::PlanarChain(const World& world, const Component& component, const P
 void PlanarChain::measure(const World& world) {
   const Connector& connector = world.connectors[range_.connector];
   const std::size_t particles = range_.last - range_.first + 1;
-  std::vector<double> mass{0};
+  std::vector<double>&mass = mass_, &inverse = inverse_;
+  mass.assign(1, 0.0);
   for (std::size_t k = 1; k < particles; ++k) {
     rest_[k] = connector.rest[std::min(particle(k - 1), particle(k))];
     mass.push_back(connector.particle_mass[particle(k)]);
@@ -113,8 +124,9 @@ void PlanarChain::measure(const World& world) {
   double total = 0;
   for (const double m : mass) total += m;
   const double least = kLeastMassShare * (total > 0 ? total : 1);
-  std::vector<double> inverse(mass.size() + 1, 0.0);
+  inverse.assign(mass.size() + 1, 0.0);
   for (std::size_t k = 1; k < mass.size(); ++k) inverse[k] = 1 / std::max(mass[k], least);
+  length_ = reach_ = 0;
   for (std::size_t k = 1; k <= links_; ++k) {
     length_ += rest_[k];
     scale_[k] = std::sqrt(2 / (inverse[k - 1] + inverse[k]));

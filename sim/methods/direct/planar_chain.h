@@ -25,7 +25,9 @@ class PlanarChain : public Motion {
  public:
   /// True where a component that moves in a plane is such a chain.
   static bool fits(const World& world, const Component& component);
-  PlanarChain(const World& world, const Component& component, const Plane& plane);
+  /// Room for so many links.
+  void reserve(std::size_t links);
+  void rebuild(const World& world, const Component& component, const Plane& plane);
 
   void load(const World& world, double time, Array& q, Array& rate) override;
   void store(World& world, double time, const double* q, const double* rate) override;
@@ -53,7 +55,7 @@ class PlanarChain : public Motion {
     return reversed_ ? range_.last - k : range_.first + k;
   }
 
-  const World* world_;
+  const World* world_ = nullptr;
   Plane plane_;
   std::optional<Vec3> left_plane_;
   SpanRange range_;
@@ -81,6 +83,7 @@ class PlanarChain : public Motion {
   double *frozen_pivot_, *frozen_up_, *frozen_down_;
   double *place_cosine_, *place_sine_;  // of the links themselves
   double* work_;                        // three arrays
+  std::vector<double> mass_, inverse_;  // of the points, while it is built
 };
 
 }  // namespace taut::direct

@@ -6,26 +6,23 @@ namespace taut::direct {
 namespace {
 
 /// The one of `vectors`, as unit vectors, that leaves `line` most; zero where none does.
-Vec3 farthest_from(const Vec3& line, const std::vector<Vec3>& vectors) {
+Vec3 farthest_from(const Vec3& line, std::span<const Vec3> vectors) {
   constexpr double kNone = 1e-9;  // of a unit vector: less is rounding
-  Vec3 best = Vec3::Zero();
-  double most = kNone;
+  const auto off = [&](const Vec3& v) -> Vec3 { return v - v.dot(line) * line; };
+  const Vec3* best = nullptr;
+  double most = kNone * kNone;
   for (const Vec3& v : vectors) {
-    if (!(v.norm() > 0)) continue;
-    const Vec3 unit = v.normalized();
-    const Vec3 off = unit - unit.dot(line) * line;
-    if (off.norm() > most) {
-      most = off.norm();
-      best = off.normalized();
-    }
+    const double square = off(v).squaredNorm(), all = v.squaredNorm();
+    if (!(square > most * all)) continue;
+    most = square / all;
+    best = &v;
   }
-  return best;
+  return best ? off(best->normalized()).normalized() : Vec3(0, 0, 0);
 }
 
 }  // namespace
 
-std::optional<Plane> common_plane(const std::vector<Vec3>& vectors,
-                                  const std::vector<Vec3>& hints) {
+std::optional<Plane> common_plane(std::span<const Vec3> vectors, std::span<const Vec3> hints) {
   const auto first = std::ranges::find_if(vectors, [](const Vec3& v) { return v.norm() > 0; });
   if (first == vectors.end()) return std::nullopt;
   Plane plane;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <optional>
-#include <vector>
+#include <span>
 
 #include "sim/types.h"
 
@@ -18,7 +18,7 @@ struct Plane {
 
 /// The plane of `vectors` (any lengths, zeros ignored), or none. Where they all lie along one line,
 /// the plane contains `hints` as far as one of them leaves the line.
-std::optional<Plane> common_plane(const std::vector<Vec3>& vectors, const std::vector<Vec3>& hints);
+std::optional<Plane> common_plane(std::span<const Vec3> vectors, std::span<const Vec3> hints);
 
 /// A rigid body in plane motion that hangs from one of its points, as two point masses on a rigid
 /// line: `tip` at that point and `far` at `reach` from it, on the line through the centre of mass.

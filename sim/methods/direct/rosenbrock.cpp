@@ -141,15 +141,20 @@ void end_state(std::size_t n, const double* rate, Stages dx, Stages dy, double* 
 
 }  // namespace
 
-RosenbrockStep::RosenbrockStep(std::size_t size)
-    : size_(size),
-      increments_(2 * kStages * size),
-      q_(size),
-      rate_(size),
-      chart_rate_(size),
-      acceleration_(size),
-      error_q_(size),
-      error_rate_(size) {}
+void RosenbrockStep::reserve(std::size_t size) {
+  increments_.reserve(2 * kStages * size);
+  for (Array* array : {&q_, &rate_, &chart_rate_, &acceleration_, &error_q_, &error_rate_}) {
+    array->reserve(size);
+  }
+}
+
+void RosenbrockStep::resize(std::size_t size) {
+  size_ = size;
+  increments_.assign(2 * kStages * size, 0.0);
+  for (Array* array : {&q_, &rate_, &chart_rate_, &acceleration_, &error_q_, &error_rate_}) {
+    array->assign(size, 0.0);
+  }
+}
 
 double RosenbrockStep::attempt(Motion& motion, double time, double h, const double* q,
                                const double* rate, const double* first) {

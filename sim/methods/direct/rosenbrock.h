@@ -10,7 +10,10 @@ namespace taut::direct {
 /// here the waves under the tensions at the start of the step, whose system is tridiagonal.
 class RosenbrockStep {
  public:
-  explicit RosenbrockStep(std::size_t size);
+  /// Room for states of so many numbers.
+  void reserve(std::size_t size);
+  /// Sets it up for states of `size` numbers.
+  void resize(std::size_t size);
 
   /// As Dop853Step::attempt(); the last acceleration that `motion` computed must be `first`.
   /// Infinite where a direction turns by a right angle.
@@ -27,7 +30,7 @@ class RosenbrockStep {
   static constexpr double kErrorOrder = 3;
 
  private:
-  std::size_t size_;
+  std::size_t size_ = 0;
   Array increments_;  // [stage][of x, of its rate][size]
   Array q_, rate_, chart_rate_, acceleration_, error_q_, error_rate_;
 };

@@ -186,10 +186,12 @@ bool Spans::breaks(const Tie& tie) const {
     const bool gives = !is_prescribed(inner_, tie.a) || !is_prescribed(inner_, tie.b);
     return gives && ends.distance > spans_[tie.span].length * (1 + kTooLong) && ends.parting > 0;
   }
-  for (const Component& component : components(inner_)) {
+  Division division;
+  for (const Component& component : division.divide(inner_)) {
     for (const SpanRange& range : component.spans) {
       if (range.connector != tie.link) continue;
-      Net net(inner_, component, std::nullopt);
+      Net net;
+      net.rebuild(inner_, component, std::nullopt);
       return net.tension(inner_, tie.link) < 0;
     }
   }
