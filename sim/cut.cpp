@@ -74,7 +74,9 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   if (place.fraction == 0 && holds(world.connectors[index], place.particle)) {
     return {Outcome::held_there, 0};
   }
-  world.connectors.emplace_back();
+  if (spare_.empty()) spare_.emplace_back();
+  world.connectors.push_back(std::move(spare_.back()));
+  spare_.pop_back();
   Connector& first = world.connectors[index];
   Connector& second = world.connectors.back();
   std::size_t at = place.particle;
@@ -84,7 +86,8 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
     share_mass(world, first, at);
   }
   first.particle_mass[at] /= 2;
-  second.name = first.name + "'";
+  second.name = first.name;
+  second.name += '\'';
   second.elasticity = first.elasticity;
   second.model = first.model;
   const auto move_tail = [](auto& from, auto& to, std::size_t start) {

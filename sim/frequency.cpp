@@ -7,12 +7,6 @@
 namespace taut {
 namespace {
 
-/// What hangs below the first held particle, from the top down: masses (kg), how freely they move
-/// (1/kg; not at all where something else holds them), and the links (m) above each.
-struct Chain {
-  std::vector<double> mass, mobility, rest;
-};
-
 double mass_of(const World& world, const Connector& connector, std::size_t particle) {
   for (const Hold& hold : connector.holds) {
     if (hold.particle != particle || is_prescribed(world, hold.to)) continue;
@@ -21,21 +15,50 @@ double mass_of(const World& world, const Connector& connector, std::size_t parti
   return connector.particle_mass[particle];
 }
 
-Chain below_hold(const World& world, const Connector& connector) {
-  const auto hold = std::ranges::find_if(connector.holds,
-                                         [&](const Hold& h) { return is_prescribed(world, h.to); });
-  Chain chain;
-  if (hold == connector.holds.end()) return chain;
-  const bool backwards = hold->particle > 0;  // hangs from its last particle, or from a pin
-  const std::size_t last = backwards ? hold->particle : connector.particles() - 1;
-  for (std::size_t i = 1; i <= last; ++i) {
-    const std::size_t particle = backwards ? last - i : i;
-    chain.mass.push_back(mass_of(world, connector, particle));
-    const bool held = std::ranges::any_of(connector.holds, [&](const Hold& h) {
-      return h.particle == particle && is_prescribed(world, h.to);
+/// What hangs below the first held particle, from the top down.
+class Hanging {
+ public:
+  Hanging(const World& world, const Connector& connector) : world_(world), connector_(connector) {
+    const auto hold = std::ranges::find_if(
+        connector.holds, [&](const Hold& h) { return is_prescribed(world, h.to); });
+    if (hold == connector.holds.end()) return;
+    backwards_ = hold->particle > 0;  // hangs from its last particle, or from a pin
+    size_ = backwards_ ? hold->particle : connector.particles() - 1;
+  }
+
+  std::size_t size() const { return size_; }
+  double mass(std::size_t i) const { return mass_of(world_, connector_, particle(i)); }  // kg
+  /// How freely it moves (1/kg); not at all where something else holds it.
+  double mobility(std::size_t i) const {
+    const bool held = std::ranges::any_of(connector_.holds, [&](const Hold& h) {
+      return h.particle == particle(i) && is_prescribed(world_, h.to);
     });
-    chain.mobility.push_back(held ? 0 : 1 / chain.mass.back());
-    chain.rest.push_back(connector.rest[backwards ? particle : i - 1]);
+    return held ? 0 : 1 / mass(i);
+  }
+  /// Of the link above (m).
+  double rest(std::size_t i) const { return connector_.rest[backwards_ ? particle(i) : i]; }
+
+ private:
+  std::size_t particle(std::size_t i) const { return backwards_ ? size_ - 1 - i : i + 1; }
+
+  const World& world_;
+  const Connector& connector_;
+  bool backwards_ = false;
+  std::size_t size_ = 0;
+};
+
+/// The same as arrays: masses, mobilities and links.
+struct Chain {
+  std::vector<double> mass, mobility, rest;
+};
+
+Chain below_hold(const World& world, const Connector& connector) {
+  const Hanging hanging(world, connector);
+  Chain chain;
+  for (std::size_t i = 0; i < hanging.size(); ++i) {
+    chain.mass.push_back(hanging.mass(i));
+    chain.mobility.push_back(hanging.mobility(i));
+    chain.rest.push_back(hanging.rest(i));
   }
   return chain;
 }
@@ -85,13 +108,12 @@ double fastest_swing(const World& world) {
 double heaviest_link(const World& world) {
   double heaviest = 0;
   for (const Connector& connector : world.connectors) {
-    const Chain chain = below_hold(world, connector);
+    const Hanging chain(world, connector);
     double tension = 0;
-    for (std::size_t i = chain.mass.size(); i-- > 0;) {
-      tension += chain.mass[i] * world.gravity.norm();
-      const double mobility =
-          i > 0 ? std::max(chain.mobility[i], chain.mobility[i - 1]) : chain.mobility[i];
-      if (chain.rest[i] > 0) heaviest = std::max(heaviest, tension * mobility / chain.rest[i]);
+    for (std::size_t i = chain.size(); i-- > 0;) {
+      tension += chain.mass(i) * world.gravity.norm();
+      const double mobility = std::max(chain.mobility(i), i > 0 ? chain.mobility(i - 1) : 0);
+      if (chain.rest(i) > 0) heaviest = std::max(heaviest, tension * mobility / chain.rest(i));
     }
   }
   return heaviest;

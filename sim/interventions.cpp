@@ -168,18 +168,30 @@ PointMotion material_point(const Connector& connector, double along) {
 }
 
 void Interventions::reserve(World& world, std::size_t pins, std::size_t cuts) {
-  std::size_t most = 0;
+  const auto make_room = [](Connector& connector, std::size_t particles, std::size_t holds) {
+    connector.position.reserve(particles);
+    connector.velocity.reserve(particles);
+    connector.particle_mass.reserve(particles);
+    connector.rest.reserve(particles);
+    connector.holds.reserve(holds);
+  };
+  const std::size_t holds = (pins + 2) * (cuts + 1);
+  std::size_t most = 0, longest_name = 0;
   for (Connector& connector : world.connectors) {
-    const std::size_t n = connector.particles() + pins;
-    connector.position.reserve(n);
-    connector.velocity.reserve(n);
-    connector.particle_mass.reserve(n);
-    connector.rest.reserve(n);
-    connector.holds.reserve(pins + 2);
+    // A cut adds a particle where none is, and both parts have one there.
+    const std::size_t n = connector.particles() + pins * (cuts + 1) + 2 * cuts;
+    make_room(connector, n, holds);
     most = std::max(most, n);
+    longest_name = std::max(longest_name, connector.name.size());
   }
   restorer_.reserve(most);
   world.connectors.reserve(world.connectors.size() + cuts);
+  spare_.reserve(cuts);
+  while (spare_.size() < cuts) {
+    spare_.emplace_back();
+    make_room(spare_.back(), most, holds);
+    spare_.back().name.reserve(longest_name + cuts);
+  }
 }
 
 Pinned Interventions::pin(World& world, std::size_t index, double along) {

@@ -37,8 +37,9 @@ struct Divided {
 /// Places along a connector are metres of its length from its first particle, whatever its shape.
 class Interventions {
  public:
-  /// Makes room in `world` for so many pins on each connector and so many cuts, so that
-  /// interventions do not allocate. They work without room, too. A copy of the world has none.
+  /// Makes room in `world` for so many pins on each connector at a time and so many cuts, so that
+  /// neither interventions nor what methods make anew for them allocate. They work without room,
+  /// too. A copy of the world has none.
   void reserve(World& world, std::size_t pins, std::size_t cuts);
 
   /// Holds the connector at `along` (m). A particle is added where none is: it takes its part of
@@ -67,6 +68,7 @@ class Interventions {
 
  private:
   LinkRestorer restorer_;
+  std::vector<Connector> spare_;  // for what is cut off
 };
 
 /// True where what would hold a particle exists.

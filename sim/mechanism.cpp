@@ -144,15 +144,15 @@ void Mechanism::add_rows(const World& world) {
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
     for (std::size_t k = 0; k < connector.links(); ++k) {
-      Row row{.a = small(first + k),
-              .b = small(first + k + 1),
-              .rest = connector.rest[k],
-              .connector = small(c),
-              .link = small(k)};
-      if (row.rest > 0) {
-        rows_.push_back(row);
-      } else {
-        for (row.axis = 0; row.axis < 3; ++row.axis) rows_.push_back(row);
+      const double rest = connector.rest[k];
+      const int axes = rest > 0 ? 1 : 3;
+      for (int axis = 0; axis < axes; ++axis) {
+        rows_.push_back({.a = small(first + k),
+                         .b = small(first + k + 1),
+                         .rest = rest,
+                         .axis = rest > 0 ? Row::kAlongLink : axis,
+                         .connector = small(c),
+                         .link = small(k)});
       }
     }
     first += connector.particles();

@@ -1,9 +1,12 @@
 #include "sim/methods/impulse.h"
 
+#include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "sim/methods/span.h"
 #include "sim/methods/span_impulse.h"
+#include "sim/room.h"
 
 namespace taut {
 namespace {
@@ -40,6 +43,7 @@ class Impulse final : public Method {
 
  private:
   void prepare(const World& world);
+  void make_room(const World& world);
   void weigh(const Connector& connector, Strand& strand) const;
   void step(World& world, double time, double dt);
   void fly(World& world, double dt);
@@ -61,17 +65,21 @@ class Impulse final : public Method {
 };
 
 void Impulse::prepare(const World& world) {
-  if (!prepared_) events_.reserve(kEvents);
-  prepared_ = true;
   topology_ = world.topology;
   impulses_.prepare(world);
-  std::size_t room = 0;  // spans that the connectors have room for
-  for (const Connector& connector : world.connectors) room += connector.holds.capacity() + 1;
+  if (!prepared_) {
+    events_.reserve(kEvents);
+    const std::size_t spans = room(world).holds + world.connectors.size();
+    spans_.reserve(spans);
+    spans_before_.reserve(spans);
+  }
+  prepared_ = true;
   std::swap(spans_, spans_before_);
-  spans_.reserve(room);
   divide(world, spans_before_, spans_);
-  strands_.resize(world.connectors.size());
-  for (std::size_t c = 0; c < strands_.size(); ++c) weigh(world.connectors[c], strands_[c]);
+  make_room(world);
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    weigh(world.connectors[c], strands_[c]);
+  }
   if (!as_printed_) return;
   for (const Span& span : spans_) {  // "the end points are set to have infinite mass"
     for (const SpanEnd* end : {&span.a, &span.b}) {
@@ -80,12 +88,24 @@ void Impulse::prepare(const World& world) {
   }
 }
 
-/// Reads the lengths and masses of a connector. Makes as much room as the connector has.
+/// Strands for all connectors that the world has room for, with as much room as any of them.
+void Impulse::make_room(const World& world) {
+  if (strands_.size() >= world.connectors.size()) return;
+  strands_.resize(world.connectors.capacity());
+  const auto capacity = [](const Connector& c) { return c.position.capacity(); };
+  const std::size_t most = std::ranges::max(world.connectors | std::views::transform(capacity));
+  for (std::size_t c = 0; c < strands_.size(); ++c) {
+    const bool cut_off = c >= world.connectors.size();  // later, from any of them
+    const std::size_t particles = cut_off ? most : capacity(world.connectors[c]);
+    strands_[c].along.reserve(particles);
+    strands_[c].weight.reserve(particles);
+    strands_[c].flown.reserve(particles);
+  }
+}
+
+/// Reads the lengths and masses of a connector.
 void Impulse::weigh(const Connector& connector, Strand& strand) const {
-  const std::size_t n = connector.particles(), room = connector.position.capacity();
-  strand.along.reserve(room);
-  strand.weight.reserve(room);
-  strand.flown.reserve(room);
+  const std::size_t n = connector.particles();
   strand.along.assign(n, 0.0);
   strand.weight.assign(n, 1.0);
   for (std::size_t i = 0; i + 1 < n; ++i) strand.along[i + 1] = strand.along[i] + connector.rest[i];
@@ -108,7 +128,7 @@ void Impulse::step(World& world, double time, double dt) {
   fly(world, dt);
   place_held(world, time);
   settle(world, time, dt);
-  for (std::size_t c = 0; c < strands_.size(); ++c) {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     strands_[c].flown = world.connectors[c].position;
   }
   for (const Span& span : spans_) {
@@ -119,7 +139,7 @@ void Impulse::step(World& world, double time, double dt) {
   }
   const double rate = 1 / dt;
   // Velocities from positions: flight gave dx/dt + g dt/2, repositioning adds what it moved.
-  for (std::size_t c = 0; c < strands_.size(); ++c) {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     Connector& connector = world.connectors[c];
     for (std::size_t i = 0; i < connector.particles(); ++i) {
       connector.velocity[i] += rate * (connector.position[i] - strands_[c].flown[i]);

@@ -23,7 +23,6 @@ void SteppedMethod::advance(World& world, double until) {
     // What was pinned in motion, or let go where it was bent, has velocities that stretch links.
     if (built_) projection_.rates(mechanism_, world.time, state_);
     built_ = true;
-    mechanism_.look(world.time, state_.data());
     limit_ = prepare(mechanism_, world);
   } else {
     mechanism_.load(world, state_);
