@@ -12,9 +12,9 @@ const Vec3 hand_at_ease(-0.26, 1.06, 0.46);
 const Vec3 guard_at_ease(0.10, -0.15, 0.24);  // of the left fist, from the chest
 constexpr double pelvis_turned = 0.55, spine_turned = -0.08;
 
-constexpr double body_lag = 0.100, head_lag = 0.080, guard_lag = 0.120;  // s
-constexpr double foresight = 0.22;                                       // s, of anticipation
-constexpr double breath = 0.27;                                          // Hz
+constexpr double body_lag = 0.110, shoulder_lag = 0.120, guard_lag = 0.140;  // s, mean delays
+constexpr double foresight = 0.22;                                           // s, of anticipation
+constexpr double breath = 0.27;                                              // Hz
 
 /// Grows like x, but never beyond `limit`.
 double soft(double x, double limit) {
@@ -30,57 +30,50 @@ Track act(const Figure& figure, const Path& path, double duration) {
   });
   const Track velocity = hand.rates();
   const Track body = hand.lagged(body_lag);
-  const Track follow = velocity.lagged(body_lag);
+  const Track late = hand.lagged(shoulder_lag);
   const Track coming = velocity.smoothed(0.09).ahead(foresight);
-  const Track gaze = hand.lagged(head_lag);
   const Track fist = hand.lagged(guard_lag);
   Track speed = velocity;
   speed.samples() = velocity.samples().colwise().norm();
   const Track haste = speed.smoothed(0.3);
+  const Track steps = take_steps(hand);
 
   Eigen::MatrixXd rows(Eigen::Index{control_count}, hand.count());
   for (Eigen::Index i = 0; i < hand.count(); ++i) {
-    const Vec3 h = body[i], v = follow[i], next = coming[i], f = fist[i], g = gaze[i];
+    const Vec3 h = body[i], s = late[i], next = coming[i], f = fist[i], step = steps[i];
     const double still = std::exp(-std::pow(haste[i][0] / 0.5, 2));
     const double chest_rise = std::sin(2 * M_PI * breath * hand.time(i)) * (0.35 + 0.65 * still);
 
     Controls c = Controls::Zero();
-    // The weight follows the hand, and sinks before the hand rises.
+    // The weight follows the hand, and sinks before the hand rises; while the right foot is up it
+    // is on the left.
     Vec3 pelvis = pelvis_at_ease;
-    pelvis.x() += soft(0.16 * h.x() + 0.020 * v.x() - 0.012 * next.x(), 0.07);
-    pelvis.y() +=
-        soft(0.10 * h.y() + 0.012 * v.y() - 0.022 * std::abs(next.y()), 0.06) + 0.002 * chest_rise;
-    pelvis.z() += soft(0.20 * h.z() + 0.020 * v.z() - 0.014 * next.z(), 0.07);
+    pelvis.x() += soft(0.16 * h.x() - 0.020 * next.x(), 0.07) + 0.3 * step.x() + 0.6 * step.y();
+    pelvis.y() += soft(0.10 * h.y() - 0.022 * std::abs(next.y()), 0.06) + 0.002 * chest_rise;
+    pelvis.z() += soft(0.20 * h.z() - 0.014 * next.z(), 0.07) + 0.3 * step.z();
     c.segment<3>(root_x) = scale * pelvis;
 
     // A hand that reaches to the left or forward draws its shoulder along; before it goes there,
     // the torso winds up the other way.
-    const double twist = soft(0.90 * h.x() + 0.55 * h.z() + 0.10 * v.x() + 0.05 * v.z(), 0.45) -
-                         soft(0.08 * next.x() + 0.05 * next.z(), 0.14);
+    const double twist =
+        soft(0.90 * h.x() + 0.55 * h.z(), 0.45) - soft(0.08 * next.x() + 0.05 * next.z(), 0.14);
     c[pelvis_yaw] = pelvis_turned + 0.35 * twist;
     c[pelvis_lean] = 0.03 + soft(0.06 * h.z(), 0.04);
     c[spine_yaw] = spine_turned + 0.65 * twist;
-    c[spine_lean] = 0.06 +
-                    soft(0.30 * h.z() - 0.22 * h.y() - 0.03 * v.y() + 0.03 * next.y(), 0.18) -
-                    0.012 * chest_rise;
-    c[spine_tilt] = soft(-0.30 * h.x() - 0.22 * h.y() - 0.03 * v.y(), 0.14);
+    c[spine_lean] =
+        0.06 + soft(0.30 * h.z() - 0.22 * h.y() + 0.03 * next.y(), 0.18) - 0.012 * chest_rise;
+    c[spine_tilt] = soft(-0.30 * h.x() - 0.22 * h.y(), 0.14);
 
-    c[right_shoulder_forward] = soft(0.45 * h.z() + 0.35 * h.x() + 0.02 * v.z(), 0.25);
-    c[right_shoulder_up] = soft(0.55 * h.y() + 0.03 * v.y(), 0.28) + 0.012 * chest_rise;
+    c[right_shoulder_forward] = soft(0.45 * s.z() + 0.35 * s.x(), 0.25);
+    c[right_shoulder_up] = soft(0.55 * s.y(), 0.28) + 0.012 * chest_rise;
     c[left_shoulder_forward] = -0.04 - soft(0.25 * twist, 0.12);
     c[left_shoulder_up] = 0.012 * chest_rise;
-
-    // The eyes stay on the opponent straight ahead, and give way to the stick by a third.
-    const double turned = c[pelvis_yaw] + c[spine_yaw];
-    const double leaning = c[pelvis_lean] + c[spine_lean];
-    c[head_yaw] = soft(0.35 * std::atan2(g.x() - 0.10, 1.2) * 2 - turned, 0.7);
-    c[head_lean] = soft(0.04 - 0.30 * g.y() - 0.75 * leaning, 0.35);
-    c[head_tilt] = soft(-0.6 * c[spine_tilt] + 0.10 * g.x(), 0.2);
 
     // The left fist keeps its guard and balances the right hand.
     const Vec3 guard = guard_at_ease + Vec3(soft(-0.10 * f.x(), 0.03), soft(-0.12 * f.y(), 0.05),
                                             soft(-0.22 * f.z(), 0.06));
     c.segment<3>(guard_x) = scale * guard;
+    c.segment<3>(step_x) = scale * step;
     rows.col(i) = c;
   }
   return {std::move(rows), acting_rate};

@@ -11,8 +11,16 @@ namespace taut {
 /// Samples a second of everything that is worked out beforehand.
 constexpr double acting_rate = 120;
 
-/// Controls over [0, duration] (s), the right arm's two left zero.
+/// Controls over [0, duration] (s); those of head, eyes and right arm are left zero.
 Track act(const Figure& figure, const Path& path, double duration);
+
+/// Turns head and eyes: to the opponent straight ahead, and to the stick the more the higher the
+/// hand goes. The eyes are there first, the head comes after; now and then the lids blink.
+void look_about(const Figure& figure, const Path& path, Track& controls);
+
+/// Steps of the right foot (3 rows, m): where the hand settles farther forward or aside, the foot
+/// goes along beforehand, lifted, and stands again.
+Track take_steps(const Track& hand);
 
 /// Fills in the right arm's roll and swivel: at every instant those that bend the wrist least, keep
 /// elbow, forearm and shoulder in their range and move smoothly; and shifts the pelvis where the

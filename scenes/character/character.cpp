@@ -13,6 +13,7 @@ class Player : public Performance {
         path_(stick.path),
         figure_(*model_, stick.diameter / 2),
         controls_(act(figure_, *path_, duration)) {
+    look_about(figure_, *path_, controls_);
     plan_arm(figure_, *path_, controls_);
     if (!head) return;
     for (Eigen::Index i = 0; i < controls_.count(); ++i) {

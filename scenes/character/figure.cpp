@@ -15,6 +15,10 @@ const Vec3 x_axis = Vec3::UnitX(), y_axis = Vec3::UnitY(), z_axis = Vec3::UnitZ(
 /// shares it with the skin of the elbow.
 constexpr double forearm_share = 0.55;
 
+/// The turn that brings an upper lid down on the lower one, rad; and the share of the eye's that it
+/// makes when the eye looks down.
+constexpr double lid_closes = 0.62, lid_follows = 0.6;
+
 /// A fighting stance: where the ankles stand (m, for a figure of 1.78 m) and how the feet point.
 struct Stand {
   double x, z, yaw;
@@ -53,6 +57,8 @@ Figure::Figure(const Model& model, double stick_radius)
     thigh_[i] = find("UpLeg");
     shin_[i] = find("Leg");
     foot_[i] = find("Foot");
+    eye_[i] = skeleton_.maybe(sides[i] + "Eye");
+    lid_[i] = skeleton_.maybe(sides[i] + "Lid");
     const auto bone = [&](std::size_t a, std::size_t b) {
       return Vec3(skeleton_.rest(b) - skeleton_.rest(a));
     };
@@ -64,6 +70,11 @@ Figure::Figure(const Model& model, double stick_radius)
   chest_ = spine_[2];
   neck_ = skeleton_.find("Neck");
   head_ = skeleton_.find("Head");
+  between_eyes_ = Vec3(0, 0.09, 0.07) * scale();
+  if (eye_[0] >= 0 && eye_[1] >= 0)
+    between_eyes_ =
+        (skeleton_.rest(std::size_t(eye_[0])) + skeleton_.rest(std::size_t(eye_[1]))) / 2 -
+        skeleton_.rest(head_);
   hand_along_ = hand_axes(skeleton_, Side::right).along;
   left_axes_ = hand_axes(skeleton_, Side::left);
   grip_frame_ = square(grip_.axis, hand_along_);
@@ -79,6 +90,14 @@ Posture Figure::torso(const Controls& c) const {
   for (const auto& [bone, share] : {std::pair{neck_, 0.4}, std::pair{head_, 0.6}})
     p.turn[bone] = turn(y_axis, share * c[head_yaw]) * turn(x_axis, share * c[head_lean]) *
                    turn(z_axis, -share * c[head_tilt]);
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (eye_[i] >= 0)
+      p.turn[std::size_t(eye_[i])] = turn(y_axis, c[eye_yaw]) * turn(x_axis, c[eye_lean]);
+    // An eye that looks down takes its lid along.
+    const double down = lid_follows * std::max(c[eye_lean], 0.0);
+    if (lid_[i] >= 0)
+      p.turn[std::size_t(lid_[i])] = turn(x_axis, down + c[lids] * (lid_closes - down));
+  }
   p.turn[clavicle_[0]] =
       turn(y_axis, -c[left_shoulder_forward]) * turn(z_axis, c[left_shoulder_up]);
   p.turn[clavicle_[1]] =
@@ -132,7 +151,7 @@ Placement Figure::pose(const Controls& controls, const Pose& stick) const {
   p.turn[forearm_[1]] = arm.upper.conjugate() * arm.lower;
   p.turn[hand_[1]] = arm.lower.conjugate() * arm.hand;
   aim_left_arm(controls, p);
-  plant_feet(p);
+  plant_feet(controls, p);
   return skeleton_.place(p);
 }
 
@@ -152,11 +171,12 @@ void Figure::aim_left_arm(const Controls& controls, Posture& p) const {
   p.turn[hand_[0]] = turns.lower.conjugate() * hand;
 }
 
-void Figure::plant_feet(Posture& p) const {
+void Figure::plant_feet(const Controls& controls, Posture& p) const {
   const Placement placed = skeleton_.place(p);
   for (std::size_t i = 0; i < 2; ++i) {
     const Stand& stand = stands[i];
-    const Vec3 ankle(scale() * stand.x, skeleton_.rest(foot_[i]).y(), scale() * stand.z);
+    Vec3 ankle(scale() * stand.x, skeleton_.rest(foot_[i]).y(), scale() * stand.z);
+    if (i == 1) ankle += controls.segment<3>(step_x);
     const Quat foot = turn(y_axis, stand.yaw);
     // The knee goes where the foot points.
     const LimbTurns turns =

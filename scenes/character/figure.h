@@ -27,6 +27,12 @@ enum Control {
   head_yaw,
   head_lean,
   head_tilt,  // shared by neck and head
+  eye_yaw,
+  eye_lean,  // of both eyes against the head
+  lids,      // how far the upper lids are down: 0 open, 1 closed
+  step_x,
+  step_y,
+  step_z,  // of the right foot, from its stand
   guard_x,
   guard_y,
   guard_z,       // of the left fist's place
@@ -51,7 +57,7 @@ class Figure {
   /// `stick_radius` in m. Throws BadAsset when the model lacks a bone.
   Figure(const Model& model, double stick_radius);
 
-  /// Pelvis, spine, head, shoulders and left arm; legs and right arm as at rest.
+  /// Pelvis, spine, head, eyes, shoulders and hands; legs and arms as at rest.
   Posture torso(const Controls& controls) const;
   /// Where the right arm begins in that posture, and how its chest is turned.
   Vec3 right_shoulder(const Placement& torso) const { return torso.position[arm_[1]]; }
@@ -72,10 +78,12 @@ class Figure {
   double scale() const { return skeleton_.rest(hips_).y() / 0.965; }
   double right_reach() const { return arms_[1].reach(); }
   std::size_t head_bone() const { return head_; }
+  /// Half way between the eyes at rest, from the head's joint (m).
+  const Vec3& between_eyes() const { return between_eyes_; }
 
  private:
   void aim_left_arm(const Controls& controls, Posture& posture) const;
-  void plant_feet(Posture& posture) const;
+  void plant_feet(const Controls& controls, Posture& posture) const;
 
   Skeleton skeleton_;
   Grip grip_;
@@ -83,7 +91,9 @@ class Figure {
   // By side, left then right.
   std::array<std::size_t, 2> clavicle_, arm_, forearm_, hand_, thigh_, shin_, foot_;
   std::array<std::size_t, 3> spine_;
+  std::array<int, 2> eye_, lid_;  // -1 where the model has none
   std::size_t hips_, chest_, neck_, head_;
+  Vec3 between_eyes_;
   std::array<Limb, 2> arms_, legs_;
   Mat3 grip_frame_;  // columns: stick's axis, hand's direction square to it, their cross; at rest
   Vec3 hand_along_;  // at rest

@@ -29,6 +29,7 @@ class RoutineBody : public testing::Test {
   Vec3 joint(const std::vector<Pose>& bones, const char* name) const {
     return bones[static_cast<std::size_t>(model_.bone(name))].position;
   }
+  std::size_t foot(const char* name) const { return static_cast<std::size_t>(model_.bone(name)); }
   double stick_radius() const { return 0.014; }
 
   const Routine& routine_ = Routine::shipped();
@@ -86,18 +87,72 @@ TEST_F(RoutineBody, WristAndElbowStayInTheirRange) {
   EXPECT_LT(bends.back(), 60 * kDegree);
 }
 
-/// Nothing pops from one frame to the next, and the feet stand where they stand.
-TEST_F(RoutineBody, MovesWithoutJumpsOnStandingFeet) {
+/// Nothing pops from one frame to the next; a foot stands where it stands, and goes through the air
+/// where it steps.
+TEST_F(RoutineBody, MovesWithoutJumpsAndStepsWithLiftedFeet) {
+  const double sole = Skeleton(model_).rest(foot("RightFoot")).y();
   std::vector<Pose> before;
+  double in_the_air = 0, way = 0;  // s, m
   each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
     if (!before.empty()) {
       for (const char* name : {"RightForeArm", "LeftForeArm", "Head", "Hips", "RightLeg"})
         EXPECT_LT((joint(bones, name) - joint(before, name)).norm(), 0.04) << name << i.time;
-      for (const char* name : {"RightFoot", "LeftFoot"})
-        EXPECT_LT((joint(bones, name) - joint(before, name)).norm(), 1e-6) << name << i.time;
+      EXPECT_LT((joint(bones, "LeftFoot") - joint(before, "LeftFoot")).norm(), 1e-6) << i.time;
+      const Vec3 moved = joint(bones, "RightFoot") - joint(before, "RightFoot");
+      const double height =
+          std::max(joint(bones, "RightFoot").y(), joint(before, "RightFoot").y()) - sole;
+      if (height < 1e-4) {
+        EXPECT_LT(moved.norm(), 1e-6) << i.time;
+      } else {
+        in_the_air += 1.0 / routine_.scene.fps;
+        way += std::hypot(moved.x(), moved.z());
+      }
+      EXPECT_LT(moved.norm(), 0.03) << i.time;
     }
     before = bones;
   });
+  EXPECT_GT(in_the_air, 0.2);  // it does step, but mostly stands
+  EXPECT_LT(in_the_air, 0.2 * routine_.scene.duration);
+  EXPECT_GT(way, 0.06);
+}
+
+/// The upper arm as the chest sees it: human shoulders reach no farther.
+TEST_F(RoutineBody, TheShouldersStayInTheirRange) {
+  const auto chest = static_cast<std::size_t>(model_.bone("Chest"));
+  const Quat rest =
+      Skeleton(model_).poses(Skeleton(model_).place(Skeleton(model_).upright()))[chest].rotation;
+  each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
+    for (const auto& [side, out] : {std::pair<std::string, double>{"Right", -1}, {"Left", 1}}) {
+      const Vec3 arm =
+          joint(bones, (side + "ForeArm").c_str()) - joint(bones, (side + "Arm").c_str());
+      const Vec3 d = rest * (bones[chest].rotation.conjugate() * arm.normalized());
+      const double raised = std::acos(-d.y()) / kDegree;                  // from hanging down
+      EXPECT_LT(raised, 120) << side << i.time;                           // 180 is possible
+      EXPECT_GT(d.z(), -std::sin(60 * kDegree)) << side << i.time;        // extension
+      EXPECT_GT(out * d.x(), -std::sin(45 * kDegree)) << side << i.time;  // across the chest
+    }
+  });
+}
+
+/// Gaze: eyes rest on the opponent, on the stick in the hand, or between them.
+TEST_F(RoutineBody, TheEyesAreOnTheOpponentOrTheStick) {
+  const auto eye = static_cast<std::size_t>(model_.bone("RightEye"));
+  const Quat rest =
+      Skeleton(model_).poses(Skeleton(model_).place(Skeleton(model_).upright()))[eye].rotation;
+  const Vec3 opponent(0.35, 1.55, 3.0);
+  int off = 0, frames = 0;
+  each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
+    const Vec3 look = bones[eye].rotation * (rest.conjugate() * Vec3::UnitZ());
+    const Vec3 a = opponent - bones[eye].position, b = i.from - bones[eye].position;
+    double least = 180;
+    for (double share = 0; share <= 1; share += 0.05) {
+      const Vec3 there = ((1 - share) * a + share * b).normalized();
+      least = std::min(least, std::acos(std::min(1.0, there.dot(look))) / kDegree);
+    }
+    off += least > 8;
+    ++frames;
+  });
+  EXPECT_LT(off, 0.03 * frames);
 }
 
 }  // namespace

@@ -1,0 +1,78 @@
+// Where head and eyes look.
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/character/acting.h"
+
+namespace taut {
+namespace {
+
+const Vec3 opponent(0.35, 1.55, 3.0);      // m, for a figure of 1.78 m
+constexpr double stick_end = 0.15;         // m along the stick from the grip
+constexpr double low = 1.10, high = 1.40;  // m, of the hand: how much of the gaze it draws
+constexpr double least_drawn = 0.25, most_drawn = 0.8;
+constexpr double head_share = 0.72;  // of the way from the chest's front to the target
+constexpr double head_lag = 0.088, eye_lag = 0.040;      // s
+constexpr double most_yaw = 0.45, most_lean = 0.35;      // rad, of an eye
+constexpr double blink_every = 2.9, blink_lasts = 0.24;  // s
+
+double soft(double x, double limit) {
+  return limit * std::tanh(x / limit);
+}
+double smoothstep(double x) {
+  const double t = std::clamp(x, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+/// Yaw to the left and lean forward (rad) of a direction.
+Eigen::Vector2d angles(const Vec3& direction) {
+  return {std::atan2(direction.x(), direction.z()),
+          std::atan2(-direction.y(), std::hypot(direction.x(), direction.z()))};
+}
+
+/// How far the lids are down: they fall faster than they rise, at uneven intervals.
+double blink(double time) {
+  const double k = std::floor(time / blink_every);
+  constexpr double golden = 0.6180339887;
+  const double start = blink_every * k + 0.7 + 0.6 * std::fmod(k * golden, 1.0);
+  const double t = (time - start) / blink_lasts;
+  return t < 0.4 ? smoothstep(t / 0.33) * (t > 0 ? 1 : 0) : smoothstep((1 - t) / 0.6);
+}
+
+}  // namespace
+
+void look_about(const Figure& figure, const Path& path, Track& controls) {
+  const double scale = figure.scale();
+  const auto target =
+      Track::sample(controls.time(controls.count() - 1), acting_rate, [&](double t) {
+        const Pose stick = path.at(t).pose();
+        const double drawn =
+            least_drawn + (most_drawn - least_drawn) *
+                              smoothstep((stick.position.y() / scale - low) / (high - low));
+        const Vec3 end = stick.position + stick.rotation * Vec3(0, stick_end, 0);
+        return Eigen::VectorXd(scale * opponent + drawn * (end - scale * opponent));
+      });
+  const Track seen_late = target.lagged(head_lag), seen = target.lagged(eye_lag);
+  const auto eyes_at = [&](const Placement& p) -> Vec3 {
+    return p.position[figure.head_bone()] + p.turn[figure.head_bone()] * figure.between_eyes();
+  };
+  for (Eigen::Index i = 0; i < controls.count(); ++i) {
+    Controls c = controls[i];
+    const Placement torso = figure.skeleton().place(figure.torso(c));
+    const Quat& chest = figure.chest_turn(torso);
+    const Eigen::Vector2d head =
+        head_share * angles(chest.conjugate() * (seen_late[i] - eyes_at(torso)));
+    c[head_yaw] = soft(head[0], 0.9);
+    c[head_lean] = soft(head[1], 0.5);
+    c[head_tilt] = -0.6 * c[spine_tilt];
+    const Placement turned = figure.skeleton().place(figure.torso(c));
+    const Quat& front = turned.turn[figure.head_bone()];
+    const Eigen::Vector2d eye = angles(front.conjugate() * (seen[i] - eyes_at(turned)));
+    c[eye_yaw] = soft(eye[0], most_yaw);
+    c[eye_lean] = soft(eye[1], most_lean);
+    c[lids] = blink(controls.time(i));
+    controls.samples().col(i) = c;
+  }
+}
+
+}  // namespace taut
