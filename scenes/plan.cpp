@@ -56,6 +56,7 @@ std::uint64_t plan_stamp(const std::filesystem::path& scene) {
   const Document document = read_document(scene);
   Hash hash;
   hash.text(without_plan(contents(scene)));
+  if (!document.base.empty()) hash.text(without_plan(contents(document.base)));
   if (const Value* paths = document.root.find("paths")) {
     for (const Value& path : paths->children) {
       if (const Value* file = path.find("file")) hash.text(contents(find_file(document, *file)));

@@ -144,6 +144,27 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return above.back();
 }
 
+void mark_inherited(Value& value) {
+  value.inherited = true;
+  for (Value& child : value.children) mark_inherited(child);
+}
+
+/// Adds what the file that `extends` names has at the top and the document has not.
+void inherit(Document& document, const Value& extends) {
+  const std::filesystem::path name(extends.text);
+  if (extends.kind != Value::Kind::text || name.empty() || name != name.filename() || name == "..")
+    document.mismatch(extends, "the name of a scene file beside this one");
+  document.base = document.file.parent_path() / name;
+  const Document base = parse_document(document.base, read_text(document.base));
+  if (const Value* again = base.root.find("extends"))
+    base.fail(*again, fmt::format("{} extends this file, which must stand for itself",
+                                  document.file.filename().string()));
+  for (const Value& value : base.root.children) {
+    if (value.name == "plan" || document.root.find(value.name)) continue;
+    mark_inherited(document.root.children.emplace_back(value));
+  }
+}
+
 }  // namespace
 
 const Value* Value::find(std::string_view member) const {
@@ -191,12 +212,12 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
 }
 
 void Document::fail(const Value& value, const std::string& message) const {
-  fail_place(file, value.place,
+  fail_place(value.inherited ? base : file, value.place,
              value.path.empty() ? message : fmt::format("{}: {}", value.path, message));
 }
 
 void Document::fail_at_key(const Value& value, const std::string& message) const {
-  fail_place(file, value.key_place,
+  fail_place(value.inherited ? base : file, value.key_place,
              value.path.empty() ? message : fmt::format("{}: {}", value.path, message));
 }
 
@@ -205,7 +226,9 @@ void Document::mismatch(const Value& value, const std::string& expected) const {
 }
 
 Document read_document(const std::filesystem::path& file) {
-  return parse_document(file, read_text(file));
+  Document document = parse_document(file, read_text(file));
+  if (const Value* extends = document.root.find("extends")) inherit(document, *extends);
+  return document;
 }
 
 Document parse_document(const std::filesystem::path& file, std::string_view text) {

@@ -28,6 +28,7 @@ struct Value {
   double number = 0;  // whole numbers too
   std::string text = {};
   std::vector<Value> children = {};  // members or elements, in the order of the file
+  bool inherited = false;            // stands in the file that the document's extends
 
   /// The member of that name, or null.
   const Value* find(std::string_view member) const;
@@ -46,6 +47,7 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
 struct Document {
   std::filesystem::path file;
   Value root;
+  std::filesystem::path base = {};  // the file that this one extends; empty: none
 
   /// Throws BadScene: file:line:column: KEY: `message`.
   [[noreturn]] void fail(const Value& value, const std::string& message) const;
@@ -55,8 +57,9 @@ struct Document {
   [[noreturn]] void mismatch(const Value& value, const std::string& expected) const;
 };
 
-/// Reads a file of at most 4 MiB of UTF-8. Throws BadScene when it is missing, a directory,
-/// unreadable, too large, not UTF-8 or not TOML.
+/// Reads a file of at most 4 MiB of UTF-8. Where it `extends` another beside it, what that one has
+/// at the top and this one has not stands here too, but for a plan. Throws BadScene when a file is
+/// missing, a directory, unreadable, too large, not UTF-8 or not TOML.
 Document read_document(const std::filesystem::path& file);
 
 /// The same of text that is already here; `file` is what messages call it.

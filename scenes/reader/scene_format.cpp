@@ -232,6 +232,9 @@ const TableFormat& scene_format() {
        .minimum = 1,
        .maximum = 1,
        .whole = true},
+      text("extends",
+           "A scene file beside this one; what stands at the top there and not here holds here, "
+           "too."),
       text("title", "What the clip is called; default: the file's name."),
       needed({.name = "duration",
               .meaning = "Simulated time.",

@@ -26,8 +26,9 @@ constexpr int kShortestRest = 4, kLongestRest = 256;  // careful steps
 constexpr double kMuch = 0.8, kLittle = 0.15, kLeastSpacing = 0.75;
 constexpr double kNewSpacing = 0.93;  // of the longest, so that it lasts
 
-/// The waves that explicit methods stir up must stay this small, as turns of a link.
-constexpr double kRoughness = 0.05;
+/// The waves that a step stirs up must stay this small, as turns of a link; the implicit method
+/// damps them.
+constexpr double kRoughness = 0.05, kImplicitRoughness = 0.15;
 
 /// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
 /// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
@@ -113,9 +114,10 @@ double Course::stable_step(Rung rung) const {
 
 /// The error (m) that a step of h may make.
 double Course::allowed_error(Rung rung, double h, double tolerance) const {
-  if (rung == implicit) return kImplicitShare * tolerance;
+  const double shortest = motion_->shortest();
+  if (rung == implicit) return std::min(kImplicitShare * tolerance, kImplicitRoughness * shortest);
   const double rate = rung == careful ? kCarefulRate : kAdamsRate;
-  return std::min(rate * h, kExplicitShare) * std::min(tolerance, kRoughness * motion_->shortest());
+  return std::min(rate * h, kExplicitShare) * std::min(tolerance, kRoughness * shortest);
 }
 
 /// The part of the error (m) of a step of h that no shorter step would mend.

@@ -1,0 +1,58 @@
+// A scene that says what is different from another.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "scenes/error.h"
+#include "scenes/scene.h"
+#include "tests/support/folder.h"
+
+namespace taut {
+namespace {
+
+class Extends : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_.write("base.toml", read_file(TAUT_SOURCE_DIR "/scenes/rope_swing.toml"));
+  }
+  Scene scene(const std::string& text) {
+    return load_scene(folder_.write("scene.toml", text), false);
+  }
+  std::string error(const std::string& text) {
+    try {
+      scene(text);
+    } catch (const BadScene& bad) {
+      return bad.what();
+    }
+    return "none";
+  }
+  Folder folder_;
+};
+
+TEST_F(Extends, TakesWhatItDoesNotSay) {
+  const Scene base = load_scene(folder_.path() / "base.toml", false);
+  const Scene both = scene(
+      "extends = \"base.toml\"\n"
+      "[method]\nname = \"direct\"\ntolerance = 1e-6\n");
+  EXPECT_EQ(both.title, base.title);
+  EXPECT_EQ(both.world.connectors.at(0).position, base.world.connectors.at(0).position);
+  EXPECT_EQ(both.method.name, "direct");
+  EXPECT_EQ(both.method.settings.size(), 1u);  // none of the base's method
+}
+
+TEST_F(Extends, NamesTheFileThatIsWrong) {
+  EXPECT_NE(error("extends = \"none.toml\"\n").find("none.toml: cannot be opened"),
+            std::string::npos);
+  EXPECT_NE(error("extends = \"../base.toml\"\n")
+                .find("scene.toml:1:11: extends: found \"../base.toml\", expected the name of"),
+            std::string::npos);
+  EXPECT_NE(error("extends = 5\n").find("scene.toml:1:11: extends: found 5"), std::string::npos);
+  EXPECT_NE(error("extends = \"scene.toml\"\n").find("scene.toml:1:11: extends: "),
+            std::string::npos);
+  folder_.write("base.toml", "duration = -1\n");
+  const std::string inherited = error("extends = \"base.toml\"\n");
+  EXPECT_NE(inherited.find("base.toml:1:12: duration: found -1"), std::string::npos) << inherited;
+}
+
+}  // namespace
+}  // namespace taut
