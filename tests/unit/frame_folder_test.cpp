@@ -1,0 +1,69 @@
+// Frames on their way to the disk while the next ones come.
+#include "render/frame_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "render/error.h"
+#include "tests/support/folder.h"
+
+namespace taut {
+namespace {
+
+constexpr int kFrames = 40;
+
+Picture picture(int frame) {
+  Picture made(64, 48);
+  for (std::size_t i = 0; i < made.pixels.size(); ++i)
+    if (i % 4 != 3)
+      made.pixels[i] = static_cast<std::uint8_t>(i * static_cast<std::size_t>(frame + 1));
+  return made;
+}
+
+void fill(FrameFolder& frames) {
+  for (int k = 0; k < kFrames; ++k) frames.put(k, static_cast<std::uint64_t>(k), picture(k));
+}
+
+TEST(FrameFolder, WritesEveryFrameAndKnowsItAgain) {
+  const Folder folder;
+  {
+    FrameFolder frames(folder.path() / "frames", true);
+    fill(frames);
+    frames.finish();
+  }
+  const FrameFolder again(folder.path() / "frames", true);
+  for (int k = 0; k < kFrames; ++k) {
+    EXPECT_TRUE(again.has(k, static_cast<std::uint64_t>(k)));
+    EXPECT_FALSE(again.has(k, 1000));
+    EXPECT_EQ(read_png(again.file(k)).pixels, picture(k).pixels);
+  }
+}
+
+TEST(FrameFolder, WritesWhatItWasGivenBeforeItGoes) {
+  const Folder folder;
+  { fill(*std::make_unique<FrameFolder>(folder.path(), true)); }
+  const FrameFolder again(folder.path(), true);
+  for (int k = 0; k < kFrames; ++k) EXPECT_TRUE(again.knows(k));
+}
+
+TEST(FrameFolder, IsOneRunsAlone) {
+  const Folder folder;
+  const FrameFolder first(folder.path(), true);
+  EXPECT_THROW(FrameFolder(folder.path(), true), CannotWrite);
+}
+
+TEST(FrameFolder, SaysThatAFrameCouldNotBeWritten) {
+  const Folder folder;
+  FrameFolder frames(folder.path(), true);
+  folder.write("000003.png/in the way", "");
+  EXPECT_THROW(
+      {
+        fill(frames);
+        frames.finish();
+      },
+      CannotWrite);
+}
+
+}  // namespace
+}  // namespace taut
