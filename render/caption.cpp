@@ -8,9 +8,9 @@
 namespace taut {
 namespace {
 
-constexpr double kFade = 0.2;   // s
-constexpr double kDim = 0.6;    // opacity of a list's lines whose time it is not
-constexpr double kPanel = 0.4;  // darkness behind the lines
+constexpr double kFade = 0.2;    // s
+constexpr double kDim = 0.6;     // opacity of a list's lines whose time it is not
+constexpr double kPanel = 0.45;  // darkness behind the lines, soft at its edges
 constexpr double kLeading = 1.5;
 
 /// How much of something shows that fades in and out between two times.
@@ -28,10 +28,9 @@ struct Lines {
   /// Darkens the picture behind the lowest `count` lines.
   void darken(int count, double width, double opacity) {
     const double margin = 0.6 * size, height = ((count - 1) * kLeading + 1) * size;
-    fill(picture,
-         {int(x - margin), int(y - height - 0.5 * margin), int(width + 2 * margin),
-          int(height + 2 * margin)},
-         {16, 13, 10}, kPanel * opacity);
+    fill_softly(picture,
+                {int(x - margin), int(y - height), int(width + 2 * margin), int(height + margin)},
+                {16, 13, 10}, kPanel * opacity, 2.5 * size);
   }
 
   /// `up` lines above the lowest.

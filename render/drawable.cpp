@@ -55,7 +55,7 @@ Drawable::Drawable(const Gl& gl, std::span<const std::uint32_t> indices,
   }
   Eigen::AlignedBox3f box;
   for (const RestVertex& v : rest) box.extend(v.rest);
-  if (!box.isEmpty()) box.sizes().maxCoeff(&grain_axis_);
+  if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.5f ? 5 : 1;
 }
 
 Drawable::Drawable(const Gl& gl, const Mesh& mesh, const Material& material)

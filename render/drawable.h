@@ -40,6 +40,8 @@ class Drawable {
   Surface surface() const { return surface_; }
   /// The axis (0 x, 1 y, 2 z) along which the mesh is longest: wood's grain.
   int grain_axis() const { return grain_axis_; }
+  /// How many times finer the grain is than that of a beam: small things are made of fine wood.
+  float grain_scale() const { return grain_scale_; }
 
  private:
   const Gl* gl_;
@@ -50,6 +52,7 @@ class Drawable {
   Material material_;
   Surface surface_;
   int grain_axis_ = 1;
+  float grain_scale_ = 1;
 };
 
 }  // namespace taut

@@ -1,5 +1,6 @@
 #include "render/paint.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <sstream>
@@ -14,6 +15,26 @@ void fill(Picture& picture, const Rect& rect, Rgb color, double opacity) {
         std::uint8_t& value = picture.at(x, y)[k];
         value = std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), opacity)));
       }
+}
+
+void fill_softly(Picture& picture, const Rect& rect, Rgb color, double opacity, double feather) {
+  const int margin = int(std::ceil(feather));
+  const Rect part = intersection(
+      {rect.x - margin, rect.y - margin, rect.width + 2 * margin, rect.height + 2 * margin},
+      {0, 0, picture.width, picture.height});
+  const auto outside = [](int at, int from, int until) {
+    return std::max({0, from - at, at - (until - 1)});
+  };
+  for (int y = part.y; y < part.top(); ++y)
+    for (int x = part.x; x < part.right(); ++x) {
+      const double off =
+          std::hypot(outside(x, rect.x, rect.right()), outside(y, rect.y, rect.top()));
+      const double t = std::max(0.0, 1 - off / feather), cover = opacity * t * t * (3 - 2 * t);
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint8_t& value = picture.at(x, y)[k];
+        value = std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), cover)));
+      }
+    }
 }
 
 void paste(const Picture& from, Picture& to, int x, int y) {

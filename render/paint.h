@@ -12,6 +12,10 @@ namespace taut {
 /// Blends a colour over a rectangle (from the upper left corner), as far as it lies inside.
 void fill(Picture& picture, const Rect& rect, Rgb color, double opacity = 1);
 
+/// Blends a colour over a rectangle with soft edges: from all of `opacity` inside to nothing
+/// `feather` pixels outside it.
+void fill_softly(Picture& picture, const Rect& rect, Rgb color, double opacity, double feather);
+
 /// Copies a picture into another, its upper left corner at (x, y); it must fit.
 void paste(const Picture& from, Picture& to, int x, int y);
 

@@ -43,6 +43,7 @@ layout(location = 0) out vec4 encoded;
 uniform vec3 base_color;
 uniform float base_roughness, metallic, opacity;
 uniform int grain_axis;
+uniform float grain_scale;
 layout(binding = 0) uniform sampler2DShadow shadow_map;
 layout(binding = 1) uniform sampler2D noise;
 
@@ -121,6 +122,7 @@ void main() {
 
 #if SURFACE == 1  // wood: streaks along the grain
   vec3 p = grain_axis == 0 ? rest_position.yzx : grain_axis == 1 ? rest_position.zxy : rest_position;
+  p *= grain_scale;
   vec2 streaks = texture(noise, vec2(p.z * 0.9, (p.x + 0.6 * p.y) * 9.0)).rg;
   albedo *= 0.70 + 0.42 * streaks.r + 0.18 * streaks.g;
   roughness += 0.25 * (0.5 - streaks.r);

@@ -21,7 +21,7 @@ using Eigen::Vector3f;
 using Boxes = std::vector<Eigen::AlignedBox3f>;
 
 constexpr float kShadowFilter = 5;  // texels: half the filter, and the offset along the normal
-constexpr double kApart = 6;        // px between the places of a point in neighbouring exposures
+constexpr double kApart = 6;        // px, most that a point comes from one exposure to the next
 
 Eigen::Vector4f with_w(const Vec3& v, double w) {
   return {float(v.x()), float(v.y()), float(v.z()), float(w)};
@@ -239,12 +239,16 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
   d.sweep.clear();
   for (const Instant* instant : {&shutter.front(), &middle, &shutter.back()}) {
     d.parts.pose(*instant);
-    d.sweep.add(d.parts.items(*instant));
+    d.sweep.add(d.parts.items(*instant), instant->state.time);
   }
-  const double travel = d.sweep.find_moving(look.block.view_projection, viewport);
-  const int count = exposures(travel / kApart, canvas.samples(), int(shutter.size()));
+  const Sweep::Travel travel = d.sweep.find_moving(look.block.view_projection, viewport);
+  double longest = 0;  // s from one state to the next
+  for (std::size_t i = 1; i < shutter.size(); ++i)
+    longest = std::max(longest, shutter[i].state.time - shutter[i - 1].state.time);
+  const double wanted = travel.speed * longest * double(shutter.size()) / kApart;
+  const int count = exposures(wanted, canvas.samples(), int(shutter.size()));
   d.lap("sweep");
-  if (count == 1 || travel <= Sweep::kStill) {
+  if (count == 1 || travel.way <= Sweep::kStill) {
     draw(canvas, viewport, middle);
     return 1;
   }

@@ -61,6 +61,7 @@ void Surfaces::draw(const Item& item, Shade shade, float opacity) {
   p.set("metallic", material.metallic);
   p.set("opacity", opacity);
   p.set("grain_axis", item.drawable->grain_axis());
+  p.set("grain_scale", item.drawable->grain_scale());
   item.draw();
 }
 

@@ -17,7 +17,8 @@ Places places_of(const Item& item) {
   return places;
 }
 
-void Sweep::add(std::span<const Item> items) {
+void Sweep::add(std::span<const Item> items, double time) {
+  times_.push_back(time);
   items_.resize(items.size());
   for (std::size_t i = 0; i < items.size(); ++i) {
     items_[i].triangles = items[i].triangles;
@@ -25,14 +26,14 @@ void Sweep::add(std::span<const Item> items) {
   }
 }
 
-double Sweep::find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport) {
+Sweep::Travel Sweep::find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport) {
   const Vector2f half(0.5f * float(viewport.width), 0.5f * float(viewport.height));
   const auto seen = [&](const Vector3f& p) -> std::optional<Vector2f> {
     const Eigen::Vector4f q = view_projection * p.homogeneous();
     if (q.w() < 0.05f) return {};  // behind the eye
     return half.cwiseProduct(q.head<2>() / q.w());
   };
-  float farthest = 0;
+  Travel most;
   for (Entry& entry : items_) {
     entry.is_live.assign(entry.times.front().size(), 0);
     for (std::size_t v = 0; v < entry.is_live.size(); ++v) {
@@ -40,15 +41,20 @@ double Sweep::find_moving(const Eigen::Matrix4f& view_projection, const Rect& vi
       auto last = seen(entry.times.front()[v]);
       for (std::size_t k = 1; k < entry.times.size(); ++k) {
         const auto next = seen(entry.times[k][v]);
-        if (last && next) way += (*next - *last).norm();
+        if (last && next) {
+          const float step = (*next - *last).norm();
+          way += step;
+          if (times_[k] > times_[k - 1])
+            most.speed = std::max(most.speed, double(step) / (times_[k] - times_[k - 1]));
+        }
         last = next;
       }
       entry.is_live[v] = way > float(kStill);
-      farthest = std::max(farthest, way);
+      most.way = std::max(most.way, double(way));
     }
     split(entry, entry.moving);
   }
-  return farthest;
+  return most;
 }
 
 void Sweep::find_changing(ShadowCover& cover) {

@@ -24,12 +24,19 @@ class Sweep {
   /// px that a vertex may move and still count as still.
   static constexpr double kStill = 1;
 
-  void clear() { items_.clear(); }
-  /// The items at one more time.
-  void add(std::span<const Item> items);
+  void clear() {
+    items_.clear();
+    times_.clear();
+  }
+  /// The items at one more, later time (s).
+  void add(std::span<const Item> items, double time);
 
-  /// Finds what moves. Returns how many pixels the fastest vertex comes.
-  double find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport);
+  struct Travel {
+    double way = 0;    // px that the fastest vertex comes
+    double speed = 0;  // px/s, the largest of any vertex between two neighbouring times
+  };
+  /// Finds what moves.
+  Travel find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport);
   /// Finds what looks different from time to time: what moves, and what that may shade. `cover` has
   /// been started; afterwards it holds what moves.
   void find_changing(ShadowCover& cover);
@@ -51,6 +58,7 @@ class Sweep {
   static void split(const Entry& entry, Parts& parts);
 
   std::vector<Entry> items_;
+  std::vector<double> times_;  // s
 };
 
 /// Where the vertices of an item are.

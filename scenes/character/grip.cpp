@@ -129,7 +129,7 @@ class Thumb {
                  const Vec3& tip) const {
     Angles best{};
     double least = std::numeric_limits<double>::infinity();
-    for (const double roll : {-1.2, 0.0, 1.2}) {
+    for (const double roll : {-1.4, -0.7, 0.0, 0.7, 1.4}) {
       for (const double rise : {-0.4, 0.4}) {
         Angles x = {rise, 0, roll, 0.4, 0.4};
         const double cost =
@@ -165,7 +165,7 @@ class Thumb {
     constexpr Angles ease = {0.8, 0.8, 1.2, 0.8, 0.8}, most = {1.1, 1.1, 1.7, 1.1, 1.3};
     for (std::size_t i = 0; i < x.size(); ++i)
       cost += 0.3 * squared(x[i] / ease[i]) + 1e3 * squared(beyond(std::abs(x[i]), most[i]));
-    cost += squared((digit_.joints(turned)[3] - tip).norm() / (8 * mm));
+    cost += squared((digit_.joints(turned)[3] - tip).norm() / (5 * mm));
     return cost + 1e3 * (squared(beyond(-0.1, x[3])) + squared(beyond(-0.1, x[4])));
   }
 

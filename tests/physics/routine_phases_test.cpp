@@ -95,13 +95,13 @@ TEST(RoutinePhases, TheChainGoesTautWithAnImpulse) {
     if (impulses++ == 0) {
       EXPECT_NEAR(event.time, caption.from, 0.01);
     }
-    // Gravity's part of a step is 0.6 mN s; the pull that keeps the chain taut afterwards is of
-    // that size as well.
+    // Gravity's part of a step is 0.6 mN s; the pull that keeps the chain taut afterwards, m v^2/r
+    // of a stick that turns at 3 m/s, is up to 2 mN s.
     const auto step = static_cast<std::size_t>(event.time / routine().step);
     const Instance &before = routine().steps.at(step - 1), &after = routine().steps.at(step);
     const Vec3 fall = routine().scene.world.gravity * routine().step;
     const double jump = routine().mass * (after.velocity - before.velocity - fall).norm();
-    EXPECT_NEAR(jump, event.size, 2e-3) << event.time;
+    EXPECT_NEAR(jump, event.size, 3e-3) << event.time;
     largest = std::max(largest, event.size);
   }
   EXPECT_GE(impulses, 1);
