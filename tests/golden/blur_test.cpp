@@ -38,8 +38,9 @@ class Blur : public testing::Test {
   Blur() { world_.bodies.resize(2); }
 
   /// The first box at `x` (m).
-  Instant instant(double x) const {
+  Instant instant(double x, double time = 0) const {
     Instant result{snapshot(world_), {}, kCamera};
+    result.state.time = time;
     result.state.bodies[0].position = Vec3(x, 0, 0);
     result.state.bodies[1].position = Vec3(-0.6, 0, 0);
     return result;
@@ -49,7 +50,8 @@ class Blur : public testing::Test {
   std::vector<Instant> shutter(double at, double pixels) const {
     std::vector<Instant> instants;
     for (int i = 0; i < kStates; ++i)
-      instants.push_back(instant(at + (i - kStates / 2) * pixels / kMetre / (kStates - 1)));
+      instants.push_back(
+          instant(at + (i - kStates / 2) * pixels / kMetre / (kStates - 1), i / 1920.0));
     return instants;
   }
 
@@ -105,6 +107,27 @@ TEST_F(Blur, MoreWayTakesMoreExposuresUpToTheStates) {
   EXPECT_EQ(still, 1);
   const Instant alone = instant(0);
   EXPECT_EQ(picture.pixels, expose({&alone, 1}).pixels);
+}
+
+TEST_F(Blur, ExposuresAreAtMostSixPixelsApartAndNoMoreThanThatTakes) {
+  for (double way = 4; way <= 90; way += 2) {
+    int count = 0;
+    expose(shutter(0, way), &count);
+    const double apart = way / (kStates - 1) * kStates / count;
+    EXPECT_LE(apart, 6 + 1e-3) << way;
+    EXPECT_TRUE(count == 4 || 2 * apart > 6) << way;
+  }
+}
+
+TEST_F(Blur, UnevenStatesCountByTheLongestTimeBetweenThem) {
+  std::vector<Instant> instants;
+  for (int i = 0; i < kStates; ++i) {
+    const int step = i + (i >= 5);  // one is left out
+    instants.push_back(instant(0.1 + step * 1.2 / kMetre, step / 1920.0));
+  }
+  int count = 0;
+  expose(instants, &count);
+  EXPECT_EQ(count, 8);  // with 4, neighbours would be five steps of 1.2 px and more apart
 }
 
 TEST_F(Blur, WhatStandsIsDrawnAsWithoutAShutter) {

@@ -52,12 +52,13 @@ class SweepTest : public testing::Test {
   Context context_{Backend::automatic};
   Ribbon ribbon_{context_.gl(), 10};
   Sweep sweep_;
+  double time_ = 0;  // s
 
   template <typename Offset>
   void add(Offset offset) {
     ribbon_.move(10, offset);
     const Item item(ribbon_.drawable, Matrix4f::Identity());
-    sweep_.add({&item, 1});
+    sweep_.add({&item, 1}, time_ += 0.001);
   }
 };
 
@@ -66,7 +67,9 @@ TEST_F(SweepTest, TravelIsTheWayOfTheFastestPoint) {
   add([](float) { return Vector3f(Vector3f::Zero()); });
   add([](float x) { return Vector3f(0, 0.05f * x, 0); });
   add([](float) { return Vector3f(Vector3f::Zero()); });
-  EXPECT_NEAR(sweep_.find_moving(projection_, kView), 2 * 0.05 * metre_, 0.01);
+  const Sweep::Travel travel = sweep_.find_moving(projection_, kView);
+  EXPECT_NEAR(travel.way, 2 * 0.05 * metre_, 0.01);
+  EXPECT_NEAR(travel.speed, 0.05 * metre_ / 0.001, 10);
 }
 
 TEST_F(SweepTest, TheBorderIsInBothParts) {
@@ -95,7 +98,7 @@ TEST_F(SweepTest, WhatMovesMakesChangeWhereItsShadowFalls) {
     ribbon_.move(10, [by](float x) { return Vector3f(0, x > 0.65f ? by : 0.0f, 0); });
     const Item items[] = {{ribbon_.drawable, Matrix4f::Identity()},
                           {behind.drawable, Matrix4f::Identity()}};
-    sweep_.add(items);
+    sweep_.add(items, time_ += 0.001);
   }
   sweep_.find_moving(projection_, kView);
   EXPECT_TRUE(sweep_.moving(1).live.empty());
