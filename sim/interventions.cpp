@@ -28,8 +28,8 @@ Vec3 goal(const World& world, const Attachment& to, double arrival) {
 }
 
 /// Whether what holds the connector elsewhere, where it is and where it is being drawn to, lets the
-/// place go to `target` or, `drawn`, straight there. As far and as near as it is already is never
-/// too much: methods leave links a little too long.
+/// place go to `target` or, `drawn`, straight there; then free bodies follow. As far and as near as
+/// it is already is never too much: methods leave links a little too long.
 Outcome reachable(const World& world, const Connector& connector, const Place& place,
                   const Vec3& target, bool drawn) {
   double along = place.fraction > 0 ? place.fraction * connector.rest[place.particle] : 0;
@@ -41,6 +41,7 @@ Outcome reachable(const World& world, const Connector& connector, const Place& p
   for (const Hold& hold : connector.holds) {
     for (; particle < hold.particle; ++particle) start += connector.rest[particle];
     if (particle == place.particle && place.fraction == 0) continue;
+    if (drawn && !is_prescribed(world, hold.to)) continue;
     const Vec3& there = connector.position[particle];
     const auto [least, most] = reach(connector, along, start);
     const double present = (now - there).norm();

@@ -235,6 +235,16 @@ TEST_P(MethodContract, APinThatComesAndGoes) {
                      theory().controls_error ? step(2) : 0);
 }
 
+// Drawn aside while it holds: its own acceleration counts.
+TEST_P(MethodContract, APinThatIsDrawnAway) {
+  const World rope = worlds::chain(6, 0.5, worlds::from_down(60));
+  TimedPin pin{0, 0.27, 0.1, 0.35, {}};
+  pin.to = worlds::fixed_at(0.27 * worlds::from_down(60) + Vec3(-0.03, 0.02, 0.015));
+  pin.over = 0.2;
+  timeline_.pins = {pin};
+  expect_convergence("a pin that is drawn away", rope, theory().controls_error ? step(2) : 0);
+}
+
 TEST_P(MethodContract, Determinism) {
   const World world = worlds::chain_with_box(6);
   EXPECT_EQ(state_hash(after(world, 0.1)), state_hash(after(world, 0.1)));

@@ -51,6 +51,12 @@ class Division {
   std::vector<Component> found_;
 };
 
+/// True where what holds a particle stands still from `time` (s) on: a fixed point, once the
+/// particle has been drawn there.
+inline bool rests(const Attachment& to, double time) {
+  return to.kind == Attachment::Kind::fixed && time >= to.approach.arrival;
+}
+
 /// The hold on a particle, or null.
 const Hold* hold_at(const Connector& connector, std::size_t particle);
 

@@ -35,7 +35,7 @@ void Net::read_holds(double time) {
   for (End& end : ends_) {
     if (end.body != kNone) continue;
     end.lead = -world_->gravity;
-    if (end.to.kind == Attachment::Kind::fixed) continue;
+    if (rests(end.to, time)) continue;
     end.lead += hold_motion(*world_, end.to, time).acceleration;
     if (plane_ && !plane_->holds(end.lead)) left_plane_ = end.lead;
   }

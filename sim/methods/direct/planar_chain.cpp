@@ -211,7 +211,7 @@ void PlanarChain::store(World& world, double time, const double* q, const double
 
 void PlanarChain::acceleration(double time, const double* q, const double* rate, double* out) {
   pull_ = gravity_;
-  if (hold_.kind != Attachment::Kind::fixed) {
+  if (!rests(hold_, time)) {
     pull_ -= hold_motion(*world_, hold_, time).acceleration;
     if (!plane_.holds(pull_)) left_plane_ = pull_;
   }
