@@ -25,7 +25,8 @@ std::vector<int> frame_list(const std::optional<std::string>& text, int total) {
   std::set<int> frames;
   if (!text)
     for (int i = 0; i < total; ++i) frames.insert(i);
-  std::string_view rest = text ? *text : "";
+  std::string_view rest;
+  if (text) rest = *text;
   while (!rest.empty()) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
     const std::string_view part = rest.substr(0, comma);

@@ -72,7 +72,7 @@ TEST_F(Render, ProfileListsTheStages) {
 }
 
 TEST_F(Render, OnlyTheFramesAskedFor) {
-  const Outcome outcome = render({"--frames", "2-3,7", "--no-video"});
+  const Outcome outcome = render({"--frames", "7,2-3,2,3,2-3,7-7,7,3,2,7", "--no-video"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   EXPECT_FALSE(fs::exists(out_ / "swing.mp4"));
   for (int i = 0; i < 10; ++i) EXPECT_EQ(fs::exists(frame(i)), i == 2 || i == 3 || i == 7) << i;
