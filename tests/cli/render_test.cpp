@@ -94,12 +94,17 @@ TEST_F(Render, ResumeKeepsWhatWouldComeOutTheSame) {
   EXPECT_EQ(drawn({"--samples", "1"}), 10);
 }
 
+TEST_F(Render, AListOfFramesMayBeLong) {
+  const Outcome outcome =
+      render({"--frames", "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1", "--no-video", "--json"});
+  ASSERT_EQ(outcome.code, 0);
+  EXPECT_EQ(nlohmann::json::parse(outcome.output).at("frames"), 2);
+}
+
 TEST_F(Render, RefusesBeforeWorking) {
   EXPECT_EQ(render({"--size", "63x36"}).code, 2);
   EXPECT_EQ(render({"--size", "0x36"}).code, 2);
   EXPECT_EQ(render({"--size", "64"}).code, 2);
-  // A list longer than what a string holds in itself.
-  EXPECT_EQ(render({"--frames", "0,1,2,3,4,5,6,7,8,9,0,1,2,3,4,5,6,7", "--no-video"}).code, 0);
   EXPECT_EQ(render({"--frames", "8-12"}).code, 2);
   EXPECT_EQ(render({"--frames", "3-1"}).code, 2);
   EXPECT_EQ(render({"--frames", "x"}).code, 2);
