@@ -158,7 +158,7 @@ class Storm {
     World& world = simulation_.world();
     Pin& pin = pins_[index];
     const Vec3 by(between(-0.01, 0.01), between(-0.01, 0.01), between(-0.01, 0.01));
-    const double over = 0.05;
+    const double over = 0.1;  // s; a taut rope drags its boxes along: not in a jerk
     const Vec3 target = held(pin.number) + by;
     if (simulation_.interventions().move(world, pin.number, worlds::fixed_at(target), over) !=
         Outcome::done) {
