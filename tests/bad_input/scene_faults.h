@@ -121,6 +121,7 @@ inline std::vector<SceneFault> scene_faults() {
       {"line that starts elsewhere", "start = { direction = [0.0, -1.0, 0.0] }",
        "start = { points = [[0, 2, 0], [0, 1, 0]] }", "away from where", "32:8"},
       {"pin outside of the connector", "at = 0.06", "at = ^0.2", "at most the length"},
+      {"pin before the scene", "from = 0.2", "from = ^-0.2", "a number of at least 0"},
       {"pin after the end", "from = 0.2", "from = ^2.0", "before the end of the scene"},
       {"pin released before it is caught", "until = 0.4", "until = ^0.1", "a time after 0.2 s"},
       {"two pins at one place", "until = 0.4",
