@@ -13,7 +13,7 @@ constexpr double kLook = 1.0 / 512;   // s, between two looks at what changes
 constexpr double kLocated = 1e-10;    // s, within which the moment of a change is known
 constexpr double kLeastSlack = 1e-9;  // of its length: a span with less is laid straight
 constexpr double kTooLong = 1e-12;    // of its length: a slack span so much longer goes taut
-/// A rebound that would be over within this time (s) is none.
+/// Ends that meet their span's length again within this time (s) are not thrown back again.
 constexpr double kShortestFlight = 1e-4;
 
 struct Ends {
@@ -47,12 +47,6 @@ void kick(World& world, const Attachment& to, const Vec3& impulse) {
   const Vec3 arm = body.point(to.point) - body.position;
   body.velocity += impulse / body.mass_properties.mass;
   body.spin += body.world_inertia().ldlt().solve(arm.cross(impulse));
-}
-
-/// The acceleration (m/s^2) with which the point parts along `line` while nothing pulls at it.
-double falls(const World& world, const Attachment& to, const Vec3& line) {
-  if (is_prescribed(world, to)) return line.dot(hold_motion(world, to, world.time).acceleration);
-  return line.dot(world.gravity);
 }
 
 }  // namespace
@@ -220,17 +214,17 @@ void Spans::advance_to_break(double until) {
 }
 
 /// The ends of a slack span part at its full length: true where they are thrown back.
-bool Spans::rebounds(const Tie& tie, std::vector<Event>& events) {
+bool Spans::rebounds(Tie& tie, std::vector<Event>& events) {
   const Ends ends = ends_of(inner_, tie.a, tie.b);
   const double mobility = answer(inner_, tie.a, ends.line) + answer(inner_, tie.b, ends.line);
-  const double pull = falls(inner_, tie.b, ends.line) - falls(inner_, tie.a, ends.line);
   const double back = tie.elasticity * ends.parting;
-  const bool flies = back > 0 && 2 * back > pull * kShortestFlight;
+  const bool flies = back > 0 && inner_.time - tie.thrown_back > kShortestFlight;
   const double impulse = (ends.parting + (flies ? back : 0)) / mobility;
   const Span& span = spans_[tie.span];
   events.push_back({Event::Kind::taut, inner_.time, span.connector, span.index, 0});
   events.push_back({Event::Kind::impulse, inner_.time, span.connector, span.index, impulse});
   if (!flies) return false;
+  tie.thrown_back = inner_.time;
   kick(inner_, tie.a, impulse * ends.line);
   kick(inner_, tie.b, -impulse * ends.line);
   place_held(inner_, inner_.time);
@@ -242,7 +236,7 @@ void Spans::advance(World& world, double until, std::vector<Event>& events) {
   while (inner_.time < until) {
     advance_to_break(std::min(until, inner_.time + kLook));
     bool changed = false;
-    for (const Tie& tie : ties_) {
+    for (Tie& tie : ties_) {
       if (!breaks(tie)) continue;
       Span& span = spans_[tie.span];
       if (span.taut) {

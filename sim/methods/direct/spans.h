@@ -1,6 +1,7 @@
 // Massless spans by the direct method: free while slack, one rigid link while taut.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -14,8 +15,8 @@ namespace taut::direct {
 /// ends and a slack one is not there; a point mass at an end is a body that nothing turns. What
 /// changes there is found between two looks and located in time: a slack span that gets longer than
 /// it is goes taut, a taut one whose tension turns negative goes slack. Going taut, the ends are
-/// thrown back with the connector's elasticity; where that is none, or the rebound would be over at
-/// once, the link takes their parting away, which keeps all momenta.
+/// thrown back with the connector's elasticity; where that is none, or they were thrown back just
+/// before, the link takes their parting away, which keeps all momenta.
 class Spans {
  public:
   /// `links` follows everything but spans.
@@ -33,6 +34,7 @@ class Spans {
     Attachment a, b;       // in the inner world
     double elasticity = 0;
     std::size_t link = 0;  // its connector there, while it is taut
+    double thrown_back = -std::numeric_limits<double>::infinity();  // s, when its ends last were
   };
   struct PointMass {
     std::size_t connector = 0, particle = 0;
@@ -46,7 +48,7 @@ class Spans {
   bool breaks(const Tie& tie) const;
   bool breaks() const;
   void advance_to_break(double until);
-  bool rebounds(const Tie& tie, std::vector<Event>& events);
+  bool rebounds(Tie& tie, std::vector<Event>& events);
 
   std::unique_ptr<Method> links_;
   World inner_, before_;
