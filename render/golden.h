@@ -29,7 +29,7 @@ std::string processor();
 struct GoldenRecord {
   Renderer renderer;
   std::uint64_t pixels = 0;  // hash of the picture
-  Snapshot state;
+  Snapshot state;            // empty of a scene's first frame, which the scene describes
 };
 
 std::uint64_t pixel_hash(const Picture& picture);
