@@ -116,9 +116,9 @@ std::string Goldens::accept(const GoldenFrame& frame, bool simulate_anew) {
   record.pixels = pixel_hash(picture);
   write_picture(file(frame, ".png"), picture);
   write_text(file(frame, ".json"), golden_text(record));
-  return !before                                                              ? "new"
-         : before->width == picture.width && before->pixels == picture.pixels ? "as before"
-                                                                              : "changed";
+  if (!before) return "new";
+  const bool same = before->width == picture.width && before->pixels == picture.pixels;
+  return same ? "as before" : "changed";
 }
 
 std::string Goldens::accept(const GoldenTrajectory& trajectory) {

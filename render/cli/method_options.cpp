@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "render/cli/command.h"
+#include "sim/methods/span.h"
 
 namespace taut::cli {
 
@@ -74,10 +75,7 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
     throw Misuse(
         fmt::format("--method: {} is not in this build ({})", choice.name, method->missing));
   }
-  const bool spans = std::ranges::any_of(scene.world.connectors, [](const Connector& connector) {
-    return connector.model == ConnectorModel::span;
-  });
-  if (spans && !method->follows_spans) {
+  if (has_spans(scene.world) && !method->follows_spans) {
     throw Misuse(
         fmt::format("--method: {} follows no massless spans (model = \"span\")", choice.name));
   }

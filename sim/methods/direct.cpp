@@ -21,7 +21,7 @@ class Direct : public Method {
   explicit Direct(const direct::Control& control) : control_(control) {}
 
   void advance(World& world, double until) override {
-    if (direct::has_spans(world)) return advance_spans(world, until);
+    if (has_spans(world)) return advance_spans(world, until);
     if (!built_ || topology_ != world.topology) rebuild(world);
     if (!same(world)) {
       stopper_.stop(world);  // a particle that was pinned in motion leaves its neighbours so

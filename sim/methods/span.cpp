@@ -63,4 +63,9 @@ void divide(const World& world, const std::vector<Span>& before, std::vector<Spa
   }
 }
 
+bool has_spans(const World& world) {
+  return std::ranges::any_of(world.connectors,
+                             [](const Connector& c) { return c.model == ConnectorModel::span; });
+}
+
 }  // namespace taut

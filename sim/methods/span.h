@@ -38,4 +38,7 @@ struct Span {
 /// long.
 void divide(const World& world, const std::vector<Span>& before, std::vector<Span>& spans);
 
+/// True where `world` has a connector that is a massless span.
+bool has_spans(const World& world);
+
 }  // namespace taut

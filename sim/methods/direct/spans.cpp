@@ -51,11 +51,6 @@ void kick(World& world, const Attachment& to, const Vec3& impulse) {
 
 }  // namespace
 
-bool has_spans(const World& world) {
-  return std::ranges::any_of(world.connectors,
-                             [](const Connector& c) { return c.model == ConnectorModel::span; });
-}
-
 Attachment Spans::attachment(const World& world, const Span& span, const SpanEnd& end) {
   if (const Hold* hold = hold_at(world.connectors[span.connector], end.particle)) return hold->to;
   Attachment to;

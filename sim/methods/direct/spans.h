@@ -58,7 +58,4 @@ class Spans {
   std::vector<std::size_t> copied_;      // connectors of the outer world that are links
 };
 
-/// True where `world` has a connector that is a massless span.
-bool has_spans(const World& world);
-
 }  // namespace taut::direct
