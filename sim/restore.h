@@ -18,10 +18,17 @@ class LinkRestorer {
   void restore(Connector& connector, std::size_t link);
 
  private:
-  struct Row {  // a link's multiplier, and what eliminating the one before left of its equation
+  struct Row {                   // a particle, and the link behind it
+    Vec3 before = Vec3::Zero();  // m, where it was
+    double ease = 0;             // 1/kg, zero where something holds it
+    double squared = 0;          // m^2, of the link's length at rest
+    Vec3 gap = Vec3::Zero();     // m, along the link
+    // The link's multiplier, and what eliminating the one before left of its equation.
     double upper = 0, value = 0;
-    Vec3 before = Vec3::Zero();  // m, its first particle's place
   };
+  double measure(const Connector& connector, std::size_t first, std::size_t last);
+  bool solve(std::size_t first, std::size_t last);
+
   std::vector<Row> rows_;
 };
 

@@ -108,7 +108,7 @@ Cost swing(std::string_view method, std::size_t particles) {
     if (pin != 0) {
       interventions.release(at, pin);
     } else {
-      pin = interventions.pin(at, 0, 0.43).pin;
+      pin = interventions.pin(at, 0, 0.437).pin;
     }
   };
   for (int frame = 2; frame <= 30; ++frame) {
