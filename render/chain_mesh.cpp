@@ -1,0 +1,103 @@
+#include "render/chain_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+using Vec3f = Eigen::Vector3f;
+
+/// The collar that a swivel's eye turns in, `size` being the chain's outer width.
+Piece collar_piece(float size) {
+  const float r = 0.62f * size, h = 0.35f * size;
+  const std::array<float, 4> profile[] = {{r, -h, 1, 0},
+                                          {r, 0, 1, 0},
+                                          {0.8f * r, 0.5f * h, 0.7f, 0.7f},
+                                          {0.3f * r, 0.75f * h, 0.2f, 1},
+                                          {0, 0.75f * h, 0, 1}};
+  return turned_piece(profile, 16);
+}
+
+/// `piece` with its x along `wide`, its y along `axis` and stretched along y.
+void put(const Piece& piece, const Vec3& origin, const Vec3& wide, const Vec3& axis, double stretch,
+         std::vector<MovingVertex>& vertices) {
+  Mat3 frame;
+  frame << wide, axis, wide.cross(axis);
+  const Eigen::Matrix3f turn = frame.cast<float>();
+  const Vec3f at = origin.cast<float>();
+  const auto k = float(stretch);
+  for (const MovingVertex& v : piece.vertices)
+    vertices.push_back(
+        {at + turn * Vec3f(v.position.x(), k * v.position.y(), v.position.z()), turn * v.normal});
+}
+
+}  // namespace
+
+ChainMesh::ChainMesh(const Connector& connector, const ConnectorLook& look)
+    : mounts_{mount_at(connector, 0), mount_at(connector, connector.particles() - 1)} {
+  const auto width = float(look.diameter);
+  const float wire = 0.19f * width;
+  // Links 2.2 times as long as wide; joined, each takes its length less two wires' thickness.
+  const double pitch = 2.2 * width - 4 * wire;
+  links_ = std::max<std::size_t>(std::size_t(std::lround(connector.length / pitch)), 1);
+  pitch_ = connector.length / double(links_);
+  link_ = link_piece(float(pitch_ / 2), width, wire);
+  ring_ = ring_piece(width / 2 - wire, wire);
+  inset_ = width / 2 - 2 * wire;
+  collar_ = collar_piece(width);
+  const Vec3f color = look.color.cast<float>();
+  for (std::size_t i = 0; i < links_; ++i) add(link_, color);
+  for (const auto& mount : mounts_)
+    if (mount) {
+      add(ring_, color);
+      add(collar_, color);
+    }
+}
+
+void ChainMesh::place(std::span<const Vec3> particles, std::span<const Pose> bodies,
+                      std::vector<MovingVertex>& vertices) const {
+  vertices.clear();
+  const auto hold = [&](const std::optional<Mount>& mount) -> std::optional<ChainHold> {
+    if (!mount) return {};
+    const Quat& turn = bodies[mount->body].rotation;
+    return ChainHold{turn * mount->axis, turn * mount->axis.unitOrthogonal()};
+  };
+  const std::vector<LinkFrame> links =
+      link_frames(particles, links_, hold(mounts_[0]), hold(mounts_[1]));
+  for (const LinkFrame& link : links) {
+    // A link that its method stretched is drawn so.
+    const double stretch = std::max((link.to - link.from).norm() / pitch_, 1.0);
+    put(link_, link.middle(), link.wide, link.axis, stretch, vertices);
+  }
+  const LinkFrame &first = links.front(), &last = links.back();
+  if (mounts_[0]) put_swivel(*mounts_[0], first.from, first.axis, first.wide, bodies, vertices);
+  if (mounts_[1]) put_swivel(*mounts_[1], last.to, -last.axis, last.wide, bodies, vertices);
+}
+
+std::optional<ChainMesh::Mount> ChainMesh::mount_at(const Connector& connector,
+                                                    std::size_t particle) {
+  for (const Hold& hold : connector.holds)
+    if (hold.particle == particle && hold.to.kind == Attachment::Kind::body) {
+      const double length = hold.to.point.norm();
+      return Mount{hold.to.body, length > 1e-9 ? Vec3(hold.to.point / length) : Vec3::UnitY()};
+    }
+  return {};
+}
+
+void ChainMesh::add(const Piece& piece, const Vec3f& color) {
+  const auto first = std::uint32_t(rest_.size());
+  for (const std::uint32_t i : piece.indices) indices_.push_back(first + i);
+  for (const MovingVertex& v : piece.vertices) rest_.push_back({v.position, color});
+}
+
+void ChainMesh::put_swivel(const Mount& mount, const Vec3& point, const Vec3& outwards,
+                           const Vec3& wide, std::span<const Pose> bodies,
+                           std::vector<MovingVertex>& vertices) const {
+  // The link's wire passes the held point on one side of it, the eye's on the other.
+  put(ring_, point - inset_ * outwards, wide.cross(outwards), outwards, 1, vertices);
+  const Vec3 axis = bodies[mount.body].rotation * mount.axis;
+  put(collar_, point, axis.unitOrthogonal(), axis, 1, vertices);
+}
+
+}  // namespace taut
