@@ -22,11 +22,16 @@ class AdamsStep {
   /// Remembers the acceleration at the present state, one step of `h` (s) after the last one; a
   /// different h forgets those before.
   void remember(const double* acceleration, double h);
+  /// Whether it remembers some steps, but not enough.
+  bool begun() const { return known_ > 1 && longest() == 0; }
   /// The longest step (s) that it remembers enough for; zero: none.
   double longest() const;
   /// Makes h the spacing; false where that is too long.
   bool prepare(double h);
   double spacing() const { return h_; }  // s
+  /// The acceleration that it remembers from `steps` ago, one of known().
+  const double* past(std::size_t steps) const { return past_[steps]; }
+  std::size_t known() const { return known_; }
 
   /// Tries a step of spacing() from (q, rate) at `time`. The result is left for swap_result();
   /// returns the estimated error (m), or a bound of it where that is below `unimportant`.

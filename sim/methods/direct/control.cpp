@@ -10,8 +10,8 @@ namespace {
 // The error that a step may make, in tolerances: of the explicit methods so much per second (most
 // of it cancels: waves go round), and at most so much; of the implicit one, which loses every wave
 // only once, so much in any step.
-constexpr double kCarefulRate = 30, kAdamsRate = 15;  // 1/s
-constexpr double kExplicitShare = 0.1, kImplicitShare = 0.02;
+constexpr double kCarefulRate = 30, kAdamsRate = 15, kImplicitRate = 30;  // 1/s
+constexpr double kExplicitShare = 0.1, kImplicitShare = 0.015;
 
 constexpr double kSafety = 0.9;
 constexpr double kMostGrowth = 4, kMostShrink = 0.2;
@@ -28,7 +28,7 @@ constexpr double kNewSpacing = 0.93;  // of the longest, so that it lasts
 
 /// The waves that a step stirs up must stay this small, as turns of a link; the implicit method
 /// damps them.
-constexpr double kRoughness = 0.05, kImplicitRoughness = 0.15;
+constexpr double kRoughness = 0.05, kImplicitRoughness = 0.6;
 
 /// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
 /// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
@@ -37,6 +37,20 @@ constexpr double kShortOfWaves = 1e-3, kRounding = 1e-6;
 
 /// A fixed step whose error estimate exceeds this share of the length of all links is done again.
 constexpr double kCoarsest = 0.01;
+
+/// Steps that no frame ends must not pass over what a driven end does meanwhile, nor go far beyond
+/// the time that is asked for.
+constexpr double kLongest = 0.25, kLongestDriven = 1.0 / 30;  // s
+
+bool driven(const World& world, const Component& component) {
+  for (const SpanRange& span : component.spans) {
+    for (const std::size_t particle : {span.first, span.last}) {
+      const Hold* hold = hold_at(world.connectors[span.connector], particle);
+      if (hold && is_prescribed(world, hold->to) && !rests(hold->to, world.time)) return true;
+    }
+  }
+  return false;
+}
 
 /// The step whose error would be the one allowed, after one of h that had `error` times that where
 /// `wish` was thought possible: h may be far shorter than that, to end with the frame.
@@ -56,7 +70,10 @@ void Course::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   careful_.reserve(size);
   adams_.reserve(size);
   implicit_.reserve(size);
-  for (Array* array : {&q_, &rate_, &acceleration_}) array->reserve(size);
+  for (Array* array :
+       {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
+    array->reserve(size);
+  }
 }
 
 void Course::plan(const World& world, double time, const std::optional<Plane>& plane) {
@@ -71,7 +88,10 @@ void Course::plan(const World& world, double time, const std::optional<Plane>& p
   careful_.resize(motion_->size());
   adams_.resize(motion_->size());
   implicit_.resize(motion_->size());
-  acceleration_.assign(motion_->size(), 0.0);
+  for (Array* array : {&acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
+    array->assign(motion_->size(), 0.0);
+  }
+  longest_ = driven(world, component_) ? kLongestDriven : kLongest;
   cost_ = {kCarefulCost, kAdamsCost, kImplicitCost};
   for (double& cost : cost_) cost += motion_->projection_cost();
 }
@@ -94,7 +114,42 @@ void Course::advance(World& world, double until, Counters& counters) {
   } else {
     advance_by_tolerance(world, until, control_.tolerance, counters);
   }
-  motion_->store(world, until, q_.data(), rate_.data());
+  if (time_ == until) return motion_->store(world, until, q_.data(), rate_.data());
+  interpolate(until);
+  motion_->store(world, until, q_between_.data(), rate_between_.data());
+}
+
+/// The state at `time` within the last step, by Hermite's polynomial. Accelerations count in it
+/// where Adams follows every wave; the implicit method passes over them.
+void Course::interpolate(double time) {
+  const double h = time_ - before_, s = (time - before_) / h, half = h * h / 2;
+  const bool followed = rung_ == adams && adams_.known() > 1;
+  const double *first = adams_.past(1), *last = adams_.past(0);
+  const double bump = s * s * (1 - s) * (1 - s), rise = 2 * s * (1 - s) * (1 - 2 * s);
+  for (std::size_t i = 0; i < q_.size(); ++i) {
+    const double start = h * rate_before_[i], end = h * rate_[i], gone = q_[i] - q_before_[i];
+    const double c2 = 3 * gone - 2 * start - end, c3 = start + end - 2 * gone;
+    double& q = q_between_[i] = q_before_[i] + s * (start + s * (c2 + s * c3));
+    double& rate = rate_between_[i] = start + s * (2 * c2 + s * 3 * c3);
+    if (followed) {
+      const double u = half * first[i] - c2, v = half * (last[i] - first[i]) - 3 * c3;
+      q += bump * (u + s * v);
+      rate += rise * (u + s * v) + bump * v;
+    }
+    rate /= h;
+  }
+  motion_->project(time, q_between_.data(), rate_between_.data());
+  if (motion_->projection_cost() > 0) fresh_ = false;  // that may have changed the tensions
+}
+
+/// Goes on from `time` within the last step.
+void Course::return_to(double time) {
+  interpolate(time);
+  q_.swap(q_between_);
+  rate_.swap(rate_between_);
+  time_ = time;
+  fresh_ = false;
+  adams_.clear();
 }
 
 void Course::refresh(Counters& counters) {
@@ -115,7 +170,10 @@ double Course::stable_step(Rung rung) const {
 /// The error (m) that a step of h may make.
 double Course::allowed_error(Rung rung, double h, double tolerance) const {
   const double shortest = motion_->shortest();
-  if (rung == implicit) return std::min(kImplicitShare * tolerance, kImplicitRoughness * shortest);
+  if (rung == implicit) {
+    const double share = std::min(kImplicitRate * h, kImplicitShare);
+    return std::min(share * tolerance, kImplicitRoughness * shortest);
+  }
   const double rate = rung == careful ? kCarefulRate : kAdamsRate;
   return std::min(rate * h, kExplicitShare) * std::min(tolerance, kRoughness * shortest);
 }
@@ -126,17 +184,16 @@ double Course::rounding(double h) const {
   return kRounding * h * motion_->memory() * motion_->shift(acceleration_.data());
 }
 
-/// The number of equal steps of at most about `wish` to `until`, so that none is a sliver.
-double Course::pieces_to(double until, double wish) const {
-  return std::max(1.0, std::ceil((until - time_) / wish - 1e-6));
-}
-
-/// The same for Adams, who keeps his spacing where it divides the way.
-double Course::adams_pieces_to(double until, double wish) const {
-  const double h = adams_.spacing(), pieces = std::round((until - time_) / h);
-  const bool divides = std::abs(pieces * h - (until - time_)) <= 1e-9 * h;
-  if (divides && h <= wish && h >= kLeastSpacing * wish) return pieces;
-  return pieces_to(until, h > wish ? kNewSpacing * wish : wish);
+/// The next step of the rung, which can do `wish`. Careful steps are too long to be interpolated:
+/// equal ones end with `until`.
+double Course::length_of_step(double until, double wish) const {
+  if (rung_ == careful) {
+    return (until - time_) / std::max(1.0, std::ceil((until - time_) / wish - 1e-6));
+  }
+  if (rung_ == implicit) return wish;
+  const double h = adams_.spacing();
+  if (h > wish) return kNewSpacing * wish;
+  return h >= kLeastSpacing * wish ? h : wish;
 }
 
 /// The error (m) of a step of h by one of the integrators that do not look back.
@@ -152,6 +209,9 @@ double Course::attempt(Rung rung, double h, Counters& counters) {
 }
 
 void Course::accept(Rung rung, double time, Counters& counters) {
+  before_ = time_;
+  q_before_.swap(q_);
+  rate_before_.swap(rate_);
   time_ = time;
   counters.steps += 1;
   if (rung == careful) careful_.swap_result(q_, rate_);
@@ -179,25 +239,26 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
                                   Counters& counters) {
   while (time_ < until) {
     if (rung_ != adams) refresh(counters);
-    double wish = std::min(step_, stable_step(rung_));
+    double wish = std::min({step_, stable_step(rung_), longest_});
+    if (rung_ == adams && adams_.longest() > 0) wish = std::min(wish, adams_.longest());
+    const double h = length_of_step(until, wish);
     Rung rung = rung_;
-    double h = 0, error = 0;
+    double error = 0;
     if (rung_ == adams) {
-      if (adams_.longest() > 0) wish = std::min(wish, adams_.longest());
-      const double pieces = adams_pieces_to(until, wish);
-      h = (until - time_) / pieces;
       if (adams_.prepare(h)) {
-        error = march(until, pieces, tolerance, counters);
+        error = march(until, tolerance, counters);
         if (leave_plane(world)) continue;
+      } else if (adams_.begun() && h < (1 - 1e-9) * adams_.spacing()) {
+        hand_over_to(careful, counters);  // the waves gain speed faster than it can start
+        continue;
       } else {
         rung = careful;  // the first steps
       }
-    } else {
-      h = (until - time_) / pieces_to(until, wish);
     }
     if (!(time_ + h > time_)) throw StepTooSmall{time_};
     if (rung != adams) {
-      const double end = until - time_ > 1.5 * h ? time_ + h : until;
+      const bool lands = rung_ == careful && until - time_ < 1.5 * h;
+      const double end = lands ? until : time_ + h;
       const double allowed = allowed_error(rung, h, tolerance);
       error = attempt(rung, h, counters) / allowed;
       if (leave_plane(world)) continue;
@@ -220,13 +281,13 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
   }
 }
 
-/// Takes steps of Adams's spacing, at most `pieces` of them to `until`, for as long as waves and
-/// error suit it. Returns the error of the last one, as a share of the one allowed.
-double Course::march(double until, double pieces, double tolerance, Counters& counters) {
+/// Takes steps of Adams's spacing as far as `until`, for as long as waves and error suit it.
+/// Returns the error of the last one, as a share of the one allowed.
+double Course::march(double until, double tolerance, Counters& counters) {
   const double h = adams_.spacing(), share = allowed_error(adams, h, tolerance);
   double error = 0;
   int& rest = rests_[implicit].steps;
-  for (double left = pieces; left > 0; --left) {
+  while (time_ < until) {
     counters.solves += 1;
     error = adams_.attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * share) / share;
     if (motion_->left_plane()) return error;
@@ -235,7 +296,7 @@ double Course::march(double until, double pieces, double tolerance, Counters& co
       return error;
     }
     adams_.accept();
-    accept(adams, left > 1 ? time_ + h : until, counters);
+    accept(adams, time_ + h, counters);
     fastest_ = motion_->fastest();
     const double waves = h * fastest_ / AdamsStep::kStable;
     if (waves > 1 || error > kMuch) return error;
@@ -247,8 +308,8 @@ double Course::march(double until, double pieces, double tolerance, Counters& co
 /// Chooses the next step and its integrator from how a step of h went where `wish` was possible.
 void Course::adapt(double h, double wish, double error, Counters& counters) {
   // Of the error as a share of the one allowed, which grows with the step.
-  constexpr double kOrder[kRungs] = {Dop853Step::kErrorOrder - 1, AdamsStep::kErrorOrder - 1,
-                                     RosenbrockStep::kErrorOrder};
+  const double kOrder[kRungs] = {Dop853Step::kErrorOrder - 1, AdamsStep::kErrorOrder - 1,
+                                 RosenbrockStep::kErrorOrder};
   const bool small = rung_ == adams && error < kLittle;  // then `error` may be a bound
   step_ = small ? std::max(kMostGrowth * h, wish) : scaled_step(h, wish, error, kOrder[rung_]);
   const double speed = std::min(step_, stable_step(rung_)) / cost_[rung_];
@@ -308,6 +369,7 @@ void Course::advance_by_step(World& world, double until, Counters& counters) {
       rung_ = careful;
       step_ = h / 2;
       advance_by_tolerance(world, end, coarsest, counters);
+      if (time_ > end) return_to(end);
     }
   }
 }

@@ -61,14 +61,15 @@ class Course {
   void plan(const World& world, double time, const std::optional<Plane>& plane);
   void advance_by_tolerance(World& world, double until, double tolerance, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
+  void interpolate(double time);
+  void return_to(double time);
   void refresh(Counters& counters);
   double stable_step(Rung rung) const;
   double allowed_error(Rung rung, double h, double tolerance) const;
   double rounding(double h) const;
-  double pieces_to(double until, double wish) const;
-  double adams_pieces_to(double until, double wish) const;
+  double length_of_step(double until, double wish) const;
   double attempt(Rung rung, double h, Counters& counters);
-  double march(double until, double pieces, double tolerance, Counters& counters);
+  double march(double until, double tolerance, Counters& counters);
   void accept(Rung rung, double time, Counters& counters);
   void adapt(double h, double wish, double error, Counters& counters);
   void hand_over_to(Rung below, Counters& counters);
@@ -86,10 +87,14 @@ class Course {
   RosenbrockStep implicit_;
   double time_ = 0, planned_at_ = 0;  // s
   Array q_, rate_, acceleration_;
-  bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state
-  double fastest_ = 0;   // rad/s, of the waves
-  Rung rung_ = careful;  // for the next step
-  double step_ = 0;      // s, what its error allows
+  double before_ = 0;  // s, where the last step began
+  Array q_before_, rate_before_;
+  Array q_between_, rate_between_;  // at a time within that step
+  bool fresh_ = false;              // acceleration_ and fastest_ are those of the present state
+  double fastest_ = 0;              // rad/s, of the waves
+  Rung rung_ = careful;             // for the next step
+  double step_ = 0;                 // s, what its error allows
+  double longest_ = 0;              // s, what driven ends allow
   std::array<Rest, kRungs> rests_;
   std::array<double, kRungs> cost_{};  // of a step, in accelerations
 };
