@@ -235,6 +235,19 @@ TEST_P(MethodContract, APinThatComesAndGoes) {
                      theory().controls_error ? step(2) : 0);
 }
 
+// A thrown rope that nothing else holds: its free ends swing on about the pin.
+TEST_P(MethodContract, APinOnARopeWithoutEnds) {
+  World rope = worlds::chain(6, 0.5, Vec3(1, 0.3, 0));
+  rope.connectors[0].holds.clear();
+  finish(rope);
+  for (std::size_t i = 0; i < 6; ++i) {
+    rope.connectors[0].velocity[i] =
+        Vec3(0.4, 1, 0.2) + Vec3(0.5, -1, 3).cross(rope.connectors[0].position[i]);
+  }
+  timeline_.pins = {{0, 0.27, 0.1, 0.2, {}}};
+  expect_convergence("a pin on a rope without ends", rope, theory().controls_error ? step(2) : 0);
+}
+
 // Drawn aside while it holds: its own acceleration counts.
 TEST_P(MethodContract, APinThatIsDrawnAway) {
   const World rope = worlds::chain(6, 0.5, worlds::from_down(60));
