@@ -6,6 +6,32 @@
 #include "sim/places.h"
 
 namespace taut {
+namespace {
+
+/// Lays links of a span that nothing holds at one end in the directions that they have, each at its
+/// length: from the end that is held, or so that the centre of mass stays.
+void lay(Connector& connector, std::size_t first, std::size_t last) {
+  std::vector<Vec3>& p = connector.position;
+  const bool forth = holds(connector, first), back = !forth && holds(connector, last);
+  Vec3 next = back ? p[last] : p[first], moment = Vec3::Zero();
+  double mass = 0;
+  const auto place = [&](std::size_t i, const Vec3& there) {
+    moment += connector.particle_mass[i] * (there - p[i]);
+    mass += connector.particle_mass[i];
+    p[i] = there;
+  };
+  for (std::size_t step = 0; step < last - first; ++step) {
+    const std::size_t i = back ? last - step : first + step, beyond = back ? i - 1 : i + 1;
+    const Vec3 gap = p[beyond] - p[i];
+    place(i, next);
+    next += connector.rest[back ? beyond : i] / gap.norm() * gap;
+  }
+  place(back ? first : last, next);
+  if (forth || back) return;
+  for (std::size_t i = first; i <= last; ++i) p[i] -= moment / mass;
+}
+
+}  // namespace
 
 /// How far off a link's squared length is, as a share, of the links from `first` to `last`.
 double LinkRestorer::measure(const Connector& connector, std::size_t first, std::size_t last) {
@@ -55,6 +81,7 @@ void LinkRestorer::restore(Connector& connector, std::size_t link) {
 
   constexpr int kIterations = 20;
   constexpr double kRestored = 1e-10;
+  const bool both = holds(connector, first) && holds(connector, last);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     if (measure(connector, first, last) <= kRestored) return;
     if (!solve(first, last)) break;
@@ -64,6 +91,7 @@ void LinkRestorer::restore(Connector& connector, std::size_t link) {
       p[i] += rows_[i].ease * (pull - before);
       before = pull;
     }
+    if (!both) lay(connector, first, last);  // what is left is of second order
   }
   for (std::size_t i = first; i <= last; ++i) p[i] = rows_[i].before;
 }

@@ -16,12 +16,11 @@ double rk4_growth(std::complex<double> q) {
 void SteppedMethod::advance(World& world, double until) {
   if (!built_ || world.topology != topology_) {
     mechanism_.rebuild(world);
-    projection_.rebuild(mechanism_);
+    if (stops_stretch()) projection_.rebuild(mechanism_);
     topology_ = world.topology;
     resize_within(mechanism_.state_room(), mechanism_.state_size(), state_);
     mechanism_.load(world, state_);
-    // What was pinned in motion, or let go where it was bent, has velocities that stretch links.
-    if (built_) projection_.rates(mechanism_, world.time, state_);
+    if (built_ && stops_stretch()) projection_.rates(mechanism_, world.time, state_);
     built_ = true;
     limit_ = prepare(mechanism_, world);
   } else {

@@ -23,6 +23,9 @@ class SteppedMethod : public Method {
   /// Called when the world's topology is new: makes workspaces, and returns the longest step (s)
   /// that the method can take there; it counts only where the settings leave the step open.
   virtual double prepare(Mechanism& mechanism, const World& world) = 0;
+  /// Whether velocities that stretch links must be stopped where the topology has changed on the
+  /// way: those of what was pinned in motion, or let go where it was bent.
+  virtual bool stops_stretch() const { return true; }
   /// Takes `state` from `time` to `time + dt`.
   virtual void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) = 0;
 

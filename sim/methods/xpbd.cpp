@@ -33,6 +33,7 @@ class Xpbd final : public SteppedMethod {
   };
 
   double prepare(Mechanism& mechanism, const World&) override;
+  bool stops_stretch() const override { return false; }  // velocities come from positions
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override;
   void pass(const Mechanism& mechanism, double softness, double* state);
   double mobility(const Mechanism& mechanism, int carried, const Vec3& along, const double* state);
