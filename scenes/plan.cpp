@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 
@@ -44,6 +45,16 @@ std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// With two digits, never nearer than it is: rounded `up`, or down.
+std::string two_digits(double value, bool up) {
+  if (!(value > 0) || !std::isfinite(value)) return fmt::format("{:g}", value);
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  constexpr double kRounding = 1e-9;
+  const double units = value / unit;
+  return fmt::format("{:.2g}",
+                     unit * (up ? std::ceil(units - kRounding) : std::floor(units + kRounding)));
+}
+
 std::string toml(const Setting& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return '"' + *text + '"';
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
@@ -77,7 +88,7 @@ std::string with_plan(std::string_view text, const Plan& plan) {
   }
   std::string table = fmt::format("{}{}\ntolerance = \"{}\"\nerror = {:.3g}\nuntil = {:.6g}  # s\n",
                                   kHeading, kRemark, plan.tolerance, plan.error, plan.until);
-  if (plan.energy) table += fmt::format("energy = {:.2g}\n", *plan.energy);
+  if (plan.energy) table += fmt::format("energy = {:.3g}\n", *plan.energy);
   table += fmt::format("stamp = \"{:016x}\"\nmethod = {{ {} }}\n", plan.stamp, method);
   if (!connectors.empty()) table += fmt::format("connectors = {{ {} }}\n", connectors);
   return without_plan(text) + "\n\n" + table;
@@ -85,10 +96,18 @@ std::string with_plan(std::string_view text, const Plan& plan) {
 
 std::string certificate(const Plan& plan) {
   const std::size_t unit = plan.tolerance.find_first_not_of("0123456789.e-+");
-  std::string text =
-      fmt::format("within {:.2g} {} of the exact motion until {:.2g} s", plan.error,
-                  plan.tolerance.substr(std::min(unit, plan.tolerance.size())), plan.until);
-  if (plan.energy) text += fmt::format("; afterwards energy within {:.2g}%", 100 * *plan.energy);
+  std::string text;
+  if (plan.until > 0) {
+    text = fmt::format("within {} {} of the exact motion until {} s", two_digits(plan.error, true),
+                       plan.tolerance.substr(std::min(unit, plan.tolerance.size())),
+                       two_digits(plan.until, false));
+  } else {
+    text = "of a motion that nobody can foretell";
+  }
+  if (plan.energy) {
+    text += fmt::format("; {}energy within {}%", plan.until > 0 ? "afterwards " : "",
+                        two_digits(100 * *plan.energy, true));
+  }
   return text;
 }
 

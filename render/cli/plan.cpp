@@ -15,13 +15,14 @@
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
 #include "render/interrupt.h"
-#include "sim/measure.h"
 #include "sim/study/front.h"
-#include "sim/study/stability.h"
-#include "sim/truth/truth.h"
 
 namespace taut::cli {
 namespace {
+
+constexpr double kCheckWork = 5e9;  // of the independent check, about as many ns
+constexpr double kFinely = 1e-2;    // of the tolerance: how finely models are solved to judge them
+constexpr int kTimings = 5;
 
 struct Options {
   std::string scene, tolerance;
@@ -68,57 +69,19 @@ Asked asked_for(const std::string& text, const Scene& scene) {
   return asked;
 }
 
-/// CPU seconds per simulated second up to `end` of the scene as the model and candidate have it.
-double cost_of(const PlanModel& model, const Candidate& candidate, double end, int fps) {
+/// CPU seconds per simulated second of stepping to the end; infinite where it does not get there.
+double cost_of(const PlanModel& model, const Candidate& candidate,
+               const std::vector<double>& times) {
   std::vector<double> costs;
-  for (int repeat = 0; repeat < 5; ++repeat) {
-    stop_if_interrupted();
-    Simulation simulation(model.world, make_method(candidate.method, candidate.settings),
-                          model.timeline);
-    const double before = thread_seconds();
-    for (const double time : frame_times(end, fps)) simulation.advance_to(time);
-    costs.push_back((thread_seconds() - before) / end);
+  try {
+    for (int repeat = 0; repeat < kTimings; ++repeat) {
+      stop_if_interrupted();
+      costs.push_back(time_run({model.world, times, model.timeline}, candidate) / times.back());
+    }
+  } catch (const Diverged&) {
+    return INFINITY;
   }
   return spread(std::move(costs)).median;
-}
-
-Spread speeds_of(std::span<const Snapshot> frames, double from) {
-  std::vector<double> speeds;
-  for (std::size_t k = 1; k < frames.size(); ++k) {
-    if (frames[k].time <= from) continue;
-    const double dt = frames[k].time - frames[k - 1].time;
-    for (std::size_t c = 0; c < frames[k].connectors.size(); ++c) {
-      for (std::size_t i = 0; i < frames[k].connectors[c].size(); ++i) {
-        speeds.push_back((frames[k].connectors[c][i] - frames[k - 1].connectors[c][i]).norm() / dt);
-      }
-    }
-  }
-  return spread(std::move(speeds));
-}
-
-Afterwards afterwards(const PlanModel& model, const Candidate& candidate, const Truth& truth) {
-  Afterwards result;
-  Simulation simulation(model.world, make_method(candidate.method, candidate.settings),
-                        model.timeline);
-  const auto energy = [&] {
-    return kinetic_energy(simulation.world()) + potential_energy(simulation.world());
-  };
-  const double before = energy();
-  double change = 0;
-  std::vector<Snapshot> frames;
-  for (const Snapshot& frame : truth.frames) {
-    stop_if_interrupted();
-    simulation.advance_to(frame.time);
-    frames.push_back(simulation.state());
-    change = std::max(change, std::abs(energy() - before));
-    result.stretch = std::max(result.stretch, stretch_max(simulation.world()));
-  }
-  if (!is_driven(model.world) && model.timeline.empty()) {
-    result.energy = change / available_energy(model.world);
-  }
-  result.speeds = speeds_of(frames, truth.horizon);
-  result.true_speeds = speeds_of(truth.frames, truth.horizon);
-  return result;
 }
 
 void write(const Scene& scene, const Plan& plan) {
@@ -136,67 +99,67 @@ int run(const Options& options, const Common& common) {
   }
   Asked asked = asked_for(options.tolerance, scene);
 
-  if (!common.quiet) fmt::print(stderr, "solving the truth\n");
-  TruthOptions accuracy;
-  accuracy.scored_error = asked.tolerance.most / asked.per_metre;
-  const std::vector<double> times = frame_times(scene.duration, scene.fps);
-  const Truth truth = solve_truth(scene.world, times, accuracy, scene.timeline);
-  Reference reference{truth.frames, truth.horizon, truth.self_error};
-  std::erase_if(reference.frames,
-                [&](const Snapshot& frame) { return frame.time > truth.horizon; });
-  if (reference.frames.size() < 2) {
-    throw Misuse(fmt::format("{}: nothing is predictable to {}", options.scene, options.tolerance));
-  }
-  asked.tolerance.most -= asked.per_metre * truth.self_error;
+  const double scored = asked.tolerance.most / asked.per_metre;
+  const Exact exact = [&] {
+    Progress progress("solving exactly", "%", 100, common.quiet);
+    return solve_exactly(
+        {few_copies(scene.world), frame_times(scene.duration, scene.fps), scene.timeline}, scored,
+        kCheckWork, [&](double done) {
+          stop_if_interrupted();
+          progress.update(static_cast<std::size_t>(100 * done));
+        });
+  }();
+  asked.tolerance.most -= asked.per_metre * exact.self_error;
 
   std::vector<SceneModel> scene_models = models_of(scene);
   std::vector<PlanModel> models;
   std::size_t total = 0;
-  for (SceneModel& one : scene_models) {
-    stop_if_interrupted();
-    const Candidate finely{"direct", {{"tolerance", accuracy.scored_error / 100}}};
-    one.error = error_along(one.model.world, one.model.timeline, finely, scene.world, reference,
-                            asked.tolerance.distance);
-    // What is beyond the tolerance when it is solved well must not be saved by errors that cancel.
-    if (one.error <= asked.tolerance.most) one.model.candidates = all_candidates(scene.fps);
-    models.push_back(one.model);
-    total += one.model.candidates.size();
+  {
+    const Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
+    Progress progress("models", "models", scene_models.size(), common.quiet);
+    for (SceneModel& one : scene_models) {
+      stop_if_interrupted();
+      one.alone = attempt(one.model, finely, exact, asked.tolerance, INFINITY);
+      // What is beyond the tolerance when it is solved well must not be saved by errors that
+      // cancel.
+      if (one.alone.end == Trial::End::within) one.model.candidates = all_candidates(scene.fps);
+      models.push_back(one.model);
+      total += one.model.candidates.size();
+      progress.update(models.size());
+    }
   }
   Search search;
   {
     Progress progress("planning", "runs", total, common.quiet);
-    search = taut::search(models, scene.world, reference, asked.tolerance, [&](std::size_t done) {
+    search = taut::search(models, exact, asked.tolerance, [&](std::size_t done) {
       stop_if_interrupted();
       progress.update(done);
     });
   }
   if (!search.best) {
-    throw Misuse(fmt::format("--tolerance {}: no method at any of its settings comes so near",
-                             options.tolerance));
+    const Trial* trial = nearest(search, scene_models);
+    const SceneModel& model = trial ? scene_models[trial->model] : scene_models.front();
+    throw Misuse(fmt::format(
+        "--tolerance {}: no method at any of its settings comes so near; nearest: {}, {}: {}",
+        options.tolerance, describe(model, scene),
+        trial ? describe(model.model.candidates[trial->candidate]) : "solved finely",
+        outcome(trial ? *trial : model.alone, asked, exact)));
   }
 
-  Planned planned{scene, asked, truth, scene_models, search, search.trials[*search.best], {}, {}};
+  Planned planned{scene, asked, exact, scene_models, search, search.trials[*search.best], {}, {}};
   const Candidate as_written{scene.method.name, scene.method.settings};
   const PlanModel& written = models.front();
-  planned.error_as_written = error_along(written.world, written.timeline, as_written, scene.world,
-                                         reference, asked.tolerance.distance);
-  planned.after = afterwards(planned.model().model, planned.candidate(), truth);
-  planned.cost = cost_of(planned.model().model, planned.candidate(), truth.horizon, scene.fps);
-  planned.cost_as_written = cost_of(written, as_written, truth.horizon, scene.fps);
-  {
-    Simulation simulation(written.world, make_method(as_written.method, as_written.settings),
-                          written.timeline);
-    for (const Snapshot& frame : reference.frames) simulation.advance_to(frame.time);
-    planned.work_as_written =
-        work_of(as_written, simulation.world(), simulation.method().counters()) / truth.horizon;
-  }
+  planned.as_written = run_through(written, as_written, exact, asked.tolerance.distance);
+  planned.cost = cost_of(planned.model().model, planned.candidate(), exact.problem.times);
+  planned.cost_as_written = cost_of(written, as_written, exact.problem.times);
   planned.plan = {options.tolerance,
                   planned.best.error,
-                  truth.horizon,
-                  planned.after.energy,
+                  exact.known > 1 ? exact.horizon() : 0,
+                  {},
                   plan_stamp(scene.file),
                   {planned.candidate().method, planned.candidate().settings},
                   planned.model().particles};
+  if (exact.goes_on() && exact.closed) planned.plan.energy = planned.best.later.energy;
   if (options.write) write(scene, planned.plan);
   write_output(common.json ? plan_json(planned) : plan_text(planned));
   return kDone;

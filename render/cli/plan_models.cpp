@@ -21,6 +21,17 @@ std::vector<double> shares(std::size_t most_links) {
   return list;
 }
 
+constexpr std::size_t kCopies = 4;  // of each connector that are looked at, besides itself
+
+/// The reader numbers them: "cord#2".
+bool is_copy(const Connector& connector) {
+  return connector.name.find('#') != std::string::npos;
+}
+
+std::string original(const Connector& connector) {
+  return connector.name.substr(0, connector.name.find('#'));
+}
+
 }  // namespace
 
 std::vector<SceneModel> models_of(const Scene& scene) {
@@ -33,6 +44,7 @@ std::vector<SceneModel> models_of(const Scene& scene) {
     std::map<std::string, std::size_t> particles;
     std::vector<SceneChange> changes;
     for (const Connector& connector : scene.world.connectors) {
+      if (is_copy(connector)) continue;
       const auto links = static_cast<std::size_t>(
           std::max(1.0, std::round(share * static_cast<double>(connector.links()))));
       particles[connector.name] = links + 1;
@@ -43,12 +55,28 @@ std::vector<SceneModel> models_of(const Scene& scene) {
     try {
       Scene changed = load_scene(scene.file, false, changes);
       take_masses(changed.world, scene.world);
-      models.push_back({particles, {changed.world, changed.timeline, {}}});
+      models.push_back({particles, {few_copies(changed.world), changed.timeline, {}}, {}});
     } catch (const BadScene&) {
       // Its start, or one of its pins, needs more particles.
     }
   }
   return models;
+}
+
+World few_copies(World world) {
+  std::map<std::string, std::size_t> copies, seen;
+  for (const Connector& connector : world.connectors) copies[original(connector)] += 1;
+  std::erase_if(world.connectors, [&](const Connector& connector) {
+    const std::size_t number = seen[original(connector)]++, count = copies[original(connector)];
+    const bool on_body = std::ranges::any_of(
+        connector.holds, [](const Hold& hold) { return hold.to.kind == Attachment::Kind::body; });
+    if (on_body || count <= kCopies + 1) return false;
+    // The first, the last, and some evenly between.
+    const std::size_t before = number == 0 ? 0 : (number - 1) * kCopies / (count - 1);
+    return number != 0 && number * kCopies / (count - 1) == before;
+  });
+  world.topology = structure(world);
+  return world;
 }
 
 std::vector<Candidate> all_candidates(int fps) {
@@ -72,6 +100,7 @@ std::vector<Candidate> all_candidates(int fps) {
 std::string describe(const SceneModel& model, const Scene& scene) {
   std::string text;
   for (const Connector& connector : scene.world.connectors) {
+    if (is_copy(connector)) continue;
     const std::size_t particles = model.particles.at(connector.name);
     if (particles == connector.particles()) continue;
     text += fmt::format("{}{}{} of {} particles", text.empty() ? "" : ", ",

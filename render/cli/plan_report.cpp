@@ -13,59 +13,22 @@
 namespace taut::cli {
 namespace {
 
-std::string outcome(const Trial& trial, const std::string& unit) {
-  switch (trial.end) {
-    case Trial::End::within:
-      return fmt::format("{} {} off", rounded(trial.error), unit);
-    case Trial::End::beyond:
-      return fmt::format("at least {} {} off", rounded(trial.error), unit);
-    case Trial::End::dearer:
-      return "dearer";
-    case Trial::End::diverged:
-      return "cannot run it";
-  }
-  return "";
-}
-
-/// What came nearest to being chosen of the trials that `wanted` names: the cheapest within, else
-/// one that was only too dear, else the least error.
-const Trial* nearest(const Search& search, const auto& wanted) {
-  const Trial* best = nullptr;
-  for (const Trial& trial : search.trials) {
-    if (!wanted(trial)) continue;
-    const auto rank = [](const Trial& t) {
-      const bool by_work = t.end == Trial::End::within;
-      return std::tuple(by_work                       ? 0
-                        : t.end == Trial::End::dearer ? 1
-                        : t.end == Trial::End::beyond ? 2
-                                                      : 3,
-                        by_work ? t.work : t.error);
-    };
-    if (!best || rank(trial) < rank(*best)) best = &trial;
-  }
-  return best;
-}
-
 /// Models beyond the tolerance however well they are solved, and of every other method what came
 /// nearest to being chosen.
 Table left_out(const Planned& planned) {
   Table table{{"model", "method", "outcome"}, {}};
-  const auto method_of = [&](const Trial& trial) {
-    return planned.models[trial.model].model.candidates[trial.candidate].method;
-  };
   for (const SceneModel& model : planned.models) {
     if (!model.model.candidates.empty()) continue;
     table.add({describe(model, planned.scene), "any",
-               fmt::format("{} {} off", rounded(model.error), planned.asked.unit)});
+               outcome(model.alone, planned.asked, planned.exact)});
   }
   for (const MethodInfo& method : methods()) {
     if (method.name == planned.candidate().method) continue;
-    const Trial* trial =
-        nearest(planned.search, [&](const Trial& t) { return method_of(t) == method.name; });
+    const Trial* trial = nearest(planned.search, planned.models, method.name);
     if (!trial) continue;
     const SceneModel& model = planned.models[trial->model];
     table.add({describe(model, planned.scene), describe(model.model.candidates[trial->candidate]),
-               outcome(*trial, planned.asked.unit)});
+               outcome(*trial, planned.asked, planned.exact)});
   }
   return table;
 }
@@ -75,47 +38,107 @@ std::string times_less(double before, double now) {
                        : fmt::format("{} times more", rounded(now / before));
 }
 
+/// What solved the exact motion again.
+std::string checked_by(const Exact& exact) {
+  const std::string itself = "direct, ten times as finely";
+  if (exact.checked < 2) return "checked by " + itself;
+  if (exact.checked == exact.known) return "checked by truth";
+  return fmt::format("checked by truth until {} s, then by {}",
+                     rounded(exact.problem.times[exact.checked - 1]), itself);
+}
+
 }  // namespace
+
+std::string outcome(const Trial& trial, const Asked& asked, const Exact& exact) {
+  const std::string& unit = asked.unit;
+  const Difference &later = trial.later, &most = exact.most;
+  switch (trial.end) {
+    case Trial::End::within:
+      return fmt::format("{} {} off", rounded(trial.error), unit);
+    case Trial::End::beyond:
+      return fmt::format("at least {} {} off", rounded(trial.error), unit);
+    case Trial::End::unlike:
+      if (later.energy > most.energy)
+        return fmt::format("energy off by {}%", rounded(100 * later.energy));
+      if (later.stretch > most.stretch)
+        return fmt::format("stretches by {}%", rounded(100 * later.stretch));
+      return fmt::format("other speeds of {}% of the points", rounded(100 * later.speeds));
+    case Trial::End::dearer:
+      return "dearer";
+    case Trial::End::diverged:
+      return "cannot run it";
+  }
+  return "";
+}
+
+const Trial* nearest(const Search& search, const std::vector<SceneModel>& models,
+                     std::string_view method) {
+  const auto rank = [](const Trial& trial) {
+    return std::tuple(trial.end, trial.end == Trial::End::within ? trial.work : trial.error);
+  };
+  const Trial* best = nullptr;
+  for (const Trial& trial : search.trials) {
+    const Candidate& candidate = models[trial.model].model.candidates[trial.candidate];
+    if (!method.empty() && candidate.method != method) continue;
+    if (!best || rank(trial) < rank(*best)) best = &trial;
+  }
+  return best;
+}
 
 std::string plan_text(const Planned& planned) {
   const Scene& scene = planned.scene;
+  const Exact& exact = planned.exact;
+  const Trial& best = planned.best;
+  const std::string& unit = planned.asked.unit;
   std::string text = fmt::format("{}: {}\n", scene.file.string(), certificate(planned.plan));
   const auto line = [&](const char* what, const std::string& is) {
     text += fmt::format("  {:<10}{}\n", what, is);
   };
   line("model", describe(planned.model(), scene));
   line("method", describe(planned.candidate()));
-  line("error", fmt::format("{} {} at most, of every particle and the ends of every body in {} "
-                            "frames (the truth's own: {} {})",
-                            rounded(planned.best.error), planned.asked.unit,
-                            std::ranges::count_if(planned.truth.frames,
-                                                  [&](const Snapshot& frame) {
-                                                    return frame.time <= planned.truth.horizon;
-                                                  }),
-                            rounded(planned.asked.per_metre * planned.truth.self_error),
-                            planned.asked.unit));
-  line("work", times_less(planned.work_as_written, planned.best.work) +
-                   fmt::format(" than as it is written ({}, {} {} off)",
-                               describe(Candidate{scene.method.name, scene.method.settings}),
-                               rounded(planned.error_as_written), planned.asked.unit));
-  line("measured",
-       fmt::format("{} ms of CPU time per simulated second, {}", rounded(1e3 * planned.cost),
-                   times_less(planned.cost_as_written, planned.cost)));
-  const Afterwards& after = planned.after;
-  line("later", fmt::format("stretch {} at most{}", rounded(after.stretch),
-                            after.energy ? fmt::format(", energy within {}% of what can move",
-                                                       rounded(100 * *after.energy))
-                                         : ""));
-  if (after.true_speeds.most > 0) {
-    line("", fmt::format("speeds of particles (quartiles, m/s): {} {} {}; of the truth {} {} {}",
-                         rounded(after.speeds.low), rounded(after.speeds.median),
-                         rounded(after.speeds.high), rounded(after.true_speeds.low),
-                         rounded(after.true_speeds.median), rounded(after.true_speeds.high)));
+  if (exact.known > 1) {
+    line("error", fmt::format("{} {} at most, of every particle and the ends of every body in {} "
+                              "frames",
+                              rounded(best.error), unit, exact.known));
+    line("exact",
+         fmt::format("known to {} {}: {}", rounded(planned.asked.per_metre * exact.self_error),
+                     unit, checked_by(exact)));
+  } else {
+    line("error", fmt::format("nothing can be foretold to {}: a nudge of a ten-thousandth of that "
+                              "grows beyond a hundredth within a frame",
+                              planned.plan.tolerance));
   }
+  if (exact.goes_on()) {
+    line("later",
+         fmt::format("{}energy within {}% of what lifts all by the length, and of all motion ({}% "
+                     "would do)",
+                     exact.closed ? "" : "mean ", rounded(100 * best.later.energy),
+                     rounded(100 * exact.most.energy)));
+    line("", fmt::format("links within {}% of their length ({}%)",
+                         rounded(100 * best.later.stretch), rounded(100 * exact.most.stretch)));
+    line("",
+         fmt::format("speeds of all points distributed within {}% ({}%, by how much equally exact "
+                     "motions differ)",
+                     rounded(100 * best.later.speeds), rounded(100 * exact.most.speeds)));
+  }
+  const Candidate as_written{scene.method.name, scene.method.settings};
+  if (planned.as_written.end == Trial::End::diverged) {
+    line("saving", fmt::format("as it is written, {} diverges", describe(as_written)));
+  } else {
+    line("saving",
+         fmt::format("{} by counted work, {} measured, than as it is written: {}, {} {} off",
+                     times_less(planned.as_written.work, best.work),
+                     times_less(planned.cost_as_written, planned.cost), describe(as_written),
+                     rounded(planned.as_written.error), unit));
+  }
+  line("cost", fmt::format("{} ms of CPU time per simulated second predicted from the counts, {} "
+                           "measured",
+                           rounded(1e-6 * best.work), rounded(1e3 * planned.cost)));
   return text + "\nLeft out:\n" + to_text(left_out(planned));
 }
 
 std::string plan_json(const Planned& planned) {
+  const Exact& exact = planned.exact;
   nlohmann::ordered_json json = {{"scene", planned.scene.file.string()},
                                  {"tolerance", planned.plan.tolerance},
                                  {"certificate", certificate(planned.plan)},
@@ -124,14 +147,23 @@ std::string plan_json(const Planned& planned) {
                                  {"method", planned.plan.method.name},
                                  {"settings", settings_json(planned.plan.method.settings)},
                                  {"particles", planned.plan.particles},
-                                 {"work", planned.best.work},
-                                 {"work_as_written", planned.work_as_written},
-                                 {"ms_per_second", 1e3 * planned.cost},
-                                 {"ms_per_second_as_written", 1e3 * planned.cost_as_written},
-                                 {"error_as_written", planned.error_as_written},
-                                 {"stretch", planned.after.stretch},
-                                 {"energy", nullptr}};
-  if (planned.after.energy) json["energy"] = *planned.after.energy;
+                                 {"checked_by", checked_by(exact)},
+                                 {"exact_known_to", planned.asked.per_metre * exact.self_error},
+                                 {"predicted_ms_per_second", 1e-6 * planned.best.work},
+                                 {"measured_ms_per_second", 1e3 * planned.cost}};
+  if (exact.goes_on()) {
+    const auto later = [](const Difference& difference) {
+      return nlohmann::ordered_json{{"energy", difference.energy},
+                                    {"stretch", difference.stretch},
+                                    {"speeds", difference.speeds}};
+    };
+    json["later"] = {{"found", later(planned.best.later)}, {"allowed", later(exact.most)}};
+  }
+  if (planned.as_written.end == Trial::End::within) {
+    json["as_written"] = {{"error", planned.as_written.error},
+                          {"predicted_ms_per_second", 1e-6 * planned.as_written.work},
+                          {"measured_ms_per_second", 1e3 * planned.cost_as_written}};
+  }
   for (const auto& row : left_out(planned).rows) {
     json["left_out"].push_back({{"model", row[0]}, {"method", row[1]}, {"outcome", row[2]}});
   }

@@ -1,14 +1,12 @@
 // What taut plan says of the plan that it found.
 #pragma once
 
-#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/cli/plan_models.h"
-#include "sim/study/front.h"
 #include "sim/study/planner.h"
-#include "sim/truth/truth.h"
 
 namespace taut::cli {
 
@@ -19,28 +17,28 @@ struct Asked {
   double per_metre = 0;  // the most units that a metre has
 };
 
-/// What can be compared once motions are no longer predictable.
-struct Afterwards {
-  std::optional<double> energy;  // the largest change, of what the world can turn into motion
-  double stretch = 0;            // the largest of a link
-  Spread speeds, true_speeds;    // m/s, of all particles from the horizon on
-};
-
 /// A plan with everything that led to it.
 struct Planned {
   const Scene& scene;
   const Asked& asked;
-  const Truth& truth;
+  const Exact& exact;
   const std::vector<SceneModel>& models;
   const Search& search;
   const Trial& best;
   Plan plan;
-  Afterwards after;
-  double work_as_written = 0, cost = 0, cost_as_written = 0, error_as_written = 0;
+  Trial as_written;                      // run to its end, whatever its error
+  double cost = 0, cost_as_written = 0;  // measured: CPU s per simulated second
 
   const SceneModel& model() const { return models[best.model]; }
   const Candidate& candidate() const { return model().model.candidates[best.candidate]; }
 };
+
+/// What became of a candidate, in a few words.
+std::string outcome(const Trial& trial, const Asked& asked, const Exact& exact);
+/// The trial that came nearest to being chosen: the cheapest within, else one that was only too
+/// dear, else one that only differs later, else the least error; of one method where that is named.
+const Trial* nearest(const Search& search, const std::vector<SceneModel>& models,
+                     std::string_view method = {});
 
 /// A few lines, and the table of what was left out.
 std::string plan_text(const Planned& planned);

@@ -1,18 +1,13 @@
 // The planner: of many models and settings, the one that takes the least work and that nobody can
-// tell from the truth.
+// tell from the exact motion.
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "sim/simulation.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/candidate.h"
-#include "sim/study/reference.h"
+#include "sim/study/beside.h"
 
 namespace taut {
 
@@ -27,18 +22,20 @@ struct PlanModel {
 struct Trial {
   enum class End {
     within,    // of the tolerance, at every frame
-    beyond,    // the tolerance
     dearer,    // than the best so far
+    unlike,    // the exact motion where that cannot be foretold
+    beyond,    // the tolerance, where it can
     diverged,  // or refused by the method
   };
   std::size_t model = 0, candidate = 0;
   End end = End::within;
   double error = 0;  // the largest of the frames that it reached, in the tolerance's unit
-  double work = 0;   // of MethodInfo::work, per simulated second
+  Difference later;
+  double work = 0;  // of MethodInfo::work, per simulated second
 };
 
 struct Search {
-  std::vector<Trial> trials;        // one for each candidate of each model, in their order
+  std::vector<Trial> trials;        // one for each candidate of each model, in no certain order
   std::optional<std::size_t> best;  // the cheapest within the tolerance
 };
 
@@ -47,18 +44,19 @@ struct Tolerance {
   double most = 0;
 };
 
-/// The work of the solves so far, from counts: the same on every machine.
-double work_of(const Candidate& candidate, const World& world, const Counters& counters);
+/// A run to the end, or until it is beyond the tolerance or takes more than `most_work` (per
+/// simulated second).
+Trial attempt(const PlanModel& model, const Candidate& candidate, const Exact& exact,
+              const Tolerance& tolerance, double most_work);
 
-/// The largest error of a candidate along `truth`, in the unit of `distance`; infinite where it
-/// cannot be run to the end.
-double error_along(const World& world, const Timeline& timeline, const Candidate& candidate,
-                   const World& exact, const Reference& truth, const Distance& distance);
+/// A run to the end, whatever its error: within or diverged.
+Trial run_through(const PlanModel& model, const Candidate& candidate, const Exact& exact,
+                  const Distance& distance);
 
-/// Runs every candidate of every model along `truth` (frames up to the horizon, of the world
-/// `exact`) until it is beyond the tolerance or dearer than the cheapest within. `tried` is called
-/// after each with the number so far; it may throw to stop.
-Search search(std::span<const PlanModel> models, const World& exact, const Reference& truth,
-              const Tolerance& tolerance, const std::function<void(std::size_t)>& tried);
+/// Tries every candidate of every model, those of the first one's method first, until it is beyond
+/// the tolerance or dearer than the cheapest within. `tried` is called after each with the number
+/// so far; it may throw to stop.
+Search search(std::span<const PlanModel> models, const Exact& exact, const Tolerance& tolerance,
+              const std::function<void(std::size_t)>& tried);
 
 }  // namespace taut

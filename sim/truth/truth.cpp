@@ -33,22 +33,6 @@ Frames run(const World& world, std::string_view method, const Settings& settings
   return frames;
 }
 
-/// `world` with its particles moved sideways by up to `distance` (m): more and more along each
-/// connector or, `rough`, by turns to one side and the other. The truth's first projection puts the
-/// lengths right again.
-World nudged(World world, double distance, bool rough) {
-  const Vec3 side = Vec3(1, 2, 0.5).normalized();  // along no axis that a scene is likely to have
-  for (Connector& connector : world.connectors) {
-    const double last = static_cast<double>(connector.particles() - 1);
-    for (std::size_t i = 0; i < connector.particles(); ++i) {
-      const double smooth = static_cast<double>(i) / last;
-      connector.position[i] += distance * (rough ? (i % 2 == 0 ? 1 : -1) : smooth) * side;
-    }
-  }
-  place_held(world, world.time);
-  return world;
-}
-
 /// The largest distance (m) of any particle.
 double largest_distance(const Snapshot& a, const Snapshot& b) {
   double largest = 0;
@@ -61,6 +45,19 @@ double largest_distance(const Snapshot& a, const Snapshot& b) {
 }
 
 }  // namespace
+
+World nudged(World world, double distance, bool rough) {
+  const Vec3 side = Vec3(1, 2, 0.5).normalized();  // along no axis that a scene is likely to have
+  for (Connector& connector : world.connectors) {
+    const double last = static_cast<double>(connector.particles() - 1);
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      const double smooth = static_cast<double>(i) / last;
+      connector.position[i] += distance * (rough ? (i % 2 == 0 ? 1 : -1) : smooth) * side;
+    }
+  }
+  place_held(world, world.time);
+  return world;
+}
 
 Truth solve_truth(const World& world, std::span<const double> times, const TruthOptions& options,
                   const Timeline& timeline) {

@@ -36,4 +36,9 @@ struct Truth {
 Truth solve_truth(const World& world, std::span<const double> times,
                   const TruthOptions& options = {}, const Timeline& timeline = {});
 
+/// `world` with its particles moved sideways by up to `distance` (m): more and more along each
+/// connector or, `rough`, by turns to one side and the other. A method's first projection puts the
+/// lengths right again.
+World nudged(World world, double distance, bool rough);
+
 }  // namespace taut

@@ -97,6 +97,18 @@ TEST(Certificate, SaysHowFarAndHowLong) {
   driven.energy.reset();
   driven.tolerance = "0.5mm";
   EXPECT_EQ(certificate(driven), "within 0.4 mm of the exact motion until 4.1 s");
+  Plan chaos = a_plan();
+  chaos.until = 0;
+  EXPECT_EQ(certificate(chaos), "of a motion that nobody can foretell; energy within 0.1%");
+}
+
+TEST(Certificate, NeverClaimsMoreThanWasFound) {
+  Plan plan = a_plan();
+  plan.error = 0.401;
+  plan.until = 4.19;
+  plan.energy = 0.001001;
+  EXPECT_EQ(certificate(plan),
+            "within 0.41 px of the exact motion until 4.1 s; afterwards energy within 0.11%");
 }
 
 }  // namespace

@@ -1,0 +1,45 @@
+// A run beside the exact motion: how far from it, and at what price.
+#pragma once
+
+#include "sim/study/accuracy.h"
+#include "sim/study/exact.h"
+#include "sim/study/likeness.h"
+
+namespace taut {
+
+/// Goes from frame to frame of the exact motion, with any world that has the same connectors and
+/// bodies, whatever chain of particles stands for a connector.
+class Beside {
+ public:
+  /// `exact` and `distance` must outlive it. Throws std::invalid_argument where the method does not
+  /// take the settings.
+  Beside(const Exact& exact, const World& world, const Timeline& timeline,
+         const Candidate& candidate, const Distance& distance);
+
+  /// To the next frame; false where there is none. Throws Diverged.
+  bool next();
+
+  /// The largest distance of any point so far, in the frames that can be compared; infinite where
+  /// one is not finite.
+  double error() const { return error_; }
+  /// What differs of the frames after the horizon so far; speeds, and the mean energy of a
+  /// world that is not closed, only once all have been.
+  Difference later() const;
+  /// Of the solves so far.
+  double work() const;
+  const Simulation& simulation() const { return simulation_; }
+
+ private:
+  const Exact& exact_;
+  const Distance& distance_;
+  Candidate candidate_;
+  Simulation simulation_;
+  Marks marks_;
+  std::size_t frame_ = 0;  // the next one
+  double error_ = 0, energy_at_start_ = 0;
+  double stretch_ = 0;  // after the horizon
+  EnergyDifference energy_;
+  Speeds speeds_;
+};
+
+}  // namespace taut

@@ -1,0 +1,56 @@
+// The exact motion of a world, as plans are proved against it: where everything is as long as that
+// can be foretold, and what every solution has in common after that.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "sim/study/marks.h"
+#include "sim/study/run.h"
+
+namespace taut {
+
+/// By how much a motion differs from the exact one where neither can be foretold.
+struct Difference {
+  /// A share of Exact::energy_scale: the largest of any frame where the world is closed; of the
+  /// mean over all frames where something does work on it, which depends on how it happens to move.
+  double energy = 0;
+  double stretch = 0;  // the largest of a link, a share of its length
+  double speeds = 0;   // of the distributions of all points' speeds, see distribution_distance()
+
+  bool within(const Difference& most) const {
+    return energy <= most.energy && stretch <= most.stretch && speeds <= most.speeds;
+  }
+};
+
+struct Exact {
+  Problem problem;  // its times: as far as there is a solution
+  Marks marks;
+  std::vector<std::vector<Vec3>> points;  // [frame][mark], m
+  bool closed = false;                    // nothing does work on it
+  std::vector<double> energy;             // J more than at the start, of each frame
+  double energy_scale = 0;                // J, of lifting all by the length and of the most motion
+  std::size_t known = 0;                  // frames whose states can be compared
+  double self_error = 0;                  // m, by which solutions differ in these
+  std::size_t checked = 0;                // of the known frames: by an independent solver
+  // Of the frames from the last known one on:
+  std::vector<double> speeds = {};  // m/s, rising
+  double same_speed = 0;            // m/s: speeds that differ by less are equal
+  Difference most = {};             // that a motion may differ
+
+  /// The time (s) until which the motion can be foretold.
+  double horizon() const { return problem.times[known > 0 ? known - 1 : 0]; }
+  /// True where it ends before the frames do.
+  bool goes_on() const { return known < points.size(); }
+};
+
+/// Solves the problem for comparisons to within `scored_error` (m): by the direct method far more
+/// finely; from two starts nudged by a ten-thousandth of that, to see how long the motion can be
+/// foretold and how much solutions differ later; and by the solver of the truth, which shares
+/// neither its equations nor its integrators. What that cannot follow, or not with `most_work` (of
+/// MethodInfo::work), direct checks itself, ten times as finely. Calls `tick` after each frame with
+/// the share of all that is done; it may throw. Throws Diverged where there is no second frame.
+Exact solve_exactly(Problem problem, double scored_error, double most_work,
+                    const std::function<void(double)>& tick);
+
+}  // namespace taut
