@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFade = 0.2;    // s
 constexpr double kDim = 0.6;     // opacity of a list's lines whose time it is not
-constexpr double kPanel = 0.45;  // darkness behind the lines, soft at its edges
+constexpr double kPanel = 0.38;  // darkness behind the lines, soft at its edges
 constexpr double kLeading = 1.5;
 
 /// How much of something shows that fades in and out between two times.
@@ -22,8 +22,8 @@ double shown(double from, double until, double time) {
 struct Lines {
   Picture& picture;
   Font& font;
-  double size = std::max(0.026 * picture.height, 9.0);
-  double x = 0.05 * picture.width, y = 0.93 * picture.height;
+  double size = std::max(0.024 * picture.height, 9.0);
+  double x = 0.04 * picture.width, y = 0.93 * picture.height;
 
   /// Darkens the picture behind the lowest `count` lines.
   void darken(int count, double width, double opacity) {

@@ -79,10 +79,12 @@ vec3 ambient_light(vec3 n) {
          AMBIENT[8] * (n.x * n.x - n.y * n.y);
 }
 
-// What a mirror of that roughness sees: ground below, sky above, softer where rougher.
+// What a mirror of that roughness sees: ground below, sky above, walls in the key light between
+// them; softer where rougher.
 vec3 environment(vec3 r, float roughness) {
   float blur = 0.15 + 0.85 * roughness;
-  return mix(GROUND, SKY, smoothstep(-blur, blur, r.y));
+  float wall = max(1 - abs(r.y - 0.25) / (0.25 + blur), 0);
+  return mix(GROUND, SKY, smoothstep(-blur, blur, r.y)) + 0.16 * wall * wall * LIGHT_COLOR;
 }
 
 float contact_light(vec3 p, vec3 n) {
@@ -104,6 +106,22 @@ float contact_light(vec3 p, vec3 n) {
 vec2 facing(vec3 p, vec3 n) {
   vec3 a = abs(n);
   return a.x > a.y && a.x > a.z ? p.yz : a.y > a.z ? p.xz : p.xy;
+}
+
+// Height of the small creases of cloth that is worn, m: waves along wandering lines.
+float creases(vec3 p) {
+  float a = sin(95.0 * p.x + 41.0 * p.y + 1.7 * sin(37.0 * p.y + 29.0 * p.z));
+  float b = sin(61.0 * p.y - 83.0 * p.z + 1.9 * sin(43.0 * p.x - 31.0 * p.y));
+  return 0.0011 * a * b;
+}
+
+// A normal tilted by heights over the surface (Mikkelsen 2010).
+vec3 bumped(vec3 n, float height) {
+  vec3 x = dFdx(world_position), y = dFdy(world_position);
+  vec3 across = cross(y, n), along = cross(n, x);
+  float area = dot(x, across);
+  vec3 slope = sign(area) * (dFdx(height) * across + dFdy(height) * along);
+  return normalize(abs(area) * n - slope);
 }
 
 // Square root of the tone-mapped light: nearly even steps to the eye, cheap to undo before
@@ -131,6 +149,7 @@ void main() {
   vec2 width = fwidth(w);
   float fade = clamp(1.4 - 0.55 * max(width.x, width.y), 0, 1);
   albedo *= 1 + 0.16 * fade * sin(w.x) * sin(w.y);
+  n = bumped(n, creases(rest_position));
   wrap = vec3(0.15);
   sheen = 0.12;
 #elif SURFACE == 3  // skin: light that went in comes out redder past the terminator

@@ -9,6 +9,7 @@ import hands
 import head
 import jacket
 import occlusion
+import skeleton
 import trousers
 from mesh import mirror, sculpt, smoothing
 from nets import evaluate
@@ -81,7 +82,7 @@ def _weigh(part, heat):
     elif part.name in _BONES:
         dense = heat.at(part.points, _BONES[part.name])
         if part.name == "Belt":
-            dense = _hang_tails(part, dense, heat)
+            dense = _hang_tails(part, dense)
         if part.name == "Jacket":
             dense = _drape(part, dense)
         if part.name == "Trousers":
@@ -102,11 +103,18 @@ def _stiffen_face(part, dense):
     return dense * (1 - t) + rigid(len(p), "Head") * t
 
 
-def _hang_tails(part, dense, heat):
-    """The belt's tails lie on both thighs: a leg that steps aside takes them along only partly."""
-    other = heat.at(part.points * np.array([-1.0, 1, 1]), _BONES["Belt"])
-    share = 0.38 * ramp(1.010, 0.975, part.points[:, 1])[:, None]
-    return (1 - share) * dense + share * other
+def _hang_tails(part, dense):
+    """Below the knot the belt's tails hang on bones of their own."""
+    p = part.points
+    on_left = ramp(-0.006, 0.006, p[:, 0])
+    for side, share in (("Left", on_left), ("Right", 1 - on_left)):
+        knot, bend, _ = skeleton.TAILS[side]
+        hangs = share * ramp(knot[1], knot[1] - 0.045, p[:, 1]) * (p[:, 2] > 0.10)
+        lower = ramp(bend[1] + 0.065, bend[1] - 0.065, p[:, 1])
+        dense = dense * (1 - hangs)[:, None]
+        dense[:, REST.index(side + "Tail1")] += hangs * (1 - lower)
+        dense[:, REST.index(side + "Tail2")] += hangs * lower
+    return dense
 
 
 def _drape(part, dense):

@@ -1,4 +1,5 @@
-"""The rest skeleton of the martial artist: 56 joints, three per finger, an eye and its upper lid on each side.
+"""The rest skeleton of the martial artist: 60 joints, three per finger, an eye, its upper lid and two in a tail of
+the belt on each side.
 
 glTF axes: y up, z forward, x to the character's left; metres. The arms hang 40 degrees below the
 horizontal, palms down and inward. Other parts of the project pose these joints by name and measure
@@ -34,6 +35,11 @@ def unit(v):
     return v / np.linalg.norm(v)
 
 
+# The middle line of a tail of the belt: where it leaves the knot, bends and ends.
+TAILS = {
+    "Left": ((0.012, 1.008, 0.152), (0.048, 0.881, 0.172), (0.078, 0.736, 0.180)),
+    "Right": ((-0.012, 1.008, 0.152), (-0.040, 0.895, 0.172), (-0.064, 0.764, 0.180)),
+}
 EYE = vec(0.0315, 1.6515, 0.0665)  # centre of the left eye ball
 
 
@@ -124,6 +130,10 @@ def build():
         for name in ("Eye", "Lid"):
             s.add(side + name, "Head", vec(sign, 1, 1) * EYE)
             s.tail[side + name] = s.head[side + name] + vec(0, 0, 0.014)
+    for side, (knot, bend, end) in TAILS.items():
+        s.add(side + "Tail1", "Hips", vec(*knot))
+        s.add(side + "Tail2", side + "Tail1", vec(*bend))
+        s.tail[side + "Tail2"] = vec(*end)
     onward = {"Hips": "Spine", "Chest": "Neck"}
     for side, _ in SIDES:
         onward[side + "Hand"] = side + "HandMiddle1"

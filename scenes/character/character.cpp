@@ -1,6 +1,7 @@
 #include "scenes/character/character.h"
 
 #include "scenes/character/acting.h"
+#include "scenes/character/tails.h"
 
 namespace taut {
 namespace {
@@ -12,25 +13,33 @@ class Player : public Performance {
       : model_(std::move(model)),
         path_(stick.path),
         figure_(*model_, stick.diameter / 2),
-        controls_(act(figure_, *path_, duration)) {
+        controls_(act(figure_, *path_, duration)),
+        tails_(figure_.skeleton()) {
     look_about(figure_, *path_, controls_);
     plan_arm(figure_, *path_, controls_);
-    if (!head) return;
-    for (Eigen::Index i = 0; i < controls_.count(); ++i) {
+    for (Eigen::Index i = 0; head && i < controls_.count(); ++i) {
       controls_.samples().col(i).segment<3>(head_yaw) += head->at(controls_.time(i)).position;
     }
+    swing_ = tails_.swing(duration, acting_rate, [&](double time) { return placed(time); });
   }
 
   std::vector<Pose> bones_at(double time) const override {
-    const Controls controls = controls_.at(time);
-    return figure_.skeleton().poses(figure_.pose(controls, path_->at(time).pose()));
+    Placement all = placed(time);
+    tails_.hang(swing_.at(time), all);
+    return figure_.skeleton().poses(all);
   }
 
  private:
+  Placement placed(double time) const {
+    return figure_.pose(controls_.at(time), path_->at(time).pose());
+  }
+
   std::shared_ptr<const Model> model_;
   std::shared_ptr<const Path> path_;
   Figure figure_;
   Track controls_;
+  Tails tails_;
+  Track swing_{Eigen::MatrixXd::Zero(0, 1), acting_rate};
 };
 
 }  // namespace
