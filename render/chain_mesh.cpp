@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/chain_contact.h"
+
 namespace taut {
 namespace {
 
@@ -17,6 +19,18 @@ Piece collar_piece(float size) {
                                           {0.3f * r, 0.75f * h, 0.2f, 1},
                                           {0, 0.75f * h, 0, 1}};
   return turned_piece(profile, 16);
+}
+
+/// The radius (m) of a model round the axis on which the chain is attached, not far below that.
+double thickness(const Model& model, const Vec3& point, const Vec3& axis) {
+  constexpr double kBelow = 0.02;  // m
+  double radius = 0;
+  for (const Mesh& mesh : model.meshes)
+    for (const Vertex& v : mesh.vertices) {
+      const Vec3 r = Vec3(v.position[0], v.position[1], v.position[2]) - point;
+      if (r.dot(axis) > -kBelow) radius = std::max(radius, (r - r.dot(axis) * axis).norm());
+    }
+  return radius;
 }
 
 /// `piece` with its x along `wide`, its y along `axis` and stretched along y.
@@ -34,8 +48,11 @@ void put(const Piece& piece, const Vec3& origin, const Vec3& wide, const Vec3& a
 
 }  // namespace
 
-ChainMesh::ChainMesh(const Connector& connector, const ConnectorLook& look)
-    : mounts_{mount_at(connector, 0), mount_at(connector, connector.particles() - 1)} {
+ChainMesh::ChainMesh(const Connector& connector, const ConnectorLook& look,
+                     std::span<const std::shared_ptr<const Model>> bodies)
+    : mounts_{mount_at(connector, 0, bodies),
+              mount_at(connector, connector.particles() - 1, bodies)},
+      width_(look.diameter) {
   const auto width = float(look.diameter);
   const float wire = 0.19f * width;
   // Links 2.2 times as long as wide; joined, each takes its length less two wires' thickness.
@@ -63,8 +80,14 @@ void ChainMesh::place(std::span<const Vec3> particles, std::span<const Pose> bod
     const Quat& turn = bodies[mount->body].rotation;
     return ChainHold{turn * mount->axis, turn * mount->axis.unitOrthogonal()};
   };
+  std::vector<BarEnd> bars;
+  for (const auto& [mount, point] :
+       {std::pair(mounts_[0], particles.front()), {mounts_[1], particles.back()}})
+    if (mount && mount->radius > 0)
+      bars.push_back({point, bodies[mount->body].rotation * mount->axis,
+                      mount->radius + 0.3 * width_, 0.5 * width_});
   const std::vector<LinkFrame> links =
-      link_frames(particles, links_, hold(mounts_[0]), hold(mounts_[1]));
+      link_frames(clear_of(bars, particles), links_, hold(mounts_[0]), hold(mounts_[1]));
   for (const LinkFrame& link : links) {
     // A link that its method stretched is drawn so.
     const double stretch = std::max((link.to - link.from).norm() / pitch_, 1.0);
@@ -75,12 +98,16 @@ void ChainMesh::place(std::span<const Vec3> particles, std::span<const Pose> bod
   if (mounts_[1]) put_swivel(*mounts_[1], last.to, -last.axis, last.wide, bodies, vertices);
 }
 
-std::optional<ChainMesh::Mount> ChainMesh::mount_at(const Connector& connector,
-                                                    std::size_t particle) {
+std::optional<ChainMesh::Mount> ChainMesh::mount_at(
+    const Connector& connector, std::size_t particle,
+    std::span<const std::shared_ptr<const Model>> bodies) {
   for (const Hold& hold : connector.holds)
     if (hold.particle == particle && hold.to.kind == Attachment::Kind::body) {
-      const double length = hold.to.point.norm();
-      return Mount{hold.to.body, length > 1e-9 ? Vec3(hold.to.point / length) : Vec3::UnitY()};
+      const Vec3& point = hold.to.point;
+      const double length = point.norm();
+      const Vec3 axis = length > 1e-9 ? Vec3(point / length) : Vec3::UnitY();
+      const bool known = hold.to.body < bodies.size() && bodies[hold.to.body];
+      return Mount{hold.to.body, axis, known ? thickness(*bodies[hold.to.body], point, axis) : 0};
     }
   return {};
 }

@@ -123,9 +123,11 @@ class TubeMesh final : public ConnectorMesh {
 
 }  // namespace
 
-std::unique_ptr<ConnectorMesh> make_connector_mesh(const Connector& connector,
-                                                   const ConnectorLook& look) {
-  if (look.kind == ConnectorLook::Kind::chain) return std::make_unique<ChainMesh>(connector, look);
+std::unique_ptr<ConnectorMesh> make_connector_mesh(
+    const Connector& connector, const ConnectorLook& look,
+    std::span<const std::shared_ptr<const Model>> bodies) {
+  if (look.kind == ConnectorLook::Kind::chain)
+    return std::make_unique<ChainMesh>(connector, look, bodies);
   return std::make_unique<TubeMesh>(connector, look);
 }
 

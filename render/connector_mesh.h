@@ -41,8 +41,10 @@ class ConnectorMesh {
   std::vector<RestVertex> rest_;
 };
 
-/// The geometry of `connector`, drawn as `look` says; its holds tell where swivels sit on bodies.
-std::unique_ptr<ConnectorMesh> make_connector_mesh(const Connector& connector,
-                                                   const ConnectorLook& look);
+/// The geometry of `connector`, drawn as `look` says; its holds tell where swivels sit on bodies,
+/// whose models (null: none) tell how thick they are there.
+std::unique_ptr<ConnectorMesh> make_connector_mesh(
+    const Connector& connector, const ConnectorLook& look,
+    std::span<const std::shared_ptr<const Model>> bodies);
 
 }  // namespace taut

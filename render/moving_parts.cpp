@@ -32,7 +32,7 @@ MovingParts::MovingParts(const Gl& gl, const Stage& stage, const World& world) :
   for (std::size_t i = 0; i < world.connectors.size(); ++i) {
     const ConnectorLook look =
         i < stage.connector_looks.size() ? stage.connector_looks[i] : ConnectorLook();
-    connector_meshes_.push_back(make_connector_mesh(world.connectors[i], look));
+    connector_meshes_.push_back(make_connector_mesh(world.connectors[i], look, stage.body_models));
     const bool chain = look.kind == ConnectorLook::Kind::chain;
     const Material material{.name = chain ? "steel" : "rope",
                             .base_color = {1, 1, 1},
