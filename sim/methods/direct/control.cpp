@@ -10,8 +10,8 @@ namespace {
 // The error that a step may make, in tolerances: of the explicit methods so much per second (most
 // of it cancels: waves go round), and at most so much; of the implicit one, which loses every wave
 // only once, so much in any step.
-constexpr double kCarefulRate = 30, kAdamsRate = 15, kImplicitRate = 30;  // 1/s
-constexpr double kExplicitShare = 0.1, kImplicitShare = 0.015;
+constexpr double kCarefulRate = 15, kAdamsRate = 15, kImplicitRate = 30;  // 1/s
+constexpr double kExplicitShare = 0.05, kImplicitShare = 0.015;
 
 constexpr double kSafety = 0.9;
 constexpr double kMostGrowth = 4, kMostShrink = 0.2;
@@ -28,7 +28,7 @@ constexpr double kNewSpacing = 0.93;  // of the longest, so that it lasts
 
 /// The waves that a step stirs up must stay this small, as turns of a link; the implicit method
 /// damps them.
-constexpr double kRoughness = 0.05, kImplicitRoughness = 0.6;
+constexpr double kRoughness = 0.1, kImplicitRoughness = 0.15;
 
 /// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
 /// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
@@ -37,6 +37,10 @@ constexpr double kShortOfWaves = 1e-3, kRounding = 1e-6;
 
 /// A fixed step whose error estimate exceeds this share of the length of all links is done again.
 constexpr double kCoarsest = 0.01;
+
+/// A part that gains more energy than errors of the tolerance can explain is followed anew from the
+/// last audit, with the tolerance so many times as fine.
+constexpr double kFiner = 0.1;
 
 /// Steps that no frame ends must not pass over what a driven end does meanwhile, nor go far beyond
 /// the time that is asked for.
@@ -70,8 +74,8 @@ void Course::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   careful_.reserve(size);
   adams_.reserve(size);
   implicit_.reserve(size);
-  for (Array* array :
-       {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
+  for (Array* array : {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_,
+                       &rate_between_, &q_audited_, &rate_audited_}) {
     array->reserve(size);
   }
 }
@@ -91,7 +95,8 @@ void Course::plan(const World& world, double time, const std::optional<Plane>& p
   for (Array* array : {&acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
     array->assign(motion_->size(), 0.0);
   }
-  longest_ = driven(world, component_) ? kLongestDriven : kLongest;
+  closed_ = !driven(world, component_);
+  longest_ = closed_ ? kLongest : kLongestDriven;
   cost_ = {kCarefulCost, kAdamsCost, kImplicitCost};
   for (double& cost : cost_) cost += motion_->projection_cost();
 }
@@ -101,6 +106,12 @@ void Course::load(const World& world) {
   time_ = world.time;
   motion_->load(world, time_, q_, rate_);
   motion_->project(time_, q_.data(), rate_.data());
+  begin();
+  if (closed_) known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
+}
+
+/// Knows nothing but the state.
+void Course::begin() {
   fresh_ = false;
   rung_ = careful;
   step_ = kFirstStep;
@@ -109,14 +120,45 @@ void Course::load(const World& world) {
 
 void Course::advance(World& world, double until, Counters& counters) {
   motion_->attach(world);
-  if (control_.step > 0) {
-    advance_by_step(world, until, counters);
-  } else {
-    advance_by_tolerance(world, until, control_.tolerance, counters);
-  }
+  if (time_ < until) follow(world, until, counters);
   if (time_ == until) return motion_->store(world, until, q_.data(), rate_.data());
   interpolate(until);
   motion_->store(world, until, q_between_.data(), rate_between_.data());
+}
+
+/// Steps to `until` or beyond; once more and finer where the energy says that it went wrong.
+void Course::follow(World& world, double until, Counters& counters) {
+  const bool fixed = control_.step > 0;
+  const double tolerance = fixed ? kCoarsest * motion_->length() : control_.tolerance;
+  const double start = time_;
+  q_audited_ = q_;
+  rate_audited_ = rate_;
+  if (fixed) {
+    advance_by_step(world, until, counters);
+  } else {
+    advance_by_tolerance(world, until, tolerance, counters);
+  }
+  if (balances(tolerance)) return;
+  counters.handed_over += 1;
+  time_ = start;
+  q_ = q_audited_;
+  rate_ = rate_audited_;
+  begin();
+  advance_by_tolerance(world, until, kFiner * tolerance, counters);
+  if (fixed && time_ > until) return_to(until);
+  known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
+}
+
+/// Whether the energy is at most what it was, as far as errors of the tolerance can tell: of place
+/// under the weight, and of speed, for which an error of place counts in memory(). What is lost is
+/// no fault: the implicit method damps the waves that it passes over. Driven ends do work; what
+/// they drive is not audited.
+bool Course::balances(double tolerance) {
+  if (!closed_) return true;
+  const Motion::Energy energy = motion_->energy(time_, q_.data(), rate_.data());
+  const double speed = std::sqrt(2 * energy.kinetic / energy.mass);
+  const double force = energy.mass * (motion_->gravity() + speed / motion_->memory());
+  return !(energy.sum() - known_energy_ > tolerance * force);
 }
 
 /// The state at `time` within the last step, by Hermite's polynomial. Accelerations count in it
@@ -230,6 +272,7 @@ bool Course::leave_plane(World& world) {
   std::optional<Plane> plane;
   if (planned_at_ != time_) plane = planes_.find(world, component_, time_, *reason);
   plan(world, time_, plane);
+  closed_ = false;
   motion_->load(world, time_, q_, rate_);
   fresh_ = false;
   return true;

@@ -61,6 +61,9 @@ class Course {
   void plan(const World& world, double time, const std::optional<Plane>& plane);
   void advance_by_tolerance(World& world, double until, double tolerance, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
+  void begin();
+  void follow(World& world, double until, Counters& counters);
+  bool balances(double tolerance);
   void interpolate(double time);
   void return_to(double time);
   void refresh(Counters& counters);
@@ -90,11 +93,14 @@ class Course {
   double before_ = 0;  // s, where the last step began
   Array q_before_, rate_before_;
   Array q_between_, rate_between_;  // at a time within that step
-  bool fresh_ = false;              // acceleration_ and fastest_ are those of the present state
-  double fastest_ = 0;              // rad/s, of the waves
-  Rung rung_ = careful;             // for the next step
-  double step_ = 0;                 // s, what its error allows
-  double longest_ = 0;              // s, what driven ends allow
+  bool closed_ = false;             // nothing does work on it but gravity
+  double known_energy_ = 0;         // J, where it was loaded
+  Array q_audited_, rate_audited_;
+  bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state
+  double fastest_ = 0;   // rad/s, of the waves
+  Rung rung_ = careful;  // for the next step
+  double step_ = 0;      // s, what its error allows
+  double longest_ = 0;   // s, what driven ends allow
   std::array<Rest, kRungs> rests_;
   std::array<double, kRungs> cost_{};  // of a step, in accelerations
 };

@@ -41,6 +41,14 @@ class Motion {
   virtual double shift(const double* change) const = 0;
   /// A cheap upper bound of that, from the sum of the squares of `change`.
   virtual double shift_bound(double squares) const = 0;
+  struct Energy {
+    double kinetic = 0, potential = 0;  // J
+    double mass = 0;                    // kg, of all that moves
+    double sum() const { return kinetic + potential; }
+  };
+  /// That of a state at `time`, where no end is driven.
+  virtual Energy energy(double time, const double* q, const double* rate) = 0;
+  virtual double gravity() const = 0;  // m/s^2
   /// The time (s) for which an error of velocity counts.
   virtual double memory() const = 0;
   /// The error (m) of the particles' positions that the errors of q and q' amount to.

@@ -52,6 +52,8 @@ class Net : public Motion {
   double projection_cost() const override;
   double shift(const double* change) const override;
   double shift_bound(double squares) const override { return reach_ * std::sqrt(squares); }
+  Energy energy(double time, const double* q, const double* rate) override;
+  double gravity() const override { return world_->gravity.norm(); }
   double memory() const override { return memory_; }
   bool lift(const double* base, double* x, double* rate) const override;
   void across(const double* base, double* x) const override;

@@ -211,6 +211,24 @@ void Net::store(World& world, double time, const double* q, const double* rate) 
   }
 }
 
+Motion::Energy Net::energy(double time, const double* q, const double* rate) {
+  place(time, q, rate);
+  Energy sum;
+  const auto count = [&](double mass, const Point& point) {
+    sum.kinetic += mass / 2 * point.velocity.squaredNorm();
+    sum.potential -= mass * world_->gravity.dot(point.position);
+    sum.mass += mass;
+  };
+  for (std::size_t k = 0; k < points_.size(); ++k) count(point_mass_[k], points_[k]);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Part& part = bodies_[b];
+    count(part.mass, centres_[b]);
+    const Vec3 spin = part.rotation.transpose() * part.spin;
+    sum.kinetic += spin.dot(part.inertia * spin) / 2;
+  }
+  return sum;
+}
+
 void Net::project(double time, double* q, double* rate) {
   unit(q, rate);
   if (loops_) close(time, q, rate);

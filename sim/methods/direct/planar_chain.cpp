@@ -224,6 +224,22 @@ void PlanarChain::acceleration(double time, const double* q, const double* rate,
   for (std::size_t k = loop_; k < size(); ++k) out[k] = 0;
 }
 
+Motion::Energy PlanarChain::energy(double, const double* q, const double* rate) {
+  directions(loop_, q, place_cosine_, place_sine_);
+  const double gx = gravity_.dot(plane_.x), gy = gravity_.dot(plane_.y);
+  double x = 0, y = 0, vx = 0, vy = 0;
+  Energy sum;
+  for (std::size_t k = 1; k <= links_; ++k) {
+    const double along = rest_[k] * place_cosine_[k], across = rest_[k] * place_sine_[k];
+    x += along, y += across;
+    vx -= across * rate[k], vy += along * rate[k];
+    sum.kinetic += mass_[k] / 2 * (vx * vx + vy * vy);
+    sum.potential -= mass_[k] * (gx * x + gy * y);
+    sum.mass += mass_[k];
+  }
+  return sum;
+}
+
 /// As if the links were parallel. Four parts of the sum go on at once.
 double PlanarChain::shift(const double* change) const {
   constexpr std::size_t kParts = 4;

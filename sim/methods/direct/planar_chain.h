@@ -43,6 +43,8 @@ class PlanarChain : public Motion {
   double projection_cost() const override { return 0; }
   double shift(const double* change) const override;
   double shift_bound(double squares) const override { return reach_ * std::sqrt(squares); }
+  Energy energy(double time, const double* q, const double* rate) override;
+  double gravity() const override { return gravity_.norm(); }
   double memory() const override { return memory_; }
   bool lift(const double* base, double* x, double* rate) const override;
   void across(const double*, double*) const override {}
@@ -83,7 +85,8 @@ class PlanarChain : public Motion {
   double *frozen_pivot_, *frozen_up_, *frozen_down_;
   double *place_cosine_, *place_sine_;  // of the links themselves
   double* work_;                        // three arrays
-  std::vector<double> mass_, inverse_;  // of the points, while it is built
+  std::vector<double> mass_;            // of the points
+  std::vector<double> inverse_;         // while it is built
 };
 
 }  // namespace taut::direct
