@@ -20,6 +20,9 @@ namespace {
 constexpr std::size_t kParticles = 9;
 constexpr std::size_t kMostPins = 3, kMostCuts = 3;
 constexpr double kNear = 5e-3;  // m; a link has 50 mm
+// Between points that do not give way a straight chain is singular: it cannot move at all, nor can
+// what hangs on it. The storm leaves this much to a connector between two of its holds.
+constexpr double kSlack = 0.02;
 
 /// How a method goes through a storm.
 struct Weather {
@@ -124,6 +127,20 @@ class Storm {
     return {};
   }
 
+  /// Whether the place of the connector can be at the point and leave slack to all holds that do
+  /// not give way.
+  bool slack(const Connector& connector, double along, const Vec3& point) const {
+    double start = 0;
+    std::size_t particle = 0;
+    for (const Hold& hold : connector.holds) {
+      for (; particle < hold.particle; ++particle) start += connector.rest[particle];
+      const double length = std::abs(along - start);
+      if (length == 0 || !is_prescribed(simulation_.world(), hold.to)) continue;
+      if ((point - connector.position[particle]).norm() > (1 - kSlack) * length) return false;
+    }
+    return true;
+  }
+
   void intervene() {
     const double what = between(0, 1);
     if (what < 0.45 && pins_.size() < kMostPins) return pin();
@@ -138,6 +155,7 @@ class Storm {
     const std::optional<double> along = place(world.connectors[c], 0, 1);
     if (!along) return;
     const Vec3 there = material_point(world.connectors[c], *along).position;
+    if (!slack(world.connectors[c], *along, there)) return;
     const bool on_stick = between(0, 1) < 0.2;
     const Body& stick = world.bodies[2];
     const Attachment to =
@@ -159,7 +177,9 @@ class Storm {
     Pin& pin = pins_[index];
     const Vec3 by(between(-0.01, 0.01), between(-0.01, 0.01), between(-0.01, 0.01));
     const double over = 0.1;  // s; a taut rope drags its boxes along: not in a jerk
-    const Vec3 target = held(pin.number) + by;
+    const auto [connector, along] = held(pin.number);
+    const Vec3 target = material_point(*connector, along).position + by;
+    if (!slack(*connector, along, target)) return;
     if (simulation_.interventions().move(world, pin.number, worlds::fixed_at(target), over) !=
         Outcome::done) {
       return;  // out of reach: nothing has changed
@@ -188,14 +208,19 @@ class Storm {
     EXPECT_LT((linear_momentum(world) - linear).norm(), kRounding * linear_scale_);
   }
 
-  Vec3 held(std::uint64_t number) const {
+  struct Held {
+    const Connector* connector;
+    double along;  // m
+  };
+  Held held(std::uint64_t number) const {
     for (const Connector& connector : simulation_.world().connectors) {
       for (const Hold& hold : connector.holds) {
-        if (hold.pin.number == number) return connector.position[hold.particle];
+        if (hold.pin.number != number) continue;
+        const auto end = connector.rest.begin() + static_cast<std::ptrdiff_t>(hold.particle);
+        return {&connector, std::accumulate(connector.rest.begin(), end, 0.0)};
       }
     }
-    ADD_FAILURE() << "pin " << number << " is lost";
-    return Vec3::Zero();
+    throw std::logic_error("a pin is lost");
   }
 
   /// Lets time pass. Impulses of pins that rest act at their points: the angular momentum about one
@@ -298,10 +323,15 @@ TEST_P(InStorms, NothingIsLost) {
 }
 
 TEST_P(LongInStorms, NothingIsLost) {
-  Storm storm(GetParam(), 3);
-  storm.rage(4000);
-  EXPECT_GT(storm.time(), 60);
-  storm.calm();
+  double time = 0;  // s
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    Storm storm(GetParam(), seed);
+    storm.rage(100);
+    storm.calm();
+    time += storm.time();
+  }
+  EXPECT_GT(time, 60);
 }
 
 TEST_P(InStorms, APinAndItsReleaseBetweenTheSameStepsLeaveNoTrace) {
