@@ -189,13 +189,15 @@ TEST_P(MethodContract, PendulumPeriod) {
   const double weight = world.connectors[0].particle_mass[1] * kGravity;
   const double stretch = springy ? weight / 1e4 / length : 0;
   const double expected = stretch * worlds::softening(degrees);
+  // A method that controls its error promises the place at the bottom, where the bead is fastest.
+  const double promised = theory().controls_error ? step(2) / std::sqrt(2 * kGravity * length) : 0;
   expect("period, relative", std::abs(late[2] / period - expected),
-         100 * stretch * stretch + 2 * left / period + kRounding);
+         100 * stretch * stretch + std::max(2 * left, promised) / period + kRounding);
 }
 
 TEST_P(MethodContract, OrderByStepHalving) {
   if (theory().controls_error) {
-    expect_convergence("swing", worlds::chain(6, 0.5, Vec3::UnitX()));
+    expect_convergence("swing", worlds::chain(6, 0.5, Vec3::UnitX()), step(2));
     return;
   }
   const World world = worlds::chain(6, 0.5, Vec3::UnitX());

@@ -42,6 +42,9 @@ constexpr double kCoarsest = 0.01;
 /// last audit, with the tolerance so many times as fine.
 constexpr double kFiner = 0.1;
 
+/// Steps need not end with frames where the tolerance is this share of the length of all links.
+constexpr double kLoose = 1e-3;
+
 /// Steps that no frame ends must not pass over what a driven end does meanwhile, nor go far beyond
 /// the time that is asked for.
 constexpr double kLongest = 0.25, kLongestDriven = 1.0 / 30;  // s
@@ -145,7 +148,6 @@ void Course::follow(World& world, double until, Counters& counters) {
   rate_ = rate_audited_;
   begin();
   advance_by_tolerance(world, until, kFiner * tolerance, counters);
-  if (fixed && time_ > until) return_to(until);
   known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
 }
 
@@ -184,16 +186,6 @@ void Course::interpolate(double time) {
   if (motion_->projection_cost() > 0) fresh_ = false;  // that may have changed the tensions
 }
 
-/// Goes on from `time` within the last step.
-void Course::return_to(double time) {
-  interpolate(time);
-  q_.swap(q_between_);
-  rate_.swap(rate_between_);
-  time_ = time;
-  fresh_ = false;
-  adams_.clear();
-}
-
 void Course::refresh(Counters& counters) {
   if (fresh_) return;
   motion_->acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
@@ -226,16 +218,30 @@ double Course::rounding(double h) const {
   return kRounding * h * motion_->memory() * motion_->shift(acceleration_.data());
 }
 
-/// The next step of the rung, which can do `wish`. Careful steps are too long to be interpolated:
-/// equal ones end with `until`.
+/// Whether the rung's steps end where a state is asked for. Careful ones are too long to be
+/// interpolated; of others what is interpolated is good enough for loose tolerances alone, since an
+/// intervention may go on from there.
+bool Course::lands(Rung rung) const {
+  return rung == careful || control_.step > 0 || control_.tolerance < kLoose * motion_->length();
+}
+
+/// The next step of the rung, which can do `wish`: one of equal ones to `until`, so that none is a
+/// sliver, where it has to end there. Adams keeps his spacing where that is near enough.
 double Course::length_of_step(double until, double wish) const {
-  if (rung_ == careful) {
-    return (until - time_) / std::max(1.0, std::ceil((until - time_) / wish - 1e-6));
-  }
-  if (rung_ == implicit) return wish;
+  const double left = until - time_;
+  const auto share = [&](double most) {
+    return lands(rung_) ? left / std::max(1.0, std::ceil(left / most - 1e-6)) : most;
+  };
+  if (rung_ != adams) return share(wish);
   const double h = adams_.spacing();
-  if (h > wish) return kNewSpacing * wish;
-  return h >= kLeastSpacing * wish ? h : wish;
+  const bool fits = !lands(adams) || std::abs(std::round(left / h) * h - left) <= 1e-9 * h;
+  if (fits && h <= wish && h >= kLeastSpacing * wish) return h;
+  return share(h > wish ? kNewSpacing * wish : wish);
+}
+
+/// Where a step of h ends that is one of equal ones to `until`, without rounding.
+double Course::end_of_step(double until, double h) const {
+  return lands(rung_) && until - time_ < 1.5 * h ? until : time_ + h;
 }
 
 /// The error (m) of a step of h by one of the integrators that do not look back.
@@ -300,8 +306,7 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
     }
     if (!(time_ + h > time_)) throw StepTooSmall{time_};
     if (rung != adams) {
-      const bool lands = rung_ == careful && until - time_ < 1.5 * h;
-      const double end = lands ? until : time_ + h;
+      const double end = end_of_step(until, h);
       const double allowed = allowed_error(rung, h, tolerance);
       error = attempt(rung, h, counters) / allowed;
       if (leave_plane(world)) continue;
@@ -339,7 +344,7 @@ double Course::march(double until, double tolerance, Counters& counters) {
       return error;
     }
     adams_.accept();
-    accept(adams, time_ + h, counters);
+    accept(adams, end_of_step(until, h), counters);
     fastest_ = motion_->fastest();
     const double waves = h * fastest_ / AdamsStep::kStable;
     if (waves > 1 || error > kMuch) return error;
@@ -412,7 +417,6 @@ void Course::advance_by_step(World& world, double until, Counters& counters) {
       rung_ = careful;
       step_ = h / 2;
       advance_by_tolerance(world, end, coarsest, counters);
-      if (time_ > end) return_to(end);
     }
   }
 }

@@ -65,12 +65,13 @@ class Course {
   void follow(World& world, double until, Counters& counters);
   bool balances(double tolerance);
   void interpolate(double time);
-  void return_to(double time);
   void refresh(Counters& counters);
   double stable_step(Rung rung) const;
   double allowed_error(Rung rung, double h, double tolerance) const;
   double rounding(double h) const;
+  bool lands(Rung rung) const;
   double length_of_step(double until, double wish) const;
+  double end_of_step(double until, double h) const;
   double attempt(Rung rung, double h, Counters& counters);
   double march(double until, double tolerance, Counters& counters);
   void accept(Rung rung, double time, Counters& counters);
