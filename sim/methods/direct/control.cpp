@@ -11,7 +11,7 @@ namespace {
 // of it cancels: waves go round), and at most so much; of the implicit one, which loses every wave
 // only once, so much in any step.
 constexpr double kCarefulRate = 15, kAdamsRate = 15, kImplicitRate = 30;  // 1/s
-constexpr double kExplicitShare = 0.05, kImplicitShare = 0.015;
+constexpr double kExplicitShare = 0.05, kImplicitShare = 0.008;
 
 constexpr double kSafety = 0.9;
 constexpr double kMostGrowth = 4, kMostShrink = 0.2;
