@@ -68,4 +68,11 @@ void draw_captions(Picture& picture, Font& font, std::span<const Caption> captio
   }
 }
 
+void draw_note(Picture& picture, Font& font, std::string_view text) {
+  Lines lines{picture, font, std::max(0.018 * picture.height, 9.0)};
+  lines.y = 0.05 * picture.height + lines.size;
+  lines.darken(1, font.width(text, lines.size), 1);
+  lines.draw(text, 0, 1);
+}
+
 }  // namespace taut

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 
 #include "render/text.h"
 #include "scenes/stage.h"
@@ -11,5 +12,8 @@ namespace taut {
 
 /// Draws the captions that show at `time` (s).
 void draw_captions(Picture& picture, Font& font, std::span<const Caption> captions, double time);
+
+/// Draws a small line at the upper left, as long as it is asked for.
+void draw_note(Picture& picture, Font& font, std::string_view text);
 
 }  // namespace taut

@@ -83,8 +83,9 @@ std::string with_plan(std::string_view text, const Plan& plan) {
   }
   std::string connectors;
   for (const auto& [name, particles] : plan.particles) {
-    connectors +=
-        fmt::format("{}{} = {{ particles = {} }}", connectors.empty() ? "" : ", ", name, particles);
+    const std::string model =
+        particles > 0 ? fmt::format("particles = {}", particles) : "model = \"span\"";
+    connectors += fmt::format("{}{} = {{ {} }}", connectors.empty() ? "" : ", ", name, model);
   }
   std::string table = fmt::format("{}{}\ntolerance = \"{}\"\nerror = {:.3g}\nuntil = {:.6g}  # s\n",
                                   kHeading, kRemark, plan.tolerance, plan.error, plan.until);

@@ -21,7 +21,7 @@ struct Plan {
   std::optional<double> energy;  // afterwards: the largest change, of what it can turn into motion
   std::uint64_t stamp = 0;       // of what it was made from
   MethodChoice method;
-  std::map<std::string, std::size_t> particles;  // of each connector
+  std::map<std::string, std::size_t> particles;  // of each; 0: a massless span
 };
 
 /// Of everything that a plan depends on: the scene's text without its plan, and the files of its

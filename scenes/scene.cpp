@@ -85,12 +85,19 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   if (plan->stamp != plan_stamp(file)) again("changed since its plan was made");
   std::vector<SceneChange> changes;
   for (const auto& [connector, particles] : plan->particles) {
+    if (particles == 0) continue;
     changes.push_back(
         {fmt::format("connectors.{}.particles", connector), fmt::to_string(particles)});
   }
   const World exact = load_scene(file, false).world;
   Scene scene = load_scene(file, with_stage, changes);
   take_masses(scene.world, exact);
+  for (Connector& connector : scene.world.connectors) {
+    const auto found = plan->particles.find(connector.name.substr(0, connector.name.find('#')));
+    if (found != plan->particles.end() && found->second == 0) {
+      connector.model = ConnectorModel::span;
+    }
+  }
   scene.method = plan->method;
   return scene;
 }

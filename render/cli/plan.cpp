@@ -84,6 +84,23 @@ double cost_of(const PlanModel& model, const Candidate& candidate,
   return spread(std::move(costs)).median;
 }
 
+/// How many exposures leave no point of what moves farther than the tolerance from one of them
+/// while the shutter is open.
+std::optional<Exposures> exposures_for(const Scene& scene, const Exact& exact,
+                                       const Tolerance& tolerance) {
+  if (!scene.stage || scene.stage->shutter == 0) return std::nullopt;
+  Exposures exposures;
+  for (std::size_t k = 1; k < exact.points.size(); ++k) {
+    for (std::size_t i = 0; i < exact.points[k].size(); ++i) {
+      const double way =
+          tolerance.distance(exact.points[k][i], exact.points[k - 1][i], exact.problem.times[k]);
+      if (std::isfinite(way)) exposures.way = std::max(exposures.way, way * scene.stage->shutter);
+    }
+  }
+  exposures.count = static_cast<int>(std::max(1.0, std::ceil(exposures.way / 2 / tolerance.most)));
+  return exposures;
+}
+
 void write(const Scene& scene, const Plan& plan) {
   std::ifstream in(scene.file, std::ios::binary);
   const std::string text(std::istreambuf_iterator<char>(in), {});
@@ -114,15 +131,16 @@ int run(const Options& options, const Common& common) {
   std::vector<SceneModel> scene_models = models_of(scene);
   std::vector<PlanModel> models;
   std::size_t total = 0;
+  const Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
   {
-    const Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
     Progress progress("models", "models", scene_models.size(), common.quiet);
     for (SceneModel& one : scene_models) {
       stop_if_interrupted();
       one.alone = attempt(one.model, finely, exact, asked.tolerance, INFINITY);
       // What is beyond the tolerance when it is solved well must not be saved by errors that
       // cancel.
-      if (one.alone.end == Trial::End::within) one.model.candidates = all_candidates(scene.fps);
+      if (one.alone.end == Trial::End::within)
+        one.model.candidates = all_candidates(one.model.world, scene.fps);
       models.push_back(one.model);
       total += one.model.candidates.size();
       progress.update(models.size());
@@ -146,10 +164,13 @@ int run(const Options& options, const Common& common) {
         outcome(trial ? *trial : model.alone, asked, exact)));
   }
 
-  Planned planned{scene, asked, exact, scene_models, search, search.trials[*search.best], {}, {}};
+  Planned planned{scene, asked, exact, scene_models, search, search.trials[*search.best]};
   const Candidate as_written{scene.method.name, scene.method.settings};
   const PlanModel& written = models.front();
   planned.as_written = run_through(written, as_written, exact, asked.tolerance.distance);
+  planned.models_off = model_errors(scene, scene_models, exact, finely, asked.tolerance.distance);
+  planned.scored = scored;
+  planned.exposures = exposures_for(scene, exact, asked.tolerance);
   planned.cost = cost_of(planned.model().model, planned.candidate(), exact.problem.times);
   planned.cost_as_written = cost_of(written, as_written, exact.problem.times);
   planned.plan = {options.tolerance,

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "render/cli/study_options.h"
 #include "scenes/error.h"
 #include "sim/coarser.h"
+#include "sim/methods/span.h"
+#include "sim/study/refined.h"
 
 namespace taut::cli {
 namespace {
@@ -60,7 +63,43 @@ std::vector<SceneModel> models_of(const Scene& scene) {
       // Its start, or one of its pins, needs more particles.
     }
   }
+  if (!has_spans(scene.world)) {
+    SceneModel spans = models.front();
+    for (auto& [name, particles] : spans.particles) particles = 0;
+    for (Connector& connector : spans.model.world.connectors) {
+      connector.model = ConnectorModel::span;
+    }
+    models.push_back(std::move(spans));
+  }
   return models;
+}
+
+ModelErrors model_errors(const Scene& scene, const std::vector<SceneModel>& models,
+                         const Exact& exact, const Candidate& finely, const Distance& distance) {
+  ModelErrors errors;
+  if (exact.known < 2) return errors;
+  const auto refined = [&](std::size_t times) {
+    std::vector<SceneChange> changes;
+    for (const Connector& connector : scene.world.connectors) {
+      if (is_copy(connector)) continue;
+      changes.push_back({fmt::format("connectors.{}.particles", connector.name),
+                         fmt::to_string(times * connector.links() + 1)});
+    }
+    try {
+      const Scene changed = load_scene(scene.file, false, changes);
+      return distance_between(exact, few_copies(changed.world), changed.timeline, finely, distance);
+    } catch (const BadScene&) {
+      return std::numeric_limits<double>::infinity();  // points were given for so many particles
+    }
+  };
+  errors.twice = refined(2);
+  errors.four = refined(4);
+  errors.rope = error_of_chain(errors.twice, errors.four);
+  const SceneModel& last = models.back();
+  if (last.particles.begin()->second == 0) {
+    errors.span = distance_between(exact, last.model.world, last.model.timeline, finely, distance);
+  }
+  return errors;
 }
 
 World few_copies(World world) {
@@ -79,9 +118,10 @@ World few_copies(World world) {
   return world;
 }
 
-std::vector<Candidate> all_candidates(int fps) {
+std::vector<Candidate> all_candidates(const World& world, int fps) {
   std::vector<Candidate> all;
   for (const Contender& contender : chosen_contenders({})) {
+    if (has_spans(world) && !contender.method->follows_spans) continue;
     const std::vector<Candidate> some = candidates_of(contender, false);
     all.insert(all.end(), some.begin(), some.end());
   }
@@ -103,9 +143,10 @@ std::string describe(const SceneModel& model, const Scene& scene) {
     if (is_copy(connector)) continue;
     const std::size_t particles = model.particles.at(connector.name);
     if (particles == connector.particles()) continue;
-    text += fmt::format("{}{}{} of {} particles", text.empty() ? "" : ", ",
-                        scene.world.connectors.size() > 1 ? connector.name + " " : "", particles,
-                        connector.particles());
+    text += text.empty() ? "" : ", ";
+    if (scene.world.connectors.size() > 1) text += connector.name + " ";
+    text += particles == 0 ? "a massless span"
+                           : fmt::format("{} of {} particles", particles, connector.particles());
   }
   return text.empty() ? "as it is written" : text;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,19 +12,30 @@
 namespace taut::cli {
 
 struct SceneModel {
-  std::map<std::string, std::size_t> particles;  // of each connector
+  std::map<std::string, std::size_t> particles;  // of each connector, as Plan has them
   PlanModel model;                               // with every method's settings as candidates
   Trial alone;                                   // the model's own error: solved finely
 };
 
 /// The scene as it is written, then with fewer and fewer particles: of each connector about 7/8,
-/// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one. Candidates and
-/// trials are not yet set.
+/// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one; and as massless
+/// spans. Candidates and trials are not yet set.
 std::vector<SceneModel> models_of(const Scene& scene);
 
-/// Every method at every setting of its sweep, with steps that divide a frame of 1/`fps` s; the
-/// default method first.
-std::vector<Candidate> all_candidates(int fps);
+/// Every method that follows the world, at every setting of its sweep, with steps that divide a
+/// frame of 1/`fps` s; the default method first.
+std::vector<Candidate> all_candidates(const World& world, int fps);
+
+/// What models cost in accuracy, whatever solves them, in the tolerance's unit.
+struct ModelErrors {
+  double twice = 0, four = 0;  // by how much the scene's chains differ from 2 and 4 times the links
+  std::optional<double> rope;  // from continuous ropes, where these tell
+  std::optional<double> span;  // of massless spans from the scene's chains
+};
+
+/// Solves the refined models by `finely`. Where nothing can be foretold there is nothing to find.
+ModelErrors model_errors(const Scene& scene, const std::vector<SceneModel>& models,
+                         const Exact& exact, const Candidate& finely, const Distance& distance);
 
 /// The world with a few of each connector's copies: as they are all alike, these show for all how
 /// good a model is. Copies that hang on bodies all stay.

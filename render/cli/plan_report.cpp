@@ -9,6 +9,9 @@
 #include "render/cli/method_options.h"
 #include "render/cli/study_options.h"
 #include "render/table.h"
+#include "scenes/exposure.h"
+#include "sim/methods/direct.h"
+#include "sim/methods/span.h"
 
 namespace taut::cli {
 namespace {
@@ -45,6 +48,22 @@ std::string checked_by(const Exact& exact) {
   if (exact.checked == exact.known) return "checked by truth";
   return fmt::format("checked by truth until {} s, then by {}",
                      rounded(exact.problem.times[exact.checked - 1]), itself);
+}
+
+/// Which free bodies are links and which are not.
+std::string bodies_text(const Planned& planned) {
+  const World& world = planned.model().model.world;
+  const bool direct = planned.candidate().method == "direct" && !has_spans(world);
+  const std::vector<bool> as_links = stepped_as_links(world);
+  std::string text;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (world.bodies[b].driven()) continue;
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", world.bodies[b].name,
+                        direct && as_links[b]
+                            ? "one more link of its chain, exactly, as it stays in a plane"
+                            : "a rigid body");
+  }
+  return text;
 }
 
 }  // namespace
@@ -96,6 +115,7 @@ std::string plan_text(const Planned& planned) {
   };
   line("model", describe(planned.model(), scene));
   line("method", describe(planned.candidate()));
+  if (const std::string bodies = bodies_text(planned); !bodies.empty()) line("bodies", bodies);
   if (exact.known > 1) {
     line("error", fmt::format("{} {} at most, of every particle and the ends of every body in {} "
                               "frames",
@@ -120,6 +140,32 @@ std::string plan_text(const Planned& planned) {
          fmt::format("speeds of all points distributed within {}% ({}%, by how much equally exact "
                      "motions differ)",
                      rounded(100 * best.later.speeds), rounded(100 * exact.most.speeds)));
+  }
+  const ModelErrors& off = planned.models_off;
+  if (off.rope) {
+    line("rope",
+         fmt::format("the scene's chains are {} {} from continuous ropes, as {} and {} {} "
+                     "from twice and four times the links tell",
+                     rounded(*off.rope), unit, rounded(off.twice), rounded(off.four), unit));
+  } else if (exact.known > 1) {
+    line("rope", fmt::format("the scene's chains are {} and {} {} from twice and four times the "
+                             "links: too few to tell where continuous ropes would be",
+                             rounded(off.twice), rounded(off.four), unit));
+  }
+  if (off.span) {
+    line("span",
+         fmt::format("massless spans are {} {} from the scene's chains{}", rounded(*off.span), unit,
+                     off.rope ? fmt::format(", so at most {} {} from continuous ropes",
+                                            rounded(*off.span + *off.rope), unit)
+                              : ""));
+  }
+  if (planned.exposures) {
+    line("blur", fmt::format("{} exposures a frame: the fastest point comes {} {} while the "
+                             "shutter is open{}",
+                             planned.exposures->count, rounded(planned.exposures->way), unit,
+                             planned.exposures->count > kExposureStates
+                                 ? fmt::format("; a frame has {} at most", kExposureStates)
+                                 : ""));
   }
   const Candidate as_written{scene.method.name, scene.method.settings};
   if (planned.as_written.end == Trial::End::diverged) {
@@ -148,9 +194,17 @@ std::string plan_json(const Planned& planned) {
                                  {"settings", settings_json(planned.plan.method.settings)},
                                  {"particles", planned.plan.particles},
                                  {"checked_by", checked_by(exact)},
+                                 {"scored_metres", planned.scored},
                                  {"exact_known_to", planned.asked.per_metre * exact.self_error},
                                  {"predicted_ms_per_second", 1e-6 * planned.best.work},
                                  {"measured_ms_per_second", 1e3 * planned.cost}};
+  const ModelErrors& off = planned.models_off;
+  if (exact.known > 1) {
+    json["model_error"] = {{"twice_the_links", off.twice}, {"four_times_the_links", off.four}};
+    if (off.rope) json["model_error"]["continuous_rope"] = *off.rope;
+    if (off.span) json["model_error"]["massless_span"] = *off.span;
+  }
+  if (planned.exposures) json["exposures"] = planned.exposures->count;
   if (exact.goes_on()) {
     const auto later = [](const Difference& difference) {
       return nlohmann::ordered_json{{"energy", difference.energy},

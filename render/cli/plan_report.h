@@ -1,6 +1,7 @@
 // What taut plan says of the plan that it found.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,12 @@ struct Asked {
   double per_metre = 0;  // the most units that a metre has
 };
 
+/// Of a frame's motion blur.
+struct Exposures {
+  double way = 0;  // in the tolerance's unit, the most that a point comes while the shutter is open
+  int count = 1;   // that the tolerance needs
+};
+
 /// A plan with everything that led to it.
 struct Planned {
   const Scene& scene;
@@ -25,9 +32,12 @@ struct Planned {
   const std::vector<SceneModel>& models;
   const Search& search;
   const Trial& best;
-  Plan plan;
-  Trial as_written;                      // run to its end, whatever its error
-  double cost = 0, cost_as_written = 0;  // measured: CPU s per simulated second
+  Plan plan = {};
+  double scored = 0;  // m, the tolerance
+  ModelErrors models_off = {};
+  std::optional<Exposures> exposures = {};  // where there is a shutter
+  Trial as_written = {};                    // run to its end, whatever its error
+  double cost = 0, cost_as_written = 0;     // measured: CPU s per simulated second
 
   const SceneModel& model() const { return models[best.model]; }
   const Candidate& candidate() const { return model().model.candidates[best.candidate]; }

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "render/atomic_file.h"
+#include "render/caption.h"
 #include "render/cli/command.h"
 #include "render/cli/frame_list.h"
 #include "render/cli/method_options.h"
@@ -39,7 +40,7 @@ struct Options {
   std::optional<std::string> frames;
   int fps = 0, samples = 4;
   double patience = 60;  // s
-  bool resume = false, anew = false, no_video = false, profile = false;
+  bool certificate = false, resume = false, anew = false, no_video = false, profile = false;
   Stills stills;
   MethodOptions method;
 };
@@ -73,13 +74,23 @@ nlohmann::ordered_json stage_json(const Profile& profile) {
   return stages;
 }
 
+/// What is proved of the clip. Its plan's pixels are those of a picture so high.
+std::string proof_of(const Scene& scene, bool planned, int planned_height) {
+  if (!planned) return "none: the clip is not by a plan (--planned)";
+  Plan plan = *scene.plan;
+  if (plan.tolerance.ends_with("px")) plan.error *= double(scene.height) / planned_height;
+  return certificate(plan);
+}
+
 int render(const Common& common, const Options& options) {
   const Backend backend = backend_named(options.backend);
   Scene scene = load_chosen(options.scene, true, options.method);
   if (!scene.stage)
     throw BadScene(fmt::format("{}: has no [stage], so there is nothing to draw", options.scene));
   if (options.fps > 0) scene.fps = options.fps;
+  const int planned_height = scene.height;
   if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
+  const std::string proof = proof_of(scene, options.method.planned, planned_height);
   scene.method = chosen_method(options.method, scene);
   const bool video = !options.no_video && !options.stills.any();
   if (video && (scene.width % 2 || scene.height % 2))
@@ -100,6 +111,7 @@ int render(const Common& common, const Options& options) {
     write_output(make_stills(options.stills, scene, film, out));
     return kDone;
   }
+  Font font;
   FrameFolder folder(out / "frames", !options.anew);
   Profile profile;
   Profile* const measured = options.profile ? &profile : nullptr;
@@ -116,6 +128,7 @@ int render(const Common& common, const Options& options) {
                                    .number(scene.width)
                                    .number(scene.height)
                                    .number(options.samples)
+                                   .text(options.certificate ? proof : "")
                                    .value();
   std::size_t drawn = 0, drawn_again = 0, exposures = 0;
   const auto rendering_start = Clock::now();
@@ -132,6 +145,7 @@ int render(const Common& common, const Options& options) {
       if (!folder.has(frames[i], inputs)) {
         drawn_again += folder.knows(frames[i]);
         auto [picture, shown] = film.draw(frame, shutter);
+        if (options.certificate) draw_note(picture, font, "Certificate: " + proof);
         folder.put(frames[i], inputs, std::move(picture));
         exposures += std::size_t(shown);
         ++drawn;
@@ -163,8 +177,7 @@ int render(const Common& common, const Options& options) {
       {"size", {scene.width, scene.height}},
       {"fps", scene.fps},
       {"samples", options.samples},
-      {"certificate", options.method.planned ? certificate(*scene.plan)
-                                             : "none: the clip is not by a plan (--planned)"},
+      {"certificate", proof},
       {"renderer", context.description()},
       {"frames", frames.size()},
       {"frames_drawn", drawn},
@@ -184,6 +197,7 @@ int render(const Common& common, const Options& options) {
     report["video"] = file.string();
   }
   if (measured) report["profile"] = stage_json(profile);
+  if (!common.quiet) fmt::print(stderr, "certificate: {}\n", proof);
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
   record_file.write(text);
@@ -217,6 +231,8 @@ void add_render(CLI::App& app, Program& program) {
   command.add_option("--samples", options->samples, "Samples per pixel; default 4")
       ->check(CLI::Range(1, 64));
   add_method_options(command, options->method);
+  command.add_flag("--certificate", options->certificate,
+                   "A line on the picture says what is proved of the clip, or that nothing is");
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
       ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
   command.add_flag("--resume", options->resume,

@@ -24,7 +24,7 @@ Plan read_plan(const Document& document, const Value& table, int fps) {
         document.fail_at_key(connector, "is no connector of the scene");
       }
       plan.particles[connector.name] =
-          static_cast<std::size_t>(connector.find("particles")->number);
+          static_cast<std::size_t>(number_or(connector, "particles", 0));
     }
   }
   return plan;

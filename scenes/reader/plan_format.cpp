@@ -5,11 +5,14 @@ namespace taut {
 using namespace format_keys;
 
 const TableFormat& plan_format() {
-  static const TableFormat connector{{needed({.name = "particles",
-                                              .meaning = "How many, both ends counted.",
-                                              .minimum = 2,
-                                              .maximum = kMostParticles,
-                                              .whole = true})}};
+  static const TableFormat connector{
+      {{.name = "particles",
+        .meaning = "How many, both ends counted.",
+        .minimum = 2,
+        .maximum = kMostParticles,
+        .whole = true},
+       {.name = "model", .type = Type::choice, .meaning = "A massless span.", .choices = {"span"}}},
+      {{{"particles", "model"}}}};
   static const TableFormat format{
       {needed(text("tolerance", "What was asked: 1px, 0.5mm.")),
        needed(not_negative("error", "The largest until then, in the tolerance's unit.", "")),

@@ -135,6 +135,17 @@ class Direct : public Method {
 
 }  // namespace
 
+std::vector<bool> stepped_as_links(const World& world) {
+  std::vector<bool> as_links(world.bodies.size());
+  direct::Division division;
+  direct::PlaneFinder planes;
+  for (const Component& part : division.divide(world)) {
+    if (!planes.find(world, part, world.time, Vec3::Zero())) continue;
+    for (const std::size_t body : part.bodies) as_links[body] = true;
+  }
+  return as_links;
+}
+
 MethodInfo direct_method() {
   return {
       .name = "direct",

@@ -56,6 +56,18 @@ TEST_F(PlanFile, IsReadAsItWasWritten) {
   EXPECT_EQ(planned.world.connectors[0].particles(), 6u);
 }
 
+TEST_F(PlanFile, MayTakeAConnectorForAMasslessSpan) {
+  Plan plan = a_plan();
+  plan.method = {"direct", {{"tolerance", 1e-3}}};
+  plan.particles = {{"rope", 0}};
+  plan.stamp = plan_stamp(file_);
+  folder_.write("scene.toml", with_plan(read_file(file_), plan));
+  const Connector rope = load_planned(file_, false).world.connectors[0];
+  EXPECT_EQ(rope.model, ConnectorModel::span);
+  EXPECT_EQ(rope.particles(), 21u);
+  EXPECT_EQ(load_scene(file_, false).world.connectors[0].model, ConnectorModel::links);
+}
+
 TEST_F(PlanFile, ReplacesAnOlderOne) {
   plan();
   const std::string once = read_file(file_);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/study/marks.h"
+#include "sim/study/refined.h"
 #include "sim/study/run.h"
 
 namespace taut {
@@ -89,6 +90,27 @@ TEST(Exact, BeyondTheHorizonKeepsWhatAllMotionsHaveInCommon) {
   };
   EXPECT_EQ(outcome({"direct", {{"tolerance", 1e-5}}}), Trial::End::within);
   EXPECT_EQ(outcome({"springs", {{"stiffness", 2e4}, {"step", 1.0 / 7680}}}), Trial::End::unlike);
+}
+
+TEST(ErrorOfAChain, IsWhereTwiceAndFourTimesTheLinksLeadTo) {
+  // Errors of 8, 4 and 2.
+  EXPECT_DOUBLE_EQ(error_of_chain(4, 6).value(), 8);
+  EXPECT_DOUBLE_EQ(error_of_chain(3, 3).value(), 3);
+  EXPECT_FALSE(error_of_chain(1, 2).has_value()) << "they go on as they went";
+  EXPECT_FALSE(error_of_chain(2, 1).has_value());
+  EXPECT_FALSE(error_of_chain(1, INFINITY).has_value());
+}
+
+/// A rope of equal masses nears a continuous one with 1/n: the extrapolation from n, 2n and 4n
+/// links must be what far more links show.
+TEST(ErrorOfAChain, IsThatOfFarMoreLinks) {
+  const Exact exact = solve_exactly({swing(6), frame_times(0.3, 60)}, 1e-3, 1e9, no_tick);
+  const auto from = [&](std::size_t particles) {
+    return distance_between(exact, swing(particles), {}, {"direct", {{"tolerance", 1e-6}}}, metres);
+  };
+  const std::optional<double> error = error_of_chain(from(11), from(21));
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NEAR(*error, from(321), 0.1 * *error);
 }
 
 class Planner : public testing::Test {

@@ -1,0 +1,26 @@
+#include "sim/study/refined.h"
+
+#include <cmath>
+
+namespace taut {
+
+double distance_between(const Exact& exact, const World& world, const Timeline& timeline,
+                        const Candidate& candidate, const Distance& distance) {
+  Beside beside(exact, world, timeline, candidate, distance);
+  try {
+    for (std::size_t k = 0; k < exact.known; ++k) beside.next();
+  } catch (const Diverged&) {
+    return INFINITY;
+  }
+  return beside.error();
+}
+
+std::optional<double> error_of_chain(double twice, double four) {
+  constexpr double kSlowest = 0.9;  // the factor above which nothing can be told
+  if (twice == 0 && four == 0) return 0;
+  const double factor = four / twice - 1;
+  if (!(factor >= 0 && factor < kSlowest)) return std::nullopt;
+  return twice / (1 - factor);
+}
+
+}  // namespace taut

@@ -1,0 +1,20 @@
+// How far a chain of particles is from the continuous rope that it stands for.
+#pragma once
+
+#include <optional>
+
+#include "sim/study/beside.h"
+
+namespace taut {
+
+/// The largest distance of any of the exact motion's points in the frames that can be compared, for
+/// a world that models the same in another way; infinite where it cannot be run that far.
+double distance_between(const Exact& exact, const World& world, const Timeline& timeline,
+                        const Candidate& candidate, const Distance& distance);
+
+/// Where chains of n, 2n, 4n links tend to, from how far the second (`twice`) and the third
+/// (`four`) are from the first: with errors that shrink by the same factor r each time, these are
+/// (1 - r) and (1 - r^2) times the first one's. None where they do not shrink.
+std::optional<double> error_of_chain(double twice, double four);
+
+}  // namespace taut
