@@ -58,10 +58,10 @@ std::string bodies_text(const Planned& planned) {
   std::string text;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     if (world.bodies[b].driven()) continue;
-    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", world.bodies[b].name,
-                        direct && as_links[b]
-                            ? "one more link of its chain, exactly, as it stays in a plane"
-                            : "a rigid body");
+    text +=
+        fmt::format("{}{}: {}", text.empty() ? "" : "; ", world.bodies[b].name,
+                    direct && as_links[b] ? "one more link of its chain, exactly, while in a plane"
+                                          : "a rigid body");
   }
   return text;
 }

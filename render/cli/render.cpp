@@ -197,7 +197,7 @@ int render(const Common& common, const Options& options) {
     report["video"] = file.string();
   }
   if (measured) report["profile"] = stage_json(profile);
-  if (!common.quiet) fmt::print(stderr, "certificate: {}\n", proof);
+  if (!common.quiet && options.method.planned) fmt::print(stderr, "certificate: {}\n", proof);
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
   record_file.write(text);

@@ -114,11 +114,11 @@ void judge_later(Exact& exact, const Motion& motion, const std::vector<Motion>& 
     }
   }
   // What lifts everything by the tolerance, and stretches the whole by it; and, as three solutions
-  // are few, twice what they differ by.
+  // are few, a few times what they differ by.
   const double share = scored_error / length;
   if (exact.energy_scale > 0) energy /= exact.energy_scale;
   const auto frames = static_cast<double>(times.size() - first);
-  exact.most = {share + 2 * energy, share, 2 * speeds + 1 / std::sqrt(frames)};
+  exact.most = {share + 4 * energy, share, 2 * speeds + 1 / std::sqrt(frames)};
 }
 
 }  // namespace
