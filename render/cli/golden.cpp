@@ -144,7 +144,8 @@ A golden.toml in the folder names pictures and motions:
 accepted it, by tolerance on others. It also simulates the scene, and fails where that ends further
 than `within` from the kept state. Motions must have the same bits on the processor and compiler
 that accepted them, and stay `within` elsewhere. What differs is left in out/golden: pictures, report.json, and
-index.html to look at. `accept` takes over what the frames look like now.)");
+index.html to look at. `accept` takes over what the frames look like now, from their kept states; where a scene moves
+otherwise by more than `within`, from where it is now.)");
   const auto options = std::make_shared<Options>();
   command.add_option("action", options->action, "check or accept")
       ->required()
@@ -153,7 +154,8 @@ index.html to look at. `accept` takes over what the frames look like now.)");
   command.add_option("--only", options->only, "Only this picture or motion; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--out", options->out, "Where to leave what differs; default out/golden/NAME");
-  command.add_flag("--simulate", options->simulate, "accept: simulate kept states anew, too");
+  command.add_flag("--simulate", options->simulate,
+                   "accept: from where the scenes are now, however near that is");
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
       ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
   command.callback([options, &program] {

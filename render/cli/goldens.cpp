@@ -68,7 +68,7 @@ FrameResult Goldens::check(const GoldenFrame& frame) {
   result.distance = distance(today, record.state);
   if (std::isinf(result.distance)) {
     result.failure =
-        "the scene has other particles or bodies than the kept state; accept it with --simulate";
+        "the scene has other particles or bodies than the kept state; look at it, and accept it";
     return result;
   }
   Picture golden = read_png(file(frame, ".png"));
@@ -108,8 +108,10 @@ std::string Goldens::accept(const GoldenFrame& frame, bool simulate_anew) {
     record = read_golden(file(frame, ".json"));
     before = read_png(file(frame, ".png"));
   }
-  if (!before || simulate_anew || std::isinf(distance(start(set.scene).state(), record.state)))
-    record.state = simulate(set.scene, frame);
+  const Snapshot today = simulate(set.scene, frame);
+  if (frame.frame == 0) record.state = today;
+  const bool moved = !(distance(today, record.state) <= frame.within);
+  if (moved || simulate_anew) record.state = today;
   const Picture picture = set.film.draw(set.film.instant(record.state));
   if (frame.frame == 0) record.state = {};
   record.renderer = renderer_;
@@ -118,7 +120,7 @@ std::string Goldens::accept(const GoldenFrame& frame, bool simulate_anew) {
   write_text(file(frame, ".json"), golden_text(record));
   if (!before) return "new";
   const bool same = before->width == picture.width && before->pixels == picture.pixels;
-  return same ? "as before" : "changed";
+  return same && !moved ? "as before" : "changed";
 }
 
 std::string Goldens::accept(const GoldenTrajectory& trajectory) {

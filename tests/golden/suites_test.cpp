@@ -97,6 +97,16 @@ TEST_F(GoldenCommand, AnotherSizeIsADifferenceToAccept) {
   EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 0);
 }
 
+TEST_F(GoldenCommand, ASceneThatMovesOtherwiseIsADifferenceToAccept) {
+  nlohmann::json record = nlohmann::json::parse(read_file(suite_ / "a_swings.json"));
+  nlohmann::json& height = record["state"]["connectors"][0][5][1];
+  height = height.get<double>() + 1e-5;  // m; `within` is 1e-6
+  std::ofstream(suite_ / "a_swings.json") << record;
+  EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 1);
+  EXPECT_EQ(golden({"accept", "suite", "--only", "a_swings"}).output, "a_swings: changed\n");
+  EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 0);
+}
+
 /// A suite of one motion whose kept record is changed.
 class GoldenMotion : public GoldenCommand {
  protected:
