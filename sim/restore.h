@@ -8,7 +8,8 @@
 namespace taut {
 
 /// Moves the particles of a span as little as restores its links, all masses counted: Newton's
-/// method on the lengths, in linear time. Keeps its workspace.
+/// method on the lengths, in linear time. Where an end is free one step of it, as little to first
+/// order, after which the links are laid at their lengths. Keeps its workspace.
 class LinkRestorer {
  public:
   /// Room for so many particles.

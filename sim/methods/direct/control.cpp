@@ -356,8 +356,8 @@ double Course::march(double until, double tolerance, Counters& counters) {
 /// Chooses the next step and its integrator from how a step of h went where `wish` was possible.
 void Course::adapt(double h, double wish, double error, Counters& counters) {
   // Of the error as a share of the one allowed, which grows with the step.
-  const double kOrder[kRungs] = {Dop853Step::kErrorOrder - 1, AdamsStep::kErrorOrder - 1,
-                                 RosenbrockStep::kErrorOrder};
+  constexpr double kOrder[kRungs] = {Dop853Step::kErrorOrder - 1, AdamsStep::kErrorOrder - 1,
+                                     RosenbrockStep::kErrorOrder};
   const bool small = rung_ == adams && error < kLittle;  // then `error` may be a bound
   step_ = small ? std::max(kMostGrowth * h, wish) : scaled_step(h, wish, error, kOrder[rung_]);
   const double speed = std::min(step_, stable_step(rung_)) / cost_[rung_];
