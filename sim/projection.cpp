@@ -58,6 +58,28 @@ bool restore_lengths(World& world) {
   return true;
 }
 
+bool stretches(const World& world) {
+  constexpr double kRounding = 1e-13;
+  const auto motion = [&](const Connector& connector, std::size_t particle) -> PointMotion {
+    for (const Hold& hold : connector.holds) {
+      if (hold.particle == particle) return hold_motion(world, hold.to, world.time);
+    }
+    return {connector.position[particle], connector.velocity[particle]};
+  };
+  for (const Connector& connector : world.connectors) {
+    if (connector.particles() == 0) continue;
+    PointMotion a = motion(connector, 0);
+    for (std::size_t i = 1; i < connector.particles(); ++i) {
+      const PointMotion b = motion(connector, i);
+      const Vec3 apart = b.position - a.position, velocity = b.velocity - a.velocity;
+      const double speed = std::max(a.velocity.norm(), b.velocity.norm());
+      if (std::abs(apart.dot(velocity)) > kRounding * speed * apart.norm()) return true;
+      a = b;
+    }
+  }
+  return false;
+}
+
 void StretchStopper::stop(World& world) {
   mechanism_.rebuild(world);
   projection_.rebuild(mechanism_);

@@ -43,6 +43,9 @@ class Projection {
 /// False, and nothing has changed, where holds do not let them.
 bool restore_lengths(World& world);
 
+/// Whether velocities change the length of some link by more than rounding.
+bool stretches(const World& world);
+
 /// Changes the velocities of a world by the impulses that stop all links from changing their
 /// length, as when a moving particle is pinned. Keeps its workspace.
 class StretchStopper {

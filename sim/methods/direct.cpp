@@ -24,7 +24,9 @@ class Direct : public Method {
     if (has_spans(world)) return advance_spans(world, until);
     if (!built_ || topology_ != world.topology) rebuild(world);
     if (!same(world)) {
-      stopper_.stop(world);  // a particle that was pinned in motion leaves its neighbours so
+      place_held(world, world.time);
+      // A particle that was pinned in motion leaves its neighbours so.
+      if (changes_ || stretches(world)) stopper_.stop(world);
       for (std::size_t k = 0; k < followed_; ++k) courses_[k]->load(world);
     }
     for (std::size_t k = 0; k < followed_; ++k) {
@@ -77,10 +79,11 @@ class Direct : public Method {
       spare += connector.position.capacity() - connector.particles();
       pins += connector.holds.capacity() - connector.holds.size();
     }
-    if (spare == 0) pins = 0;  // nothing is meant to be added
+    changes_ = spare > 0;
+    if (!changes_) pins = 0;  // nothing is meant to be added
     while (courses_.size() < parts.size() + pins) {
       courses_.push_back(std::make_unique<Course>(control_));
-      if (spare > 0) courses_.back()->reserve(largest + spare, 2 * (pins + 2), world.bodies.size());
+      if (changes_) courses_.back()->reserve(largest + spare, 2 * (pins + 2), world.bodies.size());
     }
     noted_.reserve(15 * world.bodies.size() + 6 * room(world).particles + 1);
   }
@@ -128,6 +131,7 @@ class Direct : public Method {
   direct::Division division_;
   std::vector<std::unique_ptr<Course>> courses_;  // more than are followed, to have room
   std::size_t followed_ = 0;
+  bool changes_ = false;  // interventions may come, for which room is kept
   StretchStopper stopper_;
   std::unique_ptr<direct::Spans> spans_;  // where the world has massless ones
   std::vector<double> noted_;             // the world as advance() left it

@@ -182,7 +182,8 @@ void SdFast::advance(World& world, double until) {
 MethodInfo sdfast_method() {
   return {
       .name = kName,
-      .summary = "single chains that nothing pins, in joint coordinates, by SD/FAST's generated code",
+      .summary =
+          "single chains that nothing pins, in joint coordinates, by SD/FAST's generated code",
       .settings = {{.name = "tolerance",
                     .meaning =
                         "Error allowed in a step, in joint coordinates and their rates; less is "

@@ -11,11 +11,14 @@ namespace {
 // of it cancels: waves go round), and at most so much; of the implicit one, which loses every wave
 // only once, so much in any step.
 constexpr double kCarefulRate = 15, kAdamsRate = 15, kImplicitRate = 30;  // 1/s
-constexpr double kExplicitShare = 0.05, kImplicitShare = 0.008;
+constexpr double kExplicitShare = 0.05, kImplicitShare = 0.008, kRoughShare = 0.04;
 
 constexpr double kSafety = 0.9;
-constexpr double kMostGrowth = 4, kMostShrink = 0.2;
+constexpr double kMostGrowth = 4, kMostShrink = 0.2, kLostShrink = 0.4;
 constexpr double kFirstStep = 1e-3;  // s; the error control finds the right one from there
+/// The first step of a rough course turns a link by about so much (rad), and is at most
+/// this share of the longest.
+constexpr double kFirstTurn = 0.3, kLongestFirst = 0.25;
 
 // What a step costs, in accelerations; measured.
 constexpr double kCarefulCost = 12.5, kAdamsCost = 1.25, kImplicitCost = 6.5;
@@ -42,8 +45,15 @@ constexpr double kCoarsest = 0.01;
 /// last audit, with the tolerance so many times as fine.
 constexpr double kFiner = 0.1;
 
-/// Steps need not end with frames where the tolerance is this share of the length of all links.
-constexpr double kLoose = 1e-3;
+/// Steps need not end with frames where the tolerance is this share of the length of all links, and
+/// nothing that the implicit method passes over is worth a careful step where it is that.
+constexpr double kLoose = 1e-3, kRough = 0.03;
+
+/// A rough course hands over where that makes it so many times as fast.
+constexpr double kWorthwhile = 3;
+
+/// The largest error that an energy is taken to explain, as a share of the length.
+constexpr double kExplained = 0.05;
 
 /// Steps that no frame ends must not pass over what a driven end does meanwhile, nor go far beyond
 /// the time that is asked for.
@@ -59,12 +69,10 @@ bool driven(const World& world, const Component& component) {
   return false;
 }
 
-/// The step whose error would be the one allowed, after one of h that had `error` times that where
-/// `wish` was thought possible: h may be far shorter than that, to end with the frame.
-double scaled_step(double h, double wish, double error, double order) {
-  if (!std::isfinite(error)) return h * kMostShrink;
-  const double scaled = h * std::max(kMostShrink, kSafety * std::pow(error, -1 / order));
-  return std::min(scaled, std::max(kMostGrowth * h, wish));
+/// The step whose error would be the one allowed, after one of h that had `error` times that.
+double scaled_step(double h, double error, double order) {
+  if (!std::isfinite(error)) return h * kLostShrink;
+  return h * std::max(kMostShrink, kSafety * std::pow(error, -1 / order));
 }
 
 }  // namespace
@@ -109,6 +117,7 @@ void Course::load(const World& world) {
   time_ = world.time;
   motion_->load(world, time_, q_, rate_);
   motion_->project(time_, q_.data(), rate_.data());
+  rough_ = control_.step == 0 && control_.tolerance >= kRough * motion_->length();
   begin();
   if (closed_) known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
 }
@@ -117,8 +126,22 @@ void Course::load(const World& world) {
 void Course::begin() {
   fresh_ = false;
   rung_ = careful;
-  step_ = kFirstStep;
+  step_ = rough_ ? 0 : kFirstStep;
   rests_.fill({0, kShortestRest});
+}
+
+/// How far the first step of a rough course goes (s), and by which method.
+double Course::first_step(Counters& counters) {
+  refresh(counters);
+  double speed = 0, gain = 0;  // 1/s, 1/s^2
+  for (std::size_t i = 0; i < q_.size(); ++i) {
+    speed = std::max(speed, std::abs(rate_[i]));
+    gain = std::max(gain, std::abs(acceleration_[i]));
+  }
+  const double turned = 2 * kFirstTurn / (speed + std::sqrt(speed * speed + 2 * gain * kFirstTurn));
+  const double step = std::min(turned, kLongestFirst * longest_);
+  if (step > stable_step(careful)) rung_ = implicit;
+  return step;
 }
 
 void Course::advance(World& world, double until, Counters& counters) {
@@ -146,6 +169,7 @@ void Course::follow(World& world, double until, Counters& counters) {
   time_ = start;
   q_ = q_audited_;
   rate_ = rate_audited_;
+  rough_ = false;
   begin();
   advance_by_tolerance(world, until, kFiner * tolerance, counters);
   known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
@@ -157,6 +181,7 @@ void Course::follow(World& world, double until, Counters& counters) {
 /// they drive is not audited.
 bool Course::balances(double tolerance) {
   if (!closed_) return true;
+  tolerance = std::min(tolerance, kExplained * motion_->length());
   const Motion::Energy energy = motion_->energy(time_, q_.data(), rate_.data());
   const double speed = std::sqrt(2 * energy.kinetic / energy.mass);
   const double force = energy.mass * (motion_->gravity() + speed / motion_->memory());
@@ -205,7 +230,7 @@ double Course::stable_step(Rung rung) const {
 double Course::allowed_error(Rung rung, double h, double tolerance) const {
   const double shortest = motion_->shortest();
   if (rung == implicit) {
-    const double share = std::min(kImplicitRate * h, kImplicitShare);
+    const double share = std::min(kImplicitRate * h, rough_ ? kRoughShare : kImplicitShare);
     return std::min(share * tolerance, kImplicitRoughness * shortest);
   }
   const double rate = rung == careful ? kCarefulRate : kAdamsRate;
@@ -219,9 +244,10 @@ double Course::rounding(double h) const {
 }
 
 /// Whether the rung's steps end where a state is asked for. Careful ones are too long to be
-/// interpolated; of others what is interpolated is good enough for loose tolerances alone, since an
-/// intervention may go on from there.
+/// interpolated but roughly; of others what is interpolated is good enough for loose tolerances
+/// alone, since an intervention may go on from there.
 bool Course::lands(Rung rung) const {
+  if (rough_) return false;
   return rung == careful || control_.step > 0 || control_.tolerance < kLoose * motion_->length();
 }
 
@@ -287,6 +313,7 @@ bool Course::leave_plane(World& world) {
 void Course::advance_by_tolerance(World& world, double until, double tolerance,
                                   Counters& counters) {
   while (time_ < until) {
+    if (step_ == 0) step_ = first_step(counters);
     if (rung_ != adams) refresh(counters);
     double wish = std::min({step_, stable_step(rung_), longest_});
     if (rung_ == adams && adams_.longest() > 0) wish = std::min(wish, adams_.longest());
@@ -359,21 +386,26 @@ void Course::adapt(double h, double wish, double error, Counters& counters) {
   constexpr double kOrder[kRungs] = {Dop853Step::kErrorOrder - 1, AdamsStep::kErrorOrder - 1,
                                      RosenbrockStep::kErrorOrder};
   const bool small = rung_ == adams && error < kLittle;  // then `error` may be a bound
-  step_ = small ? std::max(kMostGrowth * h, wish) : scaled_step(h, wish, error, kOrder[rung_]);
-  const double speed = std::min(step_, stable_step(rung_)) / cost_[rung_];
+  // h may be far shorter than what is possible, to end with the frame.
+  const double most = std::max(kMostGrowth * h, wish);
+  const double scaled = small ? most : scaled_step(h, error, kOrder[rung_]);
+  step_ = std::min(scaled, most);
+  const double speed = std::min(rough_ ? scaled : step_, stable_step(rung_)) / cost_[rung_];
   if (rung_ != careful) {
-    const Rung below = static_cast<Rung>(rung_ - 1);
-    const double wave_limit = stable_step(below);
-    if (speed < wave_limit / cost_[below]) {
+    const Rung below = rough_ ? careful : static_cast<Rung>(rung_ - 1);
+    double limit = stable_step(below);
+    if (rough_) limit = std::min(limit, kLongestFirst * longest_) / kWorthwhile;
+    if (speed < limit / cost_[below]) {
       hand_over_to(below, counters);
-      step_ = wave_limit;
+      step_ = limit;
       return;
     }
     if (error <= 1 && ++rests_[rung_].steps > rests_[rung_].interval) {
       rests_[rung_].interval = kShortestRest;
     }
   }
-  if (rung_ == careful && step_ > stable_step(careful) && --rests_[adams].steps <= 0) {
+  const bool waves = !rough_ && rung_ == careful && step_ > stable_step(careful);
+  if (waves && --rests_[adams].steps <= 0) {
     climb(adams, stable_step(adams));
   } else if (rung_ != implicit && --rests_[implicit].steps <= 0) {
     climb(implicit, speed * cost_[implicit]);

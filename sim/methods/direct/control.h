@@ -29,7 +29,8 @@ struct Control {
 /// waves under the tension become unstable, Adams's with half the accelerations. Where a rung is
 /// held up by those waves and not by its error, the next one is tried; where its error forces it to
 /// steps that the rung below could take as well (in slack, under pushing links, in whips), it hands
-/// over to that.
+/// over to that. Where errors of per cents will do, waves do not count: the implicit one takes all
+/// steps but those from a start that they do not stiffen yet.
 class Course {
  public:
   explicit Course(const Control& control) : control_(control) {}
@@ -62,6 +63,7 @@ class Course {
   void advance_by_tolerance(World& world, double until, double tolerance, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
   void begin();
+  double first_step(Counters& counters);
   void follow(World& world, double until, Counters& counters);
   bool balances(double tolerance);
   void interpolate(double time);
@@ -95,12 +97,13 @@ class Course {
   Array q_before_, rate_before_;
   Array q_between_, rate_between_;  // at a time within that step
   bool closed_ = false;             // nothing does work on it but gravity
+  bool rough_ = false;              // an error of per cents of the length will do
   double known_energy_ = 0;         // J, where it was loaded
   Array q_audited_, rate_audited_;
   bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state
   double fastest_ = 0;   // rad/s, of the waves
   Rung rung_ = careful;  // for the next step
-  double step_ = 0;      // s, what its error allows
+  double step_ = 0;      // s, what its error allows; zero: not known yet
   double longest_ = 0;   // s, what driven ends allow
   std::array<Rest, kRungs> rests_;
   std::array<double, kRungs> cost_{};  // of a step, in accelerations

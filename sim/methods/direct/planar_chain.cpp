@@ -263,14 +263,15 @@ double PlanarChain::shift(const double* change) const {
   return std::sqrt(std::max(total, 0.0) / static_cast<double>(links_));
 }
 
+/// Angles know no edge of the chart, but more than half a turn is nonsense.
 bool PlanarChain::lift(const double* base, double* x, double*) const {
-  constexpr double kRightAngle = 1.5707963267948966;
+  constexpr double kHalfTurn = 3.141592653589793;
   double most = 0;
   for (std::size_t k = 1; k <= links_; ++k) {
     most = std::max(most, std::abs(x[k]));
     x[k] += base[k];
   }
-  return most < kRightAngle;
+  return most < kHalfTurn;
 }
 
 /// sigma^2 - L, rows times l: L p is what the tensions make of a change p of the angles, as far as
