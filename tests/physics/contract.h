@@ -130,8 +130,9 @@ inline const std::vector<Theory>& theories() {
        .method = "direct",
        .settings = {},
        // Its error estimate is of fifth order: steps go with tolerance^(1/6), errors with its 5/6.
-       .knob = {"tolerance", 1e-5, 10, 5.0 / 6},
+       .knob = {"tolerance", 1e-7, 10, 5.0 / 6},
        .controls_error = true},
+      {.label = "direct:step", .method = "direct", .settings = {}, .knob = {"step", 0.02, 2, 8}},
       {.label = "truth",
        .method = "truth",
        .settings = {},
