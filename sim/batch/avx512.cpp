@@ -1,9 +1,10 @@
-// Pairs of groups of 16 floats or 8 doubles.
-#include "sim/batch/pair.h"
+// Two vectors of 16 floats or 8 doubles side by side.
 #include "sim/batch/width.h"
 
 namespace taut::batch {
 namespace {
+
+constexpr std::size_t kGroups = 2;
 
 using Floats [[gnu::vector_size(64)]] = float;
 using Doubles [[gnu::vector_size(64)]] = double;
@@ -11,14 +12,16 @@ using Doubles [[gnu::vector_size(64)]] = double;
 }  // namespace
 
 Kernel<float> avx512_float() {
-  return {2 * 64 / sizeof(float), [](std::size_t links, void* group, const Steps<float>& steps) {
-            advance_group<Pair<Floats>>(links, group, steps);
+  return {kGroups * 64 / sizeof(float),
+          [](std::size_t links, void* group, const Steps<float>& steps) {
+            advance_group<Floats, kGroups>(links, group, steps);
           }};
 }
 
 Kernel<double> avx512_double() {
-  return {2 * 64 / sizeof(double), [](std::size_t links, void* group, const Steps<double>& steps) {
-            advance_group<Pair<Doubles>>(links, group, steps);
+  return {kGroups * 64 / sizeof(double),
+          [](std::size_t links, void* group, const Steps<double>& steps) {
+            advance_group<Doubles, kGroups>(links, group, steps);
           }};
 }
 

@@ -1,9 +1,10 @@
-// Pairs of groups of 4 floats or 2 doubles.
-#include "sim/batch/pair.h"
+// Four vectors of 4 floats or 2 doubles side by side.
 #include "sim/batch/width.h"
 
 namespace taut::batch {
 namespace {
+
+constexpr std::size_t kGroups = 4;
 
 using Floats [[gnu::vector_size(16)]] = float;
 using Doubles [[gnu::vector_size(16)]] = double;
@@ -11,14 +12,16 @@ using Doubles [[gnu::vector_size(16)]] = double;
 }  // namespace
 
 Kernel<float> sse2_float() {
-  return {2 * 16 / sizeof(float), [](std::size_t links, void* group, const Steps<float>& steps) {
-            advance_group<Pair<Floats>>(links, group, steps);
+  return {kGroups * 16 / sizeof(float),
+          [](std::size_t links, void* group, const Steps<float>& steps) {
+            advance_group<Floats, kGroups>(links, group, steps);
           }};
 }
 
 Kernel<double> sse2_double() {
-  return {2 * 16 / sizeof(double), [](std::size_t links, void* group, const Steps<double>& steps) {
-            advance_group<Pair<Doubles>>(links, group, steps);
+  return {kGroups * 16 / sizeof(double),
+          [](std::size_t links, void* group, const Steps<double>& steps) {
+            advance_group<Doubles, kGroups>(links, group, steps);
           }};
 }
 

@@ -41,7 +41,7 @@ struct Operations {
     const Counted pull[3] = {{0}, {-9.81}, {0}};
     Counted::additions = Counted::products = Counted::divisions = 0;
     batch::Steps<double> steps{kSteps, 1e-3, false, reinterpret_cast<const double*>(pull), 0};
-    batch::advance_group<Counted>(kLinks, group.data(), steps);
+    batch::advance_group<Counted, 1>(kLinks, group.data(), steps);
     constexpr double kParticles = (kLinks + 1.0) * kSteps;
     additions = Counted::additions / kParticles;
     products = Counted::products / kParticles;
