@@ -21,6 +21,15 @@ int checked_samples(const Context& context, int width, int height, int samples) 
   return samples;
 }
 
+/// The samples (bits) of a share. Patterns of samples are symmetric: opposite ones go together, so
+/// that every share lies round the pixel's centre.
+GLbitfield share_of_samples(int share, int shares, int samples) {
+  GLbitfield mask = 0;
+  for (int s = 0; s < samples; ++s)
+    if ((shares < samples ? std::min(s, samples - 1 - s) : s) % shares == share) mask |= 1u << s;
+  return mask;
+}
+
 std::string sample_count(int samples) {
   return fmt::format("#define SAMPLES {}\n", samples);
 }
@@ -90,7 +99,7 @@ void Canvas::copy(const Samples& from, const Samples& to, const Rect& part) cons
 }
 
 void Canvas::expose(const Rect& part, int count, const std::function<void(int)>& draw) {
-  const int pictures = count / samples_;
+  const int pictures = std::max(count / samples_, 1), shares = std::min(count, samples_);
   if (pictures > 1) {
     if (!exposure_) {
       GlObject light = make_texture(gl_, GL_RGBA16F, width_, height_);
@@ -104,9 +113,9 @@ void Canvas::expose(const Rect& part, int count, const std::function<void(int)>&
   for (int picture = 0; picture < pictures; ++picture) {
     if (picture > 0) copy(exposure_->start, drawn_, part);
     gl_.Enable(GL_SAMPLE_MASK);
-    for (int sample = 0; sample < samples_; ++sample) {
-      gl_.SampleMaski(0, 1u << sample);
-      draw(sample * pictures + picture);
+    for (int share = 0; share < shares; ++share) {
+      gl_.SampleMaski(0, share_of_samples(share, shares, samples_));
+      draw(share * pictures + picture);
     }
     gl_.Disable(GL_SAMPLE_MASK);
     if (pictures > 1) gather(part, picture, pictures);

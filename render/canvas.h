@@ -36,9 +36,10 @@ class Canvas {
   void touch(const Rect& part);
 
   /// Draws over what is there so far, inside a part of it, as at many times: `draw(i)` for each i
-  /// below `count`, a whole multiple of samples(). Each drawing takes one of the samples of every
-  /// pixel, so that as many as there are samples make a whole picture; of more pictures the mean is
-  /// taken. One that follows shows times from all over.
+  /// below `count`, a divisor or a multiple of samples(). Each drawing takes its share of the
+  /// samples of every pixel, at least one; where there are more drawings than samples, they make
+  /// several pictures, of which the mean is taken. One that follows shows times from all over;
+  /// after drawings of several pictures none may follow.
   void expose(const Rect& part, int count, const std::function<void(int)>& draw);
 
   /// Finishes what was drawn: samples averaged, sRGB, dithered.

@@ -201,15 +201,16 @@ Backend backend_named(const std::string& name) {
       fmt::format("unknown backend '{}' (expected auto, egl or osmesa)", name));
 }
 
-Context::Context(Backend backend, int threads) {
-  if (threads > 0) setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);
+Context::Context(Backend backend, int threads, Seat seat) {
+  // To llvmpipe, 0 means none of its own.
+  if (threads > 0) setenv("LP_NUM_THREADS", std::to_string(threads > 1 ? threads : 0).c_str(), 1);
   using Way = std::pair<const char*, std::function<std::unique_ptr<Platform>()>>;
   std::vector<Way> ways;
-  if (backend != Backend::osmesa) {
+  if (backend != Backend::osmesa && seat != Seat::device)
     ways.emplace_back("EGL surfaceless", [] { return std::make_unique<EglPlatform>(false); });
+  if (backend != Backend::osmesa && seat != Seat::surfaceless)
     ways.emplace_back("EGL device", [] { return std::make_unique<EglPlatform>(true); });
-  }
-  if (backend != Backend::egl)
+  if (backend != Backend::egl && seat == Seat::any)
     ways.emplace_back("OSMesa", [] { return std::make_unique<OsmesaPlatform>(); });
 
   std::string tried;
@@ -230,8 +231,8 @@ Context::Context(Backend backend, int threads) {
   const auto text = [&](GLenum what) {
     return std::string(reinterpret_cast<const char*>(gl_.GetString(what)));
   };
-  description_ =
-      fmt::format("{}: {}, OpenGL {}", platform_->name, text(GL_RENDERER), text(GL_VERSION));
+  way_ = platform_->name;
+  driver_ = fmt::format("{}, OpenGL {}", text(GL_RENDERER), text(GL_VERSION));
   GLint texture = 0, samples = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
   gl_.GetIntegerv(GL_MAX_COLOR_TEXTURE_SAMPLES, &samples);
@@ -240,5 +241,9 @@ Context::Context(Backend backend, int threads) {
 }
 
 Context::~Context() = default;
+
+bool Context::is_software() const {
+  return driver_.starts_with("llvmpipe") || driver_.starts_with("softpipe");
+}
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 namespace taut {
 namespace {
 
+constexpr double kApart = 6;     // px, most that a point comes from one exposure to the next
 constexpr float kSun = 0.0047f;  // rad, the radius of its disc
 
 /// The i-th point of a sequence that fills the unit square evenly however far it goes: multiples of
@@ -21,11 +22,16 @@ Eigen::Vector2f point(int i) {
 
 }  // namespace
 
-int exposures(double wanted, int samples, int states) {
-  if (samples > states) return 1;
-  int count = samples;
-  while (count < wanted && 2 * count <= states) count *= 2;
-  return count;
+std::vector<Exposures> exposures(double way, int samples, int states) {
+  std::vector<Exposures> result;
+  const auto enough = [&] { return !result.empty() && result.back().way >= way; };
+  if (const int count = samples / 2; count > 1 && count <= states)
+    result.push_back({count, count * kApart});
+  if (samples > 1 && samples <= states && !enough()) result.push_back({samples, samples * kApart});
+  int most = samples;
+  while (most * kApart < way && 2 * most <= states) most *= 2;
+  if (most > samples) result.push_back({most, most * kApart});
+  return result;
 }
 
 Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const Rect& viewport, int i) {

@@ -3,16 +3,23 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "render/rect.h"
 #include "sim/types.h"
 
 namespace taut {
 
-/// How many exposures a frame takes to show `wanted` times or more, of as many states as there are:
-/// `samples` times a power of two, as each takes one sample of every pixel; 1 where there are too
-/// few states for that.
-int exposures(double wanted, int samples, int states);
+/// Things that come up to `way` px while the shutter is open take so many exposures.
+struct Exposures {
+  int count;
+  double way;
+};
+
+/// The exposures that a frame takes, those of its slowest things first; `way` px is how far its
+/// fastest come. From one to the next things come no farther than 6 px, as long as there are states
+/// enough. The fewest are half as many as there are `samples`. Empty: nothing needs more than one.
+std::vector<Exposures> exposures(double way, int samples, int states);
 
 /// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as
 /// brings samples that the exposures share apart.

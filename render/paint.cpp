@@ -1,20 +1,39 @@
 #include "render/paint.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <sstream>
 
 namespace taut {
 
+namespace {
+
+/// A colour over a pixel, from all values that the pixel can have.
+class Blend {
+ public:
+  Blend(Rgb color, double opacity) {
+    for (std::size_t k = 0; k < 3; ++k)
+      for (int value = 0; value < 256; ++value)
+        result_[k][std::size_t(value)] =
+            std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), opacity)));
+  }
+  void operator()(std::uint8_t* pixel) const {
+    for (std::size_t k = 0; k < 3; ++k) pixel[k] = result_[k][pixel[k]];
+  }
+
+ private:
+  std::array<std::array<std::uint8_t, 256>, 3> result_;
+};
+
+}  // namespace
+
 void fill(Picture& picture, const Rect& rect, Rgb color, double opacity) {
   const Rect part = intersection(rect, {0, 0, picture.width, picture.height});
+  const Blend blend(color, opacity);
   for (int y = part.y; y < part.top(); ++y)
-    for (int x = part.x; x < part.right(); ++x)
-      for (std::size_t k = 0; k < 3; ++k) {
-        std::uint8_t& value = picture.at(x, y)[k];
-        value = std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), opacity)));
-      }
+    for (int x = part.x; x < part.right(); ++x) blend(picture.at(x, y));
 }
 
 void fill_softly(Picture& picture, const Rect& rect, Rgb color, double opacity, double feather) {
@@ -25,8 +44,13 @@ void fill_softly(Picture& picture, const Rect& rect, Rgb color, double opacity, 
   const auto outside = [](int at, int from, int until) {
     return std::max({0, from - at, at - (until - 1)});
   };
+  const Blend inside(color, opacity);
   for (int y = part.y; y < part.top(); ++y)
     for (int x = part.x; x < part.right(); ++x) {
+      if (x >= rect.x && x < rect.right() && y >= rect.y && y < rect.top()) {
+        inside(picture.at(x, y));
+        continue;
+      }
       const double off =
           std::hypot(outside(x, rect.x, rect.right()), outside(y, rect.y, rect.top()));
       const double t = std::max(0.0, 1 - off / feather), cover = opacity * t * t * (3 - 2 * t);

@@ -21,7 +21,6 @@ using Eigen::Vector3f;
 using Boxes = std::vector<Eigen::AlignedBox3f>;
 
 constexpr float kShadowFilter = 5;  // texels: half the filter, and the offset along the normal
-constexpr double kApart = 6;        // px, most that a point comes from one exposure to the next
 
 Eigen::Vector4f with_w(const Vec3& v, double w) {
   return {float(v.x()), float(v.y()), float(v.z()), float(w)};
@@ -33,6 +32,19 @@ Matrix4f map_to_clip() {
   m.diagonal().head<3>().setConstant(2);
   m.topRightCorner<3, 1>().setConstant(-1);
   return m;
+}
+
+/// Removes some triangles from others; both are in the same order.
+void remove(const Triangles& some, Triangles& from) {
+  auto next = some.begin();
+  auto kept = from.begin();
+  for (auto corner = from.begin(); corner != from.end(); corner += 3) {
+    if (next != some.end() && std::equal(corner, corner + 3, next))
+      next += 3;
+    else
+      kept = std::copy(corner, corner + 3, kept);
+  }
+  from.erase(kept, from.end());
 }
 
 }  // namespace
@@ -96,8 +108,8 @@ struct StageRenderer::Impl {
 
   /// The scenery that shadows can reach or feet can darken.
   struct Reached {
-    std::vector<std::vector<std::uint32_t>> triangles;  // [scenery], indices of vertices
-    Eigen::AlignedBox3f box;                            // around them
+    std::vector<Triangles> triangles;  // [scenery]
+    Eigen::AlignedBox3f box;           // around them
   };
   void find_reached(const Boxes& contacts, Reached& found) {
     found.triangles.resize(scenery.size());
@@ -160,9 +172,9 @@ struct StageRenderer::Impl {
       cover.add(item.triangles, {&places, 1});
       boxes.push_back(item.box());
     }
-    find_reached(look.contacts, reached);
-    const Rect part = shadow_pixels(boxes, look.contacts, reached, look.block, viewport);
-    draw_reached(reached, part);
+    find_reached(look.contacts, reached[0]);
+    const Rect part = shadow_pixels(boxes, look.contacts, reached[0], look.block, viewport);
+    draw_reached(reached[0], part);
     canvas.touch(part);
     lap("shadows");
   }
@@ -183,7 +195,7 @@ struct StageRenderer::Impl {
   std::vector<Drawable> scenery;
   ShadowCover cover;
   Sweep sweep;
-  Reached reached, reached_by_moving;
+  std::vector<Reached> reached{1};  // [grade], by the shadows of what moves so, or faster
 };
 
 StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world,
@@ -245,69 +257,88 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
   double longest = 0;  // s from one state to the next
   for (std::size_t i = 1; i < shutter.size(); ++i)
     longest = std::max(longest, shutter[i].state.time - shutter[i - 1].state.time);
-  const double wanted = travel.speed * longest * double(shutter.size()) / kApart;
-  const int count = exposures(wanted, canvas.samples(), int(shutter.size()));
+  const double open = longest * double(shutter.size());  // s
+  const std::vector<Exposures> grades =
+      exposures(travel.speed * open, canvas.samples(), int(shutter.size()));
   d.lap("sweep");
-  if (count == 1 || travel.way <= Sweep::kStill) {
+  if (grades.empty() || travel.way <= Sweep::kStill) {
     draw(canvas, viewport, middle);
     return 1;
   }
 
-  // What changes, and where on the picture and in the shadow map.
+  // What changes with each grade, and where on the picture and in the shadow map.
+  std::vector<double> speeds;
+  for (std::size_t i = 0; i + 1 < grades.size(); ++i) speeds.push_back(grades[i].way / open);
+  d.sweep.grade(speeds);
   d.start_cover(look);
-  d.sweep.find_changing(d.cover);
-  d.find_reached({}, d.reached_by_moving);
-  d.parts.pose(middle);
-  std::vector<Item> still, still_casters;
-  Boxes moving_boxes;
-  Reach things, in_map;
-  for (std::size_t i = 0; const Item& item : d.parts.items(middle)) {
-    const Parts &moving = d.sweep.moving(i), &changing = d.sweep.changing(i);
-    still.emplace_back(item, changing.still);
-    still_casters.emplace_back(item, moving.still);
-    moving_boxes.push_back(d.sweep.box(i, moving.live));
-    add_box(moving_boxes.back(), in_map);
-    add_box(d.sweep.box(i, changing.live), things);
-    ++i;
+  d.reached.resize(std::max(d.reached.size(), grades.size() + 1));
+  for (std::size_t grade = grades.size(); grade > 0; --grade) {
+    d.sweep.shade(d.cover, int(grade));
+    d.find_reached({}, d.reached[grade]);
+    // What faster things shade, too, is drawn with these.
+    for (std::size_t above = grade + 1; above <= grades.size(); ++above)
+      for (std::size_t i = 0; i < d.scenery.size(); ++i)
+        remove(d.reached[above].triangles[i], d.reached[grade].triangles[i]);
   }
-  const Rect shadow = d.shadow_pixels(moving_boxes, {}, d.reached_by_moving, look.block, viewport);
-  const Rect part = hull(pixels(things, look.block.view_projection, viewport), shadow);
+  d.sweep.divide();
+  d.parts.pose(middle);
+  const std::vector<Item> items = d.parts.items(middle);
+  std::vector<Item> still, still_casters;
+  Reach in_map;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    still.emplace_back(items[i], d.sweep.shown(i, 0));
+    still_casters.emplace_back(items[i], d.sweep.standing(i));
+    add_box(d.sweep.moving_box(i, 1), in_map);
+  }
   const Rect map_part = pixels(in_map, map_to_clip() * look.block.light_projection,
                                {0, 0, d.map.size(), d.map.size()});
   d.lap("sweep");
   d.paint(canvas, viewport, look, still, still_casters, 1);
   d.map.save(map_part);
 
-  canvas.expose(part, count, [&](int i) {
-    const auto stride = int(shutter.size()) / count;
-    const Instant& instant = shutter[std::size_t(stride / 2 + i * stride)];
-    d.parts.pose(instant);
-    std::vector<Item> live, casters;
-    for (std::size_t k = 0; const Item& item : d.parts.items(instant)) {
-      live.emplace_back(item, d.sweep.changing(k).live);
-      casters.emplace_back(item, d.sweep.moving(k).live);
-      ++k;
+  for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
+    const Impl::Reached& reached = d.reached[grade];
+    Boxes casting;
+    Reach things;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      casting.push_back(d.sweep.moving_box(i, int(grade)));
+      add_box(d.sweep.box(i, d.sweep.shown(i, int(grade))), things);
     }
-    d.surfaces.use(look.block);
-    d.draw_solid();
-    d.map.restore(map_part);
-    d.map.draw(casters);
+    const Rect shadow = d.shadow_pixels(casting, {}, reached, look.block, viewport);
+    const Rect part = hull(pixels(things, look.block.view_projection, viewport), shadow);
+    if (part.empty()) continue;
+    const int count = grades[grade - 1].count;
+    canvas.expose(part, count, [&](int i) {
+      const auto stride = int(shutter.size()) / count;
+      const Instant& instant = shutter[std::size_t(stride / 2 + i * stride)];
+      d.parts.pose(instant);
+      std::vector<Item> shown, casters;
+      for (std::size_t k = 0; const Item& item : d.parts.items(instant)) {
+        shown.emplace_back(item, d.sweep.shown(k, int(grade)));
+        casters.emplace_back(item, d.sweep.moving(k));
+        ++k;
+      }
+      d.surfaces.use(look.block);
+      d.draw_solid();
+      d.map.restore(map_part);
+      d.map.draw(casters);
 
-    FrameBlock block = look.block;
-    block.light_projection = moved_light(block.light_projection, extent(middle).center(), i);
-    FrameBlock moved = block;
-    if (count > canvas.samples())
-      moved.view_projection = moved_picture(block.view_projection, viewport, i);
-    d.aim(canvas, viewport);
-    d.surfaces.use(moved);
-    d.gl.Enable(GL_SCISSOR_TEST);
-    d.gl.Scissor(part.x, part.y, part.width, part.height);
-    for (const Item& item : live) d.surfaces.draw(item, Shade::shadowed);
-    d.surfaces.use(block);
-    d.draw_reached(d.reached_by_moving, shadow);
-  });
+      FrameBlock block = look.block;
+      block.light_projection = moved_light(block.light_projection, extent(middle).center(), i);
+      FrameBlock moved = block;
+      if (count > canvas.samples())
+        moved.view_projection = moved_picture(block.view_projection, viewport, i);
+      d.aim(canvas, viewport);
+      d.surfaces.use(moved);
+      d.gl.Enable(GL_SCISSOR_TEST);
+      d.gl.Scissor(part.x, part.y, part.width, part.height);
+      for (const Item& item : shown) d.surfaces.draw(item, Shade::shadowed);
+      d.surfaces.use(block);
+      d.draw_reached(reached, shadow);
+    });
+  }
   d.lap("exposures");
-  return count;
+  return grades.back().count;
 }
 
 }  // namespace taut

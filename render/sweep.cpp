@@ -35,9 +35,9 @@ Sweep::Travel Sweep::find_moving(const Eigen::Matrix4f& view_projection, const R
   };
   Travel most;
   for (Entry& entry : items_) {
-    entry.is_live.assign(entry.times.front().size(), 0);
-    for (std::size_t v = 0; v < entry.is_live.size(); ++v) {
-      float way = 0;
+    entry.speed.assign(entry.times.front().size(), 0);
+    for (std::size_t v = 0; v < entry.speed.size(); ++v) {
+      float way = 0, speed = 0;
       auto last = seen(entry.times.front()[v]);
       for (std::size_t k = 1; k < entry.times.size(); ++k) {
         const auto next = seen(entry.times[k][v]);
@@ -45,37 +45,88 @@ Sweep::Travel Sweep::find_moving(const Eigen::Matrix4f& view_projection, const R
           const float step = (*next - *last).norm();
           way += step;
           if (times_[k] > times_[k - 1])
-            most.speed = std::max(most.speed, double(step) / (times_[k] - times_[k - 1]));
+            speed = std::max(speed, step / float(times_[k] - times_[k - 1]));
         }
         last = next;
       }
-      entry.is_live[v] = way > float(kStill);
+      if (way > float(kStill)) entry.speed[v] = speed;
       most.way = std::max(most.way, double(way));
+      most.speed = std::max(most.speed, double(speed));
     }
-    split(entry, entry.moving);
   }
   return most;
 }
 
-void Sweep::find_changing(ShadowCover& cover) {
-  for (const Entry& entry : items_) cover.add(entry.moving.live, entry.times);
-  std::vector<std::uint32_t> shaded;
+void Sweep::grade(std::span<const double> speeds) {
+  grades_ = int(speeds.size()) + 2;
   for (Entry& entry : items_) {
-    cover.find(entry.moving.still, entry.times[entry.times.size() / 2], {}, shaded);
-    for (const std::uint32_t v : shaded) entry.is_live[v] = 1;
-    split(entry, entry.changing);
+    entry.moves.clear();
+    for (const float speed : entry.speed) {
+      const auto above = std::ranges::lower_bound(speeds, double(speed)) - speeds.begin();
+      entry.moves.push_back(speed > 0 ? std::uint8_t(1 + above) : std::uint8_t(0));
+    }
+    entry.shows = entry.moves;
   }
 }
 
-void Sweep::split(const Entry& entry, Parts& parts) {
-  parts.still.clear();
-  parts.live.clear();
-  for (std::size_t i = 0; i < entry.triangles.size(); i += 3) {
-    const std::uint32_t* corner = &entry.triangles[i];
-    const int live = entry.is_live[corner[0]] + entry.is_live[corner[1]] + entry.is_live[corner[2]];
-    if (live < 3) parts.still.insert(parts.still.end(), corner, corner + 3);
-    if (live > 0) parts.live.insert(parts.live.end(), corner, corner + 3);
+namespace {
+
+/// The lowest and the highest grade of a triangle's corners.
+std::pair<int, int> grades(const std::vector<std::uint8_t>& of, const std::uint32_t* corner) {
+  return std::minmax({int(of[corner[0]]), int(of[corner[1]]), int(of[corner[2]])});
+}
+
+void append(Triangles& triangles, const std::uint32_t* corner) {
+  triangles.insert(triangles.end(), corner, corner + 3);
+}
+
+}  // namespace
+
+void Sweep::shade(ShadowCover& cover, int grade) {
+  Triangles some, shaded;
+  bool any = false;
+  for (const Entry& entry : items_) {
+    some.clear();
+    for (std::size_t i = 0; i < entry.triangles.size(); i += 3)
+      if (grades(entry.moves, &entry.triangles[i]).second == grade)
+        append(some, &entry.triangles[i]);
+    cover.add(some, entry.times);
+    any |= !some.empty();
   }
+  if (!any) return;
+  for (Entry& entry : items_) {
+    some.clear();
+    for (std::size_t i = 0; i < entry.triangles.size(); i += 3)
+      if (grades(entry.shows, &entry.triangles[i]).first < grade) append(some, &entry.triangles[i]);
+    cover.find(some, entry.times[entry.times.size() / 2], {}, shaded);
+    for (const std::uint32_t v : shaded)
+      entry.shows[v] = std::max(entry.shows[v], std::uint8_t(grade));
+  }
+}
+
+void Sweep::divide() {
+  for (Entry& entry : items_) {
+    entry.standing.clear();
+    entry.moving.clear();
+    entry.shown.assign(std::size_t(grades_), {});
+    for (std::size_t i = 0; i < entry.triangles.size(); i += 3) {
+      const std::uint32_t* corner = &entry.triangles[i];
+      const auto [low, high] = grades(entry.moves, corner);
+      if (low == 0) append(entry.standing, corner);
+      if (high > 0) append(entry.moving, corner);
+      const auto [first, last] = grades(entry.shows, corner);
+      for (int grade = first; grade <= last; ++grade)
+        append(entry.shown[std::size_t(grade)], corner);
+    }
+  }
+}
+
+Eigen::AlignedBox3f Sweep::moving_box(std::size_t item, int grade) const {
+  const Entry& entry = items_[item];
+  Triangles some;
+  for (std::size_t i = 0; i < entry.triangles.size(); i += 3)
+    if (grades(entry.moves, &entry.triangles[i]).second >= grade) append(some, &entry.triangles[i]);
+  return box(item, some);
 }
 
 Eigen::AlignedBox3f Sweep::box(std::size_t item, std::span<const std::uint32_t> triangles) const {

@@ -12,13 +12,12 @@
 
 namespace taut {
 
-/// Triangles (indices of vertices) in two parts. Those on the border, with corners in both, belong
-/// to both parts, so that no crack opens between them.
-struct Parts {
-  std::vector<std::uint32_t> still, live;
-};
+/// Triangles, as indices of vertices.
+using Triangles = std::vector<std::uint32_t>;
 
-/// The same items at a few times, the frame's own in the middle.
+/// The same items at a few times, the frame's own in the middle. Vertices have grades by how far
+/// they move: 0 those that stand still. A triangle belongs to the grades of all its corners and to
+/// those between, so that no crack opens between parts.
 class Sweep {
  public:
   /// px that a vertex may move and still count as still.
@@ -37,14 +36,24 @@ class Sweep {
   };
   /// Finds what moves.
   Travel find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport);
-  /// Finds what looks different from time to time: what moves, and what that may shade. `cover` has
-  /// been started; afterwards it holds what moves.
-  void find_changing(ShadowCover& cover);
+  /// Grades what moves: 1, and one more for each of the rising speeds (px/s) that a vertex exceeds.
+  void grade(std::span<const double> speeds);
+  /// What moves with this grade changes how it shades other things: these are shown with at least
+  /// that grade. To be called for every grade above 0, the highest first; `cover` has been started,
+  /// and afterwards it also holds what moves with this grade.
+  void shade(ShadowCover& cover, int grade);
+  /// Divides triangles by what was found.
+  void divide();
 
-  /// Of an item: what moves is live.
-  const Parts& moving(std::size_t item) const { return items_[item].moving; }
-  /// Of an item: what looks different is live.
-  const Parts& changing(std::size_t item) const { return items_[item].changing; }
+  /// Of an item: what does not move, and what moves.
+  const Triangles& standing(std::size_t item) const { return items_[item].standing; }
+  const Triangles& moving(std::size_t item) const { return items_[item].moving; }
+  /// Of an item: what is shown with this grade, as it moves so or is shaded by what does.
+  const Triangles& shown(std::size_t item, int grade) const {
+    return items_[item].shown[std::size_t(grade)];
+  }
+  /// Around what moves of an item with at least that grade, at all times.
+  Eigen::AlignedBox3f moving_box(std::size_t item, int grade) const;
   /// Around the given triangles of an item at all times.
   Eigen::AlignedBox3f box(std::size_t item, std::span<const std::uint32_t> triangles) const;
 
@@ -52,13 +61,15 @@ class Sweep {
   struct Entry {
     std::span<const std::uint32_t> triangles;
     std::vector<Places> times;
-    std::vector<char> is_live;  // [vertex]
-    Parts moving, changing;
+    std::vector<float> speed;                // [vertex], px/s; 0: it stands still
+    std::vector<std::uint8_t> moves, shows;  // [vertex], grades
+    Triangles standing, moving;
+    std::vector<Triangles> shown;  // [grade]
   };
-  static void split(const Entry& entry, Parts& parts);
 
   std::vector<Entry> items_;
   std::vector<double> times_;  // s
+  int grades_ = 0;             // how many, 0 included
 };
 
 /// Where the vertices of an item are.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -15,7 +16,7 @@
 #include "render/cli/method_options.h"
 #include "render/cli/progress.h"
 #include "render/cli/stills.h"
-#include "render/film.h"
+#include "render/crew.h"
 #include "render/fingerprint.h"
 #include "render/frame_folder.h"
 #include "render/interrupt.h"
@@ -105,17 +106,17 @@ int render(const Common& common, const Options& options) {
   const std::string name = std::filesystem::path(options.scene).stem().string();
   const std::filesystem::path out = options.out.empty() ? std::filesystem::path("out") / name
                                                         : std::filesystem::path(options.out);
-  const Context context(backend, common.threads);
-  Film film(context, scene, scene.width, scene.height, options.samples);
+  const bool one_by_one = options.profile || options.stills.any();
+  Crew crew(backend, common.threads, one_by_one, scene, scene.width, scene.height, options.samples);
   if (options.stills.any()) {
-    write_output(make_stills(options.stills, scene, film, out));
+    write_output(make_stills(options.stills, scene, crew.film(), out));
     return kDone;
   }
   Font font;
   FrameFolder folder(out / "frames", !options.anew);
   Profile profile;
   Profile* const measured = options.profile ? &profile : nullptr;
-  film.set_profile(measured);
+  crew.film().set_profile(measured);
 
   const auto simulation_start = Clock::now();
   const auto states = record(scene, clip, frames, stop_if_interrupted);
@@ -124,7 +125,7 @@ int render(const Common& common, const Options& options) {
   const std::uint64_t shared = Hash()
                                    .number(program_fingerprint())
                                    .number(fingerprint(*scene.stage))
-                                   .text(context.description())
+                                   .text(crew.context().description())
                                    .number(scene.width)
                                    .number(scene.height)
                                    .number(options.samples)
@@ -134,7 +135,9 @@ int render(const Common& common, const Options& options) {
   const auto rendering_start = Clock::now();
   {
     Progress progress("rendering", "frames", frames.size(), common.quiet);
-    for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::mutex mutex;  // of everything that counts, and of the font
+    std::size_t done = 0;
+    crew.each(frames.size(), [&](Film& film, std::size_t i) {
       stop_if_interrupted();
       if (measured) profile.start();
       const ClipFrame& frame = clip[std::size_t(frames[i])];
@@ -142,20 +145,23 @@ int render(const Common& common, const Options& options) {
       if (measured) profile.lap("pose");
       const std::uint64_t inputs =
           Hash().number(shared).number(fingerprint(shutter)).number(frame.card_shown).value();
-      if (!folder.has(frames[i], inputs)) {
+      const bool is_there = folder.has(frames[i], inputs);
+      Film::Frame made{};
+      if (!is_there) made = film.draw(frame, shutter);
+      const std::lock_guard lock(mutex);
+      if (!is_there) {
         drawn_again += folder.knows(frames[i]);
-        auto [picture, shown] = film.draw(frame, shutter);
-        if (options.certificate) draw_note(picture, font, "Certificate: " + proof);
-        folder.put(frames[i], inputs, std::move(picture));
-        exposures += std::size_t(shown);
+        if (options.certificate) draw_note(made.picture, font, "Certificate: " + proof);
+        folder.put(frames[i], inputs, std::move(made.picture));
+        exposures += std::size_t(made.exposures);
         ++drawn;
         if (measured) {  // alone, so that its time is not another stage's
           folder.finish();
           profile.lap("PNG");
         }
       }
-      progress.update(i + 1);
-    }
+      progress.update(++done);
+    });
     folder.finish();
   }
   const double rendering_time = seconds_since(rendering_start);
@@ -178,7 +184,7 @@ int render(const Common& common, const Options& options) {
       {"fps", scene.fps},
       {"samples", options.samples},
       {"certificate", proof},
-      {"renderer", context.description()},
+      {"renderer", crew.context().description()},
       {"frames", frames.size()},
       {"frames_drawn", drawn},
       {"mean_exposures", mean_exposures},

@@ -94,6 +94,17 @@ TEST_F(Render, ResumeKeepsWhatWouldComeOutTheSame) {
   EXPECT_EQ(drawn({"--samples", "1"}), 10);
 }
 
+TEST_F(Render, FramesAreTheSameOnAnyNumberOfThreads) {
+  std::vector<std::string> alone;
+  for (const char* threads : {"1", "2", "3"}) {
+    ASSERT_EQ(render({"--threads", threads, "--no-video", "--anew"}).code, 0);
+    std::vector<std::string> files;
+    for (int i = 0; i < 10; ++i) files.push_back(read_file(frame(i)));
+    if (alone.empty()) alone = files;
+    EXPECT_TRUE(files == alone) << threads << " threads";
+  }
+}
+
 TEST_F(Render, AListOfFramesMayBeLong) {
   const Outcome outcome =
       render({"--frames", "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1", "--no-video", "--json"});

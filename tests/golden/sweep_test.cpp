@@ -80,14 +80,34 @@ TEST_F(SweepTest, TheBorderIsInBothParts) {
   add(bend(0));
   add(bend(0.02f));
   sweep_.find_moving(projection_, kView);
+  sweep_.grade({});
+  sweep_.divide();
   // Squares 0 to 5 stand, 7 to 9 move, and 6 has corners of both.
-  EXPECT_EQ(sweep_.moving(0).still.size(), 7u * 6);
-  EXPECT_EQ(sweep_.moving(0).live.size(), 4u * 6);
-  EXPECT_EQ(sweep_.moving(0).live.front(), 12u);
-  const Eigen::AlignedBox3f box = sweep_.box(0, sweep_.moving(0).live);
+  EXPECT_EQ(sweep_.standing(0).size(), 7u * 6);
+  EXPECT_EQ(sweep_.moving(0).size(), 4u * 6);
+  EXPECT_EQ(sweep_.moving(0).front(), 12u);
+  const Eigen::AlignedBox3f box = sweep_.moving_box(0, 1);
   EXPECT_LE(box.min().y(), -0.02f);
   EXPECT_GE(box.max().y(), 0.12f);
   EXPECT_GT(box.min().x(), 0.5f);
+}
+
+TEST_F(SweepTest, GradesAreOfSpeed) {
+  const auto bend = [](float by) {
+    return [by](float x) { return Vector3f(0, x > 0.85f ? 10 * by : x > 0.45f ? by : 0.0f, 0); };
+  };
+  for (const float by : {-0.01f, 0.0f, 0.01f}) add(bend(by));
+  sweep_.find_moving(projection_, kView);
+  const double slow = 0.01 * metre_ / 0.001;  // px/s
+  const double limits[] = {2 * slow};
+  sweep_.grade(limits);
+  sweep_.divide();
+  // Squares 0 to 3 stand, 5 to 7 are slow, 9 is fast; 4 and 8 are on borders.
+  EXPECT_EQ(sweep_.shown(0, 0).size(), 5u * 6);
+  EXPECT_EQ(sweep_.shown(0, 1).size(), 5u * 6);
+  EXPECT_EQ(sweep_.shown(0, 2).size(), 2u * 6);
+  EXPECT_GT(sweep_.moving_box(0, 2).min().x(), 0.75f);
+  EXPECT_LT(sweep_.moving_box(0, 1).min().x(), 0.45f);
 }
 
 TEST_F(SweepTest, WhatMovesMakesChangeWhereItsShadowFalls) {
@@ -101,13 +121,17 @@ TEST_F(SweepTest, WhatMovesMakesChangeWhereItsShadowFalls) {
     sweep_.add(items, time_ += 0.001);
   }
   sweep_.find_moving(projection_, kView);
-  EXPECT_TRUE(sweep_.moving(1).live.empty());
   ShadowCover cover;
   const Eigen::AlignedBox3d casters(Vec3(0, -0.1, -0.6), Vec3(1, 0.2, 0.1));
   cover.start(light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f);
-  sweep_.find_changing(cover);
-  EXPECT_FALSE(sweep_.changing(1).live.empty());
-  const Eigen::AlignedBox3f shaded = sweep_.box(1, sweep_.changing(1).live);
+  const double limits[] = {0.001};  // px/s: everything that moves is faster
+  sweep_.grade(limits);
+  sweep_.shade(cover, 2);
+  sweep_.shade(cover, 1);
+  sweep_.divide();
+  EXPECT_TRUE(sweep_.moving(1).empty());
+  EXPECT_FALSE(sweep_.shown(1, 2).empty());
+  const Eigen::AlignedBox3f shaded = sweep_.box(1, sweep_.shown(1, 2));
   EXPECT_GT(shaded.min().x(), 0.35f);
   EXPECT_GE(shaded.max().x(), 1.0f);
 }

@@ -49,6 +49,24 @@ TEST_F(CaptionTest, AListStaysAndTheLineWhoseTimeItIsStandsOut) {
   EXPECT_EQ(brightest(list_, 3.3, 0, 1), 0);
 }
 
+TEST_F(CaptionTest, WhatFollowsATabBeginsInOneColumn) {
+  // The first column of pixels that the word, of one letter, lights in each line.
+  const auto begins = [&](const std::vector<Caption>& captions, double above, double below) {
+    Picture picture(320, 200);
+    std::ranges::fill(picture.pixels, std::uint8_t{0});
+    draw_captions(picture, font_, captions, 1.5);
+    const int label_ends = int(0.04 * 320) + 12;
+    for (int x = label_ends; x < picture.width; ++x)
+      for (int y = int(above * picture.height); y < int(below * picture.height); ++y)
+        if (picture.at(x, y)[0] > 60) return x;
+    return -1;
+  };
+  const std::vector<Caption> list = {{1, 2, "i\tH", "phases"}, {2, 3, "w\tH", "phases"}};
+  const int upper = begins(list, 0, 0.885), lower = begins(list, 0.885, 1);
+  EXPECT_GT(upper, 0);
+  EXPECT_EQ(upper, lower);
+}
+
 TEST_F(CaptionTest, ACardDarkensThePictureBehindItsLines) {
   Font bold(Font::Weight::bold);
   const Card card{.duration = 1, .heading = "HHH", .text = "one\ntwo"};

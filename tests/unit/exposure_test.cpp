@@ -79,13 +79,23 @@ TEST(Exposure, TheShutterChangesNoBitOfTheTrajectory) {
   }
 }
 
-TEST(Exposure, CountIsSamplesTimesAPowerOfTwo) {
-  EXPECT_EQ(exposures(0.1, 4, 16), 4);
-  EXPECT_EQ(exposures(4.0, 4, 16), 4);
-  EXPECT_EQ(exposures(4.1, 4, 16), 8);
-  EXPECT_EQ(exposures(99, 4, 16), 16);
-  EXPECT_EQ(exposures(3, 1, 16), 4);
-  EXPECT_EQ(exposures(99, 4, 1), 1);
+TEST(Exposure, SlowThingsTakeFewAndFastOnesAsManyAsTheirWayAsksFor) {
+  const auto counts = [](double way, int samples, int states) {
+    std::vector<int> result;
+    for (const Exposures& e : exposures(way, samples, states)) {
+      EXPECT_EQ(e.way, 6.0 * e.count);
+      result.push_back(e.count);
+    }
+    return result;
+  };
+  EXPECT_EQ(counts(12, 4, 16), (std::vector{2}));
+  EXPECT_EQ(counts(12.1, 4, 16), (std::vector{2, 4}));
+  EXPECT_EQ(counts(24.1, 4, 16), (std::vector{2, 4, 8}));
+  EXPECT_EQ(counts(999, 4, 16), (std::vector{2, 4, 16}));
+  EXPECT_EQ(counts(13, 1, 16), (std::vector{4}));
+  EXPECT_EQ(counts(5, 1, 16), (std::vector<int>{}));
+  EXPECT_EQ(counts(13, 2, 16), (std::vector{2, 4}));
+  EXPECT_EQ(counts(999, 4, 1), (std::vector<int>{}));
 }
 
 TEST(Exposure, ShadowsSoftenWithTheDistanceFromWhatThrowsThem) {

@@ -1,0 +1,74 @@
+#include "render/crew.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+
+namespace taut {
+
+Crew::Crew(Backend backend, int threads, bool alone, const Scene& scene, int width, int height,
+           int samples) {
+  if (threads == 0) threads = std::max(int(std::thread::hardware_concurrency()), 1);
+  const auto paint = [=, &scene](std::optional<Painter>& painter, int share, Seat seat) {
+    painter.emplace(backend, share, seat, scene, width, height, samples);
+  };
+  if (!alone && threads > 1 && backend != Backend::osmesa) {
+    std::promise<bool> ready;
+    std::future<bool> is_ready = ready.get_future();
+    other_ =
+        std::jthread([paint, threads, ready = std::move(ready), job = job_.get_future()]() mutable {
+          std::optional<Painter> painter;
+          try {
+            paint(painter, threads / 2, Seat::device);
+          } catch (...) {  // whatever it is, the own painter meets it, too
+          }
+          const bool helps = painter && painter->context.is_software();
+          ready.set_value(helps);
+          if (!helps) return;
+          try {
+            job.get()(painter->film);
+          } catch (const std::future_error&) {  // it is not needed
+          }
+        });
+    try {
+      if (is_ready.get()) {
+        paint(own_, threads / 2, Seat::surfaceless);
+        return;
+      }
+    } catch (const NoContext&) {
+    }
+    dismiss();
+  }
+  paint(own_, threads, Seat::any);
+}
+
+Crew::~Crew() {
+  dismiss();
+}
+
+void Crew::dismiss() {
+  job_ = {};
+  if (other_.joinable()) other_.join();
+}
+
+void Crew::each(std::size_t count, const std::function<void(Film&, std::size_t)>& work) {
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto job = [&](Film& film) {
+    try {
+      for (std::size_t i; (i = next++) < count;) work(film, i);
+    } catch (...) {
+      next = count;
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  if (other_.joinable()) job_.set_value(job);
+  job(own_->film);
+  if (other_.joinable()) other_.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace taut
