@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
+#include "render/lighting.h"
+#include "render/sweep.h"
 #include "scenes/error.h"
 #include "tests/physics/worlds.h"
 
@@ -103,6 +106,39 @@ TEST(Clip, ShotsAreReadAndThoseThatCannotBeAreTold) {
       EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
     }
   }
+}
+
+TEST(Clip, CamerasOfTheDemonstrationMoveLessThanAPixelWhileTheShutterIsOpen) {
+  // Frames show the camera at one time, so its moves must be too slow to blur.
+  const Scene scene =
+      load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
+  const double open = scene.stage->shutter / scene.fps;
+  const auto pixel = [&](const CameraView& view, const Vec3& p) {
+    const Eigen::Vector4f q =
+        camera_projection(view, double(scene.width) / scene.height) * p.cast<float>().homogeneous();
+    const Eigen::Vector2f at = q.head<2>() / q.w();
+    const bool seen = q.w() > 0.05f && at.cwiseAbs().maxCoeff() < 1;
+    return std::pair(
+        seen, Eigen::Vector2f(at.x() * float(scene.width) / 2, at.y() * float(scene.height) / 2));
+  };
+  float most = 0;
+  int moving = 0;
+  for (const Shot& shot : scene.stage->shots)
+    for (double time = shot.from; time < shot.until; time += 0.05) {
+      const CameraView first = camera_at(shot.camera, time - shot.rate * open / 2);
+      const CameraView last = camera_at(shot.camera, time + shot.rate * open / 2);
+      moving += first.position != last.position;
+      for (const auto& model : scene.stage->scenery)
+        for (const Mesh& mesh : model->meshes)
+          for (std::size_t v = 0; v < mesh.vertices.size(); v += 20) {
+            const Vec3 p = Eigen::Vector3f(mesh.vertices[v].position.data()).cast<double>();
+            const auto [seen, from] = pixel(first, p);
+            const auto [still_seen, to] = pixel(last, p);
+            if (seen && still_seen) most = std::max(most, (to - from).norm());
+          }
+    }
+  EXPECT_GT(moving, 40);
+  EXPECT_LT(most, float(Sweep::kStill));
 }
 
 }  // namespace
