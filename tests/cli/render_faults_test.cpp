@@ -248,7 +248,7 @@ TEST_F(RenderFaults, EveryFaultIsNamed) {
     wait_for_frames(1);
     expect("two runs into one folder", 6, {});
   }
-  expect("file size limit", 6, {"--no-video", "--anew"}, [] {
+  expect("file size limit", 6, {"--no-video", "--anew", "--threads", "1"}, [] {
     const rlimit limit{1000, 1000};
     setrlimit(RLIMIT_FSIZE, &limit);
   });
