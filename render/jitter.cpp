@@ -7,6 +7,7 @@ namespace taut {
 namespace {
 
 constexpr double kApart = 6;     // px, most that a point comes from one exposure to the next
+constexpr int kBetween = 2;      // most exposures to a state
 constexpr float kSun = 0.0047f;  // rad, the radius of its disc
 
 /// The i-th point of a sequence that fills the unit square evenly however far it goes: multiples of
@@ -29,7 +30,7 @@ std::vector<Exposures> exposures(double way, int samples, int states) {
     result.push_back({count, count * kApart});
   if (samples > 1 && samples <= states && !enough()) result.push_back({samples, samples * kApart});
   int most = samples;
-  while (most * kApart < way && 2 * most <= states) most *= 2;
+  while (most * kApart < way && 2 * most <= kBetween * states) most *= 2;
   if (most > samples) result.push_back({most, most * kApart});
   return result;
 }

@@ -17,8 +17,9 @@ struct Exposures {
 };
 
 /// The exposures that a frame takes, those of its slowest things first; `way` px is how far its
-/// fastest come. From one to the next things come no farther than 6 px, as long as there are states
-/// enough. The fewest are half as many as there are `samples`. Empty: nothing needs more than one.
+/// fastest come. From one to the next things come no farther than 6 px, as long as that takes no
+/// more than two exposures to a state. The fewest are half as many as there are `samples`. Empty:
+/// nothing needs more than one.
 std::vector<Exposures> exposures(double way, int samples, int states);
 
 /// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as

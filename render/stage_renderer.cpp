@@ -47,6 +47,19 @@ void remove(const Triangles& some, Triangles& from) {
   from.erase(kept, from.end());
 }
 
+/// What exposure `i` of so many shows: states evenly apart, or, where there are more exposures than
+/// states, things on their way from one to the next.
+Instant shown_at(std::span<const Instant> shutter, int i, int count) {
+  const auto states = int(shutter.size());
+  if (count <= states) {
+    const int stride = states / count;
+    return shutter[std::size_t(stride / 2 + i * stride)];
+  }
+  const double at = double(i) * (states - 1) / (count - 1);
+  const auto before = std::min(std::size_t(at), shutter.size() - 2);
+  return between(shutter[before], shutter[before + 1], at - double(before));
+}
+
 }  // namespace
 
 struct StageRenderer::Impl {
@@ -309,8 +322,7 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
     canvas.expose(part, count, [&](int i) {
-      const auto stride = int(shutter.size()) / count;
-      const Instant& instant = shutter[std::size_t(stride / 2 + i * stride)];
+      const Instant instant = shown_at(shutter, i, count);
       d.parts.pose(instant);
       std::vector<Item> shown, casters;
       for (std::size_t k = 0; const Item& item : d.parts.items(instant)) {

@@ -40,9 +40,8 @@ class StageRenderer {
   void draw(Canvas& canvas, const Rect& viewport, const Instant& instant, const Layer& layer = {});
   /// The same while a shutter is open: `shutter` holds instants evenly apart, the frame's own in
   /// the middle (of an even number the later one). What moves less than a pixel is drawn once, at
-  /// the frame's own instant; the rest as often as its fastest point needs, at most as often as
-  /// there are instants. The camera stands where it is in the middle. Returns how many instants the
-  /// picture shows.
+  /// the frame's own instant; the rest each as often as its own speed asks for (jitter.h). The
+  /// camera stands where it is in the middle. Returns how many exposures the fastest point took.
   int expose(Canvas& canvas, const Rect& viewport, std::span<const Instant> shutter);
 
   /// Where to note the stages' times, each waited for; null: nowhere.

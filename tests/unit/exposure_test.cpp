@@ -91,7 +91,8 @@ TEST(Exposure, SlowThingsTakeFewAndFastOnesAsManyAsTheirWayAsksFor) {
   EXPECT_EQ(counts(12, 4, 16), (std::vector{2}));
   EXPECT_EQ(counts(12.1, 4, 16), (std::vector{2, 4}));
   EXPECT_EQ(counts(24.1, 4, 16), (std::vector{2, 4, 8}));
-  EXPECT_EQ(counts(999, 4, 16), (std::vector{2, 4, 16}));
+  EXPECT_EQ(counts(96, 4, 16), (std::vector{2, 4, 16}));
+  EXPECT_EQ(counts(999, 4, 16), (std::vector{2, 4, 32}));
   EXPECT_EQ(counts(13, 1, 16), (std::vector{4}));
   EXPECT_EQ(counts(5, 1, 16), (std::vector<int>{}));
   EXPECT_EQ(counts(13, 2, 16), (std::vector{2, 4}));
