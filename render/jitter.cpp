@@ -6,7 +6,6 @@
 namespace taut {
 namespace {
 
-constexpr double kApart = 6;     // px, most that a point comes from one exposure to the next
 constexpr int kBetween = 2;      // most exposures to a state
 constexpr float kSun = 0.0047f;  // rad, the radius of its disc
 
@@ -23,15 +22,15 @@ Eigen::Vector2f point(int i) {
 
 }  // namespace
 
-std::vector<Exposures> exposures(double way, int samples, int states) {
+std::vector<Exposures> exposures(double way, int samples, int states, double apart) {
   std::vector<Exposures> result;
   const auto enough = [&] { return !result.empty() && result.back().way >= way; };
   if (const int count = samples / 2; count > 1 && count <= states)
-    result.push_back({count, count * kApart});
-  if (samples > 1 && samples <= states && !enough()) result.push_back({samples, samples * kApart});
+    result.push_back({count, count * apart});
+  if (samples > 1 && samples <= states && !enough()) result.push_back({samples, samples * apart});
   int most = samples;
-  while (most * kApart < way && 2 * most <= kBetween * states) most *= 2;
-  if (most > samples) result.push_back({most, most * kApart});
+  while (most * apart < way && 2 * most <= kBetween * states) most *= 2;
+  if (most > samples) result.push_back({most, most * apart});
   return result;
 }
 

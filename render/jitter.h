@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/rect.h"
+#include "scenes/stage.h"
 #include "sim/types.h"
 
 namespace taut {
@@ -17,10 +18,11 @@ struct Exposures {
 };
 
 /// The exposures that a frame takes, those of its slowest things first; `way` px is how far its
-/// fastest come. From one to the next things come no farther than 6 px, as long as that takes no
-/// more than two exposures to a state. The fewest are half as many as there are `samples`. Empty:
-/// nothing needs more than one.
-std::vector<Exposures> exposures(double way, int samples, int states);
+/// fastest come. From one to the next things come no farther than `apart` px, as long as that takes
+/// no more than two exposures to a state. The fewest are half as many as there are `samples`.
+/// Empty: nothing needs more than one.
+std::vector<Exposures> exposures(double way, int samples, int states,
+                                 double apart = Stage().exposures_apart);
 
 /// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as
 /// brings samples that the exposures share apart.

@@ -271,8 +271,8 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
   for (std::size_t i = 1; i < shutter.size(); ++i)
     longest = std::max(longest, shutter[i].state.time - shutter[i - 1].state.time);
   const double open = longest * double(shutter.size());  // s
-  const std::vector<Exposures> grades =
-      exposures(travel.speed * open, canvas.samples(), int(shutter.size()));
+  const std::vector<Exposures> grades = exposures(travel.speed * open, canvas.samples(),
+                                                  int(shutter.size()), d.stage.exposures_apart);
   d.lap("sweep");
   if (grades.empty() || travel.way <= Sweep::kStill) {
     draw(canvas, viewport, middle);

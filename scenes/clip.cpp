@@ -47,6 +47,15 @@ std::vector<ClipFrame> clip_frames(const Scene& scene) {
   return frames;
 }
 
+std::vector<double> shown_times(const Scene& scene, const std::vector<ClipFrame>& frames) {
+  std::vector<double> times;
+  for (const ClipFrame& frame : frames)
+    for (const double time : exposure_times(scene, frame.time, frame.rate)) times.push_back(time);
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
 std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<ClipFrame>& frames,
                                           const std::vector<int>& wanted,
                                           const std::function<void()>& tick) {
@@ -62,13 +71,9 @@ std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<
       states[time];
       last = std::max(last, time);
     }
-  std::vector<double> stops;
-  for (const ClipFrame& frame : frames)
-    for (const double time : times_of(frame))
-      if (time <= last) stops.push_back(time);
-  std::ranges::sort(stops);
   Simulation simulation = start(scene);
-  for (const double time : stops) {
+  for (const double time : shown_times(scene, frames)) {
+    if (time > last) break;
     tick();
     simulation.advance_to(time);
     if (const auto found = states.find(time); found != states.end())

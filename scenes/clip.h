@@ -21,6 +21,9 @@ struct ClipFrame {
 /// shows the time k/fps. The scene has a stage, and must outlive them.
 std::vector<ClipFrame> clip_frames(const Scene& scene);
 
+/// The times (s, rising) of all states that these frames show while their shutters are open.
+std::vector<double> shown_times(const Scene& scene, const std::vector<ClipFrame>& frames);
+
 /// The states that each of the frames in `wanted` (rising) shows while its shutter is open, from
 /// one simulation. It goes the same way whichever frames are wanted. Calls `tick` now and then.
 std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<ClipFrame>& frames,

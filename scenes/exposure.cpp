@@ -29,9 +29,9 @@ std::vector<double> exposure_times(const Scene& scene, double time, double rate)
   const double open = scene.stage ? scene.stage->shutter * rate / scene.fps : 0;
   if (open == 0) return {time};
   std::vector<double> times;
-  for (int i = 0; i < kExposureStates; ++i) {
-    const int off = i - kExposureStates / 2;
-    times.push_back(std::max(own_time(scene, time + off * open / kExposureStates), 0.0));
+  const int states = scene.stage->exposures;
+  for (int i = 0; i < states; ++i) {
+    times.push_back(std::max(own_time(scene, time + (i - states / 2) * open / states), 0.0));
   }
   return times;
 }

@@ -7,12 +7,10 @@
 
 namespace taut {
 
-/// Most states that a frame shows.
-constexpr int kExposureStates = 16;
-
-/// The times (s) of the states that the frame at `time` is made of, evenly apart while the shutter
-/// is open, the frame's own in the middle (the later one of two); `time` alone where the scene has
-/// no shutter. `rate` is how fast the clip goes, in seconds of the scene to one of the clip.
+/// The times (s) of the states, Stage::exposures, that the frame at `time` is made of, evenly apart
+/// while the shutter is open, the frame's own in the middle (the later one of two); `time` alone
+/// where the scene has no shutter. `rate` is how fast the clip goes, in seconds of the scene to one
+/// of the clip.
 ///
 /// Methods of equal steps stop after their own steps, so that the shutter changes no bit of the
 /// trajectory; where a step is longer than the times are apart, neighbours are the same. What lies

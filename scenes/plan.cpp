@@ -8,6 +8,7 @@
 
 #include "scenes/reader/reader.h"
 #include "sim/hash.h"
+#include "sim/simulation.h"
 
 namespace taut {
 namespace {
@@ -55,6 +56,40 @@ std::string two_digits(double value, bool up) {
                      unit * (up ? std::ceil(units - kRounding) : std::floor(units + kRounding)));
 }
 
+constexpr std::string_view words_of_work[] = {"none", "known", "unknown"};
+
+/// A rope that swings in a plane.
+World small_swing() {
+  World world;
+  Connector rope = straight_connector("rope", 0.1, 0.02, 6, {0, 0, 0}, {1, 0, 0});
+  rope.holds = {{0, Attachment{}}};
+  world.connectors.push_back(std::move(rope));
+  finish(world);
+  return world;
+}
+
+/// A driven chain in space that carries a stick.
+World small_throw() {
+  World world;
+  Body stick;
+  stick.name = "stick";
+  stick.mass_properties = solid_cylinder(0.1, 0.2, 0.02);
+  stick.position = {0.1, -0.1, 0};
+  stick.spin = {1, 0, 0};
+  world.bodies.push_back(stick);
+  Connector chain = straight_connector("chain", 0.1, 0.02, 6, {0, 0, 0}, {1, 0, 0});
+  Attachment hand, tip;
+  hand.kind = Attachment::Kind::path;
+  hand.path = std::make_shared<const Path>(
+      std::vector<PathKey>{{0, {0, 0, 0}}, {0.1, {0.01, 0.02, 0.01}}, {0.2, {0, 0, 0.02}}});
+  tip.kind = Attachment::Kind::body;
+  tip.point = {0, 0.1, 0};
+  chain.holds = {{0, hand}, {5, tip}};
+  world.connectors.push_back(std::move(chain));
+  finish(world);
+  return world;
+}
+
 std::string toml(const Setting& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return '"' + *text + '"';
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
@@ -76,6 +111,26 @@ std::uint64_t plan_stamp(const std::filesystem::path& scene) {
   return hash.value();
 }
 
+std::uint64_t method_stamp(const MethodChoice& method) {
+  constexpr double kRounding = 1e-9;  // m
+  Hash hash;
+  for (const World& world : {small_swing(), small_throw()}) {
+    try {
+      Simulation simulation(world, make_method(method.name, method.settings));
+      for (const double time : {0.05, 0.1}) {
+        simulation.advance_to(time);
+        const Snapshot state = simulation.state();
+        for (const Vec3& at : state.connectors[0]) {
+          for (const double x : at) hash.number(std::llround(x / kRounding));
+        }
+      }
+    } catch (const Diverged&) {
+      hash.text("diverged");
+    }
+  }
+  return hash.value();
+}
+
 std::string with_plan(std::string_view text, const Plan& plan) {
   std::string method = fmt::format("name = \"{}\"", plan.method.name);
   for (const auto& [name, value] : plan.method.settings) {
@@ -87,11 +142,24 @@ std::string with_plan(std::string_view text, const Plan& plan) {
         particles > 0 ? fmt::format("particles = {}", particles) : "model = \"span\"";
     connectors += fmt::format("{}{} = {{ {} }}", connectors.empty() ? "" : ", ", name, model);
   }
+  std::string bodies;
+  for (const std::string& name : plan.links) {
+    bodies += fmt::format("{}{} = {{ model = \"link\" }}", bodies.empty() ? "" : ", ", name);
+  }
   std::string table = fmt::format("{}{}\ntolerance = \"{}\"\nerror = {:.3g}\nuntil = {:.6g}  # s\n",
                                   kHeading, kRemark, plan.tolerance, plan.error, plan.until);
-  if (plan.energy) table += fmt::format("energy = {:.3g}\n", *plan.energy);
-  table += fmt::format("stamp = \"{:016x}\"\nmethod = {{ {} }}\n", plan.stamp, method);
+  if (!plan.end.empty()) table += fmt::format("end = \"{}\"\n", plan.end);
+  if (const auto& later = plan.afterwards) {
+    table += fmt::format(
+        "afterwards = {{ work = \"{}\", energy = {:.3g}, stretch = {:.3g}, speeds = {:.3g} }}\n",
+        words_of_work[static_cast<std::size_t>(later->work)], later->energy, later->stretch,
+        later->speeds);
+  }
+  if (plan.exposures > 0) table += fmt::format("exposures = {}\n", plan.exposures);
+  table += fmt::format("stamp = \"{:016x}\"\nprogram = \"{:016x}\"\nmethod = {{ {} }}\n",
+                       plan.stamp, plan.program, method);
   if (!connectors.empty()) table += fmt::format("connectors = {{ {} }}\n", connectors);
+  if (!bodies.empty()) table += fmt::format("bodies = {{ {} }}\n", bodies);
   return without_plan(text) + "\n\n" + table;
 }
 
@@ -99,15 +167,24 @@ std::string certificate(const Plan& plan) {
   const std::size_t unit = plan.tolerance.find_first_not_of("0123456789.e-+");
   std::string text;
   if (plan.until > 0) {
-    text = fmt::format("within {} {} of the exact motion until {} s", two_digits(plan.error, true),
-                       plan.tolerance.substr(std::min(unit, plan.tolerance.size())),
-                       two_digits(plan.until, false));
+    text =
+        fmt::format("within {} {} of the exact motion until {} s{}", two_digits(plan.error, true),
+                    plan.tolerance.substr(std::min(unit, plan.tolerance.size())),
+                    two_digits(plan.until, false), plan.end.empty() ? "" : ", when " + plan.end);
   } else {
     text = "of a motion that nobody can foretell";
   }
-  if (plan.energy) {
-    text += fmt::format("; {}energy within {}%", plan.until > 0 ? "afterwards " : "",
-                        two_digits(100 * *plan.energy, true));
+  if (const auto& later = plan.afterwards) {
+    using Work = Plan::Afterwards::Work;
+    constexpr double kRounding = 1e-8;
+    const auto share = [&](double of) {
+      return two_digits(100 * (of > 0 ? std::max(of, kRounding) : 0), true) + "%";
+    };
+    text += fmt::format("; {}{}energy{} within {}, stretch within {}, speeds within {}",
+                        plan.until > 0 ? "afterwards " : "",
+                        later->work == Work::unknown ? "mean " : "",
+                        later->work == Work::known ? ", less the work of what drives it," : "",
+                        share(later->energy), share(later->stretch), share(later->speeds));
   }
   return text;
 }

@@ -9,29 +9,54 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scenes/method_choice.h"
 
 namespace taut {
 
+/// Of a planned frame; exposures between them are interpolated.
+constexpr int kMostStates = 64;
+
 struct Plan {
-  std::string tolerance;         // "1px", "0.5mm"
-  double error = 0;              // the largest until `until`, in the tolerance's unit
-  double until = 0;              // s: as long as the motion is predictable
-  std::optional<double> energy;  // afterwards: the largest change, of what it can turn into motion
-  std::uint64_t stamp = 0;       // of what it was made from
-  MethodChoice method;
-  std::map<std::string, std::size_t> particles;  // of each; 0: a massless span
+  std::string tolerance;  // "1px", "0.5mm"
+  double error = 0;       // the largest until `until`, in the tolerance's unit
+  double until = 0;       // s: as long as the motion is predictable
+  std::string end = {};   // what makes an end of that, as "a pin comes"; empty: it ends by itself
+
+  /// What is said of the rest, where nobody can foretell it: shares by which it differs from exact
+  /// motions.
+  struct Afterwards {
+    enum class Work { none, known, unknown };  // that is done on the scene
+    Work work = Work::none;
+    double energy =
+        0;  // of what it can turn into motion; without known work, of the mean if unknown
+    double stretch = 0;  // of a link's length
+    double speeds = 0;   // of all points at all frames, that have another speed
+  };
+  std::optional<Afterwards> afterwards = {};
+
+  int exposures = 0;          // that a frame needs at most; 0: it has no shutter
+  std::uint64_t stamp = 0;    // of what it was made from
+  std::uint64_t program = 0;  // of how its method moves, see method_stamp()
+  MethodChoice method = {};
+  std::map<std::string, std::size_t> particles = {};  // of each; 0: a massless span
+  std::vector<std::string> links = {};                // bodies that are links
 };
 
 /// Of everything that a plan depends on: the scene's text without its plan, and the files of its
 /// paths. Throws BadScene.
 std::uint64_t plan_stamp(const std::filesystem::path& scene);
 
+/// Of a small motion by the method at its settings, rounded to far more than processors differ by:
+/// another one where the program's method is another than the plan was made by.
+std::uint64_t method_stamp(const MethodChoice& method);
+
 /// A scene's text with the plan in place of the one that it has, or at its end.
 std::string with_plan(std::string_view text, const Plan& plan);
 
-/// "within 0.4 px of the exact motion until 4.1 s; afterwards energy within 0.1%".
+/// "within 0.4 px of the exact motion until 4.1 s; afterwards energy within 0.1%, stretch within
+/// 0.01%, speeds within 4%".
 std::string certificate(const Plan& plan);
 
 }  // namespace taut

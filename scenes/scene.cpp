@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scenes/reader/format.h"
@@ -75,6 +76,17 @@ Scene load_scene(const std::filesystem::path& file, bool with_stage,
   return read_scene(document, with_stage);
 }
 
+namespace {
+
+/// Whoever asks for pixels is shown no point farther from where it is than that.
+void take_exposures(const Plan& plan, Stage& stage) {
+  if (plan.exposures == 0 || !plan.tolerance.ends_with("px")) return;
+  stage.exposures = std::min(plan.exposures, kMostStates);
+  stage.exposures_apart = 2 * std::stod(plan.tolerance);
+}
+
+}  // namespace
+
 Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   const std::optional<Plan> plan = load_scene(file, false).plan;
   const auto again = [&](const char* why) {
@@ -83,6 +95,9 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   };
   if (!plan) again("has no plan");
   if (plan->stamp != plan_stamp(file)) again("changed since its plan was made");
+  if (plan->program != method_stamp(plan->method)) {
+    again("this program's method moves otherwise than the one that its plan was made by");
+  }
   std::vector<SceneChange> changes;
   for (const auto& [connector, particles] : plan->particles) {
     if (particles == 0) continue;
@@ -98,7 +113,18 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
       connector.model = ConnectorModel::span;
     }
   }
+  for (std::size_t b = 0; b < scene.world.bodies.size(); ++b) {
+    Body& body = scene.world.bodies[b];
+    if (std::ranges::find(plan->links, body.name) == plan->links.end()) continue;
+    const std::string reason = why_no_link(scene.world, scene.timeline, b);
+    if (!reason.empty()) {
+      throw BadScene(fmt::format("{}: [plan]: body {} cannot be a link: {}", file.string(),
+                                 body.name, reason));
+    }
+    body.model = BodyModel::link;
+  }
   scene.method = plan->method;
+  if (scene.stage) take_exposures(*plan, *scene.stage);
   return scene;
 }
 

@@ -25,10 +25,16 @@ MassProperties solid_box(double mass, const Vec3& size);
 /// `body` with a point mass (kg) joined to it at `point` (m, body frame).
 MassProperties with_point_mass(const MassProperties& body, double mass, const Vec3& point);
 
+enum class BodyModel {
+  rigid,
+  link,  // one more link of the connector that it hangs by, see BodiesAsLinks
+};
+
 /// A rigid body. Driven bodies follow `path` (the body's `grip` point stays at the path's position,
 /// its axes along the path's); free bodies move by their state.
 struct Body {
   std::string name;
+  BodyModel model = BodyModel::rigid;
   MassProperties mass_properties;    // with the particles that the body carries
   MassProperties bare;               // without them; set by finish()
   std::shared_ptr<const Path> path;  // null: a free body

@@ -40,6 +40,10 @@ struct Counters {
   std::uint64_t solves = 0;       // systems solved, or passes over all links
   std::uint64_t rejected = 0;     // steps undone by an error control
   std::uint64_t handed_over = 0;  // steps left to a more careful integrator
+  /// What all that takes of a processor, in cycles, as the operations in the loops add up: two
+  /// additions or multiplications a cycle where none waits for another, four cycles each where they
+  /// do; five and fifteen for a division or a root.
+  double work = 0;
 };
 
 /// Something that an observer can see in a span.
@@ -96,9 +100,6 @@ struct MethodInfo {
   std::vector<SettingInfo> settings;
   /// Makes the method with a full set of valid settings.
   std::unique_ptr<Method> (*make)(const Settings& settings);
-  /// The work of one of its solves with `links` links, with a full set of settings. Its unit is
-  /// about a nanosecond of a processor of 2020; only ratios between methods have a meaning.
-  double (*work)(const Settings& settings, double links);
   /// Why this build does not have the method, in two or three words for tables; empty: it does.
   std::string_view missing = {};
   /// The others are judged by it: it stands in no comparison of its own.

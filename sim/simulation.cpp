@@ -10,6 +10,7 @@ namespace taut {
 
 Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline timeline)
     : world_(std::move(world)),
+      bodies_as_links_(world_),
       method_(std::move(method)),
       timeline_(std::move(timeline)),
       parts_(world_.connectors),
@@ -36,6 +37,7 @@ void Simulation::advance_to(double time) {
     enact(entry);
   }
   if (time > world_.time) method_->advance(world_, time);
+  bodies_as_links_.follow(world_);
 }
 
 void Simulation::enact(const Entry& entry) {
@@ -84,13 +86,17 @@ void Simulation::show() {
 
 Snapshot Simulation::state() const {
   Snapshot shot = snapshot(world_);
-  if (timeline_.empty()) return shot;
+  if (timeline_.empty()) {
+    bodies_as_links_.show(shot);
+    return shot;
+  }
   shot.connectors.clear();
   for (const Shown& shown : shown_) {
     const double middle = (shown.along.front() + shown.along.back()) / 2;
     const auto [connector, along] = parts_.at(shown.whole, middle);
     shot.connectors.push_back(positions(world_.connectors[connector], middle - along, shown.along));
   }
+  bodies_as_links_.show(shot);
   return shot;
 }
 

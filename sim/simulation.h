@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "sim/bodies_as_links.h"
 #include "sim/interventions.h"
 #include "sim/method.h"
 #include "sim/parts.h"
@@ -18,7 +19,8 @@ namespace taut {
 class Simulation {
  public:
   /// The timeline must be without flaws that find_flaw() finds. What is at the world's time happens
-  /// with the first advance.
+  /// with the first advance. Bodies whose model is a link become links of the world that is
+  /// stepped.
   Simulation(World world, std::unique_ptr<Method> method, Timeline timeline = {});
 
   /// Advances to `time` (s, not before the present), and does what the timeline has until then.
@@ -27,9 +29,9 @@ class Simulation {
 
   const World& world() const { return world_; }
 
-  /// The visible state, in which every connector keeps its particles from the first frame to the
-  /// last: those of divided(), whatever the timeline has pinned and cut so far. Without a timeline
-  /// it is the world's own.
+  /// The visible state, with all bodies of the world that was given; every connector keeps its
+  /// particles from the first frame to the last: those of divided(), whatever the timeline has
+  /// pinned and cut so far. Without a timeline it is the world's own.
   Snapshot state() const;
 
   const Method& method() const { return *method_; }
@@ -56,6 +58,7 @@ class Simulation {
   };
 
   World world_;
+  BodiesAsLinks bodies_as_links_;
   std::unique_ptr<Method> method_;
   Interventions interventions_;
   Timeline timeline_;

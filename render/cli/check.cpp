@@ -121,10 +121,11 @@ std::string as_text(const Scene& scene) {
                      cut.time));
   }
   if (scene.plan) {
-    line(scene.plan->stamp == plan_stamp(scene.file)
-             ? fmt::format("plan: {} by {} (--planned)", certificate(*scene.plan),
-                           scene.plan->method.name)
-             : "plan: of the scene as it was; it changed since");
+    const Plan& plan = *scene.plan;
+    line(plan.stamp != plan_stamp(scene.file) ? "plan: of the scene as it was; it changed since"
+         : plan.program != method_stamp(plan.method)
+             ? "plan: by another version of its method; plan it again"
+             : fmt::format("plan: {} by {} (--planned)", certificate(plan), plan.method.name));
   }
   if (!scene.stage) {
     line("no stage: it can be simulated, not rendered");

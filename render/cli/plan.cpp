@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -14,14 +15,22 @@
 #include "render/cli/progress.h"
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
+#include "render/error.h"
 #include "render/interrupt.h"
+#include "render/jitter.h"
+#include "scenes/clip.h"
 #include "sim/study/front.h"
+#include "sim/study/refined.h"
+#include "sim/study/side_by_side.h"
 
 namespace taut::cli {
 namespace {
 
-constexpr double kCheckWork = 5e9;  // of the independent check, about as many ns
-constexpr double kFinely = 1e-2;    // of the tolerance: how finely models are solved to judge them
+namespace fs = std::filesystem;
+
+constexpr double kCheckWork = 1.5e10;  // cycles of the independent check
+constexpr double kFinely = 1e-2;  // of the tolerance: how finely models are solved to judge them
+constexpr double kFinerForClip = 0.9;
 constexpr int kTimings = 5;
 
 struct Options {
@@ -84,29 +93,172 @@ double cost_of(const PlanModel& model, const Candidate& candidate,
   return spread(std::move(costs)).median;
 }
 
-/// How many exposures leave no point of what moves farther than the tolerance from one of them
-/// while the shutter is open.
-std::optional<Exposures> exposures_for(const Scene& scene, const Exact& exact,
-                                       const Tolerance& tolerance) {
-  if (!scene.stage || scene.stage->shutter == 0) return std::nullopt;
-  Exposures exposures;
+/// What the blur of the clip needs, where the tolerance is of its pictures.
+std::optional<Blur> blur_of(const Scene& scene, const Exact& exact, const Asked& asked) {
+  if (!scene.stage || scene.stage->shutter == 0 || asked.unit != "px") return std::nullopt;
+  // Of the frame from the time of each state to the next, the most that a point comes, px.
+  std::vector<double> ways;
   for (std::size_t k = 1; k < exact.points.size(); ++k) {
+    double most = 0;
     for (std::size_t i = 0; i < exact.points[k].size(); ++i) {
-      const double way =
-          tolerance.distance(exact.points[k][i], exact.points[k - 1][i], exact.problem.times[k]);
-      if (std::isfinite(way)) exposures.way = std::max(exposures.way, way * scene.stage->shutter);
+      const double way = asked.tolerance.distance(exact.points[k][i], exact.points[k - 1][i],
+                                                  exact.problem.times[k]);
+      if (std::isfinite(way)) most = std::max(most, way);
     }
+    ways.push_back(most);
   }
-  exposures.count = static_cast<int>(std::max(1.0, std::ceil(exposures.way / 2 / tolerance.most)));
-  return exposures;
+  constexpr int kSamples = 4;  // of a pixel, as render has them unless it is told otherwise
+  const double apart = 2 * asked.tolerance.most;
+  Blur blur;
+  double fastest = 0, frames = 0;
+  for (const ClipFrame& frame : clip_frames(scene)) {
+    const auto k = static_cast<std::size_t>(frame.time * scene.fps);
+    if (frame.card || k >= ways.size()) continue;
+    const double way = ways[k] * scene.stage->shutter * frame.rate;
+    const auto taken = [&](double gap, int most) {
+      const std::vector<Exposures> grades = exposures(way, kSamples, most, gap);
+      return way > 1 && !grades.empty() ? grades.back().count : 1;
+    };
+    fastest = std::max(fastest, ways[k] * scene.fps);
+    blur.way = std::max(blur.way, way);
+    blur.mean += taken(apart, kMostStates);
+    blur.mean_as_written += taken(scene.stage->exposures_apart, scene.stage->exposures);
+    blur.most = std::max(blur.most, taken(apart, kMostStates));
+    ++frames;
+  }
+  if (frames == 0) return std::nullopt;
+  blur.mean /= frames;
+  blur.mean_as_written /= frames;
+  blur.apart = blur.way / blur.most;
+  if (blur.most > 1) blur.longest_step = std::max(apart, blur.apart) / fastest;
+  return blur;
 }
 
-void write(const Scene& scene, const Plan& plan) {
-  std::ifstream in(scene.file, std::ios::binary);
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  AtomicFile file(scene.file);
-  file.write(with_plan(text, plan));
-  file.commit();
+/// The most that the planned motion is off at all instants that the clip shows, as far as it can be
+/// foretold; none where these are the frames that the planner compares anyway.
+std::optional<double> error_of_clip(const Planned& planned, double scored,
+                                    const std::function<void(double)>& tick) {
+  if (!planned.scene.stage) return std::nullopt;
+  Scene clip = planned.scene;
+  clip.method = {planned.candidate().method, planned.candidate().settings};
+  if (planned.blur) clip.stage->exposures = std::min(planned.blur->most, kMostStates);
+  const std::vector<double> times = shown_times(clip, clip_frames(clip));
+  const std::vector<double>& compared = planned.exact.problem.times;
+  if (std::ranges::includes(compared, times)) return std::nullopt;
+  const Exact shown = at_times(planned.exact, scored, times, tick);
+  return distance_between(shown, planned.model().model.world, planned.model().model.timeline,
+                          planned.candidate(), planned.asked.tolerance.distance);
+}
+
+/// What the timeline does between two frames, in words.
+std::string event_between(const Timeline& timeline, double from, double until) {
+  const auto within = [&](double time) { return time >= from && time <= until; };
+  for (const TimedPin& pin : timeline.pins) {
+    if (within(pin.from)) return "a pin comes";
+    if (within(pin.from + pin.over)) return "a pin arrives";
+    if (within(pin.until)) return "a pin lets go";
+  }
+  for (const TimedCut& cut : timeline.cuts) {
+    if (within(cut.time)) return "it is cut";
+  }
+  return {};
+}
+
+/// The scene file, to be written once its plan is found: says beforehand if it cannot be.
+class PlanFile {
+ public:
+  explicit PlanFile(const fs::path& scene)
+      : scene_(fs::canonical(scene)), stamp_(plan_stamp(scene)) {
+    permissions_ = fs::status(scene_).permissions();
+    if ((permissions_ & fs::perms::owner_write) == fs::perms::none) {
+      throw CannotWrite(
+          fmt::format("{}: is read-only, and --write would change it", scene.string()));
+    }
+    file_.emplace(scene_);
+  }
+
+  void write(const Plan& plan) {
+    if (plan_stamp(scene_) != stamp_) {
+      throw CannotWrite(
+          fmt::format("{}: has changed while it was planned; plan it again", scene_.string()));
+    }
+    std::ifstream in(scene_, std::ios::binary);
+    const std::string text(std::istreambuf_iterator<char>(in), {});
+    file_->write(with_plan(text, plan));
+    file_->commit();
+    fs::permissions(scene_, permissions_);
+  }
+
+ private:
+  fs::path scene_;
+  std::uint64_t stamp_;
+  fs::perms permissions_;
+  std::optional<AtomicFile> file_;
+};
+
+/// Solves every model finely, to see how good it is by itself, and gives candidates to those that
+/// are good enough: what is beyond the tolerance when it is solved well must not be saved by errors
+/// that cancel.
+std::vector<PlanModel> judge_models(std::vector<SceneModel>& scene_models, const Exact& exact,
+                                    const Tolerance& tolerance, const Candidate& finely, int fps,
+                                    double longest_step, bool quiet) {
+  std::vector<PlanModel> models;
+  Progress progress("models", "models", scene_models.size(), quiet);
+  constexpr std::size_t kBlock = 4;
+  for (std::size_t k = 0; k < scene_models.size(); k += kBlock) {
+    stop_if_interrupted();
+    side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
+      const Tolerance own = tolerance;  // a distance may remember what it was asked last
+      SceneModel& one = scene_models[k + i];
+      one.alone = attempt(one.model, finely, exact, own, INFINITY);
+    });
+    progress.update(k);
+  }
+  for (SceneModel& one : scene_models) {
+    if (one.alone.end == Trial::End::within) {
+      one.model.candidates = all_candidates(one.model.world, fps, longest_step);
+    }
+    models.push_back(one.model);
+  }
+  return models;
+}
+
+Search search_all(const std::vector<PlanModel>& models, const Exact& exact,
+                  const Tolerance& tolerance, bool quiet) {
+  std::size_t total = 0;
+  for (const PlanModel& model : models) total += model.candidates.size();
+  Progress progress("planning", "runs", total, quiet);
+  return search(models, exact, tolerance, [&](std::size_t done) {
+    stop_if_interrupted();
+    progress.update(done);
+  });
+}
+
+Plan plan_of(const Planned& planned, const std::string& tolerance, std::uint64_t stamp) {
+  const Exact& exact = planned.exact;
+  Plan plan{.tolerance = tolerance,
+            .error = planned.error,
+            .until = exact.known > 1 ? exact.horizon() : 0,
+            .stamp = stamp,
+            .method = {planned.candidate().method, planned.candidate().settings},
+            .particles = planned.model().particles,
+            .links = planned.model().links};
+  plan.program = method_stamp(plan.method);
+  if (planned.blur) plan.exposures = planned.blur->most;
+  if (exact.goes_on()) {
+    const std::size_t last = exact.known > 0 ? exact.known - 1 : 0;
+    if (exact.known > 1) {
+      plan.end = event_between(exact.problem.timeline, exact.problem.times[last],
+                               exact.problem.times[last + 1]);
+    }
+    using Work = Plan::Afterwards::Work;
+    const Difference& later = planned.best.later;
+    plan.afterwards = {exact.closed     ? Work::none
+                       : exact.balanced ? Work::known
+                                        : Work::unknown,
+                       later.energy, later.stretch, later.speeds};
+  }
+  return plan;
 }
 
 int run(const Options& options, const Common& common) {
@@ -115,75 +267,68 @@ int run(const Options& options, const Common& common) {
     throw Misuse(fmt::format("{}: has no connector to plan for", options.scene));
   }
   Asked asked = asked_for(options.tolerance, scene);
+  const std::uint64_t stamp = plan_stamp(scene.file);
+  std::optional<PlanFile> file;
+  if (options.write) file.emplace(scene.file);
 
   const double scored = asked.tolerance.most / asked.per_metre;
+  const auto tick = [](Progress& progress) {
+    return [&progress](double done) {
+      stop_if_interrupted();
+      progress.update(static_cast<std::size_t>(100 * done));
+    };
+  };
   const Exact exact = [&] {
     Progress progress("solving exactly", "%", 100, common.quiet);
     return solve_exactly(
         {few_copies(scene.world), frame_times(scene.duration, scene.fps), scene.timeline}, scored,
-        kCheckWork, [&](double done) {
-          stop_if_interrupted();
-          progress.update(static_cast<std::size_t>(100 * done));
-        });
+        kCheckWork, tick(progress));
   }();
+  const std::optional<Blur> blur = blur_of(scene, exact, asked);
   asked.tolerance.most -= asked.per_metre * exact.self_error;
 
-  std::vector<SceneModel> scene_models = models_of(scene);
-  std::vector<PlanModel> models;
-  std::size_t total = 0;
   const Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
-  {
-    Progress progress("models", "models", scene_models.size(), common.quiet);
-    for (SceneModel& one : scene_models) {
-      stop_if_interrupted();
-      one.alone = attempt(one.model, finely, exact, asked.tolerance, INFINITY);
-      // What is beyond the tolerance when it is solved well must not be saved by errors that
-      // cancel.
-      if (one.alone.end == Trial::End::within)
-        one.model.candidates = all_candidates(one.model.world, scene.fps);
-      models.push_back(one.model);
-      total += one.model.candidates.size();
-      progress.update(models.size());
-    }
-  }
-  Search search;
-  {
-    Progress progress("planning", "runs", total, common.quiet);
-    search = taut::search(models, exact, asked.tolerance, [&](std::size_t done) {
-      stop_if_interrupted();
-      progress.update(done);
-    });
-  }
-  if (!search.best) {
-    const Trial* trial = nearest(search, scene_models);
-    const SceneModel& model = trial ? scene_models[trial->model] : scene_models.front();
-    throw Misuse(fmt::format(
-        "--tolerance {}: no method at any of its settings comes so near; nearest: {}, {}: {}",
-        options.tolerance, describe(model, scene),
-        trial ? describe(model.model.candidates[trial->candidate]) : "solved finely",
-        outcome(trial ? *trial : model.alone, asked, exact)));
-  }
+  std::vector<SceneModel> scene_models = models_of(scene);
+  const std::vector<PlanModel> models =
+      judge_models(scene_models, exact, asked.tolerance, finely, scene.fps,
+                   blur ? blur->longest_step : INFINITY, common.quiet);
 
-  Planned planned{scene, asked, exact, scene_models, search, search.trials[*search.best]};
-  const Candidate as_written{scene.method.name, scene.method.settings};
-  const PlanModel& written = models.front();
-  planned.as_written = run_through(written, as_written, exact, asked.tolerance.distance);
-  planned.models_off = model_errors(scene, scene_models, exact, finely, asked.tolerance.distance);
-  planned.scored = scored;
-  planned.exposures = exposures_for(scene, exact, asked.tolerance);
-  planned.cost = cost_of(planned.model().model, planned.candidate(), exact.problem.times);
-  planned.cost_as_written = cost_of(written, as_written, exact.problem.times);
-  planned.plan = {options.tolerance,
-                  planned.best.error,
-                  exact.known > 1 ? exact.horizon() : 0,
-                  {},
-                  plan_stamp(scene.file),
-                  {planned.candidate().method, planned.candidate().settings},
-                  planned.model().particles};
-  if (exact.goes_on() && exact.closed) planned.plan.energy = planned.best.later.energy;
-  if (options.write) write(scene, planned.plan);
-  write_output(common.json ? plan_json(planned) : plan_text(planned));
-  return kDone;
+  // Between frames a clip may show what is farther off than at any frame: then once more, finer.
+  for (Tolerance tolerance = asked.tolerance;;) {
+    const Search search = search_all(models, exact, tolerance, common.quiet);
+    if (!search.best) {
+      const Trial* trial = nearest(search, scene_models);
+      const SceneModel& model = trial ? scene_models[trial->model] : scene_models.front();
+      throw Misuse(fmt::format(
+          "--tolerance {}: no method at any of its settings comes so near; nearest: {}, {}: {}",
+          options.tolerance, describe(model, scene),
+          trial ? describe(models[trial->model].candidates[trial->candidate]) : "solved finely",
+          outcome(trial ? *trial : model.alone, asked, exact)));
+    }
+    Planned planned{scene, asked, exact, scene_models, search, search.trials[*search.best]};
+    planned.scored = scored;
+    planned.blur = blur;
+    planned.error = planned.best.error;
+    if (exact.known > 1) {
+      Progress progress("proving the clip", "%", 100, common.quiet);
+      planned.clip_error = error_of_clip(planned, scored, tick(progress));
+      planned.error = std::max(planned.error, planned.clip_error.value_or(0));
+    }
+    if (planned.error > asked.tolerance.most) {
+      tolerance.most *= kFinerForClip * asked.tolerance.most / planned.error;
+      continue;
+    }
+    const Candidate as_written{scene.method.name, scene.method.settings};
+    const PlanModel& written = models.front();
+    planned.as_written = run_through(written, as_written, exact, asked.tolerance.distance);
+    planned.models_off = model_errors(scene, scene_models, exact, finely, asked.tolerance.distance);
+    planned.cost = cost_of(planned.model().model, planned.candidate(), exact.problem.times);
+    planned.cost_as_written = cost_of(written, as_written, exact.problem.times);
+    planned.plan = plan_of(planned, options.tolerance, stamp);
+    if (file) file->write(planned.plan);
+    write_output(common.json ? plan_json(planned) : plan_text(planned));
+    return kDone;
+  }
 }
 
 }  // namespace
@@ -196,10 +341,17 @@ void add_plan(CLI::App& app, Program& program) {
   taut plan scenes/rope_swing.toml --tolerance 1px --write
   taut render scenes/rope_swing.toml --planned
 
-It chooses the number of particles, the method and its settings, by counts of work, so that the same
+It chooses the number of particles or a massless span, rigid bodies or links in their place, the
+method with its settings, and the exposures of the motion blur; by counts of work, so that the same
 scene has the same plan on every machine. The scene as it is written, solved to convergence, is what
-it compares with: every particle and the ends of every body, at every frame as long as the motion is
-predictable. --write keeps the plan in the scene file; a scene that changed since says so.)");
+it compares with: every particle and the ends of every body, at every frame and at all that the clip
+shows between them, as long as the motion is predictable; after that energy, stretch and speeds.
+Pixels are those of the scene's shots, a picture as high as the scene's.
+
+--write keeps the plan in the scene file, as its table [plan]; render and simulate take it with
+--planned. It is refused once the scene, or how the program's method moves, is another one.
+--json has all of it. Exit codes: 0 found, 2 no method comes so near, or the tolerance makes no
+sense, 3 bad scene, 6 the scene file cannot be written, 130 interrupted)");
   const auto options = std::make_shared<Options>();
   command.add_option("scene", options->scene, "A scene file")->required();
   command

@@ -8,6 +8,7 @@
 
 #include "render/cli/study_options.h"
 #include "scenes/error.h"
+#include "sim/bodies_as_links.h"
 #include "sim/coarser.h"
 #include "sim/methods/span.h"
 #include "sim/study/refined.h"
@@ -29,6 +30,15 @@ constexpr std::size_t kCopies = 4;  // of each connector that are looked at, bes
 /// The reader numbers them: "cord#2".
 bool is_copy(const Connector& connector) {
   return connector.name.find('#') != std::string::npos;
+}
+
+/// Those that can be links; all copies of a connector hang on their own bodies, or none does.
+std::vector<std::size_t> possible_links(const World& world, const Timeline& timeline) {
+  std::vector<std::size_t> bodies;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (why_no_link(world, timeline, b).empty()) bodies.push_back(b);
+  }
+  return bodies;
 }
 
 std::string original(const Connector& connector) {
@@ -58,7 +68,13 @@ std::vector<SceneModel> models_of(const Scene& scene) {
     try {
       Scene changed = load_scene(scene.file, false, changes);
       take_masses(changed.world, scene.world);
-      models.push_back({particles, {few_copies(changed.world), changed.timeline, {}}, {}});
+      models.push_back({particles, {}, {few_copies(changed.world), changed.timeline, {}}, {}});
+      SceneModel linked = models.back();
+      for (const std::size_t b : possible_links(linked.model.world, linked.model.timeline)) {
+        linked.model.world.bodies[b].model = BodyModel::link;
+        linked.links.push_back(linked.model.world.bodies[b].name);
+      }
+      if (!linked.links.empty()) models.push_back(std::move(linked));
     } catch (const BadScene&) {
       // Its start, or one of its pins, needs more particles.
     }
@@ -99,6 +115,11 @@ ModelErrors model_errors(const Scene& scene, const std::vector<SceneModel>& mode
   if (last.particles.begin()->second == 0) {
     errors.span = distance_between(exact, last.model.world, last.model.timeline, finely, distance);
   }
+  if (models.size() > 1 && !models[1].links.empty()) {
+    const SceneModel& linked = models[1];
+    errors.link =
+        distance_between(exact, linked.model.world, linked.model.timeline, finely, distance);
+  }
   return errors;
 }
 
@@ -118,7 +139,7 @@ World few_copies(World world) {
   return world;
 }
 
-std::vector<Candidate> all_candidates(const World& world, int fps) {
+std::vector<Candidate> all_candidates(const World& world, int fps, double longest_step) {
   std::vector<Candidate> all;
   for (const Contender& contender : chosen_contenders({})) {
     if (has_spans(world) && !contender.method->follows_spans) continue;
@@ -131,6 +152,10 @@ std::vector<Candidate> all_candidates(const World& world, int fps) {
     double& seconds = std::get<double>(step->second);
     if (seconds > 0) seconds = 1 / (fps * std::ceil(1 / (fps * seconds) - 1e-6));
   }
+  std::erase_if(all, [&](const Candidate& candidate) {
+    const auto step = candidate.settings.find("step");
+    return step != candidate.settings.end() && std::get<double>(step->second) > longest_step;
+  });
   // The one that is likely to be chosen first: what is dearer than its best is given up early.
   std::ranges::stable_partition(
       all, [](const Candidate& candidate) { return candidate.method == default_method().name; });
@@ -147,6 +172,9 @@ std::string describe(const SceneModel& model, const Scene& scene) {
     if (scene.world.connectors.size() > 1) text += connector.name + " ";
     text += particles == 0 ? "a massless span"
                            : fmt::format("{} of {} particles", particles, connector.particles());
+  }
+  for (const std::string& body : model.links) {
+    text += fmt::format("{}{} a link", text.empty() ? "" : ", ", body);
   }
   return text.empty() ? "as it is written" : text;
 }

@@ -1,6 +1,7 @@
 // The ways to model a scene that the planner chooses from.
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,24 +14,27 @@ namespace taut::cli {
 
 struct SceneModel {
   std::map<std::string, std::size_t> particles;  // of each connector, as Plan has them
+  std::vector<std::string> links;                // bodies that are links, as Plan has them
   PlanModel model;                               // with every method's settings as candidates
   Trial alone;                                   // the model's own error: solved finely
 };
 
 /// The scene as it is written, then with fewer and fewer particles: of each connector about 7/8,
-/// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one; and as massless
-/// spans. Candidates and trials are not yet set.
+/// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one; each of these
+/// also with links for all bodies that can be links; and as massless spans. Candidates and trials
+/// are not yet set.
 std::vector<SceneModel> models_of(const Scene& scene);
 
 /// Every method that follows the world, at every setting of its sweep, with steps that divide a
-/// frame of 1/`fps` s; the default method first.
-std::vector<Candidate> all_candidates(const World& world, int fps);
+/// frame of 1/`fps` s and are at most `longest_step` (s); the default method first.
+std::vector<Candidate> all_candidates(const World& world, int fps, double longest_step = INFINITY);
 
 /// What models cost in accuracy, whatever solves them, in the tolerance's unit.
 struct ModelErrors {
   double twice = 0, four = 0;  // by how much the scene's chains differ from 2 and 4 times the links
   std::optional<double> rope;  // from continuous ropes, where these tell
   std::optional<double> span;  // of massless spans from the scene's chains
+  std::optional<double> link;  // of links in the place of rigid bodies
 };
 
 /// Solves the refined models by `finely`. Where nothing can be foretold there is nothing to find.

@@ -9,7 +9,7 @@
 #include "render/cli/method_options.h"
 #include "render/cli/study_options.h"
 #include "render/table.h"
-#include "scenes/exposure.h"
+#include "sim/bodies_as_links.h"
 #include "sim/methods/direct.h"
 #include "sim/methods/span.h"
 
@@ -20,8 +20,10 @@ namespace {
 /// nearest to being chosen.
 Table left_out(const Planned& planned) {
   Table table{{"model", "method", "outcome"}, {}};
+  bool plain_is_good = true;  // of the model before with the same particles and rigid bodies
   for (const SceneModel& model : planned.models) {
-    if (!model.model.candidates.empty()) continue;
+    if (model.links.empty()) plain_is_good = !model.model.candidates.empty();
+    if (!model.model.candidates.empty() || (!model.links.empty() && !plain_is_good)) continue;
     table.add({describe(model, planned.scene), "any",
                outcome(model.alone, planned.asked, planned.exact)});
   }
@@ -50,20 +52,45 @@ std::string checked_by(const Exact& exact) {
                      rounded(exact.problem.times[exact.checked - 1]), itself);
 }
 
-/// Which free bodies are links and which are not.
+/// What became of each free body.
 std::string bodies_text(const Planned& planned) {
+  const World& exact = planned.scene.world;
   const World& world = planned.model().model.world;
+  const std::vector<std::string>& links = planned.model().links;
   const bool direct = planned.candidate().method == "direct" && !has_spans(world);
   const std::vector<bool> as_links = stepped_as_links(world);
   std::string text;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    if (world.bodies[b].driven()) continue;
-    text +=
-        fmt::format("{}{}: {}", text.empty() ? "" : "; ", world.bodies[b].name,
-                    direct && as_links[b] ? "one more link of its chain, exactly, while in a plane"
-                                          : "a rigid body");
+  for (std::size_t b = 0; b < exact.bodies.size(); ++b) {
+    const Body& body = exact.bodies[b];
+    if (body.driven()) continue;
+    const std::string reason = why_no_link(exact, planned.scene.timeline, b);
+    std::string is = "a rigid body";
+    if (std::ranges::find(links, body.name) != links.end()) {
+      is = "one more link of its chain";
+    } else if (direct && as_links[b]) {
+      is = "a rigid body, which direct steps as one more link, exactly, while in a plane";
+    } else if (!reason.empty()) {
+      is += fmt::format(" ({}: it cannot be a link)", reason);
+    } else {
+      is += ", as a link would be no cheaper";
+    }
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", body.name, is);
+  }
+  if (const auto& off = planned.models_off.link) {
+    text += fmt::format("; links for bodies are {} {} off", rounded(*off), planned.asked.unit);
   }
   return text;
+}
+
+/// A cycle of the counts takes so long on a core of 3 GHz.
+double milliseconds(double cycles) {
+  return cycles / 3e6;
+}
+
+std::string clip_text(const Planned& planned) {
+  return planned.clip_error ? fmt::format(", and {} {} at what the clip shows between them",
+                                          rounded(*planned.clip_error), planned.asked.unit)
+                            : "";
 }
 
 }  // namespace
@@ -118,8 +145,8 @@ std::string plan_text(const Planned& planned) {
   if (const std::string bodies = bodies_text(planned); !bodies.empty()) line("bodies", bodies);
   if (exact.known > 1) {
     line("error", fmt::format("{} {} at most, of every particle and the ends of every body in {} "
-                              "frames",
-                              rounded(best.error), unit, exact.known));
+                              "frames{}",
+                              rounded(best.error), unit, exact.known, clip_text(planned)));
     line("exact",
          fmt::format("known to {} {}: {}", rounded(planned.asked.per_metre * exact.self_error),
                      unit, checked_by(exact)));
@@ -128,12 +155,20 @@ std::string plan_text(const Planned& planned) {
                               "grows beyond a hundredth within a frame",
                               planned.plan.tolerance));
   }
+  if (exact.known > 1 && exact.goes_on()) {
+    line("until", fmt::format("{} s: {}a nudge of a ten-thousandth of {} then grows beyond a "
+                              "hundredth of it",
+                              rounded(planned.plan.until),
+                              planned.plan.end.empty() ? "" : planned.plan.end + ", and ",
+                              planned.plan.tolerance));
+  }
   if (exact.goes_on()) {
     line("later",
-         fmt::format("{}energy within {}% of what lifts all by the length, and of all motion ({}% "
-                     "would do)",
-                     exact.closed ? "" : "mean ", rounded(100 * best.later.energy),
-                     rounded(100 * exact.most.energy)));
+         fmt::format("{}energy{} within {}% of what lifts all by the length, and of all motion "
+                     "({}% would do)",
+                     exact.balanced ? "" : "mean ",
+                     exact.closed || !exact.balanced ? "" : ", less the work of what drives it,",
+                     rounded(100 * best.later.energy), rounded(100 * exact.most.energy)));
     line("", fmt::format("links within {}% of their length ({}%)",
                          rounded(100 * best.later.stretch), rounded(100 * exact.most.stretch)));
     line("",
@@ -159,13 +194,12 @@ std::string plan_text(const Planned& planned) {
                                             rounded(*off.span + *off.rope), unit)
                               : ""));
   }
-  if (planned.exposures) {
-    line("blur", fmt::format("{} exposures a frame: the fastest point comes {} {} while the "
-                             "shutter is open{}",
-                             planned.exposures->count, rounded(planned.exposures->way), unit,
-                             planned.exposures->count > kExposureStates
-                                 ? fmt::format("; a frame has {} at most", kExposureStates)
-                                 : ""));
+  if (const auto& blur = planned.blur) {
+    line("blur", fmt::format("{} exposures of a frame at most, {} on average ({} as it is "
+                             "written): the fastest point comes {} px while the shutter is open, "
+                             "{} px from one to the next",
+                             blur->most, rounded(blur->mean), rounded(blur->mean_as_written),
+                             rounded(blur->way), rounded(blur->apart)));
   }
   const Candidate as_written{scene.method.name, scene.method.settings};
   if (planned.as_written.end == Trial::End::diverged) {
@@ -179,7 +213,7 @@ std::string plan_text(const Planned& planned) {
   }
   line("cost", fmt::format("{} ms of CPU time per simulated second predicted from the counts, {} "
                            "measured",
-                           rounded(1e-6 * best.work), rounded(1e3 * planned.cost)));
+                           rounded(milliseconds(best.work)), rounded(1e3 * planned.cost)));
   return text + "\nLeft out:\n" + to_text(left_out(planned));
 }
 
@@ -190,13 +224,16 @@ std::string plan_json(const Planned& planned) {
                                  {"certificate", certificate(planned.plan)},
                                  {"until", planned.plan.until},
                                  {"error", planned.plan.error},
+                                 {"error_at_frames", planned.best.error},
                                  {"method", planned.plan.method.name},
                                  {"settings", settings_json(planned.plan.method.settings)},
                                  {"particles", planned.plan.particles},
+                                 {"bodies_as_links", planned.plan.links},
                                  {"checked_by", checked_by(exact)},
                                  {"scored_metres", planned.scored},
                                  {"exact_known_to", planned.asked.per_metre * exact.self_error},
-                                 {"predicted_ms_per_second", 1e-6 * planned.best.work},
+                                 {"cycles_per_second", planned.best.work},
+                                 {"predicted_ms_per_second", milliseconds(planned.best.work)},
                                  {"measured_ms_per_second", 1e3 * planned.cost}};
   const ModelErrors& off = planned.models_off;
   if (exact.known > 1) {
@@ -204,7 +241,13 @@ std::string plan_json(const Planned& planned) {
     if (off.rope) json["model_error"]["continuous_rope"] = *off.rope;
     if (off.span) json["model_error"]["massless_span"] = *off.span;
   }
-  if (planned.exposures) json["exposures"] = planned.exposures->count;
+  if (off.link) json["model_error"]["bodies_as_links"] = *off.link;
+  if (const auto& blur = planned.blur) {
+    json["exposures"] = {{"most", blur->most},
+                         {"mean", blur->mean},
+                         {"mean_as_written", blur->mean_as_written},
+                         {"pixels_apart", blur->apart}};
+  }
   if (exact.goes_on()) {
     const auto later = [](const Difference& difference) {
       return nlohmann::ordered_json{{"energy", difference.energy},
@@ -215,7 +258,7 @@ std::string plan_json(const Planned& planned) {
   }
   if (planned.as_written.end == Trial::End::within) {
     json["as_written"] = {{"error", planned.as_written.error},
-                          {"predicted_ms_per_second", 1e-6 * planned.as_written.work},
+                          {"predicted_ms_per_second", milliseconds(planned.as_written.work)},
                           {"measured_ms_per_second", 1e3 * planned.cost_as_written}};
   }
   for (const auto& row : left_out(planned).rows) {

@@ -1,6 +1,7 @@
 // What taut plan says of the plan that it found.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,10 +19,13 @@ struct Asked {
   double per_metre = 0;  // the most units that a metre has
 };
 
-/// Of a frame's motion blur.
-struct Exposures {
-  double way = 0;  // in the tolerance's unit, the most that a point comes while the shutter is open
-  int count = 1;   // that the tolerance needs
+/// The clip's motion blur.
+struct Blur {
+  double way = 0;    // px, the most that a point comes while the shutter is open
+  int most = 1;      // exposures of a frame
+  double apart = 0;  // px, the most that a point comes from one to the next
+  double mean = 0, mean_as_written = 0;  // exposures of a frame, by the plan and without
+  double longest_step = INFINITY;        // s, of methods that have as many states to show
 };
 
 /// A plan with everything that led to it.
@@ -35,9 +39,11 @@ struct Planned {
   Plan plan = {};
   double scored = 0;  // m, the tolerance
   ModelErrors models_off = {};
-  std::optional<Exposures> exposures = {};  // where there is a shutter
-  Trial as_written = {};                    // run to its end, whatever its error
-  double cost = 0, cost_as_written = 0;     // measured: CPU s per simulated second
+  std::optional<Blur> blur = {};          // where there is a shutter
+  std::optional<double> clip_error = {};  // at what the clip shows between frames
+  double error = 0;                       // the largest of all that is compared
+  Trial as_written = {};                  // run to its end, whatever its error
+  double cost = 0, cost_as_written = 0;   // measured: CPU s per simulated second
 
   const SceneModel& model() const { return models[best.model]; }
   const Candidate& candidate() const { return model().model.candidates[best.candidate]; }

@@ -75,12 +75,24 @@ nlohmann::ordered_json stage_json(const Profile& profile) {
   return stages;
 }
 
-/// What is proved of the clip. Its plan's pixels are those of a picture so high.
-std::string proof_of(const Scene& scene, bool planned, int planned_height) {
-  if (!planned) return "none: the clip is not by a plan (--planned)";
-  Plan plan = *scene.plan;
-  if (plan.tolerance.ends_with("px")) plan.error *= double(scene.height) / planned_height;
-  return certificate(plan);
+/// What is proved of the clip at `fps` frames a second.
+std::string proof_of(const Scene& scene, const Options& options, int fps) {
+  if (!options.method.planned) return "none: the clip is not by a plan (--planned)";
+  if (fps != scene.fps) {
+    return fmt::format("none: the plan is of {} frames a second, the clip of {}", scene.fps, fps);
+  }
+  return certificate(*scene.plan);
+}
+
+/// The plan's pixels are those of a picture as high as the scene's; of another they are as many
+/// more.
+void enlarge(Scene& scene, double times, int samples) {
+  Plan& plan = *scene.plan;
+  if (!plan.tolerance.ends_with("px")) return;
+  plan.error *= times;
+  if (plan.exposures == 0) return;
+  scene.stage->exposures_apart *= times;
+  if (plan.exposures > 1) scene.stage->exposures = std::max(scene.stage->exposures, samples);
 }
 
 int render(const Common& common, const Options& options) {
@@ -88,10 +100,14 @@ int render(const Common& common, const Options& options) {
   Scene scene = load_chosen(options.scene, true, options.method);
   if (!scene.stage)
     throw BadScene(fmt::format("{}: has no [stage], so there is nothing to draw", options.scene));
-  if (options.fps > 0) scene.fps = options.fps;
   const int planned_height = scene.height;
   if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
-  const std::string proof = proof_of(scene, options.method.planned, planned_height);
+  if (options.method.planned) {
+    enlarge(scene, double(scene.height) / planned_height, options.samples);
+  }
+  const int fps = options.fps > 0 ? options.fps : scene.fps;
+  const std::string proof = proof_of(scene, options, fps);
+  scene.fps = fps;
   scene.method = chosen_method(options.method, scene);
   const bool video = !options.no_video && !options.stills.any();
   if (video && (scene.width % 2 || scene.height % 2))
@@ -203,7 +219,7 @@ int render(const Common& common, const Options& options) {
     report["video"] = file.string();
   }
   if (measured) report["profile"] = stage_json(profile);
-  if (!common.quiet && options.method.planned) fmt::print(stderr, "certificate: {}\n", proof);
+  if (!common.quiet) fmt::print(stderr, "certificate: {}\n", proof);
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
   record_file.write(text);

@@ -49,21 +49,60 @@ std::optional<Reference> quick_reference(const Problem& problem, double scored_e
   return reference;
 }
 
+namespace {
+
+/// Projects to the picture as each of the scene's cameras has it that shows the time: those of its
+/// shots, or where none does the scene's own. Keeps the cameras of the last time.
+class Projector {
+ public:
+  explicit Projector(const Scene& scene)
+      : half_(scene.width / 2.0, scene.height / 2.0), camera_(scene.stage->camera) {
+    for (const Shot& shot : scene.stage->shots) shots_.push_back(shot);
+  }
+
+  /// The largest distance (px) on any picture; infinite where one point is behind a camera.
+  double distance(const Vec3& a, const Vec3& b, double time) {
+    if (time != time_) look(time);
+    double largest = 0;
+    for (const Eigen::Matrix4d& camera : cameras_) {
+      const Eigen::Vector4d p = camera * a.homogeneous(), q = camera * b.homogeneous();
+      if (!(p.w() > 0 && q.w() > 0)) return std::numeric_limits<double>::infinity();
+      const Eigen::Vector2d apart = p.head<2>() / p.w() - q.head<2>() / q.w();
+      largest = std::max(largest, half_.cwiseProduct(apart).norm());
+    }
+    return largest;
+  }
+
+ private:
+  void look(double time) {
+    time_ = time;
+    cameras_.clear();
+    const auto add = [&](const std::vector<CameraKey>& keys) {
+      cameras_.push_back(
+          camera_projection(camera_at(keys, time), half_.x() / half_.y()).cast<double>());
+    };
+    for (const Shot& shot : shots_) {
+      if (shot.from <= time && time <= shot.until) add(shot.camera);
+    }
+    if (cameras_.empty()) add(camera_);
+  }
+
+  Eigen::Vector2d half_;  // px
+  std::vector<CameraKey> camera_;
+  std::vector<Shot> shots_;
+  double time_ = std::numeric_limits<double>::quiet_NaN();  // s
+  std::vector<Eigen::Matrix4d> cameras_;
+};
+
+}  // namespace
+
 std::optional<Metric> pixels_of(const Scene& scene) {
   if (!scene.stage || scene.stage->camera.empty()) return std::nullopt;
-  const Eigen::Vector2d half(scene.width / 2.0, scene.height / 2.0);
-  const auto project = [stage = *scene.stage, half](const Vec3& point,
-                                                    double time) -> std::optional<Eigen::Vector2d> {
-    const Eigen::Vector4f at =
-        camera_projection(camera_at(stage.camera, time), half.x() / half.y()) *
-        point.cast<float>().homogeneous();
-    if (!(at.w() > 0)) return std::nullopt;
-    return half.cwiseProduct(at.head<2>().cast<double>() / at.w());
-  };
-  return Metric{"on the picture", "px", [project](const Vec3& at, const Vec3& truth, double time) {
-                  const auto a = project(at, time), b = project(truth, time);
-                  return a && b ? (*a - *b).norm() : std::numeric_limits<double>::infinity();
-                }};
+  return Metric{
+      "on the picture", "px",
+      [projector = Projector(scene)](const Vec3& at, const Vec3& truth, double time) mutable {
+        return projector.distance(at, truth, time);
+      }};
 }
 
 }  // namespace taut::cli

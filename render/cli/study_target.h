@@ -29,8 +29,9 @@ Target predictable_target(const Scene& scene, const TruthOptions& options);
 std::optional<Reference> quick_reference(const Problem& problem, double scored_error,
                                          double cpu_cap);
 
-/// Distance on the picture of the scene's camera, px; none where the scene has no stage. A point
-/// behind the camera is infinitely far from where it should be.
+/// Distance on the picture, px, the largest of any shot that shows the time; none where the scene
+/// has no stage. A point behind the camera is infinitely far from where it should be. Copies may be
+/// used at once, one by each thread.
 std::optional<Metric> pixels_of(const Scene& scene);
 
 }  // namespace taut::cli

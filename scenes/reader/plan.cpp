@@ -3,30 +3,61 @@
 #include "scenes/reader/reader.h"
 
 namespace taut {
+namespace {
+
+std::uint64_t hexadecimal(const Document& document, const Value& value) {
+  std::uint64_t number = 0;
+  const char* const end = value.text.data() + value.text.size();
+  const auto [last, error] = std::from_chars(value.text.data(), end, number, 16);
+  if (error != std::errc() || last != end || value.text.size() != 16) {
+    document.mismatch(value, "16 hexadecimal digits");
+  }
+  return number;
+}
+
+Plan::Afterwards read_afterwards(const Value& table) {
+  using Work = Plan::Afterwards::Work;
+  const std::string_view work = table.find("work")->text;
+  return {.work = work == "none"    ? Work::none
+                  : work == "known" ? Work::known
+                                    : Work::unknown,
+          .energy = table.find("energy")->number,
+          .stretch = table.find("stretch")->number,
+          .speeds = table.find("speeds")->number};
+}
+
+/// Calls `visit` for each member of the table `name`, all of which must be members of the scene's.
+template <class Visit>
+void each_of_scene(const Document& document, const Value& plan, std::string_view name,
+                   const char* unknown, Visit visit) {
+  const Value* all = document.root.find(name);
+  const Value* some = plan.find(name);
+  if (!some) return;
+  for (const Value& one : some->children) {
+    if (!all || !all->find(one.name)) document.fail_at_key(one, unknown);
+    visit(one);
+  }
+}
+
+}  // namespace
 
 Plan read_plan(const Document& document, const Value& table, int fps) {
   Plan plan;
   plan.tolerance = table.find("tolerance")->text;
   plan.error = table.find("error")->number;
   plan.until = table.find("until")->number;
-  if (const Value* energy = table.find("energy")) plan.energy = energy->number;
-  const Value& stamp = *table.find("stamp");
-  const char* const end = stamp.text.data() + stamp.text.size();
-  const auto [last, error] = std::from_chars(stamp.text.data(), end, plan.stamp, 16);
-  if (error != std::errc() || last != end || stamp.text.size() != 16) {
-    document.mismatch(stamp, "16 hexadecimal digits");
-  }
+  plan.end = text_or(table, "end", "");
+  if (const Value* later = table.find("afterwards")) plan.afterwards = read_afterwards(*later);
+  plan.exposures = static_cast<int>(number_or(table, "exposures", 0));
+  plan.stamp = hexadecimal(document, *table.find("stamp"));
+  plan.program = hexadecimal(document, *table.find("program"));
   plan.method = read_method(document, table.find("method"), fps);
-  const Value* connectors = document.root.find("connectors");
-  if (const Value* changed = table.find("connectors")) {
-    for (const Value& connector : changed->children) {
-      if (!connectors || !connectors->find(connector.name)) {
-        document.fail_at_key(connector, "is no connector of the scene");
-      }
-      plan.particles[connector.name] =
-          static_cast<std::size_t>(number_or(connector, "particles", 0));
-    }
-  }
+  each_of_scene(
+      document, table, "connectors", "is no connector of the scene", [&](const Value& one) {
+        plan.particles[one.name] = static_cast<std::size_t>(number_or(one, "particles", 0));
+      });
+  each_of_scene(document, table, "bodies", "is no body of the scene",
+                [&](const Value& one) { plan.links.push_back(one.name); });
   return plan;
 }
 

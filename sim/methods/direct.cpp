@@ -176,7 +176,6 @@ MethodInfo direct_method() {
         control.step = number(settings, "step");
         return std::make_unique<Direct>(control);
       },
-      .work = [](const Settings&, double links) { return 150 + 6 * links; },
       .follows_spans = true};
 }
 

@@ -66,10 +66,16 @@ class DynamicConstraints final : public SteppedMethod {
                 at.loose_excess_acceleration(r) + (2 * at.rate()[r] + at.excess()[r] / tau) / tau;
           }
           ++counters_.solves;
+          counters_.work += at.work();
           if (dense_) {
             system_.solve_dense(right_, tension);
-          } else if (system_.solve(right_, tension)) {
-            ++counters_.handed_over;
+            counters_.work += system_.dense_work();
+          } else {
+            counters_.work += system_.work();
+            if (system_.solve(right_, tension)) {
+              ++counters_.handed_over;
+              counters_.work += system_.dense_work();
+            }
           }
           if (adaptive_) {
             fastest_squared_ = std::max(fastest_squared_, swings_squared(at, tension));
@@ -143,11 +149,6 @@ MethodInfo dynamic_constraints_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<DynamicConstraints>(settings);
       },
-      .work =
-          [](const Settings& settings, double links) {
-            if (text(settings, "solver") == "dense") return 150 * links + links * links * links / 2;
-            return 60 + 26 * links;
-          },
       .forms = {{"dense", {{"solver", std::string("dense")}}}},
       .longest_step = longest_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",

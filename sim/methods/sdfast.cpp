@@ -132,6 +132,7 @@ void SdFast::store(World& world, double until) {
 void SdFast::look(double time) {
   SdFast& user = *user_;
   ++user.counters_.solves;
+  user.counters_.work += 3000 + 600 * static_cast<double>(user.chain_.links);
   if (!user.chain_.held || user.chain_.held->kind == Attachment::Kind::fixed) return;
   const PointMotion base = hold_motion(*user.moving_, *user.chain_.held, time);
   sdfast::drag_balls(*user.model_, *user.moving_, user.chain_, base.acceleration);
@@ -206,7 +207,6 @@ MethodInfo sdfast_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<SdFast>(settings);
       },
-      .work = [](const Settings&, double links) { return 1000 + 200 * links; },
       .missing = sdfast::models().empty() ? "not installed" : "",
       .forms = {{"kane", {{"formulation", std::string("kane")}}}}};
 }

@@ -57,6 +57,7 @@ class Springs : public SteppedMethod {
                       tension[r] = stiffness_ * at.excess()[r] + damper_ * at.rate()[r];
                     }
                     ++counters_.solves;
+                    counters_.work += at.work();
                   });
   }
 
@@ -101,7 +102,6 @@ MethodInfo springs_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Springs>(settings);
       },
-      .work = [](const Settings&, double links) { return 120 + 16 * links; },
       .forms = {{"explicit-euler", {{"integrator", std::string("explicit-euler")}}},
                 {"rk4", {{"integrator", std::string("rk4")}}}},
       .longest_step = longest_step,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sim/study/accuracy.h"
+#include "sim/study/energy_balance.h"
 #include "sim/study/exact.h"
 #include "sim/study/likeness.h"
 
@@ -22,8 +23,8 @@ class Beside {
   /// The largest distance of any point so far, in the frames that can be compared; infinite where
   /// one is not finite.
   double error() const { return error_; }
-  /// What differs of the frames after the horizon so far; speeds, and the mean energy of a
-  /// world that is not closed, only once all have been.
+  /// What differs of the frames after the horizon so far; speeds, and the mean energy where
+  /// the work is not known, only once all have been.
   Difference later() const;
   /// Of the solves so far.
   double work() const;
@@ -32,12 +33,12 @@ class Beside {
  private:
   const Exact& exact_;
   const Distance& distance_;
-  Candidate candidate_;
   Simulation simulation_;
   Marks marks_;
   std::size_t frame_ = 0;  // the next one
-  double error_ = 0, energy_at_start_ = 0;
+  double error_ = 0;
   double stretch_ = 0;  // after the horizon
+  EnergyBalance balance_;
   EnergyDifference energy_;
   Speeds speeds_;
 };

@@ -51,14 +51,4 @@ std::vector<Candidate> sweep(const MethodInfo& method, bool thin) {
   return candidates;
 }
 
-double work_of(const Candidate& candidate, const World& world, const Counters& counters) {
-  const MethodInfo& method = *find_method(candidate.method);
-  double links = 0;
-  for (const Connector& connector : world.connectors) {
-    links += static_cast<double>(connector.links());
-  }
-  return static_cast<double>(counters.solves) *
-         method.work(with_defaults(method, candidate.settings), links);
-}
-
 }  // namespace taut

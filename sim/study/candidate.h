@@ -22,7 +22,4 @@ std::string describe(const Settings& settings);
 /// `thin`: of each number only the ends and the middle.
 std::vector<Candidate> sweep(const MethodInfo& method, bool thin);
 
-/// The work of the solves so far, from counts: the same on every machine.
-double work_of(const Candidate& candidate, const World& world, const Counters& counters);
-
 }  // namespace taut

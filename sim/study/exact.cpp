@@ -5,6 +5,7 @@
 
 #include "sim/measure.h"
 #include "sim/methods/span.h"
+#include "sim/study/energy_balance.h"
 #include "sim/study/likeness.h"
 #include "sim/truth/truth.h"
 
@@ -21,9 +22,10 @@ constexpr std::size_t kRuns = 4;      // the solution, two nudged ones, the chec
 
 struct Motion {
   std::vector<std::vector<Vec3>> points;  // [frame][mark], m
-  std::vector<double> energy;             // J
-  double most_kinetic = 0;                // J
-  bool stopped = false;                   // by whoever looked on
+  std::vector<double> energy;             // J, as EnergyBalance has it
+  bool balanced = false;
+  double most_kinetic = 0;  // J
+  bool stopped = false;     // by whoever looked on
 };
 
 /// The motion as far as the method goes or `go_on`, called after each frame, says.
@@ -32,20 +34,20 @@ Motion solve(const Problem& problem, const World& world, const Marks& marks,
              const std::function<bool(const Motion&, const Simulation&)>& go_on) {
   Motion motion;
   Simulation simulation(world, make_method(candidate.method, candidate.settings), problem.timeline);
+  EnergyBalance balance(problem.timeline);
   try {
     for (const double time : problem.times) {
       simulation.advance_to(time);
-      const double kinetic = kinetic_energy(simulation.world());
       motion.points.push_back(marks.places(marks, simulation.state()));
-      motion.energy.push_back(kinetic + potential_energy(simulation.world()));
-      motion.most_kinetic = std::max(motion.most_kinetic, kinetic);
+      motion.energy.push_back(balance.next(simulation.world()));
+      motion.most_kinetic = std::max(motion.most_kinetic, kinetic_energy(simulation.world()));
       motion.stopped = !go_on(motion, simulation);
       if (motion.stopped) break;
     }
   } catch (const Diverged&) {
     if (motion.points.size() < 2) throw;
   }
-  for (std::size_t k = motion.energy.size(); k-- > 0;) motion.energy[k] -= motion.energy[0];
+  motion.balanced = balance.complete();
   return motion;
 }
 
@@ -72,12 +74,16 @@ std::vector<double> speeds_from(const Problem& problem, const Motion& motion, st
 }
 
 /// By how much (J) the energies differ from frame `first` on.
-double energy_difference(const Motion& a, const Motion& b, std::size_t first, bool closed) {
+double energy_difference(const Motion& a, const Motion& b, std::size_t first, bool balanced) {
   EnergyDifference difference;
   for (std::size_t k = first; k < std::min(a.energy.size(), b.energy.size()); ++k) {
     difference.add(a.energy[k] - b.energy[k]);
   }
-  return closed ? difference.largest() : difference.of_means();
+  return balanced ? difference.largest() : difference.of_means();
+}
+
+Candidate direct_within(double tolerance) {
+  return {"direct", {{"tolerance", std::max(kFinest, tolerance)}}};
 }
 
 World nudged_with_bodies(const World& world, double distance, bool rough) {
@@ -94,6 +100,7 @@ void judge_later(Exact& exact, const Motion& motion, const std::vector<Motion>& 
                  double scored_error) {
   const World& world = exact.problem.world;
   exact.closed = is_closed(world) && exact.problem.timeline.empty();
+  exact.balanced = motion.balanced;
   exact.energy_scale = energy_scale(world) - kinetic_energy(world) + motion.most_kinetic;
   const std::vector<double>& times = exact.problem.times;
   exact.same_speed = scored_error / (times[1] - times[0]);
@@ -105,9 +112,9 @@ void judge_later(Exact& exact, const Motion& motion, const std::vector<Motion>& 
   std::vector<std::vector<double>> all{exact.speeds};
   for (std::size_t i = 0; i < others.size(); ++i) {
     all.push_back(speeds_from(exact.problem, others[i], first));
-    energy = std::max(energy, energy_difference(motion, others[i], first, exact.closed));
+    energy = std::max(energy, energy_difference(motion, others[i], first, exact.balanced));
     for (std::size_t j = 0; j < i; ++j) {
-      energy = std::max(energy, energy_difference(others[i], others[j], first, exact.closed));
+      energy = std::max(energy, energy_difference(others[i], others[j], first, exact.balanced));
     }
     for (const std::vector<double>& one : all) {
       speeds = std::max(speeds, distribution_distance(one, all.back(), exact.same_speed));
@@ -131,9 +138,7 @@ Exact solve_exactly(Problem problem, double scored_error, double most_work,
     tick(++done / (frames * kRuns));
     return true;
   };
-  const auto direct = [&](double finer) {
-    return Candidate{"direct", {{"tolerance", std::max(kFinest, finer * scored_error)}}};
-  };
+  const auto direct = [&](double finer) { return direct_within(finer * scored_error); };
   const Marks marks(problem.world,
                     Simulation(problem.world, make_method("direct", {}), problem.timeline).state());
   const Motion motion = solve(problem, problem.world, marks, direct(kFiner), look);
@@ -161,8 +166,7 @@ Exact solve_exactly(Problem problem, double scored_error, double most_work,
     try {
       check = solve(own, own.world, marks, truth, [&](const Motion& so_far, const Simulation& now) {
         look(so_far, now);
-        return so_far.points.size() < exact.known &&
-               work_of(truth, now.world(), now.method().counters()) < most_work;
+        return so_far.points.size() < exact.known && now.method().counters().work < most_work;
       });
     } catch (const Diverged&) {
       // Left to the direct method.
@@ -182,6 +186,24 @@ Exact solve_exactly(Problem problem, double scored_error, double most_work,
   judge_later(exact, motion, others, scored_error);
   tick(1);
   return exact;
+}
+
+Exact at_times(const Exact& exact, double scored_error, std::vector<double> times,
+               const std::function<void(double)>& tick) {
+  std::erase_if(times, [&](double time) { return time > exact.horizon(); });
+  const auto all = static_cast<double>(times.size());
+  Exact other{.problem = {exact.problem.world, std::move(times), exact.problem.timeline},
+              .marks = exact.marks,
+              .self_error = exact.self_error};
+  other.points =
+      solve(other.problem, other.problem.world, exact.marks, direct_within(kFiner * scored_error),
+            [&](const Motion& so_far, const Simulation&) {
+              tick(static_cast<double>(so_far.points.size()) / all);
+              return true;
+            })
+          .points;
+  other.known = other.points.size();
+  return other;
 }
 
 }  // namespace taut

@@ -12,8 +12,8 @@ namespace taut {
 
 /// By how much a motion differs from the exact one where neither can be foretold.
 struct Difference {
-  /// A share of Exact::energy_scale: the largest of any frame where the world is closed; of the
-  /// mean over all frames where something does work on it, which depends on how it happens to move.
+  /// A share of Exact::energy_scale: of the energy, less the work of what drives it, the largest of
+  /// any frame; of the mean over all frames where that work cannot be told (EnergyBalance).
   double energy = 0;
   double stretch = 0;  // the largest of a link, a share of its length
   double speeds = 0;   // of the distributions of all points' speeds, see distribution_distance()
@@ -26,13 +26,14 @@ struct Difference {
 struct Exact {
   Problem problem;  // its times: as far as there is a solution
   Marks marks;
-  std::vector<std::vector<Vec3>> points;  // [frame][mark], m
-  bool closed = false;                    // nothing does work on it
-  std::vector<double> energy;             // J more than at the start, of each frame
-  double energy_scale = 0;                // J, of lifting all by the length and of the most motion
-  std::size_t known = 0;                  // frames whose states can be compared
-  double self_error = 0;                  // m, by which solutions differ in these
-  std::size_t checked = 0;                // of the known frames: by an independent solver
+  std::vector<std::vector<Vec3>> points = {};  // [frame][mark], m
+  bool closed = false;                         // nothing does work on it
+  bool balanced = false;                       // it is known how much work is done
+  std::vector<double> energy = {};             // J, of each frame, as EnergyBalance has it
+  double energy_scale = 0;  // J, of lifting all by the length and of the most motion
+  std::size_t known = 0;    // frames whose states can be compared
+  double self_error = 0;    // m, by which solutions differ in these
+  std::size_t checked = 0;  // of the known frames: by an independent solver
   // Of the frames from the last known one on:
   std::vector<double> speeds = {};  // m/s, rising
   double same_speed = 0;            // m/s: speeds that differ by less are equal
@@ -52,5 +53,10 @@ struct Exact {
 /// the share of all that is done; it may throw. Throws Diverged where there is no second frame.
 Exact solve_exactly(Problem problem, double scored_error, double most_work,
                     const std::function<void(double)>& tick);
+
+/// The same motion at other times (s, rising), as far as it is known; for comparisons of states
+/// alone.
+Exact at_times(const Exact& exact, double scored_error, std::vector<double> times,
+               const std::function<void(double)>& tick);
 
 }  // namespace taut

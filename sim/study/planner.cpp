@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <string>
+
+#include "sim/study/side_by_side.h"
 
 namespace taut {
 
@@ -74,18 +77,33 @@ Search search(std::span<const PlanModel> models, const Exact& exact, const Toler
   std::ranges::stable_partition(entries,
                                 [&](const Entry& entry) { return entry.what->method == first; });
 
+  // A few at a time on all cores; what is too dear is told by what was found before them, so that
+  // the outcome is the same on any number of cores.
+  constexpr std::size_t kBlock = 8;
   Search result;
   double least = std::numeric_limits<double>::infinity();
-  for (const Entry& entry : entries) {
-    Trial trial = attempt(models[entry.model], *entry.what, exact, tolerance, least);
-    trial.model = entry.model;
-    trial.candidate = entry.candidate;
-    if (trial.end == Trial::End::within) {
-      least = trial.work;
-      result.best = result.trials.size();
+  std::mutex alone;
+  for (std::size_t first_of = 0; first_of < entries.size(); first_of += kBlock) {
+    const std::size_t count = std::min(kBlock, entries.size() - first_of);
+    std::vector<Trial> block(count);
+    side_by_side(count, [&](std::size_t i) {
+      const Entry& entry = entries[first_of + i];
+      // Libraries that others wrote may share what they change.
+      std::unique_lock lock(alone, std::defer_lock);
+      if (entry.what->method == "multibody" || entry.what->method == "sdfast") lock.lock();
+      const Tolerance own = tolerance;  // a distance may remember what it was asked last
+      block[i] = attempt(models[entry.model], *entry.what, exact, own, least);
+      block[i].model = entry.model;
+      block[i].candidate = entry.candidate;
+    });
+    for (const Trial& trial : block) {
+      if (trial.end == Trial::End::within && trial.work < least) {
+        least = trial.work;
+        result.best = result.trials.size();
+      }
+      result.trials.push_back(trial);
+      tried(result.trials.size());
     }
-    result.trials.push_back(trial);
-    tried(result.trials.size());
   }
   return result;
 }

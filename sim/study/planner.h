@@ -54,8 +54,8 @@ Trial run_through(const PlanModel& model, const Candidate& candidate, const Exac
                   const Distance& distance);
 
 /// Tries every candidate of every model, those of the first one's method first, until it is beyond
-/// the tolerance or dearer than the cheapest within. `tried` is called after each with the number
-/// so far; it may throw to stop.
+/// the tolerance or dearer than the cheapest within, on all cores. `tried` is called for each with
+/// the number so far; it may throw to stop.
 Search search(std::span<const PlanModel> models, const Exact& exact, const Tolerance& tolerance,
               const std::function<void(std::size_t)>& tried);
 

@@ -98,6 +98,66 @@ start = {{ direction = [{}, {}, 0] }}
   }
 }
 
+/// A scene of any kind: a rope, chain or stick, hanging, driven or pinned, in a plane or in space,
+/// seen from near or far.
+std::string any_scene(std::mt19937& random) {
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const auto one_of = [&](int count) {
+    return std::uniform_int_distribution<int>(0, count - 1)(random);
+  };
+  const double length = between(0.1, 1.2), angle = between(0, 1.3), turn = between(0, 3);
+  const bool in_space = one_of(2) == 0, driven = one_of(3) == 0, pinned = one_of(5) == 0;
+  const int particles = 3 + one_of(30), end = one_of(3);
+  const std::string direction =
+      fmt::format("[{}, {}, {}]", std::cos(angle) * std::cos(in_space ? turn : 0), -std::sin(angle),
+                  in_space ? std::cos(angle) * std::sin(turn) : 0.0);
+  std::string text = fmt::format("duration = {}\n", between(0.5, 1.5));
+  if (driven) {
+    text += fmt::format(
+        "[paths.hand]\ncircle = {{ centre = [0, 1.1, 0], start = [0, 1, 0], axis = [{}, 0, 1], "
+        "frequency = {}, ramp = 0.4 }}\n",
+        in_space ? between(0, 1) : 0.0, between(0.3, 1.5));
+  }
+  if (end == 2) {
+    text += fmt::format(
+        "[bodies.load]\nmass = {}\nshape = {{ cylinder = {{ length = 0.3, diameter = 0.03 }} }}\n"
+        "hangs = {}\n",
+        between(0.05, 0.5), driven ? "[0, -1, 0]" : direction);
+  }
+  text += fmt::format(
+      "[connectors.rope]\nlength = {}\nmass = {}\nparticles = {}\nfrom = {}\n"
+      "to = {}\nstart = {{ direction = {} }}\n",
+      length, between(0.01, 0.2), particles,
+      driven ? "{ path = \"hand\" }" : "{ fixed = [0, 1, 0] }",
+      end == 0   ? "{ free = true }"
+      : end == 1 ? fmt::format("{{ point_mass = {} }}", between(0.02, 2))
+                 : "{ body = \"load\", point = [0, 0.15, 0] }",
+      driven ? "[0, -1, 0]" : direction);
+  if (pinned) {
+    text += fmt::format("[[pins]]\nconnector = \"rope\"\nat = {}\nfrom = {}\nuntil = 0.45\n",
+                        length * between(0.3, 0.7), between(0.05, 0.4));
+  }
+  return text + fmt::format(
+                    "[stage]\ncamera = [{{ t = 0, position = [0.3, 1, {}], target = [0, 0.8, "
+                    "0] }}]\n",
+                    between(1.5, 8));
+}
+
+TEST(LongPlanned, ScenesOfEveryKind) {
+  std::mt19937 random(20);
+  for (int i = 0; i < 20; ++i) {
+    const Folder folder;
+    const std::string scene = any_scene(random);
+    SCOPED_TRACE(scene);
+    folder.write("scene.toml", scene);
+    const nlohmann::json plan =
+        plan_of(folder.path() / "scene.toml", fmt::format("--tolerance {}px --write", 1 + i % 3));
+    if (plan.at("until").get<double>() > 0) expect_within(folder.path() / "scene.toml");
+  }
+}
+
 /// Runs everything to its end that the planner gives up early or never tries.
 void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
   const nlohmann::json plan = plan_of(kScenes / name, fmt::format("--tolerance {}", tolerance));
@@ -114,7 +174,7 @@ void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
       if (trial.end == Trial::End::within) cheapest = std::min(cheapest, trial.work);
     }
   }
-  EXPECT_LE(1e6 * plan.at("predicted_ms_per_second").get<double>(), 1.5 * cheapest) << name;
+  EXPECT_LE(plan.at("cycles_per_second").get<double>(), 1.5 * cheapest) << name;
 }
 
 TEST(LongPlan, CostsAtMostHalfMoreThanTheCheapestOfAll) {

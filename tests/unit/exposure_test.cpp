@@ -11,6 +11,8 @@
 namespace taut {
 namespace {
 
+const int kStates = Stage().exposures;
+
 Scene with_shutter(double shutter, const char* method, Settings settings) {
   Scene scene;
   scene.duration = 2;
@@ -29,10 +31,9 @@ TEST(Exposure, TimesAreTheMethodsOwnSteps) {
   const double step = 1.0 / 1920;  // 16 in half a frame
   const Scene scene = with_shutter(0.5, "impulse", {{"step", step}});
   const std::vector<double> times = exposure_times(scene, 0.5);
-  ASSERT_EQ(times.size(), std::size_t(kExposureStates));
-  EXPECT_EQ(times[kExposureStates / 2], 0.5);
-  for (int i = 0; i < kExposureStates; ++i)
-    EXPECT_NEAR(times[std::size_t(i)], 0.5 + (i - 8) * step, 1e-12);
+  ASSERT_EQ(times.size(), std::size_t(kStates));
+  EXPECT_EQ(times[kStates / 2], 0.5);
+  for (int i = 0; i < kStates; ++i) EXPECT_NEAR(times[std::size_t(i)], 0.5 + (i - 8) * step, 1e-12);
   // At a quarter of the speed the shutter is open for four steps: each is shown four times.
   const std::vector<double> slow = exposure_times(scene, 0.5, 0.25);
   for (const double time : slow) EXPECT_NEAR(time / step, std::round(time / step), 1e-6);
@@ -53,7 +54,7 @@ TEST(Exposure, MethodsThatChooseTheirStepsStopAnywhere) {
   const Scene scene = with_shutter(1, "direct", {{"tolerance", 1e-4}});
   const std::vector<double> times = exposure_times(scene, 0.5);
   for (std::size_t i = 1; i < times.size(); ++i)
-    EXPECT_NEAR(times[i] - times[i - 1], 1.0 / 60 / kExposureStates, 1e-12);
+    EXPECT_NEAR(times[i] - times[i - 1], 1.0 / 60 / kStates, 1e-12);
 }
 
 TEST(Exposure, NothingIsBeforeTheStart) {

@@ -23,8 +23,9 @@ Plan a_plan() {
   plan.tolerance = "1px";
   plan.error = 0.4;
   plan.until = 4.1;
-  plan.energy = 0.001;
+  plan.afterwards = {Plan::Afterwards::Work::none, 0.001, 1e-4, 0.04};
   plan.method = {"xpbd", {{"step", 1.0 / 960}, {"iterations", 4.0}}};
+  plan.program = method_stamp(plan.method);
   plan.particles = {{"rope", 6}};
   return plan;
 }
@@ -48,7 +49,11 @@ TEST_F(PlanFile, IsReadAsItWasWritten) {
   ASSERT_TRUE(scene.plan.has_value());
   EXPECT_EQ(scene.plan->tolerance, "1px");
   EXPECT_EQ(scene.plan->until, 4.1);
-  EXPECT_EQ(scene.plan->energy, 0.001);
+  ASSERT_TRUE(scene.plan->afterwards.has_value());
+  EXPECT_EQ(scene.plan->afterwards->work, Plan::Afterwards::Work::none);
+  EXPECT_EQ(scene.plan->afterwards->energy, 0.001);
+  EXPECT_EQ(scene.plan->afterwards->stretch, 1e-4);
+  EXPECT_EQ(scene.plan->afterwards->speeds, 0.04);
   EXPECT_EQ(scene.plan->method.settings, a_plan().method.settings);
   EXPECT_EQ(scene.world.connectors[0].particles(), 21u) << "the scene itself stays";
   const Scene planned = load_planned(file_, false);
@@ -59,6 +64,7 @@ TEST_F(PlanFile, IsReadAsItWasWritten) {
 TEST_F(PlanFile, MayTakeAConnectorForAMasslessSpan) {
   Plan plan = a_plan();
   plan.method = {"direct", {{"tolerance", 1e-3}}};
+  plan.program = method_stamp(plan.method);
   plan.particles = {{"rope", 0}};
   plan.stamp = plan_stamp(file_);
   folder_.write("scene.toml", with_plan(read_file(file_), plan));
@@ -91,6 +97,59 @@ TEST_F(PlanFile, OfASceneThatChangedIsRefused) {
   }
 }
 
+TEST_F(PlanFile, OfAnotherProgramIsRefused) {
+  Plan older = a_plan();
+  older.stamp = plan_stamp(file_);
+  older.program ^= 1;
+  folder_.write("scene.toml", with_plan(read_file(file_), older));
+  try {
+    load_planned(file_, false);
+    FAIL() << "taken";
+  } catch (const BadScene& error) {
+    EXPECT_NE(std::string(error.what()).find("this program's method moves otherwise"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(MethodStamp, TellsMethodsAndSettingsApart) {
+  const MethodChoice direct{"direct", {{"tolerance", 1e-4}}};
+  EXPECT_EQ(method_stamp(direct), method_stamp(direct));
+  EXPECT_NE(method_stamp(direct), method_stamp({"direct", {{"tolerance", 1e-2}}}));
+  EXPECT_NE(method_stamp(direct), method_stamp({"impulse", {}}));
+}
+
+TEST_F(PlanFile, MayTakeABodyForALinkAndExposuresForTheShutter) {
+  folder_.write("scene.toml", R"(duration = 1.0
+[bodies.stick]
+mass = 0.1
+shape = { cylinder = { length = 0.2, diameter = 0.02 } }
+hangs = [0, -1, 0]
+[connectors.rope]
+length = 0.2
+mass = 0.05
+particles = 6
+from = { fixed = [0, 0, 0] }
+to = { body = "stick", point = [0, 0.1, 0] }
+start = { direction = [1, 0, 0] }
+[stage]
+shutter = 0.5
+)");
+  Plan plan = a_plan();
+  plan.tolerance = "1.5px";
+  plan.links = {"stick"};
+  plan.exposures = 32;
+  plan.stamp = plan_stamp(file_);
+  folder_.write("scene.toml", with_plan(read_file(file_), plan));
+  const Scene planned = load_planned(file_, true);
+  EXPECT_EQ(planned.world.bodies[0].model, BodyModel::link);
+  EXPECT_EQ(planned.stage->exposures, 32);
+  EXPECT_EQ(planned.stage->exposures_apart, 3);
+  const Scene written = load_scene(file_, true);
+  EXPECT_EQ(written.world.bodies[0].model, BodyModel::rigid);
+  EXPECT_EQ(written.stage->exposures, 16);
+}
+
 TEST_F(PlanFile, TablesAfterItStay) {
   plan();
   folder_.write("scene.toml",
@@ -104,23 +163,38 @@ TEST_F(PlanFile, TablesAfterItStay) {
 
 TEST(Certificate, SaysHowFarAndHowLong) {
   EXPECT_EQ(certificate(a_plan()),
-            "within 0.4 px of the exact motion until 4.1 s; afterwards energy within 0.1%");
-  Plan driven = a_plan();
-  driven.energy.reset();
-  driven.tolerance = "0.5mm";
-  EXPECT_EQ(certificate(driven), "within 0.4 mm of the exact motion until 4.1 s");
+            "within 0.4 px of the exact motion until 4.1 s; afterwards energy within 0.1%, stretch "
+            "within 0.01%, speeds within 4%");
+  Plan to_its_end = a_plan();
+  to_its_end.afterwards.reset();
+  to_its_end.tolerance = "0.5mm";
+  EXPECT_EQ(certificate(to_its_end), "within 0.4 mm of the exact motion until 4.1 s");
   Plan chaos = a_plan();
   chaos.until = 0;
-  EXPECT_EQ(certificate(chaos), "of a motion that nobody can foretell; energy within 0.1%");
+  EXPECT_EQ(certificate(chaos),
+            "of a motion that nobody can foretell; energy within 0.1%, stretch within 0.01%, "
+            "speeds within 4%");
+}
+
+TEST(Certificate, SaysWhatIsDoneToIt) {
+  Plan plan = a_plan();
+  plan.end = "a pin comes";
+  plan.afterwards->work = Plan::Afterwards::Work::known;
+  EXPECT_EQ(certificate(plan),
+            "within 0.4 px of the exact motion until 4.1 s, when a pin comes; afterwards energy, "
+            "less the work of what drives it, within 0.1%, stretch within 0.01%, speeds within 4%");
+  plan.afterwards->work = Plan::Afterwards::Work::unknown;
+  EXPECT_NE(certificate(plan).find("afterwards mean energy within 0.1%"), std::string::npos);
 }
 
 TEST(Certificate, NeverClaimsMoreThanWasFound) {
   Plan plan = a_plan();
   plan.error = 0.401;
   plan.until = 4.19;
-  plan.energy = 0.001001;
+  plan.afterwards->energy = 0.001001;
   EXPECT_EQ(certificate(plan),
-            "within 0.41 px of the exact motion until 4.1 s; afterwards energy within 0.11%");
+            "within 0.41 px of the exact motion until 4.1 s; afterwards energy within 0.11%, "
+            "stretch within 0.01%, speeds within 4%");
 }
 
 }  // namespace

@@ -216,6 +216,7 @@ void Course::refresh(Counters& counters) {
   motion_->acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
   fastest_ = motion_->fastest();
   counters.solves += 1;
+  counters.work += motion_->work();
   fresh_ = true;
 }
 
@@ -274,6 +275,7 @@ double Course::end_of_step(double until, double h) const {
 double Course::attempt(Rung rung, double h, Counters& counters) {
   const double *q = q_.data(), *rate = rate_.data(), *first = acceleration_.data();
   refresh(counters);
+  counters.work += (cost_[rung] - 1) * motion_->work();
   if (rung == careful) {
     counters.solves += kStages - 1;
     return careful_.attempt(*motion_, time_, h, q, rate, first);
@@ -364,6 +366,7 @@ double Course::march(double until, double tolerance, Counters& counters) {
   int& rest = rests_[implicit].steps;
   while (time_ < until) {
     counters.solves += 1;
+    counters.work += cost_[adams] * motion_->work();
     error = adams_.attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * share) / share;
     if (motion_->left_plane()) return error;
     if (!(error <= 1)) {

@@ -37,6 +37,8 @@ class Motion {
   virtual void project(double time, double* q, double* rate) = 0;
   /// What that costs, in accelerations.
   virtual double projection_cost() const = 0;
+  /// The cycles (see Counters::work) of an acceleration, and of what an integrator makes of it.
+  virtual double work() const = 0;
   /// By how far (m, RMS) a small change of q displaces the particles.
   virtual double shift(const double* change) const = 0;
   /// A cheap upper bound of that, from the sum of the squares of `change`.

@@ -50,6 +50,7 @@ class Net : public Motion {
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   void project(double time, double* q, double* rate) override;
   double projection_cost() const override;
+  double work() const override;
   double shift(const double* change) const override;
   double shift_bound(double squares) const override { return reach_ * std::sqrt(squares); }
   Energy energy(double time, const double* q, const double* rate) override;

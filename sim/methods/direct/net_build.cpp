@@ -4,6 +4,7 @@
 
 #include "sim/methods/direct/net.h"
 #include "sim/methods/direct/scales.h"
+#include "sim/stick.h"
 
 namespace taut::direct {
 namespace {

@@ -41,6 +41,7 @@ class PlanarChain : public Motion {
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   void project(double, double*, double*) override {}
   double projection_cost() const override { return 0; }
+  double work() const override;
   double shift(const double* change) const override;
   double shift_bound(double squares) const override { return reach_ * std::sqrt(squares); }
   Energy energy(double time, const double* q, const double* rate) override;

@@ -20,18 +20,4 @@ struct Plane {
 /// the plane contains `hints` as far as one of them leaves the line.
 std::optional<Plane> common_plane(std::span<const Vec3> vectors, std::span<const Vec3> hints);
 
-/// A rigid body in plane motion that hangs from one of its points, as two point masses on a rigid
-/// line: `tip` at that point and `far` at `reach` from it, on the line through the centre of mass.
-/// Mass, centre and inertia are the same, so the motion is exactly the same: the body is one more
-/// link. I + M a^2 = M a s, with a the arm of the centre of mass, s the reach.
-struct Stick {
-  double tip = 0, far = 0;  // kg
-  double reach = 0;         // m
-  Stick(double mass, double inertia, double arm)
-      : far(mass * arm / ((inertia + mass * arm * arm) / (mass * arm))),
-        reach((inertia + mass * arm * arm) / (mass * arm)) {
-    tip = mass - far;
-  }
-};
-
 }  // namespace taut::direct

@@ -1,0 +1,38 @@
+// Work that is done on all cores at once, with the same results on any number of them.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace taut {
+
+/// Calls `work(i)` for every i below `count`, several at a time; throws what one of them threw.
+template <class Work>
+void side_by_side(std::size_t count, Work work) {
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr failure;
+  std::mutex mutex;
+  const auto go = [&] {
+    try {
+      for (std::size_t i = next++; i < count; i = next++) work(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      failure = std::current_exception();
+      next = count;
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+    for (std::size_t k = 1; k < std::min(cores, count); ++k) others.emplace_back(go);
+    go();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace taut
