@@ -1,13 +1,15 @@
 #include "render/jitter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace taut {
 namespace {
 
-constexpr int kBetween = 2;      // most exposures to a state
-constexpr float kSun = 0.0047f;  // rad, the radius of its disc
+constexpr int kBetween = 2;       // most exposures to a state
+constexpr double kSeenTwice = 2;  // px: farther apart, two exposures look like two things
+constexpr float kSun = 0.0047f;   // rad, the radius of its disc
 
 /// The i-th point of a sequence that fills the unit square evenly however far it goes: multiples of
 /// the reciprocals of the plastic number (Roberts 2018).
@@ -26,7 +28,7 @@ std::vector<Exposures> exposures(double way, int samples, int states, double apa
   std::vector<Exposures> result;
   const auto enough = [&] { return !result.empty() && result.back().way >= way; };
   if (const int count = samples / 2; count > 1 && count <= states)
-    result.push_back({count, count * apart});
+    result.push_back({count, count * std::min(apart, kSeenTwice)});
   if (samples > 1 && samples <= states && !enough()) result.push_back({samples, samples * apart});
   int most = samples;
   while (most * apart < way && 2 * most <= kBetween * states) most *= 2;
