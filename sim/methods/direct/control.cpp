@@ -2,16 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace taut::direct {
 namespace {
-
-// The error that a step may make, in tolerances: of the explicit methods so much per second (most
-// of it cancels: waves go round), and at most so much; of the implicit one, which loses every wave
-// only once, so much in any step.
-constexpr double kCarefulRate = 15, kAdamsRate = 15, kImplicitRate = 30;  // 1/s
-constexpr double kExplicitShare = 0.05, kImplicitShare = 0.008, kRoughShare = 0.04;
 
 constexpr double kSafety = 0.9;
 constexpr double kMostGrowth = 4, kMostShrink = 0.2, kLostShrink = 0.4;
@@ -26,17 +19,7 @@ constexpr int kShortestRest = 4, kLongestRest = 256;  // careful steps
 
 // Adams keeps its spacing while the error is below the one and, where it is below the other, while
 // the waves would not let the step grow by a third.
-constexpr double kMuch = 0.8, kLittle = 0.15, kLeastSpacing = 0.75;
-constexpr double kNewSpacing = 0.93;  // of the longest, so that it lasts
-
-/// The waves that a step stirs up must stay this small, as turns of a link; the implicit method
-/// damps them.
-constexpr double kRoughness = 0.1, kImplicitRoughness = 0.15;
-
-/// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
-/// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
-/// digits.
-constexpr double kShortOfWaves = 1e-3, kRounding = 1e-6;
+constexpr double kMuch = 0.8, kLittle = 0.15;
 
 /// A fixed step whose error estimate exceeds this share of the length of all links is done again.
 constexpr double kCoarsest = 0.01;
@@ -45,9 +28,9 @@ constexpr double kCoarsest = 0.01;
 /// last audit, with the tolerance so many times as fine.
 constexpr double kFiner = 0.1;
 
-/// Steps need not end with frames where the tolerance is this share of the length of all links, and
-/// nothing that the implicit method passes over is worth a careful step where it is that.
-constexpr double kLoose = 1e-3, kRough = 0.03;
+/// Nothing that the implicit method passes over is worth a careful step where the tolerance is this
+/// share of the length of all links.
+constexpr double kRough = 0.03;
 
 /// A rough course hands over where that makes it so many times as fast.
 constexpr double kWorthwhile = 3;
@@ -146,14 +129,14 @@ double Course::first_step(Counters& counters) {
 
 void Course::advance(World& world, double until, Counters& counters) {
   motion_->attach(world);
-  if (time_ < until) follow(world, until, counters);
+  if (time_ < until) advance_audited(world, until, counters);
   if (time_ == until) return motion_->store(world, until, q_.data(), rate_.data());
   interpolate(until);
   motion_->store(world, until, q_between_.data(), rate_between_.data());
 }
 
 /// Steps to `until` or beyond; once more and finer where the energy says that it went wrong.
-void Course::follow(World& world, double until, Counters& counters) {
+void Course::advance_audited(World& world, double until, Counters& counters) {
   const bool fixed = control_.step > 0;
   const double tolerance = fixed ? kCoarsest * motion_->length() : control_.tolerance;
   const double start = time_;
@@ -218,57 +201,6 @@ void Course::refresh(Counters& counters) {
   counters.solves += 1;
   counters.work += motion_->work();
   fresh_ = true;
-}
-
-/// The longest step (s) of the rung under the waves of the present state.
-double Course::stable_step(Rung rung) const {
-  if (rung == implicit) return std::numeric_limits<double>::infinity();
-  const double reach = rung == careful ? Dop853Step::kStable : AdamsStep::kStable;
-  return reach / fastest_;
-}
-
-/// The error (m) that a step of h may make.
-double Course::allowed_error(Rung rung, double h, double tolerance) const {
-  const double shortest = motion_->shortest();
-  if (rung == implicit) {
-    const double share = std::min(kImplicitRate * h, rough_ ? kRoughShare : kImplicitShare);
-    return std::min(share * tolerance, kImplicitRoughness * shortest);
-  }
-  const double rate = rung == careful ? kCarefulRate : kAdamsRate;
-  return std::min(rate * h, kExplicitShare) * std::min(tolerance, kRoughness * shortest);
-}
-
-/// The part of the error (m) of a step of h that no shorter step would mend.
-double Course::rounding(double h) const {
-  if (h * fastest_ > kShortOfWaves) return 0;
-  return kRounding * h * motion_->memory() * motion_->shift(acceleration_.data());
-}
-
-/// Whether the rung's steps end where a state is asked for. Careful ones are too long to be
-/// interpolated but roughly; of others what is interpolated is good enough for loose tolerances
-/// alone, since an intervention may go on from there.
-bool Course::lands(Rung rung) const {
-  if (rough_) return false;
-  return rung == careful || control_.step > 0 || control_.tolerance < kLoose * motion_->length();
-}
-
-/// The next step of the rung, which can do `wish`: one of equal ones to `until`, so that none is a
-/// sliver, where it has to end there. Adams keeps his spacing where that is near enough.
-double Course::length_of_step(double until, double wish) const {
-  const double left = until - time_;
-  const auto share = [&](double most) {
-    return lands(rung_) ? left / std::max(1.0, std::ceil(left / most - 1e-6)) : most;
-  };
-  if (rung_ != adams) return share(wish);
-  const double h = adams_.spacing();
-  const bool fits = !lands(adams) || std::abs(std::round(left / h) * h - left) <= 1e-9 * h;
-  if (fits && h <= wish && h >= kLeastSpacing * wish) return h;
-  return share(h > wish ? kNewSpacing * wish : wish);
-}
-
-/// Where a step of h ends that is one of equal ones to `until`, without rounding.
-double Course::end_of_step(double until, double h) const {
-  return lands(rung_) && until - time_ < 1.5 * h ? until : time_ + h;
 }
 
 /// The error (m) of a step of h by one of the integrators that do not look back.

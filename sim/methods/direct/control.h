@@ -55,6 +55,8 @@ class Course {
 
  private:
   enum Rung { careful, adams, implicit, kRungs };
+  /// Adams keeps its spacing down to this share of the step that is possible.
+  static constexpr double kLeastSpacing = 0.75;
   struct Rest {  // of a rung that the one below has to try again
     int steps = 0, interval = 0;
   };
@@ -64,7 +66,7 @@ class Course {
   void advance_by_step(World& world, double until, Counters& counters);
   void begin();
   double first_step(Counters& counters);
-  void follow(World& world, double until, Counters& counters);
+  void advance_audited(World& world, double until, Counters& counters);
   bool balances(double tolerance);
   void interpolate(double time);
   void refresh(Counters& counters);

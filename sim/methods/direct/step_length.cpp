@@ -1,0 +1,85 @@
+// How far a step of each integrator may go, how wrong it may be, and where it has to end.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/methods/direct/control.h"
+
+namespace taut::direct {
+namespace {
+
+// The error that a step may make, in tolerances: of the explicit methods so much per second (most
+// of it cancels: waves go round), and at most so much; of the implicit one, which loses every wave
+// only once, so much in any step.
+constexpr double kCarefulRate = 15, kAdamsRate = 15, kImplicitRate = 30;  // 1/s
+constexpr double kExplicitShare = 0.05, kImplicitShare = 0.008, kRoughShare = 0.04;
+
+/// A new spacing of Adams is this share of the longest, so that it lasts.
+constexpr double kNewSpacing = 0.93;
+
+/// The waves that a step stirs up must stay this small, as turns of a link; the implicit method
+/// damps them.
+constexpr double kRoughness = 0.1, kImplicitRoughness = 0.15;
+
+/// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
+/// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
+/// digits.
+constexpr double kShortOfWaves = 1e-3, kRounding = 1e-6;
+
+/// Steps need not end with frames where the tolerance is this share of the length of all links.
+constexpr double kLoose = 1e-3;
+
+}  // namespace
+
+/// The longest step (s) of the rung under the waves of the present state.
+double Course::stable_step(Rung rung) const {
+  if (rung == implicit) return std::numeric_limits<double>::infinity();
+  const double reach = rung == careful ? Dop853Step::kStable : AdamsStep::kStable;
+  return reach / fastest_;
+}
+
+/// The error (m) that a step of h may make.
+double Course::allowed_error(Rung rung, double h, double tolerance) const {
+  const double shortest = motion_->shortest();
+  if (rung == implicit) {
+    const double share = std::min(kImplicitRate * h, rough_ ? kRoughShare : kImplicitShare);
+    return std::min(share * tolerance, kImplicitRoughness * shortest);
+  }
+  const double rate = rung == careful ? kCarefulRate : kAdamsRate;
+  return std::min(rate * h, kExplicitShare) * std::min(tolerance, kRoughness * shortest);
+}
+
+/// The part of the error (m) of a step of h that no shorter step would mend.
+double Course::rounding(double h) const {
+  if (h * fastest_ > kShortOfWaves) return 0;
+  return kRounding * h * motion_->memory() * motion_->shift(acceleration_.data());
+}
+
+/// Whether the rung's steps end where a state is asked for. Careful ones are too long to be
+/// interpolated but roughly; of others what is interpolated is good enough for loose tolerances
+/// alone, since an intervention may go on from there.
+bool Course::lands(Rung rung) const {
+  if (rough_) return false;
+  return rung == careful || control_.step > 0 || control_.tolerance < kLoose * motion_->length();
+}
+
+/// The next step of the rung, which can do `wish`: one of equal ones to `until`, so that none is a
+/// sliver, where it has to end there. Adams keeps his spacing where that is near enough.
+double Course::length_of_step(double until, double wish) const {
+  const double left = until - time_;
+  const auto share = [&](double most) {
+    return lands(rung_) ? left / std::max(1.0, std::ceil(left / most - 1e-6)) : most;
+  };
+  if (rung_ != adams) return share(wish);
+  const double h = adams_.spacing();
+  const bool fits = !lands(adams) || std::abs(std::round(left / h) * h - left) <= 1e-9 * h;
+  if (fits && h <= wish && h >= kLeastSpacing * wish) return h;
+  return share(h > wish ? kNewSpacing * wish : wish);
+}
+
+/// Where a step of h ends that is one of equal ones to `until`, without rounding.
+double Course::end_of_step(double until, double h) const {
+  return lands(rung_) && until - time_ < 1.5 * h ? until : time_ + h;
+}
+
+}  // namespace taut::direct
