@@ -109,8 +109,7 @@ MethodInfo bullet_method() {
                         .sweep = {std::string("euler"), std::string("rk4")}}},
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Bullet>(settings);
-          },
-          .work = uncounted};
+          }};
 }
 
 }  // namespace taut::engines

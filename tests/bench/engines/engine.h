@@ -50,11 +50,6 @@ class Engine : public Method {
   std::vector<Vec3> ends_;
 };
 
-/// The work of a solve: nothing plans with engines.
-inline double uncounted(const Settings&, double) {
-  return 0;
-}
-
 MethodInfo bullet_method();
 MethodInfo mujoco_method();
 MethodInfo ode_method();

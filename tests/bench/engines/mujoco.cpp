@@ -133,8 +133,7 @@ MethodInfo mujoco_method() {
                     .sweep = {std::string("Euler"), std::string("implicit"), std::string("RK4")}}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<MuJoCo>(settings);
-      },
-      .work = uncounted};
+      }};
 }
 
 }  // namespace taut::engines

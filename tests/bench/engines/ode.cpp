@@ -107,8 +107,7 @@ MethodInfo ode_method() {
                         .sweep = {0.2, 0.8}}},
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Ode>(settings);
-          },
-          .work = uncounted};
+          }};
 }
 
 }  // namespace taut::engines
