@@ -16,6 +16,11 @@
 namespace taut::cli {
 namespace {
 
+/// A cycle of the counts takes so long on a core of 3 GHz.
+double milliseconds(double cycles) {
+  return cycles / 3e6;
+}
+
 /// Models beyond the tolerance however well they are solved, and of every other method what came
 /// nearest to being chosen.
 Table left_out(const Planned& planned) {
@@ -82,11 +87,6 @@ std::string bodies_text(const Planned& planned) {
   return text;
 }
 
-/// A cycle of the counts takes so long on a core of 3 GHz.
-double milliseconds(double cycles) {
-  return cycles / 3e6;
-}
-
 std::string clip_text(const Planned& planned) {
   return planned.clip_error ? fmt::format(", and {} {} at what the clip shows between them",
                                           rounded(*planned.clip_error), planned.asked.unit)
@@ -110,7 +110,8 @@ std::string outcome(const Trial& trial, const Asked& asked, const Exact& exact) 
         return fmt::format("stretches by {}%", rounded(100 * later.stretch));
       return fmt::format("other speeds of {}% of the points", rounded(100 * later.speeds));
     case Trial::End::dearer:
-      return "dearer";
+      return fmt::format("dearer: at least {} ms per simulated second",
+                         rounded(milliseconds(trial.work)));
     case Trial::End::diverged:
       return "cannot run it";
   }
@@ -120,7 +121,8 @@ std::string outcome(const Trial& trial, const Asked& asked, const Exact& exact) 
 const Trial* nearest(const Search& search, const std::vector<SceneModel>& models,
                      std::string_view method) {
   const auto rank = [](const Trial& trial) {
-    return std::tuple(trial.end, trial.end == Trial::End::within ? trial.work : trial.error);
+    const bool by_work = trial.end == Trial::End::within || trial.end == Trial::End::dearer;
+    return std::tuple(trial.end, by_work ? trial.work : trial.error);
   };
   const Trial* best = nullptr;
   for (const Trial& trial : search.trials) {

@@ -51,8 +51,9 @@ struct Planned {
 
 /// What became of a candidate, in a few words.
 std::string outcome(const Trial& trial, const Asked& asked, const Exact& exact);
-/// The trial that came nearest to being chosen: the cheapest within, else one that was only too
-/// dear, else one that only differs later, else the least error; of one method where that is named.
+/// The trial that came nearest to being chosen: the cheapest within, else the cheapest of those
+/// that were only too dear, else one that only differs later, else the least error; of one method
+/// where that is named.
 const Trial* nearest(const Search& search, const std::vector<SceneModel>& models,
                      std::string_view method = {});
 

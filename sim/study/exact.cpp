@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <mutex>
+#include <span>
 
 #include "sim/measure.h"
 #include "sim/methods/span.h"
 #include "sim/study/energy_balance.h"
 #include "sim/study/likeness.h"
+#include "sim/study/side_by_side.h"
 #include "sim/truth/truth.h"
 
 namespace taut {
@@ -67,7 +71,7 @@ std::size_t agree(const Motion& a, const Motion& b, double apart, double& larges
 
 std::vector<double> speeds_from(const Problem& problem, const Motion& motion, std::size_t first) {
   Speeds speeds;
-  for (std::size_t k = first; k < motion.points.size(); ++k) {
+  for (std::size_t k = first; k < std::min(motion.points.size(), problem.times.size()); ++k) {
     speeds.add(motion.points[k], k > 0 ? problem.times[k] - problem.times[k - 1] : 1);
   }
   return speeds.sorted();
@@ -96,7 +100,7 @@ World nudged_with_bodies(const World& world, double distance, bool rough) {
 }
 
 /// What counts after the horizon.
-void judge_later(Exact& exact, const Motion& motion, const std::vector<Motion>& others,
+void judge_later(Exact& exact, const Motion& motion, std::span<const Motion> others,
                  double scored_error) {
   const World& world = exact.problem.world;
   exact.closed = is_closed(world) && exact.problem.timeline.empty();
@@ -134,14 +138,24 @@ Exact solve_exactly(Problem problem, double scored_error, double most_work,
                     const std::function<void(double)>& tick) {
   const auto frames = static_cast<double>(problem.times.size());
   double done = 0;
+  std::mutex one_at_a_time;
   const auto look = [&](const Motion&, const Simulation&) {
+    const std::lock_guard lock(one_at_a_time);
     tick(++done / (frames * kRuns));
     return true;
   };
   const auto direct = [&](double finer) { return direct_within(finer * scored_error); };
   const Marks marks(problem.world,
                     Simulation(problem.world, make_method("direct", {}), problem.timeline).state());
-  const Motion motion = solve(problem, problem.world, marks, direct(kFiner), look);
+  const World starts[] = {problem.world,
+                          nudged_with_bodies(problem.world, kNudge * scored_error, false),
+                          nudged_with_bodies(problem.world, kNudge * scored_error, true)};
+  Motion motions[std::size(starts)];
+  side_by_side(std::size(starts), [&](std::size_t i) {
+    motions[i] = solve(problem, starts[i], marks, direct(kFiner), look);
+  });
+  const Motion& motion = motions[0];
+  const std::span<const Motion> others = std::span(motions).subspan(1);
   Exact exact{.problem = std::move(problem),
               .marks = marks,
               .points = motion.points,
@@ -152,12 +166,9 @@ Exact solve_exactly(Problem problem, double scored_error, double most_work,
   // How long it can be foretold.
   const double apart = kCloser * scored_error;
   double ignored = 0;
-  std::vector<Motion> others;
   exact.known = motion.points.size();
-  for (const bool rough : {false, true}) {
-    const World start = nudged_with_bodies(own.world, kNudge * scored_error, rough);
-    others.push_back(solve(own, start, marks, direct(kFiner), look));
-    exact.known = std::min(exact.known, agree(motion, others.back(), apart, ignored));
+  for (const Motion& other : others) {
+    exact.known = std::min(exact.known, agree(motion, other, apart, ignored));
   }
   const Candidate truth{"truth",
                         {{"local_error", std::clamp(kTruthFiner * scored_error, kFinest, 1e-9)}}};

@@ -1,7 +1,9 @@
 #include "sim/study/planner.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -12,11 +14,44 @@ namespace taut {
 
 namespace {
 
-/// True where every frame takes the same work.
+/// True where every frame takes the same work: no error is controlled.
 bool has_equal_steps(const Candidate& candidate) {
-  const auto step = candidate.settings.find("step");
-  return step != candidate.settings.end() && std::get<double>(step->second) > 0;
+  return std::ranges::none_of(std::array{"tolerance", "accuracy", "local_error"},
+                              [&](const char* name) { return candidate.settings.contains(name); });
 }
+
+/// Which of a model's candidates are sure to be dearer than another.
+class Dearness {
+ public:
+  explicit Dearness(const std::vector<Candidate>& candidates) {
+    for (const Candidate& one : candidates) {
+      for (const auto& [name, value] : one.settings) {
+        const double* number = std::get_if<double>(&value);
+        if (!number) continue;
+        const auto [first, is_new] = ranges_.try_emplace(one.method + ' ' + name, *number, *number);
+        first->second.second = *number;
+      }
+    }
+  }
+
+  /// All numbers of `a` are those of `b`, or later ones of the sweep; all else is the same.
+  bool at_least(const Candidate& a, const Candidate& b) const {
+    if (a.method != b.method || a.settings.size() != b.settings.size()) return false;
+    return std::ranges::all_of(a.settings, [&](const auto& setting) {
+      const auto& [name, value] = setting;
+      const auto other = b.settings.find(name);
+      if (other == b.settings.end()) return false;
+      if (value == other->second) return true;
+      const double *mine = std::get_if<double>(&value), *its = std::get_if<double>(&other->second);
+      if (!mine || !its) return false;
+      const auto& [cheap, dear] = ranges_.at(a.method + ' ' + name);
+      return (*mine > *its) == (dear > cheap);
+    });
+  }
+
+ private:
+  std::map<std::string, std::pair<double, double>> ranges_;  // the first and the last of each
+};
 
 /// Goes on as long as `judge` says that the trial is within. After the first frame that takes work
 /// it says what equal steps will take to the end, so that what is too dear is not run.
@@ -63,38 +98,25 @@ Trial run_through(const PlanModel& model, const Candidate& candidate, const Exac
 
 Search search(std::span<const PlanModel> models, const Exact& exact, const Tolerance& tolerance,
               const std::function<void(std::size_t)>& tried) {
-  struct Entry {
-    std::size_t model, candidate;
-    const Candidate* what;
-  };
-  std::vector<Entry> entries;
-  for (std::size_t m = 0; m < models.size(); ++m) {
-    for (std::size_t c = 0; c < models[m].candidates.size(); ++c) {
-      entries.push_back({m, c, &models[m].candidates[c]});
-    }
-  }
-  const std::string first = entries.empty() ? "" : entries.front().what->method;
-  std::ranges::stable_partition(entries,
-                                [&](const Entry& entry) { return entry.what->method == first; });
-
   // A few at a time on all cores; what is too dear is told by what was found before them, so that
   // the outcome is the same on any number of cores.
-  constexpr std::size_t kBlock = 8;
+  constexpr std::size_t kBlock = 4;
   Search result;
   double least = std::numeric_limits<double>::infinity();
   std::mutex alone;
-  for (std::size_t first_of = 0; first_of < entries.size(); first_of += kBlock) {
-    const std::size_t count = std::min(kBlock, entries.size() - first_of);
-    std::vector<Trial> block(count);
-    side_by_side(count, [&](std::size_t i) {
-      const Entry& entry = entries[first_of + i];
+  std::size_t done = 0;
+
+  const auto run_block = [&](std::vector<Trial>& block) {
+    side_by_side(block.size(), [&](std::size_t i) {
+      const auto [m, c] = std::pair(block[i].model, block[i].candidate);
+      const Candidate& candidate = models[m].candidates[c];
       // Libraries that others wrote may share what they change.
       std::unique_lock lock(alone, std::defer_lock);
-      if (entry.what->method == "multibody" || entry.what->method == "sdfast") lock.lock();
+      if (candidate.method == "multibody" || candidate.method == "sdfast") lock.lock();
       const Tolerance own = tolerance;  // a distance may remember what it was asked last
-      block[i] = attempt(models[entry.model], *entry.what, exact, own, least);
-      block[i].model = entry.model;
-      block[i].candidate = entry.candidate;
+      block[i] = attempt(models[m], candidate, exact, own, least);
+      block[i].model = m;
+      block[i].candidate = c;
     });
     for (const Trial& trial : block) {
       if (trial.end == Trial::End::within && trial.work < least) {
@@ -102,7 +124,40 @@ Search search(std::span<const PlanModel> models, const Exact& exact, const Toler
         result.best = result.trials.size();
       }
       result.trials.push_back(trial);
-      tried(result.trials.size());
+    }
+    tried(done);
+  };
+
+  const auto try_model = [&](std::size_t m, const std::vector<std::size_t>& numbers) {
+    const std::vector<Candidate>& candidates = models[m].candidates;
+    const Dearness dearness(candidates);
+    std::vector<std::size_t> enough;  // candidates, which need not be dearer
+    for (std::size_t next = 0; next < numbers.size();) {
+      std::vector<Trial> block;
+      for (; next < numbers.size() && block.size() < kBlock; ++next, ++done) {
+        if (std::ranges::none_of(enough, [&](std::size_t other) {
+              return dearness.at_least(candidates[numbers[next]], candidates[other]);
+            })) {
+          block.push_back({.model = m, .candidate = numbers[next]});
+        }
+      }
+      run_block(block);
+      for (const Trial& trial : block) {
+        if (trial.end == Trial::End::dearer || trial.end == Trial::End::within) {
+          enough.push_back(trial.candidate);
+        }
+      }
+    }
+  };
+
+  for (const bool likely : {true, false}) {
+    for (std::size_t m = models.size(); m-- > 0;) {
+      const std::vector<Candidate>& candidates = models[m].candidates;
+      std::vector<std::size_t> numbers;
+      for (std::size_t c = 0; c < candidates.size(); ++c) {
+        if ((candidates[c].method == candidates.front().method) == likely) numbers.push_back(c);
+      }
+      try_model(m, numbers);
     }
   }
   return result;

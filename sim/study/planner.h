@@ -30,12 +30,12 @@ struct Trial {
   std::size_t model = 0, candidate = 0;
   End end = End::within;
   double error = 0;  // the largest of the frames that it reached, in the tolerance's unit
-  Difference later;
+  Difference later = {};
   double work = 0;  // of MethodInfo::work, per simulated second
 };
 
 struct Search {
-  std::vector<Trial> trials;        // one for each candidate of each model, in no certain order
+  std::vector<Trial> trials;        // one for each candidate that was run, in no certain order
   std::optional<std::size_t> best;  // the cheapest within the tolerance
 };
 
@@ -53,9 +53,11 @@ Trial attempt(const PlanModel& model, const Candidate& candidate, const Exact& e
 Trial run_through(const PlanModel& model, const Candidate& candidate, const Exact& exact,
                   const Distance& distance);
 
-/// Tries every candidate of every model, those of the first one's method first, until it is beyond
-/// the tolerance or dearer than the cheapest within, on all cores. `tried` is called for each with
-/// the number so far; it may throw to stop.
+/// Tries the candidates of every model, the last model first, those of the method that stands first
+/// before all others, until they are beyond the tolerance or dearer than the cheapest within; on
+/// all cores. The numbers of a method's settings must go from cheap to dear: past what is within or
+/// too dear, dearer ones are not run. `tried` is called with the number of candidates so far, now
+/// and then; it may throw to stop.
 Search search(std::span<const PlanModel> models, const Exact& exact, const Tolerance& tolerance,
               const std::function<void(std::size_t)>& tried);
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sim/study/marks.h"
 #include "sim/study/refined.h"
 #include "sim/study/run.h"
@@ -116,10 +118,14 @@ TEST(ErrorOfAChain, IsThatOfFarMoreLinks) {
 class Planner : public testing::Test {
  protected:
   Planner() {
-    const std::vector<Candidate> candidates = {{"direct", {{"tolerance", 1e-2}}},
-                                               {"direct", {{"tolerance", 1e-5}}},
-                                               {"dynamic-constraints", {{"step", 1.0 / 1920}}},
-                                               {"impulse", {{"step", 1.0 / 960}}}};
+    std::vector<Candidate> candidates;
+    for (int i = 2; i <= 7; ++i)
+      candidates.push_back({"direct", {{"tolerance", std::pow(10, -i)}}});
+    for (int i = 2; i <= 7; ++i) {
+      const double step = std::ldexp(1.0 / 60, -i);
+      candidates.push_back({"dynamic-constraints", {{"step", step}}});
+      candidates.push_back({"impulse", {{"passes", 4.0}, {"step", step}}});
+    }
     for (const std::size_t particles : {21, 11, 2}) {
       models_.push_back({swing(particles), {}, candidates});
     }
@@ -132,14 +138,15 @@ class Planner : public testing::Test {
   std::vector<PlanModel> models_;
 };
 
-/// What the search gave up early for being dear must be dear when it is run to its end.
+/// What the search gave up early for being dear, or did not run, must be dear when it is run to its
+/// end.
 TEST_F(Planner, FindsTheLeastWorkOfAllThatStayWithin) {
   for (const double most : {1e-4, 1e-3, 3e-2}) {
     const Search found = within(most);
     ASSERT_TRUE(found.best.has_value()) << most;
     const Trial& best = found.trials[*found.best];
     EXPECT_LE(best.error, most);
-    ASSERT_EQ(found.trials.size(), 12u);
+    EXPECT_LT(found.trials.size(), 3 * models_[0].candidates.size());
     for (std::size_t m = 0; m < models_.size(); ++m) {
       for (const Candidate& candidate : models_[m].candidates) {
         const Trial alone = attempt(models_[m], candidate, exact_, {metres, most}, INFINITY);
@@ -164,7 +171,7 @@ TEST_F(Planner, MayBeStopped) {
   int tried = 0;
   EXPECT_THROW(search(models_, exact_, {metres, 1},
                       [&](std::size_t) {
-                        if (++tried == 3) throw std::runtime_error("stop");
+                        if (++tried == 2) throw std::runtime_error("stop");
                       }),
                std::runtime_error);
 }
