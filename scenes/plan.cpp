@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -22,7 +23,7 @@ std::pair<std::size_t, std::size_t> plan_lines(std::string_view text) {
     const std::size_t next = std::min(text.find('\n', line), text.size() - 1) + 1;
     if (text.substr(line).starts_with(kHeading)) {
       std::size_t end = next;
-      while (end < text.size() && text[end] != '[') {
+      while (end < text.size() && (text[end] != '[' || text.substr(end).starts_with("[plan."))) {
         end = std::min(text.find('\n', end), text.size() - 1) + 1;
       }
       return {line, end};
@@ -97,6 +98,15 @@ std::string toml(const Setting& value) {
 }
 
 }  // namespace
+
+std::optional<Length> read_length(std::string_view text) {
+  Length length;
+  const auto [unit, error] = std::from_chars(text.data(), text.data() + text.size(), length.number);
+  if (error != std::errc() || !(length.number > 0) || !std::isfinite(length.number)) return {};
+  length.unit = text.substr(static_cast<std::size_t>(unit - text.data()));
+  if (length.unit != "px" && length.unit != "mm") return {};
+  return length;
+}
 
 std::uint64_t plan_stamp(const std::filesystem::path& scene) {
   const Document document = read_document(scene);

@@ -44,6 +44,14 @@ struct Plan {
   std::vector<std::string> links = {};                // bodies that are links
 };
 
+/// A tolerance as people write it.
+struct Length {
+  double number = 0;
+  std::string_view unit;  // "px" or "mm"
+};
+/// "1px", "0.5mm"; none where it is neither or not above zero.
+std::optional<Length> read_length(std::string_view text);
+
 /// Of everything that a plan depends on: the scene's text without its plan, and the files of its
 /// paths. Throws BadScene.
 std::uint64_t plan_stamp(const std::filesystem::path& scene);

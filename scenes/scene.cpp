@@ -34,9 +34,28 @@ void refuse_spans(const Document& document, const MethodInfo& method) {
   }
 }
 
+/// A plan is the program's own: one of another version's format spoils no scene.
+std::optional<Value> take_plan(Document& document) {
+  std::vector<Value>& all = document.root.children;
+  const auto plan = std::ranges::find(all, "plan", &Value::name);
+  if (plan == all.end()) return std::nullopt;
+  Value taken = std::move(*plan);
+  all.erase(plan);
+  return taken;
+}
+
+void try_plan(const Document& document, const Value& plan, Scene& scene) {
+  try {
+    scene.plan = read_plan(document, plan, scene.fps);
+  } catch (const BadScene& error) {
+    scene.strange_plan = error.what();
+  }
+}
+
 }  // namespace
 
-Scene read_scene(const Document& document, bool with_stage) {
+Scene read_scene(Document document, bool with_stage) {
+  const std::optional<Value> plan = take_plan(document);
   check_format(document);
   const Value& root = document.root;
   Scene scene;
@@ -56,7 +75,7 @@ Scene read_scene(const Document& document, bool with_stage) {
   refuse_spans(document, *find_method(scene.method.name));
   finish(scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
-  if (const Value* plan = root.find("plan")) scene.plan = read_plan(document, *plan, scene.fps);
+  if (plan) try_plan(document, *plan, scene);
   if (with_stage && root.find("stage")) read_stage(document, motions, scene);
   return scene;
 }
@@ -88,11 +107,16 @@ void take_exposures(const Plan& plan, Stage& stage) {
 }  // namespace
 
 Scene load_planned(const std::filesystem::path& file, bool with_stage) {
-  const std::optional<Plan> plan = load_scene(file, false).plan;
-  const auto again = [&](const char* why) {
+  const Scene exact = load_scene(file, false);
+  const std::optional<Plan>& plan = exact.plan;
+  const auto again = [&](const std::string& why) {
     throw BadScene(fmt::format("{}: {}; taut plan {} --tolerance {} --write makes one",
                                file.string(), why, file.string(), plan ? plan->tolerance : "1px"));
   };
+  if (!exact.strange_plan.empty()) {
+    again(fmt::format("its plan is of another version of taut or of the scene ({})",
+                      exact.strange_plan));
+  }
   if (!plan) again("has no plan");
   if (plan->stamp != plan_stamp(file)) again("changed since its plan was made");
   if (plan->program != method_stamp(plan->method)) {
@@ -104,9 +128,8 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
     changes.push_back(
         {fmt::format("connectors.{}.particles", connector), fmt::to_string(particles)});
   }
-  const World exact = load_scene(file, false).world;
   Scene scene = load_scene(file, with_stage, changes);
-  take_masses(scene.world, exact);
+  take_masses(scene.world, exact.world);
   for (Connector& connector : scene.world.connectors) {
     const auto found = plan->particles.find(connector.name.substr(0, connector.name.find('#')));
     if (found != plan->particles.end() && found->second == 0) {

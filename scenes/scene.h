@@ -27,6 +27,7 @@ struct Scene {
   World world;        // finished, at time 0
   Timeline timeline;  // pins and cuts, in the order of the file
   std::optional<Plan> plan;
+  std::string strange_plan;  // why the file's plan cannot be read; empty: it can, or there is none
   std::optional<Stage> stage;
   std::vector<std::shared_ptr<const Performance>> performances;  // one per Stage::characters
 

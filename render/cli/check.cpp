@@ -120,6 +120,10 @@ std::string as_text(const Scene& scene) {
     line(fmt::format("cut: {} at {} m, at {} s", world.connectors[cut.connector].name, cut.along,
                      cut.time));
   }
+  if (!scene.strange_plan.empty()) {
+    line(fmt::format("plan: of another version of taut or of the scene; plan it again ({})",
+                     scene.strange_plan));
+  }
   if (scene.plan) {
     const Plan& plan = *scene.plan;
     line(plan.stamp != plan_stamp(scene.file) ? "plan: of the scene as it was; it changed since"

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -40,15 +39,12 @@ struct Options {
 
 /// "1px" or "0.5mm".
 Asked asked_for(const std::string& text, const Scene& scene) {
-  Asked asked;
-  const char* const end = text.data() + text.size();
-  const auto [unit, error] = std::from_chars(text.data(), end, asked.tolerance.most);
-  asked.unit = std::string(unit, end);
-  if (error != std::errc() || !(asked.tolerance.most > 0) || !std::isfinite(asked.tolerance.most) ||
-      (asked.unit != "px" && asked.unit != "mm")) {
+  const auto length = read_length(text);
+  if (!length) {
     throw Misuse(
         fmt::format("--tolerance {}: expected a number above 0 and px or mm, as in 1px", text));
   }
+  Asked asked{.tolerance = {{}, length->number}, .unit = std::string(length->unit)};
   if (asked.unit == "mm") {
     asked.per_metre = 1e3;
     asked.tolerance.distance = [](const Vec3& at, const Vec3& truth, double) {

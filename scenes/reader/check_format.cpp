@@ -238,7 +238,11 @@ class Checker {
 }  // namespace
 
 void check_format(const Document& document, const TableFormat& format) {
-  Checker(document).table(document.root, format);
+  check_format(document, document.root, format);
+}
+
+void check_format(const Document& document, const Value& table, const TableFormat& format) {
+  Checker(document).table(table, format);
 }
 
 }  // namespace taut

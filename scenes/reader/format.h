@@ -68,5 +68,7 @@ const std::map<std::string_view, TableFormat>& method_formats();
 /// Checks names, types, ranges and what is required, everywhere in the document. After it the
 /// readers of the parts need only look at what keys mean together. Throws BadScene.
 void check_format(const Document& document, const TableFormat& format = scene_format());
+/// The same of one of the document's tables.
+void check_format(const Document& document, const Value& table, const TableFormat& format);
 
 }  // namespace taut

@@ -1,5 +1,6 @@
 #include <charconv>
 
+#include "scenes/reader/format_keys.h"
 #include "scenes/reader/reader.h"
 
 namespace taut {
@@ -42,8 +43,11 @@ void each_of_scene(const Document& document, const Value& plan, std::string_view
 }  // namespace
 
 Plan read_plan(const Document& document, const Value& table, int fps) {
+  check_format(document, table, plan_format());
   Plan plan;
-  plan.tolerance = table.find("tolerance")->text;
+  const Value& tolerance = *table.find("tolerance");
+  if (!read_length(tolerance.text)) document.mismatch(tolerance, "as in 1px or 0.5mm");
+  plan.tolerance = tolerance.text;
   plan.error = table.find("error")->number;
   plan.until = table.find("until")->number;
   plan.end = text_or(table, "end", "");

@@ -16,7 +16,7 @@
 namespace taut {
 
 /// The scene that a document describes. Throws BadScene.
-Scene read_scene(const Document& document, bool with_stage);
+Scene read_scene(Document document, bool with_stage);
 
 /// The file that `value` names, relative to the scene's repository root (the nearest folder above
 /// it with a CMakePresets.json or .git; without one the scene's own folder) or to the scene's
@@ -101,7 +101,8 @@ Timeline read_timeline(const Document& document, Motions& motions, const World& 
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
                            Motions& motions, const World& world);
 
-/// A plan made earlier, whether or not the scene is still the one that it was made for.
+/// A plan made earlier, whether or not the scene is still the one that it was made for. Checks its
+/// format, too. Throws BadScene.
 Plan read_plan(const Document& document, const Value& table, int fps);
 
 /// Reads the models too, and works out what the characters do.

@@ -112,6 +112,36 @@ TEST_F(PlanFile, OfAnotherProgramIsRefused) {
   }
 }
 
+/// The scene itself is as good as ever.
+TEST_F(PlanFile, OfAnotherFormatIsRefusedAlone) {
+  const std::pair<const char*, const char*> faults[] = {
+      {"program = ", "version = "},  // a key that was another once
+      {"tolerance = \"1px\"", "tolerance = \"1 parsec\""},
+      {"tolerance = \"1px\"", "tolerance = 1"},
+      {"name = \"xpbd\"", "name = \"shake\""},       // a method that is no more
+      {"rope = { particles", "cord = { particles"},  // a connector that has another name now
+  };
+  for (const auto& [is, was] : faults) {
+    folder_.write("scene.toml", kScene);
+    plan();
+    std::string text = read_file(file_);
+    text.replace(text.find(is), std::string_view(is).size(), was);
+    folder_.write("scene.toml", text);
+    EXPECT_NO_THROW(load_scene(file_, false)) << was;
+    try {
+      load_planned(file_, false);
+      ADD_FAILURE() << "taken: " << was;
+    } catch (const BadScene& error) {
+      const std::string what = error.what();
+      EXPECT_NE(what.find("its plan is of another version of taut"), std::string::npos) << what;
+      EXPECT_NE(what.find("scene.toml:"), std::string::npos) << "names the place: " << what;
+      EXPECT_NE(what.find("--write makes one"), std::string::npos) << what;
+    }
+    plan();
+    EXPECT_NO_THROW(load_planned(file_, false)) << "planned anew after " << was;
+  }
+}
+
 TEST(MethodStamp, TellsMethodsAndSettingsApart) {
   const MethodChoice direct{"direct", {{"tolerance", 1e-4}}};
   EXPECT_EQ(method_stamp(direct), method_stamp(direct));
