@@ -7,6 +7,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/method_options.h"
+#include "render/cli/plan_table.h"
 #include "scenes/clip.h"
 #include "scenes/schema.h"
 
@@ -17,6 +18,7 @@ namespace {
 struct Options {
   std::string scene;
   bool schema = false;
+  std::vector<std::string> plans;
 };
 
 using Json = nlohmann::ordered_json;
@@ -149,7 +151,11 @@ int run(const Options& options, const Common& common) {
     write_output(scene_schema());
     return kDone;
   }
-  if (options.scene.empty()) throw Misuse("check: expected a scene file or --schema");
+  if (!options.plans.empty()) {
+    write_output(to_markdown(plan_table(options.plans)));
+    return kDone;
+  }
+  if (options.scene.empty()) throw Misuse("check: expected a scene file, --plans or --schema");
   const Scene scene = load_scene(options.scene, true);
   write_output(common.json ? as_json(scene).dump(2) + '\n' : as_text(scene));
   return kDone;
@@ -162,9 +168,11 @@ void add_check(CLI::App& app, Program& program) {
       add_command(app, program, "check", "What is wrong with a scene, and what it would do",
                   R"(  taut check scenes/nunchaku.toml
   taut check scenes/nunchaku.toml --json
+  taut check --plans scenes/*.toml                 their plans, as a table in Markdown
   taut check --schema > scenes/scene.schema.json   the JSON Schema, for editors)");
   const auto options = std::make_shared<Options>();
   command.add_option("scene", options->scene, "A scene file");
+  command.add_option("--plans", options->plans, "Write a table of these scenes' plans instead");
   command.add_flag("--schema", options->schema, "Write the JSON Schema of scene files instead");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };

@@ -119,7 +119,10 @@ Search search(std::span<const PlanModel> models, const Exact& exact, const Toler
       block[i].candidate = c;
     });
     for (const Trial& trial : block) {
-      if (trial.end == Trial::End::within && trial.work < least) {
+      // Of equals, the first model.
+      const bool first =
+          trial.work == least && result.best && trial.model < result.trials[*result.best].model;
+      if (trial.end == Trial::End::within && (trial.work < least || first)) {
         least = trial.work;
         result.best = result.trials.size();
       }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -98,8 +99,8 @@ start = {{ direction = [{}, {}, 0] }}
   }
 }
 
-/// A scene of any kind: a rope, chain or stick, hanging, driven or pinned, in a plane or in space,
-/// seen from near or far.
+/// A scene of any kind: a rope, chain or stick, with a light or a very heavy load or another rope,
+/// hanging, driven, pinned or cut, in a plane or in space, seen from near or far.
 std::string any_scene(std::mt19937& random) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -108,7 +109,9 @@ std::string any_scene(std::mt19937& random) {
     return std::uniform_int_distribution<int>(0, count - 1)(random);
   };
   const double length = between(0.1, 1.2), angle = between(0, 1.3), turn = between(0, 3);
+  const double mass = between(0.01, 0.2);
   const bool in_space = one_of(2) == 0, driven = one_of(3) == 0, pinned = one_of(5) == 0;
+  const bool cut = one_of(6) == 0, has_tail = one_of(4) == 0;
   const int particles = 3 + one_of(30), end = one_of(3);
   const std::string direction =
       fmt::format("[{}, {}, {}]", std::cos(angle) * std::cos(in_space ? turn : 0), -std::sin(angle),
@@ -126,18 +129,29 @@ std::string any_scene(std::mt19937& random) {
         "hangs = {}\n",
         between(0.05, 0.5), driven ? "[0, -1, 0]" : direction);
   }
+  if (has_tail) {
+    text += fmt::format(
+        "[connectors.tail]\nlength = {}\nmass = {}\nparticles = {}\nfrom = {}\n"
+        "to = {{ free = true }}\nstart = {{ direction = {} }}\n",
+        length / 2, mass / 2, 3 + one_of(10),
+        end == 2 ? "{ body = \"load\", point = [0, -0.15, 0] }" : "{ fixed = [0.2, 1, 0] }",
+        driven ? "[0, -1, 0]" : direction);
+  }
   text += fmt::format(
       "[connectors.rope]\nlength = {}\nmass = {}\nparticles = {}\nfrom = {}\n"
       "to = {}\nstart = {{ direction = {} }}\n",
-      length, between(0.01, 0.2), particles,
-      driven ? "{ path = \"hand\" }" : "{ fixed = [0, 1, 0] }",
+      length, mass, particles, driven ? "{ path = \"hand\" }" : "{ fixed = [0, 1, 0] }",
       end == 0   ? "{ free = true }"
-      : end == 1 ? fmt::format("{{ point_mass = {} }}", between(0.02, 2))
+      : end == 1 ? fmt::format("{{ point_mass = {} }}", mass * std::pow(10, between(-1, 3)))
                  : "{ body = \"load\", point = [0, 0.15, 0] }",
       driven ? "[0, -1, 0]" : direction);
   if (pinned) {
     text += fmt::format("[[pins]]\nconnector = \"rope\"\nat = {}\nfrom = {}\nuntil = 0.45\n",
                         length * between(0.3, 0.7), between(0.05, 0.4));
+  }
+  if (cut) {
+    text += fmt::format("[[cuts]]\nconnector = \"rope\"\nat = {}\nt = {}\n",
+                        length * between(0.2, 0.8), between(0.1, 0.8));
   }
   return text + fmt::format(
                     "[stage]\ncamera = [{{ t = 0, position = [0.3, 1, {}], target = [0, 0.8, "
@@ -146,14 +160,16 @@ std::string any_scene(std::mt19937& random) {
 }
 
 TEST(LongPlanned, ScenesOfEveryKind) {
+  constexpr std::array kTolerances = {"0.2px", "1px", "3px", "10px", "0.2mm", "3mm"};
   std::mt19937 random(20);
-  for (int i = 0; i < 20; ++i) {
+  for (std::size_t i = 0; i < 20; ++i) {
     const Folder folder;
     const std::string scene = any_scene(random);
-    SCOPED_TRACE(scene);
+    const char* const tolerance = kTolerances[i % kTolerances.size()];
+    SCOPED_TRACE(fmt::format("{}\n{}", tolerance, scene));
     folder.write("scene.toml", scene);
     const nlohmann::json plan =
-        plan_of(folder.path() / "scene.toml", fmt::format("--tolerance {}px --write", 1 + i % 3));
+        plan_of(folder.path() / "scene.toml", fmt::format("--tolerance {} --write", tolerance));
     if (plan.at("until").get<double>() > 0) expect_within(folder.path() / "scene.toml");
   }
 }

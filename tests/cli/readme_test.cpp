@@ -2,6 +2,8 @@
 // to machine, words must not.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -13,9 +15,9 @@ namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-/// The rows below the README's table header that starts with `header`.
-Rows readme_table(const std::string& header) {
-  std::istringstream in(read_file(TAUT_SOURCE_DIR "/README.md"));
+/// The rows below the table header in `text` that starts with `header`.
+Rows table_in(const std::string& text, const std::string& header) {
+  std::istringstream in(text);
   Rows rows;
   bool inside = false;
   for (std::string line; std::getline(in, line);) {
@@ -35,6 +37,22 @@ Rows readme_table(const std::string& header) {
     rows.push_back(std::move(cells));
   }
   return rows;
+}
+
+Rows readme_table(const std::string& header) {
+  return table_in(read_file(TAUT_SOURCE_DIR "/README.md"), header);
+}
+
+TEST(Readme, PlansAreThoseOfTheScenes) {
+  std::vector<std::string> command{TAUT_PROGRAM, "check", "--plans"};
+  for (const auto& entry : std::filesystem::directory_iterator(TAUT_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() == ".toml") command.push_back(entry.path().string());
+  }
+  std::sort(command.begin() + 3, command.end());
+  const Outcome outcome = Child(command, TAUT_SOURCE_DIR).wait();
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_EQ(table_in(outcome.output, "| scene | asked |"), readme_table("| scene | asked |"))
+      << outcome.output;
 }
 
 std::string first_word(const std::string& cell) {

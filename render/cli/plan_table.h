@@ -1,0 +1,15 @@
+// The plans that scenes carry, side by side.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/table.h"
+
+namespace taut::cli {
+
+/// One row for each scene file: what was asked, what the plan takes, and what it keeps to. Throws
+/// BadScene.
+Table plan_table(const std::vector<std::string>& scenes);
+
+}  // namespace taut::cli
