@@ -32,6 +32,9 @@ constexpr double kFiner = 0.1;
 /// share of the length of all links.
 constexpr double kRough = 0.03;
 
+/// From here on BDF2 takes all steps.
+constexpr double kLoose = 0.06;
+
 /// A rough course hands over where that makes it so many times as fast.
 constexpr double kWorthwhile = 3;
 
@@ -68,6 +71,7 @@ void Course::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   careful_.reserve(size);
   adams_.reserve(size);
   implicit_.reserve(size);
+  backward_.reserve(size);
   for (Array* array : {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_,
                        &rate_between_, &q_audited_, &rate_audited_}) {
     array->reserve(size);
@@ -86,6 +90,7 @@ void Course::plan(const World& world, double time, const std::optional<Plane>& p
   careful_.resize(motion_->size());
   adams_.resize(motion_->size());
   implicit_.resize(motion_->size());
+  backward_.resize(motion_->size());
   for (Array* array : {&acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
     array->assign(motion_->size(), 0.0);
   }
@@ -100,7 +105,9 @@ void Course::load(const World& world) {
   time_ = world.time;
   motion_->load(world, time_, q_, rate_);
   motion_->project(time_, q_.data(), rate_.data());
-  rough_ = control_.step == 0 && control_.tolerance >= kRough * motion_->length();
+  const double share = control_.step == 0 ? control_.tolerance / motion_->length() : 0;
+  rough_ = share >= kRough;
+  loose_ = share >= kLoose;
   begin();
   if (closed_) known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
 }
@@ -110,21 +117,19 @@ void Course::begin() {
   fresh_ = false;
   rung_ = careful;
   step_ = rough_ ? 0 : kFirstStep;
+  looks_back_ = false;
   rests_.fill({0, kShortestRest});
 }
 
-/// How far the first step of a rough course goes (s), and by which method.
-double Course::first_step(Counters& counters) {
-  refresh(counters);
+/// How long it takes a link to turn by `turn` (rad), but at most a share of the longest step (s).
+double Course::first_step(double turn) const {
   double speed = 0, gain = 0;  // 1/s, 1/s^2
   for (std::size_t i = 0; i < q_.size(); ++i) {
     speed = std::max(speed, std::abs(rate_[i]));
     gain = std::max(gain, std::abs(acceleration_[i]));
   }
-  const double turned = 2 * kFirstTurn / (speed + std::sqrt(speed * speed + 2 * gain * kFirstTurn));
-  const double step = std::min(turned, kLongestFirst * longest_);
-  if (step > stable_step(careful)) rung_ = implicit;
-  return step;
+  const double turned = 2 * turn / (speed + std::sqrt(speed * speed + 2 * gain * turn));
+  return std::min(turned, kLongestFirst * longest_);
 }
 
 void Course::advance(World& world, double until, Counters& counters) {
@@ -145,6 +150,7 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
   if (fixed) {
     advance_by_step(world, until, counters);
   } else {
+    if (loose_) advance_loosely(world, until, tolerance, counters);
     advance_by_tolerance(world, until, tolerance, counters);
   }
   if (balances(tolerance)) return;
@@ -152,7 +158,7 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
   time_ = start;
   q_ = q_audited_;
   rate_ = rate_audited_;
-  rough_ = false;
+  rough_ = loose_ = false;
   begin();
   advance_by_tolerance(world, until, kFiner * tolerance, counters);
   known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
@@ -238,7 +244,7 @@ bool Course::leave_plane(World& world) {
   std::optional<Plane> plane;
   if (planned_at_ != time_) plane = planes_.find(world, component_, time_, *reason);
   plan(world, time_, plane);
-  closed_ = false;
+  closed_ = looks_back_ = false;
   motion_->load(world, time_, q_, rate_);
   fresh_ = false;
   return true;
@@ -247,7 +253,11 @@ bool Course::leave_plane(World& world) {
 void Course::advance_by_tolerance(World& world, double until, double tolerance,
                                   Counters& counters) {
   while (time_ < until) {
-    if (step_ == 0) step_ = first_step(counters);
+    if (step_ == 0) {
+      refresh(counters);
+      step_ = first_step(kFirstTurn);
+      if (step_ > stable_step(careful)) rung_ = implicit;
+    }
     if (rung_ != adams) refresh(counters);
     double wish = std::min({step_, stable_step(rung_), longest_});
     if (rung_ == adams && adams_.longest() > 0) wish = std::min(wish, adams_.longest());

@@ -7,6 +7,7 @@
 
 #include "sim/method.h"
 #include "sim/methods/direct/adams.h"
+#include "sim/methods/direct/backward.h"
 #include "sim/methods/direct/components.h"
 #include "sim/methods/direct/dop853.h"
 #include "sim/methods/direct/net.h"
@@ -30,7 +31,8 @@ struct Control {
 /// held up by those waves and not by its error, the next one is tried; where its error forces it to
 /// steps that the rung below could take as well (in slack, under pushing links, in whips), it hands
 /// over to that. Where errors of per cents will do, waves do not count: the implicit one takes all
-/// steps but those from a start that they do not stiffen yet.
+/// steps but those from a start that they do not stiffen yet. Where still larger ones will do, BDF2
+/// takes all steps for as long as they are long.
 class Course {
  public:
   explicit Course(const Control& control) : control_(control) {}
@@ -63,9 +65,10 @@ class Course {
 
   void plan(const World& world, double time, const std::optional<Plane>& plane);
   void advance_by_tolerance(World& world, double until, double tolerance, Counters& counters);
+  void advance_loosely(World& world, double until, double tolerance, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
   void begin();
-  double first_step(Counters& counters);
+  double first_step(double turn) const;
   void advance_audited(World& world, double until, Counters& counters);
   bool balances(double tolerance);
   void interpolate(double time);
@@ -93,6 +96,7 @@ class Course {
   Dop853Step careful_;
   AdamsStep adams_;
   RosenbrockStep implicit_;
+  BackwardStep backward_;
   double time_ = 0, planned_at_ = 0;  // s
   Array q_, rate_, acceleration_;
   double before_ = 0;  // s, where the last step began
@@ -100,6 +104,8 @@ class Course {
   Array q_between_, rate_between_;  // at a time within that step
   bool closed_ = false;             // nothing does work on it but gravity
   bool rough_ = false;              // an error of per cents of the length will do
+  bool loose_ = false;              // so will a larger one, and BDF2 is worth it
+  bool looks_back_ = false;         // BDF2 has a step to look back to
   double known_energy_ = 0;         // J, where it was loaded
   Array q_audited_, rate_audited_;
   bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state
