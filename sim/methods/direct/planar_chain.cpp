@@ -53,6 +53,20 @@ double turn(std::size_t n, In sine, In next_gain, In last_gain, In wave_gain, In
   return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
 }
 
+/// Adds `change` to x; returns the largest |x| before.
+TAUT_VECTOR_CLONES
+double add(std::size_t n, In change, Out x) {
+  double lanes[kLanes] = {};
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    for (std::size_t j = 0; j < kLanes; ++j) {
+      const double size = std::abs(x[i + j]);
+      lanes[j] = size > lanes[j] ? size : lanes[j];
+      x[i + j] += change[i + j];
+    }
+  }
+  return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
+}
+
 }  // namespace
 
 bool PlanarChain::fits(const World& world, const Component& component) {
@@ -273,12 +287,7 @@ double PlanarChain::shift(const double* change) const {
 /// Angles know no edge of the chart, but more than half a turn is nonsense.
 bool PlanarChain::lift(const double* base, double* x, double*) const {
   constexpr double kHalfTurn = 3.141592653589793;
-  double most = 0;
-  for (std::size_t k = 1; k <= links_; ++k) {
-    most = std::max(most, std::abs(x[k]));
-    x[k] += base[k];
-  }
-  return most < kHalfTurn;
+  return add(loop_, base, x) < kHalfTurn;
 }
 
 /// sigma^2 - L, rows times l: L p is what the tensions make of a change p of the angles, as far as
