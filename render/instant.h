@@ -15,10 +15,6 @@ struct Instant {
   CameraView camera;
 };
 
-/// Between two neighbouring instants, if everything goes straight and turns evenly meanwhile: the
-/// first at `share` 0, the second at 1. The camera is the first's.
-Instant between(const Instant& first, const Instant& second, double share);
-
 /// What is drawn of an instant, and how.
 struct Layer {
   bool characters = true, bodies = true, connectors = true;

@@ -7,7 +7,6 @@
 namespace taut {
 namespace {
 
-constexpr int kBetween = 2;       // most exposures to a state
 constexpr double kSeenTwice = 2;  // px: farther apart, two exposures look like two things
 constexpr float kSun = 0.0047f;   // rad, the radius of its disc
 
@@ -31,7 +30,7 @@ std::vector<Exposures> exposures(double way, int samples, int states, double apa
     result.push_back({count, count * std::min(apart, kSeenTwice)});
   if (samples > 1 && samples <= states && !enough()) result.push_back({samples, samples * apart});
   int most = samples;
-  while (most * apart < way && 2 * most <= kBetween * states) most *= 2;
+  while (most * apart < way && 2 * most <= states) most *= 2;
   if (most > samples) result.push_back({most, most * apart});
   return result;
 }

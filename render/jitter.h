@@ -18,9 +18,9 @@ struct Exposures {
 };
 
 /// The exposures that a frame takes, those of its slowest things first; `way` px is how far its
-/// fastest come. From one to the next things come no farther than `apart` px, as long as that takes
-/// no more than two exposures to a state. The fewest are half as many as there are `samples`,
-/// no farther than 2 px apart, or a thing would seem to be two. Empty: nothing needs more than one.
+/// fastest come. From one to the next things come no farther than `apart` px, as long as there are
+/// as many states. The fewest are half as many as there are `samples`, no farther than 2 px apart,
+/// or a thing would seem to be two. Empty: nothing needs more than one.
 std::vector<Exposures> exposures(double way, int samples, int states,
                                  double apart = Stage().exposures_apart);
 

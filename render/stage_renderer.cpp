@@ -47,17 +47,10 @@ void remove(const Triangles& some, Triangles& from) {
   from.erase(kept, from.end());
 }
 
-/// What exposure `i` of so many shows: states evenly apart, or, where there are more exposures than
-/// states, things on their way from one to the next.
-Instant shown_at(std::span<const Instant> shutter, int i, int count) {
-  const auto states = int(shutter.size());
-  if (count <= states) {
-    const int stride = states / count;
-    return shutter[std::size_t(stride / 2 + i * stride)];
-  }
-  const double at = double(i) * (states - 1) / (count - 1);
-  const auto before = std::min(std::size_t(at), shutter.size() - 2);
-  return between(shutter[before], shutter[before + 1], at - double(before));
+/// What exposure `i` of so many shows: states evenly apart.
+const Instant& shown_at(std::span<const Instant> shutter, int i, int count) {
+  const int stride = int(shutter.size()) / count;
+  return shutter[std::size_t(stride / 2 + i * stride)];
 }
 
 }  // namespace
@@ -322,7 +315,7 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
     canvas.expose(part, count, [&](int i) {
-      const Instant instant = shown_at(shutter, i, count);
+      const Instant& instant = shown_at(shutter, i, count);
       d.parts.pose(instant);
       std::vector<Item> shown, casters;
       for (std::size_t k = 0; const Item& item : d.parts.items(instant)) {

@@ -1,6 +1,7 @@
 #include "scenes/exposure.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace taut {
@@ -28,8 +29,10 @@ double own_time(const Scene& scene, double time) {
 std::vector<double> exposure_times(const Scene& scene, double time, double rate) {
   const double open = scene.stage ? scene.stage->shutter * rate / scene.fps : 0;
   if (open == 0) return {time};
+  // A little more, as the quotient of a whole number of steps may fall short of it.
+  const auto steps = unsigned(open * scene.fps * double(steps_per_frame(scene)) * (1 + 1e-9));
+  const int states = std::min(int(std::bit_floor(std::max(steps, 1u))), scene.stage->exposures);
   std::vector<double> times;
-  const int states = scene.stage->exposures;
   for (int i = 0; i < states; ++i) {
     times.push_back(std::max(own_time(scene, time + (i - states / 2) * open / states), 0.0));
   }

@@ -7,14 +7,13 @@
 
 namespace taut {
 
-/// The times (s) of the states, Stage::exposures, that the frame at `time` is made of, evenly apart
-/// while the shutter is open, the frame's own in the middle (the later one of two); `time` alone
-/// where the scene has no shutter. `rate` is how fast the clip goes, in seconds of the scene to one
-/// of the clip.
+/// The times (s) of the states that the frame at `time` is made of, evenly apart while the shutter
+/// is open, the frame's own in the middle (the later one of two); `time` alone where the scene has
+/// no shutter. `rate` is how fast the clip goes, in seconds of the scene to one of the clip.
 ///
-/// Methods of equal steps stop after their own steps, so that the shutter changes no bit of the
-/// trajectory; where a step is longer than the times are apart, neighbours are the same. What lies
-/// before the scene's start is the start.
+/// There are Stage::exposures of them, or the power of two that the method's steps are enough for:
+/// methods of equal steps stop after their own steps, so that the shutter changes no bit of the
+/// trajectory. What lies before the scene's start is the start.
 std::vector<double> exposure_times(const Scene& scene, double time, double rate = 1);
 
 /// The time nearest to `time` (s) at which the scene's method ends a step by itself. Methods that

@@ -15,8 +15,8 @@
 
 namespace taut {
 
-/// Of a planned frame; exposures between them are interpolated.
-constexpr int kMostStates = 64;
+/// Of a planned frame.
+constexpr int kMostStates = 128;
 
 struct Plan {
   std::string tolerance;  // "1px", "0.5mm"

@@ -66,7 +66,7 @@ struct Stage {
   std::vector<Shot> shots;        // in the order of the clip; at least one
   Card title, end;
   double shutter = 0;          // the share of a frame's time for which it is open; 0: an instant
-  int exposures = 16;          // states that a frame shows meanwhile, a power of two
+  int exposures = 32;          // states that a frame shows meanwhile at most, a power of two
   double exposures_apart = 6;  // px, most that a point comes from one to the next
   Light light;
   Vec3 background = Vec3(0.35, 0.38, 0.42);               // linear

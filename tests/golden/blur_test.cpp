@@ -10,7 +10,7 @@
 namespace taut {
 namespace {
 
-constexpr int kWidth = 400, kHeight = 100, kStates = 16;
+constexpr int kWidth = 400, kHeight = 100, kStates = 32;
 constexpr double kDistance = 4, kFieldOfView = 0.2;
 const CameraView kCamera{Vec3(0, 0, kDistance), Vec3::Zero(), kFieldOfView};
 /// Pixels to a metre at the boxes' front sides.
@@ -51,7 +51,7 @@ class Blur : public testing::Test {
     std::vector<Instant> instants;
     for (int i = 0; i < kStates; ++i)
       instants.push_back(
-          instant(at + (i - kStates / 2) * pixels / kMetre / (kStates - 1), i / 1920.0));
+          instant(at + (i - kStates / 2) * pixels / kMetre / (kStates - 1), i / 3840.0));
     return instants;
   }
 
@@ -74,16 +74,16 @@ class Blur : public testing::Test {
 };
 
 TEST_F(Blur, APixelHasTheLightOfTheTimeForWhichItIsCovered) {
-  const double kTravel = 60, kSide = 0.2 * kMetre;
-  const std::vector<Instant> instants = shutter(0.1, kTravel);
+  const double kTravel = 120, kSide = 0.2 * kMetre, kAt = 0.2;
+  const std::vector<Instant> instants = shutter(kAt, kTravel);
   int count = 0;
   const Picture picture = expose(instants, &count);
   EXPECT_EQ(count, kStates);
   const Picture sharp = expose({&instants[kStates / 2], 1});
-  const double full = light(*sharp.at(kWidth / 2 + int(0.1 * kMetre), kHeight / 2));
+  const double full = light(*sharp.at(kWidth / 2 + int(kAt * kMetre), kHeight / 2));
   EXPECT_GT(full, 0.1);
   int partly = 0;
-  for (int x = kWidth / 2 - 40; x < kWidth; ++x) {
+  for (int x = kWidth / 2 - 50; x < kWidth; ++x) {
     double covered = 0;
     for (const Instant& i : instants) {
       const double left = kWidth / 2 + i.state.bodies[0].position.x() * kMetre - kSide / 2;
@@ -126,19 +126,18 @@ TEST_F(Blur, UnevenStatesCountByTheLongestTimeBetweenThem) {
   std::vector<Instant> instants;
   for (int i = 0; i < kStates; ++i) {
     const int step = i + (i >= 5);  // one is left out
-    instants.push_back(instant(0.1 + step * 1.2 / kMetre, step / 1920.0));
+    instants.push_back(instant(0.1 + step * 0.7 / kMetre, step / 3840.0));
   }
   int count = 0;
   expose(instants, &count);
-  EXPECT_EQ(count, 8);  // with 4, neighbours would be five steps of 1.2 px and more apart
+  EXPECT_EQ(count, 8);  // with 4, neighbours would be nine steps of 0.7 px apart
 }
 
 TEST_F(Blur, TheFastestThingsLeaveNoStripes) {
-  // Twelve pixels from one state to the next: between states it is drawn on its way.
   const std::vector<Instant> instants = shutter(0.1, 180);
   int count = 0;
   const Picture picture = expose(instants, &count);
-  EXPECT_EQ(count, 2 * kStates);
+  EXPECT_EQ(count, kStates);
   const Picture sharp = expose({&instants[kStates / 2], 1});
   const double full = light(*sharp.at(kWidth / 2 + int(0.1 * kMetre), kHeight / 2));
   // Behind it light falls evenly to its rear end, a 32nd at a time.
@@ -146,7 +145,7 @@ TEST_F(Blur, TheFastestThingsLeaveNoStripes) {
   for (int x = int(front) + 8; x < kWidth - 8; ++x) {
     const double here = light(*picture.at(x, kHeight / 2)) / full;
     const double next = light(*picture.at(x + 6, kHeight / 2)) / full;
-    EXPECT_LT(std::abs(next - here), 2.5 / (2 * kStates)) << x;
+    EXPECT_LT(std::abs(next - here), 2.5 / kStates) << x;
   }
 }
 

@@ -23,21 +23,35 @@ Scene with_shutter(double shutter, const char* method, Settings settings) {
 }
 
 TEST(Exposure, AClosedShutterShowsTheFramesOwnInstant) {
-  const Scene scene = with_shutter(0, "impulse", {{"step", 1.0 / 1920}});
+  const Scene scene = with_shutter(0, "impulse", {{"step", 1.0 / 3840}});
   EXPECT_EQ(exposure_times(scene, 0.5), std::vector<double>{0.5});
 }
 
 TEST(Exposure, TimesAreTheMethodsOwnSteps) {
-  const double step = 1.0 / 1920;  // 16 in half a frame
+  const double step = 1.0 / 3840;  // 32 in half a frame
   const Scene scene = with_shutter(0.5, "impulse", {{"step", step}});
   const std::vector<double> times = exposure_times(scene, 0.5);
   ASSERT_EQ(times.size(), std::size_t(kStates));
   EXPECT_EQ(times[kStates / 2], 0.5);
-  for (int i = 0; i < kStates; ++i) EXPECT_NEAR(times[std::size_t(i)], 0.5 + (i - 8) * step, 1e-12);
-  // At a quarter of the speed the shutter is open for four steps: each is shown four times.
-  const std::vector<double> slow = exposure_times(scene, 0.5, 0.25);
-  for (const double time : slow) EXPECT_NEAR(time / step, std::round(time / step), 1e-6);
-  EXPECT_NEAR(slow.back() - slow.front(), 4 * step, 1e-12);
+  for (int i = 0; i < kStates; ++i)
+    EXPECT_NEAR(times[std::size_t(i)], 0.5 + (i - kStates / 2) * step, 1e-12);
+}
+
+TEST(Exposure, EachTimeIsAnotherState) {
+  const double step = 1.0 / 3840;
+  for (const double rate : {0.25, 0.3, 0.5, 1 / 32.0, 0.01}) {
+    const Scene scene = with_shutter(0.5, "impulse", {{"step", step}});
+    const std::vector<double> times = exposure_times(scene, 0.5, rate);
+    // As many as the steps are enough for, or half as many: a power of two.
+    EXPECT_LE(double(times.size()), std::max(rate * kStates, 1.0) + 1e-6) << rate;
+    EXPECT_GT(double(times.size()), rate * kStates / 2) << rate;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      EXPECT_NEAR(times[i] / step, std::round(times[i] / step), 1e-6);
+      if (i > 0) {
+        EXPECT_GE(times[i] - times[i - 1], 0.99 * step) << rate;
+      }
+    }
+  }
 }
 
 TEST(Exposure, ATimeHasTheSameBitsHoweverItWasComeBy) {
@@ -93,7 +107,9 @@ TEST(Exposure, SlowThingsTakeFewAndFastOnesAsManyAsTheirWayAsksFor) {
   EXPECT_EQ(counts(4.1, 4, 16), (std::vector{2, 4}));
   EXPECT_EQ(counts(24.1, 4, 16), (std::vector{2, 4, 8}));
   EXPECT_EQ(counts(96, 4, 16), (std::vector{2, 4, 16}));
-  EXPECT_EQ(counts(999, 4, 16), (std::vector{2, 4, 32}));
+  EXPECT_EQ(counts(999, 4, 16), (std::vector{2, 4, 16}));
+  EXPECT_EQ(counts(999, 4, 32), (std::vector{2, 4, 32}));
+  EXPECT_EQ(counts(999, 4, 2), (std::vector{2}));
   EXPECT_EQ(counts(13, 1, 16), (std::vector{4}));
   EXPECT_EQ(counts(5, 1, 16), (std::vector<int>{}));
   EXPECT_EQ(counts(13, 2, 16), (std::vector{2, 4}));

@@ -177,7 +177,7 @@ shutter = 0.5
   EXPECT_EQ(planned.stage->exposures_apart, 3);
   const Scene written = load_scene(file_, true);
   EXPECT_EQ(written.world.bodies[0].model, BodyModel::rigid);
-  EXPECT_EQ(written.stage->exposures, 16);
+  EXPECT_EQ(written.stage->exposures, Stage().exposures);
 }
 
 TEST_F(PlanFile, TablesAfterItStay) {
