@@ -1,6 +1,7 @@
 #include "render/shadow_cover.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace taut {
@@ -9,6 +10,20 @@ namespace {
 Eigen::AlignedBox3f around(const Places& places, const std::uint32_t* corner) {
   Eigen::AlignedBox3f box(places[corner[0]]);
   return box.extend(places[corner[1]]).extend(places[corner[2]]);
+}
+
+/// Whether a triangle overlaps an upright square, seen along z, if their boxes do: no side of it
+/// parts them.
+bool meets(const std::array<Eigen::Vector2f, 3>& triangle, const Eigen::Vector2f& centre,
+           float half) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector2f side = triangle[(k + 1) % 3] - triangle[k];
+    const Eigen::Vector2f across(-side.y(), side.x());
+    const float width = across.dot(triangle[(k + 2) % 3] - triangle[k]);
+    const float at = across.dot(centre - triangle[k]), reach = half * across.lpNorm<1>();
+    if (at + reach < std::min(width, 0.0f) || at - reach > std::max(width, 0.0f)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -42,15 +57,22 @@ void ShadowCover::add(std::span<const std::uint32_t> triangles, std::span<const 
   }
 }
 
-bool ShadowCover::hides(const Eigen::AlignedBox3f& triangle) const {
+bool ShadowCover::hides(const Places& projected, const std::uint32_t* corner) const {
+  const Eigen::AlignedBox3f triangle = around(projected, corner);
   const Eigen::Array2f low = (triangle.min().head<2>().array() - filter_) * float(kCells);
   const Eigen::Array2f high = (triangle.max().head<2>().array() + filter_) * float(kCells);
   if ((high < 0).any() || (low >= float(kCells)).any()) return false;
   const Eigen::Array2i first = low.max(0.0f).cast<int>();
   const Eigen::Array2i last = high.min(float(kCells - 1)).cast<int>();
+  const std::array sides{Eigen::Vector2f(projected[corner[0]].head<2>()),
+                         Eigen::Vector2f(projected[corner[1]].head<2>()),
+                         Eigen::Vector2f(projected[corner[2]].head<2>())};
   for (int y = first.y(); y <= last.y(); ++y)
-    for (int x = first.x(); x <= last.x(); ++x)
-      if (nearest_[std::size_t(y * kCells + x)] < triangle.max().z()) return true;
+    for (int x = first.x(); x <= last.x(); ++x) {
+      if (nearest_[std::size_t(y * kCells + x)] >= triangle.max().z()) continue;
+      const Eigen::Vector2f centre((float(x) + 0.5f) / kCells, (float(y) + 0.5f) / kCells);
+      if (meets(sides, centre, 0.5f / kCells + filter_)) return true;
+    }
   return false;
 }
 
@@ -65,7 +87,7 @@ Eigen::AlignedBox3f ShadowCover::find(std::span<const std::uint32_t> triangles,
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
     const std::uint32_t* corner = &triangles[i];
     const Eigen::AlignedBox3f box = around(places, corner);
-    if (!hides(around(projected_[0], corner)) &&
+    if (!hides(projected_[0], corner) &&
         std::ranges::none_of(boxes, [&](const auto& b) { return b.intersects(box); }))
       continue;
     indices.insert(indices.end(), corner, corner + 3);

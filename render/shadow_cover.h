@@ -31,7 +31,7 @@ class ShadowCover {
  private:
   static constexpr int kCells = 96;  // a side: about 2 cm on a person
   void project(const Places& places, Places& projected) const;
-  bool hides(const Eigen::AlignedBox3f& triangle) const;
+  bool hides(const Places& projected, const std::uint32_t* corner) const;
 
   Eigen::Matrix4f projection_;
   float filter_ = 0;

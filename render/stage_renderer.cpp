@@ -112,37 +112,45 @@ struct StageRenderer::Impl {
     cover.start(look.block.light_projection, kShadowFilter / float(shadows.map_size));
   }
 
-  /// The scenery that shadows can reach or feet can darken.
-  struct Reached {
-    std::vector<Triangles> triangles;  // [scenery]
-    Eigen::AlignedBox3f box;           // around them
+  /// What shadows can reach or feet can darken of one thing of the scenery.
+  struct ReachedPart {
+    Triangles triangles;
+    Eigen::AlignedBox3f box;  // around them
+    Rect pixels;              // where the shadows fall
   };
+  using Reached = std::vector<ReachedPart>;  // [scenery]
   void find_reached(const Boxes& contacts, Reached& found) {
-    found.triangles.resize(scenery.size());
-    found.box.setEmpty();
+    found.resize(scenery.size());
     for (std::size_t i = 0; i < scenery.size(); ++i)
-      found.box.extend(
-          cover.find(scenery[i].triangles(), scenery[i].positions(), contacts, found.triangles[i]));
+      found[i].box =
+          cover.find(scenery[i].triangles(), scenery[i].positions(), contacts, found[i].triangles);
   }
 
-  /// The pixels where shadows of those boxes fall.
-  Rect shadow_pixels(const Boxes& casters, const Boxes& contacts, const Reached& found,
-                     const FrameBlock& block, const Rect& viewport) const {
-    Reach reach;
+  /// Finds the pixels where shadows of those boxes fall, and returns the rectangle around all.
+  Rect find_pixels(const Boxes& casters, const Boxes& contacts, const FrameBlock& block,
+                   const Rect& viewport, Reached& found) const {
     const Vector3f direction = stage.light.direction.cast<float>();
-    for (const auto& box : casters) add_shadow(box, direction, found.box, reach);
-    for (const auto& box : contacts) add_box(box.intersection(found.box), reach);
-    return pixels(reach, block.view_projection, viewport);
+    Rect all;
+    for (ReachedPart& part : found) {
+      Reach reach;
+      for (const auto& box : casters) add_shadow(box, direction, part.box, reach);
+      for (const auto& box : contacts) add_box(box.intersection(part.box), reach);
+      part.pixels = pixels(reach, block.view_projection, viewport);
+      all = hull(all, part.pixels);
+    }
+    return all;
   }
 
   /// The scenery once more, where it still is in front.
-  void draw_reached(const Reached& found, const Rect& part) {
-    if (part.empty()) return;
+  void draw_reached(const Reached& found) {
     gl.DepthFunc(GL_LEQUAL);
     gl.Enable(GL_SCISSOR_TEST);
-    gl.Scissor(part.x, part.y, part.width, part.height);
-    for (std::size_t i = 0; i < scenery.size(); ++i)
-      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found.triangles[i]}, Shade::grounded);
+    for (std::size_t i = 0; i < scenery.size(); ++i) {
+      const Rect& part = found[i].pixels;
+      if (part.empty()) continue;
+      gl.Scissor(part.x, part.y, part.width, part.height);
+      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, Shade::grounded);
+    }
     gl.Disable(GL_SCISSOR_TEST);
   }
 
@@ -179,9 +187,9 @@ struct StageRenderer::Impl {
       boxes.push_back(item.box());
     }
     find_reached(look.contacts, reached[0]);
-    const Rect part = shadow_pixels(boxes, look.contacts, reached[0], look.block, viewport);
-    draw_reached(reached[0], part);
-    canvas.touch(part);
+    find_pixels(boxes, look.contacts, look.block, viewport, reached[0]);
+    draw_reached(reached[0]);
+    for (const ReachedPart& part : reached[0]) canvas.touch(part.pixels);
     lap("shadows");
   }
 
@@ -284,7 +292,7 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
     // What faster things shade, too, is drawn with these.
     for (std::size_t above = grade + 1; above <= grades.size(); ++above)
       for (std::size_t i = 0; i < d.scenery.size(); ++i)
-        remove(d.reached[above].triangles[i], d.reached[grade].triangles[i]);
+        remove(d.reached[above][i].triangles, d.reached[grade][i].triangles);
   }
   d.sweep.divide();
   d.parts.pose(middle);
@@ -303,14 +311,14 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
   d.map.save(map_part);
 
   for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
-    const Impl::Reached& reached = d.reached[grade];
+    Impl::Reached& reached = d.reached[grade];
     Boxes casting;
     Reach things;
     for (std::size_t i = 0; i < items.size(); ++i) {
       casting.push_back(d.sweep.moving_box(i, int(grade)));
       add_box(d.sweep.box(i, d.sweep.shown(i, int(grade))), things);
     }
-    const Rect shadow = d.shadow_pixels(casting, {}, reached, look.block, viewport);
+    const Rect shadow = d.find_pixels(casting, {}, look.block, viewport, reached);
     const Rect part = hull(pixels(things, look.block.view_projection, viewport), shadow);
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
@@ -339,7 +347,7 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
       d.gl.Scissor(part.x, part.y, part.width, part.height);
       for (const Item& item : shown) d.surfaces.draw(item, Shade::shadowed);
       d.surfaces.use(block);
-      d.draw_reached(reached, shadow);
+      d.draw_reached(reached);
     });
   }
   d.lap("exposures");
