@@ -162,6 +162,7 @@ std::string any_scene(std::mt19937& random) {
 TEST(LongPlanned, ScenesOfEveryKind) {
   constexpr std::array kTolerances = {"0.2px", "1px", "3px", "10px", "0.2mm", "3mm"};
   std::mt19937 random(20);
+  int foretold = 0;
   for (std::size_t i = 0; i < 20; ++i) {
     const Folder folder;
     const std::string scene = any_scene(random);
@@ -170,27 +171,35 @@ TEST(LongPlanned, ScenesOfEveryKind) {
     folder.write("scene.toml", scene);
     const nlohmann::json plan =
         plan_of(folder.path() / "scene.toml", fmt::format("--tolerance {} --write", tolerance));
-    if (plan.at("until").get<double>() > 0) expect_within(folder.path() / "scene.toml");
+    if (!(plan.at("until").get<double>() > 0)) continue;
+    expect_within(folder.path() / "scene.toml");
+    ++foretold;
   }
+  EXPECT_GE(foretold, 15);
 }
 
-/// Runs everything to its end that the planner gives up early or never tries.
+/// Runs everything that the planner gives up early or never tries, until it costs more than two
+/// thirds of the plan.
 void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
   const nlohmann::json plan = plan_of(kScenes / name, fmt::format("--tolerance {}", tolerance));
+  const double enough = plan.at("cycles_per_second").get<double>() / 1.5;
   const Scene scene = load_scene(kScenes / name, true);
   const Tolerance asked{distance_of(scene, tolerance), std::stod(tolerance)};
   const double metres = plan.at("scored_metres").get<double>();
   const Exact exact = solve_exactly(
       {cli::few_copies(scene.world), frame_times(scene.duration, scene.fps), scene.timeline},
       metres, 1e9, [](double) {});
-  double cheapest = INFINITY;
+  std::size_t tried = 0;
   for (const cli::SceneModel& one : cli::models_of(scene)) {
     for (const Candidate& candidate : cli::all_candidates(one.model.world, scene.fps)) {
-      const Trial trial = attempt(one.model, candidate, exact, asked, INFINITY);
-      if (trial.end == Trial::End::within) cheapest = std::min(cheapest, trial.work);
+      const Trial trial = attempt(one.model, candidate, exact, asked, enough);
+      EXPECT_NE(trial.end, Trial::End::within)
+          << name << ": " << cli::describe(one, scene) << ", " << describe(candidate) << " costs "
+          << trial.work << " of " << 1.5 * enough;
+      ++tried;
     }
   }
-  EXPECT_LE(plan.at("cycles_per_second").get<double>(), 1.5 * cheapest) << name;
+  EXPECT_GT(tried, 500u);
 }
 
 TEST(LongPlan, CostsAtMostHalfMoreThanTheCheapestOfAll) {
