@@ -151,7 +151,7 @@ std::string any_scene(std::mt19937& random) {
   }
   if (cut) {
     text += fmt::format("[[cuts]]\nconnector = \"rope\"\nat = {}\nt = {}\n",
-                        length * between(0.2, 0.8), between(0.1, 0.8));
+                        length * between(0.2, 0.8), between(0.1, 0.45));
   }
   return text + fmt::format(
                     "[stage]\ncamera = [{{ t = 0, position = [0.3, 1, {}], target = [0, 0.8, "
