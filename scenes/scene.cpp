@@ -100,7 +100,7 @@ namespace {
 /// Whoever asks for pixels is shown no point farther from where it is than that.
 void take_exposures(const Plan& plan, Stage& stage) {
   if (plan.exposures == 0 || !plan.tolerance.ends_with("px")) return;
-  stage.exposures = std::min(plan.exposures, kMostStates);
+  stage.exposures = plan.exposures;
   stage.exposures_apart = 2 * std::stod(plan.tolerance);
 }
 

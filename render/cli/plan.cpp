@@ -137,7 +137,7 @@ std::optional<double> error_of_clip(const Planned& planned, double scored,
   if (!planned.scene.stage) return std::nullopt;
   Scene clip = planned.scene;
   clip.method = {planned.candidate().method, planned.candidate().settings};
-  if (planned.blur) clip.stage->exposures = std::min(planned.blur->most, kMostStates);
+  if (planned.blur) clip.stage->exposures = planned.blur->most;
   const std::vector<double> times = shown_times(clip, clip_frames(clip));
   const std::vector<double>& compared = planned.exact.problem.times;
   if (std::ranges::includes(compared, times)) return std::nullopt;

@@ -197,11 +197,16 @@ std::string plan_text(const Planned& planned) {
                               : ""));
   }
   if (const auto& blur = planned.blur) {
-    line("blur", fmt::format("{} exposures of a frame at most, {} on average ({} as it is "
-                             "written): the fastest point comes {} px while the shutter is open, "
-                             "{} px from one to the next",
-                             blur->most, rounded(blur->mean), rounded(blur->mean_as_written),
-                             rounded(blur->way), rounded(blur->apart)));
+    line("blur",
+         fmt::format("{} exposures of a frame at most, {} on average ({} as it is "
+                     "written): the fastest point comes {} px while the shutter is open, "
+                     "{} px from one to the next{}",
+                     blur->most, rounded(blur->mean), rounded(blur->mean_as_written),
+                     rounded(blur->way), rounded(blur->apart),
+                     blur->most < kMostStates ? ""
+                                              : fmt::format("; more change no pixel by more "
+                                                            "than a {}th of its contrast",
+                                                            kMostStates)));
   }
   const Candidate as_written{scene.method.name, scene.method.settings};
   if (planned.as_written.end == Trial::End::diverged) {
