@@ -31,7 +31,9 @@ bool meets(const std::array<Eigen::Vector2f, 3>& triangle, const Eigen::Vector2f
 void ShadowCover::start(const Eigen::Matrix4f& light_projection, float filter) {
   projection_ = light_projection;
   filter_ = filter;
+  margin_ = filter + 1.0f / kCells;
   nearest_.assign(kCells * kCells, std::numeric_limits<float>::infinity());
+  covered_.setEmpty();
 }
 
 void ShadowCover::project(const Places& places, Places& projected) const {
@@ -49,6 +51,7 @@ void ShadowCover::add(std::span<const std::uint32_t> triangles, std::span<const 
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
     Eigen::AlignedBox3f box;
     for (std::size_t k = 0; k < times.size(); ++k) box.extend(around(projected_[k], &triangles[i]));
+    covered_.extend(box);
     for (int y = cell(box.min().y()); y <= cell(box.max().y()); ++y)
       for (int x = cell(box.min().x()); x <= cell(box.max().x()); ++x) {
         float& nearest = nearest_[std::size_t(y * kCells + x)];
@@ -59,6 +62,10 @@ void ShadowCover::add(std::span<const std::uint32_t> triangles, std::span<const 
 
 bool ShadowCover::hides(const Places& projected, const std::uint32_t* corner) const {
   const Eigen::AlignedBox3f triangle = around(projected, corner);
+  if ((triangle.max().head<2>().array() + margin_ < covered_.min().head<2>().array()).any() ||
+      (triangle.min().head<2>().array() - margin_ > covered_.max().head<2>().array()).any() ||
+      triangle.max().z() <= covered_.min().z())
+    return false;
   const Eigen::Array2f low = (triangle.min().head<2>().array() - filter_) * float(kCells);
   const Eigen::Array2f high = (triangle.max().head<2>().array() + filter_) * float(kCells);
   if ((high < 0).any() || (low >= float(kCells)).any()) return false;
@@ -86,9 +93,10 @@ Eigen::AlignedBox3f ShadowCover::find(std::span<const std::uint32_t> triangles,
   Eigen::AlignedBox3f found;
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
     const std::uint32_t* corner = &triangles[i];
+    const bool hidden = hides(projected_[0], corner);
+    if (!hidden && boxes.empty()) continue;
     const Eigen::AlignedBox3f box = around(places, corner);
-    if (!hides(projected_[0], corner) &&
-        std::ranges::none_of(boxes, [&](const auto& b) { return b.intersects(box); }))
+    if (!hidden && std::ranges::none_of(boxes, [&](const auto& b) { return b.intersects(box); }))
       continue;
     indices.insert(indices.end(), corner, corner + 3);
     found.extend(box);

@@ -35,6 +35,8 @@ class ShadowCover {
 
   Eigen::Matrix4f projection_;
   float filter_ = 0;
+  float margin_ = 0;             // filter_, and a cell
+  Eigen::AlignedBox3f covered_;  // around all casters
   std::vector<float> nearest_;
   std::vector<Places> projected_;
 };

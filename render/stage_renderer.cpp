@@ -345,7 +345,8 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
       d.surfaces.use(moved);
       d.gl.Enable(GL_SCISSOR_TEST);
       d.gl.Scissor(part.x, part.y, part.width, part.height);
-      for (const Item& item : shown) d.surfaces.draw(item, Shade::shadowed);
+      const Shade shade = count < canvas.samples() ? Shade::shadowed : Shade::averaged;
+      for (const Item& item : shown) d.surfaces.draw(item, shade);
       d.surfaces.use(block);
       d.draw_reached(reached);
     });

@@ -27,7 +27,12 @@ struct FrameBlock {
 };
 
 /// What takes light from a surface; the numbers are the surface shader's SHADE.
-enum class Shade { lit, shadowed, grounded };  // nothing; the shadow map; capsules as well
+enum class Shade {
+  lit,       // nothing
+  shadowed,  // the shadow map
+  grounded,  // capsules as well
+  averaged,  // the shadow map less smoothly, for one of many exposures in different lights
+};
 
 class Surfaces {
  public:
