@@ -40,17 +40,20 @@ Track act(const Figure& figure, const Path& path, double duration) {
 
   Eigen::MatrixXd rows(Eigen::Index{control_count}, hand.count());
   for (Eigen::Index i = 0; i < hand.count(); ++i) {
-    const Vec3 h = body[i], s = late[i], next = coming[i], f = fist[i], step = steps[i];
+    const Vec3 h = body[i], s = late[i], next = coming[i], f = fist[i];
+    const Vec3 right = steps[i].head<3>(), left = steps[i].tail<3>();
     const double still = std::exp(-std::pow(haste[i][0] / 0.5, 2));
     const double chest_rise = std::sin(2 * M_PI * breath * hand.time(i)) * (0.35 + 0.65 * still);
 
     Controls c = Controls::Zero();
-    // The weight follows the hand, and sinks before the hand rises; while the right foot is up it
-    // is on the left.
+    // The weight follows the hand, and sinks before the hand rises; it is between the feet, and
+    // while one is up, on the other.
+    const Vec3 between = (right + left) / 2;
     Vec3 pelvis = pelvis_at_ease;
-    pelvis.x() += soft(0.16 * h.x() - 0.020 * next.x(), 0.07) + 0.3 * step.x() + 0.6 * step.y();
+    pelvis.x() += soft(0.16 * h.x() - 0.020 * next.x(), 0.07);
+    pelvis.x() += 0.6 * between.x() + 0.6 * (right.y() - left.y());
     pelvis.y() += soft(0.10 * h.y() - 0.022 * std::abs(next.y()), 0.06) + 0.002 * chest_rise;
-    pelvis.z() += soft(0.20 * h.z() - 0.014 * next.z(), 0.07) + 0.3 * step.z();
+    pelvis.z() += soft(0.20 * h.z() - 0.014 * next.z(), 0.07) + 0.6 * between.z();
     c.segment<3>(root_x) = scale * pelvis;
 
     // A hand that reaches to the left or forward draws its shoulder along; before it goes there,
@@ -73,7 +76,8 @@ Track act(const Figure& figure, const Path& path, double duration) {
     const Vec3 guard = guard_at_ease + Vec3(soft(-0.10 * f.x(), 0.03), soft(-0.12 * f.y(), 0.05),
                                             soft(-0.22 * f.z(), 0.06));
     c.segment<3>(guard_x) = scale * guard;
-    c.segment<3>(step_x) = scale * step;
+    c.segment<3>(right_step_x) = scale * right;
+    c.segment<3>(left_step_x) = scale * left;
     rows.col(i) = c;
   }
   return {std::move(rows), acting_rate};

@@ -18,8 +18,9 @@ Track act(const Figure& figure, const Path& path, double duration);
 /// hand goes. The eyes are there first, the head comes after; now and then the lids blink.
 void look_about(const Figure& figure, const Path& path, Track& controls);
 
-/// Steps of the right foot (3 rows, m): where the hand settles farther forward or aside, the foot
-/// goes along beforehand, lifted, and stands again.
+/// Steps of the right and the left foot (3 rows each, m): where the hand settles farther forward or
+/// aside, the right foot goes along beforehand, lifted, and stands again; then the left is drawn
+/// up.
 Track take_steps(const Track& hand);
 
 /// Fills in the right arm's roll and swivel: at every instant those that bend the wrist least, keep

@@ -25,6 +25,10 @@ struct Stand {
 };
 constexpr std::array<Stand, 2> stands = {Stand{0.17, -0.27, 0.95}, Stand{-0.13, 0.26, 0.10}};
 
+/// From the ankle to the ball of the foot (m, for a figure of 1.78 m); and the share of its height
+/// by which the ball of a lifted foot is lower than the ankle.
+constexpr double ball = 0.14, lifted_toes = 0.6;
+
 Mat3 square(const Vec3& first, const Vec3& second) {
   Mat3 m;
   m.col(0) = first.normalized();
@@ -176,11 +180,14 @@ void Figure::plant_feet(const Controls& controls, Posture& p) const {
   for (std::size_t i = 0; i < 2; ++i) {
     const Stand& stand = stands[i];
     Vec3 ankle(scale() * stand.x, skeleton_.rest(foot_[i]).y(), scale() * stand.z);
-    if (i == 1) ankle += controls.segment<3>(step_x);
-    const Quat foot = turn(y_axis, stand.yaw);
+    const Vec3 step = controls.segment<3>(i == 0 ? left_step_x : right_step_x);
+    ankle += step;
+    // The heel leaves the floor before the toes: a lifted foot hangs by a share of its height.
+    const double hangs = std::asin(std::min(lifted_toes * step.y() / scale() / ball, 1.0));
+    const Quat foot = turn(y_axis, stand.yaw) * turn(x_axis, hangs);
     // The knee goes where the foot points.
-    const LimbTurns turns =
-        bend_limb(legs_[i], placed.position[thigh_[i]], ankle, foot * Vec3(0, 0.1, 1));
+    const LimbTurns turns = bend_limb(legs_[i], placed.position[thigh_[i]], ankle,
+                                      turn(y_axis, stand.yaw) * Vec3(0, 0.1, 1));
     p.turn[thigh_[i]] = placed.turn[hips_].conjugate() * turns.upper;
     p.turn[shin_[i]] = turns.upper.conjugate() * turns.lower;
     p.turn[foot_[i]] = turns.lower.conjugate() * foot;

@@ -30,9 +30,12 @@ enum Control {
   eye_yaw,
   eye_lean,  // of both eyes against the head
   lids,      // how far the upper lids are down: 0 open, 1 closed
-  step_x,
-  step_y,
-  step_z,  // of the right foot, from its stand
+  right_step_x,
+  right_step_y,
+  right_step_z,
+  left_step_x,
+  left_step_y,
+  left_step_z,  // of the feet, from their stands
   guard_x,
   guard_y,
   guard_z,       // of the left fist's place

@@ -1,4 +1,4 @@
-// Steps of the foot in front.
+// Steps: the foot in front goes where the hand goes, the foot behind is drawn up after it.
 #include <cmath>
 
 #include "scenes/character/acting.h"
@@ -6,35 +6,56 @@
 namespace taut {
 namespace {
 
-constexpr double settling = 0.25;   // s, over which the hand's place is averaged
-constexpr double foresight = 0.45;  // s: the foot is down again before the hand is there
-constexpr double share = 1.1;       // of the hand's way
-constexpr double worth = 0.06;      // m off, for which it takes a step
-constexpr double lasts = 0.34;      // s
-constexpr double lift = 0.045;      // m
+constexpr double settling = 0.33;   // s, over which the hand's place is averaged
+constexpr double foresight = 0.28;  // s: the foot is down again before the hand is there
+constexpr double stays = 0.25;      // s: and stands where the hand will be so much later
+constexpr double share_ahead = 1.5, share_aside = 0.3;  // of the hand's way
+constexpr double drawn_up = 0.9;                        // of the way of the foot in front
+constexpr double worth = 0.05;                          // m off, for which a foot takes a step
+constexpr double lasts = 0.34;                          // s
+constexpr double lift = 0.045;                          // m
+
+/// A foot that stands, or goes from where it stood to where it will.
+struct Foot {
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+  double start = -lasts;
+
+  bool stands(double time) const { return time >= start + lasts; }
+  bool is_off(const Vec3& there) const { return (there - to).norm() > worth; }
+  void go(const Vec3& there, double time) {
+    from = to;
+    to = there;
+    start = time;
+  }
+  Vec3 at(double time) const {
+    if (stands(time)) return to;
+    const double t = (time - start) / lasts;
+    return from + t * t * (3 - 2 * t) * (to - from) + lift * std::sin(M_PI * t) * Vec3::UnitY();
+  }
+};
 
 }  // namespace
 
 Track take_steps(const Track& hand) {
-  const Track wanted = hand.smoothed(settling).ahead(foresight);
-  Track steps(Eigen::MatrixXd::Zero(3, hand.count()), hand.rate());
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
-  double start = -lasts;
+  const Track settled = hand.smoothed(settling).ahead(foresight + lasts);
+  const auto wanted = [&](double time) -> Vec3 {
+    const Vec3 way = settled.at(time) - settled[0];
+    return {share_aside * way.x(), 0, share_ahead * way.z()};
+  };
+  Track steps(Eigen::MatrixXd::Zero(6, hand.count()), hand.rate());
+  Foot right, left;
   for (Eigen::Index i = 0; i < hand.count(); ++i) {
     const double time = hand.time(i);
-    if (time >= start + lasts) {
-      const Vec3 there = share * Vec3(0.5 * wanted[i][0], 0, wanted[i][2]);
-      from = to;
-      if ((there - to).norm() > worth) {
-        to = there;
-        start = time;
+    // Never both at a time; the one in front goes first.
+    if (right.stands(time) && left.stands(time)) {
+      const Vec3 behind = drawn_up * right.to;
+      if (right.is_off(wanted(time))) {
+        right.go(wanted(time + stays), time);
+      } else if (left.is_off(behind)) {
+        left.go(behind, time);
       }
     }
-    const double t = (time - start) / lasts;
-    const bool stands = t >= 1 || to == from;
-    const double way = stands ? 1 : t * t * (3 - 2 * t);
-    steps.samples().col(i) = from + way * (to - from);
-    if (!stands) steps.samples()(1, i) += lift * std::sin(M_PI * t);
+    steps.samples().col(i) << right.at(time), left.at(time);
   }
   return steps;
 }
