@@ -13,8 +13,9 @@ import skeleton
 import trousers
 from mesh import mirror, sculpt, smoothing
 from nets import evaluate
-from sdf import intersect, limb, mirrored, ramp
-from skeleton import REST, joint
+from sdf import intersect, limb, mirrored, ramp, rotation
+from skeleton import REST, joint, unit
+from strain import both, ease, pose
 from weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
 
 _TRUNK = ["Hips", "Spine", "Spine1", "Chest", "Neck"]
@@ -26,6 +27,30 @@ _BONES = {
     "FootL": ["LeftLeg", "LeftFoot", "LeftToeBase"],
     "FootR": ["RightLeg", "RightFoot", "RightToeBase"],
 }
+
+
+def _arms(above, forward, bent):
+    """Both upper arms so far above the horizontal and forward of the side, the elbows bent; degrees. The shoulder
+    blades take a third of the way up, as they do."""
+    up, ahead, flexed = np.radians((above + 40, forward, bent))
+    hinge = unit(np.cross(joint("LeftForeArm") - joint("LeftArm"), (0, 0, 1)))
+    turns = {
+        "Shoulder": [((0, 0, 1), up / 3)],
+        "Arm": [((0, 0, 1), up * 2 / 3), ((0, 1, 0), -ahead)],
+        "ForeArm": [(hinge, flexed)],
+    }
+    return pose(both(turns))
+
+
+def _trunk(left, forward):
+    """The three joints of the spine turned so far each, degrees."""
+    turn = rotation("y", np.radians(left)) @ rotation("x", np.radians(forward))
+    return pose({bone: turn for bone in ("Spine", "Spine1", "Chest")})
+
+
+# What the jacket's cloth has to stand: arms from the sides to straight up, a turned and bent trunk.
+_WORN = [_arms(*a) for a in ((0, 0, 0), (0, 60, 0), (45, 0, 0), (45, 60, 60), (90, 0, 0), (-75, 10, 90))]
+_WORN += [_trunk(10, 8), _trunk(-10, 8)]
 
 
 def _clothed(p):
@@ -126,7 +151,11 @@ def _drape(part, dense):
     out[:, limb], out[:, ~limb] = limbs, trunk * (1 - limbs.sum(axis=1, keepdims=True))
     inside = jacket.lining(part.points, part.normals)[:, None]
     outer = inside[:, 0] < 0.5
-    return (1 - inside) * out + inside * nearby(part.points, part.points[outer], out[outer])
+
+    def lined(dense):
+        return (1 - inside) * dense + inside * nearby(part.points, part.points[outer], dense[outer])
+
+    return lined(ease(part.points, part.triangles, lined(out), _WORN))
 
 
 def _tuck(hand, sleeve):

@@ -15,8 +15,8 @@ def smooth(p):
     """Without folds and openings."""
     q = mirrored(p)
     d = ellipsoid(p, (0, 0.94, -0.012), (0.182, 0.105, 0.128))
-    leg = limb(q, _HIP + vec(0.013, -0.02, -0.004), _KNEE + vec(0.008, 0, 0), 0.091, 0.078)
-    leg = union(leg, limb(q, _KNEE + vec(0.008, 0, 0), _ANKLE + vec(0.006, 0.02, -0.006), 0.079, 0.099), 0.08)
+    leg = limb(q, _HIP + vec(0.013, -0.02, -0.004), _KNEE + vec(0.008, 0, 0), 0.096, 0.082)
+    leg = union(leg, limb(q, _KNEE + vec(0.008, 0, 0), _ANKLE + vec(0.006, 0.02, -0.006), 0.082, 0.099), 0.02)
     d = union(d, intersect(leg, _above_hem(q), 0.005), 0.045)
     return d + 0.008 * ramp(0.66, 0.80, p[:, 1])
 

@@ -227,7 +227,7 @@ ClosedHand close_hand(const Model& model, const Skeleton& skeleton, Side side, d
   // Fingers that close pull the palm's skin along, so that the stick lies a little differently.
   for (int round = 0; round < 3; ++round) {
     const Vec3 centre =
-        wrist + 0.81 * length * axes.along - 0.04 * length * axes.across + height * axes.palm;
+        wrist + 0.77 * length * axes.along - 0.04 * length * axes.across + height * axes.palm;
     closed = {{}, {}, {centre - axis, centre + axis, radius, hand}};
     for (const char* name : finger_names) {
       const Digit finger(model, skeleton, side, name);

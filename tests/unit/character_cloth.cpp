@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "render/skinning.h"
 #include "scenes/character/skeleton.h"
@@ -61,13 +62,15 @@ bool is_inside_out(const MovingVertex& a, const MovingVertex& b, const MovingVer
              .dot(a.normal + b.normal + c.normal) < 0;
 }
 
+/// Arms straight up take the way from elbow to belt from 0.43 m over the arm pit to 0.67 m past it:
+/// cloth that shares this evenly stretches to 1.6 of its length, and some threads more than others.
 TEST_F(CharacterCloth, ARaisedArmNeitherTearsTheJacketNorTurnsItInsideOut) {
   const Mesh& jacket = mesh("Jacket");
   const auto rest = at_rest(jacket);
-  for (const auto& [above, forward] : {std::pair{0, 0}, {0, 60}, {30, 0}, {30, 60}}) {
+  for (const auto& [above, forward] :
+       {std::pair{-75, 20}, {0, 0}, {0, 60}, {30, 0}, {30, 60}, {60, 0}, {60, 60}, {90, 0}}) {
     const auto now = skinned(jacket, raised(above, forward));
-    double most = 0;
-    int turned = 0;
+    double most = 0, turned = 0, all = 0;  // m2
     for (std::size_t i = 0; i < jacket.indices.size(); i += 3) {
       const std::uint32_t* t = &jacket.indices[i];
       for (int k = 0; k < 3; ++k) {
@@ -77,11 +80,34 @@ TEST_F(CharacterCloth, ARaisedArmNeitherTearsTheJacketNorTurnsItInsideOut) {
         if (length > 0.003)
           most = std::max(most, double((now[b].position - now[a].position).norm()) / length);
       }
-      turned += is_inside_out(now[t[0]], now[t[1]], now[t[2]]) &&
-                !is_inside_out(rest[t[0]], rest[t[1]], rest[t[2]]);
+      const double area = 0.5 * double((now[t[1]].position - now[t[0]].position)
+                                           .cross(now[t[2]].position - now[t[0]].position)
+                                           .norm());
+      all += area;
+      if (is_inside_out(now[t[0]], now[t[1]], now[t[2]]) &&
+          !is_inside_out(rest[t[0]], rest[t[1]], rest[t[2]]))
+        turned += area;
     }
-    EXPECT_LT(most, 2.5) << above << ", " << forward;
-    EXPECT_LE(turned, 5) << above << ", " << forward;
+    EXPECT_LT(most, 2.2) << above << ", " << forward;
+    EXPECT_LT(turned, 1e-4 * all) << above << ", " << forward;
+  }
+}
+
+/// Every edge has a triangle on either side, so that no pose opens a crack; but edges between
+/// vertices at one place, which have the same weights and stay together.
+TEST_F(CharacterCloth, TheJacketHasNoCracksWithTheArmsStraightUp) {
+  const Mesh& jacket = mesh("Jacket");
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+  for (std::size_t i = 0; i < jacket.indices.size(); i += 3)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = jacket.indices[i + k], b = jacket.indices[i + (k + 1) % 3];
+      sides[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  const auto now = skinned(jacket, raised(90, 0));
+  ASSERT_GT(sides.size(), 10000u);
+  for (const auto& [edge, sum] : sides) {
+    if (sum == 0) continue;
+    EXPECT_LT((now[edge.first].position - now[edge.second].position).norm(), 1e-4f);
   }
 }
 
