@@ -205,7 +205,7 @@ std::string plan_text(const Planned& planned) {
                      rounded(blur->way), rounded(blur->apart),
                      blur->most < kMostStates ? ""
                                               : fmt::format("; more change no pixel by more "
-                                                            "than a {}th of its contrast",
+                                                            "than 1/{} of its contrast",
                                                             kMostStates)));
   }
   const Candidate as_written{scene.method.name, scene.method.settings};
