@@ -96,16 +96,21 @@ void score_all(AccuracyStudy& study, const Target& target, const std::vector<Met
 void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, double seconds,
               double slow) {
   const Clock::time_point start = Clock::now();
+  std::vector<std::vector<int>> timings;
+  for (const AccuracyBlock& block : study.blocks) timings.emplace_back(block.rows.size());
   for (int round = 0; round < kFrontTimings; ++round) {
-    for (AccuracyBlock& block : study.blocks) {
+    for (std::size_t b = 0; b < study.blocks.size(); ++b) {
+      AccuracyBlock& block = study.blocks[b];
       const std::vector<bool> best = on_a_front(block, metrics);
       for (std::size_t i = 0; i < block.rows.size(); ++i) {
         AccuracyRow& row = block.rows[i];
         stop_if_interrupted();
         if (seconds_since(start) > seconds) return;
-        if (row.cpu.empty() || (round >= kTimings && !best[i])) continue;
-        if (round >= kSlowTimings && row.cpu.front() * target.problem.duration() > slow) continue;
-        if (round == 0) row.cpu.clear();  // states were recorded and scored between its steps
+        if (row.cpu.empty() || (!best[i] && (round < kTimings || timings[b][i] == kTimings)))
+          continue;
+        const bool is_slow = row.cpu.front() * target.problem.duration() > slow;
+        if (is_slow && timings[b][i] >= kSlowTimings) continue;
+        if (timings[b][i]++ == 0) row.cpu.clear();  // states were recorded between its steps
         add_timing(target.problem, row);
       }
     }
