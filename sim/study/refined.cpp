@@ -18,8 +18,8 @@ double distance_between(const Exact& exact, const World& world, const Timeline& 
 std::optional<double> error_of_chain(double twice, double four) {
   constexpr double kSlowest = 0.9;  // the factor above which nothing can be told
   if (twice == 0 && four == 0) return 0;
-  const double factor = four / twice - 1;
-  if (!(factor >= 0 && factor < kSlowest)) return std::nullopt;
+  const double factor = std::abs(four / twice - 1);
+  if (!(factor < kSlowest)) return std::nullopt;
   return twice / (1 - factor);
 }
 
