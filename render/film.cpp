@@ -7,7 +7,7 @@
 namespace taut {
 
 Film::Film(const Context& context, const Scene& scene, int width, int height, int samples,
-           const Shadows& shadows)
+           const Shading& shadows)
     : context_(context),
       scene_(scene),
       canvas_(context, width, height, samples),

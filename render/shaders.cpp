@@ -147,6 +147,11 @@ vec3 encode(vec3 radiance) {
   return sqrt(min(x * (2.0 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0));
 }
 
+#if !LIT
+void main() {
+  encoded = vec4(0.5, 0.5, 0.5, opacity);
+}
+#else
 void main() {
   vec3 n = normalize(world_normal);
   vec3 albedo = base_color * tint;
@@ -211,7 +216,9 @@ void main() {
 #endif
   radiance += contact_light(world_position, n) * ambient_part;
   encoded = vec4(encode(radiance), opacity);
-})";
+}
+#endif
+)";
 
 const char* const depth_vertex = R"(
 layout(location = 0) in vec3 position;

@@ -6,7 +6,7 @@ namespace taut::shaders {
 /// What every surface needs to know of a frame; goes before the shaders of surfaces and depth.
 extern const char* const frame_block;
 
-/// Lit surfaces. Defines: SURFACE (a Surface), SHADE (a Shade).
+/// Lit surfaces. Defines: SURFACE (a Surface), SHADE (a Shade), LIT (0: of one colour).
 extern const char* const surface_vertex;
 extern const char* const surface_fragment;
 

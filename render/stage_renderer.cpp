@@ -56,11 +56,11 @@ const Instant& shown_at(std::span<const Instant> shutter, int i, int count) {
 }  // namespace
 
 struct StageRenderer::Impl {
-  Impl(const Context& context, const Stage& s, const World& world, const Shadows& options)
+  Impl(const Context& context, const Stage& s, const World& world, const Shading& options)
       : gl(context.gl()),
         stage(s),
         shadows(options),
-        surfaces(gl, s.light, options.map_size),
+        surfaces(gl, s.light, options.map_size, options.lit),
         map(gl, options.map_size),
         parts(gl, s, world) {
     for (const auto& model : stage.scenery)
@@ -201,7 +201,7 @@ struct StageRenderer::Impl {
 
   const Gl& gl;
   const Stage& stage;
-  const Shadows shadows;
+  const Shading shadows;
   Profile* profile = nullptr;
   Surfaces surfaces;
   ShadowMap map;
@@ -213,7 +213,7 @@ struct StageRenderer::Impl {
 };
 
 StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world,
-                             const Shadows& shadows)
+                             const Shading& shadows)
     : impl_(std::make_unique<Impl>(context, stage, world, shadows)) {}
 
 StageRenderer::~StageRenderer() = default;

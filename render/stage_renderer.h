@@ -20,9 +20,10 @@ struct View {
 };
 
 /// What costs time and could be left out.
-struct Shadows {
+struct Shading {
   int map_size = 1536;  // texels a side, of the key light's map
   bool contact = true;  // feet take ambient light from the floor
+  bool lit = true;      // false: one colour everywhere, what triangles and samples alone cost
 };
 
 /// A stage on the graphics side.
@@ -30,7 +31,7 @@ class StageRenderer {
  public:
   /// `world` tells what connectors hang on; its state does not matter. The stage must outlive this.
   StageRenderer(const Context& context, const Stage& stage, const World& world,
-                const Shadows& shadows = {});
+                const Shading& shadows = {});
   ~StageRenderer();
 
   /// Begins a frame: background everywhere, and the scenery in each of the views. The canvas

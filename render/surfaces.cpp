@@ -25,13 +25,14 @@ FrameBlock::FrameBlock(const CameraView& camera, const Rect& viewport)
   capsule_to.fill(Eigen::Vector4f::Zero());
 }
 
-Surfaces::Surfaces(const Gl& gl, const Light& light, int shadow_map_size)
+Surfaces::Surfaces(const Gl& gl, const Light& light, int shadow_map_size, bool lit)
     : gl_(gl),
       frame_(make_buffer(gl)),
       noise_(make_noise_texture(gl)),
       constants_(fmt::format(
-          "#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define CONTACT_REACH {:.1f}\n{}{}",
-          kExposure, shadow_map_size, kContactReach, light_constants(light),
+          "#define LIT {:d}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define CONTACT_REACH "
+          "{:.1f}\n{}{}",
+          lit, kExposure, shadow_map_size, kContactReach, light_constants(light),
           shaders::frame_block)) {}
 
 const Program& Surfaces::program(Surface surface, Shade shade) {

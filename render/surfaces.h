@@ -36,7 +36,8 @@ enum class Shade {
 
 class Surfaces {
  public:
-  Surfaces(const Gl& gl, const Light& light, int shadow_map_size);
+  /// `lit` false: all have one colour.
+  Surfaces(const Gl& gl, const Light& light, int shadow_map_size, bool lit);
 
   /// What is drawn from now on is seen and lit like this.
   void use(const FrameBlock& block) const;

@@ -21,6 +21,7 @@
 #include "render/frame_folder.h"
 #include "render/interrupt.h"
 #include "render/profile.h"
+#include "render/stage_floor.h"
 #include "render/table.h"
 #include "render/video.h"
 #include "scenes/error.h"
@@ -48,29 +49,34 @@ struct Options {
 
 /// The stages' medians, the share of the frames that went through each (scenery is drawn anew only
 /// where the camera moved), and what they add up to in a mean frame.
-Table stage_table(const Profile& profile, std::size_t drawn) {
-  Table table{{"stage", "wall ms", "CPU ms", "% of frames"}, {}};
+Table stage_table(const Profile& profile, const Profile& unlit, const StageFloor& floor,
+                  std::size_t drawn) {
+  Table table{{"stage", "wall ms", "CPU ms", "floor ms", "% of frames"}, {}};
   Profile::Times sum;
   for (const Profile::Stage& stage : profile.stages()) {
     const auto [cpu, wall] = median(stage);
     const double share =
         std::min(double(stage.frames.size()) / double(std::max<std::size_t>(drawn, 1)), 1.0);
+    const std::optional<double> least = floor.of(stage.name, unlit);
     table.add({stage.name, fmt::format("{:.2f}", 1e3 * wall), fmt::format("{:.2f}", 1e3 * cpu),
+               least ? fmt::format("{:.2f}", 1e3 * *least) : "",
                fmt::format("{:.0f}", 100 * share)});
     sum.cpu += share * cpu;
     sum.wall += share * wall;
   }
   table.add({"one after another", fmt::format("{:.2f}", 1e3 * sum.wall),
-             fmt::format("{:.2f}", 1e3 * sum.cpu), ""});
+             fmt::format("{:.2f}", 1e3 * sum.cpu), "", ""});
   return table;
 }
 
-nlohmann::ordered_json stage_json(const Profile& profile) {
+nlohmann::ordered_json stage_json(const Profile& profile, const Profile& unlit,
+                                  const StageFloor& floor) {
   auto stages = nlohmann::ordered_json::array();
   for (const Profile::Stage& stage : profile.stages()) {
     const auto [cpu, wall] = median(stage);
     stages.push_back(
         {{"stage", stage.name}, {"wall", wall}, {"cpu", cpu}, {"frames", stage.frames.size()}});
+    if (const auto least = floor.of(stage.name, unlit)) stages.back()["floor"] = *least;
   }
   return stages;
 }
@@ -130,9 +136,16 @@ int render(const Common& common, const Options& options) {
   }
   Font font;
   FrameFolder folder(out / "frames", !options.anew);
-  Profile profile;
+  Profile profile, unlit;
   Profile* const measured = options.profile ? &profile : nullptr;
   crew.film().set_profile(measured);
+  std::optional<Film> unlit_film;
+  if (measured) {
+    unlit_film.emplace(crew.context(), scene, scene.width, scene.height, options.samples,
+                       Shading{.lit = false});
+    unlit_film->set_profile(&unlit);
+  }
+  double unlit_time = 0;
 
   const auto simulation_start = Clock::now();
   const auto states = record(scene, clip, frames, stop_if_interrupted);
@@ -174,13 +187,17 @@ int render(const Common& common, const Options& options) {
         if (measured) {  // alone, so that its time is not another stage's
           folder.finish();
           profile.lap("PNG");
+          const auto start = Clock::now();
+          unlit.start();
+          unlit_film->draw(frame, shutter);
+          unlit_time += seconds_since(start);
         }
       }
       progress.update(++done);
     });
     folder.finish();
   }
-  const double rendering_time = seconds_since(rendering_start);
+  const double rendering_time = seconds_since(rendering_start) - unlit_time;
   if (!common.quiet && (drawn_again > 0 || drawn < frames.size()))
     fmt::print(
         stderr, "{} of {} frames were there already{}\n", frames.size() - drawn, frames.size(),
@@ -218,7 +235,11 @@ int render(const Common& common, const Options& options) {
     report["seconds_per_frame"]["encoding"] = seconds_since(encoding_start) / double(frames.size());
     report["video"] = file.string();
   }
-  if (measured) report["profile"] = stage_json(profile);
+  std::optional<StageFloor> floor;
+  if (measured) {
+    floor.emplace(scene.width, scene.height, options.samples);
+    report["profile"] = stage_json(profile, unlit, *floor);
+  }
   if (!common.quiet) fmt::print(stderr, "certificate: {}\n", proof);
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
@@ -230,7 +251,8 @@ int render(const Common& common, const Options& options) {
     write_output((video ? report["video"] : report["frames_folder"]).get<std::string>() + "\n");
     if (measured)
       write_output(fmt::format("{}exposures per frame: {:.2f}\n",
-                               to_text(stage_table(profile, drawn)), mean_exposures));
+                               to_text(stage_table(profile, unlit, *floor, drawn)),
+                               mean_exposures));
   }
   return kDone;
 }
@@ -270,7 +292,8 @@ void add_render(CLI::App& app, Program& program) {
   command.add_option("--poster", options->stills.poster,
                      "Only the picture at this time of the clip (s), poster.png");
   command.add_flag("--profile", options->profile,
-                   "Time a frame's stages, one after another, and print their medians");
+                   "Time a frame's stages, one after another, and print their medians beside what "
+                   "they cannot take less than");
   command.add_flag("--no-video", options->no_video, "Frames only");
   command
       .add_option("--patience", options->patience,

@@ -56,11 +56,17 @@ TEST_F(Render, ProfileListsTheStages) {
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto report = nlohmann::json::parse(outcome.output);
   double wall = 0;
-  std::vector<std::string> names;
+  std::vector<std::string> names, floors;
   for (const auto& stage : report.at("profile")) {
     names.push_back(stage.at("stage"));
     wall += stage.at("wall").get<double>();
+    if (stage.contains("floor")) {
+      floors.push_back(stage.at("stage"));
+      EXPECT_GT(stage.at("floor").get<double>(), 0) << floors.back();
+    }
   }
+  for (const char* name : {"figures", "read back", "PNG"})
+    EXPECT_EQ(std::ranges::count(floors, name), 1) << name;
   for (const char* name : {"pose", "sweep", "figures", "PNG"})
     EXPECT_EQ(std::ranges::count(names, name), 1) << name;
   EXPECT_GT(report.at("seconds_per_frame").at("simulation").get<double>(), 0);

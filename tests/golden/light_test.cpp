@@ -17,7 +17,7 @@ constexpr int kWidth = 640, kHeight = 360;
 constexpr double kBox = 0.3, kFloor = 6, kTop = 0.1;  // m: sides, and the height of the floor's top
 const CameraView kCamera{Vec3(0.6, 1.6, 2.4), Vec3(0.2, 0.2, 0), 0.5};
 // With this box's extent the map is 1.5 m wide at most.
-constexpr double kTexel = 1.5 / Shadows().map_size;
+constexpr double kTexel = 1.5 / Shading().map_size;
 
 class LightTest : public testing::Test {
  protected:

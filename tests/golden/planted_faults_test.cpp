@@ -30,7 +30,7 @@ class PlantedFaults : public testing::Test {
   }
 
   Picture draw(const Scene& scene, const Snapshot& state, int samples = 4,
-               const Shadows& shadows = {}) {
+               const Shading& shadows = {}) {
     Film film(context_, scene, suite_.width, suite_.height, samples, shadows);
     return film.draw(film.instant(state));
   }
@@ -116,7 +116,7 @@ TEST_F(PlantedFaults, MissingAntialiasingIsSeen) {
 
 TEST_F(PlantedFaults, AShadowMapOfHalfTheSizeIsSeen) {
   const GoldenFrame& frame = suite_.frames.front();
-  expect_caught(draw(scene_, record(frame).state, 4, {.map_size = Shadows().map_size / 2}), frame);
+  expect_caught(draw(scene_, record(frame).state, 4, {.map_size = Shading().map_size / 2}), frame);
 }
 
 TEST_F(PlantedFaults, MissingContactShadowIsSeen) {
