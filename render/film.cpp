@@ -36,16 +36,18 @@ Picture Film::draw(const Instant& instant) {
 }
 
 Film::Frame Film::draw(const ClipFrame& frame, std::span<const Instant> shutter) {
+  if (!frame.card) {
+    Frame drawn = draw_stage(shutter);
+    draw_captions(drawn.picture, font_, scene_.stage->captions, frame.time);
+    lap("captions");
+    return drawn;
+  }
   // Under a card the picture stands still.
-  const std::uint64_t wanted = frame.card ? fingerprint(shutter) : 0;
-  if (!frame.card || wanted != stage_drawn_) stage_picture_ = draw_stage(shutter);
+  const std::uint64_t wanted = fingerprint(shutter);
+  if (wanted != stage_drawn_) stage_picture_ = draw_stage(shutter);
   stage_drawn_ = wanted;
   Frame drawn = *stage_picture_;
-  if (frame.card) {
-    draw_card(drawn.picture, font_, bold_, *frame.card, scene_.method.name, frame.card_shown);
-  } else {
-    draw_captions(drawn.picture, font_, scene_.stage->captions, frame.time);
-  }
+  draw_card(drawn.picture, font_, bold_, *frame.card, scene_.method.name, frame.card_shown);
   lap("captions");
   return drawn;
 }

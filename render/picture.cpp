@@ -26,11 +26,18 @@ void append_chunk(std::vector<std::uint8_t>& png, std::string_view name,
   append(png, libdeflate_crc32(0, &png[from], png.size() - from));
 }
 
+/// Bytes that are written before they are read.
+struct Bytes {
+  explicit Bytes(std::size_t n)
+      : size(n), data(std::make_unique_for_overwrite<std::uint8_t[]>(n)) {}
+  std::size_t size;
+  std::unique_ptr<std::uint8_t[]> data;
+};
+
 /// The rows as PNG's filter 1 writes them: each byte less the one of the pixel to its left.
-std::vector<std::uint8_t> filtered_rows(const Picture& picture) {
-  std::vector<std::uint8_t> rows;
-  rows.resize(std::size_t(picture.height) * (std::size_t(picture.width) * 3 + 1));
-  std::uint8_t* out = rows.data();
+Bytes filtered_rows(const Picture& picture) {
+  Bytes rows(std::size_t(picture.height) * (std::size_t(picture.width) * 3 + 1));
+  std::uint8_t* out = rows.data.get();
   for (int y = 0; y < picture.height; ++y) {
     *out++ = 1;
     const std::uint8_t* in = picture.at(0, y);
@@ -44,13 +51,13 @@ std::vector<std::uint8_t> filtered_rows(const Picture& picture) {
 }  // namespace
 
 std::vector<std::uint8_t> encode_png(const Picture& picture) {
-  const std::vector<std::uint8_t> rows = filtered_rows(picture);
+  const Bytes rows = filtered_rows(picture);
   // The fastest level: the next takes half as long again to save a twentieth.
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
       libdeflate_alloc_compressor(1), &libdeflate_free_compressor);
-  std::vector<std::uint8_t> data(libdeflate_zlib_compress_bound(compressor.get(), rows.size()));
-  data.resize(libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(), data.data(),
-                                       data.size()));
+  Bytes data(libdeflate_zlib_compress_bound(compressor.get(), rows.size));
+  data.size = libdeflate_zlib_compress(compressor.get(), rows.data.get(), rows.size,
+                                       data.data.get(), data.size);
 
   std::vector<std::uint8_t> header;
   append(header, std::uint32_t(picture.width));
@@ -59,10 +66,10 @@ std::vector<std::uint8_t> encode_png(const Picture& picture) {
   const std::uint8_t perceptual = 0;
 
   std::vector<std::uint8_t> png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  png.reserve(data.size() + 128);
+  png.reserve(data.size + 128);
   append_chunk(png, "IHDR", header);
   append_chunk(png, "sRGB", {&perceptual, 1});
-  append_chunk(png, "IDAT", data);
+  append_chunk(png, "IDAT", {data.data.get(), data.size});
   append_chunk(png, "IEND", {});
   return png;
 }
