@@ -48,6 +48,7 @@ class Bullet : public Engine {
     body_->setAngularDamping(0);
     body_->setMaxCoordinateVelocity(1e6);
     body_->useRK4Integration(runge_kutta_);
+    set_in_motion(rods);
     world_.addMultiBody(body_.get());
   }
 
@@ -62,6 +63,20 @@ class Bullet : public Engine {
                           {to_link.x(), to_link.y(), to_link.z(), to_link.w()}, bullet(from),
                           bullet(to_link * load.centre), true);
     loaded_ = true;
+  }
+
+  /// Joints turn by the difference of the spins that they join, in the axes of the link below.
+  void set_in_motion(const Rods& rods) {
+    Vec3 above = Vec3::Zero();
+    int i = 0;
+    const auto set = [&](const Vec3& spin, const Quat& to_link) {
+      const btVector3 turn = bullet(to_link * (spin - above));
+      const btScalar rates[] = {turn.x(), turn.y(), turn.z()};
+      body_->setJointVelMultiDof(i++, rates);
+      above = spin;
+    };
+    for (const Rod& rod : rods.rods()) set(rod.spin, Quat::Identity());
+    if (rods.load()) set(rods.load()->spin, axes_.conjugate());
   }
 
   void step(double time, double dt) override {

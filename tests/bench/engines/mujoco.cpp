@@ -71,6 +71,15 @@ class MuJoCo : public Engine {
     model_.reset(compile(xml(rods, integrator_)));
     data_.reset(mj_makeData(model_.get()));
     rods_ = &rods;
+    // Joints turn by the difference of the spins that they join.
+    Vec3 above = Vec3::Zero();
+    mjtNum* rate = data_->qvel;
+    const auto set = [&](const Vec3& spin) {
+      for (int k = 0; k < 3; ++k) *rate++ = spin[k] - above[k];
+      above = spin;
+    };
+    for (const Rod& rod : rods.rods()) set(rod.spin);
+    if (rods.load()) set(rods.load()->spin);
     mju_user_warning = [](const char*) {};  // it would keep a log in the working directory
   }
 

@@ -33,13 +33,25 @@ class Ode : public Engine {
 
  private:
   void build(const Rods& rods) override {
-    Vec3 top = Vec3::Zero();
+    Vec3 top = Vec3::Zero(), moves = Vec3::Zero();  // m, m/s
     for (const Rod& rod : rods.rods()) {
-      add(rod.mass, top, rod.centre * rod.along, rod.inertia * Mat3::Identity());
-      lower_.push_back((1 - rod.centre) * rod.along);
+      const Vec3 centre = rod.centre * rod.along;
+      add(rod.mass, top, centre, rod.inertia * Mat3::Identity());
+      set_in_motion(moves + rod.spin.cross(centre), rod.spin);
+      lower_.push_back(rod.along - centre);
       top += rod.along;
+      moves += rod.spin.cross(rod.along);
     }
-    if (const auto& load = rods.load()) add(load->mass, top, load->centre, load->inertia);
+    if (const auto& load = rods.load()) {
+      add(load->mass, top, load->centre, load->inertia);
+      set_in_motion(moves + load->spin.cross(load->centre), load->spin);
+    }
+  }
+
+  /// The body that was added last.
+  void set_in_motion(const Vec3& velocity, const Vec3& spin) {
+    dBodySetLinearVel(bodies_.back(), velocity.x(), velocity.y(), velocity.z());
+    dBodySetAngularVel(bodies_.back(), spin.x(), spin.y(), spin.z());
   }
 
   /// A body whose centre of mass is `centre` from the joint at `top`, with the world's axes.

@@ -24,10 +24,6 @@ void check(const World& world) {
             !is_prescribed(world, connector.holds[1].to)),
        "engines are given a connector that nothing but a free body holds below");
   need(world.bodies.size() + 1 == connector.holds.size(), "engines are given one body at most");
-  const Vec3 start = hold_motion(world, connector.holds[0].to, world.time).velocity;
-  for (const Vec3& velocity : connector.velocity) {
-    need((velocity - start).isZero(), "engines start at rest");
-  }
 }
 
 }  // namespace
@@ -45,17 +41,18 @@ Rods::Rods(const World& world) {
     rod.mass = upper + lower;
     rod.centre = lower / rod.mass;
     rod.inertia = upper * lower / rod.mass * rod.along.squaredNorm();
+    rod.spin = rod.along.cross(connector.velocity[i + 1] - connector.velocity[i]) /
+               rod.along.squaredNorm();
     rods_.push_back(rod);
   }
   if (connector.holds.size() == 1) return;
   const Attachment& to = connector.holds[1].to;
   const Body& body = world.bodies[to.body];
-  if (!body.spin.isZero()) throw std::invalid_argument("engines start at rest");
   const Mat3 turn = body.rotation.toRotationMatrix();
   body_ = to.body;
   at_start_ = body.rotation;
   load_ = Load{body.bare.mass, turn * (body.bare.centre - to.point),
-               turn * body.bare.inertia * turn.transpose()};
+               turn * body.bare.inertia * turn.transpose(), body.spin};
 }
 
 Vec3 Rods::gravity(const World& world, double time) const {

@@ -16,6 +16,7 @@ struct Rod {
   double centre = 0;          // of mass, as a share of `along`
   double mass = 0;            // kg
   double inertia = 0;         // kg m^2, about the centre, any axis
+  Vec3 spin = Vec3::Zero();   // rad/s, at the start; none about itself
 };
 
 /// What hangs from the last rod by a point: its axes are the world's at the start.
@@ -23,11 +24,12 @@ struct Load {
   double mass = 0;              // kg
   Vec3 centre = Vec3::Zero();   // m, from the point
   Mat3 inertia = Mat3::Zero();  // kg m^2, about the centre
+  Vec3 spin = Vec3::Zero();     // rad/s, at the start
 };
 
-/// The one connector of a world, at rest, from a fixed or driven point down to a point mass, a free
-/// end or a free body. Places are relative to where it hangs from: an end that is driven is a frame
-/// that falls, in which gravity is less by the end's acceleration.
+/// The one connector of a world, from a fixed or driven point down to a point mass, a free end or a
+/// free body. Places and speeds are relative to where it hangs from: an end that is driven is a
+/// frame that falls, in which gravity is less by the end's acceleration.
 class Rods {
  public:
   /// Throws std::invalid_argument with the reason where the world is another.
