@@ -37,6 +37,7 @@ template <int kComponents>
 template <int kComponents>
 [[gnu::always_inline]] inline void pull_loop(std::size_t n, In q, In next_gain, In last_gain,
                                              In own_gain, In x, Out out) {
+#pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) {
     const double next = next_gain[i] * x[i + 1], last = last_gain[i] * x[i - 1];
     const double own = own_gain[i] * x[i];
@@ -50,6 +51,7 @@ template <int kComponents>
 template <int kComponents>
 [[gnu::always_inline]] inline void normalise_loop(std::size_t count, std::size_t n, Out q,
                                                   Out rate) {
+#pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
     double square = 0, along = 0;
     for (int c = 0; c < kComponents; ++c) {
@@ -66,10 +68,11 @@ template <int kComponents>
   }
 }
 
-/// x = its part across b + w b with w = sqrt(1 - |x|^2); returns the least 1 - |x|^2.
+/// x = its part across b + w b with w = sqrt(1 - |x|^2); returns whether every w^2 has room.
 template <int kComponents>
-[[gnu::always_inline]] inline double lift_loop(std::size_t n, In base, Out x, Out rate) {
-  double least = 1;
+[[gnu::always_inline]] inline bool lift_loop(std::size_t n, In base, Out x, Out rate) {
+  std::size_t outside = 0;
+#pragma GCC ivdep  // components do not overlap
   for (std::size_t i = 0; i < n; ++i) {
     double x_along = 0, rate_along = 0;
     for (int c = 0; c < kComponents; ++c) {
@@ -86,7 +89,7 @@ template <int kComponents>
       product += x[at] * rate[at];
     }
     const double room = 1 - square;
-    least = room < least ? room : least;
+    outside |= room > kLeastRoom ? 0 : 1;
     const double w = std::sqrt(room > kLeastRoom ? room : kLeastRoom);
     const double fall = product / w;
     for (int c = 0; c < kComponents; ++c) {
@@ -95,11 +98,12 @@ template <int kComponents>
       rate[at] -= fall * base[at];
     }
   }
-  return least;
+  return outside == 0;
 }
 
 template <int kComponents>
 [[gnu::always_inline]] inline void across_loop(std::size_t n, In base, Out x) {
+#pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) {
     double along = 0;
     for (int c = 0; c < kComponents; ++c) {
@@ -138,11 +142,11 @@ void normalise_in_space(std::size_t count, std::size_t n, Out q, Out rate) {
   normalise_loop<3>(count, n, q, rate);
 }
 TAUT_VECTOR_CLONES
-double lift_in_plane(std::size_t n, In base, Out x, Out rate) {
+bool lift_in_plane(std::size_t n, In base, Out x, Out rate) {
   return lift_loop<2>(n, base, x, rate);
 }
 TAUT_VECTOR_CLONES
-double lift_in_space(std::size_t n, In base, Out x, Out rate) {
+bool lift_in_space(std::size_t n, In base, Out x, Out rate) {
   return lift_loop<3>(n, base, x, rate);
 }
 TAUT_VECTOR_CLONES
@@ -249,7 +253,7 @@ void Links::normalise(double* q, double* rate) const {
 
 bool Links::lift(const double* base, double* x, double* rate) const {
   const auto loop = components_ == 2 ? lift_in_plane : lift_in_space;
-  return loop(stride_, base + kPad, x + kPad, rate + kPad) > kLeastRoom;
+  return loop(stride_, base + kPad, x + kPad, rate + kPad);
 }
 
 void Links::across(const double* base, double* x) const {
