@@ -69,8 +69,9 @@ Weights lagrange(std::size_t points, double x) {
 }
 
 TAUT_VECTOR_CLONES
-void interpolate(std::size_t n, const Weights& w, const std::array<double*, 6>& a, Out out) {
-  In a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3], a4 = a[4], a5 = a[5];
+void interpolate(std::size_t n, const Weights& w, const std::array<Slice, 6>& a, Out out) {
+  In a0 = a[0].data(), a1 = a[1].data(), a2 = a[2].data();
+  In a3 = a[3].data(), a4 = a[4].data(), a5 = a[5].data();
   for (std::size_t i = 0; i < n; ++i) {
     out[i] = ((w[0] * a0[i] + w[1] * a1[i]) + (w[2] * a2[i] + w[3] * a3[i])) +
              (w[4] * a4[i] + w[5] * a5[i]);
@@ -79,28 +80,18 @@ void interpolate(std::size_t n, const Weights& w, const std::array<double*, 6>& 
 
 }  // namespace
 
-void AdamsStep::reserve(std::size_t size) {
-  arena_.reserve((2 * kKept + 1) * size);
-  for (Array* array : {&q_, &rate_, &error_}) array->reserve(size);
-}
-
-void AdamsStep::resize(std::size_t size) {
-  size_ = size;
+void AdamsStep::make_arrays(Arena& arena) {
   known_ = 0;
   h_ = 0;
-  arena_.assign((2 * kKept + 1) * size, 0.0);
-  for (Array* array : {&q_, &rate_, &error_}) array->assign(size, 0.0);
-  for (std::size_t j = 0; j < kKept; ++j) {
-    past_[j] = arena_.data() + j * size;
-    spare_[j] = arena_.data() + (kKept + j) * size;
-  }
-  next_ = arena_.data() + 2 * kKept * size;
+  for (Slice& slice : past_) slice = arena.make();
+  for (Slice& slice : spare_) slice = arena.make();
+  for (Slice* slice : {&next_, &q_, &rate_, &error_}) *slice = arena.make();
 }
 
 void AdamsStep::remember(const double* acceleration, double h) {
   if (known_ > 1 && std::abs(h - h_) > 1e-9 * h) known_ = 1;
   h_ = h;
-  std::copy(acceleration, acceleration + size_, next_);
+  std::copy_n(acceleration, next_.size(), next_.begin());
   accept();
 }
 
@@ -128,7 +119,7 @@ void AdamsStep::respace(double h) {
   const std::size_t kept = std::min(reach + 1, kKept);
   for (std::size_t j = 1; j < kept; ++j) {
     const auto weight = lagrange(known_, static_cast<double>(j) * ratio);
-    interpolate(size_, weight, past_, spare_[j]);
+    interpolate(next_.size(), weight, past_, spare_[j].data());
   }
   for (std::size_t j = 1; j < kept; ++j) std::swap(past_[j], spare_[j]);
   known_ = kept;
@@ -137,10 +128,11 @@ void AdamsStep::respace(double h) {
 
 double AdamsStep::attempt(Motion& motion, double time, const double* q, const double* rate,
                           double unimportant) {
-  double *a = past_[0], *b = past_[1], *c = past_[2], *d = past_[3];
-  adams_step(size_, h_, q, rate, a, b, c, d, q_.data(), rate_.data());
-  motion.acceleration(time + h_, q_.data(), rate_.data(), next_);
-  const double squares = adams_error(size_, h_, next_, a, b, c, d, error_.data());
+  const std::size_t size = q_.size();
+  const double *a = past(0), *b = past(1), *c = past(2), *d = past(3);
+  adams_step(size, h_, q, rate, a, b, c, d, q_.data(), rate_.data());
+  motion.acceleration(time + h_, q_.data(), rate_.data(), next_.data());
+  const double squares = adams_error(size, h_, next_.data(), a, b, c, d, error_.data());
   const double bound = motion.memory() * motion.shift_bound(squares);
   return bound < unimportant ? bound : motion.memory() * motion.shift(error_.data());
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/motion.h"
 
 namespace taut::direct {
@@ -12,10 +13,8 @@ namespace taut::direct {
 /// Adams' and Bashforth's for its rate.
 class AdamsStep {
  public:
-  /// Room for states of so many numbers.
-  void reserve(std::size_t size);
-  /// Sets it up for states of `size` numbers; it remembers nothing.
-  void resize(std::size_t size);
+  /// Takes its arrays from `arena`; it remembers nothing.
+  void make_arrays(Arena& arena);
 
   /// Forgets everything.
   void clear() { known_ = 0; }
@@ -30,7 +29,7 @@ class AdamsStep {
   bool prepare(double h);
   double spacing() const { return h_; }  // s
   /// The acceleration that it remembers from `steps` ago, one of known().
-  const double* past(std::size_t steps) const { return past_[steps]; }
+  const double* past(std::size_t steps) const { return past_[steps].data(); }
   std::size_t known() const { return known_; }
 
   /// Tries a step of spacing() from (q, rate) at `time`. The result is left for swap_result();
@@ -41,7 +40,7 @@ class AdamsStep {
   void accept();
 
   /// Swaps the result of the last attempt with the caller's state.
-  void swap_result(Array& q, Array& rate) {
+  void swap_result(Slice& q, Slice& rate) {
     q_.swap(q);
     rate_.swap(rate);
   }
@@ -53,18 +52,17 @@ class AdamsStep {
   static constexpr double kStable = 0.92;
 
   static constexpr std::size_t kKept = 6;
+  static constexpr std::size_t kArrays = 2 * kKept + 4;
 
  private:
   void respace(double h);
 
-  std::size_t size_ = 0;
-  Array arena_;
-  std::array<double*, kKept> past_{};  // accelerations, the latest first
-  std::array<double*, kKept> spare_{};
-  double* next_ = nullptr;  // that at the end of the step
-  std::size_t known_ = 0;   // of past_
-  double h_ = 0;            // s, between them
-  Array q_, rate_, error_;
+  std::array<Slice, kKept> past_;  // accelerations, the latest first
+  std::array<Slice, kKept> spare_;
+  Slice next_;             // that at the end of the step
+  std::size_t known_ = 0;  // of past_
+  double h_ = 0;           // s, between them
+  Slice q_, rate_, error_;
 };
 
 }  // namespace taut::direct

@@ -89,24 +89,16 @@ double correct(std::size_t n, double h, double last, Formula f, In known, In old
 
 }  // namespace
 
-void BackwardStep::reserve(std::size_t size) {
-  for (Array* array : {&older_, &old_, &new_, &x_, &y_, &known_, &q_, &rate_}) {
-    array->reserve(size);
-  }
-}
-
-void BackwardStep::resize(std::size_t size) {
-  size_ = size;
-  for (Array* array : {&older_, &old_, &new_, &x_, &y_, &known_, &q_, &rate_}) {
-    array->assign(size, 0.0);
+void BackwardStep::make_arrays(Arena& arena) {
+  for (Slice* slice : {&older_, &old_, &new_, &x_, &y_, &known_, &q_, &rate_}) {
+    *slice = arena.make();
   }
 }
 
 void BackwardStep::begin(double h, const double* q, const double* rate, const double* acceleration,
                          double* q_before, double* rate_before) {
-  look_back(size_, h, q, rate, acceleration, q_before, rate_before);
-  std::copy(acceleration, acceleration + size_, old_.begin());
-  std::copy(acceleration, acceleration + size_, older_.begin());
+  look_back(q_.size(), h, q, rate, acceleration, q_before, rate_before);
+  for (const Slice& known : {older_, old_}) std::copy_n(acceleration, known.size(), known.begin());
 }
 
 /// With J = [0 1; L 0], (1/beta^2 - L) dx = (what is left of the rate's equation) / beta. What the
@@ -116,20 +108,21 @@ BackwardStep::Outcome BackwardStep::attempt(Motion& motion, double time, double 
                                             const double* q_before, const double* rate_before) {
   constexpr double kOutside = std::numeric_limits<double>::infinity();
   const Formula f(h, last);
+  const std::size_t size = q_.size();
   double *x = x_.data(), *y = y_.data(), *a = new_.data();
-  into_chart(size_, q, q_before, rate_before, x, y);
+  into_chart(size, q, q_before, rate_before, x, y);
   motion.across(q, x);
   motion.across(q, y);
-  predict(size_, h, last, f, rate, older_.data(), old_.data(), x, y, known_.data(), q_.data(),
+  predict(size, h, last, f, rate, older_.data(), old_.data(), x, y, known_.data(), q_.data(),
           rate_.data());
   if (!motion.lift(q, q_.data(), rate_.data())) return {kOutside, kOutside};
   motion.acceleration(time + h, q_.data(), rate_.data(), a);
   motion.across(q, a);
-  right_side(size_, 1 / f.beta, known_.data(), y, a);
+  right_side(size, 1 / f.beta, known_.data(), y, a);
   motion.freeze(1 / (f.beta * f.beta));
   motion.solve_frozen(a);
   motion.across(q, a);
-  const double correction = correct(size_, h, last, f, known_.data(), older_.data(), old_.data(), a,
+  const double correction = correct(size, h, last, f, known_.data(), older_.data(), old_.data(), a,
                                     x, y, q_.data(), rate_.data());
   if (!motion.lift(q, q_.data(), rate_.data())) return {kOutside, kOutside};
   motion.solve_frozen(x);
@@ -137,7 +130,7 @@ BackwardStep::Outcome BackwardStep::attempt(Motion& motion, double time, double 
   return {motion.error(x, y), correction};
 }
 
-void BackwardStep::accept(Array& q, Array& rate) {
+void BackwardStep::accept(Slice& q, Slice& rate) {
   q_.swap(q);
   rate_.swap(rate);
   older_.swap(old_);

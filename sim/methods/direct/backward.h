@@ -1,6 +1,7 @@
 // The integrator for loose errors: one acceleration a step, however fast the waves are.
 #pragma once
 
+#include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/motion.h"
 
 namespace taut::direct {
@@ -10,10 +11,8 @@ namespace taut::direct {
 /// with the waves under the tensions there for the Jacobian.
 class BackwardStep {
  public:
-  /// Room for states of so many numbers.
-  void reserve(std::size_t size);
-  /// Sets it up for states of `size` numbers.
-  void resize(std::size_t size);
+  /// Takes its arrays from `arena`.
+  void make_arrays(Arena& arena);
 
   /// Begins at (q, rate) with `acceleration` as if a step of h (s) had led there; leaves in the
   /// last two arrays where that would have begun.
@@ -31,16 +30,17 @@ class BackwardStep {
                   const double* rate, const double* q_before, const double* rate_before);
 
   /// Swaps the result of the last attempt with the caller's state.
-  void accept(Array& q, Array& rate);
+  void accept(Slice& q, Slice& rate);
 
   /// The order by which the error falls with h.
   static constexpr double kErrorOrder = 3;
 
+  static constexpr std::size_t kArrays = 8;
+
  private:
-  std::size_t size_ = 0;
-  Array older_, old_, new_;  // the last accelerations, as the formula has them
-  Array x_, y_, known_;
-  Array q_, rate_;
+  Slice older_, old_, new_;  // the last accelerations, as the formula has them
+  Slice x_, y_, known_;
+  Slice q_, rate_;
 };
 
 }  // namespace taut::direct

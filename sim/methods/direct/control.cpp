@@ -104,14 +104,7 @@ void Course::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   chain_.reserve(links);
   net_.reserve(links, ends, bodies);
   const std::size_t size = 3 * (links + kLanes) + 4 * ends + 2 * Links::kPad;
-  careful_.reserve(size);
-  adams_.reserve(size);
-  implicit_.reserve(size);
-  backward_.reserve(size);
-  for (Array* array : {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_,
-                       &rate_between_, &q_audited_, &rate_audited_}) {
-    array->reserve(size);
-  }
+  arena_.reserve(kArrays, size);
 }
 
 void Course::plan(const World& world, double time, const std::optional<Plane>& plane) {
@@ -123,13 +116,15 @@ void Course::plan(const World& world, double time, const std::optional<Plane>& p
     net_.rebuild(world, component_, plane);
     motion_ = &net_;
   }
-  careful_.resize(motion_->size());
-  adams_.resize(motion_->size());
-  implicit_.resize(motion_->size());
-  backward_.resize(motion_->size());
-  for (Array* array : {&acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
-    array->assign(motion_->size(), 0.0);
+  arena_.reset(kArrays, motion_->size());
+  for (Slice* slice : {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_,
+                       &rate_between_, &q_audited_, &rate_audited_}) {
+    *slice = arena_.make();
   }
+  careful_.make_arrays(arena_);
+  adams_.make_arrays(arena_);
+  implicit_.make_arrays(arena_);
+  backward_.make_arrays(arena_);
   closed_ = !driven(world, component_);
   longest_ = closed_ ? kLongest : kLongestDriven;
   cost_ = {kCarefulCost, kAdamsCost, kImplicitCost};
@@ -139,7 +134,7 @@ void Course::plan(const World& world, double time, const std::optional<Plane>& p
 void Course::load(const World& world) {
   plan(world, world.time, planes_.find(world, component_, world.time, Vec3::Zero()));
   time_ = world.time;
-  motion_->load(world, time_, q_, rate_);
+  motion_->load(world, time_, q_.data(), rate_.data());
   motion_->project(time_, q_.data(), rate_.data());
   const double share = control_.step == 0 ? control_.tolerance / motion_->length() : 0;
   rough_ = share >= kRough;
@@ -181,8 +176,8 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
   const bool fixed = control_.step > 0;
   const double tolerance = fixed ? kCoarsest * motion_->length() : control_.tolerance;
   const double start = time_;
-  q_audited_ = q_;
-  rate_audited_ = rate_;
+  std::ranges::copy(q_, q_audited_.begin());
+  std::ranges::copy(rate_, rate_audited_.begin());
   if (fixed) {
     advance_by_step(world, until, counters);
   } else {
@@ -192,8 +187,8 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
   if (balances(tolerance)) return;
   counters.handed_over += 1;
   time_ = start;
-  q_ = q_audited_;
-  rate_ = rate_audited_;
+  q_.swap(q_audited_);
+  rate_.swap(rate_audited_);
   rough_ = loose_ = false;
   begin();
   advance_by_tolerance(world, until, kFiner * tolerance, counters);
@@ -271,7 +266,7 @@ bool Course::leave_plane(World& world) {
   if (planned_at_ != time_) plane = planes_.find(world, component_, time_, *reason);
   plan(world, time_, plane);
   closed_ = looks_back_ = false;
-  motion_->load(world, time_, q_, rate_);
+  motion_->load(world, time_, q_.data(), rate_.data());
   fresh_ = false;
   return true;
 }

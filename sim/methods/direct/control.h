@@ -7,6 +7,7 @@
 
 #include "sim/method.h"
 #include "sim/methods/direct/adams.h"
+#include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/backward.h"
 #include "sim/methods/direct/components.h"
 #include "sim/methods/direct/dop853.h"
@@ -57,6 +58,8 @@ class Course {
 
  private:
   enum Rung { careful, adams, implicit, kRungs };
+  static constexpr std::size_t kArrays = 9 + Dop853Step::kArrays + AdamsStep::kArrays +
+                                         RosenbrockStep::kArrays + BackwardStep::kArrays;
   /// Adams keeps its spacing down to this share of the step that is possible.
   static constexpr double kLeastSpacing = 0.75;
   struct Rest {  // of a rung that the one below has to try again
@@ -97,17 +100,18 @@ class Course {
   AdamsStep adams_;
   RosenbrockStep implicit_;
   BackwardStep backward_;
+  Arena arena_;
   double time_ = 0, planned_at_ = 0;  // s
-  Array q_, rate_, acceleration_;
+  Slice q_, rate_, acceleration_;
   double before_ = 0;  // s, where the last step began
-  Array q_before_, rate_before_;
-  Array q_between_, rate_between_;  // at a time within that step
+  Slice q_before_, rate_before_;
+  Slice q_between_, rate_between_;  // at a time within that step
   bool closed_ = false;             // nothing does work on it but gravity
   bool rough_ = false;              // an error of per cents of the length will do
   bool loose_ = false;              // so will a larger one, and BDF2 is worth it
   bool looks_back_ = false;         // BDF2 has a step to look back to
   double known_energy_ = 0;         // J, where it was loaded
-  Array q_audited_, rate_audited_;
+  Slice q_audited_, rate_audited_;
   bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state
   double fastest_ = 0;   // rad/s, of the waves
   Rung rung_ = careful;  // for the next step

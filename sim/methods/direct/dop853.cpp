@@ -112,33 +112,28 @@ void error_of_order_3(std::size_t n, double h, const double* const* a, double* q
 
 }  // namespace
 
-void Dop853Step::reserve(std::size_t size) {
-  accelerations_.reserve((kStages - 1) * size);
-  for (Array* array : {&q_, &rate_, &error_q_, &error_rate_}) array->reserve(size);
-}
-
-void Dop853Step::resize(std::size_t size) {
-  size_ = size;
-  accelerations_.assign((kStages - 1) * size, 0.0);
-  for (Array* array : {&q_, &rate_, &error_q_, &error_rate_}) array->assign(size, 0.0);
+void Dop853Step::make_arrays(Arena& arena) {
+  for (int s = 1; s < kStages; ++s) accelerations_[s] = arena.make();
+  for (Slice* slice : {&q_, &rate_, &error_q_, &error_rate_}) *slice = arena.make();
 }
 
 double Dop853Step::attempt(Motion& motion, double time, double h, const double* q,
                            const double* rate, const double* first) {
   const double* a[kStages];
   a[0] = first;
-  for (int s = 1; s < kStages; ++s) a[s] = accelerations_.data() + (s - 1) * size_;
+  for (int s = 1; s < kStages; ++s) a[s] = accelerations_[s].data();
+  const std::size_t size = q_.size();
   for (int s = 1; s < kStages; ++s) {
-    stage_state(s, size_, h, q, rate, a, q_.data(), rate_.data());
+    stage_state(s, size, h, q, rate, a, q_.data(), rate_.data());
     motion.acceleration(time + kDop853.node[s] * h, q_.data(), rate_.data(),
-                        accelerations_.data() + (s - 1) * size_);
+                        accelerations_[s].data());
   }
-  end_state(size_, h, q, rate, a, q_.data(), rate_.data());
-  error_of_order_5(size_, h, a, error_q_.data(), error_rate_.data());
+  end_state(size, h, q, rate, a, q_.data(), rate_.data());
+  error_of_order_5(size, h, a, error_q_.data(), error_rate_.data());
   motion.across(q, error_q_.data());
   motion.across(q, error_rate_.data());
   const double error5 = motion.error(error_q_.data(), error_rate_.data());
-  error_of_order_3(size_, h, a, error_q_.data(), error_rate_.data());
+  error_of_order_3(size, h, a, error_q_.data(), error_rate_.data());
   motion.across(q, error_q_.data());
   motion.across(q, error_rate_.data());
   const double error3 = motion.error(error_q_.data(), error_rate_.data());

@@ -1,6 +1,7 @@
 // The careful integrator: explicit Runge-Kutta of order 8 for second-order motion.
 #pragma once
 
+#include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/dop853_table.h"
 #include "sim/methods/direct/motion.h"
 
@@ -10,10 +11,8 @@ namespace taut::direct {
 /// (Nystrom's form), so that only accelerations are kept.
 class Dop853Step {
  public:
-  /// Room for states of so many numbers.
-  void reserve(std::size_t size);
-  /// Sets it up for states of `size` numbers.
-  void resize(std::size_t size);
+  /// Takes its arrays from `arena`.
+  void make_arrays(Arena& arena);
 
   /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`. X; returns the
   /// estimated error (m).
@@ -21,7 +20,7 @@ class Dop853Step {
                  const double* first);
 
   /// Swaps the result of the last attempt with the caller's state.
-  void swap_result(Array& q, Array& rate) {
+  void swap_result(Slice& q, Slice& rate) {
     q_.swap(q);
     rate_.swap(rate);
   }
@@ -31,10 +30,11 @@ class Dop853Step {
   /// Steps are stable for frequencies (rad/s) up to 5.9 / h; less, as tensions rise in a step.
   static constexpr double kStable = 5.2;
 
+  static constexpr std::size_t kArrays = kStages + 3;
+
  private:
-  std::size_t size_ = 0;
-  Array accelerations_;  // [stage - 1][size]; stage 0 is the caller's
-  Array q_, rate_, error_q_, error_rate_;
+  std::array<Slice, kStages> accelerations_;  // by stage; that of stage 0 is the caller's
+  Slice q_, rate_, error_q_, error_rate_;
 };
 
 }  // namespace taut::direct

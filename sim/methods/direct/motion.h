@@ -18,7 +18,7 @@ class Motion {
   virtual ~Motion() = default;
 
   /// Reads the state from the world, whose time is `time`.
-  virtual void load(const World& world, double time, Array& q, Array& rate) = 0;
+  virtual void load(const World& world, double time, double* q, double* rate) = 0;
   /// Writes the state at `time`, positions included, to the world.
   virtual void store(World& world, double time, const double* q, const double* rate) = 0;
   /// Reads holds from `world` from now on.

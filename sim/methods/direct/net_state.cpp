@@ -35,15 +35,15 @@ Quat half_turning(const Vec3& spin, const Quat& rotation) {
 
 }  // namespace
 
-void Net::load(const World& world, double time, Array& q, Array& rate) {
+void Net::load(const World& world, double time, double* q, double* rate) {
   attach(world);
   left_plane_.reset();
   loaded_at_ = time;
-  q.assign(size(), 0.0);
-  rate.assign(size(), 0.0);
+  std::fill_n(q, size(), 0.0);
+  std::fill_n(rate, size(), 0.0);
   const auto set = [&](std::size_t link, const Vec3& u, const Vec3& turn) {
-    add(q.data(), link, u);
-    add(rate.data(), link, turn - u.dot(turn) * u);
+    add(q, link, u);
+    add(rate, link, turn - u.dot(turn) * u);
   };
   for (const Span& span : spans_) {
     const Connector& connector = world.connectors[span.range.connector];
@@ -68,8 +68,8 @@ void Net::load(const World& world, double time, Array& q, Array& rate) {
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Body& body = world.bodies[bodies_[b].body];
-    put(q.data() + quaternion(b), body.rotation);
-    put(rate.data() + quaternion(b), half_turning(body.spin, body.rotation));
+    put(q + quaternion(b), body.rotation);
+    put(rate + quaternion(b), half_turning(body.spin, body.rotation));
   }
   if (!floats_) return;
 
@@ -91,13 +91,13 @@ void Net::load(const World& world, double time, Array& q, Array& rate) {
       centre_.velocity += connector.particle_mass[particle] / mass_ * connector.velocity[particle];
     }
   }
-  place(time, q.data(), rate.data());
+  place(time, q, rate);
   spin_momentum_ = rotary(time).momentum;
 }
 
 double Net::tension(const World& world, std::size_t connector) {
-  Array q, rate, acceleration_of_q(size(), 0.0);
-  load(world, world.time, q, rate);
+  Array q(size()), rate(size()), acceleration_of_q(size());
+  load(world, world.time, q.data(), rate.data());
   acceleration(world.time, q.data(), rate.data(), acceleration_of_q.data());
   const auto found = std::ranges::find_if(
       spans_, [&](const Span& span) { return span.range.connector == connector; });

@@ -166,12 +166,12 @@ void PlanarChain::measure(const World& world) {
   reach_ = std::sqrt(reach_ / static_cast<double>(links_));
 }
 
-void PlanarChain::load(const World& world, double, Array& q, Array& rate) {
+void PlanarChain::load(const World& world, double, double* q, double* rate) {
   attach(world);
   left_plane_.reset();
   gravity_ = world.gravity;
-  q.assign(size(), 0.0);
-  rate.assign(size(), 0.0);
+  std::fill_n(q, size(), 0.0);
+  std::fill_n(rate, size(), 0.0);
   const Connector& connector = world.connectors[range_.connector];
   Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized() : plane_.x;
   const auto set = [&](std::size_t k, const Vec3& turn) {

@@ -29,7 +29,7 @@ class PlanarChain : public Motion {
   void reserve(std::size_t links);
   void rebuild(const World& world, const Component& component, const Plane& plane);
 
-  void load(const World& world, double time, Array& q, Array& rate) override;
+  void load(const World& world, double time, double* q, double* rate) override;
   void store(World& world, double time, const double* q, const double* rate) override;
   void attach(const World& world) override { world_ = &world; }
   const std::optional<Vec3>& left_plane() const override { return left_plane_; }

@@ -141,18 +141,11 @@ void end_state(std::size_t n, const double* rate, Stages dx, Stages dy, double* 
 
 }  // namespace
 
-void RosenbrockStep::reserve(std::size_t size) {
-  increments_.reserve(2 * kStages * size);
-  for (Array* array : {&q_, &rate_, &chart_rate_, &acceleration_, &error_q_, &error_rate_}) {
-    array->reserve(size);
-  }
-}
-
-void RosenbrockStep::resize(std::size_t size) {
-  size_ = size;
-  increments_.assign(2 * kStages * size, 0.0);
-  for (Array* array : {&q_, &rate_, &chart_rate_, &acceleration_, &error_q_, &error_rate_}) {
-    array->assign(size, 0.0);
+void RosenbrockStep::make_arrays(Arena& arena) {
+  for (Slice& slice : dx_) slice = arena.make();
+  for (Slice& slice : dy_) slice = arena.make();
+  for (Slice* slice : {&q_, &rate_, &chart_rate_, &acceleration_, &error_q_, &error_rate_}) {
+    *slice = arena.make();
   }
 }
 
@@ -161,29 +154,30 @@ double RosenbrockStep::attempt(Motion& motion, double time, double h, const doub
   constexpr double kOutside = std::numeric_limits<double>::infinity();
   double *dx[kStages], *dy[kStages];
   for (int s = 0; s < kStages; ++s) {
-    dx[s] = increments_.data() + 2 * s * size_;
-    dy[s] = dx[s] + size_;
+    dx[s] = dx_[s].data();
+    dy[s] = dy_[s].data();
   }
+  const std::size_t size = q_.size();
   const double sigma = 1 / (kGamma * h);
   motion.freeze(sigma * sigma);
   for (int s = 0; s < kStages; ++s) {
     const double* y = rate;
     if (s == 0) {
-      std::copy(first, first + size_, acceleration_.begin());
+      std::copy(first, first + size, acceleration_.begin());
     } else {
-      stage_state(s, size_, rate, dx, dy, q_.data(), rate_.data());
+      stage_state(s, size, rate, dx, dy, q_.data(), rate_.data());
       std::copy(rate_.begin(), rate_.end(), chart_rate_.begin());
       y = chart_rate_.data();
       if (!motion.lift(q, q_.data(), rate_.data())) return kOutside;
       motion.acceleration(time + kNode[s] * h, q_.data(), rate_.data(), acceleration_.data());
     }
     motion.across(q, acceleration_.data());
-    right_side(s, size_, h, y, acceleration_.data(), dx, dy, dx[s], dy[s]);
+    right_side(s, size, h, y, acceleration_.data(), dx, dy, dx[s], dy[s]);
     motion.solve_frozen(dx[s]);
     motion.across(q, dx[s]);
-    finish_stage(size_, sigma, dx[s], dy[s]);
+    finish_stage(size, sigma, dx[s], dy[s]);
   }
-  end_state(size_, rate, dx, dy, q_.data(), rate_.data(), error_q_.data(), error_rate_.data());
+  end_state(size, rate, dx, dy, q_.data(), rate_.data(), error_q_.data(), error_rate_.data());
   if (!motion.lift(q, q_.data(), rate_.data())) return kOutside;
   return motion.error(error_q_.data(), error_rate_.data());
 }

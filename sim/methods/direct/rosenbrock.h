@@ -1,6 +1,9 @@
 // The cheap integrator: linearly implicit in the waves that the tensions carry.
 #pragma once
 
+#include <array>
+
+#include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/motion.h"
 
 namespace taut::direct {
@@ -10,10 +13,8 @@ namespace taut::direct {
 /// here the waves under the tensions at the start of the step, whose system is tridiagonal.
 class RosenbrockStep {
  public:
-  /// Room for states of so many numbers.
-  void reserve(std::size_t size);
-  /// Sets it up for states of `size` numbers.
-  void resize(std::size_t size);
+  /// Takes its arrays from `arena`.
+  void make_arrays(Arena& arena);
 
   /// As Dop853Step::attempt(); the last acceleration that `motion` computed must be `first`.
   /// Infinite where a direction turns by a right angle.
@@ -21,18 +22,18 @@ class RosenbrockStep {
                  const double* first);
 
   /// Swaps the result of the last attempt with the caller's state.
-  void swap_result(Array& q, Array& rate) {
+  void swap_result(Slice& q, Slice& rate) {
     q_.swap(q);
     rate_.swap(rate);
   }
 
   static constexpr int kStages = 4;
+  static constexpr std::size_t kArrays = 2 * kStages + 6;
   static constexpr double kErrorOrder = 3;
 
  private:
-  std::size_t size_ = 0;
-  Array increments_;  // [stage][of x, of its rate][size]
-  Array q_, rate_, chart_rate_, acceleration_, error_q_, error_rate_;
+  std::array<Slice, kStages> dx_, dy_;  // by stage: increments of x and of its rate
+  Slice q_, rate_, chart_rate_, acceleration_, error_q_, error_rate_;
 };
 
 }  // namespace taut::direct
