@@ -29,18 +29,21 @@ void section_rates(const std::vector<PathKey>& keys, const std::vector<Row>& val
   for (std::size_t i = last - 1; i > first; --i) rate[i] -= upper[i] * rate[i + 1];
 }
 
+template <int kRows>
 struct Jet {
-  Row value, rate, rate2;
+  Eigen::Matrix<double, kRows, 1> value, rate, rate2;
 };
 
 /// The quintic with the given values and first two derivatives at both ends of [0, h], at u h.
-Jet quintic(const Jet& a, const Jet& b, double h, double u) {
-  const Row d = b.value - a.value - h * a.rate - h * h / 2 * a.rate2;
-  const Row e = h * (b.rate - a.rate) - h * h * a.rate2;
-  const Row f = h * h * (b.rate2 - a.rate2);
-  const Row c3 = 10 * d - 4 * e + f / 2;
-  const Row c4 = -15 * d + 7 * e - f;
-  const Row c5 = 6 * d - 3 * e + f / 2;
+template <int kRows>
+Jet<kRows> quintic(const Jet<kRows>& a, const Jet<kRows>& b, double h, double u) {
+  using Rows = Eigen::Matrix<double, kRows, 1>;
+  const Rows d = b.value - a.value - h * a.rate - h * h / 2 * a.rate2;
+  const Rows e = h * (b.rate - a.rate) - h * h * a.rate2;
+  const Rows f = h * h * (b.rate2 - a.rate2);
+  const Rows c3 = 10 * d - 4 * e + f / 2;
+  const Rows c4 = -15 * d + 7 * e - f;
+  const Rows c5 = 6 * d - 3 * e + f / 2;
   const double u2 = u * u;
   return {a.value + u * h * a.rate + u2 * (h * h / 2 * a.rate2 + u * (c3 + u * (c4 + u * c5))),
           a.rate + u * h * a.rate2 + u2 / h * (3 * c3 + u * (4 * c4 + u * 5 * c5)),
@@ -49,20 +52,17 @@ Jet quintic(const Jet& a, const Jet& b, double h, double u) {
 
 /// The rotation is the normalised 4-vector p = n q, so p' = n'q + n q', p'' = n''q + 2n'q' + n q''.
 /// For a unit q the spin is the vector part of 2 q' q*, and its rate that of 2 q'' q*.
-FrameMotion frame_motion(const Jet& jet) {
-  const Eigen::Vector4d p = jet.value.tail<4>(), p1 = jet.rate.tail<4>(), p2 = jet.rate2.tail<4>();
+FrameMotion frame_motion(const Jet<3>& place, const Jet<4>& turn) {
+  const Eigen::Vector4d &p = turn.value, &p1 = turn.rate, &p2 = turn.rate2;
+  const auto quat = [](const Eigen::Vector4d& c) { return Quat(c[0], c[1], c[2], c[3]); };
   const double n = p.norm();
   const Eigen::Vector4d q = p / n;
+  FrameMotion motion{place.value, place.rate, place.rate2, quat(q)};
+  if (p1.isZero(0) && p2.isZero(0)) return motion;
   const double n1 = q.dot(p1);
   const Eigen::Vector4d q1 = (p1 - n1 * q) / n;
   const double n2 = (p1.squaredNorm() + p.dot(p2) - n1 * n1) / n;
   const Eigen::Vector4d q2 = (p2 - n2 * q - 2 * n1 * q1) / n;
-  const auto quat = [](const Eigen::Vector4d& c) { return Quat(c[0], c[1], c[2], c[3]); };
-  FrameMotion motion;
-  motion.position = jet.value.head<3>();
-  motion.velocity = jet.rate.head<3>();
-  motion.acceleration = jet.rate2.head<3>();
-  motion.rotation = quat(q);
   motion.spin = 2 * (quat(q1) * motion.rotation.conjugate()).vec();
   motion.spin_rate = 2 * (quat(q2) * motion.rotation.conjugate()).vec();
   return motion;
@@ -115,13 +115,21 @@ FrameMotion Path::at(double time) const {
   if (circle_) return motion(*circle_, time);
   const auto after = std::upper_bound(keys_.begin(), keys_.end(), time,
                                       [](double t, const PathKey& key) { return t < key.time; });
-  if (after == keys_.begin()) return frame_motion({value_.front(), Row::Zero(), Row::Zero()});
-  if (after == keys_.end()) return frame_motion({value_.back(), Row::Zero(), Row::Zero()});
-  const auto b = static_cast<std::size_t>(after - keys_.begin());
-  const std::size_t a = b - 1;
-  const double h = keys_[b].time - keys_[a].time;
-  return frame_motion(quintic({value_[a], rate_[a], rate2_[a]}, {value_[b], rate_[b], rate2_[b]}, h,
-                              (time - keys_[a].time) / h));
+  const auto place = [&](std::size_t i) -> Jet<3> {
+    return {value_[i].head<3>(), rate_[i].head<3>(), rate2_[i].head<3>()};
+  };
+  const auto turn = [&](std::size_t i) -> Jet<4> {
+    return {value_[i].tail<4>(), rate_[i].tail<4>(), rate2_[i].tail<4>()};
+  };
+  // The rates are zero at the first and the last key.
+  if (after == keys_.begin()) return frame_motion(place(0), turn(0));
+  const auto b = static_cast<std::size_t>(after - keys_.begin()), a = b - 1;
+  if (after == keys_.end()) return frame_motion(place(a), turn(a));
+  const double h = keys_[b].time - keys_[a].time, u = (time - keys_[a].time) / h;
+  const Jet<4> from = turn(a), to = turn(b);
+  const bool turns = from.value != to.value || !from.rate.isZero(0) || !to.rate.isZero(0) ||
+                     !from.rate2.isZero(0) || !to.rate2.isZero(0);
+  return frame_motion(quintic(place(a), place(b), h, u), turns ? quintic(from, to, h, u) : from);
 }
 
 }  // namespace taut
