@@ -60,20 +60,19 @@ bool restore_lengths(World& world) {
 
 bool stretches(const World& world) {
   constexpr double kRounding = 1e-13;
-  const auto motion = [&](const Connector& connector, std::size_t particle) -> PointMotion {
-    for (const Hold& hold : connector.holds) {
-      if (hold.particle == particle) return hold_motion(world, hold.to, world.time);
-    }
-    return {connector.position[particle], connector.velocity[particle]};
-  };
   for (const Connector& connector : world.connectors) {
-    if (connector.particles() == 0) continue;
-    PointMotion a = motion(connector, 0);
-    for (std::size_t i = 1; i < connector.particles(); ++i) {
-      const PointMotion b = motion(connector, i);
+    auto hold = connector.holds.begin();
+    PointMotion a, b;
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      b.position = connector.position[i], b.velocity = connector.velocity[i];
+      if (hold != connector.holds.end() && hold->particle == i) {
+        b = hold_motion(world, hold++->to, world.time);
+      }
       const Vec3 apart = b.position - a.position, velocity = b.velocity - a.velocity;
-      const double speed = std::max(a.velocity.norm(), b.velocity.norm());
-      if (std::abs(apart.dot(velocity)) > kRounding * speed * apart.norm()) return true;
+      const double speeds = std::max(a.velocity.squaredNorm(), b.velocity.squaredNorm());
+      const double stretch = apart.dot(velocity);
+      const double most = kRounding * kRounding * speeds * apart.squaredNorm();
+      if (i > 0 && stretch * stretch > most) return true;
       a = b;
     }
   }

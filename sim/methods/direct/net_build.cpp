@@ -41,13 +41,17 @@ Hanging hanging(const World& world, const Component& component, std::size_t body
 std::optional<Plane> PlaneFinder::find(const World& world, const Component& component, double time,
                                        const Vec3& also) {
   std::vector<Vec3>&vectors = vectors_, &hints = hints_;
+  std::size_t links = 0;
+  for (const SpanRange& span : component.spans) links += span.last - span.first;
+  reserve(links);
   vectors.assign({world.gravity, also});
   hints.clear();
   for (const SpanRange& span : component.spans) {
     const Connector& connector = world.connectors[span.connector];
     for (std::size_t k = span.first; k < span.last; ++k) {
       vectors.push_back(connector.position[k + 1] - connector.position[k]);
-      vectors.push_back(connector.velocity[k + 1] - connector.velocity[k]);
+      const Vec3 velocity = connector.velocity[k + 1] - connector.velocity[k];
+      if (!velocity.isZero(0)) vectors.push_back(velocity);
     }
     for (const std::size_t particle : {span.first, span.last}) {
       const Hold* hold = hold_at(connector, particle);

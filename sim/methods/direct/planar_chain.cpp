@@ -12,7 +12,7 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 19;
+constexpr std::size_t kArrays = 21;
 
 using Out = double* __restrict;
 using In = const double* __restrict;
@@ -35,6 +35,28 @@ void directions(std::size_t n, In angle, Out cosine, Out sine) {
     const SinCos direction = sine_and_cosine(angle[k]);
     cosine[k] = direction.cosine;
     sine[k] = direction.sine;
+  }
+}
+
+TAUT_VECTOR_CLONES
+void scale_links(std::size_t n, In inverse, In rest, Out scale, Out diagonal, Out weight) {
+  for (std::size_t k = 0; k < n; ++k) {
+    scale[k] = std::sqrt(2 / (inverse[k - 1] + inverse[k]));
+    diagonal[k] = 2;
+    weight[k] = rest[k] * scale[k];
+  }
+}
+
+/// The scales before the first and behind the last link are zero, and so are the gains.
+TAUT_VECTOR_CLONES
+void weigh_gains(std::size_t n, In inverse, In rest, In scale, Out beside, Out next_gain,
+                 Out last_gain, Out wave_gain) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const double per_rest = 1 / rest[k];
+    beside[k] = inverse[k] * scale[k] * scale[k + 1];
+    next_gain[k] = inverse[k] * scale[k + 1] * per_rest;
+    last_gain[k] = inverse[k - 1] * scale[k - 1] * per_rest;
+    wave_gain[k] = 2 * (inverse[k - 1] + inverse[k]) * scale[k] * per_rest;
   }
 }
 
@@ -85,8 +107,6 @@ bool PlanarChain::fits(const World& world, const Component& component) {
 
 void PlanarChain::reserve(std::size_t links) {
   arena_.reserve((kArrays + 2) * (links + 1 + 3 * kLanes));
-  mass_.reserve(links + 1);
-  inverse_.reserve(links + 2);
 }
 
 void PlanarChain::rebuild(const World& world, const Component& component, const Plane& plane) {
@@ -104,11 +124,11 @@ void PlanarChain::rebuild(const World& world, const Component& component, const 
   loop_ = (links_ + 1 + kLanes - 1) / kLanes * kLanes;
   const std::size_t stride = loop_ + 2 * kLanes;
   arena_.assign((kArrays + 2) * stride, 0.0);
-  double** const arrays[kArrays] = {&rest_,         &scale_,        &beside_,    &weight_,
-                                    &next_gain_,    &last_gain_,    &wave_gain_, &diagonal_,
-                                    &cosine_,       &sine_,         &off_,       &right_,
-                                    &unknown_,      &frozen_pivot_, &frozen_up_, &frozen_down_,
-                                    &place_cosine_, &place_sine_,   &work_};
+  double** const arrays[kArrays] = {
+      &rest_,      &scale_,        &beside_,    &weight_,      &next_gain_,    &last_gain_,
+      &wave_gain_, &diagonal_,     &cosine_,    &sine_,        &off_,          &right_,
+      &unknown_,   &frozen_pivot_, &frozen_up_, &frozen_down_, &place_cosine_, &place_sine_,
+      &mass_,      &inverse_,      &work_};
   static_assert(std::size(arrays) == kArrays);
   for (std::size_t k = 0; k < kArrays && arrays[k]; ++k) {
     *arrays[k] = arena_.data() + kLanes + k * stride;
@@ -119,11 +139,9 @@ void PlanarChain::rebuild(const World& world, const Component& component, const 
 void PlanarChain::measure(const World& world) {
   const Connector& connector = world.connectors[range_.connector];
   const std::size_t particles = range_.last - range_.first + 1;
-  std::vector<double>&mass = mass_, &inverse = inverse_;
-  mass.assign(1, 0.0);
   for (std::size_t k = 1; k < particles; ++k) {
     rest_[k] = connector.rest[std::min(particle(k - 1), particle(k))];
-    mass.push_back(connector.particle_mass[particle(k)]);
+    mass_[k] = connector.particle_mass[particle(k)];
   }
   if (bar_) {
     const Body& body = world.bodies[*bar_];
@@ -132,38 +150,26 @@ void PlanarChain::measure(const World& world) {
     const Hold* hold = hold_at(connector, particle(particles - 1));
     arm_ = (hold->to.point - m.centre).norm();
     const Stick stick(m.mass, normal.dot(m.inertia * normal), arm_);
-    mass.back() = stick.tip;
-    mass.push_back(stick.far);
+    mass_[links_ - 1] = stick.tip;
+    mass_[links_] = stick.far;
     rest_[links_] = stick.reach;
   }
-  double total = 0;
-  for (const double m : mass) total += m;
+  double total = 0, length = 0, reach = 0, shortest = rest_[1];
+  for (std::size_t k = 1; k <= links_; ++k) {
+    total += mass_[k];
+    length += rest_[k];
+    shortest = std::min(shortest, rest_[k]);
+    // Cauchy's and Schwarz's inequality for the sum in shift().
+    reach += static_cast<double>(links_ + 1 - k) * rest_[k] * rest_[k];
+  }
+  length_ = length, shortest_ = shortest;
+  reach_ = std::sqrt(reach / static_cast<double>(links_));
+  memory_ = memory_of_velocity(length);
   const double least = kLeastMassShare * (total > 0 ? total : 1);
-  inverse.assign(mass.size() + 1, 0.0);
-  for (std::size_t k = 1; k < mass.size(); ++k) inverse[k] = 1 / std::max(mass[k], least);
-  length_ = reach_ = 0;
-  for (std::size_t k = 1; k <= links_; ++k) {
-    length_ += rest_[k];
-    scale_[k] = std::sqrt(2 / (inverse[k - 1] + inverse[k]));
-    diagonal_[k] = 2;
-    weight_[k] = rest_[k] * scale_[k];
-  }
-  for (std::size_t k = 1; k <= links_; ++k) {
-    const double per_rest = 1 / rest_[k];
-    wave_gain_[k] = 2 * (inverse[k - 1] + inverse[k]) * scale_[k] * per_rest;
-    if (k < links_) {
-      beside_[k] = inverse[k] * scale_[k] * scale_[k + 1];
-      next_gain_[k] = inverse[k] * scale_[k + 1] * per_rest;
-    }
-    if (k > 1) last_gain_[k] = inverse[k - 1] * scale_[k - 1] * per_rest;
-  }
-  shortest_ = *std::min_element(rest_ + 1, rest_ + links_ + 1);
-  memory_ = memory_of_velocity(length_);
-  // Cauchy's and Schwarz's inequality for the sum in shift().
-  for (std::size_t k = 1; k <= links_; ++k) {
-    reach_ += static_cast<double>(links_ + 1 - k) * rest_[k] * rest_[k];
-  }
-  reach_ = std::sqrt(reach_ / static_cast<double>(links_));
+  for (std::size_t k = 1; k <= links_; ++k) inverse_[k] = 1 / std::max(mass_[k], least);
+  scale_links(links_, inverse_ + 1, rest_ + 1, scale_ + 1, diagonal_ + 1, weight_ + 1);
+  weigh_gains(links_, inverse_ + 1, rest_ + 1, scale_ + 1, beside_ + 1, next_gain_ + 1,
+              last_gain_ + 1, wave_gain_ + 1);
 }
 
 void PlanarChain::load(const World& world, double, double* q, double* rate) {
@@ -173,10 +179,11 @@ void PlanarChain::load(const World& world, double, double* q, double* rate) {
   std::fill_n(q, size(), 0.0);
   std::fill_n(rate, size(), 0.0);
   const Connector& connector = world.connectors[range_.connector];
-  Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized() : plane_.x;
+  const Plane plane = plane_;  // nothing else can be q or rate
+  Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized() : plane.x;
   const auto set = [&](std::size_t k, const Vec3& turn) {
-    q[k] = std::atan2(u.dot(plane_.y), u.dot(plane_.x));
-    rate[k] = turn.dot(plane_.normal.cross(u));
+    q[k] = std::atan2(u.dot(plane.y), u.dot(plane.x));
+    rate[k] = turn.dot(plane.normal.cross(u));
   };
   const std::size_t particles = range_.last - range_.first + 1;
   for (std::size_t k = 1; k < particles; ++k) {
@@ -200,21 +207,23 @@ void PlanarChain::store(World& world, double time, const double* q, const double
   Connector& connector = world.connectors[range_.connector];
   const PointMotion start = hold_motion(world, hold_, time);
   directions(loop_, q, place_cosine_, place_sine_);
-  Vec3 position = start.position, velocity = start.velocity;
-  const std::size_t particles = range_.last - range_.first + 1;
-  connector.position[particle(0)] = position;
-  connector.velocity[particle(0)] = velocity;
+  const Vec3 x = plane_.x, y = plane_.y;
   const auto along = [&](std::size_t k) -> Vec3 {
-    return place_cosine_[k] * plane_.x + place_sine_[k] * plane_.y;
+    return place_cosine_[k] * x + place_sine_[k] * y;
   };
   const auto across = [&](std::size_t k) -> Vec3 {
-    return place_cosine_[k] * plane_.y - place_sine_[k] * plane_.x;
+    return place_cosine_[k] * y - place_sine_[k] * x;
   };
+  Vec3 position = start.position, velocity = start.velocity;
+  const std::size_t particles = range_.last - range_.first + 1;
+  Vec3 *positions = connector.position.data(), *velocities = connector.velocity.data();
+  positions[particle(0)] = position;
+  velocities[particle(0)] = velocity;
   for (std::size_t k = 1; k < particles; ++k) {
     position += rest_[k] * along(k);
     velocity += rest_[k] * rate[k] * across(k);
-    connector.position[particle(k)] = position;
-    connector.velocity[particle(k)] = velocity;
+    positions[particle(k)] = position;
+    velocities[particle(k)] = velocity;
   }
   if (!bar_) return;
   Body& body = world.bodies[*bar_];

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "sim/methods/direct/components.h"
 #include "sim/methods/direct/motion.h"
@@ -85,9 +84,8 @@ class PlanarChain : public Motion {
   double *diagonal_, *cosine_, *sine_, *off_, *right_, *unknown_;  // unknowns: T / scale
   double *frozen_pivot_, *frozen_up_, *frozen_down_;
   double *place_cosine_, *place_sine_;  // of the links themselves
+  double *mass_, *inverse_;             // of the points
   double* work_;                        // three arrays
-  std::vector<double> mass_;            // of the points
-  std::vector<double> inverse_;         // while it is built
 };
 
 }  // namespace taut::direct

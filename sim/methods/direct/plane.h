@@ -12,8 +12,12 @@ namespace taut::direct {
 struct Plane {
   Vec3 x, y, normal;
 
-  /// Whether `v` leaves the plane by more than rounding.
-  bool holds(const Vec3& v) const { return std::abs(v.dot(normal)) <= 1e-11 * v.norm(); }
+  /// Whether `v` leaves the plane by no more than rounding.
+  bool holds(const Vec3& v) const {
+    constexpr double kRounding = 1e-11;
+    const double off = v.dot(normal);
+    return off * off <= kRounding * kRounding * v.squaredNorm();
+  }
 };
 
 /// The plane of `vectors` (any lengths, zeros ignored), or none. Where they all lie along one line,
