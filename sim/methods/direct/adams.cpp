@@ -83,8 +83,12 @@ void interpolate(std::size_t n, const Weights& w, const std::array<Slice, 6>& a,
 void AdamsStep::make_arrays(Arena& arena) {
   known_ = 0;
   h_ = 0;
-  for (Slice& slice : past_) slice = arena.make();
-  for (Slice& slice : spare_) slice = arena.make();
+  for (auto* list : {&past_, &spare_}) {
+    for (Slice& slice : *list) {
+      slice = arena.make();
+      std::ranges::fill(slice, 0.0);  // interpolate() gives weight zero to what is not known
+    }
+  }
   for (Slice* slice : {&next_, &q_, &rate_, &error_}) *slice = arena.make();
 }
 

@@ -1,11 +1,9 @@
 // The arrays of a course, in one block of memory.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <utility>
-
-#include "sim/methods/direct/vector.h"
+#include <vector>
 
 namespace taut::direct {
 
@@ -32,24 +30,28 @@ class Slice {
 class Arena {
  public:
   /// Room for so many arrays.
-  void reserve(std::size_t arrays, std::size_t size) { block_.reserve(arrays * stride(size)); }
+  void reserve(std::size_t arrays, std::size_t size) { lines_.reserve(arrays * stride(size)); }
   /// All arrays made before are void.
   void reset(std::size_t arrays, std::size_t size) {
     size_ = size;
-    block_.assign(arrays * stride(size), 0.0);
-    next_ = block_.data();
+    lines_.clear();
+    lines_.resize(arrays * stride(size));
+    next_ = lines_.data();
   }
-  /// Another one, of zeros.
-  Slice make() { return {std::exchange(next_, next_ + stride(size_)), size_}; }
+  /// Another one, of any numbers.
+  Slice make() { return {std::exchange(next_, next_ + stride(size_))->numbers, size_}; }
 
  private:
-  static constexpr std::size_t kLine = 8;  // numbers
+  struct alignas(64) Line {
+    Line() {}  // not even zeros
+    double numbers[8];
+  };
   /// An odd number of lines.
-  static std::size_t stride(std::size_t size) { return ((size + kLine - 1) / kLine | 1) * kLine; }
+  static std::size_t stride(std::size_t size) { return (size + 7) / 8 | 1; }
 
   std::size_t size_ = 0;
-  Array block_;
-  double* next_ = nullptr;
+  std::vector<Line> lines_;
+  Line* next_ = nullptr;
 };
 
 }  // namespace taut::direct

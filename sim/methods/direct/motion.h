@@ -10,9 +10,9 @@
 
 namespace taut::direct {
 
-/// q'' = a(t, q, q'), with arrays of size() doubles, a multiple of four. The coordinates are
-/// directions (angles, unit vectors and unit quaternions), never positions: every length holds
-/// whatever an integrator does.
+/// q'' = a(t, q, q'), with arrays of size() doubles, a multiple of four; what is no coordinate
+/// among them is zero. The coordinates are directions (angles, unit vectors and unit quaternions),
+/// never positions: every length holds whatever an integrator does.
 class Motion {
  public:
   virtual ~Motion() = default;

@@ -142,6 +142,8 @@ void Net::acceleration(double time, const double* q, const double* rate, double*
   links_.assemble(q, rate);
   add_ends(q);
   respond(q, out);
+  std::fill_n(out, Links::kPad, 0.0);
+  std::fill_n(out + size() - Links::kPad, Links::kPad, 0.0);
 }
 
 bool Net::lift(const double* base, double* x, double* rate) const {
