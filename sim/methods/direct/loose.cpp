@@ -12,7 +12,7 @@ namespace {
 constexpr double kRate = 30, kShare = 0.03;  // 1/s, 1
 
 /// Nor may it exceed this share of a link, or links fold.
-constexpr double kRoughness = 0.15;
+constexpr double kRoughness = 0.3;
 
 /// Newton's iteration may turn a link by so much (rad), of which it leaves about the square.
 constexpr double kMostCorrected = 0.1;
