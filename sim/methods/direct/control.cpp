@@ -32,7 +32,7 @@ constexpr double kFiner = 0.1;
 /// share of the length of all links.
 constexpr double kRough = 0.03;
 
-/// From here on BDF2 takes all steps.
+/// From here on BDF2 or leaps take all steps.
 constexpr double kLoose = 0.06;
 
 /// A rough course hands over where that makes it so many times as fast.
@@ -125,6 +125,7 @@ void Course::plan(const World& world, double time, const std::optional<Plane>& p
   adams_.make_arrays(arena_);
   implicit_.make_arrays(arena_);
   backward_.make_arrays(arena_);
+  leap_.make_arrays(arena_);
   closed_ = !driven(world, component_);
   longest_ = closed_ ? kLongest : kLongestDriven;
   cost_ = {kCarefulCost, kAdamsCost, kImplicitCost};

@@ -11,6 +11,7 @@
 #include "sim/methods/direct/backward.h"
 #include "sim/methods/direct/components.h"
 #include "sim/methods/direct/dop853.h"
+#include "sim/methods/direct/leap.h"
 #include "sim/methods/direct/net.h"
 #include "sim/methods/direct/planar_chain.h"
 #include "sim/methods/direct/plane.h"
@@ -33,7 +34,7 @@ struct Control {
 /// steps that the rung below could take as well (in slack, under pushing links, in whips), it hands
 /// over to that. Where errors of per cents will do, waves do not count: the implicit one takes all
 /// steps but those from a start that they do not stiffen yet. Where still larger ones will do, BDF2
-/// takes all steps for as long as they are long.
+/// takes all steps for as long as they are long or, from a start that waves do not stiffen, leaps.
 class Course {
  public:
   explicit Course(const Control& control) : control_(control) {}
@@ -59,7 +60,8 @@ class Course {
  private:
   enum Rung { careful, adams, implicit, kRungs };
   static constexpr std::size_t kArrays = 9 + Dop853Step::kArrays + AdamsStep::kArrays +
-                                         RosenbrockStep::kArrays + BackwardStep::kArrays;
+                                         RosenbrockStep::kArrays + BackwardStep::kArrays +
+                                         LeapStep::kArrays;
   /// Adams keeps its spacing down to this share of the step that is possible.
   static constexpr double kLeastSpacing = 0.75;
   struct Rest {  // of a rung that the one below has to try again
@@ -69,6 +71,7 @@ class Course {
   void plan(const World& world, double time, const std::optional<Plane>& plane);
   void advance_by_tolerance(World& world, double until, double tolerance, Counters& counters);
   void advance_loosely(World& world, double until, double tolerance, Counters& counters);
+  double attempt_loosely(double h, double tolerance, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
   void begin();
   double first_step(double turn) const;
@@ -100,6 +103,7 @@ class Course {
   AdamsStep adams_;
   RosenbrockStep implicit_;
   BackwardStep backward_;
+  LeapStep leap_;
   Arena arena_;
   double time_ = 0, planned_at_ = 0;  // s
   Slice q_, rate_, acceleration_;
@@ -108,8 +112,9 @@ class Course {
   Slice q_between_, rate_between_;  // at a time within that step
   bool closed_ = false;             // nothing does work on it but gravity
   bool rough_ = false;              // an error of per cents of the length will do
-  bool loose_ = false;              // so will a larger one, and BDF2 is worth it
-  bool looks_back_ = false;         // BDF2 has a step to look back to
+  bool loose_ = false;              // so will a larger one, and BDF2 or leaps are worth it
+  bool leaps_ = false;              // these for now
+  bool looks_back_ = false;         // there is a step to look back to
   double known_energy_ = 0;         // J, where it was loaded
   Slice q_audited_, rate_audited_;
   bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state

@@ -1,5 +1,5 @@
-// The way of a course on which errors of many per cents of the length will do: by BDF2, past the
-// frames, in steps as long as Newton's method can follow.
+// The way of a course on which errors of many per cents of the length will do: by leaps or by BDF2,
+// past the frames, in steps as long as one solve can follow.
 #include <algorithm>
 #include <cmath>
 
@@ -17,6 +17,9 @@ constexpr double kRoughness = 0.3;
 /// Newton's iteration may turn a link by so much (rad), of which it leaves about the square.
 constexpr double kMostCorrected = 0.1;
 
+/// Of a link's length, a leap may be off by so much before its lengths are mended.
+constexpr double kMostMended = 0.2;
+
 /// A step is done again only where its error is so many times what it may be; in any case the next
 /// one is shorter.
 constexpr double kRefused = 3;
@@ -26,11 +29,15 @@ constexpr double kSafety = 0.8, kMostGrowth = 2, kMostShrink = 0.3;
 /// The first step turns a link by about so much (rad).
 constexpr double kFirstTurn = 0.1;
 
+/// It leaps where the fastest wave does not turn by more than the one (rad) in the first step; and
+/// until a step is too long in which a wave turns by the other. Leaps are stable up to 2.
+constexpr double kStiff = 6, kWaves = 2;
+
 /// It has nothing to gain from steps so short (s) that waves allow the explicit methods the same.
 constexpr double kShort = 1e-4;
 
 /// What a step costs, in accelerations; measured.
-constexpr double kCost = 2;
+constexpr double kCost = 2, kLeapCost = 1;
 
 }  // namespace
 
@@ -40,7 +47,10 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
   while (time_ < until) {
     if (!looks_back_) {
       refresh(counters);
-      if (step_ == 0) step_ = first_step(kFirstTurn);
+      if (step_ == 0) {
+        step_ = first_step(kFirstTurn);
+        leaps_ = closed_ && motion_->leaps() && step_ * fastest_ < kStiff;
+      }
       backward_.begin(step_, q_.data(), rate_.data(), acceleration_.data(), q_before_.data(),
                       rate_before_.data());
       before_ = time_ - step_;
@@ -52,24 +62,21 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
       loose_ = rough_ = false;
       return begin();
     }
-    const auto [error, correction] =
-        backward_.attempt(*motion_, time_, h, time_ - before_, q_.data(), rate_.data(),
-                          q_before_.data(), rate_before_.data());
-    counters.solves += 1;
-    counters.work += kCost * motion_->work();
-    fastest_ = motion_->fastest();
-    fresh_ = false;
+    const double excess = attempt_loosely(h, tolerance, counters);
     if (leave_plane(world)) continue;
-    const double allowed =
-        std::min(std::min(kRate * h, kShare) * tolerance, kRoughness * motion_->shortest());
-    const double excess = std::max(error / allowed, correction / kMostCorrected);
-    const double scale = kSafety * std::pow(excess, -1 / BackwardStep::kErrorOrder);
+    constexpr double kOrder = BackwardStep::kErrorOrder;
+    static_assert(kOrder == LeapStep::kErrorOrder);
+    const double scale = kSafety * std::pow(excess, -1 / kOrder);
     step_ = h * (scale > kMostShrink ? std::min(scale, kMostGrowth) : kMostShrink);
-    looks_back_ = excess <= kRefused;  // false for NaN
-    if (looks_back_) {
+    const bool good = excess <= kRefused;  // false for NaN
+    if (good) {
       q_before_.swap(q_);
       rate_before_.swap(rate_);
-      backward_.accept(q_, rate_);
+      if (leaps_) {
+        leap_.accept(q_, rate_, rate_before_);
+      } else {
+        backward_.accept(q_, rate_);
+      }
       before_ = time_;
       time_ += h;
       counters.steps += 1;
@@ -77,7 +84,33 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
     } else {
       counters.rejected += 1;
     }
+    const bool stiff = leaps_ && !(excess <= 1) && !(h * fastest_ <= kWaves);
+    if (stiff) leaps_ = false;
+    looks_back_ = !stiff && (good || leaps_);
   }
+}
+
+/// Tries a step of h. Returns its error as a share of the one allowed, or that of what its one
+/// solve had to correct.
+double Course::attempt_loosely(double h, double tolerance, Counters& counters) {
+  const double allowed =
+      std::min(std::min(kRate * h, kShare) * tolerance, kRoughness * motion_->shortest());
+  const double last = time_ - before_;
+  double excess = 0;
+  if (leaps_) {
+    const auto [error, correction] =
+        leap_.attempt(*motion_, time_, h, last, q_.data(), q_before_.data());
+    excess = std::max(error / allowed, correction / kMostMended);
+  } else {
+    const auto [error, correction] = backward_.attempt(
+        *motion_, time_, h, last, q_.data(), rate_.data(), q_before_.data(), rate_before_.data());
+    excess = std::max(error / allowed, correction / kMostCorrected);
+  }
+  counters.solves += 1;
+  counters.work += (leaps_ ? kLeapCost : kCost) * motion_->work();
+  fastest_ = motion_->fastest();
+  fresh_ = false;
+  return excess;
 }
 
 }  // namespace taut::direct

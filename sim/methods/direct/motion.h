@@ -58,6 +58,16 @@ class Motion {
     return std::hypot(shift(of_q), memory() * shift(of_rate));
   }
 
+  /// Whether there is leap().
+  virtual bool leaps() const { return false; }
+  /// From q at `time` (s), to which a step of `last` (s) from q_before led, writes where a step of
+  /// h leads on, by the second differences of places under the last tensions and what lengths take
+  /// to hold; into `turned` by how much those turned the directions. Returns the most (of a length)
+  /// that a link was off without.
+  virtual double leap(double, double, double, const double*, const double*, double*, double*) {
+    return 0;
+  }
+
   // A chart for long steps, in which the unit lengths hold of themselves: of each q its part x
   // across its place in `base`, so that q = x + sqrt(1 - x.x) base.
 

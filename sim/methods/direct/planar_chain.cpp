@@ -12,7 +12,7 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 21;
+constexpr std::size_t kArrays = 27;
 
 using Out = double* __restrict;
 using In = const double* __restrict;
@@ -26,15 +26,6 @@ void assemble(std::size_t n, In angle, In rate, In beside, In weight, Out cosine
     sine[k] = turn.sine;
     off[k] = beside[k] * turn.cosine;
     right[k] = weight[k] * (rate[k] * rate[k]);
-  }
-}
-
-TAUT_VECTOR_CLONES
-void directions(std::size_t n, In angle, Out cosine, Out sine) {
-  for (std::size_t k = 0; k < n; ++k) {
-    const SinCos direction = sine_and_cosine(angle[k]);
-    cosine[k] = direction.cosine;
-    sine[k] = direction.sine;
   }
 }
 
@@ -91,6 +82,16 @@ double add(std::size_t n, In change, Out x) {
 
 }  // namespace
 
+TAUT_VECTOR_CLONES
+void directions(std::size_t n, const double* __restrict angle, double* __restrict cosine,
+                double* __restrict sine) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const SinCos direction = sine_and_cosine(angle[k]);
+    cosine[k] = direction.cosine;
+    sine[k] = direction.sine;
+  }
+}
+
 bool PlanarChain::fits(const World& world, const Component& component) {
   if (component.spans.size() != 1) return false;
   const SpanRange& span = component.spans[0];
@@ -125,10 +126,11 @@ void PlanarChain::rebuild(const World& world, const Component& component, const 
   const std::size_t stride = loop_ + 2 * kLanes;
   arena_.assign((kArrays + 2) * stride, 0.0);
   double** const arrays[kArrays] = {
-      &rest_,      &scale_,        &beside_,    &weight_,      &next_gain_,    &last_gain_,
-      &wave_gain_, &diagonal_,     &cosine_,    &sine_,        &off_,          &right_,
-      &unknown_,   &frozen_pivot_, &frozen_up_, &frozen_down_, &place_cosine_, &place_sine_,
-      &mass_,      &inverse_,      &work_};
+      &rest_,           &scale_,        &beside_,    &weight_,      &next_gain_,    &last_gain_,
+      &wave_gain_,      &diagonal_,     &cosine_,    &sine_,        &off_,          &right_,
+      &unknown_,        &frozen_pivot_, &frozen_up_, &frozen_down_, &place_cosine_, &place_sine_,
+      &mass_,           &inverse_,      &lead_x_,    &lead_y_,      &chord_x_,      &chord_y_,
+      &chord_diagonal_, &change_,       &work_};
   static_assert(std::size(arrays) == kArrays);
   for (std::size_t k = 0; k < kArrays && arrays[k]; ++k) {
     *arrays[k] = arena_.data() + kLanes + k * stride;
@@ -233,12 +235,15 @@ void PlanarChain::store(World& world, double time, const double* q, const double
   body.spin = rate[links_] * plane_.normal;
 }
 
-void PlanarChain::acceleration(double time, const double* q, const double* rate, double* out) {
+void PlanarChain::set_pull(double time) {
   pull_ = gravity_;
-  if (!rests(hold_, time)) {
-    pull_ -= hold_motion(*world_, hold_, time).acceleration;
-    if (!plane_.holds(pull_)) left_plane_ = pull_;
-  }
+  if (rests(hold_, time)) return;
+  pull_ -= hold_motion(*world_, hold_, time).acceleration;
+  if (!plane_.holds(pull_)) left_plane_ = pull_;
+}
+
+void PlanarChain::acceleration(double time, const double* q, const double* rate, double* out) {
+  set_pull(time);
   const double fx = pull_.dot(plane_.x), fy = pull_.dot(plane_.y);
   assemble(loop_, q, rate, beside_, weight_, cosine_, sine_, off_, right_);
   right_[1] += scale_[1] * (cosine_[0] * fx + sine_[0] * fy);

@@ -9,6 +9,9 @@
 
 namespace taut::direct {
 
+/// The cosines and sines of n angles.
+void directions(std::size_t n, const double* angle, double* cosine, double* sine);
+
 /// A chain of links whose first end is prescribed and whose last is free, bears a point mass, or is
 /// a body that hangs by one point and so is one more link (see Stick). Coordinates: the angles p_k
 /// of the links, k from 1, against the plane's x axis, p_0 = 0. With link k between the points k-1
@@ -46,6 +49,9 @@ class PlanarChain : public Motion {
   Energy energy(double time, const double* q, const double* rate) override;
   double gravity() const override { return gravity_.norm(); }
   double memory() const override { return memory_; }
+  bool leaps() const override { return true; }
+  double leap(double time, double h, double last, const double* q, const double* q_before,
+              double* q_next, double* turned) override;
   bool lift(const double* base, double* x, double* rate) const override;
   void across(const double*, double*) const override {}
   void freeze(double sigma_squared) override;
@@ -53,6 +59,7 @@ class PlanarChain : public Motion {
 
  private:
   void measure(const World& world);
+  void set_pull(double time);
   std::size_t particle(std::size_t k) const {
     return reversed_ ? range_.last - k : range_.first + k;
   }
@@ -83,6 +90,7 @@ class PlanarChain : public Motion {
   double* wave_gain_;                                   // 1/s^2 per unknown, see fastest()
   double *diagonal_, *cosine_, *sine_, *off_, *right_, *unknown_;  // unknowns: T / scale
   double *frozen_pivot_, *frozen_up_, *frozen_down_;
+  double *lead_x_, *lead_y_, *chord_x_, *chord_y_, *chord_diagonal_, *change_;  // of leap()
   double *place_cosine_, *place_sine_;  // of the links themselves
   double *mass_, *inverse_;             // of the points
   double* work_;                        // three arrays

@@ -1,0 +1,124 @@
+// A step of a chain in a plane by the places of its particles.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/methods/direct/planar_chain.h"
+#include "sim/methods/direct/tridiagonal.h"
+#include "sim/methods/direct/vector.h"
+
+namespace taut::direct {
+namespace {
+
+using Out = double* __restrict;
+using In = const double* __restrict;
+
+/// The gains of a link's change by the tensions of itself and of those beside it.
+struct Gains {
+  const double *next, *last, *wave;  // wave is twice its own
+};
+
+/// Where links that turn on from (bx, by) over (ux, uy) go under the tensions x.
+TAUT_VECTOR_CLONES
+void drift(std::size_t n, double ratio, double half_square, Gains gains, In x, In bx, In by, In ux,
+           In uy, Out ex, Out ey) {
+  In next = gains.next, last = gains.last, wave = gains.wave;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double after = half_square * next[k] * x[k + 1];
+    const double before = half_square * last[k] * x[k - 1];
+    const double own = 1 + ratio - half_square / 2 * wave[k] * x[k];
+    ex[k] = own * ux[k] - ratio * bx[k] + after * ux[k + 1] + before * ux[k - 1];
+    ey[k] = own * uy[k] - ratio * by[k] + after * uy[k + 1] + before * uy[k - 1];
+  }
+}
+
+/// Half way from u to e, and by how much those are too long there.
+TAUT_VECTOR_CLONES
+void chords(std::size_t n, double per_half_square, In weight, In ux, In uy, In ex, In ey, Out mx,
+            Out my, Out diagonal, Out right) {
+  for (std::size_t k = 0; k < n; ++k) {
+    mx[k] = (ux[k] + ex[k]) / 2;
+    my[k] = (uy[k] + ey[k]) / 2;
+    diagonal[k] = 2 * (mx[k] * mx[k] + my[k] * my[k]);
+    right[k] = weight[k] * per_half_square / 2 * (ex[k] * ex[k] + ey[k] * ey[k] - 1);
+  }
+}
+
+TAUT_VECTOR_CLONES
+void neighbours(std::size_t n, In beside, In mx, In my, Out off) {
+  for (std::size_t k = 0; k < n; ++k) {
+    off[k] = beside[k] * (mx[k] * mx[k + 1] + my[k] * my[k + 1]);
+  }
+}
+
+/// The angle whose tangent's quarter is t, |t| <= tan(pi/8): to 1e-6 at worst.
+[[gnu::always_inline]] inline double four_arctangents(double t) {
+  const double s = t * t;
+  constexpr double c3 = -4.0 / 3, c5 = 4.0 / 5, c7 = -4.0 / 7, c9 = 4.0 / 9, c11 = -4.0 / 11;
+  constexpr double c13 = 4.0 / 13;
+  return t * (4 + s * (c3 + s * (c5 + s * (c7 + s * (c9 + s * (c11 + s * c13))))));
+}
+
+struct Largest {
+  double change = 0, wave = 0;
+};
+
+/// Takes the changes of the tensions, which act along the chords; writes where the links turn to
+/// and by how much of that the changes turned them. Links turn by a right angle at most.
+TAUT_VECTOR_CLONES
+Largest turn(std::size_t n, double half_square, Gains gains, In change, In mx, In my, In ux, In uy,
+             In ex, In ey, In q, Out x, Out q_next, Out turned) {
+  In next = gains.next, last = gains.last, own = gains.wave;
+  double largest[kLanes] = {}, fastest[kLanes] = {};
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    for (std::size_t j = 0; j < kLanes; ++j) {
+      const std::size_t k = i + j;
+      const double after = half_square * next[k] * change[k + 1];
+      const double before = half_square * last[k] * change[k - 1];
+      const double at = half_square / 2 * own[k] * change[k];
+      const double dx = after * mx[k + 1] + before * mx[k - 1] - at * mx[k];
+      const double dy = after * my[k + 1] + before * my[k - 1] - at * my[k];
+      const double fx = ex[k] + dx, fy = ey[k] + dy;
+      const double square = dx * dx + dy * dy;
+      largest[j] = square > largest[j] ? square : largest[j];
+      x[k] += change[k];
+      const double wave = own[k] * x[k];
+      fastest[j] = wave > fastest[j] ? wave : fastest[j];
+      const double cross = ux[k] * fy - uy[k] * fx, dot = ux[k] * fx + uy[k] * fy;
+      const double half = cross / (std::sqrt(cross * cross + dot * dot) + (dot > 0 ? dot : 0));
+      q_next[k] = q[k] + four_arctangents(half / (1 + std::sqrt(1 + half * half)));
+      turned[k] = fx * dy - fy * dx;
+    }
+  }
+  return {std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3])),
+          std::max(std::max(fastest[0], fastest[1]), std::max(fastest[2], fastest[3]))};
+}
+
+}  // namespace
+
+/// With u the directions of the links and e where the tensions x lead them, each length holds if
+/// (e' - u) . (e' + u) = 0 for the new e'. With the chord m = (e + u) / 2 for that mean, and the
+/// changes of the tensions along the chords too, that is a system like that of the acceleration,
+/// linear, symmetric and positive definite.
+double PlanarChain::leap(double time, double h, double last, const double* q,
+                         const double* q_before, double* q_next, double* turned) {
+  set_pull(time);
+  const double half_square = h * (h + last) / 2;
+  const Gains gains{next_gain_, last_gain_, wave_gain_};
+  directions(loop_, q_before, cosine_, sine_);
+  directions(loop_, q, place_cosine_, place_sine_);
+  drift(loop_, h / last, half_square, gains, unknown_, cosine_, sine_, place_cosine_, place_sine_,
+        lead_x_, lead_y_);
+  lead_x_[1] += half_square * pull_.dot(plane_.x) / rest_[1];
+  lead_y_[1] += half_square * pull_.dot(plane_.y) / rest_[1];
+  chords(loop_, 1 / half_square, weight_, place_cosine_, place_sine_, lead_x_, lead_y_, chord_x_,
+         chord_y_, chord_diagonal_, right_);
+  neighbours(loop_, beside_, chord_x_, chord_y_, off_);
+  solve_tridiagonal(links_, chord_diagonal_ + 1, off_ + 1, right_ + 1, change_ + 1, work_);
+  const Largest most = turn(loop_, half_square, gains, change_, chord_x_, chord_y_, place_cosine_,
+                            place_sine_, lead_x_, lead_y_, q, unknown_, q_next, turned);
+  fastest_squared_ = most.wave;
+  for (std::size_t k = loop_; k < size(); ++k) q_next[k] = turned[k] = 0;
+  return std::sqrt(most.change);
+}
+
+}  // namespace taut::direct
