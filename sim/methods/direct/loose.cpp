@@ -31,7 +31,7 @@ constexpr double kFirstTurn = 0.1;
 
 /// It leaps where the fastest wave does not turn by more than the one (rad) in the first step; and
 /// until a step is too long in which a wave turns by the other. Leaps are stable up to 2.
-constexpr double kStiff = 6, kWaves = 2;
+constexpr double kStiff = 6, kWaves = 3;
 
 /// It has nothing to gain from steps so short (s) that waves allow the explicit methods the same.
 constexpr double kShort = 1e-4;

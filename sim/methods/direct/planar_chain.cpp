@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/methods/direct/scales.h"
 #include "sim/methods/direct/sincos.h"
@@ -12,7 +13,7 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 27;
+constexpr std::size_t kArrays = 32;
 
 using Out = double* __restrict;
 using In = const double* __restrict;
@@ -126,11 +127,12 @@ void PlanarChain::rebuild(const World& world, const Component& component, const 
   const std::size_t stride = loop_ + 2 * kLanes;
   arena_.assign((kArrays + 2) * stride, 0.0);
   double** const arrays[kArrays] = {
-      &rest_,           &scale_,        &beside_,    &weight_,      &next_gain_,    &last_gain_,
-      &wave_gain_,      &diagonal_,     &cosine_,    &sine_,        &off_,          &right_,
-      &unknown_,        &frozen_pivot_, &frozen_up_, &frozen_down_, &place_cosine_, &place_sine_,
-      &mass_,           &inverse_,      &lead_x_,    &lead_y_,      &chord_x_,      &chord_y_,
-      &chord_diagonal_, &change_,       &work_};
+      &rest_,      &scale_,        &beside_,     &weight_,      &next_gain_,    &last_gain_,
+      &wave_gain_, &diagonal_,     &cosine_,     &sine_,        &off_,          &right_,
+      &unknown_,   &frozen_pivot_, &frozen_up_,  &frozen_down_, &place_cosine_, &place_sine_,
+      &mass_,      &inverse_,      &leapt_from_, &now_x_,       &now_y_,        &past_x_,
+      &past_y_,    &lead_x_,       &lead_y_,     &chord_x_,     &chord_y_,      &chord_diagonal_,
+      &change_,    &work_};
   static_assert(std::size(arrays) == kArrays);
   for (std::size_t k = 0; k < kArrays && arrays[k]; ++k) {
     *arrays[k] = arena_.data() + kLanes + k * stride;
@@ -177,6 +179,7 @@ void PlanarChain::measure(const World& world) {
 void PlanarChain::load(const World& world, double, double* q, double* rate) {
   attach(world);
   left_plane_.reset();
+  leapt_from_[0] = std::numeric_limits<double>::quiet_NaN();  // nowhere
   gravity_ = world.gravity;
   std::fill_n(q, size(), 0.0);
   std::fill_n(rate, size(), 0.0);

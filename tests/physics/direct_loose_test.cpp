@@ -1,0 +1,119 @@
+// The direct method where errors of many per cents of the length will do.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "sim/methods/direct/components.h"
+#include "sim/methods/direct/leap.h"
+#include "sim/methods/direct/net.h"
+#include "sim/methods/direct/planar_chain.h"
+#include "sim/simulation.h"
+#include "sim/study/accuracy.h"
+#include "sim/study/run.h"
+
+namespace taut {
+namespace {
+
+constexpr double kFine = 1e-9;  // m
+
+double distance(const Vec3& a, const Vec3& b, double) {
+  return (a - b).norm();
+}
+
+/// A chain of five links, let go from the horizontal.
+World chain() {
+  World world;
+  Connector chain = straight_connector("chain", 0.5, 0.05, 6, Vec3::Zero(), Vec3::UnitX());
+  chain.holds = {{0, {}}};
+  world.connectors = {chain};
+  finish(world);
+  return world;
+}
+
+/// `world` after so many equal leaps to `until` (s).
+World leapt(World world, double until, int steps) {
+  direct::Division division;
+  direct::PlaneFinder planes;
+  const direct::Component part = division.divide(world)[0];
+  direct::PlanarChain motion;
+  motion.rebuild(world, part, planes.find(world, part, 0, Vec3::Zero()).value());
+  constexpr std::size_t kOwn = 6;
+  direct::Arena arena;
+  arena.reset(kOwn + direct::LeapStep::kArrays, motion.size());
+  direct::Slice q = arena.make(), rate = arena.make(), a = arena.make();
+  direct::Slice q_before = arena.make(), rate_before = arena.make();
+  direct::LeapStep leap;
+  leap.make_arrays(arena);
+  motion.load(world, 0, q.data(), rate.data());
+  motion.acceleration(0, q.data(), rate.data(), a.data());
+  const double h = until / steps;
+  for (std::size_t k = 0; k < q.size(); ++k)
+    q_before.data()[k] = q[k] - h * (rate[k] - h / 2 * a[k]);
+  for (int step = 0; step < steps; ++step) {
+    leap.attempt(motion, step * h, h, h, q.data(), q_before.data());
+    q_before.swap(q);
+    rate_before.swap(rate);
+    leap.accept(q, rate, rate_before);
+  }
+  motion.store(world, until, q.data(), rate.data());
+  return world;
+}
+
+// Of the places and, by the parabola through three of them, of the velocities.
+TEST(DirectLoose, LeapsAreOfSecondOrder) {
+  constexpr double kUntil = 0.2;  // s
+  const World world = chain();
+  Simulation exact(world, make_method("direct", {{"tolerance", kFine}}));
+  exact.advance_to(kUntil);
+  const Connector& end = exact.world().connectors[0];
+  const auto errors = [&](int steps) {
+    const Connector result = leapt(world, kUntil, steps).connectors[0];
+    double places = 0, speeds = 0;
+    for (std::size_t i = 0; i < result.position.size(); ++i) {
+      places += (result.position[i] - end.position[i]).squaredNorm();
+      speeds += (result.velocity[i] - end.velocity[i]).squaredNorm();
+    }
+    return std::pair(std::sqrt(places), std::sqrt(speeds));
+  };
+  const auto [place, speed] = errors(80);
+  const auto [finer_place, finer_speed] = errors(160);
+  EXPECT_NEAR(place / finer_place, 4, 0.8);
+  EXPECT_NEAR(speed / finer_speed, 4, 0.8);
+}
+
+struct Case {
+  std::string scene;
+  std::size_t frames;  // as far as it can be foretold
+};
+
+// Where links fold, are jerked, are pushed or swing under a load, nothing is handed over to careful
+// steps where a tenth of the length will do; and if more is asked for, there are fewer solves than
+// frames, and a tenth is delivered all the same.
+TEST(DirectLoose, TenthsOfTheLengthTakeFewerSolvesThanFrames) {
+  for (const auto& [name, frames] : {Case{"scenes/hard/falling_chain.toml", 15},
+                                     {"scenes/hard/whip.toml", 9},
+                                     {"tests/bench/upright.toml", 60},
+                                     {"scenes/bench_swing.toml", 60}}) {
+    SCOPED_TRACE(name);
+    const Scene scene = load_scene(TAUT_SOURCE_DIR "/" + name, false);
+    Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
+    problem.times.resize(frames + 1);
+    const double length = scene.world.connectors[0].length;
+    const auto exact = run(problem, {"direct", {{"tolerance", kFine}}}, 60);
+    for (const double share : {0.1, 0.3, 1.0}) {
+      const auto loose = run(problem, {"direct", {{"tolerance", share * length}}}, 60);
+      const double error = rms_error(loose.frames, exact.frames, problem.times.back(), distance);
+      EXPECT_LT(error, 0.1 * length) << share;
+      if (share > 0.1) {
+        EXPECT_LT(loose.counters.solves, frames) << share;
+      }
+      EXPECT_EQ(loose.counters.handed_over, 0u) << share;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace taut
