@@ -69,22 +69,17 @@ double correct(std::size_t n, double h, double last, Formula f, In known, In old
                Out x, Out y, Out q_next, Out rate_next) {
   const double per_beta = 1 / f.beta, ratio = h / last;
   const double ex = f.error * per_beta * per_beta, ey = 2 * f.error / (h + last) * per_beta;
-  double lanes[kLanes] = {};
-  for (std::size_t k = 0; k < n; k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const std::size_t i = k + lane;
-      const double change = std::abs(a[i]);
-      lanes[lane] = change > lanes[lane] ? change : lanes[lane];
-      q_next[i] = x[i] + a[i];
-      rate_next[i] = y[i] + per_beta * a[i];
-      a[i] = (rate_next[i] - known[i]) * per_beta;
-      const double more = a[i] - old[i];
-      const double bend = ey * (more - ratio * (old[i] - older[i]));
-      x[i] = ex * more + bend;
-      y[i] = per_beta * bend;
-    }
+  const double most = largest(n, a);
+  for (std::size_t i = 0; i < n; ++i) {
+    q_next[i] = x[i] + a[i];
+    rate_next[i] = y[i] + per_beta * a[i];
+    a[i] = (rate_next[i] - known[i]) * per_beta;
+    const double more = a[i] - old[i];
+    const double bend = ey * (more - ratio * (old[i] - older[i]));
+    x[i] = ex * more + bend;
+    y[i] = per_beta * bend;
   }
-  return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
+  return most;
 }
 
 }  // namespace

@@ -55,30 +55,21 @@ void weigh_gains(std::size_t n, In inverse, In rest, In scale, Out beside, Out n
 /// The angles' accelerations; returns the largest of wave_gain * |x|.
 TAUT_VECTOR_CLONES
 double turn(std::size_t n, In sine, In next_gain, In last_gain, In wave_gain, In x, Out out) {
-  double lanes[kLanes] = {};
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    for (std::size_t j = 0; j < kLanes; ++j) {
-      const std::size_t k = i + j;
-      out[k] = next_gain[k] * x[k + 1] * sine[k] - last_gain[k] * x[k - 1] * sine[k - 1];
-      const double wave = wave_gain[k] * std::abs(x[k]);
-      lanes[j] = wave > lanes[j] ? wave : lanes[j];
-    }
+  for (std::size_t k = 0; k < n; ++k) {
+    out[k] = next_gain[k] * x[k + 1] * sine[k] - last_gain[k] * x[k - 1] * sine[k - 1];
   }
-  return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
+  return largest(n, x, wave_gain);
 }
 
-/// Adds `change` to x; returns the largest |x| before.
+/// Adds `change` to x; returns whether every |x| was below `most`.
 TAUT_VECTOR_CLONES
-double add(std::size_t n, In change, Out x) {
-  double lanes[kLanes] = {};
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    for (std::size_t j = 0; j < kLanes; ++j) {
-      const double size = std::abs(x[i + j]);
-      lanes[j] = size > lanes[j] ? size : lanes[j];
-      x[i + j] += change[i + j];
-    }
+bool add(std::size_t n, double most, In change, Out x) {
+  std::size_t outside = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    outside |= std::abs(x[k]) < most ? 0 : 1;
+    x[k] += change[k];
   }
-  return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
+  return outside == 0;
 }
 
 }  // namespace
@@ -304,7 +295,7 @@ double PlanarChain::shift(const double* change) const {
 /// Angles know no edge of the chart, but more than half a turn is nonsense.
 bool PlanarChain::lift(const double* base, double* x, double*) const {
   constexpr double kHalfTurn = 3.141592653589793;
-  return add(loop_, base, x) < kHalfTurn;
+  return add(loop_, kHalfTurn, base, x);
 }
 
 /// sigma^2 - L, rows times l: L p is what the tensions make of a change p of the angles, as far as
