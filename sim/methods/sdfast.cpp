@@ -208,7 +208,8 @@ MethodInfo sdfast_method() {
         return std::make_unique<SdFast>(settings);
       },
       .missing = sdfast::models().empty() ? "not installed" : "",
-      .forms = {{"kane", {{"formulation", std::string("kane")}}}}};
+      .forms = {{"kane", {{"formulation", std::string("kane")}}},
+                {"ball", {{"joints", std::string("ball")}}}}};
 }
 
 }  // namespace taut
