@@ -7,14 +7,13 @@ namespace taut {
 namespace {
 
 /// Adds what is left of a hold's approach: a smoothstep from `lag` to nothing, of fifth order.
-PointMotion approached(const Attachment::Approach& approach, double time, PointMotion motion) {
-  if (time >= approach.arrival) return motion;
+void approach(const Attachment::Approach& approach, double time, PointMotion& motion) {
+  if (time >= approach.arrival) return;
   const double span = approach.arrival - approach.since;
   const double u = std::max(0.0, (time - approach.since) / span);
   motion.position += (1 - u * u * u * (10 - 15 * u + 6 * u * u)) * approach.lag;
   motion.velocity -= 30 * u * u * (1 - u) * (1 - u) / span * approach.lag;
   motion.acceleration -= 60 * u * (1 - u) * (1 - 2 * u) / (span * span) * approach.lag;
-  return motion;
 }
 
 }  // namespace
@@ -71,7 +70,8 @@ PointMotion hold_motion(const World& world, const Attachment& to, double time) {
     if (!body.driven()) return {body.point(to.point), body.point_velocity(to.point), Vec3::Zero()};
     motion = driven_frame(body, time).point(to.point);
   }
-  return approached(to.approach, time, motion);
+  approach(to.approach, time, motion);
+  return motion;
 }
 
 bool is_prescribed(const World& world, const Attachment& to) {
@@ -95,7 +95,7 @@ void place_held(World& world, double time) {
       if (hold.to.kind == Attachment::Kind::body) {  // driven bodies have just been placed
         const Body& body = world.bodies[hold.to.body];
         motion = {body.point(hold.to.point), body.point_velocity(hold.to.point), Vec3::Zero()};
-        if (body.driven()) motion = approached(hold.to.approach, time, motion);
+        if (body.driven()) approach(hold.to.approach, time, motion);
       } else {
         motion = hold_motion(world, hold.to, time);
       }

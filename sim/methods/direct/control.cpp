@@ -177,8 +177,10 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
   const bool fixed = control_.step > 0;
   const double tolerance = fixed ? kCoarsest * motion_->length() : control_.tolerance;
   const double start = time_;
-  std::ranges::copy(q_, q_audited_.begin());
-  std::ranges::copy(rate_, rate_audited_.begin());
+  if (closed_) {
+    std::ranges::copy(q_, q_audited_.begin());
+    std::ranges::copy(rate_, rate_audited_.begin());
+  }
   if (fixed) {
     advance_by_step(world, until, counters);
   } else {
@@ -202,11 +204,13 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
 /// they drive is not audited.
 bool Course::balances(double tolerance) {
   if (!closed_) return true;
-  tolerance = std::min(tolerance, kExplained * motion_->length());
   const Motion::Energy energy = motion_->energy(time_, q_.data(), rate_.data());
+  const double gained = energy.sum() - known_energy_;
+  if (gained <= 0) return true;
+  tolerance = std::min(tolerance, kExplained * motion_->length());
   const double speed = std::sqrt(2 * energy.kinetic / energy.mass);
   const double force = energy.mass * (motion_->gravity() + speed / motion_->memory());
-  return !(energy.sum() - known_energy_ > tolerance * force);
+  return !(gained > tolerance * force);
 }
 
 /// The state at `time` within the last step, by Hermite's polynomial. Accelerations count in it

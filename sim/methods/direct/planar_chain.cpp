@@ -72,6 +72,23 @@ bool add(std::size_t n, double most, In change, Out x) {
   return outside == 0;
 }
 
+/// The rows of freeze(), less what the first link hangs from; `down` begins a row before.
+void freeze_links(std::size_t n, double sigma_squared, In rest, In next_gain, In last_gain,
+                  In cosine, In unknown, Out pivot, Out up, Out down) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const double next = rest[k] * next_gain[k] * std::max(unknown[k + 1] * cosine[k], 0.0);
+    const double last = rest[k] * last_gain[k] * std::max(unknown[k - 1] * cosine[k - 1], 0.0);
+    pivot[k] = sigma_squared * rest[k] + next + last;
+    up[k] = next;
+    down[k] = last;
+  }
+}
+
+TAUT_VECTOR_CLONES
+void multiply(std::size_t n, In factor, Out x) {
+  for (std::size_t k = 0; k < n; ++k) x[k] *= factor[k];
+}
+
 }  // namespace
 
 TAUT_VECTOR_CLONES
@@ -301,23 +318,16 @@ bool PlanarChain::lift(const double* base, double* x, double*) const {
 /// sigma^2 - L, rows times l: L p is what the tensions make of a change p of the angles, as far as
 /// they pull and the links do not fold.
 void PlanarChain::freeze(double sigma_squared) {
-  const auto pull = [&](std::size_t gain_of, const double* gain, std::size_t of, std::size_t c) {
-    return rest_[gain_of] * gain[gain_of] * std::max(unknown_[of] * cosine_[c], 0.0);
-  };
   const double first =
       std::max(cosine_[0] * pull_.dot(plane_.x) + sine_[0] * pull_.dot(plane_.y), 0.0);
-  for (std::size_t k = 1; k <= links_; ++k) {
-    const double next = k < links_ ? pull(k, next_gain_, k + 1, k) : 0;
-    const double last = k > 1 ? pull(k, last_gain_, k - 1, k - 1) : first;
-    frozen_pivot_[k] = sigma_squared * rest_[k] + next + last;
-    frozen_up_[k] = next;
-    if (k > 1) frozen_down_[k - 1] = last;
-  }
+  freeze_links(links_, sigma_squared, rest_ + 1, next_gain_ + 1, last_gain_ + 1, cosine_ + 1,
+               unknown_ + 1, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_);
+  frozen_pivot_[1] += first;
   factor_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1);
 }
 
 void PlanarChain::solve_frozen(double* x) const {
-  for (std::size_t k = 1; k <= links_; ++k) x[k] *= rest_[k];
+  multiply(links_, rest_ + 1, x + 1);
   solve_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1, 1, 0, x + 1);
 }
 
