@@ -240,7 +240,7 @@ void Links::freeze(double sigma_squared) {
 
 void Links::solve_frozen(double* x) const {
   for (int c = 0; c < components_; ++c) {
-    double* column = x + begin(c);
+    double* __restrict column = x + begin(c);
     for (std::size_t i = 0; i < count_; ++i) column[i] *= rest_[i];
   }
   solve_twisted(count_, frozen_pivot_, frozen_up_, frozen_down_, components_, stride_, x + kPad);

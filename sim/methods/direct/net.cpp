@@ -12,7 +12,8 @@ Quat quat(const double* c) {
 
 }  // namespace
 
-void Net::read_bodies(const double* q, const double* rate) {
+/// How the bodies lie and spin.
+void Net::turn_bodies(const double* q, const double* rate) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Part& part = bodies_[b];
     const Quat rotation = quat(q + quaternion(b));
@@ -20,12 +21,18 @@ void Net::read_bodies(const double* q, const double* rate) {
     part.spin =
         2 / rotation.squaredNorm() * (quat(rate + quaternion(b)) * rotation.conjugate()).vec();
     part.rotation = rotation.normalized().toRotationMatrix();
+    for (const std::size_t e : ends_of(part)) ends_[e].arm = part.rotation * ends_[e].local_arm;
+  }
+}
+
+/// What of the bodies' accelerations no tension causes, once they are turned.
+void Net::lead_bodies() {
+  for (Part& part : bodies_) {
     part.world_inverse_inertia = part.rotation * part.inverse_inertia * part.rotation.transpose();
     const Vec3 momentum = part.rotation * (part.inertia * (part.rotation.transpose() * part.spin));
     part.spin_rate = part.world_inverse_inertia * momentum.cross(part.spin);
     for (const std::size_t e : ends_of(part)) {
       End& end = ends_[e];
-      end.arm = part.rotation * end.local_arm;
       end.lead = part.spin.cross(part.spin.cross(end.arm)) + part.spin_rate.cross(end.arm);
     }
   }
@@ -137,7 +144,8 @@ double Net::work() const {
 }
 
 void Net::acceleration(double time, const double* q, const double* rate, double* out) {
-  read_bodies(q, rate);
+  turn_bodies(q, rate);
+  lead_bodies();
   read_holds(time);
   links_.assemble(q, rate);
   add_ends(q);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/LU>
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -123,7 +122,8 @@ class Net : public Motion {
   void couple();
 
   // The tensions' system (net.cpp).
-  void read_bodies(const double* q, const double* rate);
+  void turn_bodies(const double* q, const double* rate);
+  void lead_bodies();
   void read_holds(double time);
   void add_ends(const double* q);
   void add_couplings(const double* q);
@@ -148,23 +148,21 @@ class Net : public Motion {
     return {body_ends_.data() + part.first_end, part.ends};
   }
   Vec3 at(const double* array, std::size_t link) const {
-    Vec3 sum = Vec3::Zero();
-    for (int c = 0; c < links_.components(); ++c) {
-      sum += array[links_.begin(c) + link] * axes_[static_cast<std::size_t>(c)];
-    }
-    return sum;
+    const double *x = array + links_.begin(0) + link, *y = x + links_.stride();
+    if (plane_) return *x * plane_->x + *y * plane_->y;
+    return {*x, *y, y[links_.stride()]};
   }
   void add(double* array, std::size_t link, const Vec3& v) const {
-    for (int c = 0; c < links_.components(); ++c) {
-      array[links_.begin(c) + link] += v.dot(axes_[static_cast<std::size_t>(c)]);
-    }
+    double *x = array + links_.begin(0) + link, *y = x + links_.stride();
+    *x += plane_ ? v.dot(plane_->x) : v.x();
+    *y += plane_ ? v.dot(plane_->y) : v.y();
+    if (!plane_) y[links_.stride()] += v.z();
   }
   std::size_t quaternion(std::size_t body) const { return links_.end() + 4 * body; }
 
   const World* world_ = nullptr;
   std::optional<Plane> plane_;
   std::optional<Vec3> left_plane_;
-  std::array<Vec3, 3> axes_;                   // of the directions' components
   std::vector<std::size_t> part_of_, bar_of_;  // by World::bodies: bodies_, bars_
   std::vector<Span> spans_;                    // each one's first end is placed by those before it
   std::vector<End> ends_;

@@ -120,8 +120,6 @@ void Net::rebuild(const World& world, const Component& component,
   bars_.clear();
   bodies_.clear();
   mass_ = 0;
-  axes_ = plane ? std::array<Vec3, 3>{plane->x, plane->y, plane->normal}
-                : std::array<Vec3, 3>{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   for (const std::size_t b : component.bodies) {
     const MassProperties& m = world.bodies[b].mass_properties;
     mass_ += m.mass;
@@ -241,6 +239,11 @@ void Net::measure_links(const World& world) {
   std::vector<Links::Link>& links = measured_;
   links.clear();
   point_mass_.clear();
+  if (!spans_.empty()) {
+    const std::size_t count = spans_.back().offset + spans_.back().links;
+    links.reserve(count);
+    point_mass_.reserve(count + spans_.size());
+  }
   length_ = 0;
   for (const Span& span : spans_) {
     const Connector& connector = world.connectors[span.range.connector];

@@ -47,7 +47,9 @@ void Net::load(const World& world, double time, double* q, double* rate) {
   };
   for (const Span& span : spans_) {
     const Connector& connector = world.connectors[span.range.connector];
-    Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized() : axes_[0];
+    Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized()
+             : plane_                 ? plane_->x
+                                      : Vec3::UnitX();
     const std::size_t offset = span.offset + (span.first_bar != kNone ? 1 : 0);
     for (std::size_t k = 0; k + 1 < span.particles(); ++k) {
       const std::size_t i = offset + k, a = span.particle(k), b = span.particle(k + 1);
@@ -117,7 +119,7 @@ Net::Point Net::start_of(const Span& span, double time) const {
 
 /// Fills points_, centres_ and bar_centres_: everything's place and velocity at `time`.
 void Net::place(double time, const double* q, const double* rate) {
-  read_bodies(q, rate);
+  turn_bodies(q, rate);
   if (floats_ && !bodies_.empty()) centres_[0] = {};
   std::size_t p = 0;
   for (const Span& span : spans_) {
@@ -273,7 +275,8 @@ double Net::measure_gaps(double time, const double* q, const double* rate) {
 /// impulses along the links, by the system of the tensions. Adds both to `array` (q or its rate).
 void Net::spread(const double* q, Vec3 Point::*gap, double* array) {
   std::fill(still_.begin(), still_.end(), 0.0);
-  read_bodies(q, still_.data());
+  turn_bodies(q, still_.data());
+  lead_bodies();
   for (End& end : ends_) end.lead = Vec3::Zero();
   links_.assemble(q, still_.data());
   add_ends(q);
