@@ -120,8 +120,7 @@ BackwardStep::Outcome BackwardStep::attempt(Motion& motion, double time, double 
   const double correction = correct(size, h, last, f, known_.data(), older_.data(), old_.data(), a,
                                     x, y, q_.data(), rate_.data());
   if (!motion.lift(q, q_.data(), rate_.data())) return {kOutside, kOutside};
-  motion.solve_frozen(x);
-  motion.solve_frozen(y);
+  motion.solve_frozen(x, y);
   return {motion.error(x, y), correction};
 }
 

@@ -29,9 +29,12 @@ constexpr double kSafety = 0.8, kMostGrowth = 2, kMostShrink = 0.3;
 /// The first step turns a link by about so much (rad).
 constexpr double kFirstTurn = 0.1;
 
-/// It leaps where the fastest wave does not turn by more than the one (rad) in the first step; and
-/// until a step is too long in which a wave turns by the other. Leaps are stable up to 2.
-constexpr double kStiff = 6, kWaves = 3;
+/// It begins with leaps where the fastest wave does not turn by more than this (rad) in a step.
+constexpr double kStiff = 6;
+
+/// They are stable while it turns by 2, but it has to grow; in none does it turn by more than the
+/// one, and where that is too long while it turned by the other, BDF2 goes on.
+constexpr double kMostTurned = 3.5, kStiffened = 3.4;
 
 /// It has nothing to gain from steps so short (s) that waves allow the explicit methods the same.
 constexpr double kShort = 1e-4;
@@ -56,7 +59,8 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
       before_ = time_ - step_;
       looks_back_ = true;
     }
-    const double h = std::min(step_, longest_);
+    const bool waves = leaps_ && !fresh_;  // else those of links that push count, too
+    const double h = std::min({step_, longest_, waves ? kMostTurned / fastest_ : longest_});
     if (h < kShort && h < stable_step(adams)) {
       counters.handed_over += 1;
       loose_ = rough_ = false;
@@ -84,7 +88,7 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
     } else {
       counters.rejected += 1;
     }
-    const bool stiff = leaps_ && !(excess <= 1) && !(h * fastest_ <= kWaves);
+    const bool stiff = leaps_ && !(excess <= 1) && !(h * fastest_ <= kStiffened);
     if (stiff) leaps_ = false;
     looks_back_ = !stiff && (good || leaps_);
   }

@@ -78,6 +78,11 @@ class Motion {
   /// Factors sigma_squared - L, L the stiff part of the derivative of the last acceleration by q.
   virtual void freeze(double sigma_squared) = 0;
   virtual void solve_frozen(double* x) const = 0;
+  /// For two right sides, of which the second lies behind the first.
+  virtual void solve_frozen(double* x, double* y) const {
+    solve_frozen(x);
+    solve_frozen(y);
+  }
 };
 
 }  // namespace taut::direct

@@ -58,6 +58,7 @@ class Net : public Motion {
   bool lift(const double* base, double* x, double* rate) const override;
   void across(const double* base, double* x) const override;
   void freeze(double sigma_squared) override;
+  using Motion::solve_frozen;
   void solve_frozen(double* x) const override;
 
  private:

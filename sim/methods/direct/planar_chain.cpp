@@ -13,7 +13,7 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 32;
+constexpr std::size_t kArrays = 35;
 
 using Out = double* __restrict;
 using In = const double* __restrict;
@@ -135,12 +135,12 @@ void PlanarChain::rebuild(const World& world, const Component& component, const 
   const std::size_t stride = loop_ + 2 * kLanes;
   arena_.assign((kArrays + 2) * stride, 0.0);
   double** const arrays[kArrays] = {
-      &rest_,      &scale_,        &beside_,     &weight_,      &next_gain_,    &last_gain_,
-      &wave_gain_, &diagonal_,     &cosine_,     &sine_,        &off_,          &right_,
-      &unknown_,   &frozen_pivot_, &frozen_up_,  &frozen_down_, &place_cosine_, &place_sine_,
-      &mass_,      &inverse_,      &leapt_from_, &now_x_,       &now_y_,        &past_x_,
-      &past_y_,    &lead_x_,       &lead_y_,     &chord_x_,     &chord_y_,      &chord_diagonal_,
-      &change_,    &work_};
+      &rest_,      &scale_,        &beside_,         &weight_,      &next_gain_,    &last_gain_,
+      &wave_gain_, &diagonal_,     &cosine_,         &sine_,        &off_,          &right_,
+      &unknown_,   &frozen_pivot_, &frozen_up_,      &frozen_down_, &place_cosine_, &place_sine_,
+      &mass_,      &inverse_,      &leapt_from_,     &leapt_to_,    &next_x_,       &next_y_,
+      &now_x_,     &now_y_,        &past_x_,         &past_y_,      &lead_x_,       &lead_y_,
+      &chord_x_,   &chord_y_,      &chord_diagonal_, &change_,      &work_};
   static_assert(std::size(arrays) == kArrays);
   for (std::size_t k = 0; k < kArrays && arrays[k]; ++k) {
     *arrays[k] = arena_.data() + kLanes + k * stride;
@@ -187,7 +187,7 @@ void PlanarChain::measure(const World& world) {
 void PlanarChain::load(const World& world, double, double* q, double* rate) {
   attach(world);
   left_plane_.reset();
-  leapt_from_[0] = std::numeric_limits<double>::quiet_NaN();  // nowhere
+  leapt_to_[0] = std::numeric_limits<double>::quiet_NaN();  // nowhere
   gravity_ = world.gravity;
   std::fill_n(q, size(), 0.0);
   std::fill_n(rate, size(), 0.0);
@@ -329,6 +329,12 @@ void PlanarChain::freeze(double sigma_squared) {
 void PlanarChain::solve_frozen(double* x) const {
   multiply(links_, rest_ + 1, x + 1);
   solve_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1, 1, 0, x + 1);
+}
+
+void PlanarChain::solve_frozen(double* x, double* y) const {
+  for (double* right : {x, y}) multiply(links_, rest_ + 1, right + 1);
+  const auto stride = static_cast<std::size_t>(y - x);
+  solve_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1, 2, stride, x + 1);
 }
 
 }  // namespace taut::direct

@@ -56,6 +56,7 @@ class PlanarChain : public Motion {
   void across(const double*, double*) const override {}
   void freeze(double sigma_squared) override;
   void solve_frozen(double* x) const override;
+  void solve_frozen(double* x, double* y) const override;
 
  private:
   void measure(const World& world);
@@ -90,7 +91,8 @@ class PlanarChain : public Motion {
   double* wave_gain_;                                   // 1/s^2 per unknown, see fastest()
   double *diagonal_, *cosine_, *sine_, *off_, *right_, *unknown_;  // unknowns: T / scale
   double *frozen_pivot_, *frozen_up_, *frozen_down_;
-  double *leapt_from_, *now_x_, *now_y_, *past_x_, *past_y_;  // of leap(), kept for the next one
+  double *leapt_from_, *leapt_to_;  // angles of the last leap(), and cosines and sines:
+  double *past_x_, *past_y_, *now_x_, *now_y_, *next_x_, *next_y_;
   double *lead_x_, *lead_y_, *chord_x_, *chord_y_, *chord_diagonal_, *change_;  // of leap()
   double *place_cosine_, *place_sine_;  // of the links themselves
   double *mass_, *inverse_;             // of the points

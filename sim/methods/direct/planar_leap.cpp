@@ -1,6 +1,7 @@
 // A step of a chain in a plane by the places of its particles.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "sim/methods/direct/planar_chain.h"
 #include "sim/methods/direct/tridiagonal.h"
@@ -70,7 +71,7 @@ struct Largest {
 /// and by how much of that the changes turned them. Links turn by a right angle at most.
 TAUT_VECTOR_CLONES
 Largest turn(std::size_t n, double half_square, Gains gains, In change, In mx, In my, In ux, In uy,
-             In ex, In ey, In q, Out x, Out q_next, Out turned) {
+             In ex, In ey, In q, Out x, Out q_next, Out next_x, Out next_y, Out turned) {
   In next = gains.next, last = gains.last, own = gains.wave;
   double largest[kLanes] = {}, fastest[kLanes] = {};
   for (std::size_t i = 0; i < n; i += kLanes) {
@@ -88,7 +89,9 @@ Largest turn(std::size_t n, double half_square, Gains gains, In change, In mx, I
       const double wave = own[k] * x[k];
       fastest[j] = wave > fastest[j] ? wave : fastest[j];
       const double cross = ux[k] * fy - uy[k] * fx, dot = ux[k] * fx + uy[k] * fy;
-      const double length = std::sqrt(cross * cross + dot * dot);
+      const double length = std::sqrt(cross * cross + dot * dot), per_length = 1 / length;
+      next_x[k] = fx * per_length;
+      next_y[k] = fy * per_length;
       q_next[k] = q[k] + two_arctangents(cross / (length + (dot > 0 ? dot : 0)));
       turned[k] = fx * dy - fy * dx;
     }
@@ -108,14 +111,16 @@ double PlanarChain::leap(double time, double h, double last, const double* q,
   set_pull(time);
   const double half_square = h * (h + last) / 2;
   const Gains gains{next_gain_, last_gain_, wave_gain_};
-  if (std::equal(q_before, q_before + loop_, leapt_from_)) {
-    std::swap(now_x_, past_x_);
-    std::swap(now_y_, past_y_);
+  const auto same = [&](const double* a, const double* b) {
+    return std::memcmp(a, b, loop_ * sizeof(double)) == 0;
+  };
+  if (same(q, leapt_to_) && same(q_before, leapt_from_)) {
+    std::swap(past_x_, now_x_), std::swap(now_x_, next_x_);
+    std::swap(past_y_, now_y_), std::swap(now_y_, next_y_);
   } else {
     directions(loop_, q_before, past_x_, past_y_);
+    directions(loop_, q, now_x_, now_y_);
   }
-  directions(loop_, q, now_x_, now_y_);
-  std::copy_n(q, loop_, leapt_from_);
   drift(loop_, h / last, half_square, gains, unknown_, past_x_, past_y_, now_x_, now_y_, lead_x_,
         lead_y_);
   lead_x_[1] += half_square * pull_.dot(plane_.x) / rest_[1];
@@ -125,7 +130,9 @@ double PlanarChain::leap(double time, double h, double last, const double* q,
   neighbours(loop_, beside_, chord_x_, chord_y_, off_);
   solve_tridiagonal(links_, chord_diagonal_ + 1, off_ + 1, right_ + 1, change_ + 1, work_);
   const Largest most = turn(loop_, half_square, gains, change_, chord_x_, chord_y_, now_x_, now_y_,
-                            lead_x_, lead_y_, q, unknown_, q_next, turned);
+                            lead_x_, lead_y_, q, unknown_, q_next, next_x_, next_y_, turned);
+  std::copy_n(q, loop_, leapt_from_);
+  std::copy_n(q_next, loop_, leapt_to_);
   fastest_squared_ = most.wave;
   for (std::size_t k = loop_; k < size(); ++k) q_next[k] = turned[k] = 0;
   return std::sqrt(most.change);
