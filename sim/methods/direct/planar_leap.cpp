@@ -64,40 +64,33 @@ void neighbours(std::size_t n, In beside, In mx, In my, Out off) {
 }
 
 struct Largest {
-  double change = 0, wave = 0;
+  double change = 0, wave = 0;  // squares
 };
 
 /// Takes the changes of the tensions, which act along the chords; writes where the links turn to
 /// and by how much of that the changes turned them. Links turn by a right angle at most.
 TAUT_VECTOR_CLONES
 Largest turn(std::size_t n, double half_square, Gains gains, In change, In mx, In my, In ux, In uy,
-             In ex, In ey, In q, Out x, Out q_next, Out next_x, Out next_y, Out turned) {
-  In next = gains.next, last = gains.last, own = gains.wave;
-  double largest[kLanes] = {}, fastest[kLanes] = {};
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    for (std::size_t j = 0; j < kLanes; ++j) {
-      const std::size_t k = i + j;
-      const double after = half_square * next[k] * change[k + 1];
-      const double before = half_square * last[k] * change[k - 1];
-      const double at = half_square / 2 * own[k] * change[k];
-      const double dx = after * mx[k + 1] + before * mx[k - 1] - at * mx[k];
-      const double dy = after * my[k + 1] + before * my[k - 1] - at * my[k];
-      const double fx = ex[k] + dx, fy = ey[k] + dy;
-      const double square = dx * dx + dy * dy;
-      largest[j] = square > largest[j] ? square : largest[j];
-      x[k] += change[k];
-      const double wave = own[k] * x[k];
-      fastest[j] = wave > fastest[j] ? wave : fastest[j];
-      const double cross = ux[k] * fy - uy[k] * fx, dot = ux[k] * fx + uy[k] * fy;
-      const double length = std::sqrt(cross * cross + dot * dot), per_length = 1 / length;
-      next_x[k] = fx * per_length;
-      next_y[k] = fy * per_length;
-      q_next[k] = q[k] + two_arctangents(cross / (length + (dot > 0 ? dot : 0)));
-      turned[k] = fx * dy - fy * dx;
-    }
+             Out ex, Out ey, In q, Out x, Out q_next, Out next_x, Out next_y, Out turned) {
+  In next = gains.next, last = gains.last, wave = gains.wave;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double after = half_square * next[k] * change[k + 1];
+    const double before = half_square * last[k] * change[k - 1];
+    const double own = half_square / 2 * wave[k] * change[k];
+    const double dx = after * mx[k + 1] + before * mx[k - 1] - own * mx[k];
+    const double dy = after * my[k + 1] + before * my[k - 1] - own * my[k];
+    const double fx = ex[k] + dx, fy = ey[k] + dy;
+    const double cross = ux[k] * fy - uy[k] * fx, dot = ux[k] * fx + uy[k] * fy;
+    const double length = std::sqrt(cross * cross + dot * dot), per_length = 1 / length;
+    next_x[k] = fx * per_length;
+    next_y[k] = fy * per_length;
+    q_next[k] = q[k] + two_arctangents(cross / (length + (dot > 0 ? dot : 0)));
+    turned[k] = fx * dy - fy * dx;
+    x[k] += change[k];
+    ex[k] = dx * dx + dy * dy;
+    ey[k] = x[k] > 0 ? x[k] : 0;  // only what pulls makes waves
   }
-  return {std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3])),
-          std::max(std::max(fastest[0], fastest[1]), std::max(fastest[2], fastest[3]))};
+  return {largest(n, ex), largest(n, ey, wave)};
 }
 
 }  // namespace
