@@ -115,5 +115,24 @@ TEST(DirectLoose, TenthsOfTheLengthTakeFewerSolvesThanFrames) {
   }
 }
 
+// Links that are pushed buckle, one sooner than the other, which long steps of high order have to
+// follow all the same: leaps deliver what is asked for with fewer solves than the four a frame of
+// Runge and Kutta.
+TEST(DirectLoose, PercentsOfTheLengthAreLeaptWhereLinksPush) {
+  constexpr std::size_t kFrames = 60;
+  const Scene scene = load_scene(TAUT_SOURCE_DIR "/tests/bench/upright.toml", false);
+  Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
+  problem.times.resize(kFrames + 1);
+  const double length = scene.world.connectors[0].length;
+  const auto exact = run(problem, {"direct", {{"tolerance", kFine}}}, 60);
+  for (const double share : {0.02, 0.01, 0.005}) {
+    const auto loose = run(problem, {"direct", {{"tolerance", share * length}}}, 60);
+    const double error = rms_error(loose.frames, exact.frames, problem.times.back(), distance);
+    EXPECT_LT(error, 1.5 * share * length) << share;
+    EXPECT_LT(loose.counters.solves, 4 * kFrames) << share;
+    EXPECT_EQ(loose.counters.handed_over, 0u) << share;
+  }
+}
+
 }  // namespace
 }  // namespace taut

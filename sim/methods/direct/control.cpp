@@ -35,6 +35,9 @@ constexpr double kRough = 0.03;
 /// From here on BDF2 or leaps take all steps.
 constexpr double kLoose = 0.06;
 
+/// From here on leaps take all steps where links push.
+constexpr double kPushed = 0.004;
+
 /// A rough course hands over where that makes it so many times as fast.
 constexpr double kWorthwhile = 3;
 
@@ -139,16 +142,17 @@ void Course::load(const World& world) {
   motion_->project(time_, q_.data(), rate_.data());
   const double share = control_.step == 0 ? control_.tolerance / motion_->length() : 0;
   rough_ = share >= kRough;
-  loose_ = share >= kLoose;
+  pushed_ = !rough_ && share >= kPushed && closed_ && motion_->leaps();  // until that is known
+  loose_ = share >= kLoose || pushed_;
+  fresh_ = false;
   begin();
   if (closed_) known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
 }
 
 /// Knows nothing but the state.
 void Course::begin() {
-  fresh_ = false;
   rung_ = careful;
-  step_ = rough_ ? 0 : kFirstStep;
+  step_ = rough_ || loose_ ? 0 : kFirstStep;
   looks_back_ = false;
   rests_.fill({0, kShortestRest});
 }
@@ -192,7 +196,7 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
   time_ = start;
   q_.swap(q_audited_);
   rate_.swap(rate_audited_);
-  rough_ = loose_ = false;
+  rough_ = loose_ = pushed_ = fresh_ = false;
   begin();
   advance_by_tolerance(world, until, kFiner * tolerance, counters);
   known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();

@@ -34,7 +34,8 @@ struct Control {
 /// steps that the rung below could take as well (in slack, under pushing links, in whips), it hands
 /// over to that. Where errors of per cents will do, waves do not count: the implicit one takes all
 /// steps but those from a start that they do not stiffen yet. Where still larger ones will do, BDF2
-/// takes all steps for as long as they are long or, from a start that waves do not stiffen, leaps.
+/// takes all steps for as long as they are long or, from a start that waves do not stiffen, leaps;
+/// these are worth it for errors of one per cent, too, where links push and none pulls.
 class Course {
  public:
   explicit Course(const Control& control) : control_(control) {}
@@ -113,7 +114,8 @@ class Course {
   bool closed_ = false;             // nothing does work on it but gravity
   bool rough_ = false;              // an error of per cents of the length will do
   bool loose_ = false;              // so will a larger one, and BDF2 or leaps are worth it
-  bool leaps_ = false;              // these for now
+  bool pushed_ = false;             // leaps are worth it, and nothing else: its links push
+  bool leaps_ = false;              // leaps for now
   bool looks_back_ = false;         // there is a step to look back to
   double known_energy_ = 0;         // J, where it was loaded
   Slice q_audited_, rate_audited_;

@@ -8,8 +8,9 @@
 namespace taut::direct {
 namespace {
 
-/// The error that a step may make, in tolerances: so much per second, and at most so much.
-constexpr double kRate = 30, kShare = 0.03;  // 1/s, 1
+/// The error that a step may make, in tolerances: so much per second, and at most so much; less
+/// where the tolerance is small.
+constexpr double kRate = 30, kShare = 0.03, kSmallShare = 0.01;  // 1/s, 1, 1
 
 /// Nor may it exceed this share of a link, or links fold.
 constexpr double kRoughness = 0.3;
@@ -19,6 +20,9 @@ constexpr double kMostCorrected = 0.1;
 
 /// Of a link's length, a leap may be off by so much before its lengths are mended.
 constexpr double kMostMended = 0.2;
+
+/// And by so many times the share of the length that the tolerance is, where that is small.
+constexpr double kMendedPerShare = 0.7;
 
 /// A step is done again only where its error is so many times what it may be; in any case the next
 /// one is shorter.
@@ -51,6 +55,10 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
     if (!looks_back_) {
       refresh(counters);
       if (step_ == 0) {
+        if (pushed_ && !motion_->pushes()) {
+          loose_ = pushed_ = false;
+          return begin();
+        }
         step_ = first_step(kFirstTurn);
         leaps_ = closed_ && motion_->leaps() && step_ * fastest_ < kStiff;
       }
@@ -61,9 +69,9 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
     }
     const bool waves = leaps_ && !fresh_;  // else those of links that push count, too
     const double h = std::min({step_, longest_, waves ? kMostTurned / fastest_ : longest_});
-    if (h < kShort && h < stable_step(adams)) {
+    if ((pushed_ && !leaps_) || (h < kShort && h < stable_step(adams))) {
       counters.handed_over += 1;
-      loose_ = rough_ = false;
+      loose_ = rough_ = pushed_ = false;
       return begin();
     }
     const double excess = attempt_loosely(h, tolerance, counters);
@@ -97,14 +105,15 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
 /// Tries a step of h. Returns its error as a share of the one allowed, or that of what its one
 /// solve had to correct.
 double Course::attempt_loosely(double h, double tolerance, Counters& counters) {
-  const double allowed =
-      std::min(std::min(kRate * h, kShare) * tolerance, kRoughness * motion_->shortest());
+  const double share = std::min(kRate * h, pushed_ ? kSmallShare : kShare);
+  const double allowed = std::min(share * tolerance, kRoughness * motion_->shortest());
   const double last = time_ - before_;
   double excess = 0;
   if (leaps_) {
     const auto [error, correction] =
         leap_.attempt(*motion_, time_, h, last, q_.data(), q_before_.data());
-    excess = std::max(error / allowed, correction / kMostMended);
+    const double mended = pushed_ ? kMendedPerShare * tolerance / motion_->length() : kMostMended;
+    excess = std::max(error / allowed, correction / mended);
   } else {
     const auto [error, correction] = backward_.attempt(
         *motion_, time_, h, last, q_.data(), rate_.data(), q_before_.data(), rate_before_.data());

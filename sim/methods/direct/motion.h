@@ -60,6 +60,8 @@ class Motion {
 
   /// Whether there is leap().
   virtual bool leaps() const { return false; }
+  /// Whether, by the last tensions, links push and none pulls.
+  virtual bool pushes() const { return false; }
   /// From q at `time` (s), to which a step of `last` (s) from q_before led, writes where a step of
   /// h leads on, by the second differences of places under the last tensions and what lengths take
   /// to hold; into `turned` by how much those turned the directions. Returns the most (of a length)

@@ -95,6 +95,11 @@ Largest turn(std::size_t n, double half_square, Gains gains, In change, In mx, I
 
 }  // namespace
 
+bool PlanarChain::pushes() const {
+  return std::all_of(unknown_ + 1, unknown_ + links_ + 1,
+                     [](double tension) { return tension < 0; });
+}
+
 /// With u the directions of the links and e where the tensions x lead them, each length holds if
 /// (e' - u) . (e' + u) = 0 for the new e'. With the chord m = (e + u) / 2 for that mean, and the
 /// changes of the tensions along the chords too, that is a system like that of the acceleration,
