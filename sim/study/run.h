@@ -41,8 +41,8 @@ struct Run {
 /// Settings must be valid: throws std::invalid_argument.
 Run run(const Problem& problem, const Candidate& candidate, double cpu_cap);
 
-/// Runs `candidate` and records nothing: the CPU time (s) of stepping alone, of a run after another
-/// where it takes less than 2 ms. Throws Diverged.
+/// Runs `candidate` and records nothing: the CPU time (s) of stepping alone; where that is less
+/// than 2 ms, the median of so many runs more. Throws Diverged.
 double time_run(const Problem& problem, const Candidate& candidate);
 
 /// CPU time (s) of the calling thread.
