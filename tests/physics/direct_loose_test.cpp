@@ -96,7 +96,8 @@ TEST(DirectLoose, TenthsOfTheLengthTakeFewerSolvesThanFrames) {
   for (const auto& [name, frames] : {Case{"scenes/hard/falling_chain.toml", 15},
                                      {"scenes/hard/whip.toml", 9},
                                      {"tests/bench/upright.toml", 60},
-                                     {"scenes/bench_swing.toml", 60}}) {
+                                     {"scenes/bench_swing.toml", 60},
+                                     {"scenes/bench_heavy.toml", 60}}) {
     SCOPED_TRACE(name);
     const Scene scene = load_scene(TAUT_SOURCE_DIR "/" + name, false);
     Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};

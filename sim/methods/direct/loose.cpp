@@ -33,7 +33,8 @@ constexpr double kSafety = 0.8, kMostGrowth = 2, kMostShrink = 0.3;
 /// The first step turns a link by about so much (rad).
 constexpr double kFirstTurn = 0.1;
 
-/// It begins with leaps where the fastest wave does not turn by more than this (rad) in a step.
+/// It begins with leaps where the fastest wave, now or hanging, turns by less than this (rad) in a
+/// step.
 constexpr double kStiff = 6;
 
 /// They are stable while it turns by 2, but it has to grow; in none does it turn by more than the
@@ -60,7 +61,8 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
           return begin();
         }
         step_ = first_step(kFirstTurn);
-        leaps_ = closed_ && motion_->leaps() && step_ * fastest_ < kStiff;
+        leaps_ = closed_ && motion_->leaps() &&
+                 step_ * std::max(fastest_, motion_->fastest_hanging()) < kStiff;
       }
       backward_.begin(step_, q_.data(), rate_.data(), acceleration_.data(), q_before_.data(),
                       rate_before_.data());

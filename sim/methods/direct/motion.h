@@ -60,6 +60,8 @@ class Motion {
 
   /// Whether there is leap().
   virtual bool leaps() const { return false; }
+  /// The bound of fastest() if it hung from its hold.
+  virtual double fastest_hanging() const { return 0; }
   /// Whether, by the last tensions, links push and none pulls.
   virtual bool pushes() const { return false; }
   /// From q at `time` (s), to which a step of `last` (s) from q_before led, writes where a step of

@@ -50,6 +50,7 @@ class PlanarChain : public Motion {
   double gravity() const override { return gravity_.norm(); }
   double memory() const override { return memory_; }
   bool leaps() const override { return true; }
+  double fastest_hanging() const override;
   bool pushes() const override;
   double leap(double time, double h, double last, const double* q, const double* q_before,
               double* q_next, double* turned) override;

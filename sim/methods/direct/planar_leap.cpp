@@ -95,6 +95,15 @@ Largest turn(std::size_t n, double half_square, Gains gains, In change, In mx, I
 
 }  // namespace
 
+double PlanarChain::fastest_hanging() const {
+  double below = 0, most = 0;
+  for (std::size_t k = links_; k > 0; --k) {
+    below += mass_[k];
+    most = std::max(most, wave_gain_[k] / scale_[k] * below);
+  }
+  return std::sqrt(most * gravity());
+}
+
 bool PlanarChain::pushes() const {
   return std::all_of(unknown_ + 1, unknown_ + links_ + 1,
                      [](double tension) { return tension < 0; });
