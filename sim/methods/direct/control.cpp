@@ -14,8 +14,13 @@ constexpr double kFirstStep = 1e-3;  // s; the error control finds the right one
 constexpr double kFirstTurn = 0.3, kLongestFirst = 0.25;
 
 // What a step costs, in accelerations; measured.
-constexpr double kCarefulCost = 12.5, kAdamsCost = 1.25, kImplicitCost = 6.5;
-constexpr int kShortestRest = 4, kLongestRest = 256;  // careful steps
+constexpr double kCarefulCost = 12.5, kAdamsCost = 1.6, kImplicitCost = 6.5;
+/// Adams's steps are worth a try where the error allows careful ones of this share of what the
+/// waves do.
+constexpr double kHeldUp = 0.25;
+/// Of the steps that the waves allow Adams's, what the error is likely to.
+constexpr double kLikely = 0.8;
+constexpr int kShortestRest = 4, kLongestRest = 1024;  // careful steps
 
 // Adams keeps its spacing while the error is below the one and, where it is below the other, while
 // the waves would not let the step grow by a third.
@@ -154,6 +159,7 @@ void Course::begin() {
   rung_ = careful;
   step_ = rough_ || loose_ ? 0 : kFirstStep;
   looks_back_ = false;
+  reach_ = Dop853Step::kStable;
   rests_.fill({0, kShortestRest});
 }
 
@@ -172,7 +178,8 @@ void Course::advance(World& world, double until, Counters& counters) {
   motion_->attach(world);
   if (time_ < until) advance_audited(world, until, counters);
   if (time_ == until) return motion_->store(world, until, q_.data(), rate_.data());
-  interpolate(until);
+  const bool followed = rung_ == adams && adams_.longest() > 0;
+  interpolate(until, followed ? adams_.past(1) : nullptr, adams_.past(0));
   motion_->store(world, until, q_between_.data(), rate_between_.data());
 }
 
@@ -219,13 +226,13 @@ bool Course::balances(double tolerance) {
 
 /// The state at `time` within the last step, by Hermite's polynomial. Accelerations count in it
 /// where Adams follows every wave; the implicit method passes over them.
-void Course::interpolate(double time) {
+void Course::interpolate(double time, const double* first_acceleration,
+                         const double* last_acceleration) {
   const double h = time_ - before_, s = (time - before_) / h;
-  const bool followed = rung_ == adams && adams_.known() > 1;
-  const double* const first[] = {q_before_.data(), rate_before_.data(), adams_.past(1)};
-  const double* const last[] = {q_.data(), rate_.data(), adams_.past(0)};
-  (followed ? quintic : cubic)(q_.size(), h, s, first, last, q_between_.data(),
-                               rate_between_.data());
+  const double* const first[] = {q_before_.data(), rate_before_.data(), first_acceleration};
+  const double* const last[] = {q_.data(), rate_.data(), last_acceleration};
+  (first_acceleration ? quintic : cubic)(q_.size(), h, s, first, last, q_between_.data(),
+                                         rate_between_.data());
   motion_->project(time, q_between_.data(), rate_between_.data());
   if (motion_->projection_cost() > 0) fresh_ = false;  // that may have changed the tensions
 }
@@ -291,33 +298,30 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
     if (rung_ != adams) refresh(counters);
     double wish = std::min({step_, stable_step(rung_), longest_});
     if (rung_ == adams && adams_.longest() > 0) wish = std::min(wish, adams_.longest());
-    const double h = length_of_step(until, wish);
+    double h = length_of_step(until, wish);
     Rung rung = rung_;
     double error = 0;
     if (rung_ == adams) {
       if (adams_.prepare(h)) {
         error = march(until, tolerance, counters);
         if (leave_plane(world)) continue;
-      } else if (adams_.begun() && h < (1 - 1e-9) * adams_.spacing()) {
-        hand_over_to(careful, counters);  // the waves gain speed faster than it can start
-        continue;
       } else {
-        rung = careful;  // the first steps
+        rung = careful;
+        h = end_of_start(until, h) - time_;
       }
     }
     if (!(time_ + h > time_)) throw StepTooSmall{time_};
     if (rung != adams) {
-      const double end = end_of_step(until, h);
+      const double end = rung == rung_ ? end_of_step(until, h) : end_of_start(until, h / 3);
       const double allowed = allowed_error(rung, h, tolerance);
       error = attempt(rung, h, counters) / allowed;
       if (leave_plane(world)) continue;
       if (error > 1) error *= allowed / (allowed + rounding(h));
       if (error <= 1) {  // false for NaN
-        accept(rung, end, counters);
         if (rung_ == adams) {
-          refresh(counters);
-          adams_.remember(acceleration_.data(), h);
+          start_adams(end, counters);
         } else {
+          accept(rung, end, counters);
           adams_.clear();
         }
       } else {
@@ -328,6 +332,24 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
     if (rung != rung_ && !(error <= 1)) hand_over_to(careful, counters);
     if (rung == rung_) adapt(h, wish, error, counters);
   }
+}
+
+/// Takes the careful step that was tried, which Adams's begin from: with the accelerations at its
+/// thirds.
+void Course::start_adams(double time, Counters& counters) {
+  const auto [latest, later, earlier, first] = adams_.begin((time - time_) / 3);
+  std::copy(acceleration_.begin(), acceleration_.end(), first);
+  accept(careful, time, counters);
+  refresh(counters);
+  std::copy(acceleration_.begin(), acceleration_.end(), latest);
+  for (const auto& [share, out] : {std::pair(1.0 / 3, earlier), std::pair(2.0 / 3, later)}) {
+    const double at = before_ + share * (time_ - before_);
+    interpolate(at, first, latest);
+    motion_->acceleration(at, q_between_.data(), rate_between_.data(), out);
+    counters.solves += 1;
+    counters.work += motion_->work();
+  }
+  fresh_ = false;  // the last tensions are others
 }
 
 /// Takes steps of Adams's spacing as far as `until`, for as long as waves and error suit it.
@@ -360,28 +382,30 @@ void Course::adapt(double h, double wish, double error, Counters& counters) {
   // Of the error as a share of the one allowed, which grows with the step.
   constexpr double kOrder[kRungs] = {Dop853Step::kErrorOrder - 1, AdamsStep::kErrorOrder - 1,
                                      RosenbrockStep::kErrorOrder};
-  const bool small = rung_ == adams && error < kLittle;  // then `error` may be a bound
   // h may be far shorter than what is possible, to end with the frame.
   const double most = std::max(kMostGrowth * h, wish);
-  const double scaled = small ? most : scaled_step(h, error, kOrder[rung_]);
+  const double scaled = scaled_step(h, error, kOrder[rung_]);
   step_ = std::min(scaled, most);
   const double speed = std::min(rough_ ? scaled : step_, stable_step(rung_)) / cost_[rung_];
   if (rung_ != careful) {
     const Rung below = rough_ ? careful : static_cast<Rung>(rung_ - 1);
     double limit = stable_step(below);
+    if (rung_ == adams) limit = std::min(limit, reach_ / fastest_);
+    if (below == adams) limit *= kLikely;
     if (rough_) limit = std::min(limit, kLongestFirst * longest_) / kWorthwhile;
     if (speed < limit / cost_[below]) {
       hand_over_to(below, counters);
-      step_ = limit;
+      step_ = rung_ == adams && adams_.longest() > 0 ? adams_.spacing() : limit;
       return;
     }
     if (error <= 1 && ++rests_[rung_].steps > rests_[rung_].interval) {
       rests_[rung_].interval = kShortestRest;
     }
   }
-  const bool waves = !rough_ && rung_ == careful && step_ > stable_step(careful);
+  if (rung_ == careful) reach_ = step_ * fastest_;
+  const bool waves = !rough_ && rung_ == careful && step_ > kHeldUp * stable_step(careful);
   if (waves && --rests_[adams].steps <= 0) {
-    climb(adams, stable_step(adams));
+    climb(adams, std::min(stable_step(adams), step_ / 3));
   } else if (rung_ != implicit && --rests_[implicit].steps <= 0) {
     climb(implicit, speed * cost_[implicit]);
   }
@@ -391,7 +415,7 @@ void Course::adapt(double h, double wish, double error, Counters& counters) {
 void Course::hand_over_to(Rung below, Counters& counters) {
   Rest& rest = rests_[rung_];
   rest.steps = rest.interval;
-  rest.interval = std::min(2 * rest.interval, kLongestRest);
+  rest.interval = std::min(4 * rest.interval, kLongestRest);
   rung_ = below;
   counters.handed_over += 1;
 }

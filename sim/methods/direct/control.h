@@ -29,13 +29,14 @@ struct Control {
 ///
 /// Its integrators form a ladder, from the careful DOP853 over Adams's to the implicit ROS34PW2.
 /// Going up they are less accurate but get further for their cost: explicit steps end where the
-/// waves under the tension become unstable, Adams's with half the accelerations. Where a rung is
-/// held up by those waves and not by its error, the next one is tried; where its error forces it to
-/// steps that the rung below could take as well (in slack, under pushing links, in whips), it hands
-/// over to that. Where errors of per cents will do, waves do not count: the implicit one takes all
-/// steps but those from a start that they do not stiffen yet. Where still larger ones will do, BDF2
-/// takes all steps for as long as they are long or, from a start that waves do not stiffen, leaps;
-/// these are worth it for errors of one per cent, too, where links push and none pulls.
+/// waves under the tension become unstable, Adams's with a third of the accelerations. Where a rung
+/// is held up by those waves and not by its error, the next one is tried; where its error forces it
+/// to steps that the rung below could take as well (in slack, under pushing links, in whips), it
+/// hands over to that. Where errors of per cents will do, waves do not count: the implicit one
+/// takes all steps but those from a start that they do not stiffen yet. Where still larger ones
+/// will do, BDF2 takes all steps for as long as they are long or, from a start that waves do not
+/// stiffen, leaps; these are worth it for errors of one per cent, too, where links push and none
+/// pulls.
 class Course {
  public:
   explicit Course(const Control& control) : control_(control) {}
@@ -78,7 +79,7 @@ class Course {
   double first_step(double turn) const;
   void advance_audited(World& world, double until, Counters& counters);
   bool balances(double tolerance);
-  void interpolate(double time);
+  void interpolate(double time, const double* first_acceleration, const double* last_acceleration);
   void refresh(Counters& counters);
   double stable_step(Rung rung) const;
   double allowed_error(Rung rung, double h, double tolerance) const;
@@ -86,7 +87,9 @@ class Course {
   bool lands(Rung rung) const;
   double length_of_step(double until, double wish) const;
   double end_of_step(double until, double h) const;
+  double end_of_start(double until, double h) const;
   double attempt(Rung rung, double h, Counters& counters);
+  void start_adams(double time, Counters& counters);
   double march(double until, double tolerance, Counters& counters);
   void accept(Rung rung, double time, Counters& counters);
   void adapt(double h, double wish, double error, Counters& counters);
@@ -124,6 +127,7 @@ class Course {
   Rung rung_ = careful;  // for the next step
   double step_ = 0;      // s, what its error allows; zero: not known yet
   double longest_ = 0;   // s, what driven ends allow
+  double reach_ = 0;     // rad, of the fastest waves, that careful steps may go
   std::array<Rest, kRungs> rests_;
   std::array<double, kRungs> cost_{};  // of a step, in accelerations
 };

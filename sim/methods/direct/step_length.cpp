@@ -12,14 +12,14 @@ namespace {
 // of it cancels: waves go round), and at most so much; of the implicit one, which loses every wave
 // only once, so much in any step.
 constexpr double kCarefulRate = 15, kAdamsRate = 15, kImplicitRate = 30;  // 1/s
-constexpr double kExplicitShare = 0.05, kImplicitShare = 0.008, kRoughShare = 0.04;
+constexpr double kExplicitShare = 0.02, kImplicitShare = 0.008, kRoughShare = 0.04;
 
 /// A new spacing of Adams is this share of the longest, so that it lasts.
 constexpr double kNewSpacing = 0.93;
 
 /// The waves that a step stirs up must stay this small, as turns of a link; the implicit method
 /// damps them.
-constexpr double kRoughness = 0.1, kImplicitRoughness = 0.15;
+constexpr double kRoughness = 0.3, kImplicitRoughness = 0.15;
 
 /// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
 /// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
@@ -80,6 +80,12 @@ double Course::length_of_step(double until, double wish) const {
 /// Where a step of h ends that is one of equal ones to `until`, without rounding.
 double Course::end_of_step(double until, double h) const {
   return lands(rung_) && until - time_ < 1.5 * h ? until : time_ + h;
+}
+
+/// Where the careful step ends from which Adams's of h begin: as long as three of them, but never
+/// beyond `until`, since it is too long to be interpolated.
+double Course::end_of_start(double until, double h) const {
+  return 3 * h < (1 - 1e-9) * (until - time_) ? time_ + 3 * h : until;
 }
 
 }  // namespace taut::direct
