@@ -235,7 +235,7 @@ void Links::freeze(double sigma_squared) {
     frozen_down_[i] = shared_[i] * pull;
     if (i > 0) frozen_up_[i - 1] = shared_[i - 1] * pull;
   }
-  factor_twisted(count_, frozen_pivot_, frozen_up_, frozen_down_);
+  factor_twisted(count_, frozen_pivot_, frozen_up_, frozen_down_, work_);
 }
 
 void Links::solve_frozen(double* x) const {

@@ -323,7 +323,7 @@ void PlanarChain::freeze(double sigma_squared) {
   freeze_links(links_, sigma_squared, rest_ + 1, next_gain_ + 1, last_gain_ + 1, cosine_ + 1,
                unknown_ + 1, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_);
   frozen_pivot_[1] += first;
-  factor_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1);
+  factor_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1, work_);
 }
 
 void PlanarChain::solve_frozen(double* x) const {

@@ -100,21 +100,32 @@ void solve_tridiagonal(std::size_t n, const double* __restrict d, const double* 
   if (m > pairs) x[0] = z[0] + b[0] * above;
 }
 
+/// Of the matrix scaled to a diagonal of 1, whose leading minors are Q_i, the pivots are Q_i /
+/// Q_{i-1}.
 TAUT_VECTOR_CLONES
 void factor_twisted(std::size_t n, double* __restrict pivot, double* __restrict up,
-                    double* __restrict down) {
+                    double* __restrict down, double* __restrict work) {
   if (n == 0) return;
   const std::size_t m = n / 2;
-  for (std::size_t k = 0; k < m; ++k) {
+  double* __restrict couple = work;  // what row i and the next take from each other
+  double* __restrict before = work + n;
+  double* __restrict now = work + 2 * n;
+  for (std::size_t i = 0; i < n; ++i) pivot[i] = 1 / pivot[i];
+  for (std::size_t i = 0; i + 1 < n; ++i) couple[i] = up[i] * down[i] * (pivot[i] * pivot[i + 1]);
+  before[m] = 1;
+  before[0] = before[n - 1] = now[0] = now[n - 1] = 1;
+  double d0 = 1, d1 = 1, u0 = 1, u1 = 1;  // the last two minors, going down and going up
+  for (std::size_t k = 1; k < m; ++k) {
     const std::size_t i = k, j = n - 1 - k;
-    pivot[i] = 1 / pivot[i];
-    pivot[i + 1] -= down[i] * up[i] * pivot[i];
-    if (j > m) {
-      pivot[j] = 1 / pivot[j];
-      pivot[j - 1] -= up[j - 1] * down[j - 1] * pivot[j];
-    }
+    const double d2 = d1 - couple[i - 1] * d0, u2 = u1 - couple[j] * u0;
+    before[i] = d0 = d1, now[i] = d1 = d2;
+    if (j > m) before[j] = u0 = u1, now[j] = u1 = u2;
+    if (k % kRowsPerScaling == 0) d0 /= d1, u0 /= u1, d1 = u1 = 1;
   }
-  pivot[m] = 1 / pivot[m];
+  now[m] = 1;
+  if (m > 0) now[m] -= couple[m - 1] * before[m - 1] / now[m - 1];
+  if (m + 1 < n) now[m] -= couple[m] * before[m + 1] / now[m + 1];
+  for (std::size_t i = 0; i < n; ++i) pivot[i] *= before[i] / now[i];
   for (std::size_t i = 0; i + 1 < n; ++i) {
     down[i] *= i < m ? pivot[i] : pivot[i + 1];
     up[i] *= i < m ? pivot[i] : pivot[i + 1];

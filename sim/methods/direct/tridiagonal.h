@@ -18,7 +18,8 @@ void solve_tridiagonal(std::size_t n, const double* diagonal, const double* off,
 /// A tridiagonal matrix whose columns are diagonally dominant, factored from both ends: `pivot`
 /// (n) holds its diagonal and becomes inverse pivots; `up` (entry above the diagonal in row i, at
 /// i) and `down` (entry below it in column i, at i) hold -its off-diagonals and become multipliers.
-void factor_twisted(std::size_t n, double* pivot, double* up, double* down);
+/// `work` takes 3n doubles. No division waits for another, as above.
+void factor_twisted(std::size_t n, double* pivot, double* up, double* down, double* work);
 
 /// Solves for `columns` right sides in place, `stride` apart, with what factor_twisted() left.
 void solve_twisted(std::size_t n, const double* pivot, const double* up, const double* down,
