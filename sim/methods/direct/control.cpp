@@ -43,6 +43,10 @@ constexpr double kLoose = 0.06;
 /// From here on leaps take all steps where links push.
 constexpr double kPushed = 0.004;
 
+/// A loose course is audited after so many advances, which takes a tenth of its time where it is
+/// one.
+constexpr int kUnaudited = 4;
+
 /// A rough course hands over where that makes it so many times as fast.
 constexpr double kWorthwhile = 3;
 
@@ -150,6 +154,7 @@ void Course::load(const World& world) {
   pushed_ = !rough_ && share >= kPushed && closed_ && motion_->leaps();  // until that is known
   loose_ = share >= kLoose || pushed_;
   fresh_ = false;
+  unaudited_ = 0;
   begin();
   if (closed_) known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
 }
@@ -183,12 +188,13 @@ void Course::advance(World& world, double until, Counters& counters) {
   motion_->store(world, until, q_between_.data(), rate_between_.data());
 }
 
-/// Steps to `until` or beyond; once more and finer where the energy says that it went wrong.
+/// Steps to `until` or beyond; once more and finer, from the last audit on, where the energy says
+/// that it went wrong.
 void Course::advance_audited(World& world, double until, Counters& counters) {
   const bool fixed = control_.step > 0;
   const double tolerance = fixed ? kCoarsest * motion_->length() : control_.tolerance;
-  const double start = time_;
-  if (closed_) {
+  if (closed_ && unaudited_ == 0) {
+    audited_at_ = time_;
     std::ranges::copy(q_, q_audited_.begin());
     std::ranges::copy(rate_, rate_audited_.begin());
   }
@@ -198,9 +204,11 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
     if (loose_) advance_loosely(world, until, tolerance, counters);
     advance_by_tolerance(world, until, tolerance, counters);
   }
+  if (loose_ && ++unaudited_ < kUnaudited) return;
+  unaudited_ = 0;
   if (balances(tolerance)) return;
   counters.handed_over += 1;
-  time_ = start;
+  time_ = audited_at_;
   q_.swap(q_audited_);
   rate_.swap(rate_audited_);
   rough_ = loose_ = pushed_ = fresh_ = false;

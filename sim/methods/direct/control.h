@@ -122,12 +122,14 @@ class Course {
   bool looks_back_ = false;         // there is a step to look back to
   double known_energy_ = 0;         // J, where it was loaded
   Slice q_audited_, rate_audited_;
-  bool fresh_ = false;   // acceleration_ and fastest_ are those of the present state
-  double fastest_ = 0;   // rad/s, of the waves
-  Rung rung_ = careful;  // for the next step
-  double step_ = 0;      // s, what its error allows; zero: not known yet
-  double longest_ = 0;   // s, what driven ends allow
-  double reach_ = 0;     // rad, of the fastest waves, that careful steps may go
+  double audited_at_ = 0;  // s
+  int unaudited_ = 0;      // advances since then
+  bool fresh_ = false;     // acceleration_ and fastest_ are those of the present state
+  double fastest_ = 0;     // rad/s, of the waves
+  Rung rung_ = careful;    // for the next step
+  double step_ = 0;        // s, what its error allows; zero: not known yet
+  double longest_ = 0;     // s, what driven ends allow
+  double reach_ = 0;       // rad, of the fastest waves, that careful steps may go
   std::array<Rest, kRungs> rests_;
   std::array<double, kRungs> cost_{};  // of a step, in accelerations
 };
