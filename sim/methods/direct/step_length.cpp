@@ -19,7 +19,7 @@ constexpr double kNewSpacing = 0.93;
 
 /// The waves that a step stirs up must stay this small, as turns of a link; the implicit method
 /// damps them.
-constexpr double kRoughness = 0.3, kImplicitRoughness = 0.15;
+constexpr double kRoughness = 0.1, kImplicitRoughness = 0.15;
 
 /// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
 /// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
