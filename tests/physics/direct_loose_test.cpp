@@ -84,6 +84,13 @@ TEST(DirectLoose, LeapsAreOfSecondOrder) {
   EXPECT_NEAR(speed / finer_speed, 4, 0.8);
 }
 
+/// The first frames of a scene.
+Problem first_frames(const Scene& scene, std::size_t frames) {
+  Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
+  problem.times.resize(frames + 1);
+  return problem;
+}
+
 struct Case {
   std::string scene;
   std::size_t frames;  // as far as it can be foretold
@@ -100,8 +107,7 @@ TEST(DirectLoose, TenthsOfTheLengthTakeFewerSolvesThanFrames) {
                                      {"scenes/bench_heavy.toml", 60}}) {
     SCOPED_TRACE(name);
     const Scene scene = load_scene(TAUT_SOURCE_DIR "/" + name, false);
-    Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
-    problem.times.resize(frames + 1);
+    const Problem problem = first_frames(scene, frames);
     const double length = scene.world.connectors[0].length;
     const auto exact = run(problem, {"direct", {{"tolerance", kFine}}}, 60);
     for (const double share : {0.1, 0.5, 1.0}) {
@@ -122,8 +128,7 @@ TEST(DirectLoose, TenthsOfTheLengthTakeFewerSolvesThanFrames) {
 TEST(DirectLoose, PercentsOfTheLengthAreLeaptWhereLinksPush) {
   constexpr std::size_t kFrames = 60;
   const Scene scene = load_scene(TAUT_SOURCE_DIR "/tests/bench/upright.toml", false);
-  Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
-  problem.times.resize(kFrames + 1);
+  const Problem problem = first_frames(scene, kFrames);
   const double length = scene.world.connectors[0].length;
   const auto exact = run(problem, {"direct", {{"tolerance", kFine}}}, 60);
   for (const double share : {0.02, 0.01, 0.005}) {
