@@ -123,6 +123,7 @@ TEST_F(RenderFaults, SignalsEndItInOrder) {
 TEST_F(RenderFaults, TwoRunsDoNotShareAFolder) {
   Child first(command(), folder_.path());
   wait_for_frames(1);
+  kill(first.id(), SIGSTOP);  // so that it has not ended when the second comes
   const Outcome second = render();
   EXPECT_EQ(second.code, 6);
   EXPECT_NE(second.messages.find("another run is writing frames here"), std::string::npos)
