@@ -140,6 +140,10 @@ TEST(DirectSweep, NothingFailsStretchesOrGainsEnergy) {
   sweep({2, 3, 11, 21, 51}, 0.15, 20);
 }
 
+TEST(DirectSweep, LongChainsNeitherFailStretchNorGainEnergy) {
+  sweep({2, 11, 101, 1001, 3}, 0.1, 60);
+}
+
 // Most take seconds. Ten thousand particles that stand over a hand which whips tumble link by link,
 // each of 0.05 mm, and every step resolves all of them: some 500 s.
 TEST(LongDirectSweep, NothingFailsStretchesOrGainsEnergy) {

@@ -272,10 +272,8 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
     if (!(time_ + h > time_)) throw StepTooSmall{time_};
     if (rung != adams) {
       const double end = rung == rung_ ? end_of_step(until, h) : end_of_start(until, h / 3);
-      const double allowed = allowed_error(rung, h, tolerance);
-      error = attempt(rung, h, counters) / allowed;
+      error = attempt(rung, h, counters) / allowed_error(rung, h, tolerance);
       if (leave_plane(world)) continue;
-      if (error > 1) error *= allowed / (allowed + rounding(h));
       if (error <= 1) {  // false for NaN
         if (rung_ == adams) {
           start_adams(end, counters);

@@ -83,7 +83,6 @@ class Course {
   void refresh(Counters& counters);
   double stable_step(Rung rung) const;
   double allowed_error(Rung rung, double h, double tolerance) const;
-  double rounding(double h) const;
   bool lands(Rung rung) const;
   double length_of_step(double until, double wish) const;
   double end_of_step(double until, double h) const;

@@ -9,7 +9,7 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 20;
+constexpr std::size_t kArrays = 23;
 
 // A link that is turned by almost a right angle from its chart's base has left the chart.
 constexpr double kLeastRoom = 1e-4;
@@ -21,15 +21,18 @@ using In = const double* __restrict;
 
 template <int kComponents>
 [[gnu::always_inline]] inline void assemble_loop(std::size_t n, In q, In rate, In beside, In weight,
-                                                 Out off, Out right) {
+                                                 In apart, Out off, Out turned, Out right) {
   for (std::size_t i = 0; i < n; ++i) {
-    double cosine = 0, square = 0;
+    double chord = 0, square = 0;
     for (int c = 0; c < kComponents; ++c) {
       const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      cosine += q[at] * q[at + 1];
+      const double turn = q[at + 1] - q[at];
+      chord += turn * turn;
       square += rate[at] * rate[at];
     }
-    off[i] = beside[i] * cosine;
+    // A chord of length d spans an angle of cosine 1 - d^2 / 2.
+    off[i] = beside[i] * (1 - chord / 2);
+    turned[i] = beside[i] * beside[i] * (chord * (1 - chord / 4)) + apart[i];
     right[i] = weight[i] * square;
   }
 }
@@ -118,12 +121,14 @@ template <int kComponents>
 }
 
 TAUT_VECTOR_CLONES
-void assemble_in_plane(std::size_t n, In q, In rate, In beside, In weight, Out off, Out right) {
-  assemble_loop<2>(n, q, rate, beside, weight, off, right);
+void assemble_in_plane(std::size_t n, In q, In rate, In beside, In weight, In apart, Out off,
+                       Out turned, Out right) {
+  assemble_loop<2>(n, q, rate, beside, weight, apart, off, turned, right);
 }
 TAUT_VECTOR_CLONES
-void assemble_in_space(std::size_t n, In q, In rate, In beside, In weight, Out off, Out right) {
-  assemble_loop<3>(n, q, rate, beside, weight, off, right);
+void assemble_in_space(std::size_t n, In q, In rate, In beside, In weight, In apart, Out off,
+                       Out turned, Out right) {
+  assemble_loop<3>(n, q, rate, beside, weight, apart, off, turned, right);
 }
 TAUT_VECTOR_CLONES
 void pull_in_plane(std::size_t n, In q, In next, In last, In own, In x, Out out) {
@@ -169,10 +174,10 @@ void Links::rebuild(std::span<const Link> links, int components) {
   stride_ = (links.size() + kLanes - 1) / kLanes * kLanes;
   components_ = components;
   arena_.assign(kPad + kArrays * (stride_ + 2 * kPad), 0.0);
-  double** const arrays[] = {&rest_,      &inverse_rest_, &both_,      &shared_,    &scale_,
-                             &beside_,    &weight_,       &next_gain_, &last_gain_, &own_gain_,
-                             &diagonal_,  &off_,          &right_,     &unknown_,   &frozen_pivot_,
-                             &frozen_up_, &frozen_down_,  &work_};
+  double** const arrays[] = {
+      &rest_,      &inverse_rest_, &both_,     &shared_,       &scale_,     &beside_,      &weight_,
+      &next_gain_, &last_gain_,    &own_gain_, &near_,         &far_,       &apart_,       &turned_,
+      &off_,       &right_,        &unknown_,  &frozen_pivot_, &frozen_up_, &frozen_down_, &work_};
   static_assert(std::size(arrays) + 2 == kArrays);  // work_ is three
   for (std::size_t k = 0; k < std::size(arrays); ++k) {
     *arrays[k] = arena_.data() + kPad + k * (stride_ + 2 * kPad);
@@ -181,34 +186,43 @@ void Links::rebuild(std::span<const Link> links, int components) {
     const Link& link = links[i];
     rest_[i] = link.rest;
     inverse_rest_[i] = link.rest > 0 ? 1 / link.rest : 0;
-    both_[i] = link.both;
-    shared_[i] = link.shared;
-    const double sum = link.both + link.end;
+    both_[i] = link.near + link.far;
+    shared_[i] = link.shares ? link.far : 0;
+    const double sum = both_[i] + link.end;
     scale_[i] = sum > 0 ? std::sqrt(2 / sum) : 1;
     weight_[i] = rest_[i] * scale_[i];
     own_gain_[i] = both_[i] * scale_[i] * inverse_rest_[i];
-    reset_diagonal(i);
+    near_[i] = link.near * scale_[i] * scale_[i];
+    far_[i] = link.far * scale_[i] * scale_[i];
   }
   for (std::size_t i = 0; i + 1 < count_; ++i) {
     beside_[i] = shared_[i] * scale_[i] * scale_[i + 1];
     next_gain_[i] = shared_[i] * scale_[i + 1] * inverse_rest_[i];
     last_gain_[i + 1] = shared_[i] * scale_[i] * inverse_rest_[i + 1];
+    if (!links[i].shares) apart_[i] = far_[i] * near_[i + 1];
   }
 }
 
 void Links::assemble(const double* q, const double* rate) {
   const auto loop = components_ == 2 ? assemble_in_plane : assemble_in_space;
-  loop(stride_, q + kPad, rate + kPad, beside_, weight_, off_, right_);
+  loop(stride_, q + kPad, rate + kPad, beside_, weight_, apart_, off_, turned_, right_);
+}
+
+void Links::set_end(std::size_t link, bool first, double value) {
+  double* side = first ? near_ : far_;
+  side[link] = value * scale_[link] * scale_[link];
+  if (first && link > 0) apart_[link - 1] = far_[link - 1] * near_[link];
+  if (!first && link + 1 < count_) apart_[link] = far_[link] * near_[link + 1];
 }
 
 void Links::solve() {
-  solve_tridiagonal(count_, diagonal_, off_, right_, unknown_, work_);
+  solve_chain(count_, near_, far_, off_, turned_, right_, unknown_, work_);
 }
 
 void Links::respond(std::size_t link, double* response) {
   std::fill(right_, right_ + count_, 0.0);
   right_[link] = scale_[link];
-  solve_tridiagonal(count_, diagonal_, off_, right_, response, work_);
+  solve_chain(count_, near_, far_, off_, turned_, right_, response, work_);
 }
 
 void Links::add_response(const double* response, double factor) {

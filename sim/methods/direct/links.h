@@ -17,10 +17,11 @@ class Links {
   static constexpr std::size_t kPad = 4;
 
   struct Link {
-    double rest = 0;    // m
-    double both = 0;    // 1/kg, the inverse masses of its two particles, held ones zero
-    double shared = 0;  // 1/kg, that of the particle it shares with the next link, or zero
-    double end = 0;     // 1/kg, roughly what bodies at its ends add to `both`
+    double rest = 0;  // m
+    // 1/kg, the inverse masses of its two particles, held ones zero.
+    double near = 0, far = 0;
+    bool shares = false;  // the latter with the next link
+    double end = 0;       // 1/kg, roughly what bodies at its ends add to these
   };
   Links() = default;
   Links(const Links&) = delete;
@@ -44,13 +45,9 @@ class Links {
   void assemble(const double* q, const double* rate);
   /// Adds to the right side of a row.
   void add_right(std::size_t link, double value) { right_[link] += value * scale_[link]; }
-  /// The diagonal, unlike the rest, stays from one system to the next.
-  void reset_diagonal(std::size_t link) {
-    diagonal_[link] = both_[link] * scale_[link] * scale_[link];
-  }
-  void add_diagonal(std::size_t link, double value) {
-    diagonal_[link] += value * scale_[link] * scale_[link];
-  }
+  /// How easily (1/kg) a body moves that holds the first, or else the last, particle of a span, the
+  /// near one of `link` or its far one.
+  void set_end(std::size_t link, bool first, double value);
   /// Solves it; the functions below use the tensions that it leaves.
   void solve();
   /// N, positive where the link pulls.
@@ -89,7 +86,9 @@ class Links {
   Array arena_;
   double *rest_, *inverse_rest_, *both_, *shared_, *scale_;
   double *beside_, *weight_, *next_gain_, *last_gain_, *own_gain_;  // scaled constants of the loops
-  double *diagonal_, *off_, *right_, *unknown_;                     // unknowns: T / scale
+  // The system, see solve_chain(). Links of different spans are no neighbours: as if at right
+  // angles, where `apart_` is what that makes of turned_.
+  double *near_, *far_, *apart_, *off_, *turned_, *right_, *unknown_;  // unknowns: T / scale
   double *frozen_pivot_, *frozen_up_, *frozen_down_;
   double* work_;  // three arrays
 };

@@ -52,15 +52,13 @@ void Net::read_holds(double time) {
 /// cause it = l |u'|^2 + u_i . (the rest of a_{i+1} - a_i).
 void Net::add_ends(const double* q) {
   for (const End& end : ends_) {
-    if (end.body != kNone) links_.reset_diagonal(end.link);
-  }
-  for (const End& end : ends_) {
     const Vec3 u = at(q, end.link);
     links_.add_right(end.link, -end.pull * u.dot(end.lead));
     if (end.body == kNone) continue;
     const Part& part = bodies_[end.body];
     const Vec3 turn = end.arm.cross(u);
-    links_.add_diagonal(end.link, 1 / part.mass + turn.dot(part.world_inverse_inertia * turn));
+    links_.set_end(end.link, end.pull > 0,
+                   1 / part.mass + turn.dot(part.world_inverse_inertia * turn));
   }
 }
 

@@ -283,8 +283,9 @@ void Net::measure_links(const World& world) {
     };
     for (std::size_t k = 0; k < span.links; ++k) {
       Links::Link& link = links[span.offset + k];
-      link.both = inverse_mass(k) + inverse_mass(k + 1);
-      if (k + 1 < span.links) link.shared = inverse_mass(k + 1);
+      link.near = inverse_mass(k);
+      link.far = inverse_mass(k + 1);
+      link.shares = k + 1 < span.links;
       length_ += link.rest;
     }
     p += span.links + 1;

@@ -13,28 +13,32 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 35;
+constexpr std::size_t kArrays = 37;
 
 using Out = double* __restrict;
 using In = const double* __restrict;
 
 TAUT_VECTOR_CLONES
 void assemble(std::size_t n, In angle, In rate, In beside, In weight, Out cosine, Out sine, Out off,
-              Out right) {
+              Out turned, Out right) {
   for (std::size_t k = 0; k < n; ++k) {
     const SinCos turn = sine_and_cosine(angle[k + 1] - angle[k]);
     cosine[k] = turn.cosine;
     sine[k] = turn.sine;
     off[k] = beside[k] * turn.cosine;
+    const double across = beside[k] * turn.sine;
+    turned[k] = across * across;
     right[k] = weight[k] * (rate[k] * rate[k]);
   }
 }
 
 TAUT_VECTOR_CLONES
-void scale_links(std::size_t n, In inverse, In rest, Out scale, Out diagonal, Out weight) {
+void scale_links(std::size_t n, In inverse, In rest, Out scale, Out near, Out far, Out weight) {
   for (std::size_t k = 0; k < n; ++k) {
-    scale[k] = std::sqrt(2 / (inverse[k - 1] + inverse[k]));
-    diagonal[k] = 2;
+    const double square = 2 / (inverse[k - 1] + inverse[k]);
+    scale[k] = std::sqrt(square);
+    near[k] = square * inverse[k - 1];
+    far[k] = square * inverse[k];
     weight[k] = rest[k] * scale[k];
   }
 }
@@ -135,12 +139,13 @@ void PlanarChain::rebuild(const World& world, const Component& component, const 
   const std::size_t stride = loop_ + 2 * kLanes;
   arena_.assign((kArrays + 2) * stride, 0.0);
   double** const arrays[kArrays] = {
-      &rest_,      &scale_,        &beside_,         &weight_,      &next_gain_,    &last_gain_,
-      &wave_gain_, &diagonal_,     &cosine_,         &sine_,        &off_,          &right_,
-      &unknown_,   &frozen_pivot_, &frozen_up_,      &frozen_down_, &place_cosine_, &place_sine_,
-      &mass_,      &inverse_,      &leapt_from_,     &leapt_to_,    &next_x_,       &next_y_,
-      &now_x_,     &now_y_,        &past_x_,         &past_y_,      &lead_x_,       &lead_y_,
-      &chord_x_,   &chord_y_,      &chord_diagonal_, &change_,      &work_};
+      &rest_,         &scale_,      &beside_,  &weight_,       &next_gain_,      &last_gain_,
+      &wave_gain_,    &near_,       &far_,     &turned_,       &cosine_,         &sine_,
+      &off_,          &right_,      &unknown_, &frozen_pivot_, &frozen_up_,      &frozen_down_,
+      &place_cosine_, &place_sine_, &mass_,    &inverse_,      &leapt_from_,     &leapt_to_,
+      &next_x_,       &next_y_,     &now_x_,   &now_y_,        &past_x_,         &past_y_,
+      &lead_x_,       &lead_y_,     &chord_x_, &chord_y_,      &chord_diagonal_, &change_,
+      &work_};
   static_assert(std::size(arrays) == kArrays);
   for (std::size_t k = 0; k < kArrays && arrays[k]; ++k) {
     *arrays[k] = arena_.data() + kLanes + k * stride;
@@ -179,7 +184,7 @@ void PlanarChain::measure(const World& world) {
   memory_ = memory_of_velocity(length);
   const double least = kLeastMassShare * (total > 0 ? total : 1);
   for (std::size_t k = 1; k <= links_; ++k) inverse_[k] = 1 / std::max(mass_[k], least);
-  scale_links(links_, inverse_ + 1, rest_ + 1, scale_ + 1, diagonal_ + 1, weight_ + 1);
+  scale_links(links_, inverse_ + 1, rest_ + 1, scale_ + 1, near_ + 1, far_ + 1, weight_ + 1);
   weigh_gains(links_, inverse_ + 1, rest_ + 1, scale_ + 1, beside_ + 1, next_gain_ + 1,
               last_gain_ + 1, wave_gain_ + 1);
 }
@@ -256,9 +261,9 @@ void PlanarChain::set_pull(double time) {
 void PlanarChain::acceleration(double time, const double* q, const double* rate, double* out) {
   set_pull(time);
   const double fx = pull_.dot(plane_.x), fy = pull_.dot(plane_.y);
-  assemble(loop_, q, rate, beside_, weight_, cosine_, sine_, off_, right_);
+  assemble(loop_, q, rate, beside_, weight_, cosine_, sine_, off_, turned_, right_);
   right_[1] += scale_[1] * (cosine_[0] * fx + sine_[0] * fy);
-  solve_tridiagonal(links_, diagonal_ + 1, off_ + 1, right_ + 1, unknown_ + 1, work_);
+  solve_chain(links_, near_ + 1, far_ + 1, off_ + 1, turned_ + 1, right_ + 1, unknown_ + 1, work_);
   fastest_squared_ = turn(loop_, sine_, next_gain_, last_gain_, wave_gain_, unknown_, out);
   out[1] += (cosine_[0] * fy - sine_[0] * fx) / rest_[1];
   for (std::size_t k = loop_; k < size(); ++k) out[k] = 0;

@@ -91,7 +91,8 @@ class PlanarChain : public Motion {
   double *rest_, *scale_;                               // per link
   double *beside_, *weight_, *next_gain_, *last_gain_;  // scaled constants of the loops
   double* wave_gain_;                                   // 1/s^2 per unknown, see fastest()
-  double *diagonal_, *cosine_, *sine_, *off_, *right_, *unknown_;  // unknowns: T / scale
+  double *near_, *far_, *turned_;                      // of the rows and columns, see solve_chain()
+  double *cosine_, *sine_, *off_, *right_, *unknown_;  // unknowns: T / scale
   double *frozen_pivot_, *frozen_up_, *frozen_down_;
   double *leapt_from_, *leapt_to_;  // angles of the last leap(), and cosines and sines:
   double *past_x_, *past_y_, *now_x_, *now_y_, *next_x_, *next_y_;

@@ -18,13 +18,12 @@ constexpr double kExplicitShare = 0.02, kImplicitShare = 0.008, kRoughShare = 0.
 constexpr double kNewSpacing = 0.93;
 
 /// The waves that a step stirs up must stay this small, as turns of a link; the implicit method
-/// damps them.
-constexpr double kRoughness = 0.1, kImplicitRoughness = 0.15;
+/// damps them. Turns of a have the energy M g L a^2 / 2, an error e of place M g e: such waves are
+/// as small as a tolerance e of so many times the square root of e/L.
+constexpr double kRoughness = 0.3, kImplicitRoughness = 0.15, kRoughPerRoot = 7;
 
-/// In steps of so little of the fastest wave, errors of up to so much of what the accelerations do
-/// in them are rounding: the tensions of a chain that pushes a million times its mass have ten
-/// digits.
-constexpr double kShortOfWaves = 1e-3, kRounding = 1e-6;
+/// By how many roundings the acceleration of a link is off.
+constexpr double kRoundings = 4;
 
 /// Steps need not end with frames where the tolerance is this share of the length of all links.
 constexpr double kLoose = 1e-3;
@@ -46,13 +45,13 @@ double Course::allowed_error(Rung rung, double h, double tolerance) const {
     return std::min(share * tolerance, kImplicitRoughness * shortest);
   }
   const double rate = rung == careful ? kCarefulRate : kAdamsRate;
-  return std::min(rate * h, kExplicitShare) * std::min(tolerance, kRoughness * shortest);
-}
-
-/// The part of the error (m) of a step of h that no shorter step would mend.
-double Course::rounding(double h) const {
-  if (h * fastest_ > kShortOfWaves) return 0;
-  return kRounding * h * motion_->memory() * motion_->shift(acceleration_.data());
+  const double share = std::min(rate * h, kExplicitShare);
+  // No shorter step would mend what the last digit of each direction does under the tensions.
+  constexpr double kDigit = std::numeric_limits<double>::epsilon() / 2;
+  const double rounding = kRoundings * kDigit * fastest_ * fastest_ * motion_->shift_bound(1);
+  const double rough =
+      std::min(kRoughness, kRoughPerRoot * std::sqrt(tolerance / motion_->length()));
+  return share * std::min(tolerance, rough * shortest) + h * motion_->memory() * rounding;
 }
 
 /// Whether the rung's steps end where a state is asked for. Careful ones are too long to be

@@ -1,7 +1,7 @@
 #include "sim/methods/direct/tridiagonal.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "sim/methods/direct/vector.h"
 
@@ -12,74 +12,100 @@ namespace {
 // between heavy ones, may fall by 10^-6 a row: this many rows stay far from overflow both ways.
 constexpr std::size_t kRowsPerScaling = 32;
 
-// A pivot this small beside its diagonal is rounding: the row says nothing.
+// A pivot this small beside its diagonal says nothing: of a chain that is straight between two
+// holds.
 constexpr double kNoPivot = 1e-13;
 
-/// The leading minors from one end, one row at a time.
-struct Minors {
-  double before = 0, now = 1, sum = 0;  // q_{i-2}, q_{i-1}, z_{i-1}
-  bool singular = false;
+// The rows of the two kinds of systems, as an elimination needs them that goes down from the first
+// one, or up from the last: what the minors from one end come to.
 
-  [[gnu::always_inline]] void row(double d, double e, double r) {
-    const double loss = e * e * before;
-    sum = r * now + e * sum;
-    before = now;
-    now = d * now - loss;
-    singular |= !(now > kNoPivot * d * before);
+struct Plain {
+  const double *d, *e;
+  struct Half {
+    double before = 0, now = 1;  // q_{i-2}, q_{i-1}
+    void rescale(double scale) { before *= scale, now = 1; }
+  };
+
+  [[gnu::always_inline]] void row(Half& half, std::size_t i, double beside) const {
+    const double loss = beside * beside * half.before;
+    half.before = half.now;
+    half.now = d[i] * half.now - loss;
   }
-  void rescale() {
-    const double scale = 1 / now;
-    before *= scale;
-    sum *= scale;
-    now = 1;
+  [[gnu::always_inline]] void down(Half& half, std::size_t i) const {
+    row(half, i, i > 0 ? e[i - 1] : 0);
+  }
+  [[gnu::always_inline]] void up(Half& half, std::size_t i, std::size_t n) const {
+    row(half, i, i + 1 < n ? e[i] : 0);
+  }
+  double pivot(std::size_t m, std::size_t n, const Half& above, const Half& below) const {
+    double sum = d[m];
+    if (m > 0) sum -= e[m - 1] * e[m - 1] * above.before / above.now;
+    if (m + 1 < n) sum -= e[m] * e[m] * below.before / below.now;
+    return sum;
   }
 };
 
-/// Plain elimination that leaves out rows without a pivot.
-void solve_singular(std::size_t n, const double* d, const double* e, const double* r, double* x,
-                    double* pivot) {
-  double carry = 0, sum = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double p = d[i] - carry;
-    pivot[i] = p > kNoPivot * d[i] ? 1 / p : 0;
-    sum = r[i] + (i > 0 ? e[i - 1] * pivot[i - 1] * sum : 0);
-    x[i] = sum;
-    if (i + 1 < n) carry = e[i] * e[i] * pivot[i];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    x[i] = pivot[i] * (x[i] + (i + 1 < n ? e[i] * x[i + 1] : 0));
-  }
-}
+struct Chain {
+  const double *near, *far, *turned;
+  struct Half {
+    double before = 0, now = 1, rest = 1;  // q_{i-2}, q_{i-1}, g_{i-1}
+    void rescale(double scale) { before *= scale, rest *= scale, now = 1; }
+  };
 
-}  // namespace
+  [[gnu::always_inline]] static void row(Half& half, double shared, double next, double turn) {
+    half.rest = shared * half.rest + turn * half.before;
+    half.before = half.now;
+    half.now = next * half.now + half.rest;
+  }
+  [[gnu::always_inline]] void down(Half& half, std::size_t i) const {
+    row(half, near[i], far[i], i > 0 ? turned[i - 1] : 0);
+  }
+  [[gnu::always_inline]] void up(Half& half, std::size_t i, std::size_t n) const {
+    row(half, far[i], near[i], i + 1 < n ? turned[i] : 0);
+  }
+  double pivot(std::size_t m, std::size_t n, const Half& above, const Half& below) const {
+    double sum = near[m] * above.rest / above.now + far[m] * below.rest / below.now;
+    if (m > 0) sum += turned[m - 1] * above.before / above.now;
+    if (m + 1 < n) sum += turned[m] * below.before / below.now;
+    return sum > kNoPivot * (near[m] + far[m]) ? sum : std::numeric_limits<double>::infinity();
+  }
+};
 
-TAUT_VECTOR_CLONES
-void solve_tridiagonal(std::size_t n, const double* __restrict d, const double* __restrict e,
-                       const double* __restrict r, double* __restrict x, double* __restrict work) {
+template <class System>
+[[gnu::always_inline]] inline void solve_from_both_ends(const System& a, std::size_t n,
+                                                        const double* __restrict e,
+                                                        const double* __restrict r,
+                                                        double* __restrict x,
+                                                        double* __restrict work) {
   if (n == 0) return;  // a body that flies alone
   double* __restrict q = work;
   double* __restrict z = work + n;
   double* __restrict b = work + 2 * n;
   // Rows 0..m-1 go down, rows n-1..m+1 go up, and row m joins them.
   const std::size_t m = n / 2, pairs = (n - 1) / 2;
-  Minors down, up;
+  typename System::Half above, below;
+  double above_sum = 0, below_sum = 0;  // z_{i-1}
+  const auto down = [&](std::size_t i) {
+    above_sum = r[i] * above.now + (i > 0 ? e[i - 1] : 0) * above_sum;
+    a.down(above, i);
+    q[i] = above.now, z[i] = above_sum, b[i] = e[i] * above.before;
+  };
+  const auto up = [&](std::size_t j) {
+    below_sum = r[j] * below.now + (j + 1 < n ? e[j] : 0) * below_sum;
+    a.up(below, j, n);
+    q[j] = below.now, z[j] = below_sum, b[j] = e[j - 1] * below.before;
+  };
   for (std::size_t k = 0; k < pairs;) {
     const std::size_t stop = std::min(pairs, k + kRowsPerScaling);
     for (; k < stop; ++k) {
-      const std::size_t i = k, j = n - 1 - k;
-      down.row(d[i], i > 0 ? e[i - 1] : 0, r[i]);
-      up.row(d[j], k > 0 ? e[j] : 0, r[j]);
-      q[i] = down.now, z[i] = down.sum, b[i] = e[i] * down.before;
-      q[j] = up.now, z[j] = up.sum, b[j] = e[j - 1] * up.before;
+      down(k);
+      up(n - 1 - k);
     }
-    down.rescale();
-    up.rescale();
+    const double scale_above = 1 / above.now, scale_below = 1 / below.now;
+    above.rescale(scale_above), above_sum *= scale_above;
+    below.rescale(scale_below), below_sum *= scale_below;
   }
-  if (m > pairs) {
-    down.row(d[pairs], pairs > 0 ? e[pairs - 1] : 0, r[pairs]);
-    q[pairs] = down.now, z[pairs] = down.sum, b[pairs] = e[pairs] * down.before;
-  }
-  if (down.singular || up.singular) return solve_singular(n, d, e, r, x, work);
+  if (m > pairs) down(pairs);
 
   q[m] = 1, z[m] = b[m] = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -87,17 +113,30 @@ void solve_tridiagonal(std::size_t n, const double* __restrict d, const double* 
     z[i] *= inverse;
     b[i] *= inverse;
   }
-  double pivot = d[m], sum = r[m];
-  if (m > 0) pivot -= e[m - 1] * b[m - 1], sum += e[m - 1] * z[m - 1];
-  if (m + 1 < n) pivot -= e[m] * b[m + 1], sum += e[m] * z[m + 1];
-  if (!(pivot > kNoPivot * d[m])) return solve_singular(n, d, e, r, x, work);
-  double above = sum / pivot, below = above;
-  x[m] = above;
+  double sum = r[m];
+  if (m > 0) sum += e[m - 1] * z[m - 1];
+  if (m + 1 < n) sum += e[m] * z[m + 1];
+  double before = sum / a.pivot(m, n, above, below), after = before;
+  x[m] = before;
   for (std::size_t k = 1; k <= pairs; ++k) {
-    above = x[m - k] = z[m - k] + b[m - k] * above;
-    below = x[m + k] = z[m + k] + b[m + k] * below;
+    before = x[m - k] = z[m - k] + b[m - k] * before;
+    after = x[m + k] = z[m + k] + b[m + k] * after;
   }
-  if (m > pairs) x[0] = z[0] + b[0] * above;
+  if (m > pairs) x[0] = z[0] + b[0] * before;
+}
+
+}  // namespace
+
+TAUT_VECTOR_CLONES
+void solve_tridiagonal(std::size_t n, const double* d, const double* e, const double* r, double* x,
+                       double* work) {
+  solve_from_both_ends(Plain{d, e}, n, e, r, x, work);
+}
+
+TAUT_VECTOR_CLONES
+void solve_chain(std::size_t n, const double* near, const double* far, const double* e,
+                 const double* turned, const double* r, double* x, double* work) {
+  solve_from_both_ends(Chain{near, far, turned}, n, e, r, x, work);
 }
 
 /// Of the matrix scaled to a diagonal of 1, whose leading minors are Q_i, the pivots are Q_i /

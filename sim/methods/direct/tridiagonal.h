@@ -6,7 +6,7 @@
 namespace taut::direct {
 
 /// Solves A x = r for n rows, A with `diagonal` (n, near 2) and -`off` (n-1) beside it, positive
-/// definite. `work` takes 3n doubles. Unknowns that the system leaves open come out as zero.
+/// definite. `work` takes 3n doubles.
 ///
 /// Elimination without divisions: with the leading minors q_i = d_i q_{i-1} - e_i^2 q_{i-2} and
 /// z_i = r_i q_{i-1} + e_i z_{i-1}, the rows read x_i = (z_i + e_{i+1} q_{i-1} x_{i+1}) / q_i, and
@@ -14,6 +14,17 @@ namespace taut::direct {
 /// middle, which halves the chain of operations that wait for each other.
 void solve_tridiagonal(std::size_t n, const double* diagonal, const double* off,
                        const double* right, double* x, double* work);
+
+/// Solves the same for a chain whose first or last point is free: the diagonal is `near` + `far`,
+/// shared with the row before and the next, off_i = sqrt(far_i near_{i+1}) times the cosine of a
+/// turn, and `turned` (n-1) is the square of the same times its sine.
+///
+/// With q_i = far_i q_{i-1} + g_i the minors become sums, g_i = near_i g_{i-1} + turned_{i-1}
+/// q_{i-2}, and every digit of nearly singular systems counts, such as those of straight chains
+/// between a hold and a load a million times as heavy as they. What such a system leaves open comes
+/// out as zero.
+void solve_chain(std::size_t n, const double* near, const double* far, const double* off,
+                 const double* turned, const double* right, double* x, double* work);
 
 /// A tridiagonal matrix whose columns are diagonally dominant, factored from both ends: `pivot`
 /// (n) holds its diagonal and becomes inverse pivots; `up` (entry above the diagonal in row i, at
