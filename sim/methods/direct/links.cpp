@@ -211,8 +211,8 @@ void Links::assemble(const double* q, const double* rate) {
 void Links::set_end(std::size_t link, bool first, double value) {
   double* side = first ? near_ : far_;
   side[link] = value * scale_[link] * scale_[link];
-  if (first && link > 0) apart_[link - 1] = far_[link - 1] * near_[link];
-  if (!first && link + 1 < count_) apart_[link] = far_[link] * near_[link + 1];
+  if (first && link > 0) turned_[link - 1] = far_[link - 1] * near_[link];
+  if (!first && link + 1 < count_) turned_[link] = far_[link] * near_[link + 1];
 }
 
 void Links::solve() {

@@ -46,7 +46,7 @@ class Links {
   /// Adds to the right side of a row.
   void add_right(std::size_t link, double value) { right_[link] += value * scale_[link]; }
   /// How easily (1/kg) a body moves that holds the first, or else the last, particle of a span, the
-  /// near one of `link` or its far one.
+  /// near one of `link` or its far one. assemble() forgets it.
   void set_end(std::size_t link, bool first, double value);
   /// Solves it; the functions below use the tensions that it leaves.
   void solve();
