@@ -105,6 +105,28 @@ Table details(const std::vector<AccuracyStudy>& studies, const std::vector<doubl
   return table;
 }
 
+/// Why cells are empty: how near the method came, or what ended its runs.
+Table empty_cells(const std::vector<AccuracyStudy>& studies, const std::vector<double>& errors) {
+  Table table{{"scene", "empty for", "nearest (m)", "settings", "others"}, {}};
+  const double least = *std::ranges::min_element(errors);
+  for (const AccuracyStudy& study : studies) {
+    for (const AccuracyBlock& block : study.blocks) {
+      if (block.rows.empty() || cheapest(cost_and_error(block.rows, 0), least)) continue;
+      const auto nearest = std::ranges::min_element(block.rows, {}, [](const AccuracyRow& row) {
+        return row.end == Run::End::done ? row.errors[0] : INFINITY;
+      });
+      const auto ended = std::ranges::find_if(
+          block.rows, [](const AccuracyRow& row) { return row.end != Run::End::done; });
+      const bool any = nearest->end == Run::End::done;
+      table.add({study.scene, block.contender.label,
+                 any ? fmt::format("{:.3g}", nearest->errors[0]) : "none",
+                 any ? describe(nearest->candidate.settings) : "",
+                 ended == block.rows.end() ? "" : ended->reason});
+    }
+  }
+  return table;
+}
+
 int run(Options options, const Common& common) {
   std::vector<AccuracyStudy> studies;
   const double least = *std::ranges::min_element(options.errors);
@@ -117,8 +139,14 @@ int run(Options options, const Common& common) {
     write_csv(detail, std::filesystem::path(options.study.out) / "reach");
   }
   const Table table = side_by_side(studies, options.errors);
-  write_output(options.markdown ? to_markdown(table) + "\n" + to_markdown(detail)
-                                : to_text(table) + "\n" + to_text(detail));
+  const Table empty = empty_cells(studies, options.errors);
+  std::string output;
+  for (const Table* part : {&table, &detail, &empty}) {
+    if (part->rows.empty()) continue;
+    if (!output.empty()) output += "\n";
+    output += options.markdown ? to_markdown(*part) : to_text(*part);
+  }
+  write_output(output);
   return kDone;
 }
 

@@ -194,6 +194,10 @@ TEST(Reach, SaysWhatAnErrorCostsSceneBesideScene) {
   // Both come within half the length; only the direct method within a hundredth of a millimetre.
   EXPECT_EQ(cells(table, "method"), (std::vector<std::string>{"impulse", "direct", "direct",
                                                               "impulse", "direct", "direct"}));
+  const std::size_t why = outcome.output.find("| scene | empty for | nearest (m) |");
+  ASSERT_NE(why, std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("| a.toml | impulse | 0.", why), std::string::npos);
+  EXPECT_EQ(outcome.output.find("| a.toml | direct |", why), std::string::npos);
 }
 
 TEST(Chart, AnotherSceneStartsAnew) {
