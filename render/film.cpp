@@ -7,11 +7,11 @@
 namespace taut {
 
 Film::Film(const Context& context, const Scene& scene, int width, int height, int samples,
-           const Shading& shadows)
+           const Shading& shading)
     : context_(context),
       scene_(scene),
       canvas_(context, width, height, samples),
-      renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shadows) {}
+      renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shading) {}
 
 Instant Film::instant(const Snapshot& state) const {
   Instant instant{state, {}, camera_at(scene_.stage->camera, state.time)};

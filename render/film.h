@@ -17,7 +17,7 @@ class Film {
   /// `scene` has a stage, and must outlive this. Throws NoContext where the driver allows no such
   /// size or number of samples.
   Film(const Context& context, const Scene& scene, int width, int height, int samples,
-       const Shading& shadows = {});
+       const Shading& shading = {});
 
   /// Everything that moves, in this state, by the scene's camera: characters pose by its time.
   Instant instant(const Snapshot& state) const;

@@ -1,7 +1,6 @@
 // What the stages of a frame cannot take less than.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string_view>
 

@@ -59,7 +59,7 @@ struct StageRenderer::Impl {
   Impl(const Context& context, const Stage& s, const World& world, const Shading& options)
       : gl(context.gl()),
         stage(s),
-        shadows(options),
+        shading(options),
         surfaces(gl, s.light, options.map_size, options.lit),
         map(gl, options.map_size),
         parts(gl, s, world) {
@@ -74,11 +74,11 @@ struct StageRenderer::Impl {
   };
   Look look(const Instant& instant, const Rect& viewport) const {
     Look look{{instant.camera, viewport}, {}};
-    const LightMap light = light_map(stage.light.direction, extent(instant), shadows.map_size);
+    const LightMap light = light_map(stage.light.direction, extent(instant), shading.map_size);
     FrameBlock& block = look.block;
     block.light_projection = light.projection;
     block.eye.w() = float(1.5 * light.texel);
-    if (!shadows.contact) return look;
+    if (!shading.contact) return look;
     for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
       for (const Capsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
         const std::size_t i = look.contacts.size();
@@ -109,7 +109,7 @@ struct StageRenderer::Impl {
   }
 
   void start_cover(const Look& look) {
-    cover.start(look.block.light_projection, kShadowFilter / float(shadows.map_size));
+    cover.start(look.block.light_projection, kShadowFilter / float(shading.map_size));
   }
 
   /// What shadows can reach or feet can darken of one thing of the scenery.
@@ -201,7 +201,7 @@ struct StageRenderer::Impl {
 
   const Gl& gl;
   const Stage& stage;
-  const Shading shadows;
+  const Shading shading;
   Profile* profile = nullptr;
   Surfaces surfaces;
   ShadowMap map;
@@ -213,8 +213,8 @@ struct StageRenderer::Impl {
 };
 
 StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world,
-                             const Shading& shadows)
-    : impl_(std::make_unique<Impl>(context, stage, world, shadows)) {}
+                             const Shading& shading)
+    : impl_(std::make_unique<Impl>(context, stage, world, shading)) {}
 
 StageRenderer::~StageRenderer() = default;
 

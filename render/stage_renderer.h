@@ -31,7 +31,7 @@ class StageRenderer {
  public:
   /// `world` tells what connectors hang on; its state does not matter. The stage must outlive this.
   StageRenderer(const Context& context, const Stage& stage, const World& world,
-                const Shading& shadows = {});
+                const Shading& shading = {});
   ~StageRenderer();
 
   /// Begins a frame: background everywhere, and the scenery in each of the views. The canvas

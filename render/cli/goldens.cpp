@@ -125,11 +125,10 @@ std::string Goldens::accept(const GoldenFrame& frame, bool simulate_anew) {
 
 std::string Goldens::accept(const GoldenTrajectory& trajectory) {
   const TrajectoryRecord today = record_of(trajectory);
-  std::string change = "new";
-  if (fs::exists(file(trajectory)))
-    change = read_trajectory(file(trajectory)).hash == today.hash ? "as before" : "changed";
+  const bool kept = fs::exists(file(trajectory));
+  if (kept && read_trajectory(file(trajectory)).hash == today.hash) return "as before";
   write_text(file(trajectory), trajectory_text(today));
-  return change;
+  return kept ? "changed" : "new";
 }
 
 void Goldens::keep_only(const std::vector<std::string>& names) {
