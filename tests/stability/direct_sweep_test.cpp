@@ -145,7 +145,7 @@ TEST(DirectSweep, LongChainsNeitherFailStretchNorGainEnergy) {
 }
 
 // Most take seconds. Ten thousand particles that stand over a hand which whips tumble link by link,
-// each of 0.05 mm, and every step resolves all of them: some 500 s.
+// each of 0.05 mm, and every step resolves all of them: some 400 s.
 TEST(LongDirectSweep, NothingFailsStretchesOrGainsEnergy) {
   sweep({2, 11, 101, 1001, 10000}, 0.1, 900);
 }
