@@ -238,12 +238,13 @@ Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
 Chart accuracy_chart(const AccuracyStudy& study) {
   Chart chart;
   chart.title = finding(study);
-  chart.subtitle =
-      circumstances(study) +
-      fmt::format(
-          " Lines: each method's best settings; faint: the rest. Points: the median of a "
-          "run's timings; bars: all of them, and at least {} either way.",
-          percent(study.unsteadiness));
+  chart.subtitle = circumstances(study) +
+                   " Lines: each method's best settings; faint: the rest. Points: the median of a "
+                   "run's timings; bars: all of them";
+  if (study.unsteadiness > 0) {
+    chart.subtitle += fmt::format(", and at least {} either way", percent(study.unsteadiness));
+  }
+  chart.subtitle += ".";
   chart.width = study.in_pixels ? 1500 : 1200;
   chart.height = 820;
   chart.panels.push_back(error_panel(study, kShare));
