@@ -21,8 +21,8 @@ void solve_tridiagonal(std::size_t n, const double* diagonal, const double* off,
 ///
 /// With q_i = far_i q_{i-1} + g_i the minors become sums, g_i = near_i g_{i-1} + turned_{i-1}
 /// q_{i-2}, and every digit of nearly singular systems counts, such as those of straight chains
-/// between a hold and a load a million times as heavy as they. What such a system leaves open comes
-/// out as zero.
+/// between a hold and a load a million times as heavy as they. Where a system leaves the tensions
+/// open, the middle one is zero.
 void solve_chain(std::size_t n, const double* near, const double* far, const double* off,
                  const double* turned, const double* right, double* x, double* work);
 
