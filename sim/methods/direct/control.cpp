@@ -40,8 +40,8 @@ constexpr double kRough = 0.03;
 /// From here on BDF2 or leaps take all steps.
 constexpr double kLoose = 0.06;
 
-/// From here on leaps take all steps where links push.
-constexpr double kPushed = 0.004;
+/// From here on leaps take all steps where links push, or no wave comes near to stiffening them.
+constexpr double kLeapt = 0.004;
 
 /// A loose course is audited after so many advances, which takes a tenth of its time where it is
 /// one.
@@ -115,8 +115,9 @@ void Course::load(const World& world) {
   motion_->project(time_, q_.data(), rate_.data());
   const double share = control_.step == 0 ? control_.tolerance / motion_->length() : 0;
   rough_ = share >= kRough;
-  pushed_ = !rough_ && share >= kPushed && closed_ && motion_->leaps();  // until that is known
-  loose_ = share >= kLoose || pushed_;
+  // Until it is known what its links do.
+  only_leaps_ = share >= kLeapt && share < kLoose && closed_ && motion_->leaps();
+  loose_ = share >= kLoose || only_leaps_;
   fresh_ = false;
   unaudited_ = 0;
   begin();
@@ -175,7 +176,7 @@ void Course::advance_audited(World& world, double until, Counters& counters) {
   time_ = audited_at_;
   q_.swap(q_audited_);
   rate_.swap(rate_audited_);
-  rough_ = loose_ = pushed_ = fresh_ = false;
+  rough_ = loose_ = only_leaps_ = fresh_ = false;
   begin();
   advance_by_tolerance(world, until, kFiner * tolerance, counters);
   known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();

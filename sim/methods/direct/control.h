@@ -36,7 +36,7 @@ struct Control {
 /// takes all steps but those from a start that they do not stiffen yet. Where still larger ones
 /// will do, BDF2 takes all steps for as long as they are long or, from a start that waves do not
 /// stiffen, leaps; these are worth it for errors of one per cent, too, where links push and none
-/// pulls.
+/// pulls, or where no wave comes near to stiffening it.
 class Course {
  public:
   explicit Course(const Control& control) : control_(control) {}
@@ -116,7 +116,8 @@ class Course {
   bool closed_ = false;             // nothing does work on it but gravity
   bool rough_ = false;              // an error of per cents of the length will do
   bool loose_ = false;              // so will a larger one, and BDF2 or leaps are worth it
-  bool pushed_ = false;             // leaps are worth it, and nothing else: its links push
+  bool only_leaps_ = false;         // leaps are worth it, and nothing else
+  bool soft_ = false;               // no wave stiffened its start
   bool leaps_ = false;              // leaps for now
   bool looks_back_ = false;         // there is a step to look back to
   double known_energy_ = 0;         // J, where it was loaded

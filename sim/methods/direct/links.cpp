@@ -9,7 +9,7 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 23;
+constexpr std::size_t kArrays = 25;
 
 // A link that is turned by almost a right angle from its chart's base has left the chart.
 constexpr double kLeastRoom = 1e-4;
@@ -174,10 +174,11 @@ void Links::rebuild(std::span<const Link> links, int components) {
   stride_ = (links.size() + kLanes - 1) / kLanes * kLanes;
   components_ = components;
   arena_.assign(kPad + kArrays * (stride_ + 2 * kPad), 0.0);
-  double** const arrays[] = {
-      &rest_,      &inverse_rest_, &both_,     &shared_,       &scale_,     &beside_,      &weight_,
-      &next_gain_, &last_gain_,    &own_gain_, &near_,         &far_,       &apart_,       &turned_,
-      &off_,       &right_,        &unknown_,  &frozen_pivot_, &frozen_up_, &frozen_down_, &work_};
+  double** const arrays[] = {&rest_,     &inverse_rest_, &both_,         &shared_,    &scale_,
+                             &beside_,   &weight_,       &next_gain_,    &last_gain_, &own_gain_,
+                             &near_,     &far_,          &apart_,        &turned_,    &off_,
+                             &right_,    &unknown_,      &frozen_pivot_, &frozen_up_, &frozen_down_,
+                             &diagonal_, &change_,       &work_};
   static_assert(std::size(arrays) + 2 == kArrays);  // work_ is three
   for (std::size_t k = 0; k < std::size(arrays); ++k) {
     *arrays[k] = arena_.data() + kPad + k * (stride_ + 2 * kPad);

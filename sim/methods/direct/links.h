@@ -64,6 +64,18 @@ class Links {
   /// those tensions, rad/s.
   double fastest() const;
 
+  /// Of links in space, where those that turn on from `before` over q go under the tensions.
+  void lead(double h, double last, const double* before, const double* q, double* between,
+            double* out) const;
+  /// Changes the tensions so that lengths hold where `lead` leads, and writes there where the links
+  /// go; into `turned` by how much the changes turned them. Spoils `chord`. Returns the most (of a
+  /// length) that a link was off without.
+  double mend(double half_square, const double* q, double* lead, double* chord, double* turned);
+  /// The square (rad^2/s^2) of a bound of the frequencies of the waves under a tension.
+  double wave(std::size_t link, double tension) const {
+    return 2 * both_[link] * inverse_rest_[link] * tension;
+  }
+
   /// Factors sigma_squared - L, where L x is what pull() makes of x with the tensions of the last
   /// solve(), as far as they pull: the waves.
   void freeze(double sigma_squared);
@@ -90,7 +102,8 @@ class Links {
   // angles, where `apart_` is what that makes of turned_.
   double *near_, *far_, *apart_, *off_, *turned_, *right_, *unknown_;  // unknowns: T / scale
   double *frozen_pivot_, *frozen_up_, *frozen_down_;
-  double* work_;  // three arrays
+  double *diagonal_, *change_;  // of mend()
+  double* work_;                // three arrays
 };
 
 }  // namespace taut::direct

@@ -30,12 +30,16 @@ constexpr double kRefused = 3;
 
 constexpr double kSafety = 0.8, kMostGrowth = 2, kMostShrink = 0.3;
 
-/// The first step turns a link by about so much (rad).
-constexpr double kFirstTurn = 0.1;
+/// The first step turns a link by about so much (rad); leaps begin with this share of it, since
+/// they never forget what they began with.
+constexpr double kFirstTurn = 0.1, kFirstLeap = 0.3;
 
-/// It begins with leaps where the fastest wave, now or hanging, turns by less than this (rad) in a
-/// step.
-constexpr double kStiff = 6;
+/// It begins with leaps where the fastest wave, now or hanging, turns by less than this (rad) in
+/// such a first step; where the tolerance is small and links pull, by less than the other.
+constexpr double kStiff = 6, kSoft = 3;
+
+/// Where BDF2 took over from leaps, these go on once that wave turns by less (rad) in a step.
+constexpr double kEased = 1;
 
 /// They are stable while it turns by 2, but it has to grow; in none does it turn by more than the
 /// one, and where that is too long while it turned by the other, BDF2 goes on.
@@ -56,13 +60,14 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
     if (!looks_back_) {
       refresh(counters);
       if (step_ == 0) {
-        if (pushed_ && !motion_->pushes()) {
-          loose_ = pushed_ = false;
+        step_ = first_step(kFirstTurn);
+        const double turn = step_ * std::max(fastest_, motion_->fastest_hanging());
+        soft_ = leaps_ = closed_ && motion_->leaps() && turn < kStiff;
+        if (only_leaps_ && !(soft_ && (turn < kSoft || motion_->pushes()))) {
+          loose_ = only_leaps_ = false;
           return begin();
         }
-        step_ = first_step(kFirstTurn);
-        leaps_ = closed_ && motion_->leaps() &&
-                 step_ * std::max(fastest_, motion_->fastest_hanging()) < kStiff;
+        if (leaps_) step_ *= kFirstLeap;
       }
       backward_.begin(step_, q_.data(), rate_.data(), acceleration_.data(), q_before_.data(),
                       rate_before_.data());
@@ -71,9 +76,11 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
     }
     const bool waves = leaps_ && !fresh_;  // else those of links that push count, too
     const double h = std::min({step_, longest_, waves ? kMostTurned / fastest_ : longest_});
-    if ((pushed_ && !leaps_) || (h < kShort && h < stable_step(adams))) {
+    const bool stiffened = only_leaps_ && !leaps_;
+    if (stiffened || (h < kShort && h < stable_step(adams))) {
       counters.handed_over += 1;
-      loose_ = rough_ = pushed_ = false;
+      rough_ = rough_ && stiffened;
+      loose_ = only_leaps_ = false;
       return begin();
     }
     const double excess = attempt_loosely(h, tolerance, counters);
@@ -100,6 +107,7 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
     }
     const bool stiff = leaps_ && !(excess <= 1) && !(h * fastest_ <= kStiffened);
     if (stiff) leaps_ = false;
+    if (soft_ && good && h * fastest_ < kEased) leaps_ = true;
     looks_back_ = !stiff && (good || leaps_);
   }
 }
@@ -107,14 +115,15 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
 /// Tries a step of h. Returns its error as a share of the one allowed, or that of what its one
 /// solve had to correct.
 double Course::attempt_loosely(double h, double tolerance, Counters& counters) {
-  const double share = std::min(kRate * h, pushed_ ? kSmallShare : kShare);
+  const double share = std::min(kRate * h, only_leaps_ ? kSmallShare : kShare);
   const double allowed = std::min(share * tolerance, kRoughness * motion_->shortest());
   const double last = time_ - before_;
   double excess = 0;
   if (leaps_) {
     const auto [error, correction] =
         leap_.attempt(*motion_, time_, h, last, q_.data(), q_before_.data());
-    const double mended = pushed_ ? kMendedPerShare * tolerance / motion_->length() : kMostMended;
+    const double mended =
+        only_leaps_ ? kMendedPerShare * tolerance / motion_->length() : kMostMended;
     excess = std::max(error / allowed, correction / mended);
   } else {
     const auto [error, correction] = backward_.attempt(

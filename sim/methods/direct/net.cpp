@@ -132,6 +132,11 @@ void Net::respond(const double* q, double* out) {
   }
 }
 
+void Net::clear_ends(double* array) const {
+  std::fill_n(array, Links::kPad, 0.0);
+  std::fill_n(array + size() - Links::kPad, Links::kPad, 0.0);
+}
+
 /// As of a chain in a plane, with a third component where it needs one; a body's matrices, and the
 /// systems that several links at one body solve.
 double Net::work() const {
@@ -148,8 +153,41 @@ void Net::acceleration(double time, const double* q, const double* rate, double*
   links_.assemble(q, rate);
   add_ends(q);
   respond(q, out);
-  std::fill_n(out, Links::kPad, 0.0);
-  std::fill_n(out + size() - Links::kPad, Links::kPad, 0.0);
+  clear_ends(out);
+}
+
+/// A span in space that hangs from a hold. (Planes and loops are for others, bodies too slow.)
+bool Net::leaps() const {
+  return !plane_ && bodies_.empty() && !floats_ && !loops_;
+}
+
+double Net::fastest_hanging() const {
+  double below = 0, most = 0;
+  for (std::size_t i = links_.count(); i > 0; --i) {
+    below += point_mass_[i];
+    most = std::max(most, links_.wave(i - 1, below * gravity()));
+  }
+  return std::sqrt(most);
+}
+
+bool Net::pushes() const {
+  for (std::size_t i = 0; i < links_.count(); ++i) {
+    if (!(links_.tension(i) < 0)) return false;
+  }
+  return true;
+}
+
+double Net::leap(double time, double h, double last, const double* q, const double* q_before,
+                 double* q_next, double* turned) {
+  const double half_square = h * (h + last) / 2;
+  read_holds(time);
+  links_.lead(h, last, q_before, q, still_.data(), q_next);
+  for (const End& end : ends_) {
+    add(q_next, end.link, -end.pull * half_square * links_.inverse_rest(end.link) * end.lead);
+  }
+  clear_ends(q_next);
+  clear_ends(turned);
+  return links_.mend(half_square, q, q_next, still_.data(), turned);
 }
 
 bool Net::lift(const double* base, double* x, double* rate) const {

@@ -55,6 +55,11 @@ class Net : public Motion {
   Energy energy(double time, const double* q, const double* rate) override;
   double gravity() const override { return world_->gravity.norm(); }
   double memory() const override { return memory_; }
+  bool leaps() const override;
+  double fastest_hanging() const override;
+  bool pushes() const override;
+  double leap(double time, double h, double last, const double* q, const double* q_before,
+              double* q_next, double* turned) override;
   bool lift(const double* base, double* x, double* rate) const override;
   void across(const double* base, double* x) const override;
   void freeze(double sigma_squared) override;
@@ -130,6 +135,7 @@ class Net : public Motion {
   void add_couplings(const double* q);
   void move_bodies(const double* q, double* out);
   void respond(const double* q, double* out);
+  void clear_ends(double* array) const;
 
   // The state (net_state.cpp).
   void place(double time, const double* q, const double* rate);
