@@ -18,17 +18,19 @@ struct Gains {
   const double *next, *last, *wave;  // wave is twice its own
 };
 
-/// Where links that turn on from (bx, by) over (ux, uy) go under the tensions x.
+/// Where links that turn on from b over u go under the tensions x, by one component. Second
+/// differences over unequal steps are accelerations at the mean of their three times, where u has
+/// turned on by a third of (ratio - 1).
 TAUT_VECTOR_CLONES
-void drift(std::size_t n, double ratio, double half_square, Gains gains, In x, In bx, In by, In ux,
-           In uy, Out ex, Out ey) {
+void drift(std::size_t n, double ratio, double half_square, Gains gains, In x, In b, In u, Out e) {
   In next = gains.next, last = gains.last, wave = gains.wave;
+  const double on = (2 + ratio) / 3, back = (ratio - 1) / 3;
   for (std::size_t k = 0; k < n; ++k) {
     const double after = half_square * next[k] * x[k + 1];
     const double before = half_square * last[k] * x[k - 1];
-    const double own = 1 + ratio - half_square / 2 * wave[k] * x[k];
-    ex[k] = own * ux[k] - ratio * bx[k] + after * ux[k + 1] + before * ux[k - 1];
-    ey[k] = own * uy[k] - ratio * by[k] + after * uy[k + 1] + before * uy[k - 1];
+    const double own = half_square / 2 * wave[k] * x[k];
+    e[k] = (1 + ratio - own * on) * u[k] - (ratio - own * back) * b[k] +
+           after * (on * u[k + 1] - back * b[k + 1]) + before * (on * u[k - 1] - back * b[k - 1]);
   }
 }
 
@@ -128,8 +130,8 @@ double PlanarChain::leap(double time, double h, double last, const double* q,
     directions(loop_, q_before, past_x_, past_y_);
     directions(loop_, q, now_x_, now_y_);
   }
-  drift(loop_, h / last, half_square, gains, unknown_, past_x_, past_y_, now_x_, now_y_, lead_x_,
-        lead_y_);
+  drift(loop_, h / last, half_square, gains, unknown_, past_x_, now_x_, lead_x_);
+  drift(loop_, h / last, half_square, gains, unknown_, past_y_, now_y_, lead_y_);
   lead_x_[1] += half_square * pull_.dot(plane_.x) / rest_[1];
   lead_y_[1] += half_square * pull_.dot(plane_.y) / rest_[1];
   chords(loop_, 1 / half_square, weight_, now_x_, now_y_, lead_x_, lead_y_, chord_x_, chord_y_,
