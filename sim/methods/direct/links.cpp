@@ -230,17 +230,10 @@ void Links::add_response(const double* response, double factor) {
   for (std::size_t i = 0; i < count_; ++i) unknown_[i] += factor * response[i];
 }
 
-void Links::pull(const double* q, double* out) const {
+void Links::pull(const double* q, double* out) {
   const auto loop = components_ == 2 ? pull_in_plane : pull_in_space;
   loop(stride_, q + kPad, next_gain_, last_gain_, own_gain_, unknown_, out + kPad);
-}
-
-double Links::fastest() const {
-  double square = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
-    square = std::max(square, 2 * own_gain_[i] * std::abs(unknown_[i]));
-  }
-  return std::sqrt(square);
+  fastest_squared_ = 2 * largest(stride_, unknown_, own_gain_);
 }
 
 void Links::freeze(double sigma_squared) {

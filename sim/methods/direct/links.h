@@ -1,6 +1,7 @@
 // The links of a net as plain arrays, and the loops over all of them.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -58,15 +59,14 @@ class Links {
   void add_response(const double* response, double factor);
   double scale(std::size_t link) const { return scale_[link]; }
   /// u'' as far as the tensions cause it at particles that nothing holds.
-  void pull(const double* q, double* out) const;
+  void pull(const double* q, double* out);
 
   /// A bound (Gershgorin's, for a row of equal links exact) of the frequencies of the waves under
   /// those tensions, rad/s.
-  double fastest() const;
+  double fastest() const { return std::sqrt(fastest_squared_); }
 
   /// Of links in space, where those that turn on from `before` over q go under the tensions.
-  void lead(double h, double last, const double* before, const double* q, double* between,
-            double* out) const;
+  void lead(double h, double last, const double* before, const double* q, double* out) const;
   /// Changes the tensions so that lengths hold where `lead` leads, and writes there where the links
   /// go; into `turned` by how much the changes turned them. Spoils `chord`. Returns the most (of a
   /// length) that a link was off without.
@@ -92,6 +92,7 @@ class Links {
  private:
   std::size_t count_ = 0, stride_ = 0;
   int components_ = 3;
+  double fastest_squared_ = 0;  // rad^2/s^2, under the last tensions
   // One block, so that no two arrays lie a multiple of a page apart, where stores would hold up
   // loads. Rows and columns of the system are scaled to a diagonal of 2, near which neither its
   // minors nor their inverses overflow.

@@ -12,17 +12,24 @@ constexpr std::size_t kComponents = 3;
 using Out = double* __restrict;
 using In = const double* __restrict;
 
-/// Where the links are a share of the last step later.
+/// Where links that turn on from `before` over q go under the tensions x. Second differences over
+/// unequal steps are accelerations at the mean of their three times, where q has turned on by a
+/// third of (ratio - 1).
 TAUT_VECTOR_CLONES
-void shift(std::size_t n, double share, In before, In q, Out later) {
-  for (std::size_t i = 0; i < n; ++i) later[i] = q[i] + share * (q[i] - before[i]);
-}
-
-/// Where links that turn on from `before` over q go: adds that to what the tensions make of them.
-TAUT_VECTOR_CLONES
-void go_on(std::size_t n, double ratio, double half_square, In before, In q, Out lead) {
+void drift(std::size_t n, double ratio, double half_square, In next_gain, In last_gain, In own_gain,
+           In x, In before, In q, Out lead) {
+  const double on = (2 + ratio) / 3, back = (ratio - 1) / 3;
+#pragma GCC ivdep  // components do not overlap
   for (std::size_t i = 0; i < n; ++i) {
-    lead[i] = q[i] + ratio * (q[i] - before[i]) + half_square * lead[i];
+    const double next = half_square * next_gain[i] * x[i + 1];
+    const double last = half_square * last_gain[i] * x[i - 1];
+    const double own = half_square * own_gain[i] * x[i];
+    for (std::size_t c = 0; c < kComponents; ++c) {
+      const std::size_t at = c * n + i;
+      lead[at] = (1 + ratio - own * on) * q[at] - (ratio - own * back) * before[at] +
+                 next * (on * q[at + 1] - back * before[at + 1]) +
+                 last * (on * q[at - 1] - back * before[at - 1]);
+    }
   }
 }
 
@@ -53,12 +60,15 @@ void neighbours(std::size_t n, In beside, In chord, Out off) {
   }
 }
 
+struct Largest {
+  double change = 0, wave = 0;  // squares
+};
+
 /// Takes the changes of the tensions, which act along the chords: writes what of them turns the
-/// links, and where those go in place of `lead`. Leaves the squares of the changes of length in
-/// `change`; returns the largest of them.
+/// links, and where those go in place of `lead`. `squares` and `pulls` are workspaces.
 TAUT_VECTOR_CLONES
-double turn(std::size_t n, double half_square, In next_gain, In last_gain, In own_gain, In chord,
-            Out x, Out change, Out off, Out lead, Out turned) {
+Largest turn(std::size_t n, double half_square, In next_gain, In last_gain, In own_gain, In chord,
+             Out x, In change, Out squares, Out pulls, Out lead, Out turned) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) {
     const double next = half_square * next_gain[i] * change[i + 1];
@@ -82,20 +92,18 @@ double turn(std::size_t n, double half_square, In next_gain, In last_gain, In ow
       turned[at] -= radial * lead[at];
       lead[at] *= scale;
     }
-    off[i] = square;
+    squares[i] = square;
+    x[i] += change[i];
+    pulls[i] = x[i] > 0 ? x[i] : 0;  // only what pulls makes waves
   }
-  for (std::size_t i = 0; i < n; ++i) x[i] += change[i];
-  return largest(n, off);
+  return {largest(n, squares), 2 * largest(n, pulls, own_gain)};
 }
 
 }  // namespace
 
-void Links::lead(double h, double last, const double* before, const double* q, double* between,
-                 double* out) const {
-  const double ratio = h / last, half_square = h * (h + last) / 2;
-  shift(kComponents * stride_, (ratio - 1) / 3, before + kPad, q + kPad, between + kPad);
-  pull(between, out);
-  go_on(kComponents * stride_, ratio, half_square, before + kPad, q + kPad, out + kPad);
+void Links::lead(double h, double last, const double* before, const double* q, double* out) const {
+  drift(stride_, h / last, h * (h + last) / 2, next_gain_, last_gain_, own_gain_, unknown_,
+        before + kPad, q + kPad, out + kPad);
 }
 
 double Links::mend(double half_square, const double* q, double* lead, double* chord,
@@ -103,8 +111,10 @@ double Links::mend(double half_square, const double* q, double* lead, double* ch
   chords(stride_, 1 / half_square, weight_, q + kPad, lead + kPad, chord + kPad, diagonal_, right_);
   neighbours(stride_, beside_, chord + kPad, off_);
   solve_tridiagonal(count_, diagonal_, off_, right_, change_, work_);
-  return std::sqrt(turn(stride_, half_square, next_gain_, last_gain_, own_gain_, chord + kPad,
-                        unknown_, change_, off_, lead + kPad, turned + kPad));
+  const Largest most = turn(stride_, half_square, next_gain_, last_gain_, own_gain_, chord + kPad,
+                            unknown_, change_, off_, right_, lead + kPad, turned + kPad);
+  fastest_squared_ = most.wave;
+  return std::sqrt(most.change);
 }
 
 }  // namespace taut::direct

@@ -85,9 +85,10 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
     }
     const double excess = attempt_loosely(h, tolerance, counters);
     if (leave_plane(world)) continue;
-    constexpr double kOrder = BackwardStep::kErrorOrder;
+    constexpr float kOrder = BackwardStep::kErrorOrder;
     static_assert(kOrder == LeapStep::kErrorOrder);
-    const double scale = kSafety * std::pow(excess, -1 / kOrder);
+    // A step needs no more digits.
+    const double scale = kSafety * std::pow(static_cast<float>(excess), -1 / kOrder);
     step_ = h * (scale > kMostShrink ? std::min(scale, kMostGrowth) : kMostShrink);
     const bool good = excess <= kRefused;  // false for NaN
     if (good) {
@@ -101,12 +102,16 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
       before_ = time_;
       time_ += h;
       counters.steps += 1;
-      motion_->project(time_, q_.data(), rate_.data());
+      // Leaps need no rates, and each interpolated state is projected.
+      if (!leaps_) motion_->project(time_, q_.data(), rate_.data());
     } else {
       counters.rejected += 1;
     }
     const bool stiff = leaps_ && !(excess <= 1) && !(h * fastest_ <= kStiffened);
-    if (stiff) leaps_ = false;
+    if (stiff) {
+      leaps_ = false;
+      motion_->project(time_, q_.data(), rate_.data());
+    }
     if (soft_ && good && h * fastest_ < kEased) leaps_ = true;
     looks_back_ = !stiff && (good || leaps_);
   }

@@ -139,7 +139,7 @@ void Net::clear_ends(double* array) const {
 
 /// As of a chain in a plane, with a third component where it needs one; a body's matrices, and the
 /// systems that several links at one body solve.
-double Net::work() const {
+double Net::measure_work() const {
   const auto count = [](std::size_t number) { return static_cast<double>(number); };
   const double links = count(links_.count()), coupled = count(coupled_.size());
   return 450 + (links_.components() == 2 ? 20 : 24) * links + 100 * count(ends_.size()) +
@@ -181,7 +181,7 @@ double Net::leap(double time, double h, double last, const double* q, const doub
                  double* q_next, double* turned) {
   const double half_square = h * (h + last) / 2;
   read_holds(time);
-  links_.lead(h, last, q_before, q, still_.data(), q_next);
+  links_.lead(h, last, q_before, q, q_next);
   for (const End& end : ends_) {
     add(q_next, end.link, -end.pull * half_square * links_.inverse_rest(end.link) * end.lead);
   }

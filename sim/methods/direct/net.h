@@ -49,7 +49,7 @@ class Net : public Motion {
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   void project(double time, double* q, double* rate) override;
   double projection_cost() const override;
-  double work() const override;
+  double work() const override { return work_; }
   double shift(const double* change) const override;
   double shift_bound(double squares) const override { return reach_ * std::sqrt(squares); }
   Energy energy(double time, const double* q, const double* rate) override;
@@ -136,6 +136,7 @@ class Net : public Motion {
   void move_bodies(const double* q, double* out);
   void respond(const double* q, double* out);
   void clear_ends(double* array) const;
+  double measure_work() const;
 
   // The state (net_state.cpp).
   void place(double time, const double* q, const double* rate);
@@ -184,6 +185,7 @@ class Net : public Motion {
   double length_ = 0, shortest_ = 0;   // m, of all links, of the shortest
   double memory_ = 0;                  // s
   double reach_ = 0;                   // m, of shift_bound()
+  double work_ = 0;                    // cycles
   double frozen_ = 1;                  // 1/s^2, of freeze()
 
   bool floats_ = false;  // nothing prescribed: its centre of mass flies freely

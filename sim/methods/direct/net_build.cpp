@@ -142,6 +142,7 @@ void Net::rebuild(const World& world, const Component& component,
   order_spans(world, component.spans);
   measure_links(world);
   couple();
+  work_ = measure_work();
 }
 
 void Net::add_span(const World& world, const SpanRange& range, bool reversed) {

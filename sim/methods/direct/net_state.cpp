@@ -353,15 +353,18 @@ double Net::projection_cost() const {
 double Net::shift(const double* change) const {
   double sum = 0;
   std::size_t count = 0;
+  const double *x = change + links_.begin(0), *y = change + links_.begin(1);
+  const double* z = plane_ ? y : change + links_.begin(2);
+  const double in_space = plane_ ? 0 : 1;
   for (const Span& span : spans_) {
-    double place[3] = {0, 0, 0};
+    double place[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
     for (std::size_t i = span.offset; i < span.offset + span.links; ++i) {
       const double rest = links_.rest(i);
-      for (int c = 0; c < links_.components(); ++c) {
-        place[c] += rest * change[links_.begin(c) + i];
-        sum += place[c] * place[c];
-      }
+      place[0] += rest * x[i], squares[0] += place[0] * place[0];
+      place[1] += rest * y[i], squares[1] += place[1] * place[1];
+      place[2] += rest * z[i], squares[2] += place[2] * place[2];
     }
+    sum += squares[0] + squares[1] + in_space * squares[2];
     count += span.links;
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
