@@ -8,9 +8,10 @@
 namespace taut::direct {
 namespace {
 
-/// The error that a step may make, in tolerances: so much per second, and at most so much; less
-/// where the tolerance is small.
-constexpr double kRate = 30, kShare = 0.03, kSmallShare = 0.01;  // 1/s, 1, 1
+/// The error that a step may make, in tolerances: so much per second, and at most so much. Where
+/// the tolerance is small, so many times the root of the share of the length that it is: with the
+/// cube of the step it falls, and what leaps err by in all with the square.
+constexpr double kRate = 30, kShare = 0.03, kSmallShare = 0.06;  // 1/s, 1, 1
 
 /// Nor may it exceed this share of a link, or links fold.
 constexpr double kRoughness = 0.3;
@@ -30,9 +31,9 @@ constexpr double kRefused = 3;
 
 constexpr double kSafety = 0.8, kMostGrowth = 2, kMostShrink = 0.3;
 
-/// The first step turns a link by about so much (rad); leaps begin with this share of it, since
-/// they never forget what they began with.
-constexpr double kFirstTurn = 0.1, kFirstLeap = 0.3;
+/// The first step turns a link by about so much (rad). Leaps never forget what they began with:
+/// where the tolerance is small they begin with this share of it.
+constexpr double kFirstTurn = 0.1, kFirstLeap = 0.1;
 
 /// It begins with leaps where the fastest wave, now or hanging, turns by less than this (rad) in
 /// such a first step; where the tolerance is small and links pull, by less than the other.
@@ -67,7 +68,7 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
           loose_ = only_leaps_ = false;
           return begin();
         }
-        if (leaps_) step_ *= kFirstLeap;
+        if (only_leaps_) step_ *= kFirstLeap;
       }
       backward_.begin(step_, q_.data(), rate_.data(), acceleration_.data(), q_before_.data(),
                       rate_before_.data());
@@ -120,7 +121,8 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
 /// Tries a step of h. Returns its error as a share of the one allowed, or that of what its one
 /// solve had to correct.
 double Course::attempt_loosely(double h, double tolerance, Counters& counters) {
-  const double share = std::min(kRate * h, only_leaps_ ? kSmallShare : kShare);
+  const double small = kSmallShare * std::sqrt(tolerance / motion_->length());
+  const double share = std::min(kRate * h, only_leaps_ ? small : kShare);
   const double allowed = std::min(share * tolerance, kRoughness * motion_->shortest());
   const double last = time_ - before_;
   double excess = 0;
