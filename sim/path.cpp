@@ -34,20 +34,15 @@ struct Jet {
   Eigen::Matrix<double, kRows, 1> value, rate, rate2;
 };
 
-/// The quintic with the given values and first two derivatives at both ends of [0, h], at u h.
-template <int kRows>
-Jet<kRows> quintic(const Jet<kRows>& a, const Jet<kRows>& b, double h, double u) {
-  using Rows = Eigen::Matrix<double, kRows, 1>;
-  const Rows d = b.value - a.value - h * a.rate - h * h / 2 * a.rate2;
-  const Rows e = h * (b.rate - a.rate) - h * h * a.rate2;
-  const Rows f = h * h * (b.rate2 - a.rate2);
-  const Rows c3 = 10 * d - 4 * e + f / 2;
-  const Rows c4 = -15 * d + 7 * e - f;
-  const Rows c5 = 6 * d - 3 * e + f / 2;
+/// The quintic over [0, h] that leaves `value` with the first two derivatives given, at u h.
+template <typename Rows>
+auto quintic(const Rows& value, const Rows& rate, const Rows& rate2, const Rows& c3, const Rows& c4,
+             const Rows& c5, double h, double u) {
   const double u2 = u * u;
-  return {a.value + u * h * a.rate + u2 * (h * h / 2 * a.rate2 + u * (c3 + u * (c4 + u * c5))),
-          a.rate + u * h * a.rate2 + u2 / h * (3 * c3 + u * (4 * c4 + u * 5 * c5)),
-          a.rate2 + u / (h * h) * (6 * c3 + u * (12 * c4 + u * 20 * c5))};
+  return Jet<Rows::RowsAtCompileTime>{
+      value + u * h * rate + u2 * (h * h / 2 * rate2 + u * (c3 + u * (c4 + u * c5))),
+      rate + u * h * rate2 + u2 / h * (3 * c3 + u * (4 * c4 + u * 5 * c5)),
+      rate2 + u / (h * h) * (6 * c3 + u * (12 * c4 + u * 20 * c5))};
 }
 
 /// The rotation is the normalised 4-vector p = n q, so p' = n'q + n q', p'' = n''q + 2n'q' + n q''.
@@ -58,7 +53,6 @@ FrameMotion frame_motion(const Jet<3>& place, const Jet<4>& turn) {
   const double n = p.norm();
   const Eigen::Vector4d q = p / n;
   FrameMotion motion{place.value, place.rate, place.rate2, quat(q)};
-  if (p1.isZero(0) && p2.isZero(0)) return motion;
   const double n1 = q.dot(p1);
   const Eigen::Vector4d q1 = (p1 - n1 * q) / n;
   const double n2 = (p1.squaredNorm() + p.dot(p2) - n1 * n1) / n;
@@ -98,6 +92,24 @@ Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
     }
     first = i;
   }
+  for (const Row& row : value_) {
+    const Eigen::Vector4d q = row.tail<4>() / row.tail<4>().norm();
+    rotation_.emplace_back(q[0], q[1], q[2], q[3]);
+  }
+  for (std::size_t i = 0; i + 1 < n; ++i) sections_.push_back(section(i));
+}
+
+/// The quintic with the values and first two derivatives that the keys have.
+Path::Section Path::section(std::size_t first) const {
+  const std::size_t a = first, b = first + 1;
+  const double h = keys_[b].time - keys_[a].time;
+  const Row d = value_[b] - value_[a] - h * rate_[a] - h * h / 2 * rate2_[a];
+  const Row e = h * (rate_[b] - rate_[a]) - h * h * rate2_[a];
+  const Row f = h * h * (rate2_[b] - rate2_[a]);
+  const auto moves = [](const Row& row) { return !row.tail<4>().isZero(0); };
+  return {10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2,
+          moves(value_[b] - value_[a]) || moves(rate_[a]) || moves(rate_[b]) || moves(rate2_[a]) ||
+              moves(rate2_[b])};
 }
 
 Path Path::round(const Circle& circle) {
@@ -115,21 +127,22 @@ FrameMotion Path::at(double time) const {
   if (circle_) return motion(*circle_, time);
   const auto after = std::upper_bound(keys_.begin(), keys_.end(), time,
                                       [](double t, const PathKey& key) { return t < key.time; });
-  const auto place = [&](std::size_t i) -> Jet<3> {
-    return {value_[i].head<3>(), rate_[i].head<3>(), rate2_[i].head<3>()};
-  };
-  const auto turn = [&](std::size_t i) -> Jet<4> {
-    return {value_[i].tail<4>(), rate_[i].tail<4>(), rate2_[i].tail<4>()};
-  };
   // The rates are zero at the first and the last key.
-  if (after == keys_.begin()) return frame_motion(place(0), turn(0));
+  const auto resting = [&](std::size_t i) -> FrameMotion {
+    return {value_[i].head<3>(), Vec3::Zero(), Vec3::Zero(), rotation_[i]};
+  };
+  if (after == keys_.begin()) return resting(0);
   const auto b = static_cast<std::size_t>(after - keys_.begin()), a = b - 1;
-  if (after == keys_.end()) return frame_motion(place(a), turn(a));
+  if (after == keys_.end()) return resting(a);
   const double h = keys_[b].time - keys_[a].time, u = (time - keys_[a].time) / h;
-  const Jet<4> from = turn(a), to = turn(b);
-  const bool turns = from.value != to.value || !from.rate.isZero(0) || !to.rate.isZero(0) ||
-                     !from.rate2.isZero(0) || !to.rate2.isZero(0);
-  return frame_motion(quintic(place(a), place(b), h, u), turns ? quintic(from, to, h, u) : from);
+  const Section& s = sections_[a];
+  const auto rows = [&](auto part) {
+    return quintic(part(value_[a]), part(rate_[a]), part(rate2_[a]), part(s.c3), part(s.c4),
+                   part(s.c5), h, u);
+  };
+  const Jet<3> place = rows([](const Row& row) -> Vec3 { return row.head<3>(); });
+  if (!s.turns) return {place.value, place.rate, place.rate2, rotation_[a]};
+  return frame_motion(place, rows([](const Row& row) -> Eigen::Vector4d { return row.tail<4>(); }));
 }
 
 }  // namespace taut

@@ -43,6 +43,15 @@ class Path {
   // Values and their first two derivatives at the keys, 7 rows: x y z, then quaternion w x y z.
   using Row = Eigen::Matrix<double, 7, 1>;
   std::vector<Row> value_, rate_, rate2_;
+  std::vector<Quat> rotation_;  // at the keys
+
+  /// From a key to the next.
+  struct Section {
+    Row c3, c4, c5;      // of the quintic in the share of the way, for its powers from the third on
+    bool turns = false;  // else the rotation stays
+  };
+  Section section(std::size_t first) const;
+  std::vector<Section> sections_;
 };
 
 }  // namespace taut

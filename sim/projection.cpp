@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace taut {
 namespace {
@@ -61,19 +62,15 @@ bool restore_lengths(World& world) {
 bool stretches(const World& world) {
   constexpr double kRounding = 1e-13;
   for (const Connector& connector : world.connectors) {
-    auto hold = connector.holds.begin();
-    PointMotion a, b;
+    const std::vector<Vec3>&position = connector.position, &velocity = connector.velocity;
+    double speed = 0;  // squared, of the particle before
     for (std::size_t i = 0; i < connector.particles(); ++i) {
-      b.position = connector.position[i], b.velocity = connector.velocity[i];
-      if (hold != connector.holds.end() && hold->particle == i) {
-        b = hold_motion(world, hold++->to, world.time);
-      }
-      const Vec3 apart = b.position - a.position, velocity = b.velocity - a.velocity;
-      const double speeds = std::max(a.velocity.squaredNorm(), b.velocity.squaredNorm());
-      const double stretch = apart.dot(velocity);
-      const double most = kRounding * kRounding * speeds * apart.squaredNorm();
-      if (i > 0 && stretch * stretch > most) return true;
-      a = b;
+      const double last = std::exchange(speed, velocity[i].squaredNorm());
+      if (i == 0) continue;
+      const Vec3 apart = position[i] - position[i - 1];
+      const double stretch = apart.dot(velocity[i] - velocity[i - 1]);
+      const double most = kRounding * kRounding * std::max(last, speed) * apart.squaredNorm();
+      if (stretch * stretch > most) return true;
     }
   }
   return false;

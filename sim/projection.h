@@ -43,7 +43,8 @@ class Projection {
 /// False, and nothing has changed, where holds do not let them.
 bool restore_lengths(World& world);
 
-/// Whether velocities change the length of some link by more than rounding.
+/// Whether velocities change the length of some link by more than rounding; held particles are
+/// where they are placed.
 bool stretches(const World& world);
 
 /// Changes the velocities of a world by the impulses that stop all links from changing their

@@ -39,6 +39,7 @@ struct FrameMotion {
 
   /// Motion of a point fixed in the frame, given in the frame's axes (m from its origin).
   PointMotion point(const Vec3& local) const {
+    if (local.isZero(0)) return {position, velocity, acceleration};
     const Vec3 r = rotation * local;
     return {position + r, velocity + spin.cross(r),
             acceleration + spin_rate.cross(r) + spin.cross(spin.cross(r))};

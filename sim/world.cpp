@@ -79,6 +79,11 @@ bool is_prescribed(const World& world, const Attachment& to) {
 }
 
 void place_held(World& world, double time) {
+  place_prescribed(world, time);
+  place_carried(world);
+}
+
+void place_prescribed(World& world, double time) {
   world.time = time;
   for (Body& body : world.bodies) {
     if (!body.driven()) continue;
@@ -92,15 +97,28 @@ void place_held(World& world, double time) {
   for (Connector& connector : world.connectors) {
     for (const Hold& hold : connector.holds) {
       PointMotion motion;
-      if (hold.to.kind == Attachment::Kind::body) {  // driven bodies have just been placed
+      if (hold.to.kind == Attachment::Kind::body) {
         const Body& body = world.bodies[hold.to.body];
+        if (!body.driven()) continue;
+        // It has just been placed.
         motion = {body.point(hold.to.point), body.point_velocity(hold.to.point), Vec3::Zero()};
-        if (body.driven()) approach(hold.to.approach, time, motion);
+        approach(hold.to.approach, time, motion);
       } else {
         motion = hold_motion(world, hold.to, time);
       }
       connector.position[hold.particle] = motion.position;
       connector.velocity[hold.particle] = motion.velocity;
+    }
+  }
+}
+
+void place_carried(World& world) {
+  for (Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      if (is_prescribed(world, hold.to)) continue;
+      const Body& body = world.bodies[hold.to.body];
+      connector.position[hold.particle] = body.point(hold.to.point);
+      connector.velocity[hold.particle] = body.point_velocity(hold.to.point);
     }
   }
 }

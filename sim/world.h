@@ -46,4 +46,8 @@ bool is_prescribed(const World& world, const Attachment& to);
 /// included, to their places and velocities.
 void place_held(World& world, double time);
 
+/// The same of all but the particles held by free bodies, and of these alone.
+void place_prescribed(World& world, double time);
+void place_carried(World& world);
+
 }  // namespace taut

@@ -40,7 +40,9 @@ class Direct : public Method {
                        0, "no step is small enough for the tolerance");
       }
     }
-    place_held(world, until);
+    place_prescribed(world, until);
+    for (std::size_t k = 0; k < followed_; ++k) courses_[k]->store(world);
+    place_carried(world);
     note(world);
   }
 

@@ -66,7 +66,8 @@ World leapt(World world, double until, int steps) {
     leap.accept(q, rate, rate_before);
     motion.project((step + 1) * h, q.data(), rate.data());
   }
-  motion.store(world, until, q.data(), rate.data());
+  world.time = until;
+  motion.store(world, q.data(), rate.data());
   return world;
 }
 

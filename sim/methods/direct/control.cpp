@@ -147,10 +147,13 @@ double Course::first_step(double turn) const {
 void Course::advance(World& world, double until, Counters& counters) {
   motion_->attach(world);
   if (time_ < until) advance_audited(world, until, counters);
-  if (time_ == until) return motion_->store(world, until, q_.data(), rate_.data());
+}
+
+void Course::store(World& world) {
+  if (time_ == world.time) return motion_->store(world, q_.data(), rate_.data());
   const bool followed = rung_ == adams && adams_.longest() > 0;
-  interpolate(until, followed ? adams_.past(1) : nullptr, adams_.past(0));
-  motion_->store(world, until, q_between_.data(), rate_between_.data());
+  interpolate(world.time, followed ? adams_.past(1) : nullptr, adams_.past(0));
+  motion_->store(world, q_between_.data(), rate_between_.data());
 }
 
 /// Steps to `until` or beyond; once more and finer, from the last audit on, where the energy says
@@ -237,7 +240,8 @@ void Course::accept(Rung rung, double time, Counters& counters) {
 bool Course::leave_plane(World& world) {
   const std::optional<Vec3> reason = motion_->left_plane();
   if (!reason) return false;
-  motion_->store(world, time_, q_.data(), rate_.data());
+  place_prescribed(world, time_);
+  motion_->store(world, q_.data(), rate_.data());
   std::optional<Plane> plane;
   if (planned_at_ != time_) plane = planes_.find(world, component_, time_, *reason);
   plan(world, time_, plane);

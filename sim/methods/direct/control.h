@@ -49,8 +49,12 @@ class Course {
   void follow(const Component& component) { component_ = component; }
   /// Reads the state from the world.
   void load(const World& world);
-  /// Steps to `until` and writes the state to the world. Throws StepTooSmall.
+  /// Steps to `until` or beyond; writes to the world only where it has to be planned anew. Throws
+  /// StepTooSmall.
   void advance(World& world, double until, Counters& counters);
+  /// Writes the state at the world's time, for which it has been advanced and what is prescribed
+  /// has been placed.
+  void store(World& world);
 
   const Component& component() const { return component_; }
 

@@ -19,8 +19,9 @@ class Motion {
 
   /// Reads the state from the world, whose time is `time`.
   virtual void load(const World& world, double time, double* q, double* rate) = 0;
-  /// Writes the state at `time`, positions included, to the world.
-  virtual void store(World& world, double time, const double* q, const double* rate) = 0;
+  /// Writes the state at the world's time, positions included, to the world, in which what is
+  /// prescribed is at its place.
+  virtual void store(World& world, const double* q, const double* rate) = 0;
   /// Reads holds from `world` from now on.
   virtual void attach(const World& world) = 0;
   /// The acceleration by which a hold has left the plane since load(), if one has.
@@ -55,7 +56,8 @@ class Motion {
   virtual double memory() const = 0;
   /// The error (m) of the particles' positions that the errors of q and q' amount to.
   double error(const double* of_q, const double* of_rate) const {
-    return std::hypot(shift(of_q), memory() * shift(of_rate));
+    const double place = shift(of_q), speed = memory() * shift(of_rate);
+    return std::sqrt(place * place + speed * speed);
   }
 
   /// Whether there is leap().

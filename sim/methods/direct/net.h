@@ -38,7 +38,7 @@ class Net : public Motion {
   double tension(const World& world, std::size_t connector);
 
   void load(const World& world, double time, double* q, double* rate) override;
-  void store(World& world, double time, const double* q, const double* rate) override;
+  void store(World& world, const double* q, const double* rate) override;
   void attach(const World& world) override { world_ = &world; }
   const std::optional<Vec3>& left_plane() const override { return left_plane_; }
   double length() const override { return length_; }

@@ -179,9 +179,9 @@ void Net::float_to(double time) {
   for (Point& point : centres_) point = {point.position + shift, point.velocity + push};
 }
 
-void Net::store(World& world, double time, const double* q, const double* rate) {
+void Net::store(World& world, const double* q, const double* rate) {
   attach(world);
-  place(time, q, rate);
+  place(world.time, q, rate);
   std::size_t p = 0;
   for (const Span& span : spans_) {
     Connector& connector = world.connectors[span.range.connector];
@@ -192,6 +192,7 @@ void Net::store(World& world, double time, const double* q, const double* rate) 
     }
     p += span.links + 1;
   }
+  place_prescribed(world, world.time);  // where links lead there, but for rounding
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = world.bodies[bodies_[b].body];
     const double* r = q + quaternion(b);

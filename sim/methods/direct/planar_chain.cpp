@@ -77,6 +77,7 @@ bool add(std::size_t n, double most, In change, Out x) {
 }
 
 /// The rows of freeze(), less what the first link hangs from; `down` begins a row before.
+TAUT_VECTOR_CLONES
 void freeze_links(std::size_t n, double sigma_squared, In rest, In next_gain, In last_gain,
                   In cosine, In unknown, Out pivot, Out up, Out down) {
   for (std::size_t k = 0; k < n; ++k) {
@@ -85,6 +86,34 @@ void freeze_links(std::size_t n, double sigma_squared, In rest, In next_gain, In
     pivot[k] = sigma_squared * rest[k] + next + last;
     up[k] = next;
     down[k] = last;
+  }
+}
+
+/// From where links lead, of any length, and the velocities that their ends have against each
+/// other, in q and rate, to angles and rates.
+TAUT_VECTOR_CLONES
+void read_links(std::size_t n, In rest, In x, In y, Out q, Out rate) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const double per_length = 1 / std::sqrt(x[k] * x[k] + y[k] * y[k]);
+    const double cosine = x[k] * per_length, sine = y[k] * per_length;
+    rate[k] = (cosine * rate[k] - sine * q[k]) / rest[k];
+    q[k] = angle_of(cosine, sine);
+  }
+}
+
+/// Places the particles behind the one at `position`, each `step` further in memory than the last.
+TAUT_VECTOR_CLONES
+void lay(std::size_t n, In rest, In cosine, In sine, In rate, const Plane& plane,
+         std::ptrdiff_t step, Vec3* position, Vec3* velocity) {
+  const Vector x{plane.x[0], plane.x[1], plane.x[2]}, y{plane.y[0], plane.y[1], plane.y[2]};
+  Vector p{(*position)[0], (*position)[1], (*position)[2]};
+  Vector v{(*velocity)[0], (*velocity)[1], (*velocity)[2]};
+  for (std::size_t k = 0; k < n; ++k) {
+    p += rest[k] * (cosine[k] * x + sine[k] * y);
+    v += rest[k] * rate[k] * (cosine[k] * y - sine[k] * x);
+    position += step, velocity += step;
+    *position = {p[0], p[1], p[2]};
+    *velocity = {v[0], v[1], v[2]};
   }
 }
 
@@ -197,56 +226,46 @@ void PlanarChain::load(const World& world, double, double* q, double* rate) {
   std::fill_n(q, size(), 0.0);
   std::fill_n(rate, size(), 0.0);
   const Connector& connector = world.connectors[range_.connector];
-  const Plane plane = plane_;  // nothing else can be q or rate
-  Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized() : plane.x;
-  const auto set = [&](std::size_t k, const Vec3& turn) {
-    q[k] = std::atan2(u.dot(plane.y), u.dot(plane.x));
-    rate[k] = turn.dot(plane.normal.cross(u));
-  };
+  const Vec3 *position = connector.position.data(), *velocity = connector.velocity.data();
+  double *x = place_cosine_, *y = place_sine_;  // along the links
+  const Plane plane = plane_;                   // nothing else can be q or rate
+  Vec3 u = world.gravity.norm() > 0 ? world.gravity : plane.x;
   const std::size_t particles = range_.last - range_.first + 1;
   for (std::size_t k = 1; k < particles; ++k) {
     const std::size_t a = particle(k - 1), b = particle(k);
-    const Vec3 gap = connector.position[b] - connector.position[a];
+    const Vec3 gap = position[b] - position[a], change = velocity[b] - velocity[a];
+    const double least = 1e-9 * rest_[k];
     // Particles that coincide say nothing of the link between them: it goes on like the last.
-    if (gap.norm() > 1e-9 * rest_[k]) u = gap.normalized();
-    const double per_rest = 1 / rest_[k];
-    set(k, per_rest * (connector.velocity[b] - connector.velocity[a]));
+    if (gap.squaredNorm() > least * least) u = gap;
+    x[k] = u.dot(plane.x), y[k] = u.dot(plane.y);
+    q[k] = change.dot(plane.x), rate[k] = change.dot(plane.y);
   }
-  if (!bar_) return;
-  const Body& body = world.bodies[*bar_];
-  u = (body.position - connector.position[particle(particles - 1)]).normalized();
-  set(links_, body.spin.cross(u));
+  const Body* body = bar_ ? &world.bodies[*bar_] : nullptr;
+  if (body) {
+    u = body->position - position[particle(particles - 1)];
+    x[links_] = u.dot(plane.x), y[links_] = u.dot(plane.y);
+  }
+  read_links(links_, rest_ + 1, x + 1, y + 1, q + 1, rate + 1);
+  if (!body) return;
+  rate[links_] = body->spin.dot(plane.normal);
   bar_angle_ = q[links_];
-  rotation_ = body.rotation;
+  rotation_ = body->rotation;
 }
 
-void PlanarChain::store(World& world, double time, const double* q, const double* rate) {
+void PlanarChain::store(World& world, const double* q, const double* rate) {
   attach(world);
   Connector& connector = world.connectors[range_.connector];
-  const PointMotion start = hold_motion(world, hold_, time);
   directions(loop_, q, place_cosine_, place_sine_);
-  const Vec3 x = plane_.x, y = plane_.y;
-  const auto along = [&](std::size_t k) -> Vec3 {
-    return place_cosine_[k] * x + place_sine_[k] * y;
-  };
-  const auto across = [&](std::size_t k) -> Vec3 {
-    return place_cosine_[k] * y - place_sine_[k] * x;
-  };
-  Vec3 position = start.position, velocity = start.velocity;
   const std::size_t particles = range_.last - range_.first + 1;
-  Vec3 *positions = connector.position.data(), *velocities = connector.velocity.data();
-  positions[particle(0)] = position;
-  velocities[particle(0)] = velocity;
-  for (std::size_t k = 1; k < particles; ++k) {
-    position += rest_[k] * along(k);
-    velocity += rest_[k] * rate[k] * across(k);
-    positions[particle(k)] = position;
-    velocities[particle(k)] = velocity;
-  }
+  const std::size_t first = particle(0), last = particle(particles - 1);
+  Vec3 *position = connector.position.data(), *velocity = connector.velocity.data();
+  lay(particles - 1, rest_ + 1, place_cosine_ + 1, place_sine_ + 1, rate + 1, plane_,
+      reversed_ ? -1 : 1, position + first, velocity + first);
   if (!bar_) return;
+  const double cosine = place_cosine_[links_], sine = place_sine_[links_];
   Body& body = world.bodies[*bar_];
-  body.position = position + arm_ * along(links_);
-  body.velocity = velocity + arm_ * rate[links_] * across(links_);
+  body.position = position[last] + arm_ * (cosine * plane_.x + sine * plane_.y);
+  body.velocity = velocity[last] + arm_ * rate[links_] * (cosine * plane_.y - sine * plane_.x);
   body.rotation = Quat(Eigen::AngleAxisd(q[links_] - bar_angle_, plane_.normal)) * rotation_;
   body.spin = rate[links_] * plane_.normal;
 }

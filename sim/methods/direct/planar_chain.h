@@ -32,7 +32,7 @@ class PlanarChain : public Motion {
   void rebuild(const World& world, const Component& component, const Plane& plane);
 
   void load(const World& world, double time, double* q, double* rate) override;
-  void store(World& world, double time, const double* q, const double* rate) override;
+  void store(World& world, const double* q, const double* rate) override;
   void attach(const World& world) override { world_ = &world; }
   const std::optional<Vec3>& left_plane() const override { return left_plane_; }
   double length() const override { return length_; }

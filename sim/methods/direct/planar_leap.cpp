@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "sim/methods/direct/planar_chain.h"
+#include "sim/methods/direct/sincos.h"
 #include "sim/methods/direct/tridiagonal.h"
 #include "sim/methods/direct/vector.h"
 
@@ -51,18 +52,6 @@ void neighbours(std::size_t n, In beside, In mx, In my, Out off) {
   for (std::size_t k = 0; k < n; ++k) {
     off[k] = beside[k] * (mx[k] * mx[k + 1] + my[k] * my[k + 1]);
   }
-}
-
-/// Twice the angle whose tangent is t, |t| <= 1, to 4e-8; Abramowitz and Stegun, 4.4.49.
-[[gnu::always_inline]] inline double two_arctangents(double t) {
-  const double s = t * t;
-  constexpr double c2 = -0.6666629056, c4 = 0.3998710170, c6 = -0.2841779888, c8 = 0.2131252786;
-  constexpr double c10 = -0.1505792800, c12 = 0.0858192276, c14 = -0.0323314734;
-  constexpr double c16 = 0.0057324514;
-  const double low = 2 + s * (c2 + s * (c4 + s * c6));
-  const double high = c8 + s * (c10 + s * (c12 + s * (c14 + s * c16)));
-  const double square = s * s;
-  return t * (low + square * square * high);
 }
 
 struct Largest {
