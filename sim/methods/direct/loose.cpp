@@ -17,13 +17,11 @@ constexpr double kRate = 30, kShare = 0.03, kSmallShare = 0.06;  // 1/s, 1, 1
 constexpr double kRoughness = 0.3;
 
 /// Newton's iteration may turn a link by so much (rad), of which it leaves about the square.
-constexpr double kMostCorrected = 0.1;
+constexpr double kMostCorrected = 0.15;
 
-/// Of a link's length, a leap may be off by so much before its lengths are mended.
-constexpr double kMostMended = 0.2;
-
-/// And by so many times the share of the length that the tolerance is, where that is small.
-constexpr double kMendedPerShare = 0.7;
+/// Of a link's length, a leap may be off by so many times the share of all links that the tolerance
+/// is before its lengths are mended, and at most by so much.
+constexpr double kMendedPerShare = 0.7, kMostMended = 0.2;
 
 /// A step is done again only where its error is so many times what it may be; in any case the next
 /// one is shorter.
@@ -129,8 +127,7 @@ double Course::attempt_loosely(double h, double tolerance, Counters& counters) {
   if (leaps_) {
     const auto [error, correction] =
         leap_.attempt(*motion_, time_, h, last, q_.data(), q_before_.data());
-    const double mended =
-        only_leaps_ ? kMendedPerShare * tolerance / motion_->length() : kMostMended;
+    const double mended = std::min(kMendedPerShare * tolerance / motion_->length(), kMostMended);
     excess = std::max(error / allowed, correction / mended);
   } else {
     const auto [error, correction] = backward_.attempt(
