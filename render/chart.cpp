@@ -22,6 +22,10 @@ constexpr Style kMethodStyles[] = {
     {0xcc79a7, 5, 5},  // purple
     {0x000000, 0, 6},  // black
     {0x8c6d31, 1, 7},  // brown
+    // Of Tol's colours, for engines beside them.
+    {0x882255, 2, 0},  // wine
+    {0x332288, 3, 1},  // indigo
+    {0x999933, 5, 2},  // olive
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ struct Style {
   bool hollow = false;      // markers drawn as outlines: a second form of the same thing
 };
 
-/// The fixed styles of the methods, by their place in the list of methods; repeats after eight.
+/// The fixed styles of the methods, by their place in the list of methods; repeats after eleven.
 Style method_style(std::size_t index);
 /// The style of the reference that methods are judged by.
 Style truth_style();

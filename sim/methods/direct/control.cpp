@@ -26,13 +26,6 @@ constexpr int kShortestRest = 4, kLongestRest = 1024;  // careful steps
 // the waves would not let the step grow by a third.
 constexpr double kMuch = 0.8, kLittle = 0.15;
 
-/// A fixed step whose error estimate exceeds this share of the length of all links is done again.
-constexpr double kCoarsest = 0.01;
-
-/// A part that gains more energy than errors of the tolerance can explain is followed anew from the
-/// last audit, with the tolerance so many times as fine.
-constexpr double kFiner = 0.1;
-
 /// Nothing that the implicit method passes over is worth a careful step where the tolerance is this
 /// share of the length of all links.
 constexpr double kRough = 0.03;
@@ -43,15 +36,8 @@ constexpr double kLoose = 0.06;
 /// From here on leaps take all steps where links push, or no wave comes near to stiffening them.
 constexpr double kLeapt = 0.004;
 
-/// A loose course is audited after so many advances, which takes a tenth of its time where it is
-/// one.
-constexpr int kUnaudited = 4;
-
 /// A rough course hands over where that makes it so many times as fast.
 constexpr double kWorthwhile = 3;
-
-/// The largest error that an energy is taken to explain, as a share of the length.
-constexpr double kExplained = 0.05;
 
 /// Steps that no frame ends must not pass over what a driven end does meanwhile, nor go far beyond
 /// the time that is asked for.
@@ -154,50 +140,6 @@ void Course::store(World& world) {
   const bool followed = rung_ == adams && adams_.longest() > 0;
   interpolate(world.time, followed ? adams_.past(1) : nullptr, adams_.past(0));
   motion_->store(world, q_between_.data(), rate_between_.data());
-}
-
-/// Steps to `until` or beyond; once more and finer, from the last audit on, where the energy says
-/// that it went wrong.
-void Course::advance_audited(World& world, double until, Counters& counters) {
-  const bool fixed = control_.step > 0;
-  const double tolerance = fixed ? kCoarsest * motion_->length() : control_.tolerance;
-  if (closed_ && unaudited_ == 0) {
-    audited_at_ = time_;
-    std::ranges::copy(q_, q_audited_.begin());
-    std::ranges::copy(rate_, rate_audited_.begin());
-  }
-  if (fixed) {
-    advance_by_step(world, until, counters);
-  } else {
-    if (loose_) advance_loosely(world, until, tolerance, counters);
-    advance_by_tolerance(world, until, tolerance, counters);
-  }
-  if (loose_ && ++unaudited_ < kUnaudited) return;
-  unaudited_ = 0;
-  if (balances(tolerance)) return;
-  counters.handed_over += 1;
-  time_ = audited_at_;
-  q_.swap(q_audited_);
-  rate_.swap(rate_audited_);
-  rough_ = loose_ = only_leaps_ = fresh_ = false;
-  begin();
-  advance_by_tolerance(world, until, kFiner * tolerance, counters);
-  known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
-}
-
-/// Whether the energy is at most what it was, as far as errors of the tolerance can tell: of place
-/// under the weight, and of speed, for which an error of place counts in memory(). What is lost is
-/// no fault: the implicit method damps the waves that it passes over. Driven ends do work; what
-/// they drive is not audited.
-bool Course::balances(double tolerance) {
-  if (!closed_) return true;
-  const Motion::Energy energy = motion_->energy(time_, q_.data(), rate_.data());
-  const double gained = energy.sum() - known_energy_;
-  if (gained <= 0) return true;
-  tolerance = std::min(tolerance, kExplained * motion_->length());
-  const double speed = std::sqrt(2 * energy.kinetic / energy.mass);
-  const double force = energy.mass * (motion_->gravity() + speed / motion_->memory());
-  return !(gained > tolerance * force);
 }
 
 void Course::refresh(Counters& counters) {

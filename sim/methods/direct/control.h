@@ -68,6 +68,8 @@ class Course {
   static constexpr std::size_t kArrays = 9 + Dop853Step::kArrays + AdamsStep::kArrays +
                                          RosenbrockStep::kArrays + BackwardStep::kArrays +
                                          LeapStep::kArrays;
+  /// A fixed step whose error estimate exceeds this share of the length of all links is done again.
+  static constexpr double kCoarsest = 0.01;
   /// Adams keeps its spacing down to this share of the step that is possible.
   static constexpr double kLeastSpacing = 0.75;
   struct Rest {  // of a rung that the one below has to try again
