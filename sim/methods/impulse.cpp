@@ -187,14 +187,7 @@ void Impulse::settle(World& world, double time, double dt) {
     moved = false;
     for (Span& span : spans_) moved |= impulses_.act(world, span, time, dt, events_);
   }
-  for (Connector& connector : world.connectors) {
-    for (const Hold& hold : connector.holds) {
-      if (is_prescribed(world, hold.to)) continue;
-      const Body& body = world.bodies[hold.to.body];
-      connector.position[hold.particle] = body.point(hold.to.point);
-      connector.velocity[hold.particle] = body.point_velocity(hold.to.point);
-    }
-  }
+  place_carried(world);
 }
 
 /// Section IV.B: neighbours nearer than l_c or farther than l_t, by more than h, are moved to that
