@@ -1,0 +1,59 @@
+#include "tests/bench/promise/reference.h"
+
+#include <algorithm>
+
+#include "sim/simulation.h"
+#include "sim/study/accuracy.h"
+#include "sim/study/run.h"
+#include "sim/truth/truth.h"
+
+namespace taut::promise {
+namespace {
+
+constexpr double kLocalError =
+    1e-12;                         // of the length; least growths leave it below every tolerance
+constexpr double kFinest = 1e-15;  // m, the least that the solver takes
+constexpr int kSlices = 16;        // of a frame, between two looks at the clock
+
+double distance(const Vec3& a, const Vec3& b, double) {
+  return (a - b).norm();
+}
+
+}  // namespace
+
+Reference make_reference(const Drawn& drawn, double cap) {
+  const double nudge = kNudge * drawn.length;
+  const Settings settings{{"local_error", std::max(kFinest, kLocalError * drawn.length)}};
+  const bool rough = drawn.seed / kKinds.size() % 2 == 1;
+  Simulation truth(drawn.world, make_method("truth", settings));
+  Simulation twin(nudged(drawn.world, nudge, rough), make_method("truth", settings));
+  Reference reference;
+  const double start = thread_seconds();
+  double before = 0;
+  try {
+    for (const double time : frame_times(kDuration, kFps)) {
+      for (int slice = 1; slice <= kSlices; ++slice) {
+        const double until = slice == kSlices ? time : before + (time - before) * slice / kSlices;
+        truth.advance_to(until);
+        twin.advance_to(until);
+        reference.cpu = thread_seconds() - start;
+        if (reference.cpu > cap) {
+          reference.end = Reference::End::over_cap;
+          return reference;
+        }
+      }
+      before = time;
+      Snapshot frame = truth.state();
+      const double parted = frame_error(twin.state(), frame, distance) / nudge;
+      if (parted > kGrowth) break;
+      frame.bodies.clear();
+      reference.frames.push_back(std::move(frame));
+      reference.growth = parted;
+    }
+  } catch (const Diverged&) {
+    reference.end = Reference::End::failed;
+  }
+  return reference;
+}
+
+}  // namespace taut::promise
