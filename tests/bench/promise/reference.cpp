@@ -24,9 +24,9 @@ double distance(const Vec3& a, const Vec3& b, double) {
 Reference make_reference(const Drawn& drawn, double cap) {
   const double nudge = kNudge * drawn.length;
   const Settings settings{{"local_error", std::max(kFinest, kLocalError * drawn.length)}};
-  const bool rough = drawn.seed / kKinds.size() % 2 == 1;
   Simulation truth(drawn.world, make_method("truth", settings));
-  Simulation twin(nudged(drawn.world, nudge, rough), make_method("truth", settings));
+  Simulation smooth(nudged(drawn.world, nudge, false), make_method("truth", settings));
+  Simulation rough(nudged(drawn.world, nudge, true), make_method("truth", settings));
   Reference reference;
   const double start = thread_seconds();
   double before = 0;
@@ -34,8 +34,7 @@ Reference make_reference(const Drawn& drawn, double cap) {
     for (const double time : frame_times(kDuration, kFps)) {
       for (int slice = 1; slice <= kSlices; ++slice) {
         const double until = slice == kSlices ? time : before + (time - before) * slice / kSlices;
-        truth.advance_to(until);
-        twin.advance_to(until);
+        for (Simulation* simulation : {&truth, &smooth, &rough}) simulation->advance_to(until);
         reference.cpu = thread_seconds() - start;
         if (reference.cpu > cap) {
           reference.end = Reference::End::over_cap;
@@ -44,7 +43,9 @@ Reference make_reference(const Drawn& drawn, double cap) {
       }
       before = time;
       Snapshot frame = truth.state();
-      const double parted = frame_error(twin.state(), frame, distance) / nudge;
+      const double parted = std::max(frame_error(smooth.state(), frame, distance),
+                                     frame_error(rough.state(), frame, distance)) /
+                            nudge;
       if (parted > kGrowth) break;
       frame.bodies.clear();
       reference.frames.push_back(std::move(frame));

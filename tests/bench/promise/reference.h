@@ -11,27 +11,28 @@ namespace taut::promise {
 
 constexpr double kDuration = 1;    // s
 constexpr int kFps = 60;           // frames a second
-constexpr double kNudge = 1e-8;    // of the length: by how far the start of a twin is elsewhere
-constexpr double kGrowth = 100;    // nudges by which twins may have parted where one can foretell
+constexpr double kNudge = 1e-8;    // of the length: by how far twins start elsewhere
+constexpr double kGrowth = 100;    // nudges that twins may be off where one can foretell
 constexpr std::size_t kLeast = 3;  // frames after the first, or a scene shows nothing
 
 struct Reference {
   enum class End : int {
-    whole,     // until the end or until the twins part
+    whole,     // until the end or until a twin parts
     over_cap,  // it took too long
     failed,    // no solution was found beyond the last frame
   };
   End end = End::whole;
   std::vector<Snapshot> frames;  // particles alone, from the start to the horizon
-  double growth = 0;             // nudges by which the twins have parted at the horizon
-  double cpu = 0;                // s, of both twins
+  double growth = 0;             // nudges by which the farther twin is off at the horizon
+  double cpu = 0;                // s, of all three
 
   bool usable() const { return end != End::over_cap && frames.size() > kLeast; }
   double horizon() const { return frames.empty() ? 0 : frames.back().time; }
 };
 
-/// The first solver of the truth and its twin, frame by frame, until they part or have taken `cap`
-/// (s of CPU time).
+/// The first solver of the truth and two twins, frame by frame, until one parts or they have taken
+/// `cap` (s of CPU time). One twin starts nudged more and more along each connector, the other by
+/// turns to one side and the other: upright chains amplify that a thousand times more.
 Reference make_reference(const Drawn& drawn, double cap);
 
 /// References kept in a folder, one file each.
