@@ -9,7 +9,7 @@
 namespace taut::promise {
 
 /// Another one whenever a seed draws another scene or a reference means something else.
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 
 constexpr std::array<std::string_view, 7> kKinds = {"plane",  "upright", "space", "driven",
                                                     "pinned", "bodies",  "flying"};

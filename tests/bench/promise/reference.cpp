@@ -1,6 +1,7 @@
 #include "tests/bench/promise/reference.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sim/simulation.h"
 #include "sim/study/accuracy.h"
@@ -19,14 +20,30 @@ double distance(const Vec3& a, const Vec3& b, double) {
   return (a - b).norm();
 }
 
+/// The world with its particles moved, and its free bodies: turned by what moves their radius of
+/// gyration as far or, `rough`, moved.
+World twin(World world, double distance, bool rough) {
+  const Vec3 side = Vec3(2, -1, 0.5).normalized();  // across what particles are moved along
+  for (Body& body : world.bodies) {
+    const MassProperties& properties = body.mass_properties;
+    const double radius = std::sqrt(properties.inertia.trace() / 2 / properties.mass);
+    if (rough) {
+      body.position += distance * side;
+    } else {
+      body.rotation = Quat(Eigen::AngleAxisd(distance / radius, side)) * body.rotation;
+    }
+  }
+  return nudged(std::move(world), distance, rough);
+}
+
 }  // namespace
 
 Reference make_reference(const Drawn& drawn, double cap) {
   const double nudge = kNudge * drawn.length;
   const Settings settings{{"local_error", std::max(kFinest, kLocalError * drawn.length)}};
   Simulation truth(drawn.world, make_method("truth", settings));
-  Simulation smooth(nudged(drawn.world, nudge, false), make_method("truth", settings));
-  Simulation rough(nudged(drawn.world, nudge, true), make_method("truth", settings));
+  Simulation smooth(twin(drawn.world, nudge, false), make_method("truth", settings));
+  Simulation rough(twin(drawn.world, nudge, true), make_method("truth", settings));
   Reference reference;
   const double start = thread_seconds();
   double before = 0;
