@@ -149,7 +149,8 @@ def main():
     parser.add_argument("scenes", nargs="*", help="default: those of README's tables of engines")
     parser.add_argument("--errors", type=float, nargs="+", default=[10, 1, 0.1], help="mm")
     parser.add_argument("--tolerances", type=float, nargs="+", default=TOLERANCES, help="m")
-    parser.add_argument("--repeats", type=int, default=9, help="runs that a median is of")
+    parser.add_argument("--repeats", type=int, default=16,
+                        help="runs that a median is of; each build goes first in every second")
     parser.add_argument("--markdown", action="store_true", help="the table in Markdown")
     options = parser.parse_args()
     builds = [options.base.resolve(), options.new.resolve()]
