@@ -45,41 +45,38 @@ World bodies(Dice& dice, const Sizes& sizes) {
   World world;
   world.connectors = {
       shaped("chain", sizes.length, sizes.mass, Vec3::Zero(), directions(sizes.links, along))};
-  // `chain` and `below` would be left behind where connectors are added.
-  {
-    Connector& chain = world.connectors[0];
-    const Vec3 spin = dice.within(rate);
-    move(chain, 0, Vec3::Zero(), Vec3::Zero(), spin);
-    Box box(dice, sizes.load, reach, 2 * rate);
-    box.hang(chain, sizes.links);
-    box.body.name = "box";
-    world.bodies = {box.body};
-    chain.holds = {{sizes.links, on_body(0, box.point)}};
-    if (form != 1) chain.holds.insert(chain.holds.begin(), {0, at(Vec3::Zero())});
-    if (form == 0) return world;
+  Connector& chain = world.connectors[0];
+  const Vec3 spin = dice.within(rate);
+  move(chain, 0, Vec3::Zero(), Vec3::Zero(), spin);
+  Box box(dice, sizes.load, reach, 2 * rate);
+  box.hang(chain, sizes.links);
+  box.body.name = "box";
+  world.bodies = {box.body};
+  chain.holds = {{sizes.links, on_body(0, box.point)}};
+  if (form != 1) chain.holds.insert(chain.holds.begin(), {0, at(Vec3::Zero())});
+  if (form == 0) return world;
 
-    Box other(dice, sizes.load * dice.scale(0.2, 5), reach, 2 * rate);
-    other.body.name = "other";
-    if (form == 1) {
-      other.hang(chain, 0);
-      chain.holds.insert(chain.holds.begin(), {0, on_body(1, other.point)});
-      world.bodies.push_back(other.body);
-      return world;
-    }
-    const Vec3 from = box.place(dice), arm = box.body.rotation * from;
-    const double share = dice.between(0.3, 1);
-    const auto links = static_cast<std::size_t>(
-        std::max(2.0, dice.between(0.3, 1) * static_cast<double>(sizes.links)));
-    Connector below =
-        shaped("below", share * sizes.length, share * sizes.mass, box.body.position + arm,
-               directions(links, from_down(dice.radians(0, 120), dice.radians(0, 360))));
-    move(below, 0, below.position[0], box.body.velocity + box.body.spin.cross(arm),
-         dice.within(rate));
-    other.hang(below, links);
-    below.holds = {{0, on_body(0, from)}, {links, on_body(1, other.point)}};
+  Box other(dice, sizes.load * dice.scale(0.2, 5), reach, 2 * rate);
+  other.body.name = "other";
+  if (form == 1) {
+    other.hang(chain, 0);
+    chain.holds.insert(chain.holds.begin(), {0, on_body(1, other.point)});
     world.bodies.push_back(other.body);
-    world.connectors.push_back(below);
+    return world;
   }
+  const Vec3 from = box.place(dice), arm = box.body.rotation * from;
+  const double share = dice.between(0.3, 1);
+  const auto links = static_cast<std::size_t>(
+      std::max(2.0, dice.between(0.3, 1) * static_cast<double>(sizes.links)));
+  Connector below =
+      shaped("below", share * sizes.length, share * sizes.mass, box.body.position + arm,
+             directions(links, from_down(dice.radians(0, 120), dice.radians(0, 360))));
+  move(below, 0, below.position[0], box.body.velocity + box.body.spin.cross(arm),
+       dice.within(rate));
+  other.hang(below, links);
+  below.holds = {{0, on_body(0, from)}, {links, on_body(1, other.point)}};
+  world.bodies.push_back(other.body);
+  world.connectors.push_back(below);
   return world;
 }
 

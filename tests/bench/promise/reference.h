@@ -32,7 +32,7 @@ struct Reference {
 
 /// The first solver of the truth and two twins, frame by frame, until one parts or they have taken
 /// `cap` (s of CPU time). One twin starts nudged more and more along each connector, the other by
-/// turns to one side and the other: upright chains amplify that a thousand times more. Free bodies
+/// turns to one side and the other: upright chains amplify that far more. Free bodies
 /// are turned in the one and moved in the other.
 Reference make_reference(const Drawn& drawn, double cap);
 
