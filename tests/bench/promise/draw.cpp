@@ -29,7 +29,8 @@ World thrown(Dice& dice, const Sizes& sizes) {
   const bool curved = dice.pick(2) == 1;
   const double turn = dice.radians(20, 200), twist = dice.radians(0, 360);
   const double rate = std::sqrt(kGravity / sizes.length);
-  const Vec3 spin = dice.between(0.2, 2) * rate * Vec3::UnitY() + dice.within(rate);
+  const Vec3 any = dice.within(rate);
+  const Vec3 spin = dice.between(0.2, 2) * rate * Vec3::UnitY() + any;
   World world;
   world.connectors = {
       shaped("chain", sizes.length, sizes.mass, Vec3::Zero(),

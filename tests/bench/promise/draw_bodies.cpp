@@ -37,8 +37,7 @@ World bodies(Dice& dice, const Sizes& sizes) {
   const bool slack = dice.pick(2) == 1;
   const auto pieces = static_cast<std::size_t>(dice.between(2, 8));
   const double angle = dice.radians(10, 60);
-  const Vec3 along =
-      form == 1 ? dice.direction() : from_down(dice.radians(0, 120), dice.radians(0, 360));
+  const Vec3 along = form == 1 ? dice.direction() : tilted(dice, 120);
   const auto directions = [&](std::size_t links, const Vec3& way) {
     return slack ? zigzag(links, pieces, way, angle) : straight(links, way);
   };
@@ -68,9 +67,8 @@ World bodies(Dice& dice, const Sizes& sizes) {
   const double share = dice.between(0.3, 1);
   const auto links = static_cast<std::size_t>(
       std::max(2.0, dice.between(0.3, 1) * static_cast<double>(sizes.links)));
-  Connector below =
-      shaped("below", share * sizes.length, share * sizes.mass, box.body.position + arm,
-             directions(links, from_down(dice.radians(0, 120), dice.radians(0, 360))));
+  Connector below = shaped("below", share * sizes.length, share * sizes.mass,
+                           box.body.position + arm, directions(links, tilted(dice, 120)));
   move(below, 0, below.position[0], box.body.velocity + box.body.spin.cross(arm),
        dice.within(rate));
   other.hang(below, links);

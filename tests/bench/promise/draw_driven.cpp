@@ -45,7 +45,7 @@ Body stick(const Vec3& top, const Vec3& along, double mass, double length, doubl
 
 World driven(Dice& dice, const Sizes& sizes) {
   const bool in_plane = dice.pick(2) == 0, circle = dice.pick(2) == 0, body = dice.pick(2) == 0;
-  const Vec3 along = from_down(dice.radians(0, 60), in_plane ? 0 : dice.radians(0, 360));
+  const Vec3 along = in_plane ? from_down(dice.radians(0, 60), 0) : tilted(dice, 60);
   const double reach = dice.scale(0.02, 0.3) * sizes.length, frequency = dice.between(0.5, 2.5);
   Vec3 stroke = reach * dice.direction();
   if (in_plane) stroke.z() = 0;

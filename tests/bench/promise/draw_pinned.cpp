@@ -29,13 +29,15 @@ void swing(Connector& chain, std::size_t last, double angle, double rate) {
 World pinned(Dice& dice, const Sizes& sizes) {
   const int form = dice.pick(3);  // hanging, zigzag, held in the middle
   const double share = dice.between(0.3, 0.95), angle = dice.radians(20, 120);
-  const double rate = dice.pick(2) * dice.between(-2, 2) * std::sqrt(kGravity / sizes.length);
+  const bool thrown = dice.pick(2) == 1;
+  const double speed = dice.between(-2, 2);
+  const double rate = thrown ? speed * std::sqrt(kGravity / sizes.length) : 0;
   const auto pieces = static_cast<std::size_t>(dice.between(2, 8));
   World world;
-  world.connectors = {shaped(
-      "chain", sizes.length, sizes.mass, Vec3::Zero(),
-      form == 1 ? zigzag(sizes.links, pieces, dice.direction(), std::acos(share))
-                : straight(sizes.links, from_down(dice.radians(0, 150), dice.radians(0, 360))))};
+  world.connectors = {shaped("chain", sizes.length, sizes.mass, Vec3::Zero(),
+                             form == 1
+                                 ? zigzag(sizes.links, pieces, dice.direction(), std::acos(share))
+                                 : straight(sizes.links, tilted(dice, 150)))};
   Connector& chain = world.connectors[0];
   std::size_t last = sizes.links;
   if (form == 2) {

@@ -31,6 +31,12 @@ inline Attachment on_body(std::size_t body, const Vec3& point) {
   return to;
 }
 
+/// A unit vector up to `highest` degrees from straight down, turned anyhow about the vertical.
+inline Vec3 tilted(Dice& dice, double highest) {
+  const double azimuth = dice.radians(0, 360);
+  return from_down(dice.radians(0, highest), azimuth);
+}
+
 // The kinds whose scenes take more than a line to draw.
 World driven(Dice& dice, const Sizes& sizes);
 World pinned(Dice& dice, const Sizes& sizes);
