@@ -58,7 +58,8 @@ std::vector<double> shown_times(const Scene& scene, const std::vector<ClipFrame>
 
 std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<ClipFrame>& frames,
                                           const std::vector<int>& wanted,
-                                          const std::function<void()>& tick) {
+                                          const std::function<void()>& tick,
+                                          const std::function<void(const Simulation&)>& watch) {
   const auto times_of = [&](const ClipFrame& frame) {
     return exposure_times(scene, frame.time, frame.rate);
   };
@@ -76,6 +77,7 @@ std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<
     if (time > last) break;
     tick();
     simulation.advance_to(time);
+    if (watch) watch(simulation);
     if (const auto found = states.find(time); found != states.end())
       found->second = simulation.state();
   }

@@ -25,9 +25,11 @@ std::vector<ClipFrame> clip_frames(const Scene& scene);
 std::vector<double> shown_times(const Scene& scene, const std::vector<ClipFrame>& frames);
 
 /// The states that each of the frames in `wanted` (rising) shows while its shutter is open, from
-/// one simulation. It goes the same way whichever frames are wanted. Calls `tick` now and then.
+/// one simulation. It goes the same way whichever frames are wanted. Calls `tick` now and then, and
+/// `watch`, where there is one, with the simulation at each of the times.
 std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<ClipFrame>& frames,
                                           const std::vector<int>& wanted,
-                                          const std::function<void()>& tick);
+                                          const std::function<void()>& tick,
+                                          const std::function<void(const Simulation&)>& watch = {});
 
 }  // namespace taut

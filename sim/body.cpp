@@ -1,5 +1,9 @@
 #include "sim/body.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
 namespace taut {
 namespace {
 
@@ -32,6 +36,22 @@ MassProperties with_point_mass(const MassProperties& body, double mass, const Ve
   const Vec3 arm = point - body.centre;
   return {total, body.centre + mass / total * arm,
           body.inertia + point_inertia(body.mass * mass / total, arm)};
+}
+
+std::array<Vec3, 6> box_ends(const MassProperties& body) {
+  // With half sides a, b, c the moment about the first axis is m (b^2 + c^2) / 3, and so on round.
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(body.inertia);
+  const Vec3& moments = axes.eigenvalues();
+  std::array<Vec3, 6> ends;
+  for (int i = 0; i < 3; ++i) {
+    const double others = moments.sum() - 2 * moments[i];
+    const double half = std::sqrt(std::max(0.0, 1.5 * others / body.mass));
+    for (const int side : {0, 1}) {
+      ends[static_cast<std::size_t>(2 * i + side)] =
+          body.centre + (side == 0 ? -half : half) * axes.eigenvectors().col(i);
+    }
+  }
+  return ends;
 }
 
 void reweigh(Body& body, const MassProperties& properties) {

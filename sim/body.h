@@ -1,6 +1,7 @@
 // Rigid bodies: mass properties from shapes, and the state of a body.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
@@ -24,6 +25,10 @@ MassProperties solid_sphere(double mass, double diameter);
 MassProperties solid_box(double mass, const Vec3& size);
 /// `body` with a point mass (kg) joined to it at `point` (m, body frame).
 MassProperties with_point_mass(const MassProperties& body, double mass, const Vec3& point);
+
+/// The middles of the faces of the box that has the body's mass and inertia (m, body frame); for a
+/// stick, its ends are among them.
+std::array<Vec3, 6> box_ends(const MassProperties& body);
 
 enum class BodyModel {
   rigid,

@@ -93,6 +93,8 @@ struct MethodForm {
   Settings settings;      // what it sets
 };
 
+struct CoarseMethod;
+
 /// A row of the list of methods.
 struct MethodInfo {
   std::string_view name;     // as in scene files
@@ -111,6 +113,9 @@ struct MethodInfo {
   std::string_view longest_step_law = {};  // the law in a few words, for legends
   /// Connectors may be massless spans; others take every connector for links.
   bool follows_spans = false;
+  /// The method with a full set of settings made coarser, by which ErrorEstimate tells the error;
+  /// null: nothing is known of how the error depends on the settings.
+  CoarseMethod (*coarse)(const MethodInfo& method, const Settings& settings) = nullptr;
 };
 
 /// Every method, in the order in which tables show them.

@@ -15,6 +15,7 @@
 #include "render/cli/frame_list.h"
 #include "render/cli/method_options.h"
 #include "render/cli/progress.h"
+#include "render/cli/self_estimate.h"
 #include "render/cli/stills.h"
 #include "render/crew.h"
 #include "render/fingerprint.h"
@@ -43,6 +44,7 @@ struct Options {
   int fps = 0, samples = 4;
   double patience = 60;  // s
   bool certificate = false, resume = false, anew = false, no_video = false, profile = false;
+  bool no_estimate = false;
   Stills stills;
   MethodOptions method;
 };
@@ -147,9 +149,16 @@ int render(const Common& common, const Options& options) {
   }
   double unlit_time = 0;
 
+  SelfEstimate estimate(scene, !options.no_estimate);
+  double estimate_time = 0;
   const auto simulation_start = Clock::now();
-  const auto states = record(scene, clip, frames, stop_if_interrupted);
-  const double simulation_time = seconds_since(simulation_start);
+  const auto states =
+      record(scene, clip, frames, stop_if_interrupted, [&](const Simulation& simulation) {
+        const auto start = Clock::now();
+        estimate.follow(simulation);
+        estimate_time += seconds_since(start);
+      });
+  const double simulation_time = seconds_since(simulation_start) - estimate_time;
 
   const std::uint64_t shared = Hash()
                                    .number(program_fingerprint())
@@ -225,6 +234,7 @@ int render(const Common& common, const Options& options) {
       {"seconds_per_frame",
        {{"simulation", simulation_time / double(frames.back() + 1)},
         {"rendering", drawn ? rendering_time / double(drawn) : 0.0}}}};
+  estimate.add_to(report);
   if (video) {
     std::vector<std::filesystem::path> files;
     for (const int frame : frames) files.push_back(folder.file(frame));
@@ -240,7 +250,7 @@ int render(const Common& common, const Options& options) {
     floor.emplace(scene.width, scene.height, options.samples);
     report["profile"] = stage_json(profile, unlit, *floor);
   }
-  if (!common.quiet) fmt::print(stderr, "certificate: {}\n", proof);
+  if (!common.quiet) fmt::print(stderr, "certificate: {}\n{}", proof, estimate.line());
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
   record_file.write(text);
@@ -264,7 +274,10 @@ void add_render(CLI::App& app, Program& program) {
       add_command(app, program, "render", "Render a scene's clip",
                   "  taut render scenes/nunchaku.toml\n"
                   "  taut render scenes/nunchaku.toml --frames 0-59,120 --size 960x540 --no-video\n"
-                  "  taut render scenes/nunchaku.toml --resume");
+                  "  taut render scenes/nunchaku.toml --resume\n\n" +
+                      std::string(kEstimateHelp) +
+                      "\nclip.json has it: error_estimate_m, foretold_until_s, "
+                      "estimate_ms_per_second.");
   auto options = std::make_shared<Options>();
   command.add_option("scene", options->scene, "The scene file")->required();
   command.add_option("--out", options->out, "The clip's folder; default out/NAME");
@@ -275,6 +288,7 @@ void add_render(CLI::App& app, Program& program) {
   command.add_option("--samples", options->samples, "Samples per pixel; default 4")
       ->check(CLI::Range(1, 64));
   add_method_options(command, options->method);
+  command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
   command.add_flag("--certificate", options->certificate,
                    "A line on the picture says what is proved of the clip, or that nothing is");
   command.add_option("--backend", options->backend, "auto, egl or osmesa")

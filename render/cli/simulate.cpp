@@ -12,6 +12,7 @@
 #include "render/cli/command.h"
 #include "render/cli/method_options.h"
 #include "render/cli/progress.h"
+#include "render/cli/self_estimate.h"
 #include "render/interrupt.h"
 #include "scenes/scene.h"
 #include "sim/measure.h"
@@ -25,6 +26,7 @@ struct Options {
   std::string scene;
   std::string csv;
   int fps = 0;  // 0: the scene's
+  bool no_estimate = false;
   MethodOptions method;
 };
 
@@ -42,7 +44,7 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::string header(const Scene& scene) {
+std::string header(const Scene& scene, bool estimated) {
   const World world = divided(scene.world, scene.timeline);
   std::string line = "t";
   for (const Connector& connector : world.connectors) {
@@ -57,11 +59,11 @@ std::string header(const Scene& scene) {
       line += fmt::format(",{}.{}", body.name, part);
     }
   }
-  return line + '\n';
+  return line + (estimated ? ",error_estimate\n" : "\n");
 }
 
 /// One frame, with as many digits as bring back the same number.
-std::string row(const Snapshot& state) {
+std::string row(const Snapshot& state, const SelfEstimate& estimate) {
   std::string line = fmt::format("{:.17g}", state.time);
   const auto add = [&line](double number) {
     fmt::format_to(std::back_inserter(line), ",{:.17g}", number);
@@ -74,6 +76,7 @@ std::string row(const Snapshot& state) {
     std::ranges::for_each(frame.position, add);
     for (const double part : {q.w(), q.x(), q.y(), q.z()}) add(part);
   }
+  if (estimate.on()) add(estimate.error());
   return line + '\n';
 }
 
@@ -97,30 +100,33 @@ class Rows {
   bool to_output_;
 };
 
-Report simulate(const Scene& scene, Simulation& simulation, Rows& rows, bool quiet) {
+Report simulate(const Scene& scene, Simulation& simulation, SelfEstimate& estimate, Rows& rows,
+                bool quiet) {
   const World& world = simulation.world();
   const double start = kinetic_energy(world) + potential_energy(world);
   const int frames = scene.frames();
   Report report;
   report.energy_scale = energy_scale(world);
   Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
-  if (rows.wanted()) rows.write(header(scene));
+  if (rows.wanted()) rows.write(header(scene, estimate.on()));
   for (int frame = 0; frame < frames; ++frame) {
     stop_if_interrupted();
     const double before = cpu_seconds();
     simulation.advance_to(static_cast<double>(frame) / scene.fps);
     report.stepping += cpu_seconds() - before;
+    estimate.follow(simulation);
     const double energy = kinetic_energy(world) + potential_energy(world);
     report.drift = std::max(report.drift, std::abs(energy - start));
     report.stretch = std::max(report.stretch, stretch_max(world));
-    if (rows.wanted()) rows.write(row(simulation.state()));
+    if (rows.wanted()) rows.write(row(simulation.state(), estimate));
     progress.update(static_cast<std::uint64_t>(frame) + 1);
   }
   rows.finish();
   return report;
 }
 
-std::string json_text(const Scene& scene, const Simulation& simulation, const Report& report) {
+std::string json_text(const Scene& scene, const Simulation& simulation, const Report& report,
+                      const SelfEstimate& estimate) {
   const Counters& counters = simulation.method().counters();
   // The last frame's time is what was simulated; a scene of one frame simulates nothing.
   const double simulated = simulation.world().time;
@@ -144,6 +150,7 @@ std::string json_text(const Scene& scene, const Simulation& simulation, const Re
       "largest change of the mechanical energy at any frame, as a share of energy_scale; null "
       "where something driven does work";
   json["energy_scale"] = report.energy_scale;
+  estimate.add_to(json);
   json["state_hash"] = fmt::format("{:016x}", state_hash(simulation.world()));
   return json.dump(2) + '\n';
 }
@@ -153,12 +160,13 @@ int run(const Options& options, const Common& common) {
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
   Simulation simulation = start(scene);
+  SelfEstimate estimate(scene, !options.no_estimate);
   Rows rows(options.csv, !common.json);
-  const Report report = simulate(scene, simulation, rows, common.quiet);
-  if (common.json) write_output(json_text(scene, simulation, report));
+  const Report report = simulate(scene, simulation, estimate, rows, common.quiet);
+  if (common.json) write_output(json_text(scene, simulation, report, estimate));
   if (!options.csv.empty() && !common.quiet) {
-    fmt::print(stderr, "{}: {} frames, method {}\n", options.csv, scene.frames(),
-               scene.method.name);
+    fmt::print(stderr, "{}: {} frames, method {}\n{}", options.csv, scene.frames(),
+               scene.method.name, estimate.line());
   }
   return kDone;
 }
@@ -168,13 +176,20 @@ int run(const Options& options, const Common& common) {
 void add_simulate(CLI::App& app, Program& program) {
   CLI::App& command =
       add_command(app, program, "simulate", "A scene's trajectory, without pictures",
-                  R"(  taut simulate scenes/rope_swing.toml > swing.csv
+                  fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv
   taut simulate scenes/rope_swing.toml --csv swing.csv --json
   taut simulate scenes/rope_swing.toml --method springs --step 1e-4 --set stiffness=5000 --json
 
 One row per frame: t, every particle of every connector (NAME.0.x,NAME.0.y,NAME.0.z,...), every
-body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz). SI units. Particles that pins
-add have no columns; what is cut off a connector has its own from the start, as NAME'.)");
+body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz), error_estimate. SI units.
+Particles that pins add have no columns; what is cut off a connector has its own from the start, as
+NAME'.
+
+{}
+It is the last column (inf once the coarser run has diverged, nan where the method has no estimate)
+and, with --json, error_estimate_m (its largest and its final value), foretold_until_s and
+estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)",
+                              kEstimateHelp));
   const auto options = std::make_shared<Options>();
   command.add_option("scene", options->scene, "A scene file")->required();
   command.add_option("--csv", options->csv,
@@ -183,6 +198,7 @@ add have no columns; what is cut off a connector has its own from the start, as 
   command.add_option("--fps", options->fps, "Another number of frames per second")
       ->check(CLI::Range(1, 1000));
   add_method_options(command, options->method);
+  command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

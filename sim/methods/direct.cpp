@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "sim/coarse_method.h"
 #include "sim/methods/direct/control.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/projection.h"
@@ -179,7 +180,13 @@ MethodInfo direct_method() {
         control.step = number(settings, "step");
         return std::make_unique<Direct>(control);
       },
-      .follows_spans = true};
+      .follows_spans = true,
+      .coarse =
+          [](const MethodInfo& direct, const Settings& settings) {
+            return number(settings, "step") > 0
+                       ? with_step_doubled(direct, settings, 8)
+                       : with_tolerance_raised(direct, settings, "tolerance");
+          }};
 }
 
 }  // namespace taut

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "sim/coarse_method.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/tension.h"
@@ -19,9 +21,12 @@ constexpr double kStepsToReturn = 10;  // time constant in steps, where the sett
 
 class DynamicConstraints final : public SteppedMethod {
  public:
-  explicit DynamicConstraints(const Settings& settings)
+  /// Steps that the settings leave open are `longer` times as long as by default.
+  explicit DynamicConstraints(const Settings& settings, double longer = 1)
       : SteppedMethod(kName, number(settings, "step")),
         adaptive_(number(settings, "step") == 0),
+        safety_(kSafety * longer),
+        longest_(kLongest * longer),
         time_constant_(number(settings, "time_constant")),
         dense_(text(settings, "solver") == "dense"),
         integrator_(integrator_named(text(settings, "integrator"))),
@@ -36,9 +41,9 @@ class DynamicConstraints final : public SteppedMethod {
     row_mobility(mechanism, mobility_);
     start_.reserve(mechanism.state_room());
     fastest_squared_ = 0;
-    const double longest = kSafety * stability_limit_;  // times 1/w
-    if (kLongest * std::sqrt(4 * heaviest_link(world)) <= longest) return kLongest;
-    return std::min(kLongest, longest / fastest_swing(world));
+    const double longest = safety_ * stability_limit_;  // times 1/w
+    if (longest_ * std::sqrt(4 * heaviest_link(world)) <= longest) return longest_;
+    return std::min(longest_, longest / fastest_swing(world));
   }
 
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override {
@@ -96,11 +101,13 @@ class DynamicConstraints final : public SteppedMethod {
   }
   /// Into how many parts a step must go to be stable under the tensions of the step before.
   double parts_of(double dt) const {
-    const double parts = dt * std::sqrt(fastest_squared_) / (kSafety * stability_limit_);
+    const double parts = dt * std::sqrt(fastest_squared_) / (safety_ * stability_limit_);
     return std::clamp(std::ceil(parts), 1.0, kMostParts);
   }
 
   bool adaptive_;         // the settings leave the step open
+  double safety_;         // of the stability limit
+  double longest_;        // s
   double time_constant_;  // s
   bool dense_;
   Integrator integrator_;
@@ -119,6 +126,14 @@ double longest_step(const World& world, const Settings& settings) {
   const double tau = number(settings, "time_constant");
   const double returning = tau > 0 ? stability_limit(integrator, 1) * tau : 1e300;
   return std::min(returning, stability_limit(integrator, 0) / fastest_swing(world));
+}
+
+/// Twice as long, steps that are left open would be as long as stability allows.
+CoarseMethod coarse(const MethodInfo& constraints, const Settings& settings) {
+  const double order = order_of(integrator_named(text(settings, "integrator")));
+  if (number(settings, "step") > 0) return with_step_doubled(constraints, settings, order);
+  return {.method = std::make_unique<DynamicConstraints>(settings, std::numbers::sqrt2),
+          .order = order};
 }
 
 }  // namespace
@@ -152,6 +167,7 @@ MethodInfo dynamic_constraints_method() {
       .forms = {{"dense", {{"solver", std::string("dense")}}}},
       .longest_step = longest_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",
+      .coarse = coarse,
   };
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ranges>
 
+#include "sim/coarse_method.h"
 #include "sim/methods/span.h"
 #include "sim/methods/span_impulse.h"
 #include "sim/room.h"
@@ -304,6 +305,10 @@ MethodInfo impulse_method() {
       },
       .forms = {{"as-printed", {{"as_printed", true}}}},
       .follows_spans = true,
+      .coarse =
+          [](const MethodInfo&, const Settings&) {
+            return CoarseMethod{.none = "does not converge to the exact motion, whatever its step"};
+          },
   };
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "sim/coarse_method.h"
 #include "sim/methods/simbody_model.h"
 #include "sim/projection.h"
 #include "sim/trajectory.h"
@@ -85,7 +86,11 @@ MethodInfo multibody_method() {
                         .sweep = {std::string("merson"), std::string("runge-kutta-3")}}},
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Multibody>(settings);
-          }};
+          },
+          .coarse =
+              [](const MethodInfo& multibody, const Settings& settings) {
+                return with_tolerance_raised(multibody, settings, "accuracy");
+              }};
 }
 
 }  // namespace taut

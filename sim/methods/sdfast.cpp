@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "sim/coarse_method.h"
 #include "sim/methods/sdfast/ball.h"
 #include "sim/methods/sdfast/chain.h"
 #include "sim/methods/sdfast/model.h"
@@ -209,7 +210,12 @@ MethodInfo sdfast_method() {
       },
       .missing = sdfast::models().empty() ? "not installed" : "",
       .forms = {{"kane", {{"formulation", std::string("kane")}}},
-                {"ball", {{"joints", std::string("ball")}}}}};
+                {"ball", {{"joints", std::string("ball")}}}},
+      .coarse =
+          [](const MethodInfo&, const Settings&) {
+            return CoarseMethod{.none =
+                                    "keeps the state of one run at a time in its generated code"};
+          }};
 }
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/coarse_method.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
 
@@ -75,6 +76,14 @@ double longest_step(const World& world, const Settings& settings) {
          fastest_stretch(world, number(settings, "stiffness"));
 }
 
+CoarseMethod coarse(const MethodInfo& springs, const Settings& settings) {
+  if (number(settings, "step") == 0) {
+    return {.none = "takes nearly the longest stable step by itself, so that no coarser one is"};
+  }
+  return with_step_doubled(springs, settings,
+                           order_of(integrator_named(text(settings, "integrator"))));
+}
+
 }  // namespace
 
 MethodInfo springs_method() {
@@ -106,6 +115,7 @@ MethodInfo springs_method() {
                 {"rk4", {{"integrator", std::string("rk4")}}}},
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
+      .coarse = coarse,
   };
 }
 

@@ -55,6 +55,10 @@ void drift(const Mechanism& mechanism, double dt, std::vector<double>& state);
 enum class Integrator { explicit_euler, semi_implicit_euler, rk4 };
 /// By its name in settings: explicit-euler, semi-implicit-euler or rk4.
 Integrator integrator_named(std::string_view name);
+/// The power of the step with which its error falls.
+constexpr double order_of(Integrator integrator) {
+  return integrator == Integrator::rk4 ? 4 : 1;
+}
 
 /// The longest stable step (s) of an oscillator x'' + 2 z w x' + w^2 x = 0, as a multiple of 1/w;
 /// zero where the integrator is never stable (explicit Euler without damping).

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/coarse_method.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
 
@@ -188,6 +189,8 @@ MethodInfo xpbd_method() {
       },
       .longest_step = longest_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
+      .coarse = [](const MethodInfo& xpbd,
+                   const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
   };
 }
 

@@ -1,8 +1,7 @@
 #include "sim/study/marks.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <stdexcept>
 
 namespace taut {
@@ -20,27 +19,14 @@ std::vector<double> shares(const std::vector<Vec3>& particles) {
   return along;
 }
 
-/// The middles of the faces of the box that has a body's mass and inertia: with half sides a, b, c,
-/// the moment about the first axis is m (b^2 + c^2) / 3, and so on round.
-std::vector<Vec3> box_ends(const MassProperties& body) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(body.inertia);
-  const Vec3& moments = axes.eigenvalues();
-  std::vector<Vec3> ends;
-  for (int i = 0; i < 3; ++i) {
-    const double others = moments.sum() - 2 * moments[i];
-    const double half = std::sqrt(std::max(0.0, 1.5 * others / body.mass));
-    for (const double side : {-half, half}) {
-      ends.push_back(body.centre + side * axes.eigenvectors().col(i));
-    }
-  }
-  return ends;
-}
-
 }  // namespace
 
 Marks::Marks(const World& world, const Snapshot& start) {
   for (const auto& particles : start.connectors) along_.push_back(shares(particles));
-  for (const Body& body : world.bodies) ends_.push_back(box_ends(body.bare));
+  for (const Body& body : world.bodies) {
+    const std::array<Vec3, 6> ends = box_ends(body.bare);
+    ends_.emplace_back(ends.begin(), ends.end());
+  }
 }
 
 std::vector<Vec3> Marks::places(const Marks& of, const Snapshot& state) const {

@@ -6,6 +6,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cmath>
 
+#include "sim/coarse_method.h"
 #include "sim/mechanism.h"
 #include "sim/projection.h"
 
@@ -146,7 +147,11 @@ MethodInfo truth_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Multipliers>(settings);
           },
-          .reference = true};
+          .reference = true,
+          .coarse =
+              [](const MethodInfo& truth, const Settings& settings) {
+                return with_tolerance_raised(truth, settings, "local_error");
+              }};
 }
 
 }  // namespace taut

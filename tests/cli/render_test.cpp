@@ -51,6 +51,22 @@ TEST_F(Render, MakesFramesAndVideo) {
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
 }
 
+TEST_F(Render, ClipSaysItsErrorEstimate) {
+  ASSERT_EQ(render({"--no-video", "--method", "xpbd", "--step", "0.00005"}).code, 0);
+  const auto clip = nlohmann::json::parse(read_file(out_ / "clip.json"));
+  EXPECT_GT(clip.at("error_estimate_m").at("largest"), 0);
+  EXPECT_GT(clip.at("error_estimate_m").at("final"), 0);
+  EXPECT_TRUE(clip.at("foretold_until_s").is_null());
+  EXPECT_GT(clip.at("estimate_ms_per_second"), 0);
+  const std::string with = read_file(frame(9));
+  ASSERT_EQ(
+      render({"--no-video", "--method", "xpbd", "--step", "0.00005", "--anew", "--no-estimate"})
+          .code,
+      0);
+  EXPECT_FALSE(nlohmann::json::parse(read_file(out_ / "clip.json")).contains("foretold_until_s"));
+  EXPECT_EQ(read_file(frame(9)), with);
+}
+
 TEST_F(Render, ProfileListsTheStages) {
   const Outcome outcome = render({"--profile", "--no-video", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;

@@ -104,12 +104,13 @@ TEST(Simulate, WritesOneRowPerFrameToOutput) {
   EXPECT_EQ(rows[0],
             "t,cord.0.x,cord.0.y,cord.0.z,cord.1.x,cord.1.y,cord.1.z,cord.2.x,cord.2.y,cord.2.z,"
             "free.x,free.y,free.z,free.qw,free.qx,free.qy,free.qz,"
-            "held.x,held.y,held.z,held.qw,held.qx,held.qy,held.qz");
+            "held.x,held.y,held.z,held.qw,held.qx,held.qy,held.qz,error_estimate");
   // At the start the cord stands below the hand, and the free body below the cord.
   EXPECT_EQ(rows[1].rfind(fmt::format("0,0,{:.17g},0,0,", 1 - 0.15), 0), 0u) << rows[1];
   for (std::size_t k = 0; k < 5; ++k) {
     EXPECT_EQ(rows[k + 1].rfind(fmt::format("{:.17g},", static_cast<double>(k) / 50), 0), 0u);
-    EXPECT_EQ(std::ranges::count(rows[k + 1], ','), 23);
+    EXPECT_EQ(std::ranges::count(rows[k + 1], ','), 24);
+    EXPECT_TRUE(rows[k + 1].ends_with(",nan")) << "impulse has no estimate: " << rows[k + 1];
   }
 }
 
@@ -142,6 +143,76 @@ TEST(Simulate, JsonSaysWhatWasDone) {
   EXPECT_GT(json.at("stepping_ms_per_second"), 0);
   EXPECT_GE(json.at("stretch_max"), 0);
   EXPECT_TRUE(json.at("energy_drift").is_null()) << "the hand does work";
+}
+
+/// The fields of the last column, without its name.
+std::vector<std::string> last_column(const std::string& csv) {
+  std::vector<std::string> fields;
+  for (const std::string& row : lines(csv)) fields.push_back(row.substr(row.rfind(',') + 1));
+  fields.erase(fields.begin());
+  return fields;
+}
+
+TEST(Simulate, EstimatesItsOwnError) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const auto simulate = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"simulate", "scene.toml", "--method", "xpbd", "--json", "--csv",
+                               "t.csv", "--step", "0.0005"});
+    const Outcome outcome = run_taut(more, folder.path());
+    EXPECT_EQ(outcome.code, 0) << outcome.messages;
+    if (more.back() != "--quiet") {
+      EXPECT_NE(outcome.messages.find("error estimate: "), std::string::npos) << outcome.messages;
+    }
+    return nlohmann::json::parse(outcome.output);
+  };
+  const auto json = simulate({});
+  const std::string csv = read_file(folder.path() / "t.csv");
+  double largest = 0;
+  for (const std::string& field : last_column(csv)) largest = std::max(largest, std::stod(field));
+  EXPECT_GT(largest, 0);
+  EXPECT_EQ(json.at("error_estimate_m").at("largest"), largest);
+  EXPECT_EQ(json.at("error_estimate_m").at("final"), std::stod(last_column(csv).back()));
+  EXPECT_TRUE(json.at("error_estimate_reason").is_null());
+  EXPECT_TRUE(json.at("foretold_until_s").is_null()) << "errs by less than a millimetre";
+  EXPECT_NE(json.at("foretold_until_is").get<std::string>().find("0.001 m"), std::string::npos);
+  EXPECT_GT(json.at("estimate_ms_per_second"), 0);
+
+  const auto without = simulate({"--no-estimate", "--quiet"});
+  EXPECT_EQ(without.at("state_hash"), json.at("state_hash"));
+  EXPECT_FALSE(without.contains("error_estimate_m"));
+  const auto bare = lines(read_file(folder.path() / "t.csv")), rows = lines(csv);
+  ASSERT_EQ(bare.size(), rows.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_EQ(bare[k], rows[k].substr(0, rows[k].rfind(',')));
+  }
+}
+
+TEST(Simulate, SaysWhyThereIsNoEstimate) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const Outcome outcome = run_taut({"simulate", "scene.toml", "--json"}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_TRUE(json.at("error_estimate_m").at("largest").is_null());
+  EXPECT_TRUE(json.at("error_estimate_m").at("final").is_null());
+  EXPECT_EQ(json.at("error_estimate_reason").get<std::string>().rfind("impulse does not ", 0), 0u);
+}
+
+TEST(Simulate, TheEstimateIsInfiniteOnceTheCoarserRunDiverges) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  // The lightest particle, 0.01 kg / 3, between two links of 1e4 N/m: stable up to 2 / w = 0.82 ms.
+  const Outcome outcome = run_taut({"simulate", "scene.toml", "--method", "springs", "--step",
+                                    "0.0005", "--set", "damping=0", "--csv", "t.csv", "--json"},
+                                   folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto json = nlohmann::json::parse(outcome.output);
+  EXPECT_TRUE(json.at("error_estimate_m").at("final").is_null());
+  EXPECT_NE(json.at("error_estimate_reason").get<std::string>().find("springs: diverged"),
+            std::string::npos);
+  EXPECT_GT(json.at("foretold_until_s"), 0);
+  EXPECT_EQ(last_column(read_file(folder.path() / "t.csv")).back(), "inf");
 }
 
 TEST(Simulate, OutputsThatCannotBeWritten) {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "sim/simulation.h"
+#include "sim/error_estimate.h"
 
 namespace {
 thread_local std::size_t allocations = 0;
@@ -129,6 +129,27 @@ TEST_P(Allocation, NoInterventionAllocates) {
   EXPECT_EQ(interventions.pin(world, 1, 0.2).outcome, Outcome::done);
   simulation.advance_to(0.13);
   EXPECT_EQ(allocations - before, 0u);
+}
+
+TEST_P(Allocation, NoEstimateAllocates) {
+  Timeline timeline;
+  TimedPin pin;
+  pin.along = 0.33;
+  pin.from = 0.1;
+  pin.until = 0.15;
+  timeline.pins = {pin};
+  timeline.cuts = {{.along = 0.52, .time = 0.2}};
+  Simulation simulation(spiral(), make_method(GetParam(), {}), timeline);
+  ErrorEstimate estimate(spiral(), GetParam(), {}, timeline);
+  simulation.advance_to(0.01);
+  estimate.follow(simulation);
+  for (int k = 2; k <= 30; ++k) {
+    const std::size_t at_first = allocations;
+    simulation.advance_to(0.01 * k);
+    const std::size_t stepping = allocations - at_first;
+    estimate.follow(simulation);
+    EXPECT_LE(allocations - at_first - stepping, stepping) << k;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(OwnMethods, Allocation, testing::ValuesIn(own_methods()),

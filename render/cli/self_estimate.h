@@ -1,0 +1,42 @@
+// What a run says of its own error, for every command that makes one run of a scene.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "scenes/scene.h"
+#include "sim/error_estimate.h"
+
+namespace taut::cli {
+
+/// What --help says of it.
+extern const std::string_view kEstimateHelp;
+
+/// An ErrorEstimate of a scene's simulation that keeps the time which it takes; or none, where it
+/// is switched off.
+class SelfEstimate {
+ public:
+  SelfEstimate(const Scene& scene, bool on);
+
+  /// Goes to where the simulation is now.
+  void follow(const Simulation& simulation);
+
+  bool on() const { return estimate_.has_value(); }
+  /// At the last frame, m; not a number where there is no estimate.
+  double error() const;
+
+  /// Adds error_estimate_m, foretold_until_s, estimate_ms_per_second and what they mean to a record
+  /// of the run; nothing where it is switched off.
+  void add_to(nlohmann::ordered_json& record) const;
+  /// The same as one line, empty where it is switched off.
+  std::string line() const;
+
+ private:
+  std::optional<ErrorEstimate> estimate_;
+  double seconds_ = 0;  // of CPU time
+  double until_ = 0;    // s, where the simulation was last
+};
+
+}  // namespace taut::cli
