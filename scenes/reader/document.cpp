@@ -104,7 +104,8 @@ Value converted(const toml::node& node, std::string name, std::string path,
   Value value{.name = std::move(name),
               .path = std::move(path),
               .key_place = key_place,
-              .place = place_of(node.source())};
+              .place = place_of(node.source()),
+              .last_line = static_cast<int>(node.source().end.line)};
   if (const toml::table* table = node.as_table()) {
     add_members(*table, value);
   } else if (const toml::array* array = node.as_array()) {

@@ -23,6 +23,7 @@ struct Value {
   std::string path;          // from the root: connectors.chain.start.points[2]
   SourcePosition key_place;  // of its key (in a list: of the value)
   SourcePosition place;      // of the value
+  int last_line = 1;         // of the value, or of a table's heading
   Kind kind = Kind::table;
   bool flag = false;
   double number = 0;  // whole numbers too
