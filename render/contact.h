@@ -12,7 +12,7 @@ namespace taut {
 /// How far a capsule's contact shadow reaches from its axis, in radii.
 constexpr double kContactReach = 6;
 
-struct Capsule {
+struct ContactCapsule {
   Vec3 from, to;  // m, the ends of its axis
   double radius;  // m
 
@@ -21,6 +21,6 @@ struct Capsule {
 };
 
 /// The feet of a character whose bones have these poses.
-std::vector<Capsule> feet(const Model& character, const std::vector<Pose>& bones);
+std::vector<ContactCapsule> feet(const Model& character, const std::vector<Pose>& bones);
 
 }  // namespace taut

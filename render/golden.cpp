@@ -90,9 +90,9 @@ std::string_view name_of(Tier tier) {
   return "";
 }
 
-Judgement judge(const Picture& actual, const Renderer& renderer, const Picture& golden,
-                const GoldenRecord& record) {
-  Judgement result;
+PictureJudgement judge(const Picture& actual, const Renderer& renderer, const Picture& golden,
+                       const GoldenRecord& record) {
+  PictureJudgement result;
   result.difference = difference(actual, golden);
   if (renderer.driver != record.renderer.driver) {
     result.tier = Tier::other_driver;

@@ -42,15 +42,15 @@ std::string golden_text(const GoldenRecord& record);
 enum class Tier { exact, same_driver, other_driver };
 std::string_view name_of(Tier tier);
 
-struct Judgement {
+struct PictureJudgement {
   Tier tier = Tier::exact;
   bool same = false;
   PictureDifference difference;
 };
 
 /// Judges a picture drawn by `renderer` from the record's state.
-Judgement judge(const Picture& actual, const Renderer& renderer, const Picture& golden,
-                const GoldenRecord& record);
+PictureJudgement judge(const Picture& actual, const Renderer& renderer, const Picture& golden,
+                       const GoldenRecord& record);
 
 /// Where and how much two pictures of one size differ: distances times 8, on the golden's grey
 /// ghost.

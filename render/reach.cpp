@@ -11,13 +11,13 @@ Eigen::Vector3f corner(const Eigen::AlignedBox3f& box, int i) {
 
 }  // namespace
 
-void add_box(const Eigen::AlignedBox3f& box, Reach& reach) {
+void add_box(const Eigen::AlignedBox3f& box, HullPoints& reach) {
   if (box.isEmpty()) return;
   for (int i = 0; i < 8; ++i) reach.push_back(corner(box, i));
 }
 
 void add_shadow(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& direction,
-                const Eigen::AlignedBox3f& receivers, Reach& reach) {
+                const Eigen::AlignedBox3f& receivers, HullPoints& reach) {
   if (box.isEmpty() || receivers.isEmpty()) return;
   // Between two sides of the receivers the shadow is a slanted prism; the sides that light takes
   // the shortest way between make the smallest.
@@ -31,7 +31,7 @@ void add_shadow(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& direction
     }
 }
 
-Rect pixels(const Reach& reach, const Eigen::Matrix4f& projection, const Rect& viewport) {
+Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection, const Rect& viewport) {
   Eigen::AlignedBox2f box;
   for (const Eigen::Vector3f& p : reach) {
     const Eigen::Vector4f q = projection * p.homogeneous();

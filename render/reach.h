@@ -9,15 +9,15 @@
 namespace taut {
 
 /// Points in space, whose hull is everything that is meant.
-using Reach = std::vector<Eigen::Vector3f>;
+using HullPoints = std::vector<Eigen::Vector3f>;
 
-void add_box(const Eigen::AlignedBox3f& box, Reach& reach);
+void add_box(const Eigen::AlignedBox3f& box, HullPoints& reach);
 
 /// The shadow that a box throws along `direction` on whatever lies inside `receivers`.
 void add_shadow(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& direction,
-                const Eigen::AlignedBox3f& receivers, Reach& reach);
+                const Eigen::AlignedBox3f& receivers, HullPoints& reach);
 
 /// The pixels of `viewport` that the hull can touch; all of them where it comes behind the eye.
-Rect pixels(const Reach& reach, const Eigen::Matrix4f& projection, const Rect& viewport);
+Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection, const Rect& viewport);
 
 }  // namespace taut

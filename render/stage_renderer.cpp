@@ -80,7 +80,7 @@ struct StageRenderer::Impl {
     block.eye.w() = float(1.5 * light.texel);
     if (!shading.contact) return look;
     for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
-      for (const Capsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
+      for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
         const std::size_t i = look.contacts.size();
         if (i == kCapsules) break;
         const Vec3 axis = capsule.to - capsule.from;
@@ -132,7 +132,7 @@ struct StageRenderer::Impl {
     const Vector3f direction = stage.light.direction.cast<float>();
     Rect all;
     for (ReachedPart& part : found) {
-      Reach reach;
+      HullPoints reach;
       for (const auto& box : casters) add_shadow(box, direction, part.box, reach);
       for (const auto& box : contacts) add_box(box.intersection(part.box), reach);
       part.pixels = pixels(reach, block.view_projection, viewport);
@@ -170,7 +170,7 @@ struct StageRenderer::Impl {
       gl.Enable(GL_BLEND);
       gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     }
-    Reach reach;
+    HullPoints reach;
     for (const Item& item : things) {
       surfaces.draw(item, Shade::shadowed, opacity);
       add_box(item.box(), reach);
@@ -298,7 +298,7 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
   d.parts.pose(middle);
   const std::vector<Item> items = d.parts.items(middle);
   std::vector<Item> still, still_casters;
-  Reach in_map;
+  HullPoints in_map;
   for (std::size_t i = 0; i < items.size(); ++i) {
     still.emplace_back(items[i], d.sweep.shown(i, 0));
     still_casters.emplace_back(items[i], d.sweep.standing(i));
@@ -313,7 +313,7 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
   for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
     Impl::Reached& reached = d.reached[grade];
     Boxes casting;
-    Reach things;
+    HullPoints things;
     for (std::size_t i = 0; i < items.size(); ++i) {
       casting.push_back(d.sweep.moving_box(i, int(grade)));
       add_box(d.sweep.box(i, d.sweep.shown(i, int(grade))), things);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -14,30 +15,46 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kHeading = "[plan]";
 constexpr std::string_view kRemark = "  # what taut plan found; --planned takes it";
 
-/// Where the lines of the plan begin and end; both at the end of the text where there is none.
-std::pair<std::size_t, std::size_t> plan_lines(std::string_view text) {
-  for (std::size_t line = 0; line < text.size();) {
-    const std::size_t next = std::min(text.find('\n', line), text.size() - 1) + 1;
-    if (text.substr(line).starts_with(kHeading)) {
-      std::size_t end = next;
-      while (end < text.size() && (text[end] != '[' || text.substr(end).starts_with("[plan."))) {
-        end = std::min(text.find('\n', end), text.size() - 1) + 1;
-      }
-      return {line, end};
-    }
-    line = next;
+/// Marks the lines on which the keys, headings and values of a table's member stand.
+void mark(const Value& value, std::vector<bool>& lines) {
+  for (int line = value.key_place.line; line <= value.last_line; ++line) {
+    lines.at(static_cast<std::size_t>(line)) = true;
   }
-  return {text.size(), text.size()};
+  for (const Value& child : value.children) mark(child, lines);
 }
 
-/// The text without the plan, and without space at its end.
+/// The text without the plan, and without space at its end. Remarks within the plan go with it,
+/// those behind it stay.
 std::string without_plan(std::string_view text) {
-  const auto [begin, end] = plan_lines(text);
-  std::string rest(text.substr(0, begin));
-  rest += text.substr(end);
+  const Document document = parse_document("scene", text);
+  const Value* plan = document.root.find("plan");
+  std::vector<bool> lines(static_cast<std::size_t>(std::ranges::count(text, '\n')) + 2);
+  if (plan) mark(*plan, lines);
+  std::string rest, remarks;
+  bool within = false;  // the last line but for remarks and empty ones is the plan's
+  for (std::size_t begin = 0, number = 1; begin < text.size(); ++number) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
+    const std::string_view line = text.substr(begin, end - begin);
+    const std::size_t first = line.find_first_not_of(" \t\r\n");
+    const bool is_empty = first == std::string_view::npos;
+    if (lines[number]) {
+      within = true;
+      remarks.clear();
+    } else if (within && is_empty) {
+      if (!remarks.empty()) remarks += line;
+    } else if (within && line[first] == '#') {
+      remarks += line;
+    } else {
+      rest += remarks;
+      rest += line;
+      remarks.clear();
+      within = false;
+    }
+    begin = end;
+  }
+  rest += remarks;
   rest.erase(rest.find_last_not_of(" \n") + 1);
   return rest;
 }
@@ -156,8 +173,9 @@ std::string with_plan(std::string_view text, const Plan& plan) {
   for (const std::string& name : plan.links) {
     bodies += fmt::format("{}{} = {{ model = \"link\" }}", bodies.empty() ? "" : ", ", name);
   }
-  std::string table = fmt::format("{}{}\ntolerance = \"{}\"\nerror = {:.3g}\nuntil = {:.6g}  # s\n",
-                                  kHeading, kRemark, plan.tolerance, plan.error, plan.until);
+  std::string table =
+      fmt::format("[plan]{}\ntolerance = \"{}\"\nerror = {:.3g}\nuntil = {:.6g}  # s\n", kRemark,
+                  plan.tolerance, plan.error, plan.until);
   if (!plan.end.empty()) table += fmt::format("end = \"{}\"\n", plan.end);
   if (const auto& later = plan.afterwards) {
     table += fmt::format(

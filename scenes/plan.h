@@ -61,7 +61,8 @@ std::uint64_t plan_stamp(const std::filesystem::path& scene);
 /// another one where the program's method is another than the plan was made by.
 std::uint64_t method_stamp(const MethodChoice& method);
 
-/// A scene's text with the plan in place of the one that it has, or at its end.
+/// A scene's text with the plan at its end, in place of the one that it has. Throws BadScene where
+/// the text is not TOML.
 std::string with_plan(std::string_view text, const Plan& plan);
 
 /// "within 0.4 px of the exact motion until 4.1 s; afterwards energy within 0.1%, stretch within

@@ -30,8 +30,6 @@ class Batch {
   double time() const { return time_; }
   /// Writes positions, velocities and the time.
   void store(World& world) const;
-  /// Scalars that a step reads and writes for a particle.
-  static constexpr std::size_t scalars_per_particle() { return batch::kArrays; }
 
  private:
   Scalar* group(std::size_t index) const { return data_.get() + index * group_size_; }

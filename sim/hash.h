@@ -1,6 +1,7 @@
 // FNV-1a, 64 bits: a fingerprint of states, inputs and files, not a defence against anyone.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -13,7 +14,7 @@ class Hash {
  public:
   Hash& bytes(const void* data, std::size_t size) {
     const auto* byte = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i) value_ = (value_ ^ byte[i]) * 1099511628211ull;
+    for (std::size_t i = 0; i < size; ++i) value_ = (value_ ^ byte[i]) * kPrime;
     return *this;
   }
   Hash& text(std::string_view text) { return number(text.size()).bytes(text.data(), text.size()); }
@@ -23,9 +24,18 @@ class Hash {
     static_assert(std::is_trivially_copyable_v<T>);
     return bytes(&value, sizeof value);
   }
+  /// All bits of a number at once, in an eighth of the time; not the hash that its bytes have.
+  Hash& word(std::uint64_t value) {
+    value_ = (value_ ^ value) * kPrime;
+    value_ ^= value_ >> 32;  // high bits of a word reach the low bits of the hash
+    return *this;
+  }
+  Hash& word(double value) { return word(std::bit_cast<std::uint64_t>(value)); }
+
   std::uint64_t value() const { return value_; }
 
  private:
+  static constexpr std::uint64_t kPrime = 1099511628211ull;
   std::uint64_t value_ = 14695981039346656037ull;
 };
 

@@ -43,7 +43,7 @@ Outcome reachable(const World& world, const Connector& connector, const Place& p
     if (particle == place.particle && place.fraction == 0) continue;
     if (drawn && !is_prescribed(world, hold.to)) continue;
     const Vec3& there = connector.position[particle];
-    const auto [least, most] = reach(connector, along, start);
+    const auto [least, most] = distance_range(connector, along, start);
     const double present = (now - there).norm();
     for (const Vec3& from : {there, goal(world, hold.to, hold.to.approach.arrival)}) {
       const double apart = (target - from).norm();

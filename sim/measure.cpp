@@ -89,14 +89,37 @@ double stretch_max(const World& world) {
   return most;
 }
 
-double energy_scale(const World& world) {
-  double mass = 0, height = 0;
-  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.mass_properties.mass;
+double moving_mass(const World& world) {
+  double mass = 0;
+  each_free_body(world, [&](const Body& body) { mass += body.mass_properties.mass; });
+  each_free_particle(world, [&](double particle, const Vec3&, const Vec3&) { mass += particle; });
+  return mass;
+}
+
+double length_scale(const World& world) {
+  double length = 0;
+  for (const Connector& connector : world.connectors) length = std::max(length, connector.length);
+  if (length > 0) return length;
+  // The mean square of the distances from the centre is half the inertia's trace over the mass.
+  each_free_body(world, [&](const Body& body) {
+    const MassProperties& m = body.mass_properties;
+    if (m.mass > 0) length = std::max(length, std::sqrt(m.inertia.trace() / (2 * m.mass)));
+  });
   for (const Connector& connector : world.connectors) {
-    for (const double particle : connector.particle_mass) mass += particle;
-    height = std::max(height, connector.length);
+    for (const Hold& hold : connector.holds) {
+      if (is_prescribed(world, hold.to)) continue;
+      const MassProperties& m = world.bodies[hold.to.body].mass_properties;
+      const double arm = (hold.to.point - m.centre).squaredNorm();
+      if (m.mass > 0) {
+        length = std::max(length, std::sqrt(arm + m.inertia.trace() / (2 * m.mass)));
+      }
+    }
   }
-  return mass * world.gravity.norm() * height + kinetic_energy(world);
+  return length;
+}
+
+double energy_scale(const World& world) {
+  return moving_mass(world) * world.gravity.norm() * length_scale(world) + kinetic_energy(world);
 }
 
 bool is_closed(const World& world) {

@@ -16,11 +16,16 @@ Vec3 angular_momentum(const World& world, const Vec3& about = Vec3::Zero());
 /// The largest |link length / rest length - 1| of any link (rest length zero: the gap in m).
 double stretch_max(const World& world);
 
-/// An energy to compare changes with: that of lifting everything that moves freely by the length of
-/// the longest connector, and its present motion, J.
+/// The mass of everything that moves freely, kg.
+double moving_mass(const World& world);
+/// The length of the longest connector; where all are joints, the largest RMS distance of a free
+/// body's mass from what holds it, or from its centre of mass, m.
+double length_scale(const World& world);
+/// An energy to compare changes with: that of lifting everything that moves freely by the length
+/// scale, and its present motion, J.
 double energy_scale(const World& world);
-/// True where nothing can do work on what moves freely: energy_scale() then tells how much a change
-/// of energy is.
+/// True where no path moves a body or a hold, so that nothing does work on what moves freely:
+/// energy_scale() then tells how much a change of energy is.
 bool is_closed(const World& world);
 
 }  // namespace taut

@@ -79,8 +79,11 @@ class Method {
   virtual void advance(World& world, double until) = 0;
 
   const Counters& counters() const { return counters_; }
-  /// Events so far, in order of time; empty for methods that know none.
+  /// Events since the start or the last clear_events(), in order of time; empty for methods that
+  /// know none.
   const std::vector<Event>& events() const { return events_; }
+  /// Forgets the events and keeps their memory. Whoever advances for long calls it now and then.
+  void clear_events() { events_.clear(); }
 
  protected:
   Counters counters_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sim/hash.h"
+
 namespace taut {
 namespace {
 
@@ -97,6 +99,13 @@ Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
     rotation_.emplace_back(q[0], q[1], q[2], q[3]);
   }
   for (std::size_t i = 0; i + 1 < n; ++i) sections_.push_back(section(i));
+  Hash hash;
+  for (const PathKey& key : keys_) {
+    hash.word(key.time).word(std::uint64_t{key.ease});
+    for (const double c : key.position) hash.word(c);
+    for (const double c : key.rotation.coeffs()) hash.word(c);
+  }
+  fingerprint_ = hash.value();
 }
 
 /// The quintic with the values and first two derivatives that the keys have.
@@ -120,6 +129,11 @@ Path Path::round(const Circle& circle) {
        {0.0, circle.ramp, circle.ramp + third, circle.ramp + 2 * third, circle.ramp + 3 * third}) {
     path.keys_.push_back({time, motion(circle, time).position});
   }
+  Hash hash;
+  for (const Vec3* vector : {&circle.centre, &circle.start, &circle.axis}) {
+    for (const double c : *vector) hash.word(c);
+  }
+  path.fingerprint_ = hash.word(circle.frequency).word(circle.ramp).value();
   return path;
 }
 

@@ -1,6 +1,7 @@
 // A path: positions and orientations through keys or round a circle, C2 in time.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -36,8 +37,12 @@ class Path {
   /// which the third derivative jumps are among the keys.
   const std::vector<PathKey>& keys() const { return keys_; }
 
+  /// A hash of the keys or the circle: paths that share it are the same motion.
+  std::uint64_t fingerprint() const { return fingerprint_; }
+
  private:
   Path() = default;
+  std::uint64_t fingerprint_ = 0;
   std::vector<PathKey> keys_;
   std::optional<Circle> circle_;
   // Values and their first two derivatives at the keys, 7 rows: x y z, then quaternion w x y z.

@@ -29,7 +29,7 @@ Place locate(const Connector& connector, double along) {
   return {connector.links(), 0};
 }
 
-Reach reach(const Connector& connector, double along, double other) {
+DistanceRange distance_range(const Connector& connector, double along, double other) {
   const auto [low, high] = std::minmax(along, other);
   double start = 0, longest = 0;
   for (const double rest : connector.rest) {

@@ -18,10 +18,10 @@ Place locate(const Connector& connector, double along);
 
 /// Two places on a connector, and how far apart they can be: `most` is its length between them, and
 /// `least` is above zero where one link is longer than all others between them together.
-struct Reach {
+struct DistanceRange {
   double least = 0, most = 0;  // m
 };
-Reach reach(const Connector& connector, double along, double other);
+DistanceRange distance_range(const Connector& connector, double along, double other);
 
 /// The value at a place of what the particles have, such as positions.
 Vec3 between(const std::vector<Vec3>& items, const Place& place);

@@ -31,6 +31,7 @@ Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline tim
 
 void Simulation::advance_to(double time) {
   if (!(time >= world_.time)) throw std::invalid_argument("a simulation cannot go back in time");
+  method_->clear_events();
   for (; next_ < entries_.size() && entries_[next_].time <= time; ++next_) {
     const Entry& entry = entries_[next_];
     if (entry.time > world_.time) method_->advance(world_, entry.time);

@@ -24,7 +24,7 @@ class Simulation {
   Simulation(World world, std::unique_ptr<Method> method, Timeline timeline = {});
 
   /// Advances to `time` (s, not before the present), and does what the timeline has until then.
-  /// Throws Diverged and BadIntervention.
+  /// The method's events are those of this call afterwards. Throws Diverged and BadIntervention.
   void advance_to(double time);
 
   const World& world() const { return world_; }

@@ -221,9 +221,9 @@ void TensionSystem::solve_dense(const std::vector<double>& right, std::vector<do
 }
 
 bool TensionSystem::solve(const std::vector<double>& right, std::vector<double>& x) {
-  if (solve_banded(right, x)) return false;
+  if (solve_banded(right, x)) return true;
   solve_dense(right, x);
-  return true;
+  return false;
 }
 
 }  // namespace taut

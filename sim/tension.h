@@ -33,7 +33,7 @@ class TensionSystem {
   /// time. Where A is singular: the x of least norm among those that come closest.
   void solve_dense(const std::vector<double>& right, std::vector<double>& x);
 
-  /// solve_banded(), or solve_dense() where that cannot. True where it could not.
+  /// solve_banded(), or solve_dense() where that cannot. True where solve_banded() solved it.
   bool solve(const std::vector<double>& right, std::vector<double>& x);
 
   /// The cycles (see Counters::work) of assemble(), a right side and solve(), in linear time: a row

@@ -33,7 +33,7 @@ std::string parting(const World& world, const Known& a, const Known& b,
                     const Connector& connector) {
   constexpr double kLook = 1e-3;  // s; no hand moves a millimetre in less
   const double same = 1e-6 * connector.length;
-  const auto [least, most] = reach(connector, a.along, b.along);
+  const auto [least, most] = distance_range(connector, a.along, b.along);
   const double end = last_motion(world, a, b);
   for (double time = std::max(a.from, b.from);;) {
     const Vec3 from = hold_motion(world, a.to, time).position;

@@ -1,7 +1,7 @@
 // Recorded states: what pictures and files are made from.
 #pragma once
 
-#include <string>
+#include <cstdint>
 #include <vector>
 
 #include "sim/world.h"
@@ -13,12 +13,6 @@ struct Snapshot {
   double time = 0;
   std::vector<std::vector<Vec3>> connectors;  // [connector][particle], m
   std::vector<Pose> bodies;                   // own frames, not centres of mass
-};
-
-struct Trajectory {
-  std::vector<std::string> connector_names;
-  std::vector<std::string> body_names;
-  std::vector<Snapshot> frames;
 };
 
 Snapshot snapshot(const World& world);

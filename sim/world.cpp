@@ -1,7 +1,9 @@
 #include "sim/world.h"
 
 #include <algorithm>
-#include <bit>
+#include <memory>
+
+#include "sim/hash.h"
 
 namespace taut {
 namespace {
@@ -45,20 +47,39 @@ void finish(World& world) {
 }
 
 std::uint64_t structure(const World& world) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a, by words
-  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3ULL; };
+  Hash hash;
+  const auto add = [&](const Vec3& vector) {
+    for (const double c : vector) hash.word(c);
+  };
+  const auto add_path = [&](const std::shared_ptr<const Path>& path) {
+    hash.word(path ? path->fingerprint() : 0);
+  };
+  for (const Body& body : world.bodies) {
+    const MassProperties& properties = body.mass_properties;
+    hash.word(properties.mass);
+    add(properties.centre);
+    for (const double moment : properties.inertia.reshaped()) hash.word(moment);
+    add_path(body.path);
+    add(body.grip);
+  }
   for (const Connector& connector : world.connectors) {
-    add(connector.particles());
+    hash.word(connector.particles()).word(static_cast<std::uint64_t>(connector.model));
+    hash.word(connector.elasticity);
+    for (const double rest : connector.rest) hash.word(rest);
+    for (const double mass : connector.particle_mass) hash.word(mass);
+    hash.word(connector.holds.size());
     for (const Hold& hold : connector.holds) {
-      add(hold.particle);
-      add(hold.pin.number);
-      add(static_cast<std::uint64_t>(hold.to.kind));
-      add(hold.to.kind == Attachment::Kind::body ? hold.to.body : 0);
-      add(reinterpret_cast<std::uintptr_t>(hold.to.path.get()));
-      for (const double c : hold.to.point) add(std::bit_cast<std::uint64_t>(c));
+      const Attachment& to = hold.to;
+      hash.word(hold.particle).word(hold.pin.number);
+      hash.word(static_cast<std::uint64_t>(to.kind));
+      hash.word(to.kind == Attachment::Kind::body ? to.body : 0);
+      add_path(to.path);
+      add(to.point);
+      add(to.approach.lag);
+      hash.word(to.approach.since).word(to.approach.arrival);
     }
   }
-  return hash;
+  return hash.value();
 }
 
 PointMotion hold_motion(const World& world, const Attachment& to, double time) {

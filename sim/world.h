@@ -16,7 +16,7 @@ struct World {
   Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
   std::vector<Body> bodies;
   std::vector<Connector> connectors;
-  std::uint64_t topology = 0;  // another one whenever a hold, link or connector comes or goes
+  std::uint64_t topology = 0;  // another one whenever what structure() tells changes
   std::uint64_t pins = 0;      // how many there ever were
 };
 
@@ -25,8 +25,9 @@ struct World {
 /// world.
 void finish(World& world);
 
-/// A number that stays the same while the same holds, links and connectors are there; as hardly any
-/// two different structures share it, World::topology is this number.
+/// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
+/// them, bodies with their mass properties, paths. Methods build on it, so World::topology is this
+/// number; whoever changes any of it by hand numbers it again.
 std::uint64_t structure(const World& world);
 
 /// The mass properties of a free body with the particles that it holds.

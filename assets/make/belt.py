@@ -1,7 +1,7 @@
 """The belt: two turns round the waist, a flat knot, two hanging tails."""
 import numpy as np
 
-import jacket
+import jacket_shape
 from sdf import ellipsoid, intersect, limb, rotation, union
 from skeleton import vec
 
@@ -11,7 +11,7 @@ _KNOT = vec(0.0, 1.026, 0.142)
 
 def height(p):
     """Height over the middle of the belt, which dips in front."""
-    return p[:, 1] - (jacket.BELT - 0.06 * p[:, 2])
+    return p[:, 1] - (jacket_shape.BELT - 0.06 * p[:, 2])
 
 
 def _tail(p, lean, length, phase):
@@ -29,7 +29,7 @@ def _tail(p, lean, length, phase):
 
 
 def belt(p):
-    base = jacket.smooth(p)
+    base = jacket_shape.smooth(p)
     h = height(p)
     outer = 0.0105 + 0.0030 * (h < 0.006)  # the second turn leaves a sliver of the first in sight
     d = intersect(np.abs(base - 0.0025) - outer + 0.0025, np.abs(h) - _HALF, 0.004)

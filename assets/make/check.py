@@ -17,6 +17,8 @@ LIMITS = {  # triangles, bytes
     "bracket": (4_000, 200_000),
     "stick": (6_000, 200_000),
     "stick_lacquer": (6_000, 200_000),
+    "earring": (4_000, 150_000),
+    "peg": (4_000, 150_000),
 }
 _TYPES = {5126: "<f4", 5121: "u1", 5123: "<u2", 5125: "<u4"}
 _WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}

@@ -3,7 +3,7 @@ import functools
 
 import numpy as np
 
-import jacket
+import jacket_shape
 from sdf import mirrored, ramp
 from skeleton import joint, unit, vec
 from wrinkle import Wrinkles
@@ -14,8 +14,8 @@ _UPPER, _FORE = unit(_ELBOW - _SHOULDER), unit(joint("LeftHand") - _ELBOW)
 
 @functools.cache
 def folds():
-    """Heights (m) over jacket.smooth, as a function of points."""
-    return Wrinkles(jacket.smooth, *jacket.BOUNDS, 0.010, _growth, _loose)
+    """Heights (m) over jacket_shape.smooth, as a function of points."""
+    return Wrinkles(jacket_shape.smooth, *jacket_shape.BOUNDS, 0.010, _growth, _loose)
 
 
 def _bell(x, centre, width):
@@ -40,18 +40,18 @@ def _growth(p, d):
     across_fold = (to_left - slant * d[:, 1]) ** 2 / (1 + slant**2)
     above = 0.110 * ramp(1.46, 1.34, y) * across_fold + 0.10 * _bell(y, 1.075, 0.035) * tall
     skirt = 0.02 * tall + (0.04 + 0.15 * ramp(1.02, 0.80, y)) * (1 - tall)
-    return sleeve * on_sleeve + np.where(y > jacket.BELT, above, skirt) * (1 - on_sleeve)
+    return sleeve * on_sleeve + np.where(y > jacket_shape.BELT, above, skirt) * (1 - on_sleeve)
 
 
 def _loose(p):
     """Held by the belt, the shoulders and the arm pits (where folds of sleeve and trunk would meet), stiffened by the lapels and the cuffs."""
     q, y = mirrored(p), p[:, 1]
-    belt = 1.05 * _bell(y, jacket.BELT, 0.024) * (q[:, 0] < 0.25)
+    belt = 1.05 * _bell(y, jacket_shape.BELT, 0.024) * (q[:, 0] < 0.25)
     shoulders = 0.75 * ramp(1.42, 1.49, y)
-    left = np.abs(p[:, 0] - jacket.lapel_centre(y))
-    right = np.where(y > 1.2, np.abs(p[:, 0] + jacket.lapel_centre(y)), 1)
+    left = np.abs(p[:, 0] - jacket_shape.lapel_centre(y))
+    right = np.where(y > 1.2, np.abs(p[:, 0] + jacket_shape.lapel_centre(y)), 1)
     lapel = 0.95 * ramp(0.060, 0.030, np.minimum(left, right)) * (p[:, 2] > 0.03)
     cuff = 0.5 * ramp(0.14, 0.20, (q - _ELBOW) @ _FORE)
-    pit = 1.5 * np.exp(-np.sum(((q - jacket.PIT) / vec(0.055, 0.055, 0.10)) ** 2, axis=1))
+    pit = 1.5 * np.exp(-np.sum(((q - jacket_shape.PIT) / vec(0.055, 0.055, 0.10)) ** 2, axis=1))
     free = np.clip(1 - belt - shoulders - lapel - cuff - pit, 0, 1)
     return -0.006 * free, 0.014 * free

@@ -8,6 +8,7 @@ import hair
 import hands
 import head
 import jacket
+import jacket_shape
 import occlusion
 import skeleton
 import trousers
@@ -56,7 +57,7 @@ _WORN += [_trunk(10, 8), _trunk(-10, 8)]
 def _clothed(p):
     """The body with its clothes, roughly: where heat flows."""
     q = mirrored(p)
-    d = np.minimum(jacket.smooth(p), trousers.smooth(p))
+    d = np.minimum(jacket_shape.smooth(p), trousers.smooth(p))
     d = intersect(d, jacket.HEM - 0.02 - p[:, 1], 0.01)
     d = np.minimum(d, np.minimum(trousers.smooth(p), head.head(p)))
     d = np.minimum(d, hair.hair(p))
@@ -77,7 +78,7 @@ def _parts():
     return [
         sculpt(
             "Head", "Skin", lambda p: head.head(p, body.bust), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0018, 5800, 0.020,
-            head.detail, outside((hair.hair, 0.002), (hair.band, 0.002), (jacket.smooth, 0.035)),
+            head.detail, outside((hair.hair, 0.002), (hair.band, 0.002), (jacket_shape.smooth, 0.035)),
         ),
         sculpt(
             "Hair", "Hair", hair.hair, (-0.11, 1.57, -0.14), (0.11, 1.84, 0.11), 0.0026, 2800, 0.02,
@@ -88,10 +89,10 @@ def _parts():
         mirror(hand, "HandR"),
         foot,
         mirror(foot, "FootR"),
-        sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0048, 8200, 0.045),
+        sculpt("Jacket", "Gi", jacket.jacket, *jacket_shape.BOUNDS, 0.0048, 8200, 0.045),
         sculpt(
             "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0060, 3400, 0.05,
-            None, lambda p: (evaluate(jacket.smooth, p) > -0.02) | (p[:, 1] < 0.86),
+            None, lambda p: (evaluate(jacket_shape.smooth, p) > -0.02) | (p[:, 1] < 0.86),
         ),
         sculpt("Belt", "Belt", belt.belt, (-0.22, 0.70, -0.18), (0.22, 1.08, 0.21), 0.0028, 1700, 0.04),
     ]

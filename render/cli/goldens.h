@@ -17,7 +17,7 @@ namespace taut::cli {
 
 /// What became of one picture.
 struct FrameResult {
-  Judgement judgement;
+  PictureJudgement judgement;
   double distance = 0;  // m, of today's state from the kept one
   std::string failure;  // empty: as it should be
   std::optional<Picture> actual, golden;

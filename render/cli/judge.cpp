@@ -71,9 +71,7 @@ std::vector<std::string> row_of(const Options& options, const std::string& file,
   study.follows = Follows::pins_and_cuts;
   const Scene scene = study_scene(study);
   const Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
-  double length = 0;
-  for (const Connector& connector : scene.world.connectors) length += connector.length;
-  const auto reference = quick_reference(problem, 0.01 * length, options.cap);
+  const auto reference = quick_reference(problem, 0.01 * total_length(scene.world), options.cap);
   std::vector<std::string> row{scene.title, reference ? rounded(reference->horizon) : "-"};
   for (const Contender& contender : contenders) {
     stop_if_interrupted();

@@ -25,7 +25,7 @@ constexpr int kMaxDots = 64;
   throw BadScene(fmt::format("{}: {}", file.string(), message));
 }
 
-[[noreturn]] void fail_place(const std::filesystem::path& file, Place place,
+[[noreturn]] void fail_place(const std::filesystem::path& file, SourcePosition place,
                              const std::string& message) {
   throw BadScene(fmt::format("{}:{}:{}: {}", file.string(), place.line, place.column, message));
 }
@@ -71,11 +71,12 @@ void check_dots(const std::filesystem::path& file, std::string_view text) {
   }
 }
 
-Place place_of(const toml::source_region& region) {
+SourcePosition place_of(const toml::source_region& region) {
   return {static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
-Value converted(const toml::node& node, std::string name, std::string path, Place key_place);
+Value converted(const toml::node& node, std::string name, std::string path,
+                SourcePosition key_place);
 
 void add_members(const toml::table& table, Value& value) {
   for (const auto& [key, node] : table) {
@@ -98,11 +99,13 @@ void add_elements(const toml::array& array, Value& value) {
   }
 }
 
-Value converted(const toml::node& node, std::string name, std::string path, Place key_place) {
+Value converted(const toml::node& node, std::string name, std::string path,
+                SourcePosition key_place) {
   Value value{.name = std::move(name),
               .path = std::move(path),
               .key_place = key_place,
-              .place = place_of(node.source())};
+              .place = place_of(node.source()),
+              .last_line = static_cast<int>(node.source().end.line)};
   if (const toml::table* table = node.as_table()) {
     add_members(*table, value);
   } else if (const toml::array* array = node.as_array()) {
@@ -235,7 +238,7 @@ Document parse_document(const std::filesystem::path& file, std::string_view text
   check_dots(file, text);
   try {
     const toml::table table = toml::parse(text);
-    return {file, converted(table, "", "", Place{})};
+    return {file, converted(table, "", "", SourcePosition{})};
   } catch (const toml::parse_error& error) {
     fail_place(file, place_of(error.source()),
                fmt::format("not a TOML file: {}", error.description()));

@@ -12,17 +12,18 @@
 namespace taut {
 
 /// Line and column in the file, from 1; columns count characters.
-struct Place {
+struct SourcePosition {
   int line = 1, column = 1;
 };
 
 struct Value {
   enum class Kind { flag, whole, number, text, date, list, table };
 
-  std::string name;  // its key, or [2] in a list
-  std::string path;  // from the root: connectors.chain.start.points[2]
-  Place key_place;   // of its key (in a list: of the value)
-  Place place;       // of the value
+  std::string name;          // its key, or [2] in a list
+  std::string path;          // from the root: connectors.chain.start.points[2]
+  SourcePosition key_place;  // of its key (in a list: of the value)
+  SourcePosition place;      // of the value
+  int last_line = 1;         // of the value, or of a table's heading
   Kind kind = Kind::table;
   bool flag = false;
   double number = 0;  // whole numbers too

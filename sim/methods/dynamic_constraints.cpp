@@ -77,7 +77,7 @@ class DynamicConstraints final : public SteppedMethod {
             counters_.work += system_.dense_work();
           } else {
             counters_.work += system_.work();
-            if (system_.solve(right_, tension)) {
+            if (!system_.solve(right_, tension)) {
               ++counters_.handed_over;
               counters_.work += system_.dense_work();
             }

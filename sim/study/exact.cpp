@@ -111,8 +111,7 @@ void judge_later(Exact& exact, const Motion& motion, std::span<const Motion> oth
   const std::size_t first = exact.known > 0 ? exact.known - 1 : 0;
   exact.speeds = speeds_from(exact.problem, motion, first);
 
-  double length = 0, energy = 0, speeds = 0;
-  for (const Connector& connector : world.connectors) length = std::max(length, connector.length);
+  double energy = 0, speeds = 0;
   std::vector<std::vector<double>> all{exact.speeds};
   for (std::size_t i = 0; i < others.size(); ++i) {
     all.push_back(speeds_from(exact.problem, others[i], first));
@@ -126,7 +125,7 @@ void judge_later(Exact& exact, const Motion& motion, std::span<const Motion> oth
   }
   // What lifts everything by the tolerance, and stretches the whole by it; and, as three solutions
   // are few, a few times what they differ by.
-  const double share = scored_error / length;
+  const double share = scored_error / length_scale(world);
   if (exact.energy_scale > 0) energy /= exact.energy_scale;
   const auto frames = static_cast<double>(times.size() - first);
   exact.most = {share + 4 * energy, share, 2 * speeds + 1 / std::sqrt(frames)};

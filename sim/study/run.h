@@ -19,7 +19,8 @@ struct Problem {
   double duration() const { return times.empty() ? 0 : times.back() - world.time; }
 };
 
-/// The times of `duration` seconds at `fps` frames a second, the first at zero.
+/// The times of `duration` seconds at `fps` frames a second, the first at zero and the last at the
+/// end where a frame falls there; a clip's frames, by frame_count(), leave that one out.
 std::vector<double> frame_times(double duration, int fps);
 
 struct Run {

@@ -9,12 +9,6 @@
 namespace taut {
 namespace {
 
-double total_length(const World& world) {
-  double length = 0;
-  for (const Connector& connector : world.connectors) length += connector.length;
-  return length;
-}
-
 /// The lowest that potential energy (J) can get: every particle as far below a prescribed hold as
 /// the links between them allow, free bodies below the particle that they hold. Not finite where
 /// nothing is prescribed.
@@ -50,6 +44,8 @@ double lowest_potential(const World& world) {
         ++hold;
         continue;
       }
+      const bool end = i == 0 || i + 1 == connector.particles();
+      if (connector.model == ConnectorModel::span && !end) continue;  // carries nothing
       energy += connector.particle_mass[i] * g * floor_of(i);
     }
   }
@@ -60,17 +56,13 @@ double lowest_potential(const World& world) {
   return energy;
 }
 
-double moving_mass(const World& world) {
-  double mass = 0;
-  for (const Body& body : world.bodies) mass += body.driven() ? 0 : body.mass_properties.mass;
-  for (const Connector& connector : world.connectors) {
-    for (const double m : connector.particle_mass) mass += m;
-    for (const Hold& hold : connector.holds) mass -= connector.particle_mass[hold.particle];
-  }
-  return mass;
-}
-
 }  // namespace
+
+double total_length(const World& world) {
+  double length = 0;
+  for (const Connector& connector : world.connectors) length += connector.length;
+  return length > 0 ? length : length_scale(world);
+}
 
 double available_energy(const World& world) {
   const double fall = moving_mass(world) * world.gravity.norm() * total_length(world);
@@ -80,22 +72,15 @@ double available_energy(const World& world) {
   return std::max(kinetic + potential_energy(world) - lowest, 1e-3 * fall);
 }
 
-bool is_driven(const World& world) {
-  const auto held_by_path = [](const Hold& hold) { return hold.to.kind == Attachment::Kind::path; };
-  return std::ranges::any_of(world.bodies, &Body::driven) ||
-         std::ranges::any_of(world.connectors, [&](const Connector& connector) {
-           return std::ranges::any_of(connector.holds, held_by_path);
-         });
-}
-
 Judgement judge(const Problem& problem, const Run& run, const Reference* reference,
                 const VerdictLimits& limits) {
   Judgement judgement;
   judgement.stretch = run.stretch_max;
-  if (!is_driven(problem.world) && problem.timeline.empty()) {
+  if (is_closed(problem.world) && problem.timeline.empty()) {
     const double scale = available_energy(problem.world);
-    judgement.gain = run.energy_gain / scale;
-    judgement.loss = run.energy_loss / scale;
+    const auto share = [scale](double energy) { return energy > 0 ? energy / scale : 0; };
+    judgement.gain = share(run.energy_gain);
+    judgement.loss = share(run.energy_loss);
   }
   if (reference) {
     const Metric metric = share_of_length(total_length(problem.world));

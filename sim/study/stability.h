@@ -34,14 +34,15 @@ struct Judgement {
   double error = std::numeric_limits<double>::quiet_NaN();  // RMS, of the length
 };
 
+/// What errors are shares of: the length of all connectors together; of joints alone
+/// length_scale(), m.
+double total_length(const World& world);
+
 /// The energy (J) that the world can turn into motion: what it has, less what is left when
 /// everything hangs at rest below what holds it. Without anything that holds it: its kinetic
-/// energy, and that of a fall by the connectors' length. At least a thousandth of that fall, so
-/// that a world at rest has a scale as well.
+/// energy, and that of a fall by total_length(). At least a thousandth of that fall, so that a world
+/// at rest has a scale as well.
 double available_energy(const World& world);
-
-/// True where a path moves a hold or a body of the world: its energy is then not its own.
-bool is_driven(const World& world);
 
 /// Judges a run of `problem`. Energies count only where nothing is driven. `reference` may be null.
 Judgement judge(const Problem& problem, const Run& run, const Reference* reference,

@@ -24,7 +24,7 @@ TEST(BadAsset, EveryFaultIsNamedWithItsPlace) {
   const auto expect = [&](const char* name, const std::string& mesh, const char* says) {
     SCOPED_TRACE(name);
     folder.write("home/scene.toml", scene(mesh));
-    const Outcome outcome = run_taut({"check", "scene.toml"}, home);
+    const ProgramResult outcome = run_taut({"check", "scene.toml"}, home);
     EXPECT_EQ(outcome.code, 3);
     EXPECT_EQ(outcome.output, "");
     EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:8:8: bodies.ball.mesh: ", 0), 0u)
@@ -86,7 +86,7 @@ keys = [{ t = 0, position = [0, 1, 0] }]
 mesh = "ball.glb"
 right_hand = "hand"
 )");
-  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
   EXPECT_EQ(outcome.code, 3);
   EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:6:8: characters.player.mesh: ", 0), 0u)
       << outcome.messages;

@@ -36,7 +36,7 @@ std::pair<std::string, std::string> spoilt(const SceneFault& fault) {
 TEST(BadScene, TheGoodSceneIsGood) {
   const Folder folder;
   folder.write("scene.toml", std::string(kGoodScene));
-  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
   EXPECT_EQ(outcome.code, 0) << outcome.messages;
   EXPECT_EQ(outcome.messages, "");
 }
@@ -49,7 +49,7 @@ TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
     const auto [text, place] = spoilt(fault);
     ASSERT_NE(text, "") << "the good scene has no \"" << fault.good << '"';
     folder.write("scene.toml", text);
-    const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+    const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
     EXPECT_EQ(outcome.code, 3);
     EXPECT_EQ(outcome.output, "");
     EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:" + place + ": ", 0), 0u) << place;
@@ -66,7 +66,7 @@ TEST(BadScene, AMethodThatFollowsLinksAloneTakesNoSpans) {
                "duration = 1\n[method]\nname = \"xpbd\"\n[connectors.rope]\nlength = 1.0\n"
                "mass = 0.1\nparticles = 5\nmodel = \"span\"\nfrom = { fixed = [0, 1, 0] }\n"
                "to = { point_mass = 0.2 }\nstart = { direction = [0, -1, 0] }\n");
-  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
   EXPECT_EQ(outcome.code, 3);
   EXPECT_NE(outcome.messages.find("scene.toml:8:9: connectors.rope.model: found \"span\", expected "
                                   "\"links\": the method xpbd follows no massless spans"),
@@ -84,7 +84,7 @@ TEST(BadScene, MoreParticlesThanMemoryIsFor) {
   }
   const Folder folder;
   folder.write("scene.toml", text);
-  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
   EXPECT_EQ(outcome.code, 3);
   EXPECT_NE(outcome.messages.find("scene.toml:65:13: connectors.rope_10.particles: found 100000, "
                                   "expected at most 1000000 in all connectors together"),
@@ -110,7 +110,7 @@ TEST(BadScene, FilesThatAreNoScenes) {
   FaultTable table("Files that are no scenes", folder.path());
   const auto expect = [&](const char* name, const char* file, const char* says) {
     SCOPED_TRACE(file);
-    const Outcome outcome = run_taut({"check", file}, folder.path());
+    const ProgramResult outcome = run_taut({"check", file}, folder.path());
     EXPECT_EQ(outcome.code, 3);
     EXPECT_EQ(outcome.output, "");
     EXPECT_EQ(outcome.messages.rfind(std::string("taut: ") + file + ":", 0), 0u);
@@ -140,7 +140,7 @@ TEST(BadScene, UnreadableFile) {
   const auto drop_root = [] {
     if (geteuid() == 0 && setuid(65534) != 0) _exit(126);
   };
-  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path(), drop_root);
+  const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path(), drop_root);
   if (outcome.code == 127) GTEST_SKIP() << "somebody else cannot run the program";
   EXPECT_EQ(outcome.code, 3);
   EXPECT_EQ(outcome.messages, "taut: scene.toml: cannot be opened: Permission denied\n");
@@ -160,7 +160,7 @@ TEST(BadScene, FilesOutsideOfTheRootAreRefused) {
   EXPECT_EQ(check("inside.csv").code, 0);
   EXPECT_EQ(check("../inside.csv").code, 0);
   for (const char* file : {"../../hand.csv", "../hand.csv", "link.csv", "/etc/passwd"}) {
-    const Outcome outcome = check(file);
+    const ProgramResult outcome = check(file);
     EXPECT_EQ(outcome.code, 3) << file;
     EXPECT_NE(outcome.messages.find("scene.toml:3:8: paths.hand.file: found"), std::string::npos)
         << outcome.messages;
@@ -173,7 +173,7 @@ TEST(BadScene, PathFiles) {
   FaultTable table("Path files (CSV)", folder.path());
   const auto expect = [&](const char* name, const std::string& csv, const char* says) {
     folder.write("hand.csv", csv);
-    const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+    const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
     EXPECT_EQ(outcome.code, 3) << csv;
     EXPECT_NE(outcome.messages.find(std::string("hand.csv") + says), std::string::npos)
         << outcome.messages;

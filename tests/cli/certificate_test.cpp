@@ -17,11 +17,11 @@ namespace fs = std::filesystem;
 class Certified : public testing::Test {
  protected:
   void plan() {
-    const Outcome found =
+    const ProgramResult found =
         run_taut({"plan", "swing.toml", "--tolerance", "1px", "--write", "-q"}, folder_.path());
     ASSERT_EQ(found.code, 0) << found.messages;
   }
-  Outcome render(std::vector<std::string> more) {
+  ProgramResult render(std::vector<std::string> more) {
     more.insert(more.begin(), {"render", "swing.toml", "--out", "clip", "--frames", "3", "--size",
                                "320x180", "--no-video", "--anew"});
     return run_taut(more, folder_.path());
@@ -37,7 +37,7 @@ class Certified : public testing::Test {
 
 TEST_F(Certified, ByItsPlan) {
   plan();
-  const Outcome outcome = render({"--planned"});
+  const ProgramResult outcome = render({"--planned"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const std::string proof = clip().at("certificate");
   EXPECT_EQ(proof.rfind("within ", 0), 0u) << proof;
@@ -46,7 +46,7 @@ TEST_F(Certified, ByItsPlan) {
 }
 
 TEST_F(Certified, OrSaysThatItIsNot) {
-  const Outcome outcome = render({});
+  const ProgramResult outcome = render({});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const std::string proof = clip().at("certificate");
   EXPECT_EQ(proof.rfind("none", 0), 0u) << proof;
@@ -55,7 +55,7 @@ TEST_F(Certified, OrSaysThatItIsNot) {
 
 TEST_F(Certified, NotAtOtherFramesThanThePlans) {
   plan();
-  const Outcome outcome = render({"--planned", "--fps", "40"});
+  const ProgramResult outcome = render({"--planned", "--fps", "40"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   EXPECT_EQ(clip().at("certificate"), "none: the plan is of 50 frames a second, the clip of 40");
 }
@@ -69,7 +69,7 @@ TEST_F(Certified, OnThePictureWhereThatIsAskedFor) {
 
 TEST_F(Certified, AReadOnlySceneIsRefusedBeforeAllWork) {
   fs::permissions(scene_, fs::perms::owner_read);
-  const Outcome outcome =
+  const ProgramResult outcome =
       run_taut({"plan", "swing.toml", "--tolerance", "1px", "--write"}, folder_.path());
   EXPECT_EQ(outcome.code, 6);
   EXPECT_NE(outcome.messages.find("is read-only"), std::string::npos) << outcome.messages;

@@ -32,7 +32,7 @@ camera = [{ t = 0, position = [0, 0.9, 1], target = [0, 0.9, 0] }]
 
 class Compare : public testing::Test {
  protected:
-  Outcome compare(std::vector<std::string> more) const {
+  ProgramResult compare(std::vector<std::string> more) const {
     more.insert(more.begin(), {"compare", scene_.string(), "--out", out_.string(), "--quiet"});
     return run_taut(more);
   }
@@ -46,7 +46,7 @@ class Compare : public testing::Test {
 };
 
 TEST_F(Compare, SixMethodsInAClip) {
-  const Outcome outcome = compare({"--json"});
+  const ProgramResult outcome = compare({"--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto report = nlohmann::json::parse(outcome.output);
   ASSERT_EQ(report.at("methods").size(), 6u);
@@ -93,7 +93,7 @@ TEST_F(Compare, AMethodThatStopsLeavesTheOthers) {
   broken.replace(broken.find("\"impulse\"\nstep = 0.001"), 22,
                  "\"springs\"\nintegrator = \"explicit-euler\"\nstep = 0.02\nstiffness = 1e6");
   scene_ = folder_.write("broken.toml", broken);
-  const Outcome outcome = compare({"--methods", "springs,direct", "--no-video", "--json"});
+  const ProgramResult outcome = compare({"--methods", "springs,direct", "--no-video", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto report = nlohmann::json::parse(outcome.output);
   EXPECT_LT(report.at("methods")[0].at("frames"), 10);

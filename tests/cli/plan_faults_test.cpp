@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 class PlanFaults : public testing::Test {
  protected:
-  Outcome plan(const std::string& tolerance) const {
+  ProgramResult plan(const std::string& tolerance) const {
     return run_taut({"plan", "swing.toml", "--tolerance", tolerance}, folder_.path());
   }
   std::ptrdiff_t files() const {
@@ -38,7 +38,7 @@ TEST_F(PlanFaults, StoppedItLeavesNothingBehind) {
     }
     ASSERT_EQ(files(), 2);
     kill(child.id(), signal);
-    const Outcome outcome = child.wait();
+    const ProgramResult outcome = child.wait();
     EXPECT_EQ(outcome.code, code) << outcome.messages;
     EXPECT_EQ(outcome.output, "");
     EXPECT_EQ(read_file(scene_), before);
@@ -48,7 +48,7 @@ TEST_F(PlanFaults, StoppedItLeavesNothingBehind) {
 
 TEST_F(PlanFaults, TolerancesThatMakeNoSenseAreTold) {
   for (const char* tolerance : {"0", "0px", "-1px", "1", "px", "5 parsecs", "nanpx", "1e999px"}) {
-    const Outcome outcome = plan(tolerance);
+    const ProgramResult outcome = plan(tolerance);
     EXPECT_EQ(outcome.code, 2) << tolerance;
     EXPECT_NE(outcome.messages.find("expected a number above 0 and px or mm, as in 1px"),
               std::string::npos)
@@ -60,14 +60,14 @@ TEST_F(PlanFaults, PixelsNeedACamera) {
   std::string text = swing_scene(0.2);
   text.erase(text.find("[stage]"));
   folder_.write("swing.toml", text);
-  const Outcome outcome = plan("1px");
+  const ProgramResult outcome = plan("1px");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.messages.find("has no camera; give the tolerance in mm"), std::string::npos)
       << outcome.messages;
 }
 
 TEST_F(PlanFaults, WhatNothingReachesIsTold) {
-  const Outcome outcome = plan("1e-15mm");
+  const ProgramResult outcome = plan("1e-15mm");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.messages.find("no method at any of its settings comes so near"),
             std::string::npos)

@@ -49,7 +49,7 @@ TEST(Readme, PlansAreThoseOfTheScenes) {
     if (entry.path().extension() == ".toml") command.push_back(entry.path().string());
   }
   std::sort(command.begin() + 3, command.end());
-  const Outcome outcome = Child(command, TAUT_SOURCE_DIR).wait();
+  const ProgramResult outcome = Child(command, TAUT_SOURCE_DIR).wait();
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   EXPECT_EQ(table_in(outcome.output, "| scene | asked |"), readme_table("| scene | asked |"))
       << outcome.output;
@@ -61,7 +61,7 @@ std::string first_word(const std::string& cell) {
 
 TEST(LongReadme, ClaimsStandAsTheyAreMeasured) {
   const Rows rows = readme_table("| the paper says | in | here |");
-  const Outcome outcome =
+  const ProgramResult outcome =
       Child({TAUT_PROGRAM, "claims", "scenes/rope_swing.toml", "--json", "-q"}, TAUT_SOURCE_DIR)
           .wait(std::chrono::seconds(600));
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
@@ -88,7 +88,7 @@ TEST(LongReadme, HardCasesStandAsTheyAreJudged) {
   command.insert(
       command.end(),
       {"--methods", "impulse,dynamic-constraints,multibody,springs,xpbd,direct", "--json", "-q"});
-  const Outcome outcome = Child(command, TAUT_SOURCE_DIR).wait(std::chrono::seconds(600));
+  const ProgramResult outcome = Child(command, TAUT_SOURCE_DIR).wait(std::chrono::seconds(600));
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto scenes = nlohmann::json::parse(outcome.output);
   ASSERT_EQ(rows.size(), scenes.size());

@@ -31,12 +31,12 @@ class RenderFaults : public testing::Test {
                 {TAUT_PROGRAM, "render", scene_.string(), "--out", out_.string(), "--quiet"});
     return more;
   }
-  Outcome render(std::vector<std::string> more = {},
-                 const std::function<void()>& prepare = {}) const {
+  ProgramResult render(std::vector<std::string> more = {},
+                       const std::function<void()>& prepare = {}) const {
     return Child(command(std::move(more)), folder_.path(), prepare).wait();
   }
   /// A render of a few frames that says what it finds of an earlier one.
-  Outcome again(const std::string& program, std::vector<std::string> more = {}) const {
+  ProgramResult again(const std::string& program, std::vector<std::string> more = {}) const {
     more.insert(more.begin(), {program, "render", scene_.string(), "--out", out_.string(),
                                "--frames", "0-4", "--no-video"});
     return Child(std::move(more), folder_.path()).wait();
@@ -124,7 +124,7 @@ TEST_F(RenderFaults, TwoRunsDoNotShareAFolder) {
   Child first(command(), folder_.path());
   wait_for_frames(1);
   kill(first.id(), SIGSTOP);  // so that it has not ended when the second comes
-  const Outcome second = render();
+  const ProgramResult second = render();
   EXPECT_EQ(second.code, 6);
   EXPECT_NE(second.messages.find("another run is writing frames here"), std::string::npos)
       << second.messages;
@@ -132,7 +132,7 @@ TEST_F(RenderFaults, TwoRunsDoNotShareAFolder) {
 
 TEST_F(RenderFaults, AFileSizeLimitKeepsTheFramesSoFar) {
   ASSERT_EQ(render({"--frames", "0-4", "--no-video"}).code, 0);
-  const Outcome outcome = render({"--resume", "--no-video"}, [] {
+  const ProgramResult outcome = render({"--resume", "--no-video"}, [] {
     const rlimit limit{1000, 1000};
     setrlimit(RLIMIT_FSIZE, &limit);
   });
@@ -142,7 +142,7 @@ TEST_F(RenderFaults, AFileSizeLimitKeepsTheFramesSoFar) {
 }
 
 TEST_F(RenderFaults, NoContextIsFour) {
-  const Outcome outcome =
+  const ProgramResult outcome =
       render({"--backend", "egl"}, [] { setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1); });
   EXPECT_EQ(outcome.code, 4);
   EXPECT_NE(outcome.messages.find("EGL surfaceless"), std::string::npos) << outcome.messages;
@@ -161,7 +161,7 @@ TEST_F(RenderFaults, AChangedSceneIsDrawnAnew) {
 
 TEST_F(RenderFaults, FramesOfAnEarlierRunStayWhereTheyAreTheSame) {
   FaultTable table("Output that exists", folder_.path());
-  const auto expect = [&](const char* fault, const Outcome& outcome, const char* says) {
+  const auto expect = [&](const char* fault, const ProgramResult& outcome, const char* says) {
     EXPECT_EQ(outcome.code, 0) << fault << ": " << outcome.messages;
     EXPECT_NE(outcome.messages.find(says), std::string::npos) << fault << ": " << outcome.messages;
     table.add(fault, outcome);
@@ -207,7 +207,7 @@ TEST_F(RenderFaults, EveryFaultIsNamed) {
   FaultTable table("Renders", folder_.path());
   const auto expect = [&](const char* fault, int code, const std::vector<std::string>& options,
                           const std::function<void()>& prepare = {}) {
-    const Outcome outcome = render(options, prepare);
+    const ProgramResult outcome = render(options, prepare);
     EXPECT_EQ(outcome.code, code) << fault << ": " << outcome.messages;
     EXPECT_EQ(outcome.output, "") << fault;
     table.add(fault, outcome);
@@ -240,7 +240,7 @@ TEST_F(RenderFaults, EveryFaultIsNamed) {
     Child child(command(), folder_.path());
     wait_for_frames(1);
     kill(child.id(), signal);
-    const Outcome outcome = child.wait();
+    const ProgramResult outcome = child.wait();
     EXPECT_EQ(outcome.code, 128 + signal);
     table.add(fault, outcome);
   }

@@ -19,7 +19,7 @@ const std::string kScene = swing_scene(0.2);
 
 class Render : public testing::Test {
  protected:
-  Outcome render(std::vector<std::string> more) const {
+  ProgramResult render(std::vector<std::string> more) const {
     more.insert(more.begin(), {"render", scene_.string(), "--out", out_.string(), "--quiet"});
     return run_taut(more);
   }
@@ -33,7 +33,7 @@ class Render : public testing::Test {
 };
 
 TEST_F(Render, MakesFramesAndVideo) {
-  const Outcome outcome = render({"--json"});
+  const ProgramResult outcome = render({"--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto report = nlohmann::json::parse(outcome.output);
   EXPECT_EQ(report.at("frames"), 10);
@@ -68,7 +68,7 @@ TEST_F(Render, ClipSaysItsErrorEstimate) {
 }
 
 TEST_F(Render, ProfileListsTheStages) {
-  const Outcome outcome = render({"--profile", "--no-video", "--json"});
+  const ProgramResult outcome = render({"--profile", "--no-video", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto report = nlohmann::json::parse(outcome.output);
   double wall = 0;
@@ -89,12 +89,12 @@ TEST_F(Render, ProfileListsTheStages) {
   EXPECT_GE(report.at("mean_exposures").get<double>(), 1);
   EXPECT_GT(wall, 0);
   EXPECT_LT(wall, 2 * report.at("seconds_per_frame").at("rendering").get<double>());
-  const Outcome table = render({"--profile", "--no-video"});
+  const ProgramResult table = render({"--profile", "--no-video"});
   EXPECT_NE(table.output.find("one after another"), std::string::npos) << table.output;
 }
 
 TEST_F(Render, OnlyTheFramesAskedFor) {
-  const Outcome outcome = render({"--frames", "7,2-3,2,3,2-3,7-7,7,3,2,7", "--no-video"});
+  const ProgramResult outcome = render({"--frames", "7,2-3,2,3,2-3,7-7,7,3,2,7", "--no-video"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   EXPECT_FALSE(fs::exists(out_ / "swing.mp4"));
   for (int i = 0; i < 10; ++i) EXPECT_EQ(fs::exists(frame(i)), i == 2 || i == 3 || i == 7) << i;
@@ -104,7 +104,7 @@ TEST_F(Render, ResumeKeepsWhatWouldComeOutTheSame) {
   ASSERT_EQ(render({"--frames", "0-4", "--no-video"}).code, 0);
   const auto drawn = [&](std::vector<std::string> more) {
     more.insert(more.end(), {"--no-video", "--resume", "--json"});
-    const Outcome outcome = render(more);
+    const ProgramResult outcome = render(more);
     EXPECT_EQ(outcome.code, 0) << outcome.messages;
     return nlohmann::json::parse(outcome.output).at("frames_drawn").get<int>();
   };
@@ -128,7 +128,7 @@ TEST_F(Render, FramesAreTheSameOnAnyNumberOfThreads) {
 }
 
 TEST_F(Render, AListOfFramesMayBeLong) {
-  const Outcome outcome =
+  const ProgramResult outcome =
       render({"--frames", "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1", "--no-video", "--json"});
   ASSERT_EQ(outcome.code, 0);
   EXPECT_EQ(nlohmann::json::parse(outcome.output).at("frames"), 2);
@@ -161,20 +161,21 @@ TEST_F(Render, Stills) {
 TEST_F(Render, SceneWithoutAStage) {
   const std::string text = kScene;
   scene_ = folder_.write("bare.toml", text.substr(0, text.find("[stage]")));
-  const Outcome outcome = render({});
+  const ProgramResult outcome = render({});
   EXPECT_EQ(outcome.code, 3);
   EXPECT_NE(outcome.messages.find("bare.toml"), std::string::npos) << outcome.messages;
 }
 
 TEST_F(Render, OutputUnderAFile) {
   out_ = folder_.write("file", "x") / "clip";
-  const Outcome outcome = render({});
+  const ProgramResult outcome = render({});
   EXPECT_EQ(outcome.code, 6) << outcome.messages;
 }
 
 TEST_F(Render, FfmpegMissing) {
-  const Outcome outcome = run_taut({"render", scene_.string(), "--out", out_.string()},
-                                   TAUT_SOURCE_DIR, [] { setenv("PATH", "/nonexistent", 1); });
+  const ProgramResult outcome =
+      run_taut({"render", scene_.string(), "--out", out_.string()}, TAUT_SOURCE_DIR,
+               [] { setenv("PATH", "/nonexistent", 1); });
   EXPECT_EQ(outcome.code, 5);
   EXPECT_NE(outcome.messages.find("ffmpeg"), std::string::npos) << outcome.messages;
   EXPECT_FALSE(fs::exists(out_));

@@ -59,7 +59,7 @@ std::vector<std::string> lines(const std::string& text) {
 TEST(Program, HelpTeaches) {
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"--help"}, {"simulate", "--help"}, {"check", "--help"}}) {
-    const Outcome outcome = run_taut(command);
+    const ProgramResult outcome = run_taut(command);
     EXPECT_EQ(outcome.code, 0);
     EXPECT_NE(outcome.output.find("Examples:\n  taut "), std::string::npos);
     EXPECT_EQ(outcome.messages, "");
@@ -87,7 +87,7 @@ TEST(Program, MisuseIsTwo) {
            {"simulate", "scene.toml", "--threads", "-1"},
            {"check"},
        }) {
-    const Outcome outcome = run_taut(command, folder.path());
+    const ProgramResult outcome = run_taut(command, folder.path());
     EXPECT_EQ(outcome.code, 2) << fmt::format("{}", fmt::join(command, " "));
     EXPECT_EQ(outcome.output, "");
     EXPECT_NE(outcome.messages, "");
@@ -97,7 +97,7 @@ TEST(Program, MisuseIsTwo) {
 TEST(Simulate, WritesOneRowPerFrameToOutput) {
   const Folder folder;
   folder.write("scene.toml", kScene);
-  const Outcome outcome = run_taut({"simulate", "scene.toml"}, folder.path());
+  const ProgramResult outcome = run_taut({"simulate", "scene.toml"}, folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto rows = lines(outcome.output);
   ASSERT_EQ(rows.size(), 6u);
@@ -117,8 +117,8 @@ TEST(Simulate, WritesOneRowPerFrameToOutput) {
 TEST(Simulate, SameBitsTwiceAndInAFile) {
   const Folder folder;
   folder.write("scene.toml", kScene);
-  const Outcome first = run_taut({"simulate", "scene.toml"}, folder.path());
-  const Outcome second =
+  const ProgramResult first = run_taut({"simulate", "scene.toml"}, folder.path());
+  const ProgramResult second =
       run_taut({"simulate", "scene.toml", "--csv", "new/folder/t.csv", "--quiet"}, folder.path());
   EXPECT_EQ(second.code, 0);
   EXPECT_EQ(second.output, "");
@@ -130,7 +130,7 @@ TEST(Simulate, SameBitsTwiceAndInAFile) {
 TEST(Simulate, JsonSaysWhatWasDone) {
   const Folder folder;
   folder.write("scene.toml", kScene);
-  const Outcome outcome =
+  const ProgramResult outcome =
       run_taut({"simulate", "scene.toml", "--json", "--step", "0.002", "--set", "as_printed=true"},
                folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
@@ -221,12 +221,12 @@ TEST(Simulate, OutputsThatCannotBeWritten) {
   folder.write("file", "kept");
   fs::create_directory(folder.path() / "there");
   for (const char* csv : {"file/t.csv", "there", "/dev/full/t.csv"}) {
-    const Outcome outcome = run_taut({"simulate", "scene.toml", "--csv", csv}, folder.path());
+    const ProgramResult outcome = run_taut({"simulate", "scene.toml", "--csv", csv}, folder.path());
     EXPECT_EQ(outcome.code, 6) << csv;
     EXPECT_NE(outcome.messages.find(csv), std::string::npos) << outcome.messages;
   }
   EXPECT_EQ(read_file(folder.path() / "file"), "kept");
-  const Outcome full =
+  const ProgramResult full =
       Child({"sh", "-c", TAUT_PROGRAM " simulate scene.toml > /dev/full"}, folder.path()).wait();
   EXPECT_EQ(full.code, 6);
   EXPECT_NE(full.messages.find("No space left"), std::string::npos);
@@ -236,10 +236,11 @@ TEST(Simulate, FileSizeLimitLeavesTheOldFile) {
   const Folder folder;
   folder.write("scene.toml", kScene);
   folder.write("t.csv", "old");
-  const Outcome outcome = run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path(), [] {
-    const rlimit limit{1000, 1000};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  });
+  const ProgramResult outcome =
+      run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path(), [] {
+        const rlimit limit{1000, 1000};
+        setrlimit(RLIMIT_FSIZE, &limit);
+      });
   EXPECT_EQ(outcome.code, 6);
   EXPECT_NE(outcome.messages.find("File too large"), std::string::npos) << outcome.messages;
   EXPECT_EQ(read_file(folder.path() / "t.csv"), "old");
@@ -276,7 +277,8 @@ TEST(Simulate, TwoRunsDoNotShareAFile) {
   for (int i = 0; i < 1000 && !(fs::exists(part) && fs::file_size(part) > 0); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  const Outcome second = run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path());
+  const ProgramResult second =
+      run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path());
   EXPECT_EQ(second.code, 6);
   EXPECT_NE(second.messages.find("another run"), std::string::npos) << second.messages;
 }
@@ -284,7 +286,7 @@ TEST(Simulate, TwoRunsDoNotShareAFile) {
 TEST(Simulate, EveryMethodFollowsTheSwingAtItsOwnSettings) {
   for (const MethodInfo& method : methods()) {
     if (!method.missing.empty()) continue;
-    const Outcome outcome =
+    const ProgramResult outcome =
         run_taut({"simulate", "scenes/rope_swing.toml", "--method", std::string(method.name)});
     EXPECT_EQ(outcome.code, 0) << method.name << ": " << outcome.messages;
     EXPECT_EQ(lines(outcome.output).size(), 91u) << method.name;
@@ -294,9 +296,9 @@ TEST(Simulate, EveryMethodFollowsTheSwingAtItsOwnSettings) {
 TEST(Simulate, DivergenceIsSevenAndWritesNothing) {
   const Folder folder;
   folder.write("scene.toml", kScene);
-  const Outcome outcome = run_taut({"simulate", "scene.toml", "--method", "springs", "--step",
-                                    "0.02", "--set", "stiffness=1e9", "--csv", "t.csv"},
-                                   folder.path());
+  const ProgramResult outcome = run_taut({"simulate", "scene.toml", "--method", "springs", "--step",
+                                          "0.02", "--set", "stiffness=1e9", "--csv", "t.csv"},
+                                         folder.path());
   EXPECT_EQ(outcome.code, 7) << outcome.messages;
   EXPECT_NE(outcome.messages.find("springs"), std::string::npos) << outcome.messages;
   EXPECT_NE(outcome.messages.find("cord"), std::string::npos) << outcome.messages;
@@ -306,7 +308,7 @@ TEST(Simulate, DivergenceIsSevenAndWritesNothing) {
 TEST(Check, SaysWhatItWouldDo) {
   const Folder folder;
   folder.write("scene.toml", kScene);
-  const Outcome outcome = run_taut({"check", "scene.toml", "--json"}, folder.path());
+  const ProgramResult outcome = run_taut({"check", "scene.toml", "--json"}, folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto json = nlohmann::json::parse(outcome.output);
   EXPECT_EQ(json.at("frames"), 5);
@@ -318,13 +320,13 @@ TEST(Check, SaysWhatItWouldDo) {
 TEST(Check, EveryShippedSceneIsGood) {
   for (const auto& entry : fs::recursive_directory_iterator(TAUT_SOURCE_DIR "/scenes")) {
     if (entry.path().extension() != ".toml") continue;
-    const Outcome outcome = run_taut({"check", entry.path().string()});
+    const ProgramResult outcome = run_taut({"check", entry.path().string()});
     EXPECT_EQ(outcome.code, 0) << outcome.messages;
   }
 }
 
 TEST(Check, SchemaIsTheOneThatIsShipped) {
-  const Outcome outcome = run_taut({"check", "--schema"});
+  const ProgramResult outcome = run_taut({"check", "--schema"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_TRUE(outcome.output == read_file(TAUT_SOURCE_DIR "/scenes/scene.schema.json"))
       << "the format or a method changed; run: taut check --schema > scenes/scene.schema.json";

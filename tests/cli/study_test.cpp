@@ -54,8 +54,8 @@ std::vector<std::string> cells(const Table& table, const std::string& name) {
 }
 
 /// Starts a command, and stops it by `signal` once `file` has grown beyond `size`.
-Outcome stopped(const std::vector<std::string>& command, const fs::path& folder,
-                const fs::path& file, std::size_t size, int signal) {
+ProgramResult stopped(const std::vector<std::string>& command, const fs::path& folder,
+                      const fs::path& file, std::size_t size, int signal) {
   std::vector<std::string> words{TAUT_PROGRAM};
   words.insert(words.end(), command.begin(), command.end());
   Child child(words, folder);
@@ -68,7 +68,7 @@ Outcome stopped(const std::vector<std::string>& command, const fs::path& folder,
 
 TEST(Study, HelpHasExamples) {
   for (const std::string command : {"bench", "chart", "stability"}) {
-    const Outcome outcome = run_taut({command, "--help"});
+    const ProgramResult outcome = run_taut({command, "--help"});
     EXPECT_EQ(outcome.code, 0);
     EXPECT_NE(outcome.output.find("Examples:\n  taut " + command), std::string::npos);
   }
@@ -86,7 +86,7 @@ TEST(Study, MisuseIsTwoAndABadSceneIsThree) {
                                                {"empty.toml"}}) {
       std::vector<std::string> words{command};
       words.insert(words.end(), rest.begin(), rest.end());
-      const Outcome outcome = run_taut(words, folder.path());
+      const ProgramResult outcome = run_taut(words, folder.path());
       EXPECT_EQ(outcome.code, 2) << fmt::format("{}", fmt::join(words, " "));
       EXPECT_NE(outcome.messages, "");
     }
@@ -95,7 +95,7 @@ TEST(Study, MisuseIsTwoAndABadSceneIsThree) {
   EXPECT_EQ(run_taut({"bench", "scene.toml", "--particles", "1"}, folder.path()).code, 2);
   for (const char* name : {"pin", "hose"}) {
     const std::string scene = fmt::format(TAUT_SOURCE_DIR "/scenes/{}.toml", name);
-    const Outcome outcome =
+    const ProgramResult outcome =
         run_taut({name[0] == 'p' ? "stability" : "chart", scene}, folder.path());
     EXPECT_EQ(outcome.code, 2);
     EXPECT_NE(outcome.messages.find("this command does not"), std::string::npos);
@@ -107,9 +107,10 @@ TEST(Study, MisuseIsTwoAndABadSceneIsThree) {
 TEST(Bench, TimesEveryFrameAndFindsThePapersRatio) {
   const Folder folder;
   folder.write("scene.toml", kScene);
-  const Outcome outcome = run_taut({"bench", "scene.toml", "--quick", "--budget", "1", "--methods",
-                                    "impulse,springs", "--particles", "4,8", "--json", "-q"},
-                                   folder.path());
+  const ProgramResult outcome =
+      run_taut({"bench", "scene.toml", "--quick", "--budget", "1", "--methods", "impulse,springs",
+                "--particles", "4,8", "--json", "-q"},
+               folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   EXPECT_EQ(outcome.messages, "");
   const auto json = nlohmann::json::parse(outcome.output);
@@ -131,7 +132,7 @@ TEST(Bench, TimesEveryFrameAndFindsThePapersRatio) {
 TEST(Bench, ADivergenceIsSaidAndOthersGoOn) {
   const Folder folder;
   folder.write("torn.toml", kTorn);
-  const Outcome outcome =
+  const ProgramResult outcome =
       run_taut({"bench", "torn.toml", "--quick", "--budget", "1", "--methods",
                 "dynamic-constraints,springs,xpbd", "--particles", "4", "--against", "xpbd"},
                folder.path());
@@ -150,12 +151,13 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   const std::vector<std::string> command{"chart", "scene.toml", "--budget",
                                          "4",     "--methods",  "impulse,springs,xpbd,direct"};
   const fs::path out = folder.path() / "out/scene";
-  const Outcome first = stopped(command, folder.path(), out / "chart.unfinished", 500, SIGINT);
+  const ProgramResult first =
+      stopped(command, folder.path(), out / "chart.unfinished", 500, SIGINT);
   ASSERT_EQ(first.code, 130) << first.messages;
   EXPECT_FALSE(fs::exists(out / "chart.csv"));
   EXPECT_TRUE(fs::exists(out / "chart.unfinished"));
 
-  const Outcome second = run_taut(command, folder.path());
+  const ProgramResult second = run_taut(command, folder.path());
   ASSERT_EQ(second.code, 0) << second.messages;
   EXPECT_NE(second.messages.find("going on after"), std::string::npos) << second.messages;
   EXPECT_FALSE(fs::exists(out / "chart.unfinished"));
@@ -178,7 +180,7 @@ TEST(Reach, SaysWhatAnErrorCostsSceneBesideScene) {
   const Folder folder;
   folder.write("a.toml", kScene);
   folder.write("b.toml", kScene);
-  const Outcome outcome =
+  const ProgramResult outcome =
       run_taut({"reach", "a.toml", "b.toml", "--methods", "impulse,direct", "--errors",
                 "0.1,0.00001", "--budget", "2", "--markdown", "--out", "out"},
                folder.path());
@@ -208,7 +210,7 @@ TEST(Chart, AnotherSceneStartsAnew) {
   const fs::path out = folder.path() / "out/scene";
   ASSERT_EQ(stopped(command, folder.path(), out / "chart.unfinished", 300, SIGTERM).code, 143);
   folder.write("scene.toml", std::string(kScene) + "# changed\n");
-  const Outcome second = run_taut(command, folder.path());
+  const ProgramResult second = run_taut(command, folder.path());
   EXPECT_EQ(second.code, 0);
   EXPECT_EQ(second.messages.find("going on after"), std::string::npos);
 }
@@ -220,7 +222,7 @@ TEST(Stability, MapsHaveEveryCellAndGoOn) {
                                          "4",         "--methods",  "springs,impulse"};
   const fs::path out = folder.path() / "out/scene";
   ASSERT_EQ(stopped(command, folder.path(), out / "stability.unfinished", 1000, SIGINT).code, 130);
-  const Outcome second = run_taut(command, folder.path());
+  const ProgramResult second = run_taut(command, folder.path());
   ASSERT_EQ(second.code, 0) << second.messages;
   EXPECT_NE(second.messages.find("going on after"), std::string::npos) << second.messages;
   const Table table = from_csv(read_file(out / "stability.csv"));
@@ -240,7 +242,7 @@ TEST(Stability, MapsHaveEveryCellAndGoOn) {
 TEST(Plan, IsFoundWrittenAndTaken) {
   const Folder folder;
   folder.write("swing.toml", swing_scene(1.0));
-  const Outcome found =
+  const ProgramResult found =
       run_taut({"plan", "swing.toml", "--tolerance", "0.5mm", "--json", "--write"}, folder.path());
   ASSERT_EQ(found.code, 0) << found.messages;
   const auto plan = nlohmann::json::parse(found.output);
@@ -248,16 +250,16 @@ TEST(Plan, IsFoundWrittenAndTaken) {
   EXPECT_GT(plan.at("until").get<double>(), 0.2);
   EXPECT_FALSE(plan.at("left_out").empty());
 
-  const Outcome check = run_taut({"check", "swing.toml"}, folder.path());
+  const ProgramResult check = run_taut({"check", "swing.toml"}, folder.path());
   EXPECT_NE(check.output.find("plan: within"), std::string::npos) << check.output;
-  const Outcome planned =
+  const ProgramResult planned =
       run_taut({"simulate", "swing.toml", "--planned", "--json"}, folder.path());
   ASSERT_EQ(planned.code, 0) << planned.messages;
   EXPECT_EQ(nlohmann::json::parse(planned.output).at("method"), plan.at("method"));
 
   std::string text = read_file(folder.path() / "swing.toml");
   folder.write("swing.toml", text.replace(text.find("mass = 0.12"), 11, "mass = 0.13"));
-  const Outcome refused = run_taut({"simulate", "swing.toml", "--planned"}, folder.path());
+  const ProgramResult refused = run_taut({"simulate", "swing.toml", "--planned"}, folder.path());
   EXPECT_EQ(refused.code, 3);
   EXPECT_NE(refused.messages.find("changed since its plan was made"), std::string::npos);
 }
@@ -266,7 +268,7 @@ TEST(Plan, MisuseIsTwo) {
   const Folder folder;
   folder.write("swing.toml", swing_scene(1.0));
   for (const char* tolerance : {"1", "-1px", "nanmm", "1km", "0mm", "px"}) {
-    const Outcome outcome =
+    const ProgramResult outcome =
         run_taut({"plan", "swing.toml", "--tolerance", tolerance}, folder.path());
     EXPECT_EQ(outcome.code, 2) << tolerance;
     EXPECT_NE(outcome.messages.find("px or mm"), std::string::npos) << outcome.messages;
@@ -277,9 +279,9 @@ TEST(Judge, SaysOneWordPerMethodAndScene) {
   const Folder folder;
   folder.write("scene.toml", kScene);
   folder.write("torn.toml", kTorn);
-  const Outcome outcome = run_taut({"judge", "scene.toml", "torn.toml", "--methods",
-                                    "dynamic-constraints,xpbd,direct", "--json", "-q"},
-                                   folder.path());
+  const ProgramResult outcome = run_taut({"judge", "scene.toml", "torn.toml", "--methods",
+                                          "dynamic-constraints,xpbd,direct", "--json", "-q"},
+                                         folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto json = nlohmann::json::parse(outcome.output);
   const auto starts = [&](std::size_t scene, const char* method, const std::string& word) {
@@ -294,7 +296,7 @@ TEST(Judge, SaysOneWordPerMethodAndScene) {
 
 TEST(LongStability, FullMapsOfTheRopeSwing) {
   const Folder folder;
-  const Outcome outcome =
+  const ProgramResult outcome =
       Child({TAUT_PROGRAM, "stability", "scenes/rope_swing.toml", "--methods",
              "impulse,springs,springs:explicit-euler,xpbd,direct", "--out", folder.path(), "-q"},
             TAUT_SOURCE_DIR)
@@ -332,9 +334,9 @@ TEST(Study, OutputThatCannotBeWrittenIsSix) {
   folder.write("scene.toml", kScene);
   folder.write("file", "kept");
   for (const std::string command : {"bench", "chart", "stability"}) {
-    const Outcome outcome = run_taut({command, "scene.toml", "--quick", "--budget", "1",
-                                      "--methods", "springs", "--out", "file"},
-                                     folder.path());
+    const ProgramResult outcome = run_taut({command, "scene.toml", "--quick", "--budget", "1",
+                                            "--methods", "springs", "--out", "file"},
+                                           folder.path());
     EXPECT_EQ(outcome.code, 6) << command << outcome.messages;
   }
   EXPECT_EQ(read_file(folder.path() / "file"), "kept");

@@ -36,14 +36,15 @@ class PlantedFaults : public testing::Test {
   }
 
   /// How a picture of the frame would be judged if it came from `renderer`.
-  Judgement judged(const Picture& picture, const GoldenFrame& frame, const Renderer& renderer) {
+  PictureJudgement judged(const Picture& picture, const GoldenFrame& frame,
+                          const Renderer& renderer) {
     return judge(picture, renderer, read_png(kFolder / (frame.name + ".png")), record(frame));
   }
 
   /// Caught in both tiers of one driver.
   void expect_caught(const Picture& picture, const GoldenFrame& frame) {
     for (const Renderer* renderer : {&here_, &same_driver_}) {
-      const Judgement judgement = judged(picture, frame, *renderer);
+      const PictureJudgement judgement = judged(picture, frame, *renderer);
       EXPECT_FALSE(judgement.same) << frame.name << ", judged as: " << name_of(judgement.tier);
     }
   }

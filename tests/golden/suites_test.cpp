@@ -29,7 +29,7 @@ std::vector<std::string> suites() {
 
 class GoldenSuites : public testing::TestWithParam<std::string> {
  protected:
-  Outcome check(std::vector<std::string> more = {}) {
+  ProgramResult check(std::vector<std::string> more = {}) {
     std::vector<std::string> command = {"golden", "check", kGoldens / GetParam(), "--quiet"};
     command.insert(command.end(), more.begin(), more.end());
     return run_taut(command);
@@ -37,7 +37,7 @@ class GoldenSuites : public testing::TestWithParam<std::string> {
 };
 
 TEST_P(GoldenSuites, LookAsAccepted) {
-  const Outcome outcome = check();
+  const ProgramResult outcome = check();
   EXPECT_EQ(outcome.code, 0) << outcome.output << outcome.messages;
 }
 
@@ -55,7 +55,7 @@ class GoldenCommand : public testing::Test {
       fs::copy(fs::path(TAUT_SOURCE_DIR) / room, folder_.path() / room,
                fs::copy_options::recursive);
   }
-  Outcome golden(std::vector<std::string> arguments) {
+  ProgramResult golden(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "golden");
     return run_taut(arguments, folder_.path());
   }
@@ -68,7 +68,7 @@ TEST_F(GoldenCommand, LeavesWhatIsNeededToJudgeADifference) {
   // The first frame is compared with the picture of the second.
   fs::copy_file(suite_ / "b_stops.png", suite_ / "a_swings.png",
                 fs::copy_options::overwrite_existing);
-  const Outcome outcome = golden({"check", "suite", "--only", "a_swings"});
+  const ProgramResult outcome = golden({"check", "suite", "--only", "a_swings"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.output.find("a_swings: "), std::string::npos) << outcome.output;
   const fs::path out = folder_.path() / "out/golden/suite";
@@ -89,7 +89,7 @@ TEST_F(GoldenCommand, AnotherSizeIsADifferenceToAccept) {
   ASSERT_NE(suite.find(size), std::string::npos);
   std::ofstream(suite_ / "golden.toml")
       << std::string(suite).replace(suite.find(size), size.size(), "size = [160, 90]");
-  const Outcome outcome = golden({"check", "suite", "--only", "a_swings"});
+  const ProgramResult outcome = golden({"check", "suite", "--only", "a_swings"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.output.find("is of 320x180 pixels and the suite of 160x90"), std::string::npos)
       << outcome.output;
@@ -118,7 +118,7 @@ class GoldenMotion : public GoldenCommand {
     ASSERT_EQ(golden({"check", "motions"}).output, "1 as kept\n");
   }
   /// What a check says once `change` was made to the record.
-  Outcome after(const std::function<void(nlohmann::json&)>& change) {
+  ProgramResult after(const std::function<void(nlohmann::json&)>& change) {
     nlohmann::json record = nlohmann::json::parse(read_file(record_));
     change(record);
     std::ofstream(record_) << record;
@@ -129,7 +129,7 @@ class GoldenMotion : public GoldenCommand {
 };
 
 TEST_F(GoldenMotion, MustHaveTheSameBitsOnTheSameMachine) {
-  const Outcome outcome = after([](auto& record) { record["hash"] = "0"; });
+  const ProgramResult outcome = after([](auto& record) { record["hash"] = "0"; });
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.output.find("the machine is the same and the bits are not"), std::string::npos)
       << outcome.output;
@@ -160,7 +160,7 @@ TEST_F(GoldenMotion, OfAnotherWorldIsADifference) {
 
 TEST_F(GoldenCommand, NothingKeptIsADifference) {
   fs::remove(suite_ / "a_swings.json");
-  const Outcome outcome = golden({"check", "suite", "--only", "a_swings"});
+  const ProgramResult outcome = golden({"check", "suite", "--only", "a_swings"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.output.find("nothing is kept of it yet"), std::string::npos);
 }
@@ -169,7 +169,7 @@ TEST_F(GoldenCommand, SaysWhatIsWrongWithASuite) {
   EXPECT_EQ(golden({"check", "nowhere"}).code, 3);
   EXPECT_EQ(golden({"check", "suite", "--only", "nothing"}).code, 2);
   std::ofstream(suite_ / "a_swings.json") << "{}";
-  const Outcome outcome = golden({"check", "suite", "--only", "a_swings"});
+  const ProgramResult outcome = golden({"check", "suite", "--only", "a_swings"});
   EXPECT_EQ(outcome.code, 3);
   EXPECT_NE(outcome.messages.find("a_swings.json: no record"), std::string::npos)
       << outcome.messages;

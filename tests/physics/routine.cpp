@@ -42,8 +42,9 @@ Routine Routine::play(bool with_stage, int split, double passes) {
   for (int k = 1; k <= steps; ++k) {
     simulation.advance_to(k * routine.step);
     routine.steps.push_back(instance(simulation.world()));
+    const std::vector<Event>& events = simulation.method().events();
+    routine.events.insert(routine.events.end(), events.begin(), events.end());
   }
-  routine.events = simulation.method().events();
   return routine;
 }
 

@@ -22,7 +22,7 @@ class FaultTable {
   FaultTable(std::string title, const std::filesystem::path& folder)
       : title_(std::move(title)), folder_(folder.string()) {}
 
-  void add(const std::string& fault, const Outcome& outcome) {
+  void add(const std::string& fault, const ProgramResult& outcome) {
     std::string message = outcome.messages;
     // The folder's name is another one each time, and methods come and go.
     replace(message, folder_, "FOLDER");

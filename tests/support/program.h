@@ -16,7 +16,7 @@
 
 namespace taut {
 
-struct Outcome {
+struct ProgramResult {
   int code = 0;  // exit code; 128 + the signal that killed it, as shells say it
   std::string output, messages;
 };
@@ -60,7 +60,7 @@ class Child {
   pid_t id() const { return id_; }
 
   /// Reads until the program ends; kills it after `limit`.
-  Outcome wait(std::chrono::seconds limit = std::chrono::seconds(120)) {
+  ProgramResult wait(std::chrono::seconds limit = std::chrono::seconds(120)) {
     const auto end = std::chrono::steady_clock::now() + limit;
     pollfd pipes[2] = {{out_, POLLIN, 0}, {err_, POLLIN, 0}};
     std::string* texts[2] = {&outcome_.output, &outcome_.messages};
@@ -94,13 +94,13 @@ class Child {
  private:
   pid_t id_ = -1;
   int out_ = -1, err_ = -1;
-  Outcome outcome_;
+  ProgramResult outcome_;
 };
 
 /// Runs taut itself.
-inline Outcome run_taut(std::vector<std::string> arguments,
-                        const std::filesystem::path& folder = TAUT_SOURCE_DIR,
-                        const std::function<void()>& prepare = {}) {
+inline ProgramResult run_taut(std::vector<std::string> arguments,
+                              const std::filesystem::path& folder = TAUT_SOURCE_DIR,
+                              const std::function<void()>& prepare = {}) {
   arguments.insert(arguments.begin(), TAUT_PROGRAM);
   return Child(std::move(arguments), folder, prepare).wait();
 }

@@ -69,6 +69,36 @@ TEST(Methods, StepTimesAreTheSameHoweverFramesDivideThem) {
   EXPECT_EQ(odd.at(17), 2 / 60.0);
 }
 
+TEST(Simulation, HasTheEventsOfItsLastAdvanceAlone) {
+  World world;
+  Connector cord = straight_connector("cord", 1, 0, 5, Vec3::Zero(), -Vec3::UnitY());
+  for (Vec3& position : cord.position) position *= 0.5;  // slack at first
+  cord.model = ConnectorModel::span;
+  cord.elasticity = 0.9;
+  cord.particle_mass.back() = 0.5;
+  cord.holds = {{0, {}}};
+  world.connectors = {cord};
+  finish(world);
+  for (const char* name : {"impulse", "direct"}) {
+    constexpr int kFrames = 120;
+    World same = world;
+    const auto method = make_method(name, {});
+    Simulation simulation(world, make_method(name, {}));
+    std::size_t all = 0, most = 0;
+    for (int k = 1; k <= kFrames; ++k) {
+      simulation.advance_to(k / 60.0);
+      method->advance(same, k / 60.0);
+      const std::size_t now = simulation.method().events().size();
+      all += now;
+      most = std::max(most, now);
+    }
+    EXPECT_EQ(all, method->events().size()) << name;
+    EXPECT_GT(all, 2 * most) << name << ": not all in one frame";
+    method->clear_events();
+    EXPECT_TRUE(method->events().empty());
+  }
+}
+
 TEST(Simulation, GoesForwardOnly) {
   Simulation simulation(World{}, make_method("impulse", {}));
   simulation.advance_to(0.1);

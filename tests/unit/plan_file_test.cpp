@@ -82,6 +82,35 @@ TEST_F(PlanFile, ReplacesAnOlderOne) {
   EXPECT_EQ(load_planned(file_, false).method.name, "xpbd");
 }
 
+/// TOML writes one table in many ways, and what looks like its heading may be text.
+TEST_F(PlanFile, ReplacesAnOlderOneHoweverThatIsWritten) {
+  const std::string scene = kScene, title = "title = \"\"\"\n[plan]\nstamp\"\"\"\n";
+  plan();
+  const std::string once = read_file(file_);
+  // What a scene is, and the same with a plan or without one.
+  const std::pair<std::string, std::string> ways[] = {
+      {scene + "  [plan]\nuntil = 1\n", once},
+      {scene + "[ plan ]\nmethod = { name = \"xpbd\", step = [1,\n 2] }\n", once},
+      {scene + "[\"plan\"]  # older\n# a remark\nuntil = 1\n[plan.method]\nname = 2\n", once},
+      {"plan.until = 1\nplan.method.name = 2\n" + scene, once},
+      {"plan = { until = 1 }\n" + scene, once},
+      {scene + "[plan]\nstamp = \"\"\"\n[x]\n\"\"\"\n", once},
+      {title + once, title + scene},
+  };
+  for (const auto& [before, after] : ways) {
+    Plan plan = a_plan();
+    plan.stamp = 7;
+    EXPECT_EQ(with_plan(before, plan), with_plan(after, plan)) << before;
+  }
+}
+
+TEST_F(PlanFile, LeavesTheRemarksBehindThePlanItReplaces) {
+  const std::string behind = "# The second.\n[connectors.other]\nlength = 1\n";
+  const std::string text =
+      with_plan(std::string(kScene) + "[plan]\nuntil = 1\n\n" + behind, a_plan());
+  EXPECT_EQ(text.find(behind), std::string_view(kScene).size());
+}
+
 TEST_F(PlanFile, OfASceneThatChangedIsRefused) {
   EXPECT_THROW(load_planned(file_, false), BadScene);
   plan();

@@ -29,7 +29,7 @@ TEST(RectSet, OverlapsBecomeOne) {
 
 TEST(Reach, ShadowOnAFloorIsWhereLightMeetsIt) {
   // Light goes down and along x, one for one: what is at height h falls h further on.
-  Reach reach;
+  HullPoints reach;
   add_shadow(Box(Vector3f(0, 1, 0), Vector3f(1, 2, 1)), Vector3f(1, -1, 0),
              Box(Vector3f(-9, 0, -9), Vector3f(9, 0, 9)), reach);
   Box found;
@@ -43,7 +43,7 @@ TEST(Reach, ShadowOnAFloorIsWhereLightMeetsIt) {
 
 TEST(Reach, PixelsHoldWhatIsDrawn) {
   const Eigen::Matrix4f projection = camera_projection({Vec3(0, 0, 4), Vec3::Zero(), 0.5}, 1);
-  Reach reach;
+  HullPoints reach;
   add_box(Box(Vector3f(-0.1f, -0.1f, 0), Vector3f(0.1f, 0.1f, 0)), reach);
   const Rect view{50, 20, 200, 200};
   const Rect part = pixels(reach, projection, view);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/measure.h"
 #include "sim/study/bench.h"
 #include "sim/study/speed_accuracy.h"
 #include "sim/study/stability.h"
@@ -72,14 +73,56 @@ TEST(Stability, AccurateNeedsAReference) {
 
 TEST(Stability, EnergyOfADrivenWorldIsNotJudged) {
   Problem problem = rope(Vec3(1, 0, 0));
-  EXPECT_FALSE(is_driven(problem.world));
-  problem.world.connectors[0].holds[0].to.kind = Attachment::Kind::path;
-  problem.world.connectors[0].holds[0].to.path =
-      std::make_shared<const Path>(std::vector<PathKey>{{0, Vec3::Zero()}});
-  EXPECT_TRUE(is_driven(problem.world));
   ::taut::Run run;
   run.energy_gain = 1e6;
-  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::plausible);
+  const auto verdict_on = [&](std::vector<PathKey> keys) {
+    Attachment& hold = problem.world.connectors[0].holds[0].to;
+    hold.kind = Attachment::Kind::path;
+    hold.path = std::make_shared<const Path>(std::move(keys));
+    return judge(problem, run, nullptr).verdict;
+  };
+  EXPECT_EQ(verdict_on({{0, Vec3::Zero()}}), Verdict::failed) << "a path of one key moves nothing";
+  EXPECT_EQ(verdict_on({{0, Vec3::Zero()}, {1, Vec3::UnitX()}}), Verdict::plausible);
+}
+
+TEST(Stability, AvailableEnergyOfAMasslessSpanIsThatOfItsEnds) {
+  World world = rope(Vec3(1, 0, 0)).world;
+  world.connectors[0].model = ConnectorModel::span;
+  EXPECT_NEAR(available_energy(world), kGravity * 0.2 * (0.2 + 0.05 / 11), 1e-12);
+}
+
+/// A ball that hangs by a joint of no length, 0.3 m below it.
+Problem ball_on_a_joint() {
+  World world;
+  Body ball;
+  ball.mass_properties = solid_sphere(2, 0.2);
+  ball.position = Vec3(0, -0.3, 0);
+  world.bodies = {ball};
+  Connector joint = straight_connector("joint", 0, 0, 2, Vec3::Zero(), Vec3::UnitX());
+  joint.holds = {{0, {}}, {1, {Attachment::Kind::body, Vec3(0, 0.3, 0), nullptr, 0}}};
+  world.connectors = {joint};
+  finish(world);
+  return {world, frame_times(0.1, 60)};
+}
+
+TEST(Stability, AWorldOfJointsAloneHasALength) {
+  const Problem problem = ball_on_a_joint();
+  // The mean square distance of a ball's mass from its centre is 3/5 of its radius squared.
+  const double length = std::sqrt(0.3 * 0.3 + 0.6 * 0.1 * 0.1);
+  EXPECT_NEAR(total_length(problem.world), length, 1e-15);
+  EXPECT_NEAR(energy_scale(problem.world), 2 * kGravity * length, 1e-12);
+  EXPECT_NEAR(available_energy(problem.world), 1e-3 * 2 * kGravity * length, 1e-12);
+  const ::taut::Run run = ::taut::run(problem, {"direct", {}}, 10);
+  const Reference itself{run.frames, 0.1, 0};
+  EXPECT_EQ(judge(problem, run, &itself).verdict, Verdict::accurate);
+}
+
+TEST(Stability, AWorldThatNothingCanMoveIsJudged) {
+  Problem problem = ball_on_a_joint();
+  problem.world.gravity.setZero();
+  const Judgement judgement = judge(problem, {}, nullptr);
+  EXPECT_EQ(judgement.gain, 0);
+  EXPECT_EQ(judgement.loss, 0);
 }
 
 TEST(SpeedAccuracy, ScoresAgainstTheReference) {

@@ -130,6 +130,61 @@ TEST(Measure, OneParticleAndOneBodyByHand) {
   EXPECT_NEAR(stretch_max(world), 0.1, 1e-14);
 }
 
+TEST(Measure, EnergyScaleCountsEverythingThatMovesOnce) {
+  World world;
+  world.gravity = Vec3(0, -10, 0);
+  Body ball;
+  ball.mass_properties = solid_sphere(5, 2);
+  ball.position = Vec3(0, -2, 0);
+  ball.velocity = Vec3(1, 0, 0);
+  world.bodies = {ball};
+  Connector cord = straight_connector("cord", 1, 0.6, 3, Vec3::Zero(), Vec3(0, -1, 0));
+  cord.holds = {{0, {}}, {2, on_body(0, Vec3(0, 1, 0))}};
+  world.connectors = {cord};
+  finish(world);
+  // The ball with the end that it carries, and the particle between; not the end that is fixed.
+  EXPECT_DOUBLE_EQ(moving_mass(world), 5.2 + 0.2);
+  EXPECT_DOUBLE_EQ(energy_scale(world), 5.4 * 10 * 1 + kinetic_energy(world));
+}
+
+TEST(World, TopologyIsAllThatMethodsBuildOn) {
+  World world = spinning_stick_with_cord();
+  const auto path = [](double height) {
+    return std::make_shared<const Path>(std::vector<PathKey>{{0, {0, 0, 0}}, {1, {0, height, 0}}});
+  };
+  world.connectors[0].holds.push_back({2, {Attachment::Kind::path, Vec3::Zero(), path(1), 0}});
+  finish(world);
+  const std::uint64_t before = world.topology;
+  const auto changed = [&](const auto& change) {
+    World other = world;
+    change(other, other.connectors[0]);
+    return structure(other) != before;
+  };
+  EXPECT_FALSE(changed([](World& w, Connector& cord) {
+    w.time = 0.5;
+    place_held(w, 0.5);
+    cord.velocity[1] = Vec3(1, 2, 3);
+  })) << "a step";
+  EXPECT_FALSE(changed([&](World&, Connector& cord) { cord.holds[1].to.path = path(1); }))
+      << "the same path elsewhere in memory";
+  EXPECT_TRUE(changed([&](World&, Connector& cord) { cord.holds[1].to.path = path(2); }));
+  EXPECT_TRUE(changed([](World&, Connector& cord) { cord.rest[1] *= 2; }));
+  EXPECT_TRUE(changed([](World&, Connector& cord) { cord.particle_mass[1] *= 2; }));
+  EXPECT_TRUE(changed([](World& w, Connector&) { w.bodies[0].mass_properties.mass *= 2; }));
+  EXPECT_TRUE(changed([&](World& w, Connector&) { w.bodies[0].path = path(1); }));
+  EXPECT_TRUE(changed([](World&, Connector& cord) { cord.model = ConnectorModel::span; }));
+  EXPECT_TRUE(changed([](World&, Connector& cord) { cord.elasticity = 0.5; }));
+  EXPECT_TRUE(changed([](World&, Connector& cord) { cord.holds[0].to.approach.arrival = 1; }));
+}
+
+TEST(Path, AnotherCircleHasAnotherFingerprint) {
+  Circle circle;
+  const std::uint64_t before = Path::round(circle).fingerprint();
+  EXPECT_EQ(before, Path::round(circle).fingerprint());
+  circle.ramp *= 2;
+  EXPECT_NE(before, Path::round(circle).fingerprint());
+}
+
 TEST(Trajectory, TheHashSeesEveryBit) {
   World world = spinning_stick_with_cord();
   finish(world);

@@ -1,0 +1,71 @@
+// What must hold of the source tree and neither compiler nor linker says.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "tests/support/definitions.h"
+#include "tests/support/folder.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::vector<std::string>;
+
+TEST(Definitions, AreFoundInNamedNamespacesAlone) {
+  EXPECT_EQ(
+      type_definitions("namespace a { struct B { struct C {}; }; struct D; enum class E { x };\n"
+                       "namespace { struct F {}; }\n"
+                       "namespace b::c { template <class T> class G final : public B {}; }\n"
+                       "using H = B; void f() { struct I {}; }\n"
+                       "struct J<int> {}; struct B::K {}; }"),
+      (Names{"a::B", "a::E", "a::b::c::G", "a::H", "a::J<int>", "a::B::K"}));
+  EXPECT_EQ(type_definitions(
+                "// struct A {};\n/* struct B {}; */\n#define C struct C {};\\\n struct D {};\n"
+                "const char* e = \"struct E {};\\\"\"; char f = '{';\n"
+                "auto g = R\"x(struct G {})x\"; int h = 1'000'000; struct I {};"),
+            Names{"I"});
+}
+
+/// Two types of one name in one program share the code that the compiler makes of them: the one
+/// definition rule leaves undefined what happens then.
+TEST(SourceTree, NoProgramHasTwoTypesOfOneName) {
+  const fs::path root = TAUT_SOURCE_DIR;
+  std::map<std::string, std::map<std::string, std::set<std::string>>> seen;  // type, program, files
+  const std::string all = "";
+  for (const char* room : {"sim", "scenes", "render", "tests"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / room)) {
+      const fs::path file = fs::relative(entry.path(), root);
+      if (file.extension() != ".h" && file.extension() != ".cpp") continue;
+      const bool is_shared = *file.begin() != "tests" || *std::next(file.begin()) == "support";
+      const std::string program = is_shared ? all : file.parent_path().string();
+      for (const std::string& type : type_definitions(read_file(entry.path()))) {
+        seen[type][program].insert(file.string());
+      }
+    }
+  }
+  EXPECT_GT(seen.size(), 300u) << "the types are found at all";
+  for (auto& [type, programs] : seen) {
+    const std::set<std::string> shared = programs[all];
+    for (auto& [program, files] : programs) {
+      files.insert(shared.begin(), shared.end());
+      std::string list;
+      for (const std::string& file : files) list += " " + file;
+      EXPECT_LE(files.size(), 1u) << type << " is defined in" << list;
+    }
+  }
+}
+
+TEST(SourceTree, EveryModelHasLimits) {
+  const fs::path assets = fs::path(TAUT_SOURCE_DIR) / "assets";
+  const std::string checks = read_file(assets / "make/check.py");
+  for (const fs::directory_entry& entry : fs::directory_iterator(assets)) {
+    if (entry.path().extension() != ".glb") continue;
+    const std::string name = entry.path().stem().string();
+    EXPECT_NE(checks.find("\n    \"" + name + "\": ("), std::string::npos) << name;
+  }
+}
+
+}  // namespace
+}  // namespace taut
