@@ -96,6 +96,14 @@ PinRecord add_particle(Connector& connector, const Place& place) {
   return record;
 }
 
+void fit(Connector& connector) {
+  connector.holds.shrink_to_fit();
+  connector.rest.shrink_to_fit();
+  connector.particle_mass.shrink_to_fit();
+  connector.position.shrink_to_fit();
+  connector.velocity.shrink_to_fit();
+}
+
 void remove_particle(Connector& connector, std::size_t particle, double link_rest) {
   const PinRecord* before = added_for(connector, particle - 1);
   const PinRecord* after = added_for(connector, particle + 1);

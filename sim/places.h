@@ -43,6 +43,10 @@ PinRecord* added_for(Connector& connector, std::size_t particle);
 /// link is in the record.
 PinRecord add_particle(Connector& connector, const Place& place);
 
+/// Gives back what room the connector's arrays have beyond what is in them: methods make as much
+/// for each of the parts that it may be divided into.
+void fit(Connector& connector);
+
 /// Removes a particle that was added for a pin and whose hold is gone. Where no other such particle
 /// stands on its link, the link's rest length is what it was, bit by bit.
 void remove_particle(Connector& connector, std::size_t particle, double link_rest);

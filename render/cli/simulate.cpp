@@ -11,6 +11,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/method_options.h"
+#include "render/cli/needs.h"
 #include "render/cli/progress.h"
 #include "render/interrupt.h"
 #include "scenes/scene.h"
@@ -21,10 +22,13 @@ namespace taut::cli {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Options {
   std::string scene;
   std::string csv;
   int fps = 0;  // 0: the scene's
+  double max_memory = 0;
   MethodOptions method;
 };
 
@@ -152,13 +156,20 @@ int run(const Options& options, const Common& common) {
   Scene scene = load_chosen(options.scene, false, options.method);
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
+  const bool to_output = options.csv == "-" || is_standard_output(options.csv);
+  if (to_output && common.json) {
+    throw Misuse(fmt::format("--csv {}: standard output is the JSON's (--json)", options.csv));
+  }
+  const std::string csv = to_output ? "" : options.csv;
+  const fs::path folder = fs::path(csv).has_parent_path() ? fs::path(csv).parent_path() : ".";
+  refuse_beyond(simulation_needs(scene), scene, options.max_memory, csv.empty() ? "" : folder, "",
+                common.quiet);
   Simulation simulation = start(scene);
-  Rows rows(options.csv, !common.json);
+  Rows rows(csv, to_output || !common.json);
   const Report report = simulate(scene, simulation, rows, common.quiet);
   if (common.json) write_output(json_text(scene, simulation, report));
-  if (!options.csv.empty() && !common.quiet) {
-    fmt::print(stderr, "{}: {} frames, method {}\n", options.csv, scene.frames(),
-               scene.method.name);
+  if (!csv.empty() && !common.quiet) {
+    fmt::print(stderr, "{}: {} frames, method {}\n", csv, scene.frames(), scene.method.name);
   }
   return kDone;
 }
@@ -178,11 +189,12 @@ add have no columns; what is cut off a connector has its own from the start, as 
   const auto options = std::make_shared<Options>();
   command.add_option("scene", options->scene, "A scene file")->required();
   command.add_option("--csv", options->csv,
-                     "The trajectory into this file; else, without --json, "
-                     "to standard output");
+                     "The trajectory into this file; - or, without --json, nothing: to standard "
+                     "output");
   command.add_option("--fps", options->fps, "Another number of frames per second")
       ->check(CLI::Range(1, 1000));
   add_method_options(command, options->method);
+  add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });
