@@ -133,10 +133,10 @@ TEST_F(ModelBroken, StructuresThatLie) {
 
 TEST_F(ModelBroken, ValuesOfAnotherTypeAreRefusedOrPassedOver) {
   const json others[] = {json::array(), json::object(), "x", 1.5, -1, true, nullptr};
-  const json whole = skinned().json;
-  for (const auto& [place, value] : whole.flatten().items()) {
+  const json values = skinned().json.flatten();
+  for (const auto& value : values.items()) {
     // The value, and all that it stands in.
-    for (std::string at = place; !at.empty(); at.resize(at.rfind('/'))) {
+    for (std::string at = value.key(); !at.empty(); at.resize(at.rfind('/'))) {
       for (const json& other : others) {
         Gltf g = skinned();
         g.json[json::json_pointer(at)] = other;
