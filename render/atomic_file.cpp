@@ -34,11 +34,21 @@ bool same_file(int file, const std::filesystem::path& name) {
 
 }  // namespace
 
+bool is_standard_output(const std::filesystem::path& name) {
+  return same_file(STDOUT_FILENO, name);
+}
+
 AtomicFile::AtomicFile(std::filesystem::path name) : name_(std::move(name)), part_(name_) {
   part_ += ".part";
   std::error_code error;
   if (std::filesystem::is_directory(name_, error)) {
     throw CannotWrite(fmt::format("{}: is a directory, expected a file to write", name_.string()));
+  }
+  if (std::filesystem::is_other(name_, error)) {
+    in_place_ = true;
+    file_ = open(name_.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file_ < 0) fail("cannot be opened");
+    return;
   }
   if (name_.has_parent_path()) std::filesystem::create_directories(name_.parent_path(), error);
   file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
@@ -55,7 +65,7 @@ AtomicFile::AtomicFile(std::filesystem::path name) : name_(std::move(name)), par
 
 AtomicFile::~AtomicFile() {
   if (file_ < 0) return;
-  unlink(part_.c_str());
+  if (!in_place_) unlink(part_.c_str());
   close(file_);
 }
 
@@ -64,8 +74,10 @@ void AtomicFile::write(std::string_view bytes) {
 }
 
 void AtomicFile::commit() {
-  if (fsync(file_) != 0) fail("cannot be written");
-  if (rename(part_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
+  if (!in_place_) {
+    if (fsync(file_) != 0) fail("cannot be written");
+    if (rename(part_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
+  }
   close(file_);
   file_ = -1;
 }

@@ -6,8 +6,12 @@
 
 namespace taut {
 
+/// True where `name` is what standard output goes to, as /dev/stdout is.
+bool is_standard_output(const std::filesystem::path& name);
+
 /// Writes NAME.part; commit() makes it NAME. Without a commit the destructor removes it. A process
-/// that is killed leaves only the .part behind, which the next run overwrites.
+/// that is killed leaves only the .part behind, which the next run overwrites. What is there and is
+/// no file, a pipe or a device, is written as it is.
 class AtomicFile {
  public:
   /// Makes missing folders. Throws CannotWrite, also when another process is writing the file.
@@ -27,6 +31,7 @@ class AtomicFile {
 
   std::filesystem::path name_, part_;
   int file_ = -1;
+  bool in_place_ = false;
 };
 
 /// Writes `bytes` to standard output, all of them. Throws CannotWrite.

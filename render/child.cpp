@@ -1,7 +1,8 @@
 #include "render/child.h"
 
-#include <spawn.h>
+#include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,8 +14,6 @@
 #include <thread>
 
 #include "render/interrupt.h"
-
-extern char** environ;
 
 namespace taut {
 namespace {
@@ -59,22 +58,46 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// A child process; it does not outlive this.
+/// What the child does between its birth and the program: only calls that are safe there, as other
+/// threads may have held any lock. Ends with errno in `failure` where there is no such program.
+[[noreturn]] void become(char* const* arguments, const int (&files)[3], pid_t parent, int failure) {
+  // The kernel ends the child with the thread that made it; a parent that is gone by now never
+  // will.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);
+  for (int i = 0; i < 3; ++i) {
+    if (files[i] != i) dup2(files[i], i);
+  }
+  execvp(arguments[0], arguments);
+  const int error = errno;
+  [[maybe_unused]] const ssize_t told = write(failure, &error, sizeof error);
+  _exit(127);
+}
+
+/// A child process; it outlives neither this nor the thread that made it, however that ends.
 class Child {
  public:
   Child(const std::vector<std::string>& arguments, int in, int out, int err) {
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, in, 0);
-    posix_spawn_file_actions_adddup2(&actions, out, 1);
-    posix_spawn_file_actions_adddup2(&actions, err, 2);
     std::vector<char*> argv;
     for (const std::string& argument : arguments)
       argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
-    const int error = posix_spawnp(&id_, argv[0], &actions, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) fail(error, "cannot start " + arguments[0]);
+    int failure[2];  // closed by the program's start
+    if (pipe2(failure, O_CLOEXEC) != 0) fail(errno, "cannot make a pipe");
+    const pid_t parent = getpid();
+    id_ = fork();
+    const int fork_error = errno;
+    if (id_ == 0) become(argv.data(), {in, out, err}, parent, failure[1]);
+    close(failure[1]);
+    int error = id_ < 0 ? fork_error : 0;
+    if (id_ > 0) {
+      while (read(failure[0], &error, sizeof error) < 0 && errno == EINTR) {
+      }
+    }
+    close(failure[0]);
+    if (error == 0) return;
+    if (id_ > 0) waitpid(id_, &status_, 0);
+    fail(error, "cannot start " + arguments[0]);
   }
   ~Child() {
     if (ended_) return;

@@ -30,6 +30,11 @@ bool is_frame(const std::filesystem::path& file) {
          stem.find_first_not_of("0123456789") == std::string::npos;
 }
 
+/// What a run was writing that was killed.
+bool is_part(const std::filesystem::path& file) {
+  return file.extension() == ".part" && is_frame(file.stem());
+}
+
 }  // namespace
 
 FrameFolder::FrameFolder(std::filesystem::path folder, bool keep) : folder_(std::move(folder)) {
@@ -49,7 +54,7 @@ FrameFolder::FrameFolder(std::filesystem::path folder, bool keep) : folder_(std:
   if (keep) read_journal();
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     const auto& file = entry.path();
-    if (is_frame(file) && !kept_.contains(std::stoi(file.stem().string())))
+    if (is_part(file) || (is_frame(file) && !kept_.contains(std::stoi(file.stem().string()))))
       std::filesystem::remove(file, error);
   }
   AtomicFile journal(folder_ / "journal");

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "render/error.h"
+#include "render/part_file.h"
 
 namespace taut {
 namespace {
@@ -50,15 +51,7 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
                   int threads) {
   std::string list = "ffconcat version 1.0\n";
   for (const auto& frame : frames) list += fmt::format("file {}\n", quoted(frame));
-  std::filesystem::path part = file;
-  part += ".part";
-  struct Remove {
-    const std::filesystem::path& path;
-    ~Remove() {
-      std::error_code ignored;
-      std::filesystem::remove(path, ignored);
-    }
-  } remove{part};
+  PartFile part(file);
 
   // Without an explicit matrix FFmpeg converts by BT.601 and shifts the colours.
   run({"ffmpeg",
@@ -106,21 +99,20 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
        "+bitexact",
        "-f",
        "mp4",
-       part.string()},
+       part.path().string()},
       list, patience);
 
-  if (!std::filesystem::exists(part))
+  std::error_code missing;
+  if (const auto size = std::filesystem::file_size(part.path(), missing); missing || size == 0)
     throw EncoderFailed(fmt::format("{}: ffmpeg ended well without making it", file.string()));
-  const ChildResult probe =
-      run({"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_frames", "-show_entries",
-           "stream=nb_read_frames", "-of", "default=nokey=1:noprint_wrappers=1", part.string()},
-          "", patience);
+  const ChildResult probe = run(
+      {"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_frames", "-show_entries",
+       "stream=nb_read_frames", "-of", "default=nokey=1:noprint_wrappers=1", part.path().string()},
+      "", patience);
   if (probe.output != fmt::format("{}\n", frames.size()))
     throw EncoderFailed(fmt::format("{}: ffmpeg made {} frames instead of {}", file.string(),
                                     std::atoi(probe.output.c_str()), frames.size()));
-  std::error_code error;
-  std::filesystem::rename(part, file, error);
-  if (error) throw CannotWrite(fmt::format("{}: {}", file.string(), error.message()));
+  part.commit();
 }
 
 }  // namespace taut

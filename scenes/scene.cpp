@@ -92,7 +92,10 @@ Scene load_scene(const std::filesystem::path& file, bool with_stage,
                  const std::vector<SceneChange>& changes) {
   Document document = read_document(file);
   for (const auto& [key, value] : changes) change(document, key, value);
-  return read_scene(document, with_stage);
+  Scene scene = read_scene(document, with_stage);
+  if (!scene.stage) Motions(document).check_characters();
+  if (!scene.stage && with_stage) check_models(document);
+  return scene;
 }
 
 namespace {

@@ -60,7 +60,8 @@ struct SceneChange {
   std::string value;  // 41
 };
 
-/// Reads and checks a scene. Throws BadScene. Assets are loaded only when `with_stage`.
+/// Reads and checks a scene. Throws BadScene. Of its assets only characters are looked at
+/// unless `with_stage`.
 Scene load_scene(const std::filesystem::path& file, bool with_stage,
                  const std::vector<SceneChange>& changes = {});
 

@@ -1,5 +1,6 @@
 // Cutting a connector in two.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "sim/interventions.h"
@@ -64,6 +65,22 @@ void share_mass(World& world, Connector& connector, std::size_t added) {
   }
 }
 
+/// One more mark behind the name of what is cut off: NAME', NAME'', NAME''', NAME'4 and so on.
+void add_mark(std::string& name) {
+  constexpr std::size_t kMarks = 3;
+  const std::size_t mark = std::min(name.find('\''), name.size());
+  std::size_t count = name.size() - mark;
+  if (count > 0 && name.back() != '\'') {
+    std::from_chars(name.data() + mark + 1, name.data() + name.size(), count);
+  }
+  name.resize(mark);
+  if (++count <= kMarks) return void(name.append(count, '\''));
+  char digits[24];
+  const auto end = std::to_chars(digits, digits + sizeof digits, count).ptr;
+  name += '\'';
+  name.append(digits, end);
+}
+
 }  // namespace
 
 Divided Interventions::cut(World& world, std::size_t index, double along) {
@@ -74,7 +91,8 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   if (place.fraction == 0 && holds(world.connectors[index], place.particle)) {
     return {Outcome::held_there, 0};
   }
-  if (spare_.empty()) spare_.emplace_back();
+  const bool has_room = !spare_.empty();
+  if (!has_room) spare_.emplace_back();
   world.connectors.push_back(std::move(spare_.back()));
   spare_.pop_back();
   Connector& first = world.connectors[index];
@@ -87,12 +105,21 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   }
   first.particle_mass[at] /= 2;
   second.name = first.name;
-  second.name += '\'';
+  add_mark(second.name);
   second.elasticity = first.elasticity;
   second.model = first.model;
-  const auto move_tail = [](auto& from, auto& to, std::size_t start) {
-    to.assign(from.begin() + static_cast<std::ptrdiff_t>(start), from.end());
-    from.resize(start);
+  // The longer part keeps the arrays: many cuts, one behind the other, take no more room.
+  const bool head_is_shorter = 2 * at < first.particles();
+  const auto move_tail = [&](auto& from, auto& to, std::size_t start) {
+    const auto middle = from.begin() + static_cast<std::ptrdiff_t>(start);
+    if (head_is_shorter && to.capacity() < from.size()) {
+      to.assign(from.begin(), middle);
+      from.erase(from.begin(), middle);
+      std::swap(from, to);
+    } else {
+      to.assign(middle, from.end());
+      from.resize(start);
+    }
   };
   move_tail(first.rest, second.rest, at);
   move_tail(first.position, second.position, at);
@@ -109,6 +136,10 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   second.mass = first.mass * second.length / first.length;
   first.mass -= second.mass;
   first.length = along;
+  if (!has_room) {
+    fit(first);
+    fit(second);
+  }
   world.topology = structure(world);
   return {Outcome::done, world.connectors.size() - 1};
 }

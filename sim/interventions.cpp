@@ -5,6 +5,7 @@
 
 #include "sim/places.h"
 #include "sim/projection.h"
+#include "sim/room.h"
 #include "sim/rotation.h"
 
 namespace taut {
@@ -27,30 +28,63 @@ Vec3 goal(const World& world, const Attachment& to, double arrival) {
   return hold_motion(world, to, std::max(world.time, arrival)).position;
 }
 
+/// Where a place is to go, and whether it is drawn there.
+struct Move {
+  Vec3 now, target;
+  bool drawn;
+  double same;  // m
+};
+
+/// Whether one hold lets it. As far and as near as it is already is never too much: methods leave
+/// links a little too long.
+Outcome allowed(const World& world, const Connector& connector, const Hold& hold,
+                const DistanceRange& reach, const Move& move) {
+  if (move.drawn && !is_prescribed(world, hold.to)) return Outcome::done;
+  const Vec3& there = connector.position[hold.particle];
+  const double present = (move.now - there).norm();
+  for (const Vec3& from : {there, goal(world, hold.to, hold.to.approach.arrival)}) {
+    const double apart = (move.target - from).norm();
+    const double nearing =
+        move.drawn ? (nearest(move.now, move.target, from) - from).norm() : apart;
+    if (apart > std::max(reach.most, present) + move.same) return Outcome::out_of_reach;
+    if (nearing < std::min(reach.least, present) - move.same) return Outcome::too_near;
+  }
+  return Outcome::done;
+}
+
 /// Whether what holds the connector elsewhere, where it is and where it is being drawn to, lets the
-/// place go to `target` or, `drawn`, straight there; then free bodies follow. As far and as near as
-/// it is already is never too much: methods leave links a little too long.
+/// place go to `target` or, `drawn`, straight there; then free bodies follow. One pass over the
+/// links, from the place to either end.
 Outcome reachable(const World& world, const Connector& connector, const Place& place,
                   const Vec3& target, bool drawn) {
-  double along = place.fraction > 0 ? place.fraction * connector.rest[place.particle] : 0;
-  for (std::size_t k = 0; k < place.particle; ++k) along += connector.rest[k];
-  const double same = kSamePlace * connector.length;
-  const Vec3 now = between(connector.position, place);
-  double start = 0;
-  std::size_t particle = 0;
-  for (const Hold& hold : connector.holds) {
-    for (; particle < hold.particle; ++particle) start += connector.rest[particle];
-    if (particle == place.particle && place.fraction == 0) continue;
-    if (drawn && !is_prescribed(world, hold.to)) continue;
-    const Vec3& there = connector.position[particle];
-    const auto [least, most] = distance_range(connector, along, start);
-    const double present = (now - there).norm();
-    for (const Vec3& from : {there, goal(world, hold.to, hold.to.approach.arrival)}) {
-      const double apart = (target - from).norm();
-      const double nearing = drawn ? (nearest(now, target, from) - from).norm() : apart;
-      if (apart > std::max(most, present) + same) return Outcome::out_of_reach;
-      if (nearing < std::min(least, present) - same) return Outcome::too_near;
-    }
+  const auto [particle, fraction] = place;
+  const Move move{between(connector.position, place), target, drawn, kSamePlace * connector.length};
+  double length = 0, longest = 0;
+  const auto pass = [&](double piece) {
+    length += piece;
+    longest = std::max(longest, piece);
+  };
+  const auto look = [&](const Hold& hold) {
+    return allowed(world, connector, hold, {std::max(0.0, 2 * longest - length), length}, move);
+  };
+  const std::vector<Hold>& holds = connector.holds;
+  const auto behind = std::ranges::upper_bound(holds, particle, {}, &Hold::particle);
+  if (fraction > 0) pass(fraction * connector.rest[particle]);
+  std::size_t k = particle;
+  for (auto hold = behind; hold != holds.begin();) {
+    --hold;
+    for (; k > hold->particle; --k) pass(connector.rest[k - 1]);
+    if (hold->particle == particle && fraction == 0) continue;
+    const Outcome outcome = look(*hold);
+    if (outcome != Outcome::done) return outcome;
+  }
+  length = longest = 0;
+  k = particle;
+  if (fraction > 0) pass((1 - fraction) * connector.rest[k++]);
+  for (auto hold = behind; hold != holds.end(); ++hold) {
+    for (; k < hold->particle; ++k) pass(connector.rest[k]);
+    const Outcome outcome = look(*hold);
+    if (outcome != Outcome::done) return outcome;
   }
   return Outcome::done;
 }
@@ -176,6 +210,11 @@ void Interventions::reserve(World& world, std::size_t pins, std::size_t cuts) {
     connector.rest.reserve(particles);
     connector.holds.reserve(holds);
   };
+  std::size_t particles = 0;
+  for (const Connector& connector : world.connectors) particles += connector.particles();
+  const double added = double(pins) * (double(cuts) + 1) + 2 * double(cuts);
+  const double all = double(particles) + double(world.connectors.size()) * added;
+  if ((double(pins) + double(cuts)) * all > kMostRoom) return;
   const std::size_t holds = (pins + 2) * (cuts + 1);
   std::size_t most = 0, longest_name = 0;
   for (Connector& connector : world.connectors) {
@@ -219,6 +258,7 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
   const Vec3 target = goal(world, to, world.time + over);
   const Outcome outcome = reachable(world, connector, place, target, over > 0);
   if (outcome != Outcome::done) return {outcome, 0};
+  const std::size_t room = connector.position.capacity();
   Hold hold;
   hold.particle = place.particle;
   if (place.fraction > 0) {
@@ -236,7 +276,9 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
     hold.pin.body_spin = body.spin;
   }
   hold.to = to;  // before attach(): a free body is weighed with all it holds
-  const auto held = connector.holds.insert(hold_at(connector, hold.particle), hold);
+  connector.holds.insert(hold_at(connector, hold.particle), hold);
+  if (connector.position.capacity() != room) fit(connector);
+  const auto held = hold_at(connector, hold.particle);
   attach(world, connector, *held, to, over);
   world.topology = structure(world);
   held->pin.topology = world.topology;

@@ -38,8 +38,8 @@ struct Divided {
 class Interventions {
  public:
   /// Makes room in `world` for so many pins on each connector at a time and so many cuts, so that
-  /// neither interventions nor what methods make anew for them allocate. They work without room,
-  /// too. A copy of the world has none.
+  /// neither interventions nor what methods make anew for them allocate; none where so many would
+  /// take hundreds of megabytes. They work without room, too. A copy of the world has none.
   void reserve(World& world, std::size_t pins, std::size_t cuts);
 
   /// Holds the connector at `along` (m). A particle is added where none is: it takes its part of

@@ -32,9 +32,10 @@ class Parts {
   const std::vector<Part>& all() const { return parts_; }
 
  private:
-  const Part& part(std::size_t whole, double along) const;
+  std::size_t part(std::size_t whole, double along) const;
 
   std::vector<Part> parts_;
+  std::vector<std::vector<std::size_t>> of_;  // [whole] its parts as they follow each other
 };
 
 }  // namespace taut

@@ -29,17 +29,6 @@ Place locate(const Connector& connector, double along) {
   return {connector.links(), 0};
 }
 
-DistanceRange distance_range(const Connector& connector, double along, double other) {
-  const auto [low, high] = std::minmax(along, other);
-  double start = 0, longest = 0;
-  for (const double rest : connector.rest) {
-    const double end = start + rest;
-    longest = std::max(longest, std::min(end, high) - std::max(start, low));
-    start = end;
-  }
-  return {std::max(0.0, 2 * longest - (high - low)), high - low};
-}
-
 Vec3 between(const std::vector<Vec3>& items, const Place& place) {
   const auto [k, f] = place;
   return f > 0 ? Vec3(items[k] + f * (items[k + 1] - items[k])) : items[k];
@@ -94,6 +83,14 @@ PinRecord add_particle(Connector& connector, const Place& place) {
   insert_at(connector.rest, added, (high - record.fraction) * record.link_rest);
   for (Hold& hold : connector.holds) hold.particle += hold.particle > k;
   return record;
+}
+
+void fit(Connector& connector) {
+  connector.holds.shrink_to_fit();
+  connector.rest.shrink_to_fit();
+  connector.particle_mass.shrink_to_fit();
+  connector.position.shrink_to_fit();
+  connector.velocity.shrink_to_fit();
 }
 
 void remove_particle(Connector& connector, std::size_t particle, double link_rest) {

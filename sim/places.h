@@ -21,7 +21,6 @@ Place locate(const Connector& connector, double along);
 struct DistanceRange {
   double least = 0, most = 0;  // m
 };
-DistanceRange distance_range(const Connector& connector, double along, double other);
 
 /// The value at a place of what the particles have, such as positions.
 Vec3 between(const std::vector<Vec3>& items, const Place& place);
@@ -42,6 +41,10 @@ PinRecord* added_for(Connector& connector, std::size_t particle);
 /// Adds a particle without mass behind `place.particle`, where the link is now; its place on the
 /// link is in the record.
 PinRecord add_particle(Connector& connector, const Place& place);
+
+/// Gives back what room the connector's arrays have beyond what is in them: methods make as much
+/// for each of the parts that it may be divided into.
+void fit(Connector& connector);
 
 /// Removes a particle that was added for a pin and whose hold is gone. Where no other such particle
 /// stands on its link, the link's rest length is what it was, bit by bit.

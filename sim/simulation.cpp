@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "sim/flaws.h"
 #include "sim/places.h"
 
 namespace taut {
@@ -43,6 +44,7 @@ void Simulation::advance_to(double time) {
 
 void Simulation::enact(const Entry& entry) {
   Outcome outcome = Outcome::done;
+  std::string what;
   if (entry.kind == Entry::Kind::cut) {
     outcome = cut(timeline_.cuts[entry.index]);
   } else if (entry.kind == Entry::Kind::release) {
@@ -54,11 +56,15 @@ void Simulation::enact(const Entry& entry) {
                                  : interventions_.pin(world_, connector, along);
     pins_[entry.index] = pinned.pin;
     outcome = pinned.outcome;
+    if (pin.to && (outcome == Outcome::out_of_reach || outcome == Outcome::too_near)) {
+      what = obstacle(world_, connector, along, *pin.to);
+    }
   }
   if (outcome == Outcome::done) return;
   const bool is_cut = entry.kind == Entry::Kind::cut;
+  if (what.empty()) what = words(outcome);
   throw BadIntervention(
-      {is_cut, entry.index, std::string(words(outcome))}, entry.time,
+      {is_cut, entry.index, what}, entry.time,
       is_cut ? timeline_.cuts[entry.index].source : timeline_.pins[entry.index].source);
 }
 

@@ -37,10 +37,18 @@ void reweigh_holder(World& world, const Attachment& by) {
 }
 
 void finish(World& world) {
+  std::vector<MassProperties> laden;  // of every body, as laden() adds them up
+  for (Body& body : world.bodies) laden.push_back(body.bare = body.mass_properties);
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      if (hold.to.kind != Attachment::Kind::body) continue;
+      MassProperties& properties = laden[hold.to.body];
+      properties =
+          with_point_mass(properties, connector.particle_mass[hold.particle], hold.to.point);
+    }
+  }
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    Body& body = world.bodies[i];
-    body.bare = body.mass_properties;
-    if (!body.driven()) reweigh(body, laden(world, i));
+    if (!world.bodies[i].driven()) reweigh(world.bodies[i], laden[i]);
   }
   place_held(world, world.time);
   world.topology = structure(world);

@@ -7,8 +7,8 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/method_options.h"
+#include "render/cli/needs.h"
 #include "render/cli/plan_table.h"
-#include "scenes/clip.h"
 #include "scenes/schema.h"
 
 namespace taut::cli {
@@ -23,18 +23,12 @@ struct Options {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kSamples = 4;  // per pixel, as taut render takes them
+
 std::size_t triangles(const Model& model) {
   std::size_t count = 0;
   for (const Mesh& mesh : model.meshes) count += mesh.indices.size() / 3;
   return count;
-}
-
-/// Steps in a frame; 0 for methods that choose their own.
-std::uint64_t steps_per_frame(const Scene& scene) {
-  const Settings settings = full_settings(scene.method);
-  const auto step = settings.find("step");
-  const double* seconds = step == settings.end() ? nullptr : std::get_if<double>(&step->second);
-  return seconds && *seconds > 0 ? step_count(1.0 / scene.fps, *seconds) : 0;
 }
 
 std::string held_by(const World& world, const Connector& connector, std::size_t particle) {
@@ -61,26 +55,38 @@ std::vector<std::pair<std::string, const Model*>> models(const Scene& scene) {
   return list;
 }
 
+/// Adds a member whose name is new: looking whether it is takes a pass over all others.
+void append(Json& object, const std::string& name, Json member) {
+  using Members = Json::object_t::Container;
+  static_cast<Members&>(object.get_ref<Json::object_t&>()).emplace_back(name, std::move(member));
+}
+
 Json as_json(const Scene& scene) {
   Json json = {{"scene", scene.file.string()}, {"title", scene.title},
                {"duration", scene.duration},   {"fps", scene.fps},
                {"frames", scene.frames()},     {"size", {scene.width, scene.height}}};
   json["method"] = scene.method.name;
   json["settings"] = settings_json(full_settings(scene.method));
-  if (const auto steps = steps_per_frame(scene)) json["steps_per_frame"] = steps;
+  if (const double steps = steps_per_frame(scene); steps > 0) {
+    json["steps_per_frame"] = std::uint64_t(steps);
+  }
   json["bodies"] = Json::object();
   for (const Body& body : scene.world.bodies) {
-    json["bodies"][body.name] = {{"driven", body.driven()}, {"mass", body.mass_properties.mass}};
+    append(json["bodies"], body.name,
+           {{"driven", body.driven()}, {"mass", body.mass_properties.mass}});
   }
   json["connectors"] = Json::object();
   for (const Connector& connector : scene.world.connectors) {
-    json["connectors"][connector.name] = {{"length", connector.length},
-                                          {"mass", connector.mass},
-                                          {"particles", connector.particles()}};
+    append(json["connectors"], connector.name,
+           {{"length", connector.length},
+            {"mass", connector.mass},
+            {"particles", connector.particles()}});
   }
-  if (scene.stage) json["clip_frames"] = clip_frames(scene).size();
+  if (scene.stage) json["clip_frames"] = std::uint64_t(clip_length(scene));
   json["pins"] = scene.timeline.pins.size();
   json["cuts"] = scene.timeline.cuts.size();
+  json["simulate"] = needs_json(simulation_needs(scene));
+  if (scene.stage) json["render"] = needs_json(clip_needs(scene, clip_length(scene), kSamples));
   json["stage"] = scene.stage.has_value();
   if (scene.stage) {
     json["models"] = Json::array();
@@ -100,9 +106,9 @@ std::string as_text(const Scene& scene) {
   const World& world = scene.world;
   line(fmt::format("{}: {} s, {} frames at {} per second", scene.title, scene.duration,
                    scene.frames(), scene.fps));
-  const auto steps = steps_per_frame(scene);
+  const double steps = steps_per_frame(scene);
   line(fmt::format("method {}{} ({})", scene.method.name,
-                   steps ? fmt::format(", {} steps a frame", steps) : "",
+                   steps > 0 ? fmt::format(", {:.0f} steps a frame", steps) : "",
                    settings_text(full_settings(scene.method))));
   for (const Body& body : world.bodies) {
     line(fmt::format("body {}: {:.6g} kg, {}", body.name, body.mass_properties.mass,
@@ -133,12 +139,15 @@ std::string as_text(const Scene& scene) {
              ? "plan: by another version of its method; plan it again"
              : fmt::format("plan: {} by {} (--planned)", certificate(plan), plan.method.name));
   }
+  line(fmt::format("taut simulate takes {}", needs_text(simulation_needs(scene))));
   if (!scene.stage) {
     line("no stage: it can be simulated, not rendered");
     return text;
   }
-  line(fmt::format("stage: {}x{}; the clip has {} frames in {} shots", scene.width, scene.height,
-                   clip_frames(scene).size(), scene.stage->shots.size()));
+  line(fmt::format("stage: {}x{}; the clip has {:.0f} frames in {} shots", scene.width,
+                   scene.height, clip_length(scene), scene.stage->shots.size()));
+  line(fmt::format("taut render takes {}",
+                   needs_text(clip_needs(scene, clip_length(scene), kSamples))));
   for (const auto& [use, model] : models(scene)) {
     line(fmt::format("{}: {}, {} triangles{}", use, model->name, triangles(*model),
                      model->bones.empty() ? "" : fmt::format(", {} bones", model->bones.size())));

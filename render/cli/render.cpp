@@ -14,6 +14,7 @@
 #include "render/cli/command.h"
 #include "render/cli/frame_list.h"
 #include "render/cli/method_options.h"
+#include "render/cli/needs.h"
 #include "render/cli/progress.h"
 #include "render/cli/self_estimate.h"
 #include "render/cli/stills.h"
@@ -43,6 +44,7 @@ struct Options {
   std::optional<std::string> frames;
   int fps = 0, samples = 4;
   double patience = 60;  // s
+  double max_memory = 0;
   bool certificate = false, resume = false, anew = false, no_video = false, profile = false;
   bool no_estimate = false;
   Stills stills;
@@ -103,6 +105,14 @@ void enlarge(Scene& scene, double times, int samples) {
   if (plan.exposures > 1) scene.stage->exposures = std::max(scene.stage->exposures, samples);
 }
 
+/// Frames that are to be made and are no files yet.
+std::size_t missing_frames(const std::filesystem::path& folder, const std::vector<int>& frames) {
+  std::error_code error;
+  return std::size_t(std::ranges::count_if(frames, [&](int frame) {
+    return !std::filesystem::exists(folder / fmt::format("{:06}.png", frame), error);
+  }));
+}
+
 int render(const Common& common, const Options& options) {
   const Backend backend = backend_named(options.backend);
   Scene scene = load_chosen(options.scene, true, options.method);
@@ -123,6 +133,9 @@ int render(const Common& common, const Options& options) {
         fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides "
                     "(--no-video makes frames of any size)",
                     scene.width, scene.height));
+  constexpr const char* kFewer = ", fewer frames at a time (--frames), smaller pictures (--size)";
+  refuse_beyond({.memory = clip_needs(scene, 0, options.samples).memory}, scene, options.max_memory,
+                "", kFewer, true);
   const std::vector<ClipFrame> clip = clip_frames(scene);
   const std::vector<int> frames = frame_list(options.frames, int(clip.size()));
   if (video) require_ffmpeg();
@@ -130,6 +143,11 @@ int render(const Common& common, const Options& options) {
   const std::string name = std::filesystem::path(options.scene).stem().string();
   const std::filesystem::path out = options.out.empty() ? std::filesystem::path("out") / name
                                                         : std::filesystem::path(options.out);
+  if (!options.stills.any()) {
+    Needs needs = clip_needs(scene, double(frames.size()), options.samples);
+    needs.disk *= double(missing_frames(out / "frames", frames)) / double(frames.size());
+    refuse_beyond(needs, scene, options.max_memory, out, kFewer, common.quiet);
+  }
   const bool one_by_one = options.profile || options.stills.any();
   Crew crew(backend, common.threads, one_by_one, scene, scene.width, scene.height, options.samples);
   if (options.stills.any()) {
@@ -289,6 +307,7 @@ void add_render(CLI::App& app, Program& program) {
       ->check(CLI::Range(1, 64));
   add_method_options(command, options->method);
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
+  add_memory_option(command, options->max_memory);
   command.add_flag("--certificate", options->certificate,
                    "A line on the picture says what is proved of the clip, or that nothing is");
   command.add_option("--backend", options->backend, "auto, egl or osmesa")

@@ -11,6 +11,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/method_options.h"
+#include "render/cli/needs.h"
 #include "render/cli/progress.h"
 #include "render/cli/self_estimate.h"
 #include "render/interrupt.h"
@@ -22,11 +23,14 @@ namespace taut::cli {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Options {
   std::string scene;
   std::string csv;
   int fps = 0;  // 0: the scene's
   bool no_estimate = false;
+  double max_memory = 0;
   MethodOptions method;
 };
 
@@ -159,14 +163,22 @@ int run(const Options& options, const Common& common) {
   Scene scene = load_chosen(options.scene, false, options.method);
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
+  const bool to_output = options.csv == "-" || is_standard_output(options.csv);
+  if (to_output && common.json) {
+    throw Misuse(fmt::format("--csv {}: standard output is the JSON's (--json)", options.csv));
+  }
+  const std::string csv = to_output ? "" : options.csv;
+  const fs::path folder = fs::path(csv).has_parent_path() ? fs::path(csv).parent_path() : ".";
+  refuse_beyond(simulation_needs(scene), scene, options.max_memory, csv.empty() ? "" : folder, "",
+                common.quiet);
   Simulation simulation = start(scene);
   SelfEstimate estimate(scene, !options.no_estimate);
-  Rows rows(options.csv, !common.json);
+  Rows rows(csv, to_output || !common.json);
   const Report report = simulate(scene, simulation, estimate, rows, common.quiet);
   if (common.json) write_output(json_text(scene, simulation, report, estimate));
-  if (!options.csv.empty() && !common.quiet) {
-    fmt::print(stderr, "{}: {} frames, method {}\n{}", options.csv, scene.frames(),
-               scene.method.name, estimate.line());
+  if (!csv.empty() && !common.quiet) {
+    fmt::print(stderr, "{}: {} frames, method {}\n{}", csv, scene.frames(), scene.method.name,
+               estimate.line());
   }
   return kDone;
 }
@@ -193,12 +205,13 @@ estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)"
   const auto options = std::make_shared<Options>();
   command.add_option("scene", options->scene, "A scene file")->required();
   command.add_option("--csv", options->csv,
-                     "The trajectory into this file; else, without --json, "
-                     "to standard output");
+                     "The trajectory into this file; - or, without --json, nothing: to standard "
+                     "output");
   command.add_option("--fps", options->fps, "Another number of frames per second")
       ->check(CLI::Range(1, 1000));
   add_method_options(command, options->method);
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
+  add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

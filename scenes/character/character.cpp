@@ -50,6 +50,10 @@ std::shared_ptr<const Performance> make_performance(std::shared_ptr<const Model>
   return std::make_shared<Player>(std::move(model), right_hand, duration, head);
 }
 
+void check_figure(const Model& model, const HeldStick& right_hand) {
+  Figure(model, right_hand.diameter / 2);
+}
+
 Path bone_path(const Performance& performance, std::size_t bone, double duration) {
   std::vector<PathKey> keys;
   for (int i = 0; keys.empty() || keys.back().time < duration; ++i) {

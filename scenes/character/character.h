@@ -26,6 +26,9 @@ std::shared_ptr<const Performance> make_performance(std::shared_ptr<const Model>
                                                     const HeldStick& right_hand, double duration,
                                                     const Path* head = nullptr);
 
+/// Throws BadAsset as make_performance() does, at little cost.
+void check_figure(const Model& model, const HeldStick& right_hand);
+
 /// The path of a bone over [0, duration] (s), so that what hangs on it can be simulated.
 Path bone_path(const Performance& performance, std::size_t bone, double duration);
 

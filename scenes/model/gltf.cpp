@@ -5,15 +5,11 @@
 #include <set>
 
 #include "scenes/model/gltf_source.h"
+#include "scenes/model/limits.h"
 
 namespace taut {
 namespace {
 
-constexpr std::size_t depth_limit = 128;  // of the tree of nodes
-constexpr std::size_t node_limit = 65536;
-constexpr std::size_t joint_limit = 256;
-constexpr std::size_t vertex_limit = 4u << 20;  // over all primitives, also those that share data
-constexpr std::size_t index_limit = 24u << 20;
 constexpr std::size_t triangles = 4, triangle_fan = 6;
 
 void append32(std::string& bytes, std::size_t value) {
@@ -55,7 +51,7 @@ class Reduction {
 
   std::vector<std::size_t> walk_nodes() {
     const std::size_t count = in_.list("nodes").size();
-    if (count > node_limit) in_.fail("more than {} nodes", node_limit);
+    if (count > model_limits::nodes) in_.fail("more than {} nodes", model_limits::nodes);
     if (in_.list("scenes").empty()) in_.fail("has no scene");
     const std::size_t scene = in_.whole(in_.root(), "scene", "its JSON", 0);
     if (scene >= in_.list("scenes").size()) in_.fail("scene {} does not exist", scene);
@@ -71,7 +67,8 @@ class Reduction {
   }
 
   void visit(std::size_t node, std::size_t depth) {
-    if (depth > depth_limit) in_.fail("nodes nested more than {} deep", depth_limit);
+    if (depth > model_limits::depth)
+      in_.fail("nodes nested more than {} deep", model_limits::depth);
     const std::size_t count = new_index_.size();
     if (new_index_[node] != count) in_.fail("nodes[{}] has two parents", node);
     new_index_[node] = order_.size();
@@ -79,6 +76,14 @@ class Reduction {
     const std::string where = fmt::format("nodes[{}]", node);
     for (const Json& child : in_.list(in_.item("nodes", node), "children", where))
       visit(in_.index(child, count, where + ".children"), depth + 1);
+  }
+
+  /// Counts what a node shows of a mesh.
+  std::size_t show(std::size_t mesh) {
+    shown_ += out_["meshes"][mesh]["primitives"].size();
+    if (shown_ > model_limits::meshes)
+      in_.fail("its nodes show more than {} primitives", model_limits::meshes);
+    return mesh;
   }
 
   void copy_nodes(const std::vector<std::size_t>& roots) {
@@ -100,7 +105,7 @@ class Reduction {
         node[key] = values;
       }
       if (in.contains("mesh"))
-        node["mesh"] = in_.index(in["mesh"], out_["meshes"].size(), where + ".mesh");
+        node["mesh"] = show(in_.index(in["mesh"], out_["meshes"].size(), where + ".mesh"));
       if (in.contains("skin")) {
         node["skin"] = in_.index(in["skin"], out_["skins"].size(), where + ".skin");
         if (in.contains("mesh")) check_joints(node["mesh"], node["skin"]);
@@ -138,8 +143,8 @@ class Reduction {
         skin["joints"].push_back(new_index_[joint]);
       }
       const std::size_t count = skin["joints"].size();
-      if (count == 0 || count > joint_limit)
-        in_.fail("{} has {} joints, expected 1 to {}", where, count, joint_limit);
+      if (count == 0 || count > model_limits::bones)
+        in_.fail("{} has {} joints, expected 1 to {}", where, count, model_limits::bones);
       if (!in.contains("inverseBindMatrices")) in_.fail("{} lacks inverseBindMatrices", where);
       const GltfAccessor a =
           in_.accessor(in["inverseBindMatrices"], where + ".inverseBindMatrices");
@@ -163,6 +168,8 @@ class Reduction {
     highest_joint_.push_back(0);
     for (const Json& primitive : in_.list(in, "primitives", where)) {
       if (!primitive.is_object()) in_.fail("{}.primitives must be objects", where);
+      if (++primitives_ > model_limits::meshes)
+        in_.fail("more than {} primitives", model_limits::meshes);
       mesh["primitives"].push_back(copy_primitive(primitive, where));
     }
     if (mesh["primitives"].empty()) in_.fail("{} has no primitives", where);
@@ -178,7 +185,8 @@ class Reduction {
       in_.fail("{} has a primitive without POSITION", where);
     const std::size_t count = in_.accessor((*attributes)["POSITION"], where + " POSITION").count;
     vertices_ += count;
-    if (vertices_ > vertex_limit) in_.fail("more than {} vertices", vertex_limit);
+    if (vertices_ > model_limits::vertices)
+      in_.fail("more than {} vertices", model_limits::vertices);
     if (attributes->contains("JOINTS_1")) in_.fail("{} has more than 4 weights per vertex", where);
     if (attributes->contains("JOINTS_0") != attributes->contains("WEIGHTS_0"))
       in_.fail("{} must have both JOINTS_0 and WEIGHTS_0, or neither", where);
@@ -204,7 +212,7 @@ class Reduction {
       if (a.type != "SCALAR" || a.component == f32 || a.component % 2 == 0)
         in_.fail("{}.indices must be unsigned integers", where);
       indices_ += a.count;
-      if (indices_ > index_limit) in_.fail("more than {} indices", index_limit);
+      if (indices_ > model_limits::indices) in_.fail("more than {} indices", model_limits::indices);
       for (std::size_t k = 0; k < a.count; ++k)
         if (in_.integer(a, k, 0) >= count)
           in_.fail("{} has index {}, but {} vertices", where, in_.integer(a, k, 0), count);
@@ -263,14 +271,19 @@ class Reduction {
   std::vector<std::size_t> order_;      // nodes of the scene, parents first
   std::set<std::size_t> joints_;
   std::vector<std::size_t> highest_joint_;  // that a mesh names
-  std::size_t vertices_ = 0, indices_ = 0;
+  std::size_t vertices_ = 0, indices_ = 0, primitives_ = 0;
+  std::size_t shown_ = 0;  // primitives, as often as nodes show them
 };
 
 }  // namespace
 
 std::string checked_glb(const std::filesystem::path& file, const std::string& content) {
-  const GltfSource source(file, content);
-  return Reduction(source).glb();
+  try {
+    const GltfSource source(file, content);
+    return Reduction(source).glb();
+  } catch (const Json::exception& error) {  // a value of another type than anything looks for
+    throw bad_asset(file, error.what());
+  }
 }
 
 }  // namespace taut

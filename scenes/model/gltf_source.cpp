@@ -4,6 +4,8 @@
 #include <limits>
 #include <map>
 
+#include "scenes/model/limits.h"
+
 namespace taut {
 namespace {
 
@@ -82,7 +84,9 @@ void GltfSource::read_container(const std::string& content) {
     fail("broken JSON: {}", error.what());
   }
   if (!json_.is_object()) fail("its JSON is not an object");
-  const Json version = json_.value("/asset/version"_json_pointer, Json());
+  const auto asset = json_.find("asset");
+  if (asset == json_.end() || !asset->is_object()) fail("its asset must be an object");
+  const Json version = asset->value("version", Json());
   if (!version.is_string() || version.get_ref<const std::string&>().compare(0, 2, "2.") != 0)
     fail("asset.version is {}, expected \"2.0\"", version.dump());
 }
@@ -148,8 +152,8 @@ void GltfSource::gather_buffers() {
     }
     if (length > bytes.size())
       fail("truncated: {} says {} bytes, but there are {}", where, length, bytes.size());
-    if (binary_.size() + length > asset_limit)
-      fail("its buffers are larger than {} MiB", asset_limit >> 20);
+    if (binary_.size() + length > model_limits::bytes)
+      fail("its buffers are larger than {} MiB", model_limits::bytes >> 20);
     buffers_.emplace_back(binary_.size(), length);
     binary_.append(bytes, 0, length);
     binary_.resize((binary_.size() + 3) / 4 * 4);
@@ -164,7 +168,7 @@ std::string GltfSource::from_uri(const std::string& uri, const std::string& wher
     return from_base64(uri.substr(start + mark.size()), where);
   }
   if (uri.find("://") != std::string::npos) fail("{}.uri must be a file beside it", where);
-  return read_asset(file_.parent_path() / uri);
+  return read_regular_file(file_.parent_path() / uri, model_limits::bytes, "a buffer");
 }
 
 std::string GltfSource::from_base64(const std::string& text, const std::string& where) const {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/model/file.h"
+#include "scenes/regular_file.h"
 
 namespace taut {
 

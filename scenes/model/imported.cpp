@@ -8,15 +8,15 @@
 #include <optional>
 #include <set>
 
-#include "scenes/model/file.h"
+#include "scenes/model/limits.h"
+#include "scenes/regular_file.h"
 
 namespace taut {
 namespace {
 
 using Mat4 = Eigen::Matrix4d;
 
-constexpr std::size_t bone_limit = 256;
-constexpr std::size_t vertex_limit = 8u << 20;  // of the model, after instancing
+constexpr std::size_t vertex_limit = 2 * model_limits::vertices;  // after instancing
 
 Mat4 matrix(const aiMatrix4x4& m) {
   return Eigen::Map<const Eigen::Matrix<ai_real, 4, 4, Eigen::RowMajor>>(&m.a1).cast<double>();
@@ -133,7 +133,8 @@ class Import {
       bone = static_cast<int>(model_.bones.size());
       model_.bones.push_back(out);
       rest_world_.push_back(world);
-      if (model_.bones.size() > bone_limit) fail(fmt::format("more than {} bones", bone_limit));
+      if (model_.bones.size() > model_limits::bones)
+        fail(fmt::format("more than {} bones", model_limits::bones));
     }
     for (unsigned i = 0; i < node.mNumMeshes; ++i)
       instances_.push_back({scene_.mMeshes[node.mMeshes[i]], world, bone});

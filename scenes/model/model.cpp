@@ -9,10 +9,12 @@
 #include <assimp/Importer.hpp>
 #include <cctype>
 
-#include "scenes/model/file.h"
 #include "scenes/model/gltf.h"
 #include "scenes/model/imported.h"
+#include "scenes/model/limits.h"
 #include "scenes/model/obj.h"
+#include "scenes/model/obj_files.h"
+#include "scenes/regular_file.h"
 
 namespace taut {
 
@@ -29,7 +31,8 @@ Model load_model(const std::filesystem::path& file) {
   const bool gltf = kind == ".glb" || kind == ".gltf";
   if (!gltf && kind != ".obj")
     throw bad_asset(file, fmt::format("is a \"{}\" file, expected .glb, .gltf or .obj", kind));
-  const std::string content = read_asset(file);
+  const std::string content = read_regular_file(file, model_limits::bytes, "a model");
+  if (content.empty()) throw bad_asset(file, "empty file");
 
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
@@ -42,6 +45,7 @@ Model load_model(const std::filesystem::path& file) {
   } else {
     check_obj(file, content);
     steps |= aiProcess_JoinIdenticalVertices;  // so that faces without normals shade smoothly
+    importer.SetIOHandler(new ObjFiles(file, content));  // which it deletes
     scene = importer.ReadFile(file.string(), steps);
   }
   if (!scene || !scene->mRootNode || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE))

@@ -5,12 +5,14 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <string_view>
 #include <vector>
 
-#include "scenes/model/file.h"
+#include "scenes/model/limits.h"
+#include "scenes/regular_file.h"
 
 namespace taut {
 namespace {
@@ -64,7 +66,12 @@ class ObjCheck {
     if (words[0] == "vt") return numbers(words, 1, 3), void(++textures_);
     if (words[0] == "vn") return numbers(words, 3, 3), void(++normals_);
     if (words[0] == "f") return face(words);
-    if (!harmless.contains(words[0])) fail(fmt::format("unknown statement \"{}\"", words[0]));
+    const auto known = harmless.find(words[0]);
+    if (known == harmless.end()) fail(fmt::format("unknown statement \"{}\"", words[0]));
+    // The importer makes a piece of each, and looks for it among all others.
+    if (++seen_[*known] > model_limits::meshes && *known != "s") {
+      fail(fmt::format("more than {} statements \"{}\"", model_limits::meshes, *known));
+    }
   }
 
   void numbers(const std::vector<std::string_view>& words, std::size_t least, std::size_t most) {
@@ -106,6 +113,7 @@ class ObjCheck {
 
   const std::filesystem::path& file_;
   std::size_t line_ = 1, faces_ = 0;
+  std::map<std::string_view, std::size_t> seen_;  // statements of each kind
   std::int64_t points_ = 0, textures_ = 0, normals_ = 0;
 };
 

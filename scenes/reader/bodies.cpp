@@ -19,6 +19,9 @@ MassProperties read_shape(const Value& shape, double mass) {
 
 MassProperties read_inertia(const Document& document, const Value& body, double mass) {
   const Value& list = *body.find("inertia");
+  if (list.children.size() != 3 && list.children.size() != 6) {
+    document.mismatch(list, "a list of 3 or 6 numbers");
+  }
   double v[6] = {};
   for (std::size_t i = 0; i < list.children.size(); ++i) v[i] = list.children[i].number;
   Mat3 inertia;
@@ -39,8 +42,7 @@ std::shared_ptr<const Path> read_driver(const Document& document, const Value& d
   if (const Value* path = driver.find("path")) return motions.path(*path);
   if (driver.find("bone")) return motions.bone(driver);
   const Value* characters = document.root.find("characters");
-  const auto names = names_of(characters);
-  const std::size_t index = index_of(document, *driver.find("character"), names, "character");
+  const std::size_t index = motions.character_named(*driver.find("character"));
   if (!driver.find("hand"))
     document.fail(driver, "hand is missing, expected one of: right; or a bone");
   return motions.path(*characters->children[index].find("right_hand"));

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <span>
 
 #include "scenes/reader/reader.h"
 
@@ -81,35 +82,41 @@ Quat rotation(const Document& document, const Value& value) {
   return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
 }
 
-std::size_t index_of(const Document& document, const Value& value,
-                     const std::vector<std::string_view>& names, std::string_view what) {
-  const auto found = std::ranges::find(names, value.text);
-  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  const std::string near = suggestion(value.text, names);
-  const std::string known = names.empty()  ? ", the scene has none"
-                            : near.empty() ? fmt::format(" of: {}", fmt::join(names, ", "))
+Names::Names(std::vector<std::string_view> names) : names_(std::move(names)) {
+  for (std::size_t i = 0; i < names_.size(); ++i) indices_.emplace(names_[i], i);
+}
+
+Names::Names(const Value* table)
+    : Names([&] {
+        std::vector<std::string_view> names;
+        if (table) {
+          for (const Value& member : table->children) names.push_back(member.name);
+        }
+        return names;
+      }()) {}
+
+std::size_t Names::index_of(const Document& document, const Value& value,
+                            std::string_view what) const {
+  const auto found = indices_.find(value.text);
+  if (found != indices_.end()) return found->second;
+  constexpr std::size_t kShown = 20;
+  const auto some = std::span(names_).first(std::min(names_.size(), kShown));
+  const std::string near = suggestion(value.text, names_);
+  const std::string known = names_.empty() ? ", the scene has none"
+                            : near.empty() ? fmt::format(" of: {}{}", fmt::join(some, ", "),
+                                                         names_.size() > kShown ? ", ..." : "")
                                            : near;
   document.mismatch(value, fmt::format("the name of a {}{}", what, known));
 }
 
-std::vector<std::string_view> names_of(const Value* table) {
-  std::vector<std::string_view> names;
-  if (table) {
-    for (const Value& member : table->children) names.push_back(member.name);
-  }
-  return names;
-}
-
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
-                           Motions& motions, const World& world) {
+                           Motions& motions) {
   const Value* character = table.find("character");
   if (character && !table.find("bone")) document.fail_at_key(*character, "needs bone");
   Attachment to;
   if (const Value* body = table.find("body")) {
-    std::vector<std::string_view> names;
-    for (const Body& known : world.bodies) names.push_back(known.name);
     to.kind = Attachment::Kind::body;
-    to.body = index_of(document, *body, names, "body");
+    to.body = motions.body(*body);
     to.point = vec3_or(table, "point", Vec3::Zero());
   } else if (const Value* path = table.find("path")) {
     to.kind = Attachment::Kind::path;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <stdexcept>
 
 #include "scenes/reader/reader.h"
@@ -34,19 +35,26 @@ class Layout {
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
       unplaced_.push_back(bodies->children[i].find("hangs"));
     }
+    waiting_.resize(world.bodies.size());
   }
 
   /// Lays connectors whose ends are known until none is left: one may hang from what another holds.
+  /// They are laid in rounds, each in the order of the file.
   void run() {
     const Value* table = document_.root.find("connectors");
     if (table) {
       for (const Value& value : table->children) add(value);
       std::vector<bool> laid(table->children.size());
-      for (bool progress = true; progress;) {
-        progress = false;
-        for (std::size_t i = 0; i < laid.size(); ++i) {
-          if (laid[i] || !lay(table->children[i], world_.connectors[i])) continue;
-          laid[i] = progress = true;
+      std::set<std::pair<std::size_t, std::size_t>> next;  // round, connector
+      for (std::size_t i = 0; i < laid.size(); ++i) next.emplace(0, i);
+      while (!next.empty()) {
+        const auto [round, i] = *next.begin();
+        next.erase(next.begin());
+        placed_.clear();
+        if (laid[i] || !lay(table->children[i], world_.connectors[i])) continue;
+        laid[i] = true;
+        for (const std::size_t body : placed_) {
+          for (const std::size_t waits : waiting_[body]) next.emplace(round + (waits < i), waits);
         }
       }
       for (std::size_t i = 0; i < laid.size(); ++i) {
@@ -102,7 +110,7 @@ class Layout {
     for (const char* key : {"from", "to"}) {
       const Value& end = *value.find(key);
       const Value* path = end.find("path");
-      const bool circle = path && document_.root.find("paths")->find(path->text)->find("circle");
+      const bool circle = path && motions_.path_value(*path).find("circle");
       if (circle || end.find("body") || end.find("bone")) {
         document_.fail_at_key(*list, "needs ends that are free, fixed, or on a path of keys");
       }
@@ -124,7 +132,7 @@ class Layout {
     } else if (const Value* free = value.find("free")) {
       if (!free->flag) document_.mismatch(*free, "true, or another key");
     } else {
-      end.to = read_attachment(document_, value, "fixed", motions_, world_);
+      end.to = read_attachment(document_, value, "fixed", motions_);
       if (end.to->kind == Attachment::Kind::body) end.hanging = unplaced_[end.to->body];
     }
     return end;
@@ -134,6 +142,7 @@ class Layout {
     const End end = read_end(*value.find(key));
     connector.particle_mass[particle] += end.point_mass;
     if (end.to) connector.holds.push_back({particle, *end.to});
+    if (end.hanging) waiting_[end.to->body].push_back(world_.connectors.size());
   }
 
   std::optional<Vec3> place(const End& end) const {
@@ -245,6 +254,7 @@ class Layout {
     body.rotation = Quat::FromTwoVectors(lever, down);
     body.position = particle + lever.norm() * down;
     unplaced_[to.body] = nullptr;
+    placed_.push_back(to.body);
   }
 
   const Document& document_;
@@ -252,6 +262,9 @@ class Layout {
   World& world_;
   std::size_t particles_ = 0;           // of all connectors so far
   std::vector<const Value*> unplaced_;  // [body] its `hangs` while it has no place
+  std::vector<std::vector<std::size_t>>
+      waiting_;                      // [body] connectors that hold one without a place
+  std::vector<std::size_t> placed_;  // bodies that the connector at hand has placed
 };
 
 }  // namespace

@@ -1,62 +1,26 @@
 #include "scenes/reader/document.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <toml++/toml.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <numeric>
 
-#include "scenes/error.h"
+#include "scenes/regular_file.h"
 
 namespace taut {
 
 namespace {
 
-constexpr std::size_t kMaxBytes = 4 << 20;
+constexpr std::size_t kMaxBytes = 16 << 20;
 // The parser makes one nested table of each dotted part, and frees them recursively.
 constexpr int kMaxDots = 64;
-
-[[noreturn]] void fail_file(const std::filesystem::path& file, const std::string& message) {
-  throw BadScene(fmt::format("{}: {}", file.string(), message));
-}
 
 [[noreturn]] void fail_place(const std::filesystem::path& file, SourcePosition place,
                              const std::string& message) {
   throw BadScene(fmt::format("{}:{}:{}: {}", file.string(), place.line, place.column, message));
 }
 
-std::string read_text(const std::filesystem::path& file) {
-  const int handle = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (handle < 0) {
-    fail_file(file, fmt::format("cannot be opened: {}", std::strerror(errno)));
-  }
-  struct stat status {};
-  const bool known = fstat(handle, &status) == 0;
-  std::string text;
-  ssize_t count = 0;
-  if (known && S_ISREG(status.st_mode) && status.st_size <= static_cast<off_t>(kMaxBytes)) {
-    text.reserve(static_cast<std::size_t>(status.st_size));
-  }
-  char block[1 << 16];
-  while (text.size() <= kMaxBytes && (count = read(handle, block, sizeof block)) > 0) {
-    text.append(block, static_cast<std::size_t>(count));
-  }
-  const int error = errno;
-  close(handle);
-  if (known && S_ISDIR(status.st_mode)) fail_file(file, "is a directory, expected a scene file");
-  if (count < 0) fail_file(file, fmt::format("cannot be read: {}", std::strerror(error)));
-  if (text.size() > kMaxBytes) {
-    fail_file(file, fmt::format("is larger than {} MiB, expected a scene file", kMaxBytes >> 20));
-  }
-  return text;
-}
-
-/// Refuses keys of very many dotted parts before the parser sees them.
 void check_dots(const std::filesystem::path& file, std::string_view text) {
   int line = 1, dots = 0;
   for (const char c : text) {
@@ -158,7 +122,13 @@ void inherit(Document& document, const Value& extends) {
   if (extends.kind != Value::Kind::text || name.empty() || name != name.filename() || name == "..")
     document.mismatch(extends, "the name of a scene file beside this one");
   document.base = document.file.parent_path() / name;
-  const Document base = parse_document(document.base, read_text(document.base));
+  std::string text;
+  try {
+    text = read_regular_file(document.base, kMaxBytes, "a scene file");
+  } catch (const BadAsset& error) {
+    document.fail(extends, error.what());
+  }
+  const Document base = parse_document(document.base, text);
   if (const Value* again = base.root.find("extends"))
     base.fail(*again, fmt::format("{} extends this file, which must stand for itself",
                                   document.file.filename().string()));
@@ -229,7 +199,13 @@ void Document::mismatch(const Value& value, const std::string& expected) const {
 }
 
 Document read_document(const std::filesystem::path& file) {
-  Document document = parse_document(file, read_text(file));
+  std::string text;
+  try {
+    text = read_regular_file(file, kMaxBytes, "a scene file");
+  } catch (const BadAsset& error) {
+    throw BadScene(error.what());
+  }
+  Document document = parse_document(file, text);
   if (const Value* extends = document.root.find("extends")) inherit(document, *extends);
   return document;
 }

@@ -58,9 +58,9 @@ struct Document {
   [[noreturn]] void mismatch(const Value& value, const std::string& expected) const;
 };
 
-/// Reads a file of at most 4 MiB of UTF-8. Where it `extends` another beside it, what that one has
+/// Reads a file of at most 16 MiB of UTF-8. Where it `extends` another beside it, what that one has
 /// at the top and this one has not stands here too, but for a plan. Throws BadScene when a file is
-/// missing, a directory, unreadable, too large, not UTF-8 or not TOML.
+/// missing, no regular file, unreadable, too large, not UTF-8 or not TOML.
 Document read_document(const std::filesystem::path& file);
 
 /// The same of text that is already here; `file` is what messages call it.

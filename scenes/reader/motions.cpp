@@ -45,11 +45,27 @@ Path read_head(const Document& document, const Value& list) {
 
 }  // namespace
 
-Motions::Motions(const Document& document) : document_(document), paths_(read_paths(document)) {}
+Motions::Motions(const Document& document)
+    : document_(document),
+      paths_(read_paths(document)),
+      path_names_(document.root.find("paths")),
+      body_names_(document.root.find("bodies")),
+      character_names_(document.root.find("characters")) {}
+
+std::size_t Motions::body(const Value& name) const {
+  return body_names_.index_of(document_, name, "body");
+}
+
+std::size_t Motions::character_named(const Value& name) const {
+  return character_names_.index_of(document_, name, "character");
+}
 
 std::shared_ptr<const Path> Motions::path(const Value& name) const {
-  const auto names = names_of(document_.root.find("paths"));
-  return paths_.find(names[index_of(document_, name, names, "path")])->second;
+  return paths_[path_names_.index_of(document_, name, "path")];
+}
+
+const Value& Motions::path_value(const Value& name) const {
+  return document_.root.find("paths")->children[path_names_.index_of(document_, name, "path")];
 }
 
 const Character& Motions::character(std::size_t index) {
@@ -77,16 +93,27 @@ Character Motions::act(const Value& character) const {
   });
 }
 
+void Motions::check_characters() const {
+  const Value* characters = document_.root.find("characters");
+  if (!characters) return;
+  for (const Value& character : characters->children) {
+    const Value& mesh = *character.find("mesh");
+    const HeldStick stick = read_held_stick(document_, character, *this);
+    if (const Value* keys = character.find("head")) read_head(document_, *keys);
+    const auto file = find_file(document_, mesh);
+    with_place(document_, mesh, [&] { check_figure(load_model(file), stick); });
+  }
+}
+
 std::shared_ptr<const Path> Motions::bone(const Value& table) {
-  const auto characters = names_of(document_.root.find("characters"));
   const Value& name = *table.find("bone");
   const Value* who = table.find("character");
   if (!who) document_.fail_at_key(name, "needs character");
-  const std::size_t index = index_of(document_, *who, characters, "character");
+  const std::size_t index = character_named(*who);
   const Character& found = character(index);
   std::vector<std::string_view> names;
   for (const Bone& bone : found.model->bones) names.push_back(bone.name);
-  const std::size_t bone = index_of(document_, name, names, "bone");
+  const std::size_t bone = Names(names).index_of(document_, name, "bone");
   auto& path = bones_[{index, bone}];
   if (!path) {
     const double duration = document_.root.find("duration")->number;

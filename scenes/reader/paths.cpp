@@ -2,10 +2,9 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 
-#include "scenes/error.h"
 #include "scenes/reader/reader.h"
+#include "scenes/regular_file.h"
 
 namespace taut {
 
@@ -73,7 +72,9 @@ bool split(std::string_view line, std::vector<double>& row) {
   }
 }
 
-constexpr std::uintmax_t kMaxBytes = 64 << 20;
+constexpr std::size_t kMaxBytes = 64 << 20;
+constexpr std::size_t kMaxLine = 4096;  // bytes
+constexpr double kLongest = 86400;      // s, as of everything in a scene
 
 }  // namespace
 
@@ -81,19 +82,18 @@ Path read_path_csv(const std::filesystem::path& file) {
   const auto fail = [&](std::size_t line, const std::string& message) {
     throw BadAsset(fmt::format("{}:{}: {}", file.string(), line, message));
   };
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  std::ifstream in(file);
-  if (error || !in) throw BadAsset(fmt::format("{}: cannot be opened", file.string()));
-  if (bytes > kMaxBytes) {
-    throw BadAsset(fmt::format("{}: is larger than {} MiB", file.string(), kMaxBytes >> 20));
-  }
+  const std::string text = read_regular_file(file, kMaxBytes, "rows of t,x,y,z");
   std::vector<PathKey> keys;
   std::vector<double> row;
-  std::string line;
-  std::size_t columns = 0;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
+  std::size_t columns = 0, number = 1;
+  for (std::size_t start = 0; start < text.size(); ++number) {
+    const std::size_t end = std::min(text.find('\n', start), text.size());
+    std::string_view line = std::string_view(text).substr(start, end - start);
+    start = end + 1;
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.size() > kMaxLine) {
+      fail(number, fmt::format("a line of {} bytes, expected at most {}", line.size(), kMaxLine));
+    }
     if (number == 1) {
       columns = line == "t,x,y,z" ? 4 : line == "t,x,y,z,qw,qx,qy,qz" ? 8 : 0;
       if (columns == 0) fail(1, "expected the columns t,x,y,z or t,x,y,z,qw,qx,qy,qz");
@@ -104,6 +104,10 @@ Path read_path_csv(const std::filesystem::path& file) {
       fail(number, fmt::format("expected {} finite numbers between commas", columns));
     }
     PathKey key{row[0], {row[1], row[2], row[3]}, Quat::Identity(), false};
+    if (!(std::abs(key.time) <= kLongest)) {
+      fail(number, fmt::format("found the time {}, expected one from {} to {} s", key.time,
+                               -kLongest, kLongest));
+    }
     if (columns == 8) {
       key.rotation = Quat(row[4], row[5], row[6], row[7]);
       if (!(key.rotation.norm() > 0)) fail(number, "found a quaternion of length 0");
@@ -128,15 +132,15 @@ Path read_file(const Document& document, const Value& value) {
 
 }  // namespace
 
-Paths read_paths(const Document& document) {
-  Paths paths;
+std::vector<std::shared_ptr<const Path>> read_paths(const Document& document) {
+  std::vector<std::shared_ptr<const Path>> paths;
   if (const Value* table = document.root.find("paths")) {
     for (const Value& entry : table->children) {
       const Value& motion = entry.children.front();
-      paths[entry.name] =
+      paths.push_back(
           std::make_shared<const Path>(motion.name == "keys"     ? read_keys(document, motion)
                                        : motion.name == "circle" ? read_circle(document, motion)
-                                                                 : read_file(document, motion));
+                                                                 : read_file(document, motion)));
     }
   }
   return paths;

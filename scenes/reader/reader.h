@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -44,16 +45,24 @@ Vec3 direction(const Document& document, const Value& value);
 /// A quaternion [w, x, y, z] of any length but zero, as a rotation.
 Quat rotation(const Document& document, const Value& value);
 
-/// The index in `names` of the name that `value` says; `what` as in "body". Throws BadScene.
-std::size_t index_of(const Document& document, const Value& value,
-                     const std::vector<std::string_view>& names, std::string_view what);
+/// Names that values may say, found without a look at each.
+class Names {
+ public:
+  explicit Names(std::vector<std::string_view> names);
+  /// Of the members of a table of tables, in the order of the file; none for null.
+  explicit Names(const Value* table);
 
-/// The names of a table of tables, in the order of the file; empty for null.
-std::vector<std::string_view> names_of(const Value* table);
+  /// The index of the name that `value` says; `what` as in "body". Throws BadScene.
+  std::size_t index_of(const Document& document, const Value& value, std::string_view what) const;
+  std::size_t size() const { return names_.size(); }
 
-using Paths = std::map<std::string, std::shared_ptr<const Path>, std::less<>>;
+ private:
+  std::vector<std::string_view> names_;
+  std::unordered_map<std::string_view, std::size_t> indices_;
+};
 
-Paths read_paths(const Document& document);
+/// In the order of the file.
+std::vector<std::shared_ptr<const Path>> read_paths(const Document& document);
 
 struct Character {
   std::shared_ptr<const Model> model;
@@ -66,18 +75,26 @@ class Motions {
  public:
   explicit Motions(const Document& document);
 
-  /// The path of that name.
+  /// The index of the body, or of the character, of that name.
+  std::size_t body(const Value& name) const;
+  std::size_t character_named(const Value& name) const;
+  /// The path of that name, and as the file describes it.
   std::shared_ptr<const Path> path(const Value& name) const;
+  const Value& path_value(const Value& name) const;
   /// The path of the bone that a table's `character` and `bone` name.
   std::shared_ptr<const Path> bone(const Value& table);
   /// A character, in the order of the file: read and acted out when it is first asked for.
   const Character& character(std::size_t index);
+  std::size_t characters() const { return character_names_.size(); }
+  /// What can be said against the characters before they act.
+  void check_characters() const;
 
  private:
   Character act(const Value& character) const;
 
   const Document& document_;
-  Paths paths_;
+  std::vector<std::shared_ptr<const Path>> paths_;  // as they follow each other in the file
+  Names path_names_, body_names_, character_names_;
   std::map<std::size_t, Character> characters_;
   std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Path>> bones_;
 };
@@ -99,7 +116,7 @@ Timeline read_timeline(const Document& document, Motions& motions, const World& 
 /// What an end or a pin is attached to: `body`, `path`, or `bone` of a `character`, with `point`;
 /// or the point in space that the key `space` gives.
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
-                           Motions& motions, const World& world);
+                           Motions& motions);
 
 /// A plan made earlier, whether or not the scene is still the one that it was made for. Checks its
 /// format, too. Throws BadScene.
@@ -107,6 +124,8 @@ Plan read_plan(const Document& document, const Value& table, int fps);
 
 /// Reads the models too, and works out what the characters do.
 void read_stage(const Document& document, Motions& motions, Scene& scene);
+/// Reads the models of a scene without a stage, only to say what is wrong with them.
+void check_models(const Document& document);
 
 /// Particles a link apart along straight pieces through `corners`, from the first on. Fewer than
 /// `particles` when the line is too short.

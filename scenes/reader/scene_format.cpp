@@ -68,8 +68,8 @@ const TableFormat& body_format() {
        table("shape", "A solid of even density, centred on the body's origin.", shape_format()),
        {.name = "inertia",
         .type = Type::numbers,
-        .meaning = "About the centre of mass: xx, yy, zz and, if not zero, xy, yz, zx; instead of "
-                   "a shape.",
+        .meaning = "About the centre of mass: xx, yy, zz and, if they are not zero, all of xy, yz, "
+                   "zx; instead of a shape.",
         .unit = "kg m^2",
         .least = 3,
         .most = 6},

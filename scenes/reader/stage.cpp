@@ -12,7 +12,9 @@ namespace {
 
 using ModelPointer = std::shared_ptr<const Model>;
 
-/// Models by file, so that two bodies of one mesh share it.
+ModelPointer make_shape(const Value& body, const Value& shape);
+
+/// Models by file and by shape, so that two bodies of one mesh share it.
 class Models {
  public:
   explicit Models(const Document& document) : document_(document) {}
@@ -27,9 +29,28 @@ class Models {
     return model;
   }
 
+  /// A model of the body's shape; null for a body that has only an inertia.
+  ModelPointer shape(const Value& body) {
+    const Value* shape = body.find("shape");
+    if (!shape) return nullptr;
+    const Value& kind = shape->children.front();
+    std::vector<double> numbers{double(kind.name.size())};  // no two kinds have as many letters
+    const auto add = [&](const Value* value) {
+      if (!value) return;
+      numbers.push_back(value->number);
+      for (const Value& child : value->children) numbers.push_back(child.number);
+    };
+    for (const Value& member : kind.children) add(&member);
+    add(body.find("color"));
+    ModelPointer& model = shapes_[numbers];
+    if (!model) model = make_shape(body, *shape);
+    return model;
+  }
+
  private:
   const Document& document_;
   std::map<std::filesystem::path, ModelPointer> loaded_;
+  std::map<std::vector<double>, ModelPointer> shapes_;
 };
 
 std::vector<CameraKey> read_camera(const Document& document, const Value& list) {
@@ -59,11 +80,15 @@ Light read_light(const Document& document, const Value& value) {
   return light;
 }
 
+/// Every shot has a camera of its own; keys of so many at most.
+constexpr std::size_t kMostCameraKeys = 1000000;
+
 /// The shots, or the whole scene as one.
 std::vector<Shot> read_shots(const Document& document, const Value* list, double duration,
                              const std::vector<CameraKey>& camera) {
   if (!list) return {{.until = duration, .camera = camera}};
   std::vector<Shot> shots;
+  std::size_t camera_keys = 0;
   for (const Value& entry : list->children) {
     const Value& until = *entry.find("until");
     Shot shot{entry.find("from")->number, until.number, number_or(entry, "rate", 1), camera};
@@ -74,6 +99,11 @@ std::vector<Shot> read_shots(const Document& document, const Value* list, double
       document.mismatch(until, fmt::format("at most the scene's duration, {} s", duration));
     }
     if (const Value* keys = entry.find("camera")) shot.camera = read_camera(document, *keys);
+    camera_keys += shot.camera.size();
+    if (camera_keys > kMostCameraKeys) {
+      document.fail(entry, fmt::format("the shots have {} camera keys so far, expected at most {}",
+                                       camera_keys, kMostCameraKeys));
+    }
     shots.push_back(std::move(shot));
   }
   return shots;
@@ -98,12 +128,9 @@ std::vector<Caption> read_captions(const Document& document, const Value& list) 
   return captions;
 }
 
-/// A model of the body's shape; null for a body that has only an inertia.
-ModelPointer shape_model(const Value& body) {
-  const Value* shape = body.find("shape");
-  if (!shape) return nullptr;
+ModelPointer make_shape(const Value& body, const Value& shape) {
   const Vec3 color = vec3_or(body, "color", Vec3(0.45, 0.27, 0.14));
-  const Value& kind = shape->children.front();
+  const Value& kind = shape.children.front();
   const double diameter = number_or(kind, "diameter", 0);
   if (kind.name == "cylinder") {
     return std::make_shared<const Model>(
@@ -132,6 +159,13 @@ ConnectorLook read_look(const Value& connector) {
 
 }  // namespace
 
+void check_models(const Document& document) {
+  Models models(document);
+  for_each(document.root.find("bodies"), [&](const Value& body) {
+    if (const Value* mesh = body.find("mesh")) models.get(*mesh);
+  });
+}
+
 void read_stage(const Document& document, Motions& motions, Scene& scene) {
   const Value& root = document.root;
   const Value& value = *root.find("stage");
@@ -152,7 +186,7 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
            [&](const Value& file) { stage.scenery.push_back(models.get(file)); });
   for_each(root.find("bodies"), [&](const Value& body) {
     const Value* mesh = body.find("mesh");
-    stage.body_models.push_back(mesh ? models.get(*mesh) : shape_model(body));
+    stage.body_models.push_back(mesh ? models.get(*mesh) : models.shape(body));
   });
   for_each(root.find("connectors"),
            [&](const Value& connector) { stage.connector_looks.push_back(read_look(connector)); });
@@ -165,8 +199,7 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
   for (const TimedCut& cut : in_order_of_time(scene.timeline.cuts)) {  // as divided() adds them
     stage.connector_looks.push_back(ConnectorLook(stage.connector_looks[cut.connector]));
   }
-  const std::size_t characters = names_of(root.find("characters")).size();
-  for (std::size_t i = 0; i < characters; ++i) {
+  for (std::size_t i = 0; i < motions.characters(); ++i) {
     const Character& character = motions.character(i);
     stage.characters.push_back(character.model);
     scene.performances.push_back(character.performance);

@@ -9,9 +9,11 @@ namespace {
 class TimelineReader {
  public:
   TimelineReader(const Document& document, Motions& motions, const World& world, double duration)
-      : document_(document), motions_(motions), world_(world), duration_(duration) {
-    for (const Connector& connector : world.connectors) names_.push_back(connector.name);
-  }
+      : document_(document), motions_(motions), world_(world), duration_(duration), names_([&] {
+          std::vector<std::string_view> names;
+          for (const Connector& connector : world.connectors) names.push_back(connector.name);
+          return names;
+        }()) {}
 
   TimedPin pin(const Value& value) const {
     TimedPin pin;
@@ -26,7 +28,7 @@ class TimelineReader {
     }
     if (value.find("point") || value.find("body") || value.find("path") || value.find("bone") ||
         value.find("character")) {
-      pin.to = read_attachment(document_, value, "point", motions_, world_);
+      pin.to = read_attachment(document_, value, "point", motions_);
     }
     pin.over = number_or(value, "over", 0);
     pin.source = source(value);
@@ -44,15 +46,15 @@ class TimelineReader {
 
  private:
   std::size_t connector(const Value& value) const {
-    return index_of(document_, *value.find("connector"), names_, "connector");
+    return names_.index_of(document_, *value.find("connector"), "connector");
   }
 
   double along(const Value& value, std::size_t connector) const {
     const double length = world_.connectors[connector].length;
     const Value& at = *value.find("at");
     if (at.number > length) {
-      document_.mismatch(at,
-                         fmt::format("at most the length of {}, {} m", names_[connector], length));
+      document_.mismatch(at, fmt::format("at most the length of {}, {} m",
+                                         world_.connectors[connector].name, length));
     }
     return at.number;
   }
@@ -65,14 +67,15 @@ class TimelineReader {
   }
 
   std::string source(const Value& value) const {
-    return fmt::format("{}:{}", document_.file.string(), value.place.line);
+    return fmt::format("{}:{}:{}", (value.inherited ? document_.base : document_.file).string(),
+                       value.place.line, value.place.column);
   }
 
   const Document& document_;
   Motions& motions_;
   const World& world_;
   double duration_;  // s
-  std::vector<std::string_view> names_;
+  Names names_;
 };
 
 }  // namespace

@@ -1,4 +1,6 @@
 // Bad meshes, as a scene that names them meets them: the scene's place, the file and the cause.
+#include <sys/stat.h>
+
 #include <limits>
 
 #include "tests/support/fault_table.h"
@@ -71,7 +73,46 @@ TEST(BadAsset, EveryFaultIsNamedWithItsPlace) {
     g.json["skins"][0]["joints"] = std::vector<int>(257, 1);
     expect_file("too many bones", "a.glb", g.bytes(), "expected 1 to 256");
   }
+  {
+    Gltf g = skinned();
+    g.json["asset"] = nlohmann::json::array();
+    expect_file("asset is a list", "a.glb", g.bytes(), "its asset must be an object");
+  }
+  {
+    Gltf g = triangle();
+    auto& primitives = g.json["meshes"][0]["primitives"];
+    const auto one = primitives[0];
+    for (int i = 1; i < 100'000; ++i) primitives.push_back(one);
+    expect_file("100,000 primitives", "a.glb", g.bytes(), "more than 4096");
+  }
+  {
+    Gltf g = triangle();
+    for (std::size_t i = 1; i < 60'000; ++i) {
+      g.json["nodes"].push_back({{"mesh", 0}});
+      g.json["scenes"][0]["nodes"].push_back(i);
+    }
+    expect_file("60,000 nodes that show one mesh", "a.glb", g.bytes(), "more than 4096");
+  }
+  std::string groups = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (int i = 0; i < 100'000; ++i) groups += "g n\nf 1 2 3\n";
+  expect_file("100,000 groups", "a.obj", groups, "more than 4096");
+  mkfifo((home / "pipe.glb").c_str(), 0600);
+  expect("a pipe", "pipe.glb", "is a pipe");
+  std::filesystem::create_symlink("pipe.glb", home / "a.mtl");
+  expect_file("materials from a pipe", "b.obj",
+              "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "is a pipe");
   EXPECT_TRUE(table.is_as_accepted());
+}
+
+TEST(BadAsset, ASceneWithoutAStageIsNoBetter) {
+  const Folder folder;
+  folder.write("a.glb", "");
+  std::string text = scene("a.glb");
+  text.erase(text.find("[stage]\n"), 8);
+  folder.write("scene.toml", text);
+  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_EQ(outcome.messages, "taut: scene.toml:7:8: bodies.ball.mesh: a.glb: empty file\n");
 }
 
 TEST(BadAsset, ACharacterWithoutBones) {
@@ -91,6 +132,26 @@ right_hand = "hand"
   EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:6:8: characters.player.mesh: ", 0), 0u)
       << outcome.messages;
   table.add("no bones", outcome);
+  // What needs no picture of it says so, too.
+  const auto expect = [&](const char* name, const std::string& character, const char* says) {
+    folder.write("scene.toml",
+                 "duration = 0.1\n[paths.hand]\nkeys = [{ t = 0, position = [0, 1, 0] }]\n"
+                 "[characters.player]\n" +
+                     character);
+    const Outcome simulated = run_taut({"simulate", "scene.toml"}, folder.path());
+    EXPECT_EQ(simulated.code, 3);
+    EXPECT_EQ(simulated.output, "");
+    EXPECT_NE(simulated.messages.find(says), std::string::npos) << simulated.messages;
+    table.add(name, simulated);
+  };
+  expect("no bones, simulated", "mesh = \"ball.glb\"\nright_hand = \"hand\"\n",
+         "scene.toml:5:8: characters.player.mesh: ball: has no bone");
+  expect("no such path", "mesh = \"ball.glb\"\nright_hand = \"hnad\"\n",
+         "scene.toml:6:14: characters.player.right_hand: found \"hnad\"");
+  expect("head that goes back in time",
+         "mesh = \"ball.glb\"\nright_hand = \"hand\"\n"
+         "head = [{ t = 1, yaw = 1 }, { t = 0.5 }]\n",
+         "scene.toml:7:35: characters.player.head[1].t: found 0.5, expected a time after 1 s");
   EXPECT_TRUE(table.is_as_accepted());
 }
 

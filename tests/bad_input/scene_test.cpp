@@ -2,6 +2,7 @@
 // nothing on standard output. Their messages make the table of faults.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -127,7 +128,16 @@ TEST(BadScene, FilesThatAreNoScenes) {
   expect("a key of 100,000 dots", "dots.toml", "dots");
   fs::create_symlink("/proc/self/mem", folder.path() / "unreadable.toml");
   expect("unreadable", "unreadable.toml", "cannot be read: Input/output error");
-  expect("sparse, 1 GiB", "huge.toml", "larger than 4 MiB");
+  expect("sparse, 1 GiB", "huge.toml", "larger than 16 MiB");
+  mkfifo((folder.path() / "pipe.toml").c_str(), 0600);
+  expect("a pipe", "pipe.toml", "is a pipe");
+  expect("a device", "/dev/zero", "is a device");
+  folder.write("extends.toml", "extends = \"none.toml\"\n");
+  expect("extends no file", "extends.toml", "1:11: extends: none.toml: cannot be opened");
+  folder.write("extends.toml", "extends = \"folder.toml\"\n");
+  expect("extends a folder", "extends.toml", "1:11: extends: folder.toml: is a directory");
+  folder.write("extends.toml", "extends = \"pipe.toml\"\n");
+  expect("extends a pipe", "extends.toml", "1:11: extends: pipe.toml: is a pipe");
   EXPECT_TRUE(table.is_as_accepted());
 }
 
@@ -187,6 +197,17 @@ TEST(BadScene, PathFiles) {
   expect("time standing still", "t,x,y,z\n0,1,2,3\n0,1,2,3\n", ":3: found the time 0");
   expect("quaternion of length 0", "t,x,y,z,qw,qx,qy,qz\n0,1,2,3,0,0,0,0\n",
          ":2: found a quaternion");
+  expect("times beyond a day", "t,x,y,z\n0,1,2,3\n1e300,1,2,3\n", ":3: found the time 1e+300");
+  expect("a line of 10 MB", "t,x,y,z\n0," + std::string(10'000'000, ' ') + "1,2,3\n",
+         ":2: a line of 10000007 bytes");
+  fs::remove(folder.path() / "hand.csv");
+  mkfifo((folder.path() / "hand.csv").c_str(), 0600);
+  const Outcome pipe = run_taut({"check", "scene.toml"}, folder.path());
+  EXPECT_EQ(pipe.code, 3);
+  EXPECT_NE(pipe.messages.find("scene.toml:3:8: paths.hand.file: hand.csv: is a pipe"),
+            std::string::npos)
+      << pipe.messages;
+  table.add("a pipe", pipe);
   EXPECT_TRUE(table.is_as_accepted());
 }
 

@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <random>
 #include <thread>
@@ -204,6 +205,44 @@ class FakeFfmpeg {
  private:
   std::string path_;
 };
+
+/// Waits until something is so.
+bool in_time(const std::function<bool()>& so) {
+  for (int i = 0; i < 1500 && !so(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return so();
+}
+
+TEST_F(RenderFaults, WhatAKilledRunLeavesAliveTouchesNoVideoOfALaterOne) {
+  const std::vector<std::string> few = {"--frames", "0-4"};
+  // The encoder opens its output and lives on, as one that the kernel does not end would.
+  const FakeFfmpeg slow(folder_,
+                        "for last; do :; done\ncd " + folder_.path().string() +
+                            "\n(exec 3>>\"$last\"; echo > opened; while [ ! -e go ]; do sleep "
+                            "0.05; done; echo broken >&3; echo broken > \"$last\"; echo > done) "
+                            "</dev/null >/dev/null 2>&1 &\necho $$ > encoder\nwait");
+  Child killed(command(few), folder_.path(), slow);
+  const auto exists = [&](const char* name) { return fs::exists(folder_.path() / name); };
+  ASSERT_TRUE(in_time([&] { return exists("opened") && exists("encoder"); }));
+  kill(killed.id(), SIGKILL);
+  killed.wait();
+  const pid_t encoder = std::stoi(read_file(folder_.path() / "encoder"));
+  // Whoever takes over a process that has ended may leave it unburied.
+  EXPECT_TRUE(in_time([&] {
+    const std::string status = read_file(fmt::format("/proc/{}/stat", encoder));
+    return status.empty() || status.find(") Z") != std::string::npos;
+  })) << "it outlives its parent";
+
+  ASSERT_EQ(render(few).code, 0);
+  const std::string video = read_file(out_ / "swing.mp4");
+  folder_.write("go", "");
+  ASSERT_TRUE(in_time([&] { return exists("done"); }));
+  EXPECT_EQ(read_file(out_ / "swing.mp4"), video);
+  std::ofstream(frames() / "000299.png.part") << "half";
+  ASSERT_EQ(render(few).code, 0);
+  for (const auto& entry : fs::recursive_directory_iterator(out_))
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+}
 
 TEST_F(RenderFaults, EveryFaultIsNamed) {
   FaultTable table("Renders", folder_.path());

@@ -232,6 +232,28 @@ TEST(Simulate, OutputsThatCannotBeWritten) {
   EXPECT_NE(full.messages.find("No space left"), std::string::npos);
 }
 
+TEST(Simulate, StandardOutputHasNamesOfItsOwn) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const std::string rows = run_taut({"simulate", "scene.toml"}, folder.path()).output;
+  for (const std::string name : {"-", "/dev/stdout"}) {
+    const std::vector<std::string> command = {"simulate", "scene.toml", "--csv", name};
+    const Outcome piped = run_taut(command, folder.path());
+    EXPECT_EQ(piped.code, 0) << piped.messages;
+    EXPECT_TRUE(piped.output == rows) << name;
+    EXPECT_EQ(Child({"sh", "-c", TAUT_PROGRAM " simulate scene.toml --csv " + name + " > t.csv"},
+                    folder.path())
+                  .wait()
+                  .code,
+              0);
+    EXPECT_TRUE(read_file(folder.path() / "t.csv") == rows) << name;
+    EXPECT_TRUE(fs::is_symlink("/dev/stdout"));
+    EXPECT_EQ(run_taut({"simulate", "scene.toml", "--json", "--csv", name}, folder.path()).code, 2);
+  }
+  EXPECT_EQ(run_taut({"simulate", "scene.toml", "--csv", "/dev/null"}, folder.path()).code, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
 TEST(Simulate, FileSizeLimitLeavesTheOldFile) {
   const Folder folder;
   folder.write("scene.toml", kScene);
@@ -315,6 +337,8 @@ TEST(Check, SaysWhatItWouldDo) {
   EXPECT_EQ(json.at("steps_per_frame"), 20);
   EXPECT_EQ(json.at("bodies").at("free").at("driven"), false);
   EXPECT_EQ(json.at("bodies").at("held").at("driven"), true);
+  EXPECT_GT(json.at("simulate").at("memory"), 0);
+  EXPECT_FALSE(json.contains("render"));
 }
 
 TEST(Check, EveryShippedSceneIsGood) {

@@ -41,8 +41,13 @@ TEST_F(Extends, TakesWhatItDoesNotSay) {
 }
 
 TEST_F(Extends, NamesTheFileThatIsWrong) {
-  EXPECT_NE(error("extends = \"none.toml\"\n").find("none.toml: cannot be opened"),
-            std::string::npos);
+  const std::string none = error("extends = \"none.toml\"\n");
+  EXPECT_NE(none.find("scene.toml:1:11: extends: "), std::string::npos) << none;
+  EXPECT_NE(none.find("none.toml: cannot be opened: No such file"), std::string::npos) << none;
+  std::filesystem::create_directory(folder_.path() / "folder");
+  const std::string folder = error("extends = \"folder\"\n");
+  EXPECT_NE(folder.find("scene.toml:1:11: extends: "), std::string::npos) << folder;
+  EXPECT_NE(folder.find("folder: is a directory, expected a scene file"), std::string::npos);
   EXPECT_NE(error("extends = \"../base.toml\"\n")
                 .find("scene.toml:1:11: extends: found \"../base.toml\", expected the name of"),
             std::string::npos);

@@ -1,4 +1,6 @@
 // Models that must be refused: every error names the file and its cause, nothing crashes.
+#include <sys/stat.h>
+
 #include <functional>
 #include <random>
 
@@ -25,14 +27,18 @@ TEST_F(ModelBroken, FilesThatAreNoModel) {
   const auto expect = [&](const std::filesystem::path& file, const std::string& cause) {
     EXPECT_EQ(complaint_about(file), file.string() + ": " + cause);
   };
-  expect(folder_ / "no.glb", "no such file");
+  expect(folder_ / "no.glb", "cannot be opened: No such file or directory");
   std::filesystem::create_directory(folder_ / "dir.glb");
-  expect(folder_ / "dir.glb", "a directory, not a file");
+  expect(folder_ / "dir.glb", "is a directory, expected a model");
+  mkfifo((folder_ / "pipe.glb").c_str(), 0600);
+  expect(folder_ / "pipe.glb", "is a pipe, expected a model");
+  std::filesystem::create_symlink("/dev/zero", folder_ / "zero.glb");
+  expect(folder_ / "zero.glb", "is a device, expected a model");
   expect(write("empty.glb", ""), "empty file");
   expect(write("a.fbx", "x"), "is a \".fbx\" file, expected .glb, .gltf or .obj");
   expect(write("text.glb", "hello"), "not a GLB file: it does not start with \"glTF\"");
   std::filesystem::resize_file(write("big.glb", "glTF"), (64u << 20) + 1);
-  expect(folder_ / "big.glb", "larger than 64 MiB");
+  expect(folder_ / "big.glb", "is larger than 64 MiB, expected a model");
   expect(write("a.obj", "v 0 0 0\n"), "has no faces");
   expect(write("b.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n"), "line 3: index 3, but there are 2 so far");
   expect(write("c.obj", "v 0 nan 0\n"), "line 1: \"nan\" is not a number");
@@ -123,6 +129,63 @@ TEST_F(ModelBroken, StructuresThatLie) {
     EXPECT_NE(message.find(fault.cause), std::string::npos) << fault.cause << "\n" << message;
     EXPECT_EQ(message.compare(0, file.string().size(), file.string()), 0) << message;
   }
+}
+
+TEST_F(ModelBroken, ValuesOfAnotherTypeAreRefusedOrPassedOver) {
+  const json others[] = {json::array(), json::object(), "x", 1.5, -1, true, nullptr};
+  const json values = skinned().json.flatten();
+  for (const auto& value : values.items()) {
+    // The value, and all that it stands in.
+    for (std::string at = value.key(); !at.empty(); at.resize(at.rfind('/'))) {
+      for (const json& other : others) {
+        Gltf g = skinned();
+        g.json[json::json_pointer(at)] = other;
+        EXPECT_NO_THROW(complaint_about(write("typed.glb", g.bytes()))) << at << other;
+      }
+    }
+  }
+  Gltf g = skinned();
+  g.json["asset"] = json::array();
+  const auto file = write("asset.glb", g.bytes());
+  EXPECT_EQ(complaint_about(file), file.string() + ": its asset must be an object");
+}
+
+TEST_F(ModelBroken, MorePiecesThanAnybodyDrawsAreRefused) {
+  const auto refused = [&](const std::filesystem::path& file, const std::string& says) {
+    EXPECT_EQ(complaint_about(file), file.string() + ": " + says);
+  };
+  Gltf primitives = triangle();
+  json& list = primitives.json["meshes"][0]["primitives"];
+  const json one = list[0];
+  for (int i = 1; i < 100'000; ++i) list.push_back(one);
+  refused(write("primitives.glb", primitives.bytes()), "more than 4096 primitives");
+  Gltf nodes = triangle();
+  for (std::size_t i = 1; i < 60'000; ++i) {
+    nodes.json["nodes"].push_back({{"mesh", 0}});
+    nodes.json["scenes"][0]["nodes"].push_back(i);
+  }
+  refused(write("nodes.glb", nodes.bytes()), "its nodes show more than 4096 primitives");
+  for (const std::string word : {"g", "o", "usemtl"}) {
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (int i = 0; i < 100'000; ++i) text += word + " n" + std::to_string(i) + "\nf 1 2 3\n";
+    refused(write("groups.obj", text), "line 8196: more than 4096 statements \"" + word + "\"");
+  }
+}
+
+TEST_F(ModelBroken, LibrariesOfMaterialsAreRegularFilesBesideIt) {
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  mkfifo((folder_ / "pipe.mtl").c_str(), 0600);
+  const auto complaint = [&](const std::string& library) {
+    return complaint_about(write("a.obj", "mtllib " + library + "\n" + triangle));
+  };
+  EXPECT_EQ(complaint("none.mtl"), "accepted");
+  write("whole.mtl", "newmtl Brass\nKd 1 0.5 0\n");
+  EXPECT_EQ(complaint("whole.mtl"), "accepted");
+  EXPECT_NE(complaint("pipe.mtl").find("pipe.mtl: is a pipe, expected a library of materials"),
+            std::string::npos)
+      << complaint("pipe.mtl");
+  EXPECT_NE(complaint("../../etc/passwd").find("is not beside the model"), std::string::npos)
+      << complaint("../../etc/passwd");
 }
 
 TEST_F(ModelBroken, DeepNestingIsRefused) {

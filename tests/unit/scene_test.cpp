@@ -105,11 +105,13 @@ to = { body = "upper", point = [0, 0.05, 0] }
 }
 
 TEST_F(SceneTest, ABodyOnAHandsPathIsHeldAtItsGrip) {
+  std::filesystem::copy_file(TAUT_SOURCE_DIR "/assets/martial_artist.glb",
+                             folder_.path() / "artist.glb");
   const Scene scene = read(R"(
 [paths.hand]
 keys = [{ t = 0, position = [0, 1, 0], axis = [1, 0, 0] }, { t = 1, position = [0, 2, 0] }]
 [characters.player]
-mesh = "none.glb"
+mesh = "artist.glb"
 right_hand = "hand"
 [bodies.stick]
 mass = 0.1
@@ -201,7 +203,7 @@ TEST_F(SceneTest, JointsOfNoLengthAndSpansWithoutMass) {
   const Scene scene = read(R"(
 [bodies.b]
 mass = 1.0
-inertia = [1.0, 1.2, 0.9, 0.1]
+inertia = [1.0, 1.2, 0.9, 0.1, 0, 0]
 centre = [0.1, 0, 0]
 position = [0, 1, 0]
 rotation = [0, 0, 1, 0]

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "sim/measure.h"
+#include "sim/parts.h"
+#include "sim/places.h"
 #include "sim/simulation.h"
 
 namespace taut {
@@ -70,6 +74,93 @@ TEST(Timeline, PinsThatMoveApartAreFoundWhereTheyDo) {
   EXPECT_NE(what.find("from what holds the connector at 0.4 m, with 0.2 m"), std::string::npos);
 }
 
+TEST(Timeline, AFlawIsFoundWhereAnyTwoPinsDoNotFit) {
+  // Neighbours alone are looked at: all pairs must say the same.
+  std::mt19937 chance(1);
+  const auto draw = [&](double low, double high) {
+    return std::uniform_real_distribution(low, high)(chance);
+  };
+  const World world = hanging_rope();
+  const auto fit = [&](double a, const Vec3& at, double b, const Vec3& there) {
+    const auto [least, most] = reach(world.connectors[0], a, b);
+    const double apart = (at - there).norm();
+    return most > 1e-9 && apart <= most + 1e-6 && apart >= least - 1e-6;
+  };
+  int flawless = 0;
+  for (int round = 0; round < 2000; ++round) {
+    Timeline timeline;
+    for (int i = 0; i < 6; ++i) {
+      const double along = 0.1 * std::floor(draw(1, 11)), from = draw(0, 6);
+      const double aside = draw(0, 1) < 0.1 ? draw(-0.3, 0.3) : 0;
+      timeline.pins.push_back(
+          pin_at(along, from, from + draw(0.1, 2), Vec3(aside, std::abs(aside) - along, 0)));
+    }
+    bool fits = true;
+    for (std::size_t i = 0; i < timeline.pins.size(); ++i) {
+      const TimedPin& a = timeline.pins[i];
+      fits &= fit(0, Vec3::Zero(), a.along, a.to->point);
+      for (std::size_t j = 0; j < i; ++j) {
+        const TimedPin& b = timeline.pins[j];
+        if (!(a.from < b.until && b.from < a.until)) continue;
+        fits &= fit(b.along, b.to->point, a.along, a.to->point);
+      }
+    }
+    EXPECT_EQ(find_flaw(world, timeline).has_value(), !fits) << round;
+    flawless += fits;
+  }
+  EXPECT_GT(flawless, 100);
+  EXPECT_LT(flawless, 1900);
+}
+
+TEST(Timeline, AFoldBetweenPinsOfOneBodyIsFoundWhereverTheBodyIs) {
+  World world = hanging_rope();
+  Body body;
+  body.mass_properties = solid_sphere(1, 0.5);
+  body.position = Vec3(0, -1, 0);
+  world.bodies = {body};
+  finish(world);
+  const auto on = [](double along, double from, const Vec3& point) {
+    return TimedPin{0, along, from, INFINITY, Attachment{Attachment::Kind::body, point, nullptr, 0},
+                    0};
+  };
+  EXPECT_FALSE(find_flaw(world, {{on(0.9, 1, Vec3(0, 0.1, 0)), on(1, 2, Vec3::Zero())}, {}}));
+  const auto flaw = find_flaw(world, {{on(0.9, 1, Vec3(0, 0.2, 0)), on(1, 2, Vec3::Zero())}, {}});
+  ASSERT_TRUE(flaw);
+  EXPECT_EQ(flaw->index, 1u);
+  EXPECT_EQ(flaw->what,
+            "at 2 s it is 0.2 m from what holds the connector at 0.9 m, with 0.1 m of the "
+            "connector between them, and one body holds both");
+}
+
+TEST(Timeline, APlaceThatIsHeldIsNotCut) {
+  const Vec3 low(0, -0.5, 0);
+  EXPECT_EQ(flaw({{pin_at(0.5, 1, 2, low)}, {{0, 0.5, 0.5}}}), "");
+  EXPECT_EQ(flaw({{pin_at(0.5, 1, 2, low)}, {{0, 0.5, 2}}}), "");
+  for (const double time : {1.0, 1.5}) {
+    EXPECT_EQ(flaw({{pin_at(0.5, 1, 2, low)}, {{0, 0.3, 1}, {0, 0.5, time}}}),
+              "cut 1: pins[0] holds the connector there from 1 s until 2 s, expected another place "
+              "or time");
+  }
+}
+
+TEST(Timeline, PartsAreFoundWhateverTheOrderOfTheCuts) {
+  const World world = hanging_rope();
+  std::vector<double> places;
+  for (int i = 1; i < 40; ++i) places.push_back(0.025 * i);
+  std::ranges::shuffle(places, std::mt19937(1));
+  Parts parts(world.connectors);
+  std::size_t made = 1;
+  for (const double place : places) parts.cut(0, place, made++);
+  for (int i = 0; i < 40; ++i) {
+    const auto [connector, along] = parts.at(0, 0.025 * i + 0.0125);
+    const auto is_it = [&](const Parts::Part& part) { return part.connector == connector; };
+    const auto part = std::ranges::find_if(parts.all(), is_it);
+    EXPECT_NEAR(part->start, 0.025 * i, 1e-12);
+    EXPECT_NEAR(part->end, 0.025 * (i + 1), 1e-12);
+    EXPECT_NEAR(along, 0.0125, 1e-12);
+  }
+}
+
 TEST(Timeline, ThingsHappenAtTheirTimes) {
   World world = hanging_rope();
   Timeline timeline{{{0, 0.45, 0.1, 0.3, {}, 0}}, {{0, 0.7, 0.25}}};
@@ -131,6 +222,23 @@ TEST(Timeline, WhatCannotBeWhenItsTimeComesIsNamed) {
     EXPECT_EQ(bad.flaw.index, 0u);
     EXPECT_EQ(bad.time, 0.2);
     EXPECT_STREQ(bad.what(), "pin 1, at 0.2 s: the connector is held there already");
+  }
+  // A body that is elsewhere by then.
+  Body body;
+  body.mass_properties = solid_sphere(1, 0.1);
+  body.position = Vec3(0, -0.7, 0);
+  world.bodies = {body};
+  finish(world);
+  TimedPin far = pin_at(0.5, 0, 1, Vec3::Zero());
+  far.to->kind = Attachment::Kind::body;
+  Simulation other(world, make_method("impulse", {}), {{far}, {}});
+  try {
+    other.advance_to(0.3);
+    FAIL();
+  } catch (const BadIntervention& bad) {
+    EXPECT_STREQ(bad.what(),
+                 "pin 1, at 0 s: it is 0.7 m from what holds the connector at 0 m, with 0.5 m of "
+                 "the connector between them, expected a point of the body that is within reach");
   }
 }
 

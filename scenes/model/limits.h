@@ -1,0 +1,16 @@
+// What a model may have at most: beyond it a file is refused before it is taken apart.
+#pragma once
+
+#include <cstddef>
+
+namespace taut::model_limits {
+
+constexpr std::size_t bytes = 64u << 20;  // of a file, and of all buffers together
+constexpr std::size_t meshes = 4096;  // pieces of one material: primitives, groups, uses of them
+constexpr std::size_t nodes = 65536;
+constexpr std::size_t depth = 128;  // of the tree of nodes
+constexpr std::size_t bones = 256;
+constexpr std::size_t vertices = 4u << 20;  // over all pieces, also those that share data
+constexpr std::size_t indices = 24u << 20;
+
+}  // namespace taut::model_limits

@@ -1,0 +1,132 @@
+// Scenes of very many things: read in seconds, as the time they take grows no faster than they do.
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+constexpr const char* kRope = R"(duration = 1.0
+fps = 10
+[method]
+name = "impulse"
+step = 0.01
+[connectors.rope]
+length = 1.0
+mass = 0.1
+particles = 11
+from = { fixed = [0, 1, 0] }
+to = { free = true }
+)";
+
+/// Lines made by fmt of a number each, and of the share that it is of their count.
+std::string lines(int count, const std::function<std::string(int, double)>& line) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += line(i, double(i + 1) / double(count + 1));
+  return text;
+}
+
+/// Runs taut with so much time of a processor (s), and 4 GB.
+Outcome run_within(rlim_t seconds, const std::vector<std::string>& arguments,
+                   const Folder& folder) {
+  return run_taut(arguments, folder.path(), [seconds] {
+    const rlimit time{seconds, seconds}, memory{rlim_t{4} << 30, rlim_t{4} << 30};
+    setrlimit(RLIMIT_CPU, &time);
+    setrlimit(RLIMIT_AS, &memory);
+  });
+}
+
+std::string pins(int count, bool held) {
+  return "pins = [\n" +
+         lines(count,
+               [&](int, double at) {
+                 const std::string point = held ? fmt::format(",point=[0,{:.9f},0]", 1 - at) : "";
+                 return fmt::format("{{connector=\"rope\",at={:.9f},from=0.5{}}},\n", at, point);
+               }) +
+         "]\n";
+}
+
+std::string cuts(int count) {
+  return "cuts = [\n" +
+         lines(count,
+               [](int, double at) {
+                 return fmt::format("{{connector=\"rope\",at={:.9f},t=0.5}},\n", at);
+               }) +
+         "]\n";
+}
+
+TEST(Numbers, AHundredThousandOfEverythingAreReadInSeconds) {
+  constexpr int kMany = 100'000;
+  const std::string rope = kRope;
+  const std::pair<const char*, std::string> scenes[] = {
+      {"pins", pins(kMany, false) + rope},
+      {"pins at points", pins(kMany, true) + rope},
+      {"cuts", cuts(kMany) + rope},
+      {"keys", rope + "[paths.hand]\nkeys = [\n" +
+                   lines(kMany,
+                         [](int i, double) {
+                           return fmt::format(
+                               "{{t={}e-4,position=[0,{},0],"
+                               "ease=true}},\n",
+                               i, i % 7);
+                         }) +
+                   "]\n"},
+      {"shots",
+       rope + "[stage]\n" +
+           lines(kMany, [](int, double) { return "[[stage.shots]]\nfrom=0\nuntil=0.1\n"; })},
+      {"bodies", rope + lines(kMany,
+                              [](int i, double) {
+                                return fmt::format(
+                                    "[bodies.b{}]\nmass=1\nshape={{sphere={{diameter=0.1}}}}\n"
+                                    "position=[{},0,0]\n",
+                                    i, i);
+                              })},
+  };
+  const Folder folder;
+  for (const auto& [what, text] : scenes) {
+    SCOPED_TRACE(what);
+    folder.write("scene.toml", text);
+    const Outcome outcome = run_within(20, {"check", "scene.toml", "--json"}, folder);
+    EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  }
+}
+
+TEST(Numbers, BodiesThatHangFromEachOtherInAnyOrder) {
+  // Each from the next of the file, so that the last is the first that has a place.
+  constexpr int kMany = 20'000;
+  const Folder folder;
+  folder.write("scene.toml",
+               "duration = 1\n" +
+                   lines(kMany,
+                         [](int i, double) {
+                           return fmt::format(
+                               "[bodies.b{0}]\nmass=1\nshape={{sphere={{diameter=0."
+                               "1}}}}\nhangs=[0,-1,0]\n[connectors.c{0}]\nlength=1\n"
+                               "mass=0\nmodel=\"span\"\nparticles=2\n"
+                               "from={{body=\"b{1}\"}}\n"
+                               "to={{body=\"b{0}\",point=[0,0.05,0]}}\n",
+                               i, i + 1);
+                         }) +
+                   fmt::format("[bodies.b{}]\nmass=1\nshape={{sphere={{diameter=0.1}}}}\n"
+                               "position=[0,0,0]\n",
+                               kMany));
+  const Outcome outcome = run_within(20, {"check", "scene.toml", "--json"}, folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+}
+
+TEST(Numbers, TenThousandCutsAndPinsHappen) {
+  const Folder folder;
+  for (const std::string& text : {cuts(10'000), pins(10'000, false)}) {
+    std::string rope = kRope;  // fine enough that what is cut off has mass
+    rope.replace(rope.find("particles = 11"), 14, "particles = 20001");
+    folder.write("scene.toml", text + rope);
+    const Outcome outcome =
+        run_within(60, {"simulate", "scene.toml", "--csv", "t.csv", "--quiet"}, folder);
+    EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  }
+}
+
+}  // namespace
+}  // namespace taut

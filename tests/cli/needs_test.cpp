@@ -1,0 +1,98 @@
+// Runs that no machine can hold are refused before they start, with what they would take and what
+// to change; those that take long say so.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/swing_scene.h"
+#include "tests/support/fault_table.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+class Needs : public testing::Test {
+ protected:
+  /// A rope of so many particles that swings for so long (s).
+  std::string rope(int particles, double duration, int fps = 60) const {
+    return fmt::format(
+        "duration = {}\nfps = {}\n[connectors.rope]\nlength = 1\nmass = 0.1\nparticles = {}\n"
+        "from = {{ fixed = [0, 1, 0] }}\nto = {{ free = true }}\n",
+        duration, fps, particles);
+  }
+  Outcome run(std::vector<std::string> arguments) const {
+    return run_taut(std::move(arguments), folder_.path());
+  }
+  Outcome refused(int code, const std::vector<std::string>& says,
+                  const std::vector<std::string>& arguments) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << outcome.messages;
+    EXPECT_EQ(outcome.output, "");
+    for (const std::string& part : says) {
+      EXPECT_NE(outcome.messages.find(part), std::string::npos) << outcome.messages;
+    }
+    return outcome;
+  }
+
+  Folder folder_;
+};
+
+TEST_F(Needs, MoreMemoryThanAllowedIsRefused) {
+  FaultTable table("More than a machine has", folder_.path());
+  folder_.write("rope.toml", rope(100'000, 1));
+  folder_.write("swing.toml", swing_scene(6.0));
+  folder_.write("day.toml", swing_scene(86400));
+  // 16 bytes for each of 99,999^2 pairs of links.
+  table.add("a dense matrix of 100,000 links",
+            refused(3,
+                    {"rope.toml: would take about 160 GB of memory by dynamic-constraints, "
+                     "expected at most 100 GB (--max-memory)",
+                     "solver = \"tridiagonal\""},
+                    {"simulate", "rope.toml", "--method", "dynamic-constraints", "--set",
+                     "solver=dense", "--max-memory", "100GB"}));
+  table.add("100,000 particles by multibody",
+            refused(3, {" MB of memory by multibody, expected at most 500 MB"},
+                    {"simulate", "rope.toml", "--method", "multibody", "--max-memory", "500MB"}));
+  table.add("a clip", refused(3, {"expected at most 1 MB", "(--frames)"},
+                              {"render", "swing.toml", "--max-memory", "1MB"}));
+  table.add("a day at 1000 frames a second",
+            refused(3, {"day.toml: would take about ", " GB of memory"},
+                    {"render", "day.toml", "--fps", "1000", "--max-memory", "8GB"}));
+  EXPECT_TRUE(table.is_as_accepted());
+}
+
+TEST_F(Needs, MoreDiskThanThereIsIsRefused) {
+  folder_.write("rope.toml", rope(100'000, 86400, 1000));
+  // 86.4 million rows of 300,001 numbers of 19 bytes.
+  refused(6, {"the output would take about 492 TB, the disk has ", "a shorter scene, fewer frames"},
+          {"simulate", "rope.toml", "--csv", "t.csv"});
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "t.csv"));
+}
+
+TEST_F(Needs, WhatTakesLongSaysSo) {
+  folder_.write("rope.toml", rope(100, 1) + "[method]\nname = \"impulse\"\nstep = 1e-9\n");
+  Child child({TAUT_PROGRAM, "simulate", "rope.toml", "--csv", "t.csv"}, folder_.path());
+  const Outcome outcome = child.wait(std::chrono::seconds(2));
+  EXPECT_EQ(outcome.messages.find("this will take "), 0u) << outcome.messages;
+}
+
+TEST_F(Needs, CheckSaysThem) {
+  folder_.write("rope.toml", rope(100'000, 1) +
+                                 "[method]\nname = \"dynamic-constraints\"\nsolver = \"dense\"\n");
+  const Outcome outcome = run({"check", "rope.toml"});
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_NE(outcome.output.find("taut simulate takes about 160 GB of memory, 342 MB of disk and "),
+            std::string::npos)
+      << outcome.output;
+  folder_.write("swing.toml", swing_scene(6.0));
+  const auto json = nlohmann::json::parse(run({"check", "swing.toml", "--json"}).output);
+  for (const char* command : {"simulate", "render"}) {
+    for (const char* need : {"memory", "disk", "seconds"}) {
+      EXPECT_GT(json.at(command).at(need), 0) << command << need;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,83 @@
+// What a simulation is said to take, against what the kernel says it took.
+#include "sim/footprint.h"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+
+#include "sim/simulation.h"
+
+namespace taut {
+namespace {
+
+World rope(std::size_t particles) {
+  World world;
+  Connector rope =
+      straight_connector("rope", 1, 0.1, particles, Vec3::Zero(), Vec3(1, -1, 0).normalized());
+  rope.holds = {{0, {}}};
+  world.connectors = {rope};
+  finish(world);
+  return world;
+}
+
+/// By how much the peak of a process's memory rises (bytes) while it does that, in one of its own.
+double memory_of(const std::function<void()>& work) {
+  malloc_trim(0);  // or the process would take what this one has freed
+  int pipe_ends[2];
+  if (pipe(pipe_ends) != 0) return -1;
+  const pid_t child = fork();
+  if (child == 0) {
+    rusage before{}, after{};
+    getrusage(RUSAGE_SELF, &before);
+    work();
+    getrusage(RUSAGE_SELF, &after);
+    const double bytes = 1024.0 * double(after.ru_maxrss - before.ru_maxrss);
+    _exit(write(pipe_ends[1], &bytes, sizeof bytes) == sizeof bytes ? 0 : 1);
+  }
+  double bytes = -1;
+  if (read(pipe_ends[0], &bytes, sizeof bytes) != sizeof bytes) bytes = -1;
+  close(pipe_ends[0]);
+  close(pipe_ends[1]);
+  waitpid(child, nullptr, 0);
+  return bytes;
+}
+
+void expect_within(const MethodInfo& method, const Settings& settings, std::size_t particles) {
+  const Settings full = with_defaults(method, settings);
+  const auto taken_by = [&](const World& world) {
+    return memory_of([&] {
+      Simulation simulation(world, make_method(method.name, full));
+      simulation.advance_to(1e-4);
+      simulation.state();
+    });
+  };
+  const World world = rope(particles);
+  const double said = footprint(method, world, full).memory;
+  // The pages of the code itself are no part of it.
+  const double taken = taken_by(world) - taken_by(rope(2));
+  EXPECT_LE(taken, said) << method.name;
+  // The world alone is a part of it that no method can do without.
+  EXPECT_GE(taken, said / 8) << method.name;
+}
+
+TEST(Footprint, IsWhatAMethodTakes) {
+  for (const MethodInfo& method : methods()) {
+    // SD/FAST's models are made for a number of particles beforehand.
+    if (!method.missing.empty() || method.name == "sdfast") continue;
+    expect_within(method, {}, 10'000);
+  }
+}
+
+TEST(Footprint, OfAWholeMatrixGrowsWithItsSquare) {
+  const MethodInfo& method = *find_method("dynamic-constraints");
+  expect_within(method, {{"solver", std::string("dense")}}, 1000);
+  const Settings dense = with_defaults(method, {{"solver", std::string("dense")}});
+  EXPECT_GT(footprint(method, rope(100'000), dense).memory, 1.5e11);
+}
+
+}  // namespace
+}  // namespace taut
