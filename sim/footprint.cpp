@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <vector>
 
 namespace taut {
 namespace {
@@ -12,18 +13,32 @@ namespace {
 struct Cost {
   std::string_view method;
   double memory, step;
+  bool eliminates = false;  // by TensionSystem, which has columns for links that meet in a body
 };
 
 constexpr Cost kCosts[] = {
-    {"impulse", 100, 2e-8}, {"dynamic-constraints", 700, 2e-7},
+    {"impulse", 100, 2e-8}, {"dynamic-constraints", 700, 2e-7, true},
     {"sdfast", 8000, 2e-6}, {"multibody", 8000, 2e-5},
     {"springs", 350, 1e-8}, {"xpbd", 250, 3e-8},
-    {"direct", 1000, 2e-7}, {"truth", 1500, 1e-6},
+    {"direct", 1000, 2e-7}, {"truth", 1500, 1e-6, true},
 };
 
-/// The dense system of n links: the matrix and its decomposition, in doubles, of a third of n^3
-/// additions and multiplications for each of a step's four solves.
-constexpr double kDenseMemory = 16, kDenseStep = 1.6e-10;
+/// Ends and pins that meet others in a free body.
+double meeting(const World& world) {
+  std::vector<std::size_t> holds(world.bodies.size());
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      if (!is_prescribed(world, hold.to)) ++holds[hold.to.body];
+    }
+  }
+  double sum = 0;
+  for (const std::size_t count : holds) sum += count > 1 ? double(count) : 0;
+  return sum;
+}
+
+/// The dense system of n links: the matrix, its decomposition, and what Eigen packs of them, in
+/// bytes by n^2; a third of n^3 additions and multiplications for each of a step's four solves.
+constexpr double kDenseMemory = 18, kDenseStep = 1.6e-10;
 
 bool is_dense(const Settings& settings) {
   const auto solver = settings.find("solver");
@@ -50,6 +65,10 @@ Footprint footprint(const MethodInfo& method, const World& world, const Settings
   // A body weighs as much as a few particles.
   const double all = particles + 4 * double(world.bodies.size());
   Footprint sum{2 * memory + all * cost.memory, all * cost.step};
+  if (cost.eliminates) {
+    const double columns = meeting(world);
+    sum.memory += sizeof(double) * columns * (links + 2 * columns);
+  }
   if (is_dense(settings)) {
     sum.memory += kDenseMemory * links * links;
     sum.step += kDenseStep * links * links * links;

@@ -26,7 +26,12 @@ constexpr double kPixelTime = 1.5e-7;  // s, of a picture by a software rasteris
 constexpr double kFrame = 500;         // bytes: what is known of a frame beside its states
 constexpr double kLong = 60;           // s
 
+/// In two digits: no more is known of it.
 std::string bytes_text(double bytes) {
+  if (bytes >= 100) {
+    const double digit = std::pow(10, std::floor(std::log10(bytes)) - 1);
+    bytes = std::round(bytes / digit) * digit;
+  }
   static constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB", "PB", "EB"};
   std::size_t unit = 0;
   for (; bytes >= 999.5 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1000;

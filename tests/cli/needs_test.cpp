@@ -43,10 +43,10 @@ TEST_F(Needs, MoreMemoryThanAllowedIsRefused) {
   folder_.write("rope.toml", rope(100'000, 1));
   folder_.write("swing.toml", swing_scene(6.0));
   folder_.write("day.toml", swing_scene(86400));
-  // 16 bytes for each of 99,999^2 pairs of links.
+  // 18 bytes for each of 99,999^2 pairs of links.
   table.add("a dense matrix of 100,000 links",
             refused(3,
-                    {"rope.toml: would take about 160 GB of memory by dynamic-constraints, "
+                    {"rope.toml: would take about 180 GB of memory by dynamic-constraints, "
                      "expected at most 100 GB (--max-memory)",
                      "solver = \"tridiagonal\""},
                     {"simulate", "rope.toml", "--method", "dynamic-constraints", "--set",
@@ -65,7 +65,7 @@ TEST_F(Needs, MoreMemoryThanAllowedIsRefused) {
 TEST_F(Needs, MoreDiskThanThereIsIsRefused) {
   folder_.write("rope.toml", rope(100'000, 86400, 1000));
   // 86.4 million rows of 300,001 numbers of 19 bytes.
-  refused(6, {"the output would take about 492 TB, the disk has ", "a shorter scene, fewer frames"},
+  refused(6, {"the output would take about 490 TB, the disk has ", "a shorter scene, fewer frames"},
           {"simulate", "rope.toml", "--csv", "t.csv"});
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "t.csv"));
 }
@@ -82,7 +82,7 @@ TEST_F(Needs, CheckSaysThem) {
                                  "[method]\nname = \"dynamic-constraints\"\nsolver = \"dense\"\n");
   const Outcome outcome = run({"check", "rope.toml"});
   EXPECT_EQ(outcome.code, 0) << outcome.messages;
-  EXPECT_NE(outcome.output.find("taut simulate takes about 160 GB of memory, 342 MB of disk and "),
+  EXPECT_NE(outcome.output.find("taut simulate takes about 180 GB of memory, 340 MB of disk and "),
             std::string::npos)
       << outcome.output;
   folder_.write("swing.toml", swing_scene(6.0));
