@@ -110,7 +110,7 @@ TEST(BadAsset, ASceneWithoutAStageIsNoBetter) {
   std::string text = scene("a.glb");
   text.erase(text.find("[stage]\n"), 8);
   folder.write("scene.toml", text);
-  const Outcome outcome = run_taut({"check", "scene.toml"}, folder.path());
+  const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
   EXPECT_EQ(outcome.code, 3);
   EXPECT_EQ(outcome.messages, "taut: scene.toml:7:8: bodies.ball.mesh: a.glb: empty file\n");
 }

@@ -82,7 +82,13 @@ TEST(Timeline, AFlawIsFoundWhereAnyTwoPinsDoNotFit) {
   };
   const World world = hanging_rope();
   const auto fit = [&](double a, const Vec3& at, double b, const Vec3& there) {
-    const auto [least, most] = reach(world.connectors[0], a, b);
+    const auto [low, high] = std::minmax(a, b);
+    double start = 0, longest = 0;  // m, of a piece of a link between the two
+    for (const double rest : world.connectors[0].rest) {
+      longest = std::max(longest, std::min(start + rest, high) - std::max(start, low));
+      start += rest;
+    }
+    const double most = high - low, least = std::max(0.0, 2 * longest - most);
     const double apart = (at - there).norm();
     return most > 1e-9 && apart <= most + 1e-6 && apart >= least - 1e-6;
   };
