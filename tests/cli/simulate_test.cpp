@@ -159,7 +159,7 @@ TEST(Simulate, EstimatesItsOwnError) {
   const auto simulate = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"simulate", "scene.toml", "--method", "xpbd", "--json", "--csv",
                                "t.csv", "--step", "0.0005"});
-    const Outcome outcome = run_taut(more, folder.path());
+    const ProgramResult outcome = run_taut(more, folder.path());
     EXPECT_EQ(outcome.code, 0) << outcome.messages;
     if (more.back() != "--quiet") {
       EXPECT_NE(outcome.messages.find("error estimate: "), std::string::npos) << outcome.messages;
@@ -191,7 +191,7 @@ TEST(Simulate, EstimatesItsOwnError) {
 TEST(Simulate, SaysWhyThereIsNoEstimate) {
   const Folder folder;
   folder.write("scene.toml", kScene);
-  const Outcome outcome = run_taut({"simulate", "scene.toml", "--json"}, folder.path());
+  const ProgramResult outcome = run_taut({"simulate", "scene.toml", "--json"}, folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto json = nlohmann::json::parse(outcome.output);
   EXPECT_TRUE(json.at("error_estimate_m").at("largest").is_null());
@@ -203,9 +203,10 @@ TEST(Simulate, TheEstimateIsInfiniteOnceTheCoarserRunDiverges) {
   const Folder folder;
   folder.write("scene.toml", kScene);
   // The lightest particle, 0.01 kg / 3, between two links of 1e4 N/m: stable up to 2 / w = 0.82 ms.
-  const Outcome outcome = run_taut({"simulate", "scene.toml", "--method", "springs", "--step",
-                                    "0.0005", "--set", "damping=0", "--csv", "t.csv", "--json"},
-                                   folder.path());
+  const ProgramResult outcome =
+      run_taut({"simulate", "scene.toml", "--method", "springs", "--step", "0.0005", "--set",
+                "damping=0", "--csv", "t.csv", "--json"},
+               folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto json = nlohmann::json::parse(outcome.output);
   EXPECT_TRUE(json.at("error_estimate_m").at("final").is_null());
