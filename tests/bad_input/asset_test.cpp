@@ -138,7 +138,7 @@ right_hand = "hand"
                  "duration = 0.1\n[paths.hand]\nkeys = [{ t = 0, position = [0, 1, 0] }]\n"
                  "[characters.player]\n" +
                      character);
-    const Outcome simulated = run_taut({"simulate", "scene.toml"}, folder.path());
+    const ProgramResult simulated = run_taut({"simulate", "scene.toml"}, folder.path());
     EXPECT_EQ(simulated.code, 3);
     EXPECT_EQ(simulated.output, "");
     EXPECT_NE(simulated.messages.find(says), std::string::npos) << simulated.messages;

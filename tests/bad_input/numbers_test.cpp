@@ -29,8 +29,8 @@ std::string lines(int count, const std::function<std::string(int, double)>& line
 }
 
 /// Runs taut with so much time of a processor (s), and 4 GB.
-Outcome run_within(rlim_t seconds, const std::vector<std::string>& arguments,
-                   const Folder& folder) {
+ProgramResult run_within(rlim_t seconds, const std::vector<std::string>& arguments,
+                         const Folder& folder) {
   return run_taut(arguments, folder.path(), [seconds] {
     const rlimit time{seconds, seconds}, memory{rlim_t{4} << 30, rlim_t{4} << 30};
     setrlimit(RLIMIT_CPU, &time);
@@ -88,7 +88,7 @@ TEST(Numbers, AHundredThousandOfEverythingAreReadInSeconds) {
   for (const auto& [what, text] : scenes) {
     SCOPED_TRACE(what);
     folder.write("scene.toml", text);
-    const Outcome outcome = run_within(20, {"check", "scene.toml", "--json"}, folder);
+    const ProgramResult outcome = run_within(20, {"check", "scene.toml", "--json"}, folder);
     EXPECT_EQ(outcome.code, 0) << outcome.messages;
   }
 }
@@ -112,7 +112,7 @@ TEST(Numbers, BodiesThatHangFromEachOtherInAnyOrder) {
                    fmt::format("[bodies.b{}]\nmass=1\nshape={{sphere={{diameter=0.1}}}}\n"
                                "position=[0,0,0]\n",
                                kMany));
-  const Outcome outcome = run_within(20, {"check", "scene.toml", "--json"}, folder);
+  const ProgramResult outcome = run_within(20, {"check", "scene.toml", "--json"}, folder);
   EXPECT_EQ(outcome.code, 0) << outcome.messages;
 }
 
@@ -122,7 +122,7 @@ TEST(Numbers, TenThousandCutsAndPinsHappen) {
     std::string rope = kRope;  // fine enough that what is cut off has mass
     rope.replace(rope.find("particles = 11"), 14, "particles = 20001");
     folder.write("scene.toml", text + rope);
-    const Outcome outcome =
+    const ProgramResult outcome =
         run_within(60, {"simulate", "scene.toml", "--csv", "t.csv", "--quiet"}, folder);
     EXPECT_EQ(outcome.code, 0) << outcome.messages;
   }

@@ -202,7 +202,7 @@ TEST(BadScene, PathFiles) {
          ":2: a line of 10000007 bytes");
   fs::remove(folder.path() / "hand.csv");
   mkfifo((folder.path() / "hand.csv").c_str(), 0600);
-  const Outcome pipe = run_taut({"check", "scene.toml"}, folder.path());
+  const ProgramResult pipe = run_taut({"check", "scene.toml"}, folder.path());
   EXPECT_EQ(pipe.code, 3);
   EXPECT_NE(pipe.messages.find("scene.toml:3:8: paths.hand.file: hand.csv: is a pipe"),
             std::string::npos)

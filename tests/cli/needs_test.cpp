@@ -21,12 +21,12 @@ class Needs : public testing::Test {
         "from = {{ fixed = [0, 1, 0] }}\nto = {{ free = true }}\n",
         duration, fps, particles);
   }
-  Outcome run(std::vector<std::string> arguments) const {
+  ProgramResult run(std::vector<std::string> arguments) const {
     return run_taut(std::move(arguments), folder_.path());
   }
-  Outcome refused(int code, const std::vector<std::string>& says,
-                  const std::vector<std::string>& arguments) const {
-    const Outcome outcome = run(arguments);
+  ProgramResult refused(int code, const std::vector<std::string>& says,
+                        const std::vector<std::string>& arguments) const {
+    const ProgramResult outcome = run(arguments);
     EXPECT_EQ(outcome.code, code) << outcome.messages;
     EXPECT_EQ(outcome.output, "");
     for (const std::string& part : says) {
@@ -73,14 +73,14 @@ TEST_F(Needs, MoreDiskThanThereIsIsRefused) {
 TEST_F(Needs, WhatTakesLongSaysSo) {
   folder_.write("rope.toml", rope(100, 1) + "[method]\nname = \"impulse\"\nstep = 1e-9\n");
   Child child({TAUT_PROGRAM, "simulate", "rope.toml", "--csv", "t.csv"}, folder_.path());
-  const Outcome outcome = child.wait(std::chrono::seconds(2));
+  const ProgramResult outcome = child.wait(std::chrono::seconds(2));
   EXPECT_EQ(outcome.messages.find("this will take "), 0u) << outcome.messages;
 }
 
 TEST_F(Needs, CheckSaysThem) {
   folder_.write("rope.toml", rope(100'000, 1) +
                                  "[method]\nname = \"dynamic-constraints\"\nsolver = \"dense\"\n");
-  const Outcome outcome = run({"check", "rope.toml"});
+  const ProgramResult outcome = run({"check", "rope.toml"});
   EXPECT_EQ(outcome.code, 0) << outcome.messages;
   EXPECT_NE(outcome.output.find("taut simulate takes about 180 GB of memory, 340 MB of disk and "),
             std::string::npos)

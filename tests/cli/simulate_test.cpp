@@ -239,7 +239,7 @@ TEST(Simulate, StandardOutputHasNamesOfItsOwn) {
   const std::string rows = run_taut({"simulate", "scene.toml"}, folder.path()).output;
   for (const std::string name : {"-", "/dev/stdout"}) {
     const std::vector<std::string> command = {"simulate", "scene.toml", "--csv", name};
-    const Outcome piped = run_taut(command, folder.path());
+    const ProgramResult piped = run_taut(command, folder.path());
     EXPECT_EQ(piped.code, 0) << piped.messages;
     EXPECT_TRUE(piped.output == rows) << name;
     EXPECT_EQ(Child({"sh", "-c", TAUT_PROGRAM " simulate scene.toml --csv " + name + " > t.csv"},
