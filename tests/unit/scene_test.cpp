@@ -105,14 +105,11 @@ to = { body = "upper", point = [0, 0.05, 0] }
 }
 
 TEST_F(SceneTest, ABodyOnAHandsPathIsHeldAtItsGrip) {
-  std::filesystem::copy_file(TAUT_SOURCE_DIR "/assets/martial_artist.glb",
-                             folder_.path() / "artist.glb");
+  folder_.write("artist.glb", read_file(TAUT_SOURCE_DIR "/assets/martial_artist.glb"));
   const Scene scene = read(R"(
+characters.player = { mesh = "artist.glb", right_hand = "hand" }
 [paths.hand]
 keys = [{ t = 0, position = [0, 1, 0], axis = [1, 0, 0] }, { t = 1, position = [0, 2, 0] }]
-[characters.player]
-mesh = "artist.glb"
-right_hand = "hand"
 [bodies.stick]
 mass = 0.1
 shape = { cylinder = { length = 0.30, diameter = 0.028 } }
