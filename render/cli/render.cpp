@@ -14,6 +14,7 @@
 #include "render/cli/command.h"
 #include "render/cli/frame_list.h"
 #include "render/cli/method_options.h"
+#include "render/cli/note.h"
 #include "render/cli/progress.h"
 #include "render/cli/stills.h"
 #include "render/crew.h"
@@ -199,12 +200,11 @@ int render(const Common& common, const Options& options) {
   }
   const double rendering_time = seconds_since(rendering_start) - unlit_time;
   if (!common.quiet && (drawn_again > 0 || drawn < frames.size()))
-    fmt::print(
-        stderr, "{} of {} frames were there already{}\n", frames.size() - drawn, frames.size(),
-        drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
-                                      "other options, and are drawn again",
-                                      drawn_again)
-                        : "");
+    note("{} of {} frames were there already{}\n", frames.size() - drawn, frames.size(),
+         drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
+                                       "other options, and are drawn again",
+                                       drawn_again)
+                         : "");
   // Where something moves, a pixel of a frame has a sample for each exposure.
   const double mean_exposures = drawn ? double(exposures) / double(drawn) : 0;
 
@@ -240,7 +240,7 @@ int render(const Common& common, const Options& options) {
     floor.emplace(scene.width, scene.height, options.samples);
     report["profile"] = stage_json(profile, unlit, *floor);
   }
-  if (!common.quiet) fmt::print(stderr, "certificate: {}\n", proof);
+  if (!common.quiet) note("certificate: {}\n", proof);
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
   record_file.write(text);

@@ -11,6 +11,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/method_options.h"
+#include "render/cli/note.h"
 #include "render/cli/progress.h"
 #include "render/interrupt.h"
 #include "scenes/scene.h"
@@ -157,8 +158,7 @@ int run(const Options& options, const Common& common) {
   const Report report = simulate(scene, simulation, rows, common.quiet);
   if (common.json) write_output(json_text(scene, simulation, report));
   if (!options.csv.empty() && !common.quiet) {
-    fmt::print(stderr, "{}: {} frames, method {}\n", options.csv, scene.frames(),
-               scene.method.name);
+    note("{}: {} frames, method {}\n", options.csv, scene.frames(), scene.method.name);
   }
   return kDone;
 }

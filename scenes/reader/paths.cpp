@@ -2,9 +2,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 
 #include "scenes/error.h"
+#include "scenes/model/file.h"
 #include "scenes/reader/reader.h"
 
 namespace taut {
@@ -83,11 +84,12 @@ Path read_path_csv(const std::filesystem::path& file) {
   };
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  std::ifstream in(file);
-  if (error || !in) throw BadAsset(fmt::format("{}: cannot be opened", file.string()));
+  if (error) throw bad_asset(file, fmt::format("cannot be opened: {}", error.message()));
   if (bytes > kMaxBytes) {
     throw BadAsset(fmt::format("{}: is larger than {} MiB", file.string(), kMaxBytes >> 20));
   }
+  std::istringstream in(read_bytes(file));
+  in.exceptions(std::ios::badbit);  // or running out of memory would end the file
   std::vector<PathKey> keys;
   std::vector<double> row;
   std::string line;
