@@ -13,8 +13,6 @@
 
 namespace taut {
 
-namespace {
-
 bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(file, bytes.data(), bytes.size());
@@ -24,6 +22,21 @@ bool write_all(int file, std::string_view bytes) {
   }
   return true;
 }
+
+bool try_to_lock(int file, const std::filesystem::path& name) {
+  if (flock(file, LOCK_EX | LOCK_NB) == 0) return true;
+  if (errno == EWOULDBLOCK) return false;
+  throw CannotWrite(fmt::format("{}: cannot be locked: {}", name.string(), std::strerror(errno)));
+}
+
+void remove_output(const std::filesystem::path& name) {
+  std::error_code error;
+  std::filesystem::remove_all(name, error);
+  if (error)
+    throw CannotWrite(fmt::format("{}: cannot be removed: {}", name.string(), error.message()));
+}
+
+namespace {
 
 bool same_file(int file, const std::filesystem::path& name) {
   struct stat opened {
@@ -38,8 +51,13 @@ bool is_standard_output(const std::filesystem::path& name) {
   return same_file(STDOUT_FILENO, name);
 }
 
-AtomicFile::AtomicFile(std::filesystem::path name) : name_(std::move(name)), part_(name_) {
+AtomicFile::AtomicFile(std::filesystem::path name, Unopened)
+    : name_(std::move(name)), part_(name_) {
   part_ += ".part";
+}
+
+// The destructor also runs where this body throws.
+AtomicFile::AtomicFile(std::filesystem::path name) : AtomicFile(std::move(name), Unopened()) {
   std::error_code error;
   if (std::filesystem::is_directory(name_, error)) {
     throw CannotWrite(fmt::format("{}: is a directory, expected a file to write", name_.string()));
@@ -51,11 +69,14 @@ AtomicFile::AtomicFile(std::filesystem::path name) : name_(std::move(name)), par
     return;
   }
   if (name_.has_parent_path()) std::filesystem::create_directories(name_.parent_path(), error);
+  if (error) {
+    throw CannotWrite(fmt::format("{}: cannot be created: {}", name_.string(), error.message()));
+  }
   file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   if (file_ < 0) fail("cannot be created");
   // Another writer may have renamed the .part between our open and our lock: then it is no longer
   // ours to empty.
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0 || !same_file(file_, part_)) {
+  if (!try_to_lock(file_, name_) || !same_file(file_, part_)) {
     close(file_);
     file_ = -1;
     throw CannotWrite(fmt::format("{}: another run is writing it", name_.string()));
@@ -75,6 +96,13 @@ void AtomicFile::write(std::string_view bytes) {
 
 void AtomicFile::commit() {
   if (!in_place_) {
+    struct stat replaced {
+    }, own{};
+    if (stat(name_.c_str(), &replaced) == 0 && fstat(file_, &own) == 0) {
+      const mode_t mode = (replaced.st_mode & 07777) | S_IWUSR;
+      if (mode != (own.st_mode & 07777) && fchmod(file_, mode) != 0)
+        fail("cannot be given its permissions");
+    }
     if (fsync(file_) != 0) fail("cannot be written");
     if (rename(part_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
   }

@@ -9,9 +9,10 @@ namespace taut {
 /// True where `name` is what standard output goes to, as /dev/stdout is.
 bool is_standard_output(const std::filesystem::path& name);
 
-/// Writes NAME.part; commit() makes it NAME. Without a commit the destructor removes it. A process
-/// that is killed leaves only the .part behind, which the next run overwrites. What is there and is
-/// no file, a pipe or a device, is written as it is.
+/// Writes NAME.part; commit() makes it NAME, with the permissions of the file that it replaces, but
+/// writable to its owner. Without a commit the destructor removes it. A process that is killed
+/// leaves only the .part behind, which the next run overwrites. What is there and is no file, a
+/// pipe or a device, is written as it is.
 class AtomicFile {
  public:
   /// Makes missing folders. Throws CannotWrite, also when another process is writing the file.
@@ -27,6 +28,8 @@ class AtomicFile {
   void commit();
 
  private:
+  struct Unopened {};
+  AtomicFile(std::filesystem::path name, Unopened);
   [[noreturn]] void fail(const char* action) const;
 
   std::filesystem::path name_, part_;
@@ -36,5 +39,15 @@ class AtomicFile {
 
 /// Writes `bytes` to standard output, all of them. Throws CannotWrite.
 void write_output(std::string_view bytes);
+
+/// Writes all of `bytes` to an open file; false, and errno, where it cannot.
+bool write_all(int file, std::string_view bytes);
+
+/// Locks an open file against other processes, until it is closed; false where another has it
+/// locked. Throws CannotWrite, with `name` in the message.
+bool try_to_lock(int file, const std::filesystem::path& name);
+
+/// Removes a file or folder that may be there. Throws CannotWrite.
+void remove_output(const std::filesystem::path& name);
 
 }  // namespace taut

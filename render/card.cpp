@@ -34,6 +34,7 @@ void draw_card(Picture& picture, Font& font, Font& bold, const Card& card, std::
   centred(bold, card.heading, large, y, kPaper);
   y += 0.75 * large;
   std::istringstream lines(with_method(card.text, method));
+  lines.exceptions(std::ios::badbit);  // or running out of memory would end the text
   for (std::string line; std::getline(lines, line); y += kLeading * small)
     centred(font, line, small, y, kQuiet);
 }

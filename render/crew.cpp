@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 
 namespace taut {
 
@@ -16,23 +17,28 @@ Crew::Crew(Backend backend, int threads, bool alone, const Scene& scene, int wid
   if (!alone && threads > 1 && backend != Backend::osmesa) {
     std::promise<bool> ready;
     std::future<bool> is_ready = ready.get_future();
-    other_ =
-        std::jthread([paint, threads, ready = std::move(ready), job = job_.get_future()]() mutable {
-          std::optional<Painter> painter;
-          try {
-            paint(painter, threads / 2, Seat::device);
-          } catch (...) {  // whatever it is, the own painter meets it, too
-          }
-          const bool helps = painter && painter->context.is_software();
-          ready.set_value(helps);
-          if (!helps) return;
-          try {
-            job.get()(painter->film);
-          } catch (const std::future_error&) {  // it is not needed
-          }
-        });
+    auto help = [paint, threads, ready = std::move(ready), job = job_.get_future()]() mutable {
+      std::optional<Painter> painter;
+      try {
+        paint(painter, threads / 2, Seat::device);
+      } catch (...) {  // whatever it is, the own painter meets it, too
+      }
+      const bool helps = painter && painter->context.is_software();
+      ready.set_value(helps);
+      if (!helps) return;
+      try {
+        job.get()(painter->film);
+      } catch (const std::future_error&) {  // it is not needed
+      }
+    };
+    bool helps = false;
     try {
-      if (is_ready.get()) {
+      other_ = std::jthread(std::move(help));
+      helps = is_ready.get();
+    } catch (const std::system_error&) {  // no thread is to be had
+    }
+    try {
+      if (helps) {
         paint(own_, threads / 2, Seat::surfaceless);
         return;
       }

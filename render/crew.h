@@ -44,8 +44,8 @@ class Crew {
   void dismiss();
 
   std::optional<Painter> own_;
-  std::promise<Job> job_;  // of the other thread; broken: there is none
   std::jthread other_;
+  std::promise<Job> job_;  // of the other thread: broken, before that is joined, there is none
 };
 
 }  // namespace taut

@@ -1,9 +1,8 @@
 #include "render/fingerprint.h"
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
+#include "scenes/regular_file.h"
 #include "sim/hash.h"
 
 namespace taut {
@@ -44,8 +43,7 @@ void add(Hash& hash, const std::vector<std::shared_ptr<const Model>>& models) {
 }  // namespace
 
 std::uint64_t program_fingerprint() {
-  std::ifstream file("/proc/self/exe", std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  const std::string bytes = read_bytes("/proc/self/exe");
   return Hash().bytes(bytes.data(), bytes.size()).value();
 }
 

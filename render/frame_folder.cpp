@@ -2,13 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include "render/error.h"
 #include "sim/hash.h"
@@ -30,49 +30,58 @@ bool is_frame(const std::filesystem::path& file) {
          stem.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// What a run was writing that was killed.
-bool is_part(const std::filesystem::path& file) {
-  return file.extension() == ".part" && is_frame(file.stem());
-}
-
 }  // namespace
 
 FrameFolder::FrameFolder(std::filesystem::path folder, bool keep) : folder_(std::move(folder)) {
-  std::error_code error;
+  std::error_code error, unknown;
   std::filesystem::create_directories(folder_, error);
-  if (!std::filesystem::is_directory(folder_))
+  if (!std::filesystem::is_directory(folder_, unknown))
     throw CannotWrite(fmt::format("{}: cannot be made a folder: {}", folder_.string(),
                                   error ? error.message() : "a file of that name is in the way"));
-  lock_ = open((folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0)
+  lock_ = Descriptor(open((folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  if (!lock_.is_open())
     throw CannotWrite(fmt::format("{}: {}", (folder_ / "lock").string(), std::strerror(errno)));
-  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    close(lock_);
+  if (!try_to_lock(lock_.get(), folder_))
     throw CannotWrite(fmt::format("{}: another run is writing frames here", folder_.string()));
-  }
 
   if (keep) read_journal();
-  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-    const auto& file = entry.path();
-    if (is_part(file) || (is_frame(file) && !kept_.contains(std::stoi(file.stem().string()))))
-      std::filesystem::remove(file, error);
-  }
+  remove_others();
   AtomicFile journal(folder_ / "journal");
   for (const auto& [frame, entry] : kept_)
     journal.write(fmt::format("{:06} {:016x} {:016x}\n", frame, entry.inputs, entry.file));
   journal.commit();
-  journal_.open(folder_ / "journal", std::ios::app);
-  worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
+  journal_ = Descriptor(open((folder_ / "journal").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
+  if (!journal_.is_open()) fail_journal();
+  try {
+    worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
+  } catch (const std::system_error&) {  // no thread is to be had: put() writes
+  }
 }
 
 FrameFolder::~FrameFolder() {
-  {
+  if (worker_.joinable()) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return (queue_.empty() && !busy_) || failure_; });
+    lock.unlock();
+    worker_.request_stop();
+    worker_.join();
   }
-  worker_.request_stop();
-  worker_.join();
-  close(lock_);
+}
+
+/// Removes frames that are not to be kept, and what a run that was killed left half-written.
+void FrameFolder::remove_others() {
+  std::error_code error;
+  std::vector<std::filesystem::path> others;
+  for (std::filesystem::directory_iterator entry(folder_, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const auto& file = entry->path();
+    const bool half = file.extension() == ".part";
+    if (is_frame(half ? file.stem() : file) &&
+        (half || !kept_.contains(std::stoi(file.stem().string()))))
+      others.push_back(file);
+  }
+  if (error) throw CannotWrite(fmt::format("{}: {}", folder_.string(), error.message()));
+  for (const auto& file : others) remove_output(file);
 }
 
 std::filesystem::path FrameFolder::file(int frame) const {
@@ -98,6 +107,7 @@ bool FrameFolder::has(int frame, std::uint64_t inputs) const {
 }
 
 void FrameFolder::put(int frame, std::uint64_t inputs, Picture picture) {
+  if (!worker_.joinable()) return write({frame, inputs, std::move(picture)});
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return queue_.size() < kQueued || failure_; });
   if (failure_) std::rethrow_exception(failure_);
@@ -138,11 +148,14 @@ void FrameFolder::write(const Job& job) {
   AtomicFile png(file(job.frame));
   png.write(text);
   png.commit();
-  journal_ << fmt::format("{:06} {:016x} {:016x}\n", job.frame, job.inputs,
-                          Hash().bytes(bytes.data(), bytes.size()).value())
-           << std::flush;
-  if (!journal_)
-    throw CannotWrite(fmt::format("{}: cannot be written", (folder_ / "journal").string()));
+  const std::string line = fmt::format("{:06} {:016x} {:016x}\n", job.frame, job.inputs,
+                                       Hash().bytes(bytes.data(), bytes.size()).value());
+  if (!write_all(journal_.get(), line)) fail_journal();
+}
+
+void FrameFolder::fail_journal() const {
+  throw CannotWrite(fmt::format("{}: cannot be written: {}", (folder_ / "journal").string(),
+                                std::strerror(errno)));
 }
 
 }  // namespace taut

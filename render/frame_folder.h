@@ -7,12 +7,12 @@
 #include <deque>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <thread>
 
 #include "render/atomic_file.h"
+#include "render/descriptor.h"
 #include "render/picture.h"
 
 namespace taut {
@@ -34,8 +34,8 @@ class FrameFolder {
   bool knows(int frame) const { return kept_.contains(frame); }
   /// True where a frame made from these inputs is there, whole.
   bool has(int frame, std::uint64_t inputs) const;
-  /// Writes the frame on another thread; waits while two others are on their way. Throws
-  /// CannotWrite where an earlier frame could not be written.
+  /// Writes the frame, on another thread where there can be one; waits while two others are on
+  /// their way. Throws CannotWrite where an earlier frame could not be written.
   void put(int frame, std::uint64_t inputs, Picture picture);
   /// Waits for all frames. Throws CannotWrite.
   void finish();
@@ -50,13 +50,14 @@ class FrameFolder {
     Picture picture;
   };
   void read_journal();
+  void remove_others();
   void work(std::stop_token stop);
   void write(const Job& job);
+  [[noreturn]] void fail_journal() const;
 
   std::filesystem::path folder_;
-  int lock_ = -1;
+  Descriptor lock_, journal_;
   std::map<int, Entry> kept_;
-  std::ofstream journal_;
 
   std::mutex mutex_;
   std::condition_variable_any changed_;

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/snapshot_json.h"
-#include "scenes/error.h"
+#include "scenes/regular_file.h"
 #include "sim/hash.h"
 
 namespace taut {
@@ -20,6 +20,7 @@ using Json = nlohmann::ordered_json;
 /// The first line of /proc/cpuinfo that starts with `key`, without it.
 std::string processor_line(const std::string& key) {
   std::ifstream file("/proc/cpuinfo");
+  file.exceptions(std::ios::badbit);  // or running out of memory would end the file
   for (std::string line; std::getline(file, line);) {
     const std::size_t colon = line.find(": ");
     if (line.starts_with(key) && colon != std::string::npos) return line.substr(colon + 2);
@@ -57,13 +58,14 @@ std::uint64_t pixel_hash(const Picture& picture) {
 }
 
 GoldenRecord read_golden(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw BadAsset(fmt::format("{}: cannot be read", file.string()));
+  std::ifstream in = open_asset(file);
   try {
     const Json record = Json::parse(in);
     return {{record.at("driver").get<std::string>(), record.at("processor").get<std::string>()},
             std::stoull(record.at("pixels").get<std::string>(), nullptr, 16),
             snapshot_from(record.at("state"))};
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     throw BadAsset(
         fmt::format("{}: no record of a golden picture: {}", file.string(), error.what()));

@@ -10,7 +10,7 @@
 #include "render/golden.h"
 #include "render/interrupt.h"
 #include "render/snapshot_json.h"
-#include "scenes/error.h"
+#include "scenes/regular_file.h"
 #include "sim/hash.h"
 #include "sim/simulation.h"
 
@@ -43,8 +43,7 @@ TrajectoryRecord record_of(const GoldenTrajectory& trajectory) {
 }
 
 TrajectoryRecord read_trajectory(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw BadAsset(fmt::format("{}: cannot be read", file.string()));
+  std::ifstream in = open_asset(file);
   try {
     const Json json = Json::parse(in);
     TrajectoryRecord record;
@@ -52,6 +51,8 @@ TrajectoryRecord read_trajectory(const std::filesystem::path& file) {
     record.hash = std::stoull(json.at("hash").get<std::string>(), nullptr, 16);
     for (const Json& state : json.at("states")) record.states.push_back(snapshot_from(state));
     return record;
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     throw BadAsset(
         fmt::format("{}: no record of a golden trajectory: {}", file.string(), error.what()));

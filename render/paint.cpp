@@ -83,6 +83,7 @@ Picture shrunk(const Picture& picture, int factor) {
 std::vector<std::string> wrapped(Font& font, const std::string& text, double size, double width) {
   std::vector<std::string> lines;
   std::istringstream words(text);
+  words.exceptions(std::ios::badbit);  // or running out of memory would end the text
   for (std::string word; words >> word;) {
     if (!lines.empty() && font.width(lines.back() + " " + word, size) <= width)
       lines.back() += " " + word;

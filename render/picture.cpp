@@ -5,6 +5,7 @@
 #include <png.h>
 
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string_view>
 
@@ -55,6 +56,7 @@ std::vector<std::uint8_t> encode_png(const Picture& picture) {
   // The fastest level: the next takes half as long again to save a twentieth.
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
       libdeflate_alloc_compressor(1), &libdeflate_free_compressor);
+  if (!compressor) throw std::bad_alloc();
   Bytes data(libdeflate_zlib_compress_bound(compressor.get(), rows.size));
   data.size = libdeflate_zlib_compress(compressor.get(), rows.data.get(), rows.size,
                                        data.data.get(), data.size);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <stdexcept>
 #include <vector>
 
@@ -58,7 +59,9 @@ struct Font::Face {
       // The origin's fraction of a pixel goes into the outline, so that moving text does not jump.
       FT_Vector shift{FT_Pos((x - std::floor(x)) * 64), 0};
       FT_Set_Transform(face, nullptr, &shift);
-      if (FT_Load_Glyph(face, glyph, flags) != 0) continue;
+      const FT_Error error = FT_Load_Glyph(face, glyph, flags);
+      if (error == FT_Err_Out_Of_Memory) throw std::bad_alloc();
+      if (error != 0) continue;
       use(*face->glyph, int(std::floor(x)));
       x += double(face->glyph->linearHoriAdvance) / 65536;
     }
@@ -69,9 +72,10 @@ struct Font::Face {
 Font::Font(Weight weight) : face_(std::make_unique<Face>()) {
   const std::string file =
       fmt::format("{}DejaVuSans{}.ttf", kFolder, weight == Weight::bold ? "-Bold" : "");
-  if (FT_Init_FreeType(&face_->library) != 0) throw std::runtime_error("FreeType cannot start");
-  if (FT_New_Face(face_->library, file.c_str(), 0, &face_->face) != 0) {
+  if (FT_Init_FreeType(&face_->library) != 0) throw std::bad_alloc();
+  if (const FT_Error error = FT_New_Face(face_->library, file.c_str(), 0, &face_->face)) {
     FT_Done_FreeType(face_->library);
+    if (error == FT_Err_Out_Of_Memory) throw std::bad_alloc();
     throw std::runtime_error(fmt::format("{}: missing (package fonts-dejavu-core)", file));
   }
 }

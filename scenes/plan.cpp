@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "scenes/reader/reader.h"
+#include "scenes/regular_file.h"
 #include "sim/hash.h"
 #include "sim/simulation.h"
 
@@ -57,11 +56,6 @@ std::string without_plan(std::string_view text) {
   rest += remarks;
   rest.erase(rest.find_last_not_of(" \n") + 1);
   return rest;
-}
-
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// With two digits, never nearer than it is: rounded `up`, or down.
@@ -128,11 +122,11 @@ std::optional<Length> read_length(std::string_view text) {
 std::uint64_t plan_stamp(const std::filesystem::path& scene) {
   const Document document = read_document(scene);
   Hash hash;
-  hash.text(without_plan(contents(scene)));
-  if (!document.base.empty()) hash.text(without_plan(contents(document.base)));
+  hash.text(without_plan(read_bytes(scene)));
+  if (!document.base.empty()) hash.text(without_plan(read_bytes(document.base)));
   if (const Value* paths = document.root.find("paths")) {
     for (const Value& path : paths->children) {
-      if (const Value* file = path.find("file")) hash.text(contents(find_file(document, *file)));
+      if (const Value* file = path.find("file")) hash.text(read_bytes(find_file(document, *file)));
     }
   }
   return hash.value();

@@ -7,6 +7,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <iterator>
+#include <new>
 
 namespace taut {
 namespace {
@@ -38,6 +40,7 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t lim
   const auto fail = [&](const std::string& cause) { throw bad_asset(file, cause); };
   // A pipe would make a blocking open wait for its writer.
   const Handle handle{open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};
+  if (handle.number < 0 && errno == ENOMEM) throw std::bad_alloc();
   if (handle.number < 0) fail(fmt::format("cannot be opened: {}", std::strerror(errno)));
   struct stat status {};
   if (fstat(handle.number, &status) != 0) {
@@ -60,6 +63,22 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t lim
     fail(fmt::format("is larger than {} MiB, expected {}", limit >> 20, expected));
   }
   return bytes;
+}
+
+std::ifstream open_asset(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (in) return in;
+  if (errno == ENOMEM) throw std::bad_alloc();
+  throw bad_asset(file, fmt::format("cannot be opened: {}", std::strerror(errno)));
+}
+
+std::string read_bytes(const std::filesystem::path& file) {
+  std::ifstream in = open_asset(file);
+  try {
+    return {std::istreambuf_iterator<char>(in), {}};
+  } catch (const std::ios_base::failure& error) {
+    throw bad_asset(file, fmt::format("cannot be read: {}", error.code().message()));
+  }
 }
 
 }  // namespace taut

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -17,5 +18,11 @@ BadAsset bad_asset(const std::filesystem::path& file, const std::string& cause);
 /// or larger than `limit` (bytes).
 std::string read_regular_file(const std::filesystem::path& file, std::size_t limit,
                               std::string_view expected);
+
+/// Opens any file to be read. Throws BadAsset.
+std::ifstream open_asset(const std::filesystem::path& file);
+
+/// The bytes of any file. Throws BadAsset.
+std::string read_bytes(const std::filesystem::path& file);
 
 }  // namespace taut

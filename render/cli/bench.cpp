@@ -9,6 +9,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/bench_results.h"
 #include "render/cli/command.h"
+#include "render/cli/note.h"
 #include "render/interrupt.h"
 
 namespace taut::cli {
@@ -69,7 +70,7 @@ BenchResults measure_bench(const StudyOptions& options, const std::vector<std::s
   }
   const double seconds = options.budget / static_cast<double>(particles.size());
   for (const std::size_t n : particles) {
-    if (!quiet) fmt::print(stderr, "timing {} particles\n", n);
+    if (!quiet) note("timing {} particles\n", n);
     results.blocks.push_back(measure(options, results.contenders, n, seconds));
   }
   return results;
@@ -104,9 +105,8 @@ int run(const Options& options, const Common& common) {
     write_output("\n" + machine() + "\n");
   }
   if (!common.quiet) {
-    fmt::print(stderr,
-               "{}/bench: .csv .svg .png, _frames.csv, _paper_ratio.csv, _equal_error.csv\n",
-               folder.string());
+    note("{}/bench: .csv .svg .png, _frames.csv, _paper_ratio.csv, _equal_error.csv\n",
+         folder.string());
   }
   return kDone;
 }

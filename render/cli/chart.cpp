@@ -1,5 +1,4 @@
 // taut chart: speed against accuracy.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
@@ -9,6 +8,7 @@
 #include "render/cli/command.h"
 #include "render/cli/journal.h"
 #include "render/cli/model_error.h"
+#include "render/cli/note.h"
 #include "render/cli/scoring.h"
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
@@ -25,9 +25,9 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   const std::filesystem::path folder = study_folder(options);
   Journal journal(folder / "chart.unfinished", stamp_of(options));
   if (!common.quiet && journal.kept() > 0) {
-    fmt::print(stderr, "going on after {} runs of a chart that was stopped\n", journal.kept());
+    note("going on after {} runs of a chart that was stopped\n", journal.kept());
   }
-  if (!common.quiet) fmt::print(stderr, "solving the truth\n");
+  if (!common.quiet) note("solving the truth\n");
   TruthOptions truth;
   truth.scored_error = length * (options.quick ? 1e-4 : 1e-6);
   if (options.quick) truth.second_accuracy = 1e-7;
@@ -55,7 +55,7 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   }
   study.unsteadiness = unsteadiness(rows);
   if (!options.quick && scene.world.connectors.size() == 1) {
-    if (!common.quiet) fmt::print(stderr, "solving chains of 6 to 321 particles\n");
+    if (!common.quiet) note("solving chains of 6 to 321 particles\n");
     study.model = model_study(options, study.horizon, journal);
   }
 
@@ -79,7 +79,7 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
     write_output(markdown ? to_markdown(best) + "\n" + to_markdown(reach)
                           : to_text(best) + "\n" + to_text(reach));
   }
-  if (!common.quiet) fmt::print(stderr, "{}/chart: .csv .svg .png .html\n", folder.string());
+  if (!common.quiet) note("{}/chart: .csv .svg .png .html\n", folder.string());
   return kDone;
 }
 

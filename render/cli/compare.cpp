@@ -9,6 +9,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/frame_list.h"
+#include "render/cli/note.h"
 #include "render/cli/progress.h"
 #include "render/cli/study_options.h"
 #include "render/comparison.h"
@@ -80,7 +81,7 @@ Comparison compare(const Scene& scene, const std::vector<Contender>& contenders,
   Problem problem{scene.world, {}, scene.timeline};
   for (int k = 0; k < scene.frames(); ++k) problem.times.push_back(double(k) / scene.fps);
   const double length = scene.world.connectors.front().length;
-  if (!quiet) fmt::print(stderr, "solving the truth\n");
+  if (!quiet) note("solving the truth\n");
   TruthOptions accuracy;
   if (length > 0) accuracy.scored_error = kScored * length;
   Truth truth = solve_truth(scene.world, problem.times, accuracy, scene.timeline);
@@ -89,7 +90,7 @@ Comparison compare(const Scene& scene, const std::vector<Contender>& contenders,
 
   const auto run_of = [&](const Candidate& candidate) {
     stop_if_interrupted();
-    if (!quiet) fmt::print(stderr, "running {}\n", describe(candidate));
+    if (!quiet) note("running {}\n", describe(candidate));
     return taut::run(problem, candidate, kCpuCap);
   };
   std::vector<Run> runs;
@@ -214,7 +215,7 @@ int compare(const Common& common, const Options& options) {
   record.write(json);
   record.commit();
   write_output(common.json ? json : to_text(comparison.table));
-  if (!common.quiet) fmt::print(stderr, "{}\n", video.empty() ? (out / "frames").string() : video);
+  if (!common.quiet) note("{}\n", video.empty() ? (out / "frames").string() : video);
   return kDone;
 }
 

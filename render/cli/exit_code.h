@@ -12,7 +12,8 @@ enum ExitCode : int {
   kEncoder = 5,      // FFmpeg missing or failed
   kCannotWrite = 6,  // an output could not be written
   kDiverged = 7,     // the simulation diverged
-  kInternal = 70,    // a defect of taut itself
+  kNoMemory = 8,
+  kInternal = 70,  // a defect of taut itself
   kInterrupted = 130,
   kTerminated = 143,
 };

@@ -49,7 +49,7 @@ int check(Goldens& goldens, const fs::path& out, const Common& common) {
       stop_if_interrupted();
       const FrameResult result = goldens.check(frame);
       const fs::path folder = out / frame.name;
-      fs::remove_all(folder);
+      remove_output(folder);
       if (!result.failure.empty()) {
         failures.push_back({frame.name, result.failure, result.actual.has_value()});
         if (result.actual) {
@@ -82,7 +82,7 @@ int check(Goldens& goldens, const fs::path& out, const Common& common) {
       "\n";
   write_text(out / "report.json", report);
   if (failures.empty()) {
-    fs::remove(out / "index.html");
+    remove_output(out / "index.html");
   } else {
     write_text(out / "index.html", golden_page(failures));
   }

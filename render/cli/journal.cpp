@@ -2,16 +2,16 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 
+#include "render/atomic_file.h"
 #include "render/error.h"
+#include "scenes/regular_file.h"
 
 namespace taut::cli {
 namespace {
@@ -35,42 +35,36 @@ std::string header(std::uint64_t stamp) {
 Journal::Journal(std::filesystem::path file, std::uint64_t stamp) : name_(std::move(file)) {
   std::error_code error;
   if (name_.has_parent_path()) std::filesystem::create_directories(name_.parent_path(), error);
-  file_ = open(name_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND, 0644);
-  if (file_ < 0) fail("cannot be created");
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
-    close(file_);
+  if (error) {
+    throw CannotWrite(fmt::format("{}: cannot be created: {}", name_.string(), error.message()));
+  }
+  file_ = Descriptor(open(name_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND, 0644));
+  if (!file_.is_open()) fail("cannot be created");
+  if (!try_to_lock(file_.get(), name_)) {
     throw CannotWrite(fmt::format("{}: another run is writing it", name_.string()));
   }
   read(stamp);
 }
 
-Journal::~Journal() {
-  if (file_ >= 0) close(file_);
-}
-
 void Journal::read(std::uint64_t stamp) {
-  std::ifstream in(name_, std::ios::binary);
-  std::ostringstream all;
-  all << in.rdbuf();
-  std::string text = all.str();
+  std::string text = read_bytes(name_);
   text.resize(text.rfind('\n') + 1);  // npos + 1 is zero
   std::istringstream lines(text);
+  lines.exceptions(std::ios::badbit);  // or running out of memory would end the text
   std::string line;
   if (!std::getline(lines, line) || line != header(stamp)) text.clear();
-  if (ftruncate(file_, static_cast<off_t>(text.size())) != 0) fail("cannot be cut");
+  if (ftruncate(file_.get(), static_cast<off_t>(text.size())) != 0) fail("cannot be cut");
   if (text.empty()) {
     line = header(stamp) + "\n";
-    if (write(file_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) {
-      fail("cannot be written");
-    }
+    if (!write_all(file_.get(), line)) fail("cannot be written");
     return;
   }
   while (std::getline(lines, line)) {
     std::vector<std::string> cells;
     std::string cell;
-    for (std::istringstream fields(line); std::getline(fields, cell, kField);) {
-      cells.push_back(cell);
-    }
+    std::istringstream fields(line);
+    fields.exceptions(std::ios::badbit);
+    while (std::getline(fields, cell, kField)) cells.push_back(cell);
     if (cells.empty()) continue;
     std::string key = std::move(cells.front());
     cells.erase(cells.begin());
@@ -89,16 +83,13 @@ void Journal::add(const std::string& key, const std::vector<std::string>& cells)
   for (const std::string& cell : cells) line += kField + plain(cell);
   line += kField;  // keeps an empty last cell
   line += '\n';
-  if (write(file_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) {
-    fail("cannot be written");
-  }
+  if (!write_all(file_.get(), line)) fail("cannot be written");
   rows_[plain(key)] = cells;
 }
 
 void Journal::finish() {
-  unlink(name_.c_str());
-  close(file_);
-  file_ = -1;
+  remove_output(name_);
+  file_.close();
 }
 
 void Journal::fail(const char* action) const {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "render/descriptor.h"
+
 namespace taut::cli {
 
 /// Rows of text under a key each. A row is on the disk when add() returns; a row that a crash cut
@@ -17,9 +19,6 @@ class Journal {
   /// decides what the rows say. Starts anew otherwise. Throws CannotWrite, also when another run is
   /// writing it.
   Journal(std::filesystem::path file, std::uint64_t stamp);
-  ~Journal();
-  Journal(const Journal&) = delete;
-  Journal& operator=(const Journal&) = delete;
 
   /// The row's cells, or null.
   const std::vector<std::string>* find(const std::string& key) const;
@@ -27,7 +26,8 @@ class Journal {
   void add(const std::string& key, const std::vector<std::string>& cells);
   /// How many rows were taken up.
   std::size_t kept() const { return kept_; }
-  /// Removes the file: the study is complete, and its next run starts anew.
+  /// Removes the file: the study is complete, and its next run starts anew. Throws
+  /// CannotWrite.
   void finish();
 
  private:
@@ -35,7 +35,7 @@ class Journal {
   void read(std::uint64_t stamp);
 
   std::filesystem::path name_;
-  int file_ = -1;
+  Descriptor file_;
   std::size_t kept_ = 0;
   std::map<std::string, std::vector<std::string>> rows_;
 };

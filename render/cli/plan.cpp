@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "render/atomic_file.h"
@@ -18,6 +16,7 @@
 #include "render/interrupt.h"
 #include "render/jitter.h"
 #include "scenes/clip.h"
+#include "scenes/regular_file.h"
 #include "sim/study/front.h"
 #include "sim/study/refined.h"
 #include "sim/study/side_by_side.h"
@@ -165,8 +164,7 @@ class PlanFile {
  public:
   explicit PlanFile(const fs::path& scene)
       : scene_(fs::canonical(scene)), stamp_(plan_stamp(scene)) {
-    permissions_ = fs::status(scene_).permissions();
-    if ((permissions_ & fs::perms::owner_write) == fs::perms::none) {
+    if ((fs::status(scene_).permissions() & fs::perms::owner_write) == fs::perms::none) {
       throw CannotWrite(
           fmt::format("{}: is read-only, and --write would change it", scene.string()));
     }
@@ -178,17 +176,13 @@ class PlanFile {
       throw CannotWrite(
           fmt::format("{}: has changed while it was planned; plan it again", scene_.string()));
     }
-    std::ifstream in(scene_, std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(in), {});
-    file_->write(with_plan(text, plan));
+    file_->write(with_plan(read_bytes(scene_), plan));
     file_->commit();
-    fs::permissions(scene_, permissions_);
   }
 
  private:
   fs::path scene_;
   std::uint64_t stamp_;
-  fs::perms permissions_;
   std::optional<AtomicFile> file_;
 };
 

@@ -1,11 +1,15 @@
 #include "render/cli/program.h"
 
-#include <fmt/format.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
+#include <exception>
+#include <new>
 
 #include "render/cli/command.h"
+#include "render/cli/note.h"
 #include "render/error.h"
 #include "render/interrupt.h"
 #include "scenes/error.h"
@@ -24,10 +28,33 @@ constexpr const char* kExamples = R"(Examples:
 
 Results go to standard output, messages to standard error. Exit codes: 0 done, 1 a golden differs,
 2 usage, 3 bad scene or asset, 4 no rendering context, 5 FFmpeg missing or failed, 6 output could
-not be written, 7 the simulation diverged, 130 interrupted, 143 terminated.)";
+not be written, 7 the simulation diverged, 8 out of memory, 130 interrupted, 143 terminated.)";
+
+ExitCode say_out_of_memory() {
+  std::fputs("taut: out of memory\n", stderr);  // which takes none
+  return kNoMemory;
+}
+
+std::terminate_handler terminate_before = nullptr;
+
+void terminate_for_memory() {
+  try {
+    if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    _exit(say_out_of_memory());
+  } catch (...) {  // a defect
+  }
+  terminate_before();
+}
+
+/// Memory may run out where nothing can catch it, as in what the option parser makes before main():
+/// this runs before that.
+[[gnu::constructor(101)]] void name_what_terminates() {
+  terminate_before = std::set_terminate(terminate_for_memory);
+}
 
 int complain(ExitCode code, const std::exception& error) {
-  fmt::print(stderr, "taut: {}\n", error.what());
+  note("taut: {}\n", error.what());
   return code;
 }
 
@@ -53,10 +80,33 @@ int run(const Program& program) {
     return complain(kDiverged, error);
   } catch (const Interrupted& error) {
     return complain(error.signal == SIGINT ? kInterrupted : kTerminated, error);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "taut: internal error: {}\n", error.what());
+    note("taut: internal error: {}\n", error.what());
     return kInternal;
   }
+}
+
+/// Opens what of standard input, output and error is closed, so that no output gets their numbers
+/// and the program's words. What is written there still fails.
+void open_standard_streams() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(number, F_GETFD) < 0) open("/dev/null", O_RDONLY);
+}
+
+int parse_and_run(int argc, char** argv, std::initializer_list<AddCommand> commands) {
+  CLI::App app("Simulates flexible connectors (ropes, chains, cords) and renders them.", "taut");
+  app.require_subcommand(1);
+  app.footer(std::string("\n") + kExamples);
+  Program program;
+  for (const AddCommand add : commands) add(app, program);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUsage;
+  }
+  return run(program);
 }
 
 }  // namespace
@@ -75,17 +125,12 @@ CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
 }
 
 int run_program(int argc, char** argv, std::initializer_list<AddCommand> commands) {
-  CLI::App app("Simulates flexible connectors (ropes, chains, cords) and renders them.", "taut");
-  app.require_subcommand(1);
-  app.footer(std::string("\n") + kExamples);
-  Program program;
-  for (const AddCommand add : commands) add(app, program);
+  open_standard_streams();
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUsage;
+    return parse_and_run(argc, argv, commands);
+  } catch (const std::bad_alloc&) {
+    return say_out_of_memory();
   }
-  return run(program);
 }
 
 }  // namespace taut::cli

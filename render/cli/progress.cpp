@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/cli/note.h"
+
 namespace taut::cli {
 
 namespace {
@@ -25,7 +27,7 @@ Progress::Progress(std::string what, std::string unit, std::uint64_t total, bool
       last_(start_) {}
 
 Progress::~Progress() {
-  if (terminal_ && shown_) fmt::print(stderr, "\r\033[K");
+  if (terminal_ && shown_) note("\r\033[K");
 }
 
 void Progress::update(std::uint64_t done) {
@@ -42,9 +44,9 @@ void Progress::update(std::uint64_t done) {
                   100.0 * static_cast<double>(done) / static_cast<double>(total_),
                   done > 0 ? ", " + clock_text(left) + " left" : "");
   if (terminal_) {
-    fmt::print(stderr, "\r{}\033[K", line);
+    note("\r{}\033[K", line);
   } else {
-    fmt::print(stderr, "{}\n", line);
+    note("{}\n", line);
   }
   std::fflush(stderr);
 }

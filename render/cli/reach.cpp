@@ -9,6 +9,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/accuracy_page.h"
 #include "render/cli/command.h"
+#include "render/cli/note.h"
 #include "render/cli/scoring.h"
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
@@ -25,7 +26,7 @@ struct Options {
 
 AccuracyStudy study_of(const StudyOptions& options, double least_error, bool quiet) {
   const Scene scene = study_scene(options);
-  if (!quiet) fmt::print(stderr, "{}: solving the truth\n", options.scene);
+  if (!quiet) note("{}: solving the truth\n", options.scene);
   TruthOptions truth;
   truth.scored_error = least_error;
   truth.second_accuracy = 1e-4 * least_error;

@@ -15,6 +15,7 @@
 #include "render/cli/frame_list.h"
 #include "render/cli/method_options.h"
 #include "render/cli/needs.h"
+#include "render/cli/note.h"
 #include "render/cli/progress.h"
 #include "render/cli/self_estimate.h"
 #include "render/cli/stills.h"
@@ -226,12 +227,11 @@ int render(const Common& common, const Options& options) {
   }
   const double rendering_time = seconds_since(rendering_start) - unlit_time;
   if (!common.quiet && (drawn_again > 0 || drawn < frames.size()))
-    fmt::print(
-        stderr, "{} of {} frames were there already{}\n", frames.size() - drawn, frames.size(),
-        drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
-                                      "other options, and are drawn again",
-                                      drawn_again)
-                        : "");
+    note("{} of {} frames were there already{}\n", frames.size() - drawn, frames.size(),
+         drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
+                                       "other options, and are drawn again",
+                                       drawn_again)
+                         : "");
   // Where something moves, a pixel of a frame has a sample for each exposure.
   const double mean_exposures = drawn ? double(exposures) / double(drawn) : 0;
 
@@ -268,7 +268,7 @@ int render(const Common& common, const Options& options) {
     floor.emplace(scene.width, scene.height, options.samples);
     report["profile"] = stage_json(profile, unlit, *floor);
   }
-  if (!common.quiet) fmt::print(stderr, "certificate: {}\n{}", proof, estimate.line());
+  if (!common.quiet) note("certificate: {}\n{}", proof, estimate.line());
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
   record_file.write(text);

@@ -15,8 +15,8 @@ void score_all(AccuracyStudy& study, const Target& target, const std::vector<Met
                double seconds, bool quick, Journal* journal, bool quiet);
 
 /// Times the fronts again and again, and once they are known well all others a few times, in turn,
-/// until `seconds` are over; those that take more than `slow` seconds less often, for they would eat
-/// the time of all others.
+/// until `seconds` are over; those that take more than `slow` seconds less often, for they would
+/// eat the time of all others.
 void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, double seconds,
               double slow);
 

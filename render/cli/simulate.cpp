@@ -12,6 +12,7 @@
 #include "render/cli/command.h"
 #include "render/cli/method_options.h"
 #include "render/cli/needs.h"
+#include "render/cli/note.h"
 #include "render/cli/progress.h"
 #include "render/cli/self_estimate.h"
 #include "render/interrupt.h"
@@ -177,8 +178,7 @@ int run(const Options& options, const Common& common) {
   const Report report = simulate(scene, simulation, estimate, rows, common.quiet);
   if (common.json) write_output(json_text(scene, simulation, report, estimate));
   if (!csv.empty() && !common.quiet) {
-    fmt::print(stderr, "{}: {} frames, method {}\n{}", csv, scene.frames(), scene.method.name,
-               estimate.line());
+    note("{}: {} frames, method {}\n{}", csv, scene.frames(), scene.method.name, estimate.line());
   }
   return kDone;
 }

@@ -11,6 +11,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/journal.h"
+#include "render/cli/note.h"
 #include "render/cli/progress.h"
 #include "render/cli/stability_maps.h"
 #include "render/cli/study_target.h"
@@ -166,7 +167,7 @@ int run(const StudyOptions& options, const Common& common) {
   study.cap = 8 * options.budget / static_cast<double>(std::max<std::size_t>(1, total));
   Journal journal(folder / "stability.unfinished", stamp_of(options));
   if (!common.quiet && journal.kept() > 0) {
-    fmt::print(stderr, "going on after {} cells of maps that were stopped\n", journal.kept());
+    note("going on after {} cells of maps that were stopped\n", journal.kept());
   }
   {
     Progress progress("mapping", "cells", total, common.quiet);
@@ -195,7 +196,7 @@ int run(const StudyOptions& options, const Common& common) {
   journal.finish();
   if (common.json) write_output(stability_json(study));
   if (!common.quiet) {
-    fmt::print(stderr, "{}/stability: .html .csv, and a .svg and .png per map\n", folder.string());
+    note("{}/stability: .html .csv, and a .svg and .png per map\n", folder.string());
   }
   return kDone;
 }

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/fingerprint.h"
+#include "scenes/regular_file.h"
 #include "sim/hash.h"
 
 namespace taut::cli {
@@ -114,8 +114,7 @@ Scene study_scene(const StudyOptions& options, std::size_t particles) {
 
 std::uint64_t stamp_of(const StudyOptions& options) {
   Hash hash;
-  std::ifstream file(options.scene, std::ios::binary);
-  hash.text(std::string(std::istreambuf_iterator<char>(file), {}));
+  hash.text(read_bytes(options.scene));
   for (const std::string& method : options.methods) hash.text(method);
   return hash.number(options.budget).number(options.quick).number(program_fingerprint()).value();
 }
@@ -126,6 +125,7 @@ std::string connector_key(const Scene& scene, const std::string& key) {
 
 std::string machine() {
   std::ifstream info("/proc/cpuinfo");
+  info.exceptions(std::ios::badbit);  // or running out of memory would end the file
   std::string processor = "unknown processor";
   for (std::string line; std::getline(info, line);) {
     if (!line.starts_with("model name")) continue;

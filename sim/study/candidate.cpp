@@ -8,6 +8,7 @@ namespace {
 struct Text {
   std::string operator()(double value) const {
     std::ostringstream out;
+    out.exceptions(std::ios::badbit);  // or running out of memory would end the text
     out << value;
     return out.str();
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -29,7 +30,10 @@ void side_by_side(std::size_t count, Work work) {
   {
     std::vector<std::jthread> others;
     const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    for (std::size_t k = 1; k < std::min(cores, count); ++k) others.emplace_back(go);
+    try {
+      for (std::size_t k = 1; k < std::min(cores, count); ++k) others.emplace_back(go);
+    } catch (const std::system_error&) {  // no more threads are to be had: fewer do the work
+    }
     go();
   }
   if (failure) std::rethrow_exception(failure);

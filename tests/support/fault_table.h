@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "sim/method.h"
@@ -28,6 +29,18 @@ class FaultTable {
     replace(message, folder_, "FOLDER");
     replace(message, method_names(), "METHODS");
     rows_ += fmt::format("| {} | `{}` | {} |\n", cell(fault), cell(message), outcome.code);
+  }
+
+  /// True where every row stands in the section in tests/faults.md.
+  testing::AssertionResult is_part_of_accepted() const {
+    const std::string text = read_file(TAUT_SOURCE_DIR "/tests/faults.md");
+    const std::size_t begin = std::min(text.find(fmt::format("## {}\n", title_)), text.size());
+    const std::string section = text.substr(begin, text.find("## ", begin + 1) - begin);
+    std::istringstream rows(rows_);
+    for (std::string row; std::getline(rows, row);)
+      if (section.find(row + '\n') == std::string::npos)
+        return testing::AssertionFailure() << "no row of \"" << title_ << "\": " << row;
+    return testing::AssertionSuccess();
   }
 
   /// Compares with the section in tests/faults.md; with TAUT_ACCEPT in the environment, writes it
@@ -53,7 +66,7 @@ class FaultTable {
 
  private:
   static void replace(std::string& text, const std::string& part, std::string_view with) {
-    for (std::size_t at; (at = text.find(part)) != std::string::npos;) {
+    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += with.size()) {
       text.replace(at, part.size(), with);
     }
   }
