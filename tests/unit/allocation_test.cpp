@@ -100,6 +100,52 @@ World spiral() {
   return world;
 }
 
+/// Weights that swing on massless spans, a stick that hangs on one, and a rope of links.
+World weights_on_spans() {
+  World world;
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 place(k, 0, 0), along = Vec3(0.3, -1, 0.1 * k).normalized();
+    Connector cord = straight_connector("cord", 1, 0, 6, place, along);
+    cord.model = ConnectorModel::span;
+    cord.particle_mass.back() = 0.2;
+    cord.holds = {{0, {Attachment::Kind::fixed, place, nullptr, 0}}};
+    world.connectors.push_back(cord);
+  }
+  Body stick;
+  stick.mass_properties = solid_cylinder(0.3, 0.4, 0.03);
+  stick.position = world.connectors[0].position.back() - Vec3(0, 0.2, 0);
+  world.bodies = {stick};
+  world.connectors[0].particle_mass.back() = 0;
+  world.connectors[0].holds.push_back({5, {Attachment::Kind::body, Vec3(0, 0.2, 0), nullptr, 0}});
+  Connector rope = straight_connector("rope", 1, 0.2, 11, -Vec3::UnitX(), Vec3(1, -1, 0.2));
+  rope.holds = {{0, {Attachment::Kind::fixed, -Vec3::UnitX(), nullptr, 0}}};
+  world.connectors.push_back(rope);
+  finish(world);
+  return world;
+}
+
+TEST(Allocations, DirectDoesNotAllocateWhileSpansStayTaut) {
+  World world = weights_on_spans();
+  const auto method = make_method("direct", {});
+  method->advance(world, 0.02);
+  const std::size_t before = allocations;
+  for (int k = 2; k <= 25; ++k) method->advance(world, 0.02 * k);
+  EXPECT_EQ(allocations - before, 0u);
+  EXPECT_TRUE(method->events().empty());
+}
+
+// Audits and the steps that they have taken again among them.
+TEST(Allocations, DirectDoesNotAllocateAtCoarseTolerances) {
+  for (const double tolerance : {0.01, 0.03, 0.06, 0.1, 0.3}) {
+    World world = spiral();
+    const auto method = make_method("direct", {{"tolerance", tolerance}});
+    method->advance(world, 1.0 / 240);
+    const std::size_t before = allocations;
+    for (int k = 2; k <= 240; ++k) method->advance(world, k / 240.0);
+    EXPECT_EQ(allocations - before, 0u) << tolerance;
+  }
+}
+
 class Allocation : public testing::TestWithParam<std::string_view> {};
 
 TEST_P(Allocation, NoInterventionAllocates) {

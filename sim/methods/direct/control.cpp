@@ -80,7 +80,7 @@ void Course::plan(const World& world, double time, const std::optional<Plane>& p
   }
   arena_.reset(kArrays, motion_->size());
   for (Slice* slice : {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_,
-                       &rate_between_, &q_audited_, &rate_audited_}) {
+                       &rate_between_, &q_shown_, &rate_shown_}) {
     *slice = arena_.make();
   }
   careful_.make_arrays(arena_);
@@ -99,13 +99,15 @@ void Course::load(const World& world) {
   time_ = world.time;
   motion_->load(world, time_, q_.data(), rate_.data());
   motion_->project(time_, q_.data(), rate_.data());
-  const double share = control_.step == 0 ? control_.tolerance / motion_->length() : 0;
+  fixed_ = control_.step > 0;
+  tolerance_ = fixed_ ? kCoarsest * motion_->length() : control_.tolerance;
+  const double share = fixed_ ? 0 : tolerance_ / motion_->length();
   rough_ = share >= kRough;
   // Until it is known what its links do.
   only_leaps_ = share >= kLeapt && share < kLoose && closed_ && motion_->leaps();
   loose_ = share >= kLoose || only_leaps_;
   fresh_ = false;
-  unaudited_ = 0;
+  note_shown(time_);
   begin();
   if (closed_) known_energy_ = motion_->energy(time_, q_.data(), rate_.data()).sum();
 }
@@ -136,10 +138,14 @@ void Course::advance(World& world, double until, Counters& counters) {
 }
 
 void Course::store(World& world) {
-  if (time_ == world.time) return motion_->store(world, q_.data(), rate_.data());
+  if (time_ == world.time) {
+    motion_->store(world, q_.data(), rate_.data());
+    return note_shown(time_);
+  }
   const bool followed = rung_ == adams && adams_.longest() > 0;
   interpolate(world.time, followed ? adams_.past(1) : nullptr, adams_.past(0));
   motion_->store(world, q_between_.data(), rate_between_.data());
+  note_shown(world.time);
 }
 
 void Course::refresh(Counters& counters) {
@@ -193,8 +199,7 @@ bool Course::leave_plane(World& world) {
   return true;
 }
 
-void Course::advance_by_tolerance(World& world, double until, double tolerance,
-                                  Counters& counters) {
+void Course::advance_by_tolerance(World& world, double until, Counters& counters) {
   while (time_ < until) {
     if (step_ == 0) {
       refresh(counters);
@@ -209,7 +214,7 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
     double error = 0;
     if (rung_ == adams) {
       if (adams_.prepare(h)) {
-        error = march(until, tolerance, counters);
+        error = march(until, counters);
         if (leave_plane(world)) continue;
       } else {
         rung = careful;
@@ -219,7 +224,7 @@ void Course::advance_by_tolerance(World& world, double until, double tolerance,
     if (!(time_ + h > time_)) throw StepTooSmall{time_};
     if (rung != adams) {
       const double end = rung == rung_ ? end_of_step(until, h) : end_of_start(until, h / 3);
-      error = attempt(rung, h, counters) / allowed_error(rung, h, tolerance);
+      error = attempt(rung, h, counters) / allowed_error(rung, h);
       if (leave_plane(world)) continue;
       if (error <= 1) {  // false for NaN
         if (rung_ == adams) {
@@ -258,8 +263,8 @@ void Course::start_adams(double time, Counters& counters) {
 
 /// Takes steps of Adams's spacing as far as `until`, for as long as waves and error suit it.
 /// Returns the error of the last one, as a share of the one allowed.
-double Course::march(double until, double tolerance, Counters& counters) {
-  const double h = adams_.spacing(), share = allowed_error(adams, h, tolerance);
+double Course::march(double until, Counters& counters) {
+  const double h = adams_.spacing(), share = allowed_error(adams, h);
   double error = 0;
   int& rest = rests_[implicit].steps;
   while (time_ < until) {
@@ -334,7 +339,6 @@ void Course::climb(Rung to, double step) {
 /// astray is done again in smaller ones.
 void Course::advance_by_step(World& world, double until, Counters& counters) {
   const StepTimes times(time_, until, control_.step);
-  const double coarsest = kCoarsest * motion_->length();
   for (std::uint64_t i = 1; i <= times.count; ++i) {
     const double end = times.at(i);
     while (time_ < end) {
@@ -343,7 +347,7 @@ void Course::advance_by_step(World& world, double until, Counters& counters) {
       rung_ = h > stable_step(careful) ? implicit : careful;
       const double error = attempt(rung_, h, counters);
       if (leave_plane(world)) continue;
-      if (error <= coarsest) {
+      if (error <= tolerance_) {
         accept(rung_, end, counters);
         continue;
       }
@@ -351,7 +355,7 @@ void Course::advance_by_step(World& world, double until, Counters& counters) {
       counters.handed_over += 1;
       rung_ = careful;
       step_ = h / 2;
-      advance_by_tolerance(world, end, coarsest, counters);
+      advance_by_tolerance(world, end, counters);
     }
   }
 }

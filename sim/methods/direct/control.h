@@ -77,25 +77,27 @@ class Course {
   };
 
   void plan(const World& world, double time, const std::optional<Plane>& plane);
-  void advance_by_tolerance(World& world, double until, double tolerance, Counters& counters);
-  void advance_loosely(World& world, double until, double tolerance, Counters& counters);
-  double attempt_loosely(double h, double tolerance, Counters& counters);
+  void advance_by_tolerance(World& world, double until, Counters& counters);
+  void advance_loosely(World& world, double until, Counters& counters);
+  double attempt_loosely(double h, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
   void begin();
   double first_step(double turn) const;
   void advance_audited(World& world, double until, Counters& counters);
-  bool balances(double tolerance);
+  bool balances();
+  void note_shown(double time);
+  void go_on_finer();
   void interpolate(double time, const double* first_acceleration, const double* last_acceleration);
   void refresh(Counters& counters);
   double stable_step(Rung rung) const;
-  double allowed_error(Rung rung, double h, double tolerance) const;
+  double allowed_error(Rung rung, double h) const;
   bool lands(Rung rung) const;
   double length_of_step(double until, double wish) const;
   double end_of_step(double until, double h) const;
   double end_of_start(double until, double h) const;
   double attempt(Rung rung, double h, Counters& counters);
   void start_adams(double time, Counters& counters);
-  double march(double until, double tolerance, Counters& counters);
+  double march(double until, Counters& counters);
   void accept(Rung rung, double time, Counters& counters);
   void adapt(double h, double wish, double error, Counters& counters);
   void hand_over_to(Rung below, Counters& counters);
@@ -126,16 +128,17 @@ class Course {
   bool soft_ = false;               // no wave stiffened its start
   bool leaps_ = false;              // leaps for now
   bool looks_back_ = false;         // there is a step to look back to
-  double known_energy_ = 0;         // J, where it was loaded
-  Slice q_audited_, rate_audited_;
-  double audited_at_ = 0;  // s
-  int unaudited_ = 0;      // advances since then
-  bool fresh_ = false;     // acceleration_ and fastest_ are those of the present state
-  double fastest_ = 0;     // rad/s, of the waves
-  Rung rung_ = careful;    // for the next step
-  double step_ = 0;        // s, what its error allows; zero: not known yet
-  double longest_ = 0;     // s, what driven ends allow
-  double reach_ = 0;       // rad, of the fastest waves, that careful steps may go
+  double tolerance_ = 0;            // m, the one asked for or, since an audit failed, a finer one
+  bool fixed_ = false;              // steps are the fixed ones that were asked for
+  double known_energy_ = 0;         // J, where it was loaded or, since an audit failed, was shown
+  Slice q_shown_, rate_shown_;      // the last state that the world has seen
+  double shown_at_ = 0;             // s
+  bool fresh_ = false;              // acceleration_ and fastest_ are those of the present state
+  double fastest_ = 0;              // rad/s, of the waves
+  Rung rung_ = careful;             // for the next step
+  double step_ = 0;                 // s, what its error allows; zero: not known yet
+  double longest_ = 0;              // s, what driven ends allow
+  double reach_ = 0;                // rad, of the fastest waves, that careful steps may go
   std::array<Rest, kRungs> rests_;
   std::array<double, kRungs> cost_{};  // of a step, in accelerations
 };

@@ -54,7 +54,7 @@ constexpr double kCost = 2, kLeapCost = 1;
 
 /// Steps to `until` or beyond, or until the ladder does as well. Without a last step to look back
 /// to, or where it led astray, the acceleration says what it would have been.
-void Course::advance_loosely(World& world, double until, double tolerance, Counters& counters) {
+void Course::advance_loosely(World& world, double until, Counters& counters) {
   while (time_ < until) {
     if (!looks_back_) {
       refresh(counters);
@@ -82,7 +82,7 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
       loose_ = only_leaps_ = false;
       return begin();
     }
-    const double excess = attempt_loosely(h, tolerance, counters);
+    const double excess = attempt_loosely(h, counters);
     if (leave_plane(world)) continue;
     constexpr float kOrder = BackwardStep::kErrorOrder;
     static_assert(kOrder == LeapStep::kErrorOrder);
@@ -118,16 +118,16 @@ void Course::advance_loosely(World& world, double until, double tolerance, Count
 
 /// Tries a step of h. Returns its error as a share of the one allowed, or that of what its one
 /// solve had to correct.
-double Course::attempt_loosely(double h, double tolerance, Counters& counters) {
-  const double small = kSmallShare * std::sqrt(tolerance / motion_->length());
+double Course::attempt_loosely(double h, Counters& counters) {
+  const double small = kSmallShare * std::sqrt(tolerance_ / motion_->length());
   const double share = std::min(kRate * h, only_leaps_ ? small : kShare);
-  const double allowed = std::min(share * tolerance, kRoughness * motion_->shortest());
+  const double allowed = std::min(share * tolerance_, kRoughness * motion_->shortest());
   const double last = time_ - before_;
   double excess = 0;
   if (leaps_) {
     const auto [error, correction] =
         leap_.attempt(*motion_, time_, h, last, q_.data(), q_before_.data());
-    const double mended = std::min(kMendedPerShare * tolerance / motion_->length(), kMostMended);
+    const double mended = std::min(kMendedPerShare * tolerance_ / motion_->length(), kMostMended);
     excess = std::max(error / allowed, correction / mended);
   } else {
     const auto [error, correction] = backward_.attempt(

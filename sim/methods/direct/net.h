@@ -34,8 +34,10 @@ class Net : public Motion {
   /// In `plane`, which must suit the world's present state (see PlaneFinder), or in space.
   void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane);
 
-  /// The tension (N) of the connector's first link, as in the world's present state.
-  double tension(const World& world, std::size_t connector);
+  /// The index among all links of the connector's first.
+  std::size_t first_link(std::size_t connector) const;
+  /// The tension (N) of a link, as of the last acceleration().
+  double tension(std::size_t link) const { return links_.tension(link); }
 
   void load(const World& world, double time, double* q, double* rate) override;
   void store(World& world, const double* q, const double* rate) override;

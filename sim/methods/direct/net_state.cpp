@@ -97,13 +97,10 @@ void Net::load(const World& world, double time, double* q, double* rate) {
   spin_momentum_ = rotary(time).momentum;
 }
 
-double Net::tension(const World& world, std::size_t connector) {
-  Array q(size()), rate(size()), acceleration_of_q(size());
-  load(world, world.time, q.data(), rate.data());
-  acceleration(world.time, q.data(), rate.data(), acceleration_of_q.data());
+std::size_t Net::first_link(std::size_t connector) const {
   const auto found = std::ranges::find_if(
       spans_, [&](const Span& span) { return span.range.connector == connector; });
-  return links_.tension(found->offset);
+  return found->offset;
 }
 
 Net::Point Net::start_of(const Span& span, double time) const {

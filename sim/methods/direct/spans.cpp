@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/methods/direct/net.h"
-
 namespace taut::direct {
 namespace {
 
@@ -98,7 +96,6 @@ void Spans::connect() {
   inner_.connectors.resize(copied_.size());
   for (Tie& tie : ties_) {
     if (!spans_[tie.span].taut) continue;
-    tie.link = inner_.connectors.size();
     Connector link =
         straight_connector("span", spans_[tie.span].length, 0, 2, Vec3::Zero(), Vec3::UnitY());
     link.holds = {{0, tie.a, {}}, {1, tie.b, {}}};
@@ -106,6 +103,53 @@ void Spans::connect() {
   }
   place_held(inner_, inner_.time);
   ++inner_.topology;
+  built_ = false;
+}
+
+/// Makes the systems of all components that have taut ties.
+void Spans::build_systems() {
+  built_ = true;
+  systems_.clear();
+  std::vector<std::size_t> tie_of(inner_.connectors.size(), kNone);
+  std::size_t link = copied_.size();
+  for (std::size_t t = 0; t < ties_.size(); ++t) {
+    ties_[t].system = kNone;  // stays so between two prescribed ends
+    if (spans_[ties_[t].span].taut) tie_of[link++] = t;
+  }
+  for (const Component& component : division_.divide(inner_)) {
+    const auto is_tie = [&](const SpanRange& range) { return tie_of[range.connector] != kNone; };
+    if (std::ranges::none_of(component.spans, is_tie)) continue;
+    System& system = systems_.emplace_back();
+    system.net.rebuild(inner_, component, std::nullopt);
+    for (Array* array : {&system.q, &system.rate, &system.acceleration}) {
+      array->resize(system.net.size());
+    }
+    for (const SpanRange& range : component.spans) {
+      if (!is_tie(range)) continue;
+      Tie& tie = ties_[tie_of[range.connector]];
+      tie.system = systems_.size() - 1;
+      tie.link = system.net.first_link(range.connector);
+    }
+  }
+}
+
+/// Solves for the tensions of the inner world's present state.
+void Spans::look() {
+  if (!built_) build_systems();
+  for (System& system : systems_) {
+    double *q = system.q.data(), *rate = system.rate.data();
+    system.net.load(inner_, inner_.time, q, rate);
+    system.net.acceleration(inner_.time, q, rate, system.acceleration.data());
+    looks_.solves += 1;
+    looks_.work += system.net.work();
+  }
+}
+
+Counters Spans::counters() const {
+  Counters sum = links_->counters();
+  sum.solves += looks_.solves;
+  sum.work += looks_.work;
+  return sum;
 }
 
 void Spans::read(const World& world) {
@@ -147,16 +191,16 @@ void Spans::lay(Connector& connector, const Span& span, const Vec3& gravity) {
   const std::size_t first = span.a.particle, last = span.b.particle;
   const Vec3 from = connector.position[first], to = connector.position[last];
   const Vec3 start = connector.velocity[first], change = connector.velocity[last] - start;
-  Connector part;
-  part.rest.assign(connector.rest.begin() + static_cast<std::ptrdiff_t>(first),
-                   connector.rest.begin() + static_cast<std::ptrdiff_t>(last));
-  part.particle_mass.assign(span.links() + 1, 1.0);
-  part.position.resize(span.links() + 1);
-  part.velocity.resize(span.links() + 1);
-  part.length = span.length;
   std::vector<Vec3> hanging;
   const double slack = span.length - (to - from).norm();
   if (slack > kLeastSlack * span.length && span.links() > 1) {
+    Connector part;
+    part.rest.assign(connector.rest.begin() + static_cast<std::ptrdiff_t>(first),
+                     connector.rest.begin() + static_cast<std::ptrdiff_t>(last));
+    part.particle_mass.assign(span.links() + 1, 1.0);
+    part.position.resize(span.links() + 1);
+    part.velocity.resize(span.links() + 1);
+    part.length = span.length;
     hanging = hanging_points(part, from, to, gravity);
   }
   double along = 0;
@@ -168,26 +212,18 @@ void Spans::lay(Connector& connector, const Span& span, const Vec3& gravity) {
   }
 }
 
-/// True where the state of the inner world is not one that the tie can be in.
+/// True where the state that was looked at last is not one that the tie can be in.
 bool Spans::breaks(const Tie& tie) const {
-  if (!spans_[tie.span].taut) {
-    const Ends ends = ends_of(inner_, tie.a, tie.b);
-    const bool gives = !is_prescribed(inner_, tie.a) || !is_prescribed(inner_, tie.b);
-    return gives && ends.distance > spans_[tie.span].length * (1 + kTooLong) && ends.parting > 0;
+  if (spans_[tie.span].taut) {
+    return tie.system != kNone && systems_[tie.system].net.tension(tie.link) < 0;
   }
-  Division division;
-  for (const Component& component : division.divide(inner_)) {
-    for (const SpanRange& range : component.spans) {
-      if (range.connector != tie.link) continue;
-      Net net;
-      net.rebuild(inner_, component, std::nullopt);
-      return net.tension(inner_, tie.link) < 0;
-    }
-  }
-  return false;  // between two prescribed ends
+  const Ends ends = ends_of(inner_, tie.a, tie.b);
+  const bool gives = !is_prescribed(inner_, tie.a) || !is_prescribed(inner_, tie.b);
+  return gives && ends.distance > spans_[tie.span].length * (1 + kTooLong) && ends.parting > 0;
 }
 
-bool Spans::breaks() const {
+bool Spans::breaks() {
+  look();
   return std::ranges::any_of(ties_, [&](const Tie& tie) { return breaks(tie); });
 }
 
@@ -223,6 +259,7 @@ bool Spans::rebounds(Tie& tie, std::vector<Event>& events) {
   kick(inner_, tie.a, impulse * ends.line);
   kick(inner_, tie.b, -impulse * ends.line);
   place_held(inner_, inner_.time);
+  look();
   return true;
 }
 
@@ -231,6 +268,7 @@ void Spans::advance(World& world, double until, std::vector<Event>& events) {
   while (inner_.time < until) {
     advance_to_break(std::min(until, inner_.time + kLook));
     bool changed = false;
+    look();
     for (Tie& tie : ties_) {
       if (!breaks(tie)) continue;
       Span& span = spans_[tie.span];

@@ -1,11 +1,14 @@
 // Massless spans by the direct method: free while slack, one rigid link while taut.
 #pragma once
 
+#include <deque>
 #include <limits>
 #include <memory>
 #include <vector>
 
 #include "sim/method.h"
+#include "sim/methods/direct/components.h"
+#include "sim/methods/direct/net.h"
 #include "sim/methods/span.h"
 
 namespace taut::direct {
@@ -26,15 +29,24 @@ class Spans {
   void prepare(const World& world);
   void advance(World& world, double until, std::vector<Event>& events);
 
-  const Counters& counters() const { return links_->counters(); }
+  /// Those of the links' method, and the systems that looks at tensions solve.
+  Counters counters() const;
 
  private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
   struct Tie {
     std::size_t span = 0;  // index into spans_
     Attachment a, b;       // in the inner world
     double elasticity = 0;
-    std::size_t link = 0;  // its connector there, while it is taut
+    std::size_t system = kNone;  // index into systems_, while it is taut and something can move
+    std::size_t link = 0;        // of that system
     double thrown_back = -std::numeric_limits<double>::infinity();  // s, when its ends last were
+  };
+  /// The tensions of one component of the inner world.
+  struct System {
+    Net net;
+    Array q, rate, acceleration;
   };
   struct PointMass {
     std::size_t connector = 0, particle = 0;
@@ -45,8 +57,10 @@ class Spans {
   void write(World& world) const;
   static void lay(Connector& connector, const Span& span, const Vec3& gravity);
   void connect();
+  void build_systems();
+  void look();
   bool breaks(const Tie& tie) const;
-  bool breaks() const;
+  bool breaks();
   void advance_to_break(double until);
   bool rebounds(Tie& tie, std::vector<Event>& events);
 
@@ -56,6 +70,10 @@ class Spans {
   std::vector<Tie> ties_;
   std::vector<PointMass> point_masses_;  // bodies of the inner world, behind those of the outer
   std::vector<std::size_t> copied_;      // connectors of the outer world that are links
+  Division division_;
+  std::deque<System> systems_;  // of the components that have ties; they cannot move
+  bool built_ = false;          // for the present ties
+  Counters looks_;
 };
 
 }  // namespace taut::direct

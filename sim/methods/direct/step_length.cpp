@@ -38,11 +38,11 @@ double Course::stable_step(Rung rung) const {
 }
 
 /// The error (m) that a step of h may make.
-double Course::allowed_error(Rung rung, double h, double tolerance) const {
+double Course::allowed_error(Rung rung, double h) const {
   const double shortest = motion_->shortest();
   if (rung == implicit) {
     const double share = std::min(kImplicitRate * h, rough_ ? kRoughShare : kImplicitShare);
-    return std::min(share * tolerance, kImplicitRoughness * shortest);
+    return std::min(share * tolerance_, kImplicitRoughness * shortest);
   }
   const double rate = rung == careful ? kCarefulRate : kAdamsRate;
   const double share = std::min(rate * h, kExplicitShare);
@@ -50,8 +50,8 @@ double Course::allowed_error(Rung rung, double h, double tolerance) const {
   constexpr double kDigit = std::numeric_limits<double>::epsilon() / 2;
   const double rounding = kRoundings * kDigit * fastest_ * fastest_ * motion_->shift_bound(1);
   const double rough =
-      std::min(kRoughness, kRoughPerRoot * std::sqrt(tolerance / motion_->length()));
-  return share * std::min(tolerance, rough * shortest) + h * motion_->memory() * rounding;
+      std::min(kRoughness, kRoughPerRoot * std::sqrt(tolerance_ / motion_->length()));
+  return share * std::min(tolerance_, rough * shortest) + h * motion_->memory() * rounding;
 }
 
 /// Whether the rung's steps end where a state is asked for. Careful ones are too long to be
@@ -59,7 +59,7 @@ double Course::allowed_error(Rung rung, double h, double tolerance) const {
 /// alone, since an intervention may go on from there.
 bool Course::lands(Rung rung) const {
   if (rough_) return false;
-  return rung == careful || control_.step > 0 || control_.tolerance < kLoose * motion_->length();
+  return rung == careful || control_.step > 0 || tolerance_ < kLoose * motion_->length();
 }
 
 /// The next step of the rung, which can do `wish`: one of equal ones to `until`, so that none is a
