@@ -39,7 +39,7 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
     if (is_sanitized()) GTEST_SKIP() << "a sanitizer's library must be loaded before all others";
     const Folder folder;
     prepare(folder);
-    const Outcome outcome = run_in_peace(subject_, folder.path());
+    const ProgramResult outcome = run_in_peace(subject_, folder.path());
     ASSERT_EQ(outcome.code, 0) << outcome.messages;
     undisturbed_ = files_in(folder.path());
   }
@@ -101,12 +101,12 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
     expect_whole_files(fault, trial.outcome.code, folder);
     note(fault, trial, folder);
 
-    const Outcome next = run_in_peace(subject_, folder.path());
+    const ProgramResult next = run_in_peace(subject_, folder.path());
     EXPECT_EQ(next.code, 0) << next.messages;
     expect_undisturbed(folder);
   }
 
-  void expect_right_end(const Fault& fault, const Outcome& outcome) const {
+  void expect_right_end(const Fault& fault, const ProgramResult& outcome) const {
     if (fault.how == How::kill && !fault.in_children) {
       EXPECT_EQ(outcome.code, 128 + SIGKILL);
       return;
@@ -214,7 +214,7 @@ TEST(ClosedStreams, AreNoOutputs) {
   for (const auto& [name, bytes] : render.before) folder.write(name, bytes);
   std::vector<std::string> arguments = render.arguments;
   arguments.push_back("--no-video");
-  const Outcome outcome = run_taut(arguments, folder.path(), [] { close(STDOUT_FILENO); });
+  const ProgramResult outcome = run_taut(arguments, folder.path(), [] { close(STDOUT_FILENO); });
   EXPECT_EQ(outcome.code, cli::kCannotWrite);
   EXPECT_EQ(outcome.messages, "taut: standard output: Bad file descriptor\n");
   EXPECT_EQ(read_file(folder.path() / "clip/frames/lock"), "");

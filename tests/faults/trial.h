@@ -18,7 +18,7 @@ struct Fault {
 };
 
 struct Trial {
-  Outcome outcome;
+  ProgramResult outcome;
   std::uint64_t calls[kKinds] = {};
   std::string place;
 };
@@ -27,7 +27,7 @@ struct Trial {
 Trial run_with(const Fault& fault, const Subject& subject, const std::filesystem::path& folder);
 
 /// Runs it in peace.
-Outcome run_in_peace(const Subject& subject, const std::filesystem::path& folder);
+ProgramResult run_in_peace(const Subject& subject, const std::filesystem::path& folder);
 
 /// All files below a folder.
 Files files_in(const std::filesystem::path& folder);
