@@ -68,6 +68,7 @@ AtomicFile::AtomicFile(std::filesystem::path name) : AtomicFile(std::move(name),
     if (file_ < 0) fail("cannot be opened");
     return;
   }
+  error.clear();  // there may be no such file yet
   if (name_.has_parent_path()) std::filesystem::create_directories(name_.parent_path(), error);
   if (error) {
     throw CannotWrite(fmt::format("{}: cannot be created: {}", name_.string(), error.message()));
