@@ -114,29 +114,28 @@ void error_of_order_3(std::size_t n, double h, const double* const* a, double* q
 
 void Dop853Step::make_arrays(Arena& arena) {
   for (int s = 1; s < kStages; ++s) accelerations_[s] = arena.make();
-  for (Slice* slice : {&q_, &rate_, &error_q_, &error_rate_}) *slice = arena.make();
+  for (Slice* slice : {&q_, &v_, &error_q_, &error_v_}) *slice = arena.make();
 }
 
-double Dop853Step::attempt(Motion& motion, double time, double h, const double* q,
-                           const double* rate, const double* first) {
+double Dop853Step::attempt(System& system, double time, double h, double memory, const double* q,
+                           const double* v, const double* first) {
   const double* a[kStages];
   a[0] = first;
   for (int s = 1; s < kStages; ++s) a[s] = accelerations_[s].data();
   const std::size_t size = q_.size();
   for (int s = 1; s < kStages; ++s) {
-    stage_state(s, size, h, q, rate, a, q_.data(), rate_.data());
-    motion.acceleration(time + kDop853.node[s] * h, q_.data(), rate_.data(),
+    stage_state(s, size, h, q, v, a, q_.data(), v_.data());
+    system.acceleration(time + kDop853.node[s] * h, q_.data(), v_.data(),
                         accelerations_[s].data());
   }
-  end_state(size, h, q, rate, a, q_.data(), rate_.data());
-  error_of_order_5(size, h, a, error_q_.data(), error_rate_.data());
-  motion.across(q, error_q_.data());
-  motion.across(q, error_rate_.data());
-  const double error5 = motion.error(error_q_.data(), error_rate_.data());
-  error_of_order_3(size, h, a, error_q_.data(), error_rate_.data());
-  motion.across(q, error_q_.data());
-  motion.across(q, error_rate_.data());
-  const double error3 = motion.error(error_q_.data(), error_rate_.data());
+  end_state(size, h, q, v, a, q_.data(), v_.data());
+  const auto norm = [&] {
+    return std::hypot(system.norm(error_q_.data()), memory * system.norm(error_v_.data()));
+  };
+  error_of_order_5(size, h, a, error_q_.data(), error_v_.data());
+  const double error5 = norm();
+  error_of_order_3(size, h, a, error_q_.data(), error_v_.data());
+  const double error3 = norm();
   // Hairer's blend: of order 8 where both estimates behave.
   const double blend = std::hypot(error5, 0.1 * error3);
   return blend > 0 ? error5 * error5 / blend : blend;

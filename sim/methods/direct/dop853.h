@@ -1,28 +1,30 @@
-// The careful integrator: explicit Runge-Kutta of order 8 for second-order motion.
+// The explicit scheme of high order.
 #pragma once
 
 #include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/dop853_table.h"
-#include "sim/methods/direct/motion.h"
+#include "sim/methods/direct/system.h"
 
 namespace taut::direct {
 
-/// One step of DOP853. Written for q'' = a(t, q, q'), where the stages of q follow from those of q'
-/// (Nystrom's form), so that only accelerations are kept.
+/// DOP853, an explicit Runge-Kutta method of order 8 (Hairer, Norsett and Wanner, Solving Ordinary
+/// Differential Equations I, II.10). Written for q'' = a(t, q, q'), where the stages of q follow
+/// from those of q' (Nystrom's form), so that only accelerations are kept.
 class Dop853Step {
  public:
   /// Takes its arrays from `arena`.
   void make_arrays(Arena& arena);
 
-  /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`. X; returns the
-  /// estimated error (m).
-  double attempt(Motion& motion, double time, double h, const double* q, const double* rate,
-                 const double* first);
+  /// Tries a step of h (s) from (q, v) at `time`, whose acceleration is `first`. The result is left
+  /// for swap_result(); returns the estimated error (m) of place and speed, an error of speed
+  /// counting for `memory` (s).
+  double attempt(System& system, double time, double h, double memory, const double* q,
+                 const double* v, const double* first);
 
   /// Swaps the result of the last attempt with the caller's state.
-  void swap_result(Slice& q, Slice& rate) {
+  void swap_result(Slice& q, Slice& v) {
     q_.swap(q);
-    rate_.swap(rate);
+    v_.swap(v);
   }
 
   /// The order by which the error estimate falls with h, for step control.
@@ -34,7 +36,7 @@ class Dop853Step {
 
  private:
   std::array<Slice, kStages> accelerations_;  // by stage; that of stage 0 is the caller's
-  Slice q_, rate_, error_q_, error_rate_;
+  Slice q_, v_, error_q_, error_v_;
 };
 
 }  // namespace taut::direct

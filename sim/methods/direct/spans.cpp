@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/methods/direct/net.h"
+#include "sim/methods/direct/system.h"
 
 namespace taut::direct {
 namespace {
@@ -179,9 +179,12 @@ bool Spans::breaks(const Tie& tie) const {
   for (const Component& component : division.divide(inner_)) {
     for (const SpanRange& range : component.spans) {
       if (range.connector != tie.link) continue;
-      Net net;
-      net.rebuild(inner_, component, std::nullopt);
-      return net.tension(inner_, tie.link) < 0;
+      System system;
+      system.rebuild(inner_, component, std::nullopt);
+      std::vector<double> q(system.size()), v(system.size()), a(system.size());
+      system.load(inner_, q.data(), v.data());
+      system.acceleration(inner_.time, q.data(), v.data(), a.data());
+      return system.tension(static_cast<std::size_t>(&range - component.spans.data())) < 0;
     }
   }
   return false;  // between two prescribed ends
