@@ -110,6 +110,15 @@ void error_of_order_3(std::size_t n, double h, const double* const* a, double* q
   error_loop<kPositionError3, kDop853.error3>(n, h, a, q, rate);
 }
 
+/// `scale` times the second difference over the step, by the accelerations at its nodes 0, 0.6 and 1.
+TAUT_VECTOR_CLONES
+void bend(std::size_t n, double scale, const double* a, const double* b, const double* c,
+          double* __restrict out) {
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i] = scale * (a[i] / 0.3 - b[i] / 0.12 + c[i] / 0.2);
+  }
+}
+
 }  // namespace
 
 void Dop853Step::make_arrays(Arena& arena) {
@@ -117,8 +126,9 @@ void Dop853Step::make_arrays(Arena& arena) {
   for (Slice* slice : {&q_, &v_, &error_q_, &error_v_}) *slice = arena.make();
 }
 
-double Dop853Step::attempt(System& system, double time, double h, double memory, const double* q,
-                           const double* v, const double* first) {
+Outcome Dop853Step::attempt(System& system, double time, double h, double memory, const double* q,
+                           const double* v, const double* first, double verlet,
+                            double span) {
   const double* a[kStages];
   a[0] = first;
   for (int s = 1; s < kStages; ++s) a[s] = accelerations_[s].data();
@@ -138,7 +148,13 @@ double Dop853Step::attempt(System& system, double time, double h, double memory,
   const double error3 = norm();
   // Hairer's blend: of order 8 where both estimates behave.
   const double blend = std::hypot(error5, 0.1 * error3);
-  return blend > 0 ? error5 * error5 / blend : blend;
+  Outcome outcome;
+  outcome.error = blend > 0 ? error5 * error5 / blend : blend;
+  // What position Verlet would err by in a step of `verlet`.
+  bend(size, verlet * verlet / (12 * h * h), a[0], a[9], a[11], error_q_.data());
+  outcome.bent = system.accumulated(span, 2 / (verlet * verlet), error_q_.data());
+  outcome.frequency = system.frequency();
+  return outcome;
 }
 
 }  // namespace taut::direct

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sim/methods/direct/arena.h"
+#include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/dop853_table.h"
 #include "sim/methods/direct/system.h"
 
@@ -18,8 +19,8 @@ class Dop853Step {
   /// Tries a step of h (s) from (q, v) at `time`, whose acceleration is `first`. The result is left
   /// for swap_result(); returns the estimated error (m) of place and speed, an error of speed
   /// counting for `memory` (s).
-  double attempt(System& system, double time, double h, double memory, const double* q,
-                 const double* v, const double* first);
+  Outcome attempt(System& system, double time, double h, double memory, const double* q,
+                 const double* v, const double* first, double verlet, double span);
 
   /// Swaps the result of the last attempt with the caller's state.
   void swap_result(Slice& q, Slice& v) {

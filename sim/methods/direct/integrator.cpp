@@ -2,8 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "sim/methods/direct/kernels.h"
 
 namespace taut::direct {
+namespace {
+
+/// The first step turns a link by about so much (rad).
+constexpr double kFirstTurn = 0.02;
+
+bool driven(const World& world, const Component& component) {
+  for (const SpanRange& span : component.spans) {
+    for (const std::size_t particle : {span.first, span.last}) {
+      const Hold* hold = hold_at(world.connectors[span.connector], particle);
+      if (hold && is_prescribed(world, hold->to) && !rests(hold->to, world.time)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
 
 void Integrator::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   planes_.reserve(links);
@@ -15,8 +35,13 @@ void Integrator::plan(const World& world, const std::optional<Plane>& plane) {
   planned_at_ = world.time;
   system_.rebuild(world, component_, plane);
   arena_.reset(kArrays, system_.size());
-  for (Slice* slice : {&q_, &v_, &a_}) *slice = arena_.make();
+  for (Slice* slice : {&q_, &v_, &a_, &q_before_, &v_before_, &q_between_, &v_between_}) {
+    *slice = arena_.make();
+  }
   dop853_.make_arrays(arena_);
+  verlet_.make_arrays(arena_);
+  bdf_.make_arrays(arena_);
+  fresh_ = started_ = false;
 }
 
 void Integrator::load(const World& world) {
@@ -24,66 +49,124 @@ void Integrator::load(const World& world) {
   time_ = world.time;
   system_.load(world, q_.data(), v_.data());
   system_.project(time_, q_.data(), v_.data());
-  fresh_ = false;
-  step_ = 1e-3;
+  system_.acceleration(time_, q_.data(), v_.data(), a_.data());
+  const double speed = system_.turning(v_.data()), gain = system_.turning(a_.data());
+  const double first =
+      2 * kFirstTurn / (speed + std::sqrt(speed * speed + 2 * gain * kFirstTurn) + 1e-300);
+  Controller::Component about;
+  about.length = system_.length();
+  about.shortest = system_.shortest();
+  about.time_scale = system_.time_scale();
+  about.driven = driven(world, component_);
+  about.only_bodies_free = !system_.has_bodies() && system_.points() > 0;
+  controller_.begin(about, system_.frequency(), std::min(first, 0.01));
 }
 
 void Integrator::refresh(Counters& counters) {
   if (fresh_) return;
   system_.acceleration(time_, q_.data(), v_.data(), a_.data());
-  frequency_ = system_.frequency();
   counters.solves += 1;
   counters.work += system_.work();
   fresh_ = true;
 }
 
+/// A hold has left the plane: goes on from where the last step ended, in another plane (a chain
+/// that hangs still fits many) or in space.
 bool Integrator::leave_plane(World& world) {
   const std::optional<Vec3> reason = system_.left_plane();
   if (!reason) return false;
+  const double now = world.time;
   place_prescribed(world, time_);
-  world.time = time_;
   system_.store(world, q_.data(), v_.data());
   std::optional<Plane> plane;
   if (planned_at_ != time_) plane = planes_.find(world, component_, time_, *reason);
   plan(world, plane);
   system_.load(world, q_.data(), v_.data());
-  fresh_ = false;
+  place_prescribed(world, now);
   return true;
+}
+
+Outcome Integrator::attempt(const Step& step, Counters& counters) {
+  const double memory = controller_.memory();
+  if (step.scheme == Scheme::dop853) {
+    refresh(counters);
+    counters.solves += kStages - 1;
+    counters.work += (kStages - 1) * system_.work();
+    return dop853_.attempt(system_, time_, step.h, memory, q_.data(), v_.data(), a_.data(),
+                           controller_.verlet_limit(system_.frequency()), controller_.span());
+  }
+  if (!started_) {
+    refresh(counters);
+    before_ = time_ - step.h;
+    if (step.scheme == Scheme::verlet) {
+      verlet_.begin(step.h, q_.data(), v_.data(), a_.data(), q_before_.data());
+    } else {
+      bdf_.begin(step.h, q_.data(), v_.data(), a_.data(), q_before_.data(), v_before_.data());
+    }
+    started_ = true;
+  }
+  counters.solves += 1;
+  const double last = time_ - before_;
+  fresh_ = false;
+  if (step.scheme == Scheme::verlet) {
+    counters.work += system_.work();
+    return verlet_.attempt(system_, time_, step.h, last, controller_.span(), q_.data(), q_before_.data());
+  }
+  counters.work += 2 * system_.work();
+  return bdf_.attempt(system_, time_, step.h, last, controller_.span(), q_.data(), v_.data(),
+                      q_before_.data(), v_before_.data());
+}
+
+void Integrator::accept(const Step& step, Counters& counters) {
+  counters.steps += 1;
+  q_before_.swap(q_);
+  v_before_.swap(v_);
+  before_ = time_;
+  time_ = step.end;
+  fresh_ = false;
+  if (step.scheme == Scheme::verlet) return verlet_.accept(q_, v_, v_before_);
+  if (step.scheme == Scheme::bdf) return bdf_.accept(q_, v_);
+  dop853_.swap_result(q_, v_);
+  system_.project(time_, q_.data(), v_.data());
 }
 
 void Integrator::advance(World& world, double until, Counters& counters) {
   system_.attach(world);
-  const double memory = 0.15 * system_.time_scale();
   while (time_ < until) {
-    refresh(counters);
+    const Scheme scheme = controller_.scheme();
+    if (scheme == Scheme::dop853 || !started_) refresh(counters);
     if (leave_plane(world)) continue;
-    const double left = until - time_;
-    double wish = std::min(step_, Dop853Step::kStable / frequency_);
-    if (options_.step > 0) wish = options_.step;
-    const double parts = std::max(1.0, std::ceil(left / wish - 1e-6));
-    const double h = left / parts;
-    if (!(time_ + h > time_)) throw StepTooSmall{time_};
-    const double error = dop853_.attempt(system_, time_, h, memory, q_.data(), v_.data(), a_.data());
-    counters.solves += kStages - 1;
-    counters.work += (kStages - 1) * system_.work();
+    const Step step = controller_.choose(time_, until, system_.frequency());
+    if (!(time_ + step.h > time_)) throw StepTooSmall{time_};
+    const Outcome outcome = attempt(step, counters);
+    if (getenv("DBG")) fprintf(stderr, "%c t %.5f h %.2e err/all %.3f exc %.4f fh %.3f\n", "dvb"[int(step.scheme)], time_, step.h, outcome.error / step.allowed, outcome.excess, outcome.frequency * step.h);
     if (leave_plane(world)) continue;
-    const double excess = options_.step > 0 ? 0 : error / std::min(0.02, 15 * h) / options_.tolerance;
-    const double scale =
-        std::isfinite(excess) ? 0.9 * std::pow(std::max(excess, 1e-10), -1.0 / 7) : 0.4;
-    step_ = h * std::clamp(scale, 0.2, 4.0);
-    if (!(excess <= 1)) {
+    if (controller_.accept(step, outcome)) {
+      accept(step, counters);
+    } else {
       counters.rejected += 1;
-      continue;
+      // The tensions are those of where the step led.
+      fresh_ = false;
+      if (step.scheme != Scheme::dop853) refresh(counters);
     }
-    dop853_.swap_result(q_, v_);
-    time_ = parts == 1 ? until : time_ + h;
-    system_.project(time_, q_.data(), v_.data());
-    counters.solves += 2;
-    counters.steps += 1;
-    fresh_ = false;
+    if (controller_.scheme() != step.scheme) {
+      if (step.scheme == Scheme::verlet) system_.project(time_, q_.data(), v_.data());
+      started_ = false;
+      counters.handed_over += 1;
+    }
   }
 }
 
-void Integrator::store(World& world) { system_.store(world, q_.data(), v_.data()); }
+void Integrator::store(World& world) {
+  if (time_ == world.time && controller_.scheme() == Scheme::dop853) {
+    return system_.store(world, q_.data(), v_.data());
+  }
+  const double h = time_ - before_;
+  kernels::hermite(q_.size(), h, (world.time - before_) / h, q_before_.data(), v_before_.data(),
+                   q_.data(), v_.data(), q_between_.data(), v_between_.data());
+  system_.project(world.time, q_between_.data(), v_between_.data());
+  system_.store(world, q_between_.data(), v_between_.data());
+  fresh_ = false;
+}
 
 }  // namespace taut::direct

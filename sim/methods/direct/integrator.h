@@ -5,22 +5,21 @@
 
 #include "sim/method.h"
 #include "sim/methods/direct/arena.h"
+#include "sim/methods/direct/bdf.h"
 #include "sim/methods/direct/components.h"
+#include "sim/methods/direct/controller.h"
 #include "sim/methods/direct/dop853.h"
 #include "sim/methods/direct/plane_finder.h"
 #include "sim/methods/direct/system.h"
+#include "sim/methods/direct/verlet.h"
 
 namespace taut::direct {
 
-/// What the user asked for: an error, or a step.
-struct Options {
-  double tolerance = 1e-4;  // m
-  double step = 0;          // s; zero: steps follow from the tolerance
-};
-
+/// Takes steps of the scheme that the controller asks for, past the times at which states are shown
+/// where the scheme is one of small steps, else to just there. What has been shown stays.
 class Integrator {
  public:
-  explicit Integrator(const Options& options) : options_(options) {}
+  explicit Integrator(const Options& options) : controller_(options) {}
   Integrator(const Integrator&) = delete;
 
   /// Room for a component of so many links with so many ends of spans, in a world of so many
@@ -44,22 +43,29 @@ class Integrator {
   };
 
  private:
-  static constexpr std::size_t kArrays = 6 + Dop853Step::kArrays;
+  static constexpr std::size_t kArrays =
+      9 + Dop853Step::kArrays + VerletStep::kArrays + BdfStep::kArrays;
+
   void plan(const World& world, const std::optional<Plane>& plane);
   void refresh(Counters& counters);
   bool leave_plane(World& world);
+  Outcome attempt(const Step& step, Counters& counters);
+  void accept(const Step& step, Counters& counters);
 
   Component component_;
-  Options options_;
+  Controller controller_;
   PlaneFinder planes_;
   System system_;
   Dop853Step dop853_;
+  VerletStep verlet_;
+  BdfStep bdf_;
   Arena arena_;
-  double time_ = 0, planned_at_ = 0;
-  Slice q_, v_, a_;
-  bool fresh_ = false;
-  double frequency_ = 0;
-  double step_ = 0;
+  double time_ = 0, before_ = 0;  // s, of the state and of the one before
+  double planned_at_ = 0;         // s
+  Slice q_, v_, a_, q_before_, v_before_;
+  Slice q_between_, v_between_;  // at a time between the two
+  bool fresh_ = false;           // a_ and the tensions are those of the present state
+  bool started_ = false;         // the scheme of small steps knows a state before
 };
 
 }  // namespace taut::direct

@@ -97,6 +97,20 @@ template <int D>
   }
 }
 
+template <int D>
+[[gnu::always_inline]] inline double shake_loop(std::size_t n, double per_square, In weight, In d,
+                                                Out right) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < n; ++i) {
+    double length = 0;
+    for (std::size_t c = 0; c < D; ++c) length += d[c * n + i] * d[c * n + i];
+    right[i] = weight[i] > 0 ? (length - 1) / 2 : 0;
+  }
+  const double most = largest(n, right);
+  for (std::size_t i = 0; i < n; ++i) right[i] *= weight[i] * per_square;
+  return most;
+}
+
 // Each loop is compiled for two and for three axes, with clones for more than one processor.
 #define TAUT_BOTH(result, name, parameters, arguments)                      \
   TAUT_VECTOR_CLONES result name##_2 parameters { return name##_loop<2> arguments; } \
@@ -110,6 +124,7 @@ TAUT_BOTH(void, lengthening, (std::size_t n, In u, In v, In r, In w, Out o), (n,
 TAUT_BOTH(void, pull, (std::size_t n, In u, In x, In a, In b, In f, In g, Out o),
           (n, u, x, a, b, f, g, o))
 TAUT_BOTH(void, push, (std::size_t n, In u, In x, In a, In b, Out o), (n, u, x, a, b, o))
+TAUT_BOTH(double, shake, (std::size_t n, double p, In w, In d, Out o), (n, p, w, d, o))
 #undef TAUT_BOTH
 
 }  // namespace
@@ -145,6 +160,37 @@ void pull(int axes, std::size_t n, const double* u, const double* x, const doubl
 void push(int axes, std::size_t n, const double* u, const double* x, const double* after,
           const double* before, double* out) {
   (axes == 2 ? push_2 : push_3)(n, u, x, after, before, out);
+}
+
+double shake(int axes, std::size_t n, double per_square, const double* weight, const double* d,
+             double* right) {
+  return (axes == 2 ? shake_2 : shake_3)(n, per_square, weight, d, right);
+}
+
+double steepest(int axes, std::size_t n, const double* x, const double* inverse_rest) {
+  double most = 0;
+  for (std::size_t c = 0; c < static_cast<std::size_t>(axes); ++c) {
+    for (std::size_t i = 0; i < n; ++i) {
+      most = std::max(most, std::abs(x[c * n + i + 1] - x[c * n + i]) * inverse_rest[i]);
+    }
+  }
+  return most;
+}
+
+TAUT_VECTOR_CLONES
+void hermite(std::size_t n, double h, double s, const double* q0, const double* v0,
+             const double* q1, const double* v1, double* __restrict q, double* __restrict v) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double start = h * v0[i], end = h * v1[i], gone = q1[i] - q0[i];
+    const double c2 = 3 * gone - 2 * start - end, c3 = start + end - 2 * gone;
+    q[i] = q0[i] + s * (start + s * (c2 + s * c3));
+    v[i] = (start + s * (2 * c2 + s * 3 * c3)) / h;
+  }
+}
+
+TAUT_VECTOR_CLONES
+void add(std::size_t n, double factor, const double* __restrict x, double* __restrict y) {
+  for (std::size_t i = 0; i < n; ++i) y[i] += factor * x[i];
 }
 
 TAUT_VECTOR_CLONES

@@ -39,6 +39,21 @@ void pull(int axes, std::size_t n, const double* u, const double* x, const doubl
 void push(int axes, std::size_t n, const double* u, const double* x, const double* after,
           const double* before, double* out);
 
+/// right_i = weight_i per_square (|d_i|^2 - 1) / 2: the pull that keeps the lengths of links d, over
+/// the time whose square is 1 / per_square. Returns the largest of (|d|^2 - 1) / 2.
+double shake(int axes, std::size_t n, double per_square, const double* weight, const double* d,
+             double* right);
+
+/// The largest |x_{i+1} - x_i| / rest_i of any axis.
+double steepest(int axes, std::size_t n, const double* x, const double* inverse_rest);
+
+/// The state at the share s of a step of h (s) from one state to another, by Hermite's cubic.
+void hermite(std::size_t n, double h, double s, const double* q0, const double* v0,
+             const double* q1, const double* v1, double* q, double* v);
+
+/// y += factor x.
+void add(std::size_t n, double factor, const double* x, double* y);
+
 /// The sum of squares of n numbers, four sums at a time.
 double squares(std::size_t n, const double* x);
 

@@ -13,6 +13,9 @@ Quat quaternion(const double* c) {
   return {c[0], c[1], c[2], c[3]};
 }
 
+/// The slowest motion that errors are looked at in, as a share of a pendulum's time scale.
+constexpr double kMemory = 0.3;
+
 Vec3 vector(const double* c) {
   return {c[0], c[1], c[2]};
 }
@@ -161,9 +164,17 @@ void System::acceleration(double time, double* q, double* v, double* a) {
   kernels::centripetal(axes_, stride_, v, inverse_rest_, weight_, right_);
   add_ends(true);
   solve();
+  note_tensions();
   kernels::pull(axes_, stride_, u_, unknown_, after_, before_, falls_, gravity_axes_, a);
   move_bodies(q, a);
   std::fill(a + size() - kLanes, a + size(), 0.0);
+}
+
+void System::note_tensions() {
+  frequency_ = std::sqrt(largest(stride_, unknown_, wave_));
+  for (std::size_t i = 0; i < stride_; ++i) {
+    stiffness_[i] = std::max(tension_of(i), 0.0) * inverse_rest_[i];
+  }
 }
 
 void System::place(double time, double* q, double* v) {
@@ -172,8 +183,9 @@ void System::place(double time, double* q, double* v) {
   read_holds(time, q, v);
 }
 
-/// Moves bodies, or changes their velocities, by what the unknowns pull.
-void System::shift_bodies(double* q, double* v, bool rates) {
+/// Moves bodies by `place` times what the unknowns pull, and changes their velocities by `speed`
+/// times that.
+void System::shift_bodies(double place, double speed, double* q, double* v) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const RigidBody& body = bodies_[b];
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
@@ -182,40 +194,134 @@ void System::shift_bodies(double* q, double* v, bool rates) {
       force += pull;
       torque += ends_[e].arm.cross(pull);
     }
-    double* out = (rates ? v : q) + body_at(b);
     const Vec3 shift = force / body.mass, turn = body.world_inverse_inertia * torque / 2;
-    const Quat change =
-        Quat(0, turn.x(), turn.y(), turn.z()) * quaternion(q + body_at(b) + 3);
-    out[0] += shift.x(), out[1] += shift.y(), out[2] += shift.z();
-    out[3] += change.w(), out[4] += change.x(), out[5] += change.y(), out[6] += change.z();
+    const Quat change = Quat(0, turn.x(), turn.y(), turn.z()) * quaternion(q + body_at(b) + 3);
+    const double all[7] = {shift.x(),  shift.y(),  shift.z(), change.w(),
+                           change.x(), change.y(), change.z()};
+    for (std::size_t k = 0; k < 7; ++k) {
+      q[body_at(b) + k] += place * all[k];
+      v[body_at(b) + k] += speed * all[k];
+    }
   }
+}
+
+/// Sets up the tensions' system of where q is.
+void System::assemble(const double* q) {
+  kernels::directions(axes_, stride_, q, inverse_rest_, u_);
+  kernels::neighbours(axes_, stride_, u_, beside_, apart_, off_, turned_);
+}
+
+void System::unit_quaternions(double* q, double* v) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Eigen::Map<Eigen::Vector4d> p(q + body_at(b) + 3), r(v + body_at(b) + 3);
+    p.normalize();
+    r -= p.dot(r) * p;
+  }
+}
+
+/// Stops what velocities change lengths; the system is that of q.
+void System::stop_lengthening(double* q, double* v) {
+  kernels::lengthening(axes_, stride_, u_, v, inverse_rest_, weight_, right_);
+  add_ends(false);
+  solve();
+  kernels::push(axes_, stride_, u_, unknown_, after_, before_, v);
+  shift_bodies(0, 1, q, v);
 }
 
 void System::project(double time, double* q, double* v) {
   constexpr int kRounds = 8;
   constexpr double kRounding = 4e-16;  // of a length
   for (int round = 0;; ++round) {
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      Eigen::Map<Eigen::Vector4d> p(q + body_at(b) + 3), r(v + body_at(b) + 3);
-      p.normalize();
-      r -= p.dot(r) * p;
-    }
+    unit_quaternions(q, v);
     place(time, q, v);
-    kernels::directions(axes_, stride_, q, inverse_rest_, u_);
-    kernels::neighbours(axes_, stride_, u_, beside_, apart_, off_, turned_);
+    assemble(q);
     const double most = kernels::excess(axes_, stride_, u_, weight_, right_);
     if (most <= kRounding || round == kRounds) break;
     add_ends(false);
     solve();
     kernels::push(axes_, stride_, u_, unknown_, after_, before_, q);
-    shift_bodies(q, v, false);
+    shift_bodies(1, 0, q, v);
   }
-  kernels::lengthening(axes_, stride_, u_, v, inverse_rest_, weight_, right_);
+  stop_lengthening(q, v);
+  if (floats_) keep_angular_momentum(q, v);
+}
+
+double System::accumulated(double span, double saturation, double* a) {
+  clear_held(a);
+  const double size = norm(a), memory = kMemory * time_scale();
+  factor_waves(1 / (memory * memory));
+  solve_waves(a);
+  const double displacement = norm(a);
+  if (!(displacement > 0)) return displacement;
+  const double frequency = std::sqrt(size / displacement);
+  const double grown = std::max(1.0, frequency * span / 2);
+  return displacement * std::min(saturation / (frequency * frequency), grown);
+}
+
+double System::keep(double time, double per_time, double* q, double* v) {
+  unit_quaternions(q, v);
+  place(time, q, v);
+  assemble(q);
+  const double most = kernels::excess(axes_, stride_, u_, weight_, right_);
   add_ends(false);
   solve();
-  kernels::push(axes_, stride_, u_, unknown_, after_, before_, v);
-  shift_bodies(q, v, true);
-  if (floats_) keep_angular_momentum(q, v);
+  std::fill_n(work_u_, bodies_at(), 0.0);
+  kernels::push(axes_, stride_, u_, unknown_, after_, before_, work_u_);
+  kernels::add(bodies_at(), 1, work_u_, q);
+  kernels::add(bodies_at(), per_time, work_u_, v);
+  shift_bodies(1, per_time, q, v);
+  unit_quaternions(q, v);
+  place(time, q, v);
+  assemble(q);
+  stop_lengthening(q, v);
+  return most;
+}
+
+double System::shake(double time, double factor, double* q, double* next, double* v) {
+  assemble(q);
+  add_ends(false);
+  kernels::pull(axes_, stride_, u_, unknown_, after_, before_, falls_, gravity_axes_, work_u_);
+  kernels::add(bodies_at(), factor, work_u_, next);
+  place(time, next, v);
+  kernels::directions(axes_, stride_, next, inverse_rest_, work_u_);
+  const double most = kernels::shake(axes_, stride_, 1 / factor, weight_, work_u_, right_);
+  std::copy_n(unknown_, stride_, change_);
+  solve();
+  std::fill_n(work_u_, bodies_at(), 0.0);
+  kernels::push(axes_, stride_, u_, unknown_, after_, before_, work_u_);
+  kernels::add(bodies_at(), factor, work_u_, next);
+  kernels::add(stride_, 1, change_, unknown_);
+  note_tensions();
+  return most;
+}
+
+void System::clear_held(double* array) const {
+  for (const End& end : ends_) set(array, end.point, Vec3::Zero());
+}
+
+void System::factor_waves(double sigma_squared) {
+  for (std::size_t i = 0; i < points_; ++i) {
+    const bool held = held_[i];
+    const double before = stiffness_[i - 1], after = stiffness_[i];
+    pivot_[i] = held ? 1 : sigma_squared / inverse_mass_[i] + before + after;
+    up_[i] = held ? 0 : after;
+    down_[i] = held_[i + 1] ? 0 : after;
+  }
+  factor_twisted(points_, pivot_, up_, down_, work_space_);
+  sigma_squared_ = sigma_squared;
+}
+
+void System::solve_waves(double* x) const {
+  for (int c = 0; c < axes_; ++c) {
+    double* r = x + row(c);
+    for (std::size_t i = 0; i < points_; ++i) r[i] = held_[i] ? 0 : r[i] / inverse_mass_[i];
+  }
+  solve_twisted(points_, pivot_, up_, down_, axes_, stride_, x);
+  for (std::size_t k = bodies_at(); k < size() - kLanes; ++k) x[k] /= sigma_squared_;
+}
+
+double System::turning(const double* x) const {
+  return kernels::steepest(axes_, stride_, x, inverse_rest_);
 }
 
 double System::norm(const double* change) const {
@@ -230,9 +336,6 @@ double System::norm(const double* change) const {
   return std::sqrt(sum / static_cast<double>(points_ + bodies_.size()));
 }
 
-double System::frequency() const {
-  return std::sqrt(largest(stride_, unknown_, wave_));
-}
 
 double System::tension(std::size_t span) const {
   return tension_of(spans_[span].first_link);

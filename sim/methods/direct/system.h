@@ -59,7 +59,7 @@ class System {
   double norm(const double* change) const;
   /// An upper bound of the frequencies (rad/s) of the transverse waves under the last tensions
   /// (Gershgorin's; for a row of equal links it is exact).
-  double frequency() const;
+  double frequency() const { return frequency_; }
   /// N, of the first link of the component's k-th span, as of the last acceleration().
   double tension(std::size_t span) const;
   /// The acceleration by which a hold has left the plane since load(), if one has.
@@ -70,21 +70,41 @@ class System {
   double gravity() const { return world_->gravity.norm(); }   // m/s^2
   double time_scale() const;                                  // s, of a pendulum of that length
   std::size_t points() const { return points_; }
+  /// The largest difference of `x` (m/s, m/s^2) between the ends of a link, over its length.
+  double turning(const double* x) const;
   bool has_bodies() const { return !bodies_.empty(); }
   /// The cycles (see Counters::work) of an acceleration and of what a scheme makes of it.
   double work() const { return work_; }
 
-  // Of schemes in the places of points (position Verlet, BDF), where there are no bodies.
+  // For schemes in the places of points, where there are no bodies (position Verlet).
 
-  /// Adds to q (of held points: nothing) `factor` (s^2) times what gravity and the last tensions
-  /// along the directions of `along` do.
-  void drift(double factor, const double* along, double* q);
-  /// Moves what is held in q to its place at `time`.
+  /// Moves what is held to its place at `time`.
   void place(double time, double* q, double* v);
-  /// Changes the last tensions, along the directions of `along`, so that lengths hold where they
-  /// lead q in the time whose square is `factor` (s^2), by one linear system. Writes what of q that
-  /// changed; returns the most (of its length) that a link was off before.
-  double restore(double factor, const double* along, double* q, double* moved);
+  /// Adds to `next`, where points would go from q until `time` without forces, `factor` (s^2) times
+  /// the accelerations by gravity and by those tensions along the links of q that keep the lengths
+  /// there; by one linear system, from the last tensions. Returns the most (of its length) that a
+  /// link was off by those.
+  double shake(double time, double factor, double* q, double* next, double* v);
+  /// Makes zero what an array has for held points.
+  void clear_held(double* array) const;
+
+  /// One round of project(), in which velocities change by `per_time` (1/s) times what places do.
+  /// Returns the most (of its length) that a link was off before.
+  double keep(double time, double per_time, double* q, double* v);
+
+  /// The RMS displacement (m) that lasting errors `a` of the accelerations (m/s^2) amount to in the
+  /// time `span` (s): a wave of frequency w under the last tensions is driven at its resonance by
+  /// a w span / 2 of its static displacement a / w^2, but at most by `saturation` / w^2 of that, its
+  /// own amplitude. Spoils `a`.
+  double accumulated(double span, double saturation, double* a);
+
+  // For implicit schemes: the transverse waves that the last tensions carry, M^-1 K, with K the
+  // tridiagonal stiffness of links that pull.
+
+  /// Factors sigma_squared + M^-1 K.
+  void factor_waves(double sigma_squared);
+  /// Solves for one right side in place.
+  void solve_waves(double* x) const;
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -142,7 +162,11 @@ class System {
   void solve();
   void add_couplings();
   void move_bodies(const double* q, double* out);
-  void shift_bodies(double* q, double* v, bool rates);
+  void shift_bodies(double place, double speed, double* q, double* v);
+  void assemble(const double* q);
+  void note_tensions();
+  void unit_quaternions(double* q, double* v) const;
+  void stop_lengthening(double* q, double* v);
 
   // The state (system_state.cpp).
   struct Rotary {
@@ -210,7 +234,11 @@ class System {
   // The system, see solve_chain(). Links of different spans are no neighbours: as if at right
   // angles, where `apart_` is what that makes of turned_.
   double *near_, *far_, *apart_, *off_, *turned_, *right_, *unknown_;
-  double *diagonal_, *change_;  // of restore()
+  double* change_;                // of shake()
+  double* stiffness_;             // N/m, of links that pull, by the last tensions
+  double *pivot_, *up_, *down_;   // of factor_waves()
+  double sigma_squared_ = 1;      // 1/s^2
+  double frequency_ = 0;          // rad/s
   double *u_, *work_u_;         // directions, three rows each
   double* work_space_;          // three rows
   double gravity_axes_[3] = {};

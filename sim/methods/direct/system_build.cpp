@@ -23,7 +23,7 @@ void System::reserve(std::size_t points, std::size_t ends, std::size_t bodies) {
   link_rest_.reserve(room);
   held_.reserve(room);
   point_of_.reserve(room);
-  arena_.reserve(26 * (room + 3 * kLanes));
+  arena_.reserve(32 * (room + 3 * kLanes));
   spans_.reserve(ends);
   ends_.reserve(ends);
   body_ends_.reserve(ends);
@@ -158,12 +158,12 @@ void System::add_span(const World& world, const SpanRange& range) {
 
 void System::lay_out() {
   points_ = point_mass_.size();
+  held_.push_back(true);  // behind the last point
   stride_ = (points_ + 1 + kLanes - 1) / kLanes * kLanes;
   const std::size_t room = stride_ + 2 * kLanes;
   double** const rows[] = {&rest_,  &inverse_rest_, &inverse_mass_, &falls_, &scale_,    &beside_,
                            &weight_, &after_,       &before_,       &wave_,  &near_,     &far_,
-                           &apart_,  &off_,         &turned_,       &right_, &unknown_,  &diagonal_,
-                           &change_};
+                           &apart_,  &off_,         &turned_,       &right_, &unknown_,  &change_, &stiffness_, &pivot_, &up_, &down_};
   constexpr std::size_t kRows = std::size(rows);
   arena_.assign((kRows + 3) * room + 2 * (3 * stride_ + 2 * kLanes), 0.0);
   double* next = arena_.data() + kLanes;
