@@ -1,0 +1,77 @@
+#include "tests/bench/promise/reference.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/simulation.h"
+#include "sim/study/accuracy.h"
+#include "sim/study/run.h"
+#include "sim/truth/truth.h"
+
+namespace taut::promise {
+namespace {
+
+constexpr double kLocalError =
+    1e-12;                         // of the length; least growths leave it below every tolerance
+constexpr double kFinest = 1e-15;  // m, the least that the solver takes
+constexpr int kSlices = 16;        // of a frame, between two looks at the clock
+
+double distance(const Vec3& a, const Vec3& b, double) {
+  return (a - b).norm();
+}
+
+/// The world with its particles moved, and its free bodies: turned by what moves their radius of
+/// gyration as far or, `rough`, moved.
+World twin(World world, double distance, bool rough) {
+  const Vec3 side = Vec3(2, -1, 0.5).normalized();  // across what particles are moved along
+  for (Body& body : world.bodies) {
+    const MassProperties& properties = body.mass_properties;
+    const double radius = std::sqrt(properties.inertia.trace() / 2 / properties.mass);
+    if (rough) {
+      body.position += distance * side;
+    } else {
+      body.rotation = Quat(Eigen::AngleAxisd(distance / radius, side)) * body.rotation;
+    }
+  }
+  return nudged(std::move(world), distance, rough);
+}
+
+}  // namespace
+
+Reference make_reference(const Drawn& drawn, double cap) {
+  const double nudge = kNudge * drawn.length;
+  const Settings settings{{"local_error", std::max(kFinest, kLocalError * drawn.length)}};
+  Simulation truth(drawn.world, make_method("truth", settings));
+  Simulation smooth(twin(drawn.world, nudge, false), make_method("truth", settings));
+  Simulation rough(twin(drawn.world, nudge, true), make_method("truth", settings));
+  Reference reference;
+  const double start = thread_seconds();
+  double before = 0;
+  try {
+    for (const double time : frame_times(kDuration, kFps)) {
+      for (int slice = 1; slice <= kSlices; ++slice) {
+        const double until = slice == kSlices ? time : before + (time - before) * slice / kSlices;
+        for (Simulation* simulation : {&truth, &smooth, &rough}) simulation->advance_to(until);
+        reference.cpu = thread_seconds() - start;
+        if (reference.cpu > cap) {
+          reference.end = Reference::End::over_cap;
+          return reference;
+        }
+      }
+      before = time;
+      Snapshot frame = truth.state();
+      const double parted = std::max(frame_error(smooth.state(), frame, distance),
+                                     frame_error(rough.state(), frame, distance)) /
+                            nudge;
+      if (parted > kGrowth) break;
+      frame.bodies.clear();
+      reference.frames.push_back(std::move(frame));
+      reference.growth = parted;
+    }
+  } catch (const Diverged&) {
+    reference.end = Reference::End::failed;
+  }
+  return reference;
+}
+
+}  // namespace taut::promise

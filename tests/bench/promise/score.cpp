@@ -1,0 +1,49 @@
+#include "tests/bench/promise/score.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "sim/study/accuracy.h"
+#include "sim/study/run.h"
+
+namespace taut::promise {
+namespace {
+
+double distance(const Vec3& a, const Vec3& b, double) {
+  return (a - b).norm();
+}
+
+double largest(const Run& run, const Reference& reference) {
+  if (run.frames.size() < reference.frames.size()) return std::numeric_limits<double>::infinity();
+  double error = 0;
+  for (std::size_t k = 0; k < reference.frames.size(); ++k) {
+    error = std::max(error, frame_error(run.frames[k], reference.frames[k], distance));
+  }
+  return error;
+}
+
+}  // namespace
+
+Score score(const Drawn& drawn, const Reference& reference, Candidate candidate, double tolerance,
+            double cap) {
+  const double allowed = tolerance * drawn.length;
+  candidate.settings["tolerance"] = allowed;
+  const Run result = run({drawn.world, frame_times(kDuration, kFps)}, candidate, cap);
+  Score score;
+  score.seed = drawn.seed;
+  score.kind = drawn.kind;
+  score.particles = drawn.particles;
+  score.ratio = drawn.ratio;
+  score.tolerance = tolerance;
+  score.error = largest(result, reference) / allowed;
+  score.horizon = reference.horizon();
+  score.growth = reference.growth;
+  const double simulated = result.reached > 0 ? result.reached : 1;
+  score.solves = static_cast<double>(result.counters.solves) / simulated;
+  score.rejected = static_cast<double>(result.counters.rejected) / simulated;
+  score.ms = 1e3 * result.cpu / simulated;
+  score.diverged = result.end == Run::End::diverged;
+  return score;
+}
+
+}  // namespace taut::promise
