@@ -26,8 +26,7 @@ void Controller::begin(const Component& component, double frequency, double firs
   component_ = component;
   const double h = std::min(first_step, constants_.stable[1] / frequency);
   step_ = {h, h, h};
-  const bool coarse = options_.step == 0 && options_.tolerance > constants_.coarse * component.length;
-  scheme_ = component.only_bodies_free && coarse ? Scheme::verlet : Scheme::dop853;
+  scheme_ = Scheme::dop853;
   refused_ = 0;
 }
 
@@ -99,7 +98,7 @@ void Controller::choose_scheme(const Step& step, const Outcome& outcome) {
       change_to(Scheme::bdf, h / 2);
     }
   } else if (std::min(h, longest()) / cost[2] < limit / cost[1]) {
-    change_to(Scheme::verlet, std::min(h, limit));
+    change_to(Scheme::dop853, std::min(careful_limit, 4 * limit));
   }
 }
 

@@ -22,7 +22,7 @@ struct Constants {
   /// The time that an error of speed counts for, in those of a pendulum, sqrt(L/g).
   double memory = 0.15;
   /// The time in which errors of order 2 accumulate, in the same.
-  double span = 6;
+  double span = 4;
   /// What a step costs, in accelerations.
   std::array<double, kSchemes> cost = {14, 1.2, 2.5};
   /// The frequency (rad) times the step up to which the explicit schemes are stable while tensions
@@ -37,8 +37,6 @@ struct Constants {
   double most_excess = 0.03;
   /// Another scheme has to be so many times as fast.
   double worthwhile = 1.3;
-  /// Steps begin with position Verlet where the tolerance is this share of the length.
-  double coarse = 1e-4;
   /// Errors of a step may be this share of a link, or links fold.
   double roughness = 0.3;
   /// s, of any step; where ends are driven, of one that no shown state ends.

@@ -152,7 +152,7 @@ Outcome Dop853Step::attempt(System& system, double time, double h, double memory
   outcome.error = blend > 0 ? error5 * error5 / blend : blend;
   // What position Verlet would err by in a step of `verlet`.
   bend(size, verlet * verlet / (12 * h * h), a[0], a[9], a[11], error_q_.data());
-  outcome.bent = system.accumulated(span, 2 / (verlet * verlet), error_q_.data());
+  outcome.bent = system.accumulated(span, 4 / (verlet * verlet), error_q_.data());
   outcome.frequency = system.frequency();
   return outcome;
 }

@@ -28,6 +28,10 @@ class Dop853Step {
     v_.swap(v);
   }
 
+  /// The acceleration at this share of the last step that was tried.
+  static constexpr double kInner = 0.6;
+  const double* inner() const { return accelerations_[9].data(); }
+
   /// The order by which the error estimate falls with h, for step control.
   static constexpr double kErrorOrder = 8;
   /// Steps are stable for frequencies (rad/s) up to 5.9 / h; less, as tensions rise in a step.

@@ -35,7 +35,8 @@ void Integrator::plan(const World& world, const std::optional<Plane>& plane) {
   planned_at_ = world.time;
   system_.rebuild(world, component_, plane);
   arena_.reset(kArrays, system_.size());
-  for (Slice* slice : {&q_, &v_, &a_, &q_before_, &v_before_, &q_between_, &v_between_}) {
+  for (Slice* slice : {&q_, &v_, &a_, &q_before_, &v_before_, &q_between_, &v_between_, &first_,
+                       &inner_}) {
     *slice = arena_.make();
   }
   dop853_.make_arrays(arena_);
@@ -97,12 +98,13 @@ Outcome Integrator::attempt(const Step& step, Counters& counters) {
   }
   if (!started_) {
     refresh(counters);
-    before_ = time_ - step.h;
     if (step.scheme == Scheme::verlet) {
-      verlet_.begin(step.h, q_.data(), v_.data(), a_.data(), q_before_.data());
+      verlet_.begin(step.h, q_.data(), v_.data(), a_.data(),
+                    {inner_at_, inner_.data()}, {before_, first_.data()}, q_before_.data());
     } else {
       bdf_.begin(step.h, q_.data(), v_.data(), a_.data(), q_before_.data(), v_before_.data());
     }
+    before_ = time_ - step.h;
     started_ = true;
   }
   counters.solves += 1;
@@ -126,6 +128,9 @@ void Integrator::accept(const Step& step, Counters& counters) {
   fresh_ = false;
   if (step.scheme == Scheme::verlet) return verlet_.accept(q_, v_, v_before_);
   if (step.scheme == Scheme::bdf) return bdf_.accept(q_, v_);
+  std::copy(a_.begin(), a_.end(), first_.begin());
+  std::copy_n(dop853_.inner(), inner_.size(), inner_.begin());
+  inner_at_ = before_ + Dop853Step::kInner * (time_ - before_);
   dop853_.swap_result(q_, v_);
   system_.project(time_, q_.data(), v_.data());
 }

@@ -44,7 +44,7 @@ class Integrator {
 
  private:
   static constexpr std::size_t kArrays =
-      9 + Dop853Step::kArrays + VerletStep::kArrays + BdfStep::kArrays;
+      11 + Dop853Step::kArrays + VerletStep::kArrays + BdfStep::kArrays;
 
   void plan(const World& world, const std::optional<Plane>& plane);
   void refresh(Counters& counters);
@@ -63,6 +63,8 @@ class Integrator {
   double time_ = 0, before_ = 0;  // s, of the state and of the one before
   double planned_at_ = 0;         // s
   Slice q_, v_, a_, q_before_, v_before_;
+  Slice first_, inner_;          // accelerations at the start of dop853's last step and in it
+  double inner_at_ = 0;          // s
   Slice q_between_, v_between_;  // at a time between the two
   bool fresh_ = false;           // a_ and the tensions are those of the present state
   bool started_ = false;         // the scheme of small steps knows a state before

@@ -15,7 +15,7 @@ void look_back(std::size_t n, double h, In q, In v, In a, Out before) {
   for (std::size_t i = 0; i < n; ++i) before[i] = q[i] - h * (v[i] - h / 2 * a[i]);
 }
 
-constexpr double kSaturation = 2;
+constexpr double kSaturation = 4;
 
 /// Where points go without forces.
 TAUT_VECTOR_CLONES
@@ -58,10 +58,12 @@ void VerletStep::make_arrays(Arena& arena) {
 }
 
 void VerletStep::begin(double h, const double* q, const double* v, const double* a,
-                       double* q_before) {
+                       const Known& old, const Known& older, double* q_before) {
   look_back(q_.size(), h, q, v, a, q_before);
-  for (const Slice& slice : {old_, older_}) std::copy_n(a, slice.size(), slice.begin());
-  known_ = 0;
+  std::copy_n(old.a, old_.size(), old_.begin());
+  std::copy_n(older.a, older_.size(), older_.begin());
+  old_at_ = old.at;
+  older_at_ = older.at;
 }
 
 Outcome VerletStep::attempt(System& system, double time, double h, double last,
@@ -76,8 +78,7 @@ Outcome VerletStep::attempt(System& system, double time, double h, double last,
        error_.data());
   velocities(size, h, last, q_before, q, q_.data(), v_between_.data(), v_.data());
   // Its acceleration errs by (h w)^2 / 12.
-  // The first two accelerations tell nothing of a second derivative.
-  const double error = known_ < 2 ? 0 : system.accumulated(memory, kSaturation / (h * h), error_.data());
+  const double error = system.accumulated(memory, kSaturation / (h * h), error_.data());
   return {.error = error, .excess = excess, .frequency = system.frequency()};
 }
 
@@ -89,7 +90,6 @@ void VerletStep::accept(Slice& q, Slice& v, Slice& v_before) {
   old_.swap(new_);
   older_at_ = old_at_;
   old_at_ = at_;
-  ++known_;
 }
 
 }  // namespace taut::direct

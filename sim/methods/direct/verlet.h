@@ -16,9 +16,16 @@ class VerletStep {
   /// Takes its arrays from `arena`.
   void make_arrays(Arena& arena);
 
+  /// An acceleration at some time (s).
+  struct Known {
+    double at = 0;
+    const double* a = nullptr;
+  };
   /// Begins at (q, v) with acceleration a as if a step of h (s) had led there, of which the last
-  /// tensions are; writes where that would have begun.
-  void begin(double h, const double* q, const double* v, const double* a, double* q_before);
+  /// tensions are; writes where that would have begun. Two earlier accelerations, the later one
+  /// first, are for the error estimate.
+  void begin(double h, const double* q, const double* v, const double* a, const Known& old,
+             const Known& older, double* q_before);
 
   /// Tries a step of h (s) from q at `time`, where one of `last` (s) from q_before led. The result
   /// is left for accept().
@@ -37,7 +44,6 @@ class VerletStep {
 
  private:
   Slice q_, v_, v_between_, error_, new_, old_, older_;
-  int known_ = 0;                // steps since begin()
   double at_ = 0, old_at_ = 0, older_at_ = 0;  // s, of those accelerations
 };
 
