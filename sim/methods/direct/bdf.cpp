@@ -91,8 +91,8 @@ void BdfStep::begin(double h, const double* q, const double* v, const double* a,
 /// beta. What the formula errs by goes through the same system, which takes from it the waves that
 /// it damps.
 Outcome BdfStep::attempt(System& system, double time, double h, double last, double memory,
-                                  const double* q, const double* v, const double* q_before,
-                                  const double* v_before) {
+                         const double* q, const double* v, const double* q_before,
+                         const double* v_before) {
   const Formula f(h, last);
   const std::size_t size = q_.size();
   predict(size, h, last, f, q, v, q_before, v_before, older_.data(), old_.data(), known_.data(),
@@ -104,8 +104,8 @@ Outcome BdfStep::attempt(System& system, double time, double h, double last, dou
   correct(size, 1 / f.beta, x_.data(), q_.data(), v_.data());
   const double frequency = system.frequency();
   const double excess = system.keep(time + h, 1 / f.beta, q_.data(), v_.data());
-  errors(size, h, last, f, known_.data(), older_.data(), old_.data(), v_.data(), first_, new_.data(),
-         x_.data());
+  errors(size, h, last, f, known_.data(), older_.data(), old_.data(), v_.data(), first_,
+         new_.data(), x_.data());
   return {.error = system.accumulated(memory, 3 / (h * h), x_.data()),
           .excess = excess,
           .frequency = frequency};

@@ -24,8 +24,7 @@ class BdfStep {
   /// Tries a step of h (s) from (q, v) at `time`, where one of `last` (s) from (q_before, v_before)
   /// led. The result is left for accept(). An error of speed counts for `memory` (s).
   Outcome attempt(System& system, double time, double h, double last, double memory,
-                  const double* q, const double* v, const double* q_before,
-                  const double* v_before);
+                  const double* q, const double* v, const double* q_before, const double* v_before);
 
   /// Swaps the result of the last attempt with the caller's state.
   void accept(Slice& q, Slice& v);

@@ -60,7 +60,8 @@ bool Controller::accept(const Step& step, const Outcome& outcome) {
   }
   // Errors as a share of what is allowed grow with the step's power 7, or 2.
   const double power = runge_kutta ? -1.0 / 7 : -0.5, most = runge_kutta ? 4 : 1.5;
-  const double scale = std::isfinite(excess) ? constants_.safety * std::pow(excess + 1e-12, power) : 0.2;
+  const double scale =
+      std::isfinite(excess) ? constants_.safety * std::pow(excess + 1e-12, power) : 0.2;
   step_[s] = step.h * std::clamp(scale, 0.2, most);
   const bool good = excess <= (runge_kutta ? 1 : constants_.refused);
   refused_ = good ? 0 : refused_ + 1;

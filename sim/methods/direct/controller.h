@@ -18,7 +18,7 @@ inline constexpr std::size_t kSchemes = 3;
 struct Constants {
   /// What the errors of dop853's steps may add up to in a second by its estimate, in tolerances;
   /// and what the error of a scheme of order 2 may be at any time.
-  double rate = 300, share = 0.3;
+  double rate = 60, share = 0.1;
   /// The time that an error of speed counts for, in those of a pendulum, sqrt(L/g).
   double memory = 0.15;
   /// The time in which errors of order 2 accumulate, in the same.
@@ -46,9 +46,9 @@ struct Constants {
 /// A step to be taken.
 struct Step {
   Scheme scheme = Scheme::dop853;
-  double h = 0;         // s
-  double end = 0;       // s
-  double allowed = 0;   // m, the error
+  double h = 0;        // s
+  double end = 0;      // s
+  double allowed = 0;  // m, the error
 };
 
 /// How it went.
@@ -56,7 +56,7 @@ struct Outcome {
   double error = 0;      // m, estimated
   double excess = 0;     // of its length, the most that a link was off
   double frequency = 0;  // rad/s, of the waves at its end
-  double bent = 0;       // m, of dop853: the error that a step of Verlet's at its stability limit has
+  double bent = 0;  // m, of dop853: the error that a step of Verlet's at its stability limit has
 };
 
 class Controller {
@@ -95,7 +95,7 @@ class Controller {
   Scheme scheme_ = Scheme::dop853;
   std::array<double, kSchemes> step_{};  // s, what errors allow each scheme, as last known
   int refused_ = 0;                      // in a row
-  double longest_shown_ = 0;  // s, between two shown states
+  double longest_shown_ = 0;             // s, between two shown states
 };
 
 }  // namespace taut::direct

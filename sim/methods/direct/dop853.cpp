@@ -110,7 +110,8 @@ void error_of_order_3(std::size_t n, double h, const double* const* a, double* q
   error_loop<kPositionError3, kDop853.error3>(n, h, a, q, rate);
 }
 
-/// `scale` times the second difference over the step, by the accelerations at its nodes 0, 0.6 and 1.
+/// `scale` times the second difference over the step, by the accelerations at its nodes 0, 0.6
+/// and 1.
 TAUT_VECTOR_CLONES
 void bend(std::size_t n, double scale, const double* a, const double* b, const double* c,
           double* __restrict out) {
@@ -127,16 +128,14 @@ void Dop853Step::make_arrays(Arena& arena) {
 }
 
 Outcome Dop853Step::attempt(System& system, double time, double h, double memory, const double* q,
-                           const double* v, const double* first, double verlet,
-                            double span) {
+                            const double* v, const double* first, double verlet, double span) {
   const double* a[kStages];
   a[0] = first;
   for (int s = 1; s < kStages; ++s) a[s] = accelerations_[s].data();
   const std::size_t size = q_.size();
   for (int s = 1; s < kStages; ++s) {
     stage_state(s, size, h, q, v, a, q_.data(), v_.data());
-    system.acceleration(time + kDop853.node[s] * h, q_.data(), v_.data(),
-                        accelerations_[s].data());
+    system.acceleration(time + kDop853.node[s] * h, q_.data(), v_.data(), accelerations_[s].data());
   }
   end_state(size, h, q, v, a, q_.data(), v_.data());
   const auto norm = [&] {

@@ -20,7 +20,7 @@ class Dop853Step {
   /// for swap_result(); returns the estimated error (m) of place and speed, an error of speed
   /// counting for `memory` (s).
   Outcome attempt(System& system, double time, double h, double memory, const double* q,
-                 const double* v, const double* first, double verlet, double span);
+                  const double* v, const double* first, double verlet, double span);
 
   /// Swaps the result of the last attempt with the caller's state.
   void swap_result(Slice& q, Slice& v) {

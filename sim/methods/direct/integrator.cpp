@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "sim/methods/direct/kernels.h"
 
@@ -35,8 +33,8 @@ void Integrator::plan(const World& world, const std::optional<Plane>& plane) {
   planned_at_ = world.time;
   system_.rebuild(world, component_, plane);
   arena_.reset(kArrays, system_.size());
-  for (Slice* slice : {&q_, &v_, &a_, &q_before_, &v_before_, &q_between_, &v_between_, &first_,
-                       &inner_}) {
+  for (Slice* slice :
+       {&q_, &v_, &a_, &q_before_, &v_before_, &q_between_, &v_between_, &first_, &inner_}) {
     *slice = arena_.make();
   }
   dop853_.make_arrays(arena_);
@@ -99,8 +97,8 @@ Outcome Integrator::attempt(const Step& step, Counters& counters) {
   if (!started_) {
     refresh(counters);
     if (step.scheme == Scheme::verlet) {
-      verlet_.begin(step.h, q_.data(), v_.data(), a_.data(),
-                    {inner_at_, inner_.data()}, {before_, first_.data()}, q_before_.data());
+      verlet_.begin(step.h, q_.data(), v_.data(), a_.data(), {inner_at_, inner_.data()},
+                    {before_, first_.data()}, q_before_.data());
     } else {
       bdf_.begin(step.h, q_.data(), v_.data(), a_.data(), q_before_.data(), v_before_.data());
     }
@@ -112,7 +110,8 @@ Outcome Integrator::attempt(const Step& step, Counters& counters) {
   fresh_ = false;
   if (step.scheme == Scheme::verlet) {
     counters.work += system_.work();
-    return verlet_.attempt(system_, time_, step.h, last, controller_.span(), q_.data(), q_before_.data());
+    return verlet_.attempt(system_, time_, step.h, last, controller_.span(), q_.data(),
+                           q_before_.data());
   }
   counters.work += 2 * system_.work();
   return bdf_.attempt(system_, time_, step.h, last, controller_.span(), q_.data(), v_.data(),
@@ -144,7 +143,6 @@ void Integrator::advance(World& world, double until, Counters& counters) {
     const Step step = controller_.choose(time_, until, system_.frequency());
     if (!(time_ + step.h > time_)) throw StepTooSmall{time_};
     const Outcome outcome = attempt(step, counters);
-    if (getenv("DBG")) fprintf(stderr, "%c t %.5f h %.2e err/all %.3f exc %.4f fh %.3f\n", "dvb"[int(step.scheme)], time_, step.h, outcome.error / step.allowed, outcome.excess, outcome.frequency * step.h);
     if (leave_plane(world)) continue;
     if (controller_.accept(step, outcome)) {
       accept(step, counters);

@@ -112,9 +112,13 @@ template <int D>
 }
 
 // Each loop is compiled for two and for three axes, with clones for more than one processor.
-#define TAUT_BOTH(result, name, parameters, arguments)                      \
-  TAUT_VECTOR_CLONES result name##_2 parameters { return name##_loop<2> arguments; } \
-  TAUT_VECTOR_CLONES result name##_3 parameters { return name##_loop<3> arguments; }
+#define TAUT_BOTH(result, name, parameters, arguments) \
+  TAUT_VECTOR_CLONES result name##_2 parameters {      \
+    return name##_loop<2> arguments;                   \
+  }                                                    \
+  TAUT_VECTOR_CLONES result name##_3 parameters {      \
+    return name##_loop<3> arguments;                   \
+  }
 
 TAUT_BOTH(void, directions, (std::size_t n, In q, In r, Out u), (n, q, r, u))
 TAUT_BOTH(void, neighbours, (std::size_t n, In u, In b, In a, Out o, Out t), (n, u, b, a, o, t))

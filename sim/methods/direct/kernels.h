@@ -39,8 +39,8 @@ void pull(int axes, std::size_t n, const double* u, const double* x, const doubl
 void push(int axes, std::size_t n, const double* u, const double* x, const double* after,
           const double* before, double* out);
 
-/// right_i = weight_i per_square (|d_i|^2 - 1) / 2: the pull that keeps the lengths of links d, over
-/// the time whose square is 1 / per_square. Returns the largest of (|d|^2 - 1) / 2.
+/// right_i = weight_i per_square (|d_i|^2 - 1) / 2: the pull that keeps the lengths of links d,
+/// over the time whose square is 1 / per_square. Returns the largest of (|d|^2 - 1) / 2.
 double shake(int axes, std::size_t n, double per_square, const double* weight, const double* d,
              double* right);
 

@@ -28,8 +28,8 @@ void System::turn_bodies(const double* q, const double* v) {
     RigidBody& body = bodies_[b];
     const Quat rotation = quaternion(q + body_at(b) + 3);
     // q' = W q / 2, W the spin as a quaternion.
-    body.spin = 2 / rotation.squaredNorm() *
-                (quaternion(v + body_at(b) + 3) * rotation.conjugate()).vec();
+    body.spin =
+        2 / rotation.squaredNorm() * (quaternion(v + body_at(b) + 3) * rotation.conjugate()).vec();
     body.rotation = rotation.normalized().toRotationMatrix();
     body.world_inverse_inertia = body.rotation * body.inverse_inertia * body.rotation.transpose();
     for (const std::size_t e : ends_of(body)) ends_[e].arm = body.rotation * ends_[e].local_arm;
@@ -335,7 +335,6 @@ double System::norm(const double* change) const {
   }
   return std::sqrt(sum / static_cast<double>(points_ + bodies_.size()));
 }
-
 
 double System::tension(std::size_t span) const {
   return tension_of(spans_[span].first_link);

@@ -65,10 +65,10 @@ class System {
   /// The acceleration by which a hold has left the plane since load(), if one has.
   const std::optional<Vec3>& left_plane() const { return left_plane_; }
 
-  double length() const { return length_; }                   // m, of all links
-  double shortest() const { return shortest_; }               // m, of a link
-  double gravity() const { return world_->gravity.norm(); }   // m/s^2
-  double time_scale() const;                                  // s, of a pendulum of that length
+  double length() const { return length_; }                  // m, of all links
+  double shortest() const { return shortest_; }              // m, of a link
+  double gravity() const { return world_->gravity.norm(); }  // m/s^2
+  double time_scale() const;                                 // s, of a pendulum of that length
   std::size_t points() const { return points_; }
   /// The largest difference of `x` (m/s, m/s^2) between the ends of a link, over its length.
   double turning(const double* x) const;
@@ -94,8 +94,8 @@ class System {
 
   /// The RMS displacement (m) that lasting errors `a` of the accelerations (m/s^2) amount to in the
   /// time `span` (s): a wave of frequency w under the last tensions is driven at its resonance by
-  /// a w span / 2 of its static displacement a / w^2, but at most by `saturation` / w^2 of that, its
-  /// own amplitude. Spoils `a`.
+  /// a w span / 2 of its static displacement a / w^2, but at most by `saturation` / w^2 of that,
+  /// its own amplitude. Spoils `a`.
   double accumulated(double span, double saturation, double* a);
 
   // For implicit schemes: the transverse waves that the last tensions carry, M^-1 K, with K the
@@ -109,7 +109,7 @@ class System {
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  struct End {             // a span's end that something holds
+  struct End {  // a span's end that something holds
     std::size_t point = 0, link = 0;
     double pull = 0;  // +1 where the tension pulls along u (a span's first end), else -1
     Attachment to;
@@ -119,12 +119,12 @@ class System {
     Vec3 arm = Vec3::Zero();   // m, in the world's axes
     Vec3 lead = Vec3::Zero();  // m/s^2, the acceleration that no tension causes, less gravity
   };
-  struct Bar {                          // a body that is a link
-    std::size_t body = 0;               // index into World::bodies
-    std::size_t tip = 0, far = 0;       // points
-    double arm = 0;                     // m, of the centre of mass from the tip
-    Vec3 direction = Vec3::UnitX();     // from the tip, when loaded
-    Quat rotation = Quat::Identity();   // when loaded
+  struct Bar {                         // a body that is a link
+    std::size_t body = 0;              // index into World::bodies
+    std::size_t tip = 0, far = 0;      // points
+    double arm = 0;                    // m, of the centre of mass from the tip
+    Vec3 direction = Vec3::UnitX();    // from the tip, when loaded
+    Quat rotation = Quat::Identity();  // when loaded
   };
   struct Span {
     SpanRange range;
@@ -221,9 +221,9 @@ class System {
   Vec3 spin_momentum_ = Vec3::Zero();  // where it floats: kg m^2/s about the centre of mass
 
   std::size_t points_ = 0, stride_ = 0;
-  std::vector<double> point_mass_;  // kg, zero for held points
-  std::vector<double> link_rest_;   // m; zero behind a span's last point
-  std::vector<char> held_;          // by points
+  std::vector<double> point_mass_;     // kg, zero for held points
+  std::vector<double> link_rest_;      // m; zero behind a span's last point
+  std::vector<char> held_;             // by points
   std::vector<std::size_t> point_of_;  // by particles, span by span
 
   // One block. Rows and columns of the tensions' system are scaled to a diagonal of 2, near which
@@ -234,13 +234,13 @@ class System {
   // The system, see solve_chain(). Links of different spans are no neighbours: as if at right
   // angles, where `apart_` is what that makes of turned_.
   double *near_, *far_, *apart_, *off_, *turned_, *right_, *unknown_;
-  double* change_;                // of shake()
-  double* stiffness_;             // N/m, of links that pull, by the last tensions
-  double *pivot_, *up_, *down_;   // of factor_waves()
-  double sigma_squared_ = 1;      // 1/s^2
-  double frequency_ = 0;          // rad/s
-  double *u_, *work_u_;         // directions, three rows each
-  double* work_space_;          // three rows
+  double* change_;               // of shake()
+  double* stiffness_;            // N/m, of links that pull, by the last tensions
+  double *pivot_, *up_, *down_;  // of factor_waves()
+  double sigma_squared_ = 1;     // 1/s^2
+  double frequency_ = 0;         // rad/s
+  double *u_, *work_u_;          // directions, three rows each
+  double* work_space_;           // three rows
   double gravity_axes_[3] = {};
   // Workspaces of add_couplings().
   Array response_;

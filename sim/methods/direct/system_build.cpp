@@ -161,9 +161,10 @@ void System::lay_out() {
   held_.push_back(true);  // behind the last point
   stride_ = (points_ + 1 + kLanes - 1) / kLanes * kLanes;
   const std::size_t room = stride_ + 2 * kLanes;
-  double** const rows[] = {&rest_,  &inverse_rest_, &inverse_mass_, &falls_, &scale_,    &beside_,
-                           &weight_, &after_,       &before_,       &wave_,  &near_,     &far_,
-                           &apart_,  &off_,         &turned_,       &right_, &unknown_,  &change_, &stiffness_, &pivot_, &up_, &down_};
+  double** const rows[] = {
+      &rest_,    &inverse_rest_, &inverse_mass_, &falls_, &scale_, &beside_, &weight_, &after_,
+      &before_,  &wave_,         &near_,         &far_,   &apart_, &off_,    &turned_, &right_,
+      &unknown_, &change_,       &stiffness_,    &pivot_, &up_,    &down_};
   constexpr std::size_t kRows = std::size(rows);
   arena_.assign((kRows + 3) * room + 2 * (3 * stride_ + 2 * kLanes), 0.0);
   double* next = arena_.data() + kLanes;

@@ -23,11 +23,11 @@ void coast(std::size_t n, double ratio, In before, In q, Out next) {
   for (std::size_t i = 0; i < n; ++i) next[i] = q[i] + ratio * (q[i] - before[i]);
 }
 
-/// The acceleration that led to `next`; and the scheme's leading error of it, h^2 / 12 of its second
-/// derivative, which the last three have over the times `second` and `first` between them.
+/// The acceleration that led to `next`; and the scheme's leading error of it, h^2 / 12 of its
+/// second derivative, which the last three have over the times `second` and `first` between them.
 TAUT_VECTOR_CLONES
-void bend(std::size_t n, double h, double last, double second, double first, In before, In q, In next, In old,
-          In older, Out a, Out error) {
+void bend(std::size_t n, double h, double last, double second, double first, In before, In q,
+          In next, In old, In older, Out a, Out error) {
   const double ratio = h / last, per = 2 / (h * (h + last));
   const double scale = h * h / (6 * (second + first));
   for (std::size_t i = 0; i < n; ++i) {
@@ -66,16 +66,16 @@ void VerletStep::begin(double h, const double* q, const double* v, const double*
   older_at_ = older.at;
 }
 
-Outcome VerletStep::attempt(System& system, double time, double h, double last,
-                                        double memory, double* q, const double* q_before) {
+Outcome VerletStep::attempt(System& system, double time, double h, double last, double memory,
+                            double* q, const double* q_before) {
   const std::size_t size = q_.size();
   const double ratio = h / last, factor = h * (h + last) / 2;
   coast(size, ratio, q_before, q, q_.data());
   const double excess = system.shake(time + h, factor, q, q_.data(), v_.data());
   // A second difference over unequal steps is the acceleration at the mean of its three times.
   at_ = time + (h - last) / 3;
-  bend(size, h, last, at_ - old_at_, old_at_ - older_at_, q_before, q, q_.data(), old_.data(), older_.data(), new_.data(),
-       error_.data());
+  bend(size, h, last, at_ - old_at_, old_at_ - older_at_, q_before, q, q_.data(), old_.data(),
+       older_.data(), new_.data(), error_.data());
   velocities(size, h, last, q_before, q, q_.data(), v_between_.data(), v_.data());
   // Its acceleration errs by (h w)^2 / 12.
   const double error = system.accumulated(memory, kSaturation / (h * h), error_.data());

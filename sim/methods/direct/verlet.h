@@ -7,10 +7,10 @@
 
 namespace taut::direct {
 
-/// Position Verlet (Stoermer's method) with SHAKE (Ryckaert, Ciccotti and Berendsen, 1977), of order
-/// 2, for steps of any length; the constraints' equations are solved by one iteration of Newton's
-/// that begins at the last tensions. It knows no velocities but those between its states, so that
-/// links which turn fast or fold cannot run away with it.
+/// Position Verlet (Stoermer's method) with SHAKE (Ryckaert, Ciccotti and Berendsen, 1977), of
+/// order 2, for steps of any length; the constraints' equations are solved by one iteration of
+/// Newton's that begins at the last tensions. It knows no velocities but those between its states,
+/// so that links which turn fast or fold cannot run away with it.
 class VerletStep {
  public:
   /// Takes its arrays from `arena`.
@@ -29,8 +29,8 @@ class VerletStep {
 
   /// Tries a step of h (s) from q at `time`, where one of `last` (s) from q_before led. The result
   /// is left for accept().
-  Outcome attempt(System& system, double time, double h, double last, double memory,
-                  double* q, const double* q_before);
+  Outcome attempt(System& system, double time, double h, double last, double memory, double* q,
+                  const double* q_before);
 
   /// Swaps the result of the last attempt with the caller's state, and writes the velocities that
   /// it had at the start of the step.
