@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <system_error>
 
 #include "render/error.h"
@@ -80,6 +81,7 @@ void FrameFolder::remove_others() {
         (half || !kept_.contains(std::stoi(file.stem().string()))))
       others.push_back(file);
   }
+  if (error == std::errc::not_enough_memory) throw std::bad_alloc();
   if (error) throw CannotWrite(fmt::format("{}: {}", folder_.string(), error.message()));
   for (const auto& file : others) remove_output(file);
 }

@@ -49,10 +49,13 @@ PartFile::PartFile(fs::path name) : name_(std::move(name)) {
   lock_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   // Another run may take the file for a leftover before it is locked: then the name is free, and
   // the program that is to write there makes it again.
-  if (lock_ < 0 || flock(lock_, LOCK_EX) != 0) {
-    throw CannotWrite(
-        fmt::format("{}: cannot be created: {}", name_.string(), std::strerror(errno)));
+  if (lock_ >= 0 && flock(lock_, LOCK_EX) == 0) return;
+  const int cause = errno;
+  if (lock_ >= 0) {
+    unlink(part_.c_str());
+    close(lock_);
   }
+  throw CannotWrite(fmt::format("{}: cannot be created: {}", name_.string(), std::strerror(cause)));
 }
 
 PartFile::~PartFile() {
