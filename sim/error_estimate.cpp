@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sim/measure.h"
 #include "sim/room.h"
 
 namespace taut {
@@ -21,14 +22,6 @@ CoarseMethod coarse_method(std::string_view name, const Settings& settings) {
   return method.coarse(method, with_defaults(method, settings));
 }
 
-double longest_connector(const World& world) {
-  double longest = 0;
-  for (const Connector& connector : world.connectors) {
-    longest = std::max(longest, connector.length);
-  }
-  return longest;
-}
-
 /// RMS of the distances of as many points.
 double distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   double squares = 0;
@@ -40,7 +33,7 @@ double distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 
 ErrorEstimate::ErrorEstimate(const World& world, std::string_view method, const Settings& settings,
                              const Timeline& timeline)
-    : length_(longest_connector(world)) {
+    : length_(length_scale(world)) {
   CoarseMethod coarse = coarse_method(method, settings);
   limit_ = coarse.asked > 0 ? coarse.asked : length_ / 100;
   error_ = largest_ = coarse.method ? 0 : std::numeric_limits<double>::quiet_NaN();
@@ -56,7 +49,7 @@ ErrorEstimate::ErrorEstimate(const World& world, std::string_view method, const 
     const Body& body = stepped.bodies[b];
     if (!body.driven()) ends_.push_back({b, box_ends(body.bare)});
   }
-  for (Points* points : {&here_, &beside_, &from_}) {
+  for (Points* points : {&fine_points_, &coarse_points_, &start_points_}) {
     points->reserve(room(stepped).particles + 6 * ends_.size());
   }
 }
@@ -84,15 +77,15 @@ void ErrorEstimate::follow(const Simulation& simulation) {
 bool ErrorEstimate::due(const Simulation& simulation) {
   const double time = simulation.world().time;
   const std::uint64_t steps = simulation.method().counters().steps;
-  passes_frames_ = passes_frames_ || (time > time_ && steps == followed_ && !from_.empty());
+  passes_frames_ = passes_frames_ || (time > time_ && steps == followed_ && !start_points_.empty());
   time_ = time;
   followed_ = steps;
-  if (!passes_frames_ && !from_.empty() && steps < steps_ + kFewSteps) return false;
+  if (!passes_frames_ && !start_points_.empty() && steps < steps_ + kFewSteps) return false;
   steps_ = steps;
   return true;
 }
 
-void ErrorEstimate::look(const World& world, Points& points) const {
+void ErrorEstimate::sample(const World& world, Points& points) const {
   points.clear();
   for (const Connector& connector : world.connectors) {
     points.insert(points.end(), connector.position.begin(), connector.position.end());
@@ -104,16 +97,16 @@ void ErrorEstimate::look(const World& world, Points& points) const {
 
 void ErrorEstimate::compare(const Simulation& simulation) {
   const World& world = simulation.world();
-  look(world, here_);
-  look(coarse_->world(), beside_);
-  if (here_.size() != beside_.size()) {
+  sample(world, fine_points_);
+  sample(coarse_->world(), coarse_points_);
+  if (fine_points_.size() != coarse_points_.size()) {
     throw std::invalid_argument("the simulation had interventions that its error estimate did not");
   }
-  if (from_.empty() || topology_ != world.topology) from_ = here_;
+  if (start_points_.empty() || topology_ != world.topology) start_points_ = fine_points_;
   topology_ = world.topology;
-  gone_ = std::max(gone_, distance(here_, from_));
+  travelled_ = std::max(travelled_, distance(fine_points_, start_points_));
 
-  const double difference = distance(here_, beside_);
+  const double difference = distance(fine_points_, coarse_points_);
   if (!std::isfinite(difference)) {
     diverged_ = "not finite";
     return note(world.time, kInfinite);
@@ -121,7 +114,7 @@ void ErrorEstimate::compare(const Simulation& simulation) {
   const auto taken = static_cast<double>(coarse_->method().counters().steps);
   const double ratio =
       order_ > 0 && taken > 0 ? std::pow(static_cast<double>(steps_) / taken, order_) : ratio_;
-  const bool in_proportion = difference <= kInProportion * std::min(length_, gone_);
+  const bool in_proportion = difference <= kInProportion * std::min(length_, travelled_);
   note(world.time, in_proportion && ratio > 1 ? difference / (ratio - 1) : difference);
 }
 

@@ -11,11 +11,11 @@
 
 namespace taut {
 
-/// Lets the same world and timeline go beside a simulation by the same method with coarser settings
-/// (MethodInfo::coarse), and takes the error from the difference of the two by Richardson's
-/// extrapolation: |difference| / (r - 1), where the coarser one's error is r times as large. Where
-/// the difference is above a tenth of the longest connector, or of how far the motion has gone, the
-/// errors are no longer in proportion, and the difference itself is the estimate.
+/// Runs the same world and timeline a second time by the same method with coarser settings
+/// (MethodInfo::coarse), and takes the error from the difference by Richardson's extrapolation:
+/// |difference| / (r - 1), where the coarser error is r times as large. The errors are in
+/// proportion while the difference is below a tenth of length_scale() and of how far the motion has
+/// gone; above, the difference itself is the estimate.
 ///
 /// The error is the RMS distance (m) of all particles of all connectors and of the ends of all free
 /// bodies (see box_ends()); a body that is simulated as a link counts by its link's far particle.
@@ -45,7 +45,8 @@ class ErrorEstimate {
   const std::string& diverged() const { return diverged_; }
 
   /// The error (m) up to which a motion counts as foretold: the tolerance, where the method was
-  /// given one in metres, otherwise a hundredth of the longest connector.
+  /// given one in metres, otherwise a hundredth of
+  /// length_scale().
   double limit() const { return limit_; }
   /// The first time (s) at which the estimate was above limit(); none: it never was.
   std::optional<double> foretold_until() const { return foretold_until_; }
@@ -58,25 +59,26 @@ class ErrorEstimate {
   using Points = std::vector<Vec3>;  // m
 
   bool due(const Simulation& simulation);
-  void look(const World& world, Points& points) const;
+  void sample(const World& world, Points& points) const;
   void compare(const Simulation& simulation);
   void note(double time, double error);
 
   std::string none_, diverged_;
   double ratio_ = 0, order_ = 0;  // as CoarseMethod has them
-  double length_ = 0;             // m, of the longest connector
+  double length_ = 0;             // m, as length_scale() has it
   double limit_ = 0;
   double error_, largest_;
   std::optional<double> foretold_until_;
   std::optional<Simulation> coarse_;
-  std::vector<Ends> ends_;       // of the free bodies
-  double time_ = 0;              // s, of the simulation when it was followed last
-  std::uint64_t followed_ = 0;   // steps of the simulation then
-  bool passes_frames_ = false;   // the simulation's steps do not end at frames
-  std::uint64_t steps_ = 0;      // of the simulation when it was compared last
-  double gone_ = 0;              // m, how far from where it was when the topology was new
-  std::uint64_t topology_ = 0;   // of `from_`
-  Points here_, beside_, from_;  // of the simulation, of the coarser one, where gone_ is from
+  std::vector<Ends> ends_;              // of the free bodies
+  double time_ = 0;                     // s, of the simulation when it was followed last
+  std::uint64_t followed_ = 0;          // steps of the simulation then
+  bool passes_frames_ = false;          // the simulation's steps do not end at frames
+  std::uint64_t steps_ = 0;             // of the simulation when it was compared last
+  double travelled_ = 0;                // m, RMS, the farthest from start_points_
+  std::uint64_t topology_ = 0;          // of start_points_
+  Points fine_points_, coarse_points_;  // of the simulation, of the coarser one
+  Points start_points_;                 // where the simulation was when its topology was new
 };
 
 }  // namespace taut

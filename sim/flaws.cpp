@@ -291,7 +291,8 @@ std::optional<Flaw> find_flaw(const World& world, const Timeline& timeline) {
   return Sweep(world, timeline).run();
 }
 
-std::string obstacle(const World& world, std::size_t index, double along, const Attachment& to) {
+std::string why_out_of_reach(const World& world, std::size_t index, double along,
+                             const Attachment& to) {
   const Connector& connector = world.connectors[index];
   const Ruler ruler(connector);
   const Vec3 target = hold_motion(world, to, world.time).position;

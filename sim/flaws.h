@@ -9,6 +9,7 @@ namespace taut {
 
 /// Why a pin at `along` (m) of the connector cannot be taken to where `to` is now: how far that is
 /// from what holds the connector elsewhere, and what the connector allows; empty where it can.
-std::string obstacle(const World& world, std::size_t connector, double along, const Attachment& to);
+std::string why_out_of_reach(const World& world, std::size_t connector, double along,
+                             const Attachment& to);
 
 }  // namespace taut

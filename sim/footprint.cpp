@@ -1,27 +1,9 @@
 #include "sim/footprint.h"
 
-#include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <vector>
 
 namespace taut {
 namespace {
-
-/// Of a method, by what it takes for each particle beside the world: bytes, and s of a step. Both
-/// were measured on ropes of 20,000 particles, in a single span.
-struct Cost {
-  std::string_view method;
-  double memory, step;
-  bool eliminates = false;  // by TensionSystem, which has columns for links that meet in a body
-};
-
-constexpr Cost kCosts[] = {
-    {"impulse", 100, 2e-8}, {"dynamic-constraints", 700, 2e-7, true},
-    {"sdfast", 8000, 2e-6}, {"multibody", 8000, 2e-5},
-    {"springs", 350, 1e-8}, {"xpbd", 250, 3e-8},
-    {"direct", 1000, 2e-7}, {"truth", 1500, 1e-6, true},
-};
 
 /// Ends and pins that meet others in a free body.
 double meeting(const World& world) {
@@ -59,13 +41,10 @@ Footprint footprint(const MethodInfo& method, const World& world, const Settings
   // A particle's position, velocity, mass and link, and once more its position in what is shown.
   constexpr double kParticle = 3 * sizeof(Vec3) + 2 * sizeof(double);
   memory += double(world.bodies.size() * sizeof(Body)) + particles * kParticle;
-  const auto listed = std::ranges::find(kCosts, method.name, &Cost::method);
-  const Cost cost =
-      listed != std::end(kCosts) ? *listed : *std::ranges::max_element(kCosts, {}, &Cost::memory);
   // A body weighs as much as a few particles.
   const double all = particles + 4 * double(world.bodies.size());
-  Footprint sum{2 * memory + all * cost.memory, all * cost.step};
-  if (cost.eliminates) {
+  Footprint sum{2 * memory + all * method.cost.memory, all * method.cost.step};
+  if (method.cost.eliminates) {
     const double columns = meeting(world);
     sum.memory += sizeof(double) * columns * (links + 2 * columns);
   }

@@ -10,8 +10,7 @@ struct Footprint {
   double step = 0;    // s of one processor that a step takes, roughly
 };
 
-/// Of `method`, with a full set of settings, on `world`, which is copied once. Methods that are not
-/// of the list take what the hungriest of the linear ones takes.
+/// Of `method`, with a full set of settings, on `world`, which is copied once.
 Footprint footprint(const MethodInfo& method, const World& world, const Settings& settings);
 
 }  // namespace taut

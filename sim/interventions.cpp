@@ -38,7 +38,7 @@ struct Move {
 /// Whether one hold lets it. As far and as near as it is already is never too much: methods leave
 /// links a little too long.
 Outcome allowed(const World& world, const Connector& connector, const Hold& hold,
-                const DistanceRange& reach, const Move& move) {
+                const DistanceRange& range, const Move& move) {
   if (move.drawn && !is_prescribed(world, hold.to)) return Outcome::done;
   const Vec3& there = connector.position[hold.particle];
   const double present = (move.now - there).norm();
@@ -46,8 +46,8 @@ Outcome allowed(const World& world, const Connector& connector, const Hold& hold
     const double apart = (move.target - from).norm();
     const double nearing =
         move.drawn ? (nearest(move.now, move.target, from) - from).norm() : apart;
-    if (apart > std::max(reach.most, present) + move.same) return Outcome::out_of_reach;
-    if (nearing < std::min(reach.least, present) - move.same) return Outcome::too_near;
+    if (apart > std::max(range.most, present) + move.same) return Outcome::out_of_reach;
+    if (nearing < std::min(range.least, present) - move.same) return Outcome::too_near;
   }
   return Outcome::done;
 }

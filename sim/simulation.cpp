@@ -57,7 +57,7 @@ void Simulation::enact(const Entry& entry) {
     pins_[entry.index] = pinned.pin;
     outcome = pinned.outcome;
     if (pin.to && (outcome == Outcome::out_of_reach || outcome == Outcome::too_near)) {
-      what = obstacle(world_, connector, along, *pin.to);
+      what = why_out_of_reach(world_, connector, along, *pin.to);
     }
   }
   if (outcome == Outcome::done) return;

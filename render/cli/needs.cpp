@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "render/cli/method_options.h"
+#include "render/cli/note.h"
 #include "render/error.h"
 #include "scenes/error.h"
 #include "sim/footprint.h"
@@ -179,7 +180,7 @@ void refuse_beyond(const Needs& needs, const Scene& scene, double most, const fs
     }
   }
   if (!quiet && needs.time > kLong) {
-    fmt::print(stderr, "this will take {} or more, by a rough guess\n", time_text(needs.time));
+    note("this will take {} or more, by a rough guess\n", time_text(needs.time));
   }
 }
 

@@ -186,7 +186,8 @@ MethodInfo direct_method() {
             return number(settings, "step") > 0
                        ? with_step_doubled(direct, settings, 8)
                        : with_tolerance_raised(direct, settings, "tolerance");
-          }};
+          },
+      .cost = {.memory = 1000, .step = 2e-7}};
 }
 
 }  // namespace taut

@@ -168,6 +168,7 @@ MethodInfo dynamic_constraints_method() {
       .longest_step = longest_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",
       .coarse = coarse,
+      .cost = {.memory = 700, .step = 2e-7, .eliminates = true},
   };
 }
 

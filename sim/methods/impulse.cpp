@@ -310,6 +310,7 @@ MethodInfo impulse_method() {
           [](const MethodInfo&, const Settings&) {
             return CoarseMethod{.none = "does not converge to the exact motion, whatever its step"};
           },
+      .cost = {.memory = 100, .step = 2e-8},
   };
 }
 

@@ -90,7 +90,8 @@ MethodInfo multibody_method() {
           .coarse =
               [](const MethodInfo& multibody, const Settings& settings) {
                 return with_tolerance_raised(multibody, settings, "accuracy");
-              }};
+              },
+          .cost = {.memory = 8000, .step = 2e-5}};
 }
 
 }  // namespace taut

@@ -215,7 +215,8 @@ MethodInfo sdfast_method() {
           [](const MethodInfo&, const Settings&) {
             return CoarseMethod{.none =
                                     "keeps the state of one run at a time in its generated code"};
-          }};
+          },
+      .cost = {.memory = 8000, .step = 2e-6}};
 }
 
 }  // namespace taut

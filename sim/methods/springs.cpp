@@ -116,6 +116,7 @@ MethodInfo springs_method() {
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
       .coarse = coarse,
+      .cost = {.memory = 350, .step = 1e-8},
   };
 }
 

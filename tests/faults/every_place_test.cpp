@@ -40,7 +40,7 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
     if (is_sanitized()) GTEST_SKIP() << "a sanitizer's library must be loaded before all others";
     const Folder folder;
     prepare(folder);
-    const ProgramResult outcome = run_in_peace(subject_, folder.path());
+    const ProgramResult outcome = run_undisturbed(subject_, folder.path());
     ASSERT_EQ(outcome.code, 0) << outcome.messages;
     undisturbed_ = files_in(folder.path());
   }
@@ -104,7 +104,7 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
     expect_whole_files(fault, trial.outcome.code, folder);
     note(fault, trial, folder);
 
-    const ProgramResult next = run_in_peace(subject_, folder.path());
+    const ProgramResult next = run_undisturbed(subject_, folder.path());
     EXPECT_EQ(next.code, 0) << next.messages;
     expect_undisturbed(folder);
   }

@@ -57,7 +57,7 @@ Trial run_with(const Fault& fault, const Subject& subject, const fs::path& folde
   return trial;
 }
 
-ProgramResult run_in_peace(const Subject& subject, const fs::path& folder) {
+ProgramResult run_undisturbed(const Subject& subject, const fs::path& folder) {
   return run_taut(subject.arguments, folder);
 }
 

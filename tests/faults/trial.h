@@ -27,7 +27,7 @@ struct Trial {
 Trial run_with(const Fault& fault, const Subject& subject, const std::filesystem::path& folder);
 
 /// Runs it in peace.
-ProgramResult run_in_peace(const Subject& subject, const std::filesystem::path& folder);
+ProgramResult run_undisturbed(const Subject& subject, const std::filesystem::path& folder);
 
 /// All files below a folder.
 Files files_in(const std::filesystem::path& folder);

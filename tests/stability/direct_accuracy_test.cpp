@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <random>
 #include <span>
 
 #include "sim/circle.h"
@@ -15,6 +14,7 @@
 #include "sim/simulation.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
+#include "tests/support/dice.h"
 
 namespace taut {
 namespace {
@@ -26,22 +26,6 @@ constexpr double kPredictable = 5;   // as far as twins part by at most so many 
 constexpr double kReference = 1e-9;  // m
 constexpr double kMostOfAsked = 3;   // the error delivered, in tolerances
 constexpr double kCap = 60;          // s of CPU time
-
-class Dice {
- public:
-  explicit Dice(unsigned seed) : random_(seed) {}
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(random_()) / 4294967296.0;
-  }
-  double scale(double low, double high) { return low * std::pow(high / low, between(0, 1)); }
-  Vec3 within(const Vec3& reach) {
-    const double x = between(-1, 1), y = between(-1, 1), z = between(-1, 1);
-    return reach.cwiseProduct(Vec3(x, y, z));
-  }
-
- private:
-  std::mt19937 random_;
-};
 
 enum class End { bare, point_mass, body, hand };
 

@@ -19,7 +19,7 @@ World let_go(Dice& dice, const Sizes& sizes, double lowest, double highest) {
   world.connectors = {shaped("chain", sizes.length, sizes.mass, Vec3::Zero(),
                              straight(sizes.links, from_down(tilt, azimuth(dice))))};
   world.connectors[0].particle_mass.back() += sizes.load;
-  world.connectors[0].holds = {{0, at(Vec3::Zero())}};
+  world.connectors[0].holds = {{0, fixed_at(Vec3::Zero())}};
   return world;
 }
 
@@ -37,7 +37,7 @@ World thrown(Dice& dice, const Sizes& sizes) {
              curved ? bent(sizes.links, along, turn, twist) : straight(sizes.links, along))};
   Connector& chain = world.connectors[0];
   chain.particle_mass.back() += sizes.load;
-  chain.holds = {{0, at(Vec3::Zero())}};
+  chain.holds = {{0, fixed_at(Vec3::Zero())}};
   move(chain, 0, Vec3::Zero(), Vec3::Zero(), spin);
   return world;
 }

@@ -52,7 +52,7 @@ World bodies(Dice& dice, const Sizes& sizes) {
   box.body.name = "box";
   world.bodies = {box.body};
   chain.holds = {{sizes.links, on_body(0, box.point)}};
-  if (form != 1) chain.holds.insert(chain.holds.begin(), {0, at(Vec3::Zero())});
+  if (form != 1) chain.holds.insert(chain.holds.begin(), {0, fixed_at(Vec3::Zero())});
   if (form == 0) return world;
 
   Box other(dice, sizes.load * dice.scale(0.2, 5), reach, 2 * rate);

@@ -56,7 +56,7 @@ World pinned(Dice& dice, const Sizes& sizes) {
   swing(chain, last, angle, rate);
   const Vec3 held = chain.position[last];
   move(chain, last, held, Vec3::Zero(), dice.within(2 * std::sqrt(kGravity / sizes.length)));
-  chain.holds = {{0, at(Vec3::Zero())}, {last, at(held)}};
+  chain.holds = {{0, fixed_at(Vec3::Zero())}, {last, fixed_at(held)}};
   return world;
 }
 

@@ -2,12 +2,15 @@
 #pragma once
 
 #include "sim/world.h"
-#include "tests/bench/promise/dice.h"
 #include "tests/bench/promise/shapes.h"
+#include "tests/physics/worlds.h"
+#include "tests/support/dice.h"
 
 namespace taut::promise {
 
-constexpr double kGravity = 9.81;  // m/s^2, World's own
+using worlds::fixed_at;
+using worlds::kGravity;
+using worlds::on_body;
 
 /// What every scene has: a chain and how heavy its load is.
 struct Sizes {
@@ -16,20 +19,6 @@ struct Sizes {
   double mass = 0;    // kg, of the chain
   double load = 0;    // kg
 };
-
-inline Attachment at(const Vec3& point) {
-  Attachment to;
-  to.point = point;
-  return to;
-}
-
-inline Attachment on_body(std::size_t body, const Vec3& point) {
-  Attachment to;
-  to.kind = Attachment::Kind::body;
-  to.body = body;
-  to.point = point;
-  return to;
-}
 
 /// A unit vector up to `highest` degrees from straight down, turned anyhow about the vertical.
 inline Vec3 tilted(Dice& dice, double highest) {

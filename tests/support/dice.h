@@ -7,7 +7,7 @@
 
 #include "sim/types.h"
 
-namespace taut::promise {
+namespace taut {
 
 class Dice {
  public:
@@ -22,9 +22,14 @@ class Dice {
   int pick(int count) { return static_cast<int>(between(0, count)); }
   double radians(double low, double high) { return between(low, high) * std::numbers::pi / 180; }
 
+  /// In a cube, or a box, of these half sides.
   Vec3 within(double reach) {
     const double x = between(-reach, reach), y = between(-reach, reach), z = between(-reach, reach);
     return {x, y, z};
+  }
+  Vec3 within(const Vec3& reach) {
+    const double x = between(-1, 1), y = between(-1, 1), z = between(-1, 1);
+    return reach.cwiseProduct(Vec3(x, y, z));
   }
   /// A unit vector, no direction likelier than another.
   Vec3 direction() {
@@ -37,4 +42,4 @@ class Dice {
   std::mt19937 random_;
 };
 
-}  // namespace taut::promise
+}  // namespace taut
