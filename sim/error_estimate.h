@@ -45,8 +45,7 @@ class ErrorEstimate {
   const std::string& diverged() const { return diverged_; }
 
   /// The error (m) up to which a motion counts as foretold: the tolerance, where the method was
-  /// given one in metres, otherwise a hundredth of
-  /// length_scale().
+  /// given one in metres, otherwise a hundredth of length_scale().
   double limit() const { return limit_; }
   /// The first time (s) at which the estimate was above limit(); none: it never was.
   std::optional<double> foretold_until() const { return foretold_until_; }
