@@ -146,7 +146,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--base", type=pathlib.Path, required=True, help="build folder")
     parser.add_argument("--new", type=pathlib.Path, required=True, help="build folder")
-    parser.add_argument("scenes", nargs="*", help="default: those of README's tables of engines")
+    parser.add_argument("scenes", nargs="*", help="default: those of the tables of engines")
     parser.add_argument("--errors", type=float, nargs="+", default=[10, 1, 0.1], help="mm")
     parser.add_argument("--tolerances", type=float, nargs="+", default=TOLERANCES, help="m")
     parser.add_argument("--repeats", type=int, default=16,

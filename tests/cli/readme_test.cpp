@@ -1,9 +1,7 @@
-// The README's tables of studies are what the commands beside them say: times differ from machine
-// to machine, words must not.
+// The tables of results are what the commands beside them say: times differ from machine to machine,
+// words must not.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -39,28 +37,16 @@ Rows table_in(const std::string& text, const std::string& header) {
   return rows;
 }
 
-Rows readme_table(const std::string& header) {
-  return table_in(read_file(TAUT_SOURCE_DIR "/README.md"), header);
-}
-
-TEST(Readme, PlansAreThoseOfTheScenes) {
-  std::vector<std::string> command{TAUT_PROGRAM, "check", "--plans"};
-  for (const auto& entry : std::filesystem::directory_iterator(TAUT_SOURCE_DIR "/scenes")) {
-    if (entry.path().extension() == ".toml") command.push_back(entry.path().string());
-  }
-  std::sort(command.begin() + 3, command.end());
-  const ProgramResult outcome = Child(command, TAUT_SOURCE_DIR).wait();
-  ASSERT_EQ(outcome.code, 0) << outcome.messages;
-  EXPECT_EQ(table_in(outcome.output, "| scene | asked |"), readme_table("| scene | asked |"))
-      << outcome.output;
+Rows results_table(const std::string& header) {
+  return table_in(read_file(TAUT_SOURCE_DIR "/sim/study/README.md"), header);
 }
 
 std::string first_word(const std::string& cell) {
   return cell.substr(0, cell.find_first_of(" :"));
 }
 
-TEST(LongReadme, ClaimsStandAsTheyAreMeasured) {
-  const Rows rows = readme_table("| the paper says | in | here |");
+TEST(LongResults, ClaimsStandAsTheyAreMeasured) {
+  const Rows rows = results_table("| the paper says | in | here |");
   const ProgramResult outcome =
       Child({TAUT_PROGRAM, "claims", "scenes/rope_swing.toml", "--json", "-q"}, TAUT_SOURCE_DIR)
           .wait(std::chrono::seconds(600));
@@ -75,8 +61,8 @@ TEST(LongReadme, ClaimsStandAsTheyAreMeasured) {
   }
 }
 
-TEST(LongReadme, HardCasesStandAsTheyAreJudged) {
-  const Rows rows = readme_table("| scene | truth until (s) |");
+TEST(LongResults, HardCasesStandAsTheyAreJudged) {
+  const Rows rows = results_table("| scene | truth until (s) |");
   const char* methods[] = {"impulse", "dynamic-constraints", "multibody", "springs", "xpbd",
                            "direct"};
   std::vector<std::string> command{TAUT_PROGRAM, "judge"};

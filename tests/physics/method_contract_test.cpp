@@ -268,7 +268,7 @@ INSTANTIATE_TEST_SUITE_P(All, MethodContract, testing::ValuesIn(contract::theori
                            return name;
                          });
 
-// The README's table of exemptions is made of this data.
+// The table of exemptions in sim/README.md is made of this data.
 TEST(MethodContractTable, StandsInTheReadme) {
   std::string table = "| method | does not keep to | reaches | because |\n|---|---|---|---|\n";
   for (const Exemption& row : contract::exemptions()) {
@@ -282,9 +282,9 @@ TEST(MethodContractTable, StandsInTheReadme) {
     line << " | " << row.why << " |\n";
     table += line.str();
   }
-  std::ifstream file(TAUT_SOURCE_DIR "/README.md");
+  std::ifstream file(TAUT_SOURCE_DIR "/sim/README.md");
   const std::string readme(std::istreambuf_iterator<char>(file), {});
-  EXPECT_NE(readme.find(table), std::string::npos) << "README.md should hold:\n" << table;
+  EXPECT_NE(readme.find(table), std::string::npos) << "sim/README.md should hold:\n" << table;
 }
 
 TEST(MethodContractTable, HoldsEveryMethod) {

@@ -1,4 +1,4 @@
-# Models of chains by SD/FAST's generator, where there is one: README.md says how to get it. Nothing that it
+# Models of chains by SD/FAST's generator, where there is one: sim/README.md says how to get it. Nothing that it
 # writes is kept in the sources.
 find_program(TAUT_SDFAST sdfast DOC "SD/FAST's generator, for the method sdfast")
 set(TAUT_SDFAST_LINKS 1 5 10 20 40 80 CACHE STRING "Numbers of links that the method sdfast has planar models for")

@@ -1,0 +1,322 @@
+"""What results.py writes: a function for each result, which returns Markdown."""
+import csv
+import dataclasses
+import json
+import re
+import shutil
+import typing
+
+RESULTS = {}
+STUDY, SIM, RENDER, SCENES, FRONT = ("sim/study/README.md", "sim/README.md", "render/README.md",
+                                     "scenes/README.md", "README.md")
+OURS = "impulse,dynamic-constraints,multibody,springs,xpbd,direct"
+
+
+class Failed(Exception):
+    """A command failed, or a page has no place for a result."""
+
+
+@dataclasses.dataclass
+class Result:
+    name: str
+    page: str
+    make: typing.Callable
+    measured: bool  # false: follows from files of the repository, so that --check can compare it
+
+
+def result(name, page, measured=True):
+    def add(make):
+        RESULTS[name] = Result(name, page, make, measured)
+        return make
+    return add
+
+
+def markdown(rows, numbers=()):
+    """A table; columns in `numbers` stand on the right."""
+    rule = ["---:" if i in numbers else "---" for i in range(len(rows[0]))]
+    lines = ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
+    return "\n".join([lines[0], "|" + "|".join(rule) + "|", *lines[1:]])
+
+
+def first_table(text):
+    return text.split("\n\n")[0]
+
+
+def cells(text):
+    """The rows of the first table of a text in Markdown, the header among them."""
+    lines = first_table(text).splitlines()
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[:1] + lines[2:]]
+
+
+def keep(work, made, name):
+    """Copies a picture that a command made into assets/pictures, smaller where it is a .webp."""
+    target = f"assets/pictures/{name}"
+    if name.endswith(".webp"):
+        work.run(f"ffmpeg -y -v error -i {made} -quality 85 {target}")
+    else:
+        shutil.copyfile(made, work.source / target)
+
+
+# What stands in README.md.
+
+
+@result("summary", FRONT, measured=False)
+def summary(work):
+    """six lines from the other tables"""
+    swing = {row[0]: row for row in work.table(RESULTS["swing"])}["1% of the length"]
+    engines = {row[0]: row[2] for row in work.table(RESULTS["engines"])}
+    times = sorted(float(re.search(r"\(([\d.]+)x\)", engines[name])[1]) for name in ("bullet", "mujoco", "ode", "multibody")
+                   if "x)" in engines.get(name, ""))
+    hard = work.table(RESULTS["hard"])
+    column = hard[0].index("direct")
+    accurate = sum(row[column].startswith("accurate") for row in hard[1:])
+    claims = [row[2] for row in work.table(RESULTS["claims"])[1:]]
+    saving = re.search(r"saving +([\d.]+) times", work.place(RESULTS["plan"]))[1]
+    batch = work.table(RESULTS["batch"])
+    ropes = next(row for row in batch if row[0].startswith("10,000") and "single" in row[0])
+    clip = re.search(r"([\d.]+) s of drawing", work.place(RESULTS["clip"]))[1]
+    where = "sim/study/README.md"
+    return f"""\
+- [Cost]({where}#speed-against-accuracy): an error of 1% of the length costs `{swing[1]}` {swing[3]} ms per simulated \
+second of the rope swing, and the next best method, `{swing[4]}`, {swing[5]} times as much.
+- [Engines]({where}#other-engines): within 1 mm on the same swing, Bullet, MuJoCo, ODE and Simbody take \
+{times[0]:.0f} to {times[-1]:.0f} times as long as `direct`.
+- [Hard cases]({where}#where-methods-fail): `direct` is accurate in {accurate} of {len(hard) - 1}; what happens to each \
+other method stands beside it.
+- [The paper]({where}#what-of-the-paper-reproduces): of {len(claims)} claims {claims.count('reproduced')} reproduce, \
+{claims.count('under conditions')} under conditions, {claims.count('not reproduced')} do not.
+- [Planner]({where}#the-cheapest-model-that-is-good-enough): a stick on a cord within 1 mm takes {saving} times less \
+work than its scene file asks for.
+- [Speed](sim/README.md#many-connectors-at-once): 10,000 ropes of 21 particles run at {ropes[3]} times real time; a \
+1920x1080 frame of the demo takes [{clip} s of drawing](render/README.md#what-a-frame-costs) without a GPU."""
+
+
+# What stands in sim/study/README.md.
+
+
+@result("swing", STUDY)
+def swing(work):
+    """speed against accuracy of the rope swing, and its two pictures"""
+    text = work.run("taut chart scenes/rope_swing.toml --markdown --out out/results/swing")
+    keep(work, work.out / "swing/chart.png", "speed_accuracy.png")
+    keep(work, work.out / "swing/chart_model.png", "model_error.png")
+    return first_table(text)
+
+
+@result("scenes", STUDY)
+def scenes(work):
+    """the cheapest method at shares of the length, on scenes of other kinds"""
+    shares = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
+    rows = [["scene"] + [f"{100 * share:g}%" for share in shares]]
+    files = [f"scenes/{name}.toml" for name in ("bench_swing", "bench_stick", "bench_heavy", "hard/heavy_load",
+                                                "hard/falling_chain", "hard/whip")] + ["tests/bench/upright.toml"]
+    for file in files:
+        told = json.loads(work.run(f"taut check {file} --json"))
+        length = next(iter(told["connectors"].values()))["length"]
+        errors = ",".join(f"{length * share:.6g}" for share in shares)
+        found = cells(work.run(f"taut reach {file} --methods direct,impulse,dynamic-constraints,xpbd "
+                               f"--budget 12 --errors {errors} --markdown"))
+        row = [file.removeprefix("scenes/").removesuffix(".toml")]
+        for i in range(1, len(shares) + 1):
+            costs = sorted((float(one[i].split()[0]), one[0]) for one in found[1:] if "x)" in one[i])
+            direct = [cost for cost, name in costs if name == "direct"]
+            other = direct if costs and costs[0][1] != "direct" else [cost for cost, _ in costs[1:2]]
+            row.append(f"{costs[0][1]} {costs[0][0]:g}" + (f" ({other[0] / costs[0][0]:.3g}x)" if other else "")
+                       if costs else "")
+        rows.append(row)
+    work.commands = [f"taut reach {' '.join(files)} --methods direct,impulse,dynamic-constraints,xpbd "
+                     "--budget 12 --errors ..."]
+    return markdown(rows, range(1, len(rows[0])))
+
+
+@result("engines", STUDY)
+def engines(work):
+    """other engines on the same scenes, and their picture"""
+    every = "direct,dynamic-constraints,xpbd,multibody,bullet,mujoco,ode,sdfast,sdfast:ball"
+    some = "direct,multibody,bullet,mujoco,ode"
+    spaces = " ".join(f"tests/bench/engines/{name}.toml" for name in ("stick_in_space", "swing_from_30", "swing_in_space"))
+    tables = [first_table(work.run(f"taut_engines reach {files} --methods {methods} --budget {budget} --markdown"))
+              for files, methods, budget in (("scenes/bench_swing.toml scenes/bench_stick.toml", every, 70),
+                                             ("scenes/bench_heavy.toml", every, 270), (spaces, some, 100))]
+    if any("not installed" in table for table in tables):
+        raise Failed("an engine is not installed; sim/README.md says how to get SD/FAST")
+    work.run(f"taut_engines chart scenes/bench_swing.toml --methods {every} --budget 70 --out out/results/engines")
+    keep(work, work.out / "engines/chart.png", "engines.png")
+    return "\n\n".join(tables)
+
+
+@result("compare", STUDY)
+def compare(work):
+    """the picture of methods side by side"""
+    work.run("taut compare scenes/rope_swing.toml --size 1280x720 --frames 45 --out out/results/compare")
+    made = sorted((work.out / "compare/frames").glob("*.png"))
+    keep(work, made[-1], "compare.png")
+    return "![Methods side by side](../../assets/pictures/compare.png)"
+
+
+@result("hard", STUDY)
+def hard(work):
+    """what each method makes of the hard cases"""
+    return work.run("taut judge " + " ".join(f"scenes/hard/{name}.toml" for name in (
+        "coincident", "falling_chain", "heavy_load", "long_step", "pulled_apart", "release_straight_up",
+        "rotating_chain", "taut_snap", "whip")) + f" --methods {OURS} --markdown")
+
+
+@result("stability", STUDY)
+def stability(work):
+    """the map of where methods fail"""
+    work.run("taut stability scenes/rope_swing.toml --out out/results/stability")
+    keep(work, work.out / "stability/stability_mass_ratio.png", "stability_mass_ratio.png")
+    return "![Stability by mass ratio](../../assets/pictures/stability_mass_ratio.png)"
+
+
+@result("claims", STUDY)
+def claims(work):
+    """what the paper says, and what is measured"""
+    return work.run("taut claims scenes/rope_swing.toml --markdown")
+
+
+@result("paper-ratio", STUDY)
+def paper_ratio(work):
+    """springs that cost as much as the paper says, and the picture of costs"""
+    work.run("taut bench scenes/rope_swing.toml --out out/results/cost")
+    keep(work, work.out / "cost/bench.png", "cost.png")
+    with (work.out / "cost/bench_paper_ratio.csv").open(newline="") as file:
+        rows = [row for row in csv.reader(file)]
+    return markdown(rows, range(len(rows[0])))
+
+
+@result("plan", STUDY)
+def plan(work):
+    """the plan of one scene"""
+    return "```\n" + work.run("taut plan scenes/bench_stick.toml --tolerance 1mm") + "```"
+
+
+@result("plans", STUDY, measured=False)
+def plans(work):
+    """the plans that the shipped scenes hold"""
+    files = sorted(str(file.relative_to(work.source)) for file in (work.source / "scenes").glob("*.toml"))
+    return work.run("taut check --plans " + " ".join(files))
+
+
+# What stands in sim/README.md.
+
+
+def benchmarks(work, which):
+    return json.loads(work.run(f"taut_bench --benchmark_filter='{which}' --benchmark_format=json"))["benchmarks"]
+
+
+@result("interventions", SIM)
+def interventions(work):
+    """what a pin or its release costs"""
+    rows = [["method", "particles", "µs", "of a frame", "of the method's own step"]]
+    for one in benchmarks(work, "Intervention"):
+        _, method, particles = one["name"].split("/")[:3]
+        rows.append([f"`{method}`", particles.split(":")[1], f"{one['us']:.3g}", f"{one['in_frames']:.3g}",
+                     f"{one['in_own_steps']:.3g}"])
+    return markdown(rows, (1, 2, 3, 4))
+
+
+@result("storm", SIM)
+def storm(work):
+    """a frame of impulse under 3600 pins and releases a minute"""
+    rows = [["a frame of `impulse`, 21 particles", "µs"]]
+    for one in benchmarks(work, "Frame"):
+        after = re.search(r"after:(\d+)", one["name"])
+        rows.append([f"after {after[1]} frames with a pin or release each" if after else "without any",
+                     f"{one['cpu_time'] / 1000:.3g}"])
+    return markdown(rows, (1,))
+
+
+@result("batch", SIM)
+def batch(work):
+    """thousands of ropes at once"""
+    rows = [["ropes", "vectors of", "ns per particle and step", "times real time", "of the floor"]]
+    widths = ["one number", "16 bytes", "32 bytes", "64 bytes"]
+    for one in benchmarks(work, "Step|TenThousand"):
+        kind = "single precision" if "float" in one["name"] else "double precision"
+        width = re.search(r"width:(\d)", one["name"])
+        if width:
+            rows.append([kind, widths[int(width[1])], f"{one['ns']:.3g}", "", f"{one['ratio']:.3g}"])
+        else:
+            rows.append([f"10,000 of 21 particles, {kind}", "the widest", "",
+                         f"{one['times real time on all cores']:.3g}", ""])
+    return markdown(rows, (2, 3, 4))
+
+
+@result("exemptions", SIM, measured=False)
+def exemptions(work):
+    """what methods do not keep to; the data of the method contract's test"""
+    text = work.run("test_physics --gtest_filter=MethodContractTable.StandsInTheReadme", codes=(0, 1))
+    table = re.search(r"should hold:\n((?:\|.*\n)+)", text)
+    return table[1] if table else work.place(RESULTS["exemptions"])
+
+
+# What stands in render/README.md and scenes/README.md.
+
+
+@result("frame", RENDER)
+def frame(work):
+    """the stages of a frame, and the least that each could take"""
+    told = json.loads(work.run("taut render scenes/nunchaku.toml --frames 900-920 --profile --no-video --anew --json -q "
+                               "--out out/results/frame"))
+    rows = [["stage", "CPU ms", "floor ms", "frames of 21"]]
+    for stage in told["profile"]:
+        floor = f"{1e3 * stage['floor']:.2g}" if "floor" in stage else ""
+        rows.append([stage["stage"], f"{1e3 * stage['cpu']:.3g}", floor, stage["frames"]])
+    return markdown(rows, (1, 2, 3))
+
+
+@result("clip", RENDER)
+def clip(work):
+    """seconds per frame of the whole demo, and its three pictures"""
+    told = json.loads(work.run("taut render scenes/nunchaku.toml --anew --json -q --out out/results/nunchaku"))
+    for picture in ("--poster 6.9", "--contact-sheet --size 1440x810"):
+        work.run(f"taut render scenes/nunchaku.toml {picture} --out out/results/nunchaku")
+    keep(work, work.out / "nunchaku/poster.png", "poster.webp")
+    keep(work, work.out / "nunchaku/contact_sheet.png", "nunchaku.png")
+    work.run("taut render scenes/nunchaku.toml --frames 240-464 --size 640x360 --no-video --out out/results/throw")
+    work.run("ffmpeg -y -v error -framerate 60 -start_number 240 -i out/results/throw/frames/%06d.png -vf fps=30 -loop 0 "
+             "-quality 75 -compression_level 6 assets/pictures/throw.webp")
+    times = told["seconds_per_frame"]
+    return (f"The whole demo takes {times['rendering']:.2g} s of drawing, {times['simulation']:.2g} s of simulating and "
+            f"{times['encoding']:.2g} s of encoding a frame, with {told['mean_exposures']:.1f} exposures on average.")
+
+
+@result("curtain", SIM)
+def curtain(work):
+    """the picture of a thousand cords"""
+    work.run("taut render scenes/bead_curtain.toml --frames 42 --size 960x540 --no-video --out out/results/curtain")
+    keep(work, work.out / "curtain/frames/000042.png", "bead_curtain.webp")
+    return "![A thousand cords, struck by a stick](../assets/pictures/bead_curtain.webp)"
+
+
+def rows_of(schema, prefix):
+    """A row for each key of a table of the schema, those of its tables below it."""
+    rows = []
+    for name, key in schema.get("properties", {}).items():
+        inner = key.get("additionalProperties")
+        kind = key.get("type", "choice")
+        below, path = None, f"{prefix}{name}"
+        if "enum" in key:
+            kind = ", ".join(f'"{one}"' for one in key["enum"])
+        elif kind == "array" and key["items"].get("type") == "object":
+            below, path, kind = key["items"], f"[[{path}]]" if "." not in path else f"{path}[]", "tables"
+        elif kind == "array":
+            most = key.get("maxItems")
+            kind = f"{most} numbers" if most else "list"
+        elif kind == "object" and isinstance(inner, dict):
+            below, path, kind = inner, f"{path}.NAME", "tables"
+        elif kind == "object":
+            below, kind = key, "table"
+        rows.append([f"`{path}`", kind, (key.get("description") or "").replace("|", "\\|")])
+        if below and "oneOf" not in below and name != "plan":
+            rows += rows_of(below, path.strip("[]") + ".")
+    return rows
+
+
+@result("keys", SCENES, measured=False)
+def keys(work):
+    """the keys of a scene file, from its schema"""
+    schema = json.loads((work.source / "scenes/scene.schema.json").read_text())
+    return markdown([["key", "is", "meaning"]] + rows_of(schema, ""))
