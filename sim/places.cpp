@@ -34,8 +34,11 @@ Vec3 between(const std::vector<Vec3>& items, const Place& place) {
   return f > 0 ? Vec3(items[k] + f * (items[k + 1] - items[k])) : items[k];
 }
 
-std::vector<Vec3> positions(const Connector& connector, double from,
-                            const std::vector<double>& along) {
+namespace {
+
+/// What the particles have, at the places at `along`.
+std::vector<Vec3> values(const Connector& connector, const std::vector<Vec3>& items, double from,
+                         const std::vector<double>& along) {
   const double same = kSamePlace * connector.length;
   std::vector<Vec3> found;
   found.reserve(along.size());
@@ -47,10 +50,21 @@ std::vector<Vec3> positions(const Connector& connector, double from,
       start += connector.rest[k++];
     }
     const bool at_particle = k == connector.links() || there <= start + same;
-    found.push_back(
-        between(connector.position, {k, at_particle ? 0 : (there - start) / connector.rest[k]}));
+    found.push_back(between(items, {k, at_particle ? 0 : (there - start) / connector.rest[k]}));
   }
   return found;
+}
+
+}  // namespace
+
+std::vector<Vec3> positions(const Connector& connector, double from,
+                            const std::vector<double>& along) {
+  return values(connector, connector.position, from, along);
+}
+
+std::vector<Vec3> velocities(const Connector& connector, double from,
+                             const std::vector<double>& along) {
+  return values(connector, connector.velocity, from, along);
 }
 
 bool holds(const Connector& connector, std::size_t particle) {

@@ -28,6 +28,9 @@ Vec3 between(const std::vector<Vec3>& items, const Place& place);
 /// Where the places at `along` (m, rising) are; `from` is where the connector begins on that scale.
 std::vector<Vec3> positions(const Connector& connector, double from,
                             const std::vector<double>& along);
+/// How they move, m/s.
+std::vector<Vec3> velocities(const Connector& connector, double from,
+                             const std::vector<double>& along);
 
 /// True where something holds the particle.
 bool holds(const Connector& connector, std::size_t particle);

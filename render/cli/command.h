@@ -36,6 +36,7 @@ CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
 // One per file of this folder; main lists them.
 void add_render(CLI::App& app, Program& program);
 void add_simulate(CLI::App& app, Program& program);
+void add_export(CLI::App& app, Program& program);
 void add_check(CLI::App& app, Program& program);
 void add_bench(CLI::App& app, Program& program);
 void add_chart(CLI::App& app, Program& program);

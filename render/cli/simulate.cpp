@@ -15,6 +15,7 @@
 #include "render/cli/note.h"
 #include "render/cli/progress.h"
 #include "render/cli/self_estimate.h"
+#include "render/export/csv.h"
 #include "render/interrupt.h"
 #include "scenes/scene.h"
 #include "sim/measure.h"
@@ -50,38 +51,12 @@ double cpu_seconds() {
 }
 
 std::string header(const Scene& scene, bool estimated) {
-  const World world = divided(scene.world, scene.timeline);
-  std::string line = "t";
-  for (const Connector& connector : world.connectors) {
-    for (std::size_t i = 0; i < connector.particles(); ++i) {
-      for (const char axis : {'x', 'y', 'z'}) {
-        line += fmt::format(",{}.{}.{}", connector.name, i, axis);
-      }
-    }
-  }
-  for (const Body& body : world.bodies) {
-    for (const char* part : {"x", "y", "z", "qw", "qx", "qy", "qz"}) {
-      line += fmt::format(",{}.{}", body.name, part);
-    }
-  }
-  return line + (estimated ? ",error_estimate\n" : "\n");
+  return csv_header(scene) + (estimated ? ",error_estimate\n" : "\n");
 }
 
-/// One frame, with as many digits as bring back the same number.
 std::string row(const Snapshot& state, const SelfEstimate& estimate) {
-  std::string line = fmt::format("{:.17g}", state.time);
-  const auto add = [&line](double number) {
-    fmt::format_to(std::back_inserter(line), ",{:.17g}", number);
-  };
-  for (const auto& particles : state.connectors) {
-    for (const Vec3& particle : particles) std::ranges::for_each(particle, add);
-  }
-  for (const Pose& frame : state.bodies) {
-    const Quat& q = frame.rotation;
-    std::ranges::for_each(frame.position, add);
-    for (const double part : {q.w(), q.x(), q.y(), q.z()}) add(part);
-  }
-  if (estimate.on()) add(estimate.error());
+  std::string line = csv_row(state);
+  if (estimate.on()) line += fmt::format(",{:.17g}", estimate.error());
   return line + '\n';
 }
 

@@ -1,0 +1,158 @@
+// taut export: a scene's motion for other programs.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "render/cli/command.h"
+#include "render/cli/method_options.h"
+#include "render/cli/needs.h"
+#include "render/cli/note.h"
+#include "render/cli/output.h"
+#include "render/cli/progress.h"
+#include "render/export/csv.h"
+#include "render/export/npz.h"
+#include "render/export/pc2.h"
+#include "render/interrupt.h"
+#include "scenes/scene.h"
+
+namespace taut::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string scene, to, out;
+  int fps = 0;  // 0: the scene's
+  double max_memory = 0;
+  MethodOptions method;
+};
+
+struct Format {
+  std::string_view name;
+  bool binary;
+  bool gathers;           // it keeps all states until the last has come
+  double bytes_a_number;  // roughly, as a file
+  std::unique_ptr<FrameWriter> (*writer)(const Scene& scene, WriteBytes write);
+};
+
+constexpr Format kFormats[] = {
+    {"npz", true, true, 16, npz_writer},
+    {"csv", false, false, 19, csv_writer},
+    {"pc2", true, false, 4, pc2_writer},
+};
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const Format& format : kFormats) names.emplace_back(format.name);
+  return names;
+}
+
+/// The format that was named or, where none was, that of the file's suffix.
+const Format& chosen_format(const Options& options) {
+  const std::string suffix = fs::path(options.out).extension().string();
+  const std::string name = !options.to.empty() ? options.to
+                           : suffix.empty()    ? suffix
+                                               : suffix.substr(1);
+  for (const Format& format : kFormats)
+    if (format.name == name) return format;
+  throw Misuse(fmt::format(
+      "{}, expected --to with one of {}",
+      options.out.empty() ? "no format is given" : options.out + ": its suffix names no format",
+      fmt::join(format_names(), ", ")));
+}
+
+Needs needs_of(const Scene& scene, const Format& format) {
+  Needs needs = simulation_needs(scene);
+  constexpr double kCsvNumber = 19;  // bytes, of the disk that simulating needs
+  needs.disk *= format.bytes_a_number / kCsvNumber;
+  if (format.gathers) needs.memory += 2 * needs.disk;
+  return needs;
+}
+
+int run(const Options& options, const Common& common) {
+  const Format& format = chosen_format(options);
+  Scene scene = load_chosen(options.scene, false, options.method);
+  if (options.fps > 0) scene.fps = options.fps;
+  scene.method = chosen_method(options.method, scene);
+  const std::string stem = fs::path(options.scene).stem().string();
+  const std::string name =
+      !options.out.empty() ? options.out : fmt::format("out/{}/{}.{}", stem, stem, format.name);
+  const bool to_output = to_standard_output(name);
+  if (to_output && common.json) {
+    throw Misuse(fmt::format("-o {}: standard output is the JSON's (--json)", name));
+  }
+  if (to_output && format.binary && isatty(STDOUT_FILENO)) {
+    throw Misuse(
+        fmt::format("-o {}: {} is no text, and standard output is a terminal; expected "
+                    "a pipe or a file",
+                    name, format.name));
+  }
+  const fs::path folder = fs::path(name).has_parent_path() ? fs::path(name).parent_path() : ".";
+  refuse_beyond(needs_of(scene, format), scene, options.max_memory, to_output ? "" : folder, "",
+                common.quiet);
+  Output output(name);
+  {
+    Progress progress("simulating", "frames", std::uint64_t(scene.frames()), common.quiet);
+    const auto writer = format.writer(scene, [&](std::string_view bytes) { output.write(bytes); });
+    play(scene, *writer, [&](int frames) {
+      stop_if_interrupted();
+      progress.update(std::uint64_t(frames));
+    });
+  }
+  output.finish();
+  if (to_output) return kDone;
+  if (common.json) {
+    write_output(nlohmann::ordered_json({{"scene", options.scene},
+                                         {"format", format.name},
+                                         {"file", name},
+                                         {"bytes", output.written()},
+                                         {"method", scene.method.name},
+                                         {"settings", settings_json(full_settings(scene.method))},
+                                         {"frames", scene.frames()},
+                                         {"frames_per_second", scene.fps}})
+                     .dump(2) +
+                 '\n');
+    return kDone;
+  }
+  write_output(name + '\n');
+  if (!common.quiet) {
+    note("{} frames, {} a second, method {}, {} bytes\n", scene.frames(), scene.fps,
+         scene.method.name, output.written());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Program& program) {
+  CLI::App& command = add_command(app, program, "export", "A scene's motion for other programs",
+                                  R"(  taut export scenes/rope_swing.toml --to npz
+  taut export scenes/rope_swing.toml -o swing.pc2
+  taut export scenes/rope_swing.toml --to csv -o - | head -1
+
+Formats:
+  npz  arrays for numpy.load(): times, positions, velocities, bodies' positions and rotations
+  csv  a table: the rows of taut simulate, without its error estimate
+  pc2  a point cache for Blender's Mesh Cache modifier: the particles of all connectors
+
+One state per frame, SI units, y up. The same scene gives the same bytes. render/export/README.md
+says what is in each, and how other programs open it.)");
+  const auto options = std::make_shared<Options>();
+  command.add_option("scene", options->scene, "A scene file")->required();
+  command.add_option("--to", options->to, "The format; default the suffix of --out")
+      ->check(CLI::IsMember(format_names()));
+  command.add_option("--out,-o", options->out,
+                     "The file, - for standard output; default out/NAME/NAME.FORMAT");
+  command.add_option("--fps", options->fps, "Another number of frames per second")
+      ->check(CLI::Range(1, 1000));
+  add_method_options(command, options->method);
+  add_memory_option(command, options->max_memory);
+  command.callback([options, &program] {
+    program.run = [options, &program] { return run(*options, program.common); };
+  });
+}
+
+}  // namespace taut::cli

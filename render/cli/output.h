@@ -1,0 +1,33 @@
+// Where a command's result goes.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "render/atomic_file.h"
+
+namespace taut::cli {
+
+/// A file, or standard output where the name is - or what that goes to.
+class Output {
+ public:
+  explicit Output(const std::string& name);
+
+  bool is_standard() const { return !file_; }
+  std::uint64_t written() const { return written_; }
+
+  /// Throws CannotWrite, as does finish().
+  void write(std::string_view bytes);
+  /// Until then there is no file of that name.
+  void finish();
+
+ private:
+  std::optional<AtomicFile> file_;
+  std::uint64_t written_ = 0;
+};
+
+/// True where such an output goes to standard output.
+bool to_standard_output(const std::string& name);
+
+}  // namespace taut::cli

@@ -1,0 +1,37 @@
+// What every format of an export is given, and where its bytes go.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "scenes/scene.h"
+
+namespace taut {
+
+/// Takes an export's bytes, in order.
+using WriteBytes = std::function<void(std::string_view)>;
+
+/// A state of a simulation.
+struct ExportState {
+  bool frame = true;  // else it lies between two frames
+  Snapshot state;
+  std::vector<std::vector<Vec3>> velocities;  // [connector][particle], m/s
+};
+
+/// A format. One scene's states come in the order of their times, the first and the last at frames.
+class FrameWriter {
+ public:
+  virtual ~FrameWriter() = default;
+  /// Into how many parts it wants a frame's time divided.
+  virtual int states_per_frame() const { return 1; }
+  virtual void add(const ExportState& state) = 0;
+  virtual void finish() = 0;
+};
+
+/// Simulates the scene and gives the writer its states, then finishes it; calls `tick` with the
+/// number of frames that are done.
+void play(const Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick);
+
+}  // namespace taut
