@@ -48,34 +48,54 @@ void put(const Piece& piece, const Vec3& origin, const Vec3& wide, const Vec3& a
 
 }  // namespace
 
-ChainMesh::ChainMesh(const Connector& connector, const ConnectorLook& look,
-                     std::span<const std::shared_ptr<const Model>> bodies)
-    : mounts_{mount_at(connector, 0, bodies),
-              mount_at(connector, connector.particles() - 1, bodies)},
-      width_(look.diameter) {
-  const auto width = float(look.diameter);
+ChainShape chain_shape(double length, double diameter) {
+  const auto width = float(diameter);
   const float wire = 0.19f * width;
   // Links 2.2 times as long as wide; joined, each takes its length less two wires' thickness.
-  const double pitch = 2.2 * width - 4 * wire;
-  links_ = std::max<std::size_t>(std::size_t(std::lround(connector.length / pitch)), 1);
-  pitch_ = connector.length / double(links_);
-  link_ = link_piece(float(pitch_ / 2), width, wire);
-  ring_ = ring_piece(width / 2 - wire, wire);
-  inset_ = width / 2 - 2 * wire;
-  collar_ = collar_piece(width);
+  const std::size_t links =
+      std::max<std::size_t>(std::size_t(std::lround(length / (2.2 * width - 4 * wire))), 1);
+  const double pitch = length / double(links);
+  return {links,
+          diameter,
+          pitch,
+          width / 2 - 2 * wire,
+          link_piece(float(pitch / 2), width, wire),
+          ring_piece(width / 2 - wire, wire),
+          collar_piece(width)};
+}
+
+std::optional<ChainMount> chain_mount(const Connector& connector, std::size_t particle,
+                                      std::span<const std::shared_ptr<const Model>> bodies) {
+  for (const Hold& hold : connector.holds)
+    if (hold.particle == particle && hold.to.kind == Attachment::Kind::body) {
+      const Vec3& point = hold.to.point;
+      const double length = point.norm();
+      const Vec3 axis = length > 1e-9 ? Vec3(point / length) : Vec3::UnitY();
+      const bool known = hold.to.body < bodies.size() && bodies[hold.to.body];
+      return ChainMount{hold.to.body, axis,
+                        known ? thickness(*bodies[hold.to.body], point, axis) : 0};
+    }
+  return {};
+}
+
+ChainMesh::ChainMesh(const Connector& connector, const ConnectorLook& look,
+                     std::span<const std::shared_ptr<const Model>> bodies)
+    : mounts_{chain_mount(connector, 0, bodies),
+              chain_mount(connector, connector.particles() - 1, bodies)},
+      shape_(chain_shape(connector.length, look.diameter)) {
   const Vec3f color = look.color.cast<float>();
-  for (std::size_t i = 0; i < links_; ++i) add(link_, color);
+  for (std::size_t i = 0; i < shape_.links; ++i) add(shape_.link, color);
   for (const auto& mount : mounts_)
     if (mount) {
-      add(ring_, color);
-      add(collar_, color);
+      add(shape_.ring, color);
+      add(shape_.collar, color);
     }
 }
 
 void ChainMesh::place(std::span<const Vec3> particles, std::span<const Pose> bodies,
                       std::vector<MovingVertex>& vertices) const {
   vertices.clear();
-  const auto hold = [&](const std::optional<Mount>& mount) -> std::optional<ChainHold> {
+  const auto hold = [&](const std::optional<ChainMount>& mount) -> std::optional<ChainHold> {
     if (!mount) return {};
     const Quat& turn = bodies[mount->body].rotation;
     return ChainHold{turn * mount->axis, turn * mount->axis.unitOrthogonal()};
@@ -85,31 +105,17 @@ void ChainMesh::place(std::span<const Vec3> particles, std::span<const Pose> bod
        {std::pair(mounts_[0], particles.front()), {mounts_[1], particles.back()}})
     if (mount && mount->radius > 0)
       bars.push_back({point, bodies[mount->body].rotation * mount->axis,
-                      mount->radius + 0.3 * width_, 0.5 * width_});
+                      mount->radius + 0.3 * shape_.width, 0.5 * shape_.width});
   const std::vector<LinkFrame> links =
-      link_frames(clear_of(bars, particles), links_, hold(mounts_[0]), hold(mounts_[1]));
+      link_frames(clear_of(bars, particles), shape_.links, hold(mounts_[0]), hold(mounts_[1]));
   for (const LinkFrame& link : links) {
     // A link that its method stretched is drawn so.
-    const double stretch = std::max((link.to - link.from).norm() / pitch_, 1.0);
-    put(link_, link.middle(), link.wide, link.axis, stretch, vertices);
+    const double stretch = std::max((link.to - link.from).norm() / shape_.pitch, 1.0);
+    put(shape_.link, link.middle(), link.wide, link.axis, stretch, vertices);
   }
   const LinkFrame &first = links.front(), &last = links.back();
   if (mounts_[0]) put_swivel(*mounts_[0], first.from, first.axis, first.wide, bodies, vertices);
   if (mounts_[1]) put_swivel(*mounts_[1], last.to, -last.axis, last.wide, bodies, vertices);
-}
-
-std::optional<ChainMesh::Mount> ChainMesh::mount_at(
-    const Connector& connector, std::size_t particle,
-    std::span<const std::shared_ptr<const Model>> bodies) {
-  for (const Hold& hold : connector.holds)
-    if (hold.particle == particle && hold.to.kind == Attachment::Kind::body) {
-      const Vec3& point = hold.to.point;
-      const double length = point.norm();
-      const Vec3 axis = length > 1e-9 ? Vec3(point / length) : Vec3::UnitY();
-      const bool known = hold.to.body < bodies.size() && bodies[hold.to.body];
-      return Mount{hold.to.body, axis, known ? thickness(*bodies[hold.to.body], point, axis) : 0};
-    }
-  return {};
 }
 
 void ChainMesh::add(const Piece& piece, const Vec3f& color) {
@@ -118,13 +124,13 @@ void ChainMesh::add(const Piece& piece, const Vec3f& color) {
   for (const MovingVertex& v : piece.vertices) rest_.push_back({v.position, color});
 }
 
-void ChainMesh::put_swivel(const Mount& mount, const Vec3& point, const Vec3& outwards,
+void ChainMesh::put_swivel(const ChainMount& mount, const Vec3& point, const Vec3& outwards,
                            const Vec3& wide, std::span<const Pose> bodies,
                            std::vector<MovingVertex>& vertices) const {
   // The link's wire passes the held point on one side of it, the eye's on the other.
-  put(ring_, point - inset_ * outwards, wide.cross(outwards), outwards, 1, vertices);
+  put(shape_.ring, point - shape_.inset * outwards, wide.cross(outwards), outwards, 1, vertices);
   const Vec3 axis = bodies[mount.body].rotation * mount.axis;
-  put(collar_, point, axis.unitOrthogonal(), axis, 1, vertices);
+  put(shape_.collar, point, axis.unitOrthogonal(), axis, 1, vertices);
 }
 
 }  // namespace taut

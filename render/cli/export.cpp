@@ -12,9 +12,12 @@
 #include "render/cli/note.h"
 #include "render/cli/output.h"
 #include "render/cli/progress.h"
+#include "render/export/bvh.h"
 #include "render/export/csv.h"
+#include "render/export/glb.h"
 #include "render/export/npz.h"
 #include "render/export/pc2.h"
+#include "render/export/usda.h"
 #include "render/interrupt.h"
 #include "scenes/scene.h"
 
@@ -26,6 +29,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string scene, to, out;
   int fps = 0;  // 0: the scene's
+  bool scenery = false;
   double max_memory = 0;
   MethodOptions method;
 };
@@ -33,15 +37,16 @@ struct Options {
 struct Format {
   std::string_view name;
   bool binary;
+  bool stage;             // it shows what things look like
   bool gathers;           // it keeps all states until the last has come
-  double bytes_a_number;  // roughly, as a file
+  double bytes_a_number;  // roughly, of a frame as a file
   std::unique_ptr<FrameWriter> (*writer)(const Scene& scene, WriteBytes write);
 };
 
 constexpr Format kFormats[] = {
-    {"npz", true, true, 16, npz_writer},
-    {"csv", false, false, 19, csv_writer},
-    {"pc2", true, false, 4, pc2_writer},
+    {"glb", true, true, true, 40, glb_writer},  {"usda", false, true, true, 60, usda_writer},
+    {"npz", true, false, true, 16, npz_writer}, {"csv", false, false, false, 19, csv_writer},
+    {"pc2", true, false, false, 4, pc2_writer}, {"bvh", false, true, false, 19, bvh_writer},
 };
 
 std::vector<std::string> format_names() {
@@ -74,7 +79,8 @@ Needs needs_of(const Scene& scene, const Format& format) {
 
 int run(const Options& options, const Common& common) {
   const Format& format = chosen_format(options);
-  Scene scene = load_chosen(options.scene, false, options.method);
+  Scene scene = load_chosen(options.scene, format.stage, options.method);
+  if (scene.stage && !options.scenery) scene.stage->scenery.clear();
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
   const std::string stem = fs::path(options.scene).stem().string();
@@ -94,6 +100,7 @@ int run(const Options& options, const Common& common) {
   refuse_beyond(needs_of(scene, format), scene, options.max_memory, to_output ? "" : folder, "",
                 common.quiet);
   Output output(name);
+  Figures figures;
   {
     Progress progress("simulating", "frames", std::uint64_t(scene.frames()), common.quiet);
     const auto writer = format.writer(scene, [&](std::string_view bytes) { output.write(bytes); });
@@ -101,20 +108,21 @@ int run(const Options& options, const Common& common) {
       stop_if_interrupted();
       progress.update(std::uint64_t(frames));
     });
+    figures = writer->figures();
   }
   output.finish();
   if (to_output) return kDone;
   if (common.json) {
-    write_output(nlohmann::ordered_json({{"scene", options.scene},
-                                         {"format", format.name},
-                                         {"file", name},
-                                         {"bytes", output.written()},
-                                         {"method", scene.method.name},
-                                         {"settings", settings_json(full_settings(scene.method))},
-                                         {"frames", scene.frames()},
-                                         {"frames_per_second", scene.fps}})
-                     .dump(2) +
-                 '\n');
+    nlohmann::ordered_json json = {{"scene", options.scene},
+                                   {"format", format.name},
+                                   {"file", name},
+                                   {"bytes", output.written()},
+                                   {"method", scene.method.name},
+                                   {"settings", settings_json(full_settings(scene.method))},
+                                   {"frames", scene.frames()},
+                                   {"frames_per_second", scene.fps}};
+    for (const auto& [figure, value] : figures) json[figure] = value;
+    write_output(json.dump(2) + '\n');
     return kDone;
   }
   write_output(name + '\n');
@@ -129,17 +137,23 @@ int run(const Options& options, const Common& common) {
 
 void add_export(CLI::App& app, Program& program) {
   CLI::App& command = add_command(app, program, "export", "A scene's motion for other programs",
-                                  R"(  taut export scenes/rope_swing.toml --to npz
-  taut export scenes/rope_swing.toml -o swing.pc2
+                                  R"(  taut export scenes/nunchaku.toml --to glb
+  taut export scenes/rope_swing.toml -o swing.npz
   taut export scenes/rope_swing.toml --to csv -o - | head -1
 
 Formats:
-  npz  arrays for numpy.load(): times, positions, velocities, bodies' positions and rotations
-  csv  a table: the rows of taut simulate, without its error estimate
-  pc2  a point cache for Blender's Mesh Cache modifier: the particles of all connectors
+  glb   animated glTF: bodies, characters with their skins, ropes as skinned tubes, chains link by
+        link, cameras, the key light; a node NAME.0, NAME.1, ... for every particle
+  usda  USD in text: ropes as curves, bodies, cameras, the key light
+  npz   arrays for numpy.load(): times, positions, velocities, bodies' positions and rotations
+  csv   a table: the rows of taut simulate, without its error estimate
+  pc2   a point cache for Blender's Mesh Cache modifier: the particles of all connectors
+  bvh   the character's skeleton and its motion
 
-One state per frame, SI units, y up. The same scene gives the same bytes. render/export/README.md
-says what is in each, and how other programs open it.)");
+SI units, y up, one state per frame. glb and usda have more where the motion needs them: between
+frames nothing is more than 0.1 mm from the simulation's own states (--json says how far, _off_by_m).
+The same scene gives the same bytes. render/export/README.md says what is in each format, and how
+other programs open it.)");
   const auto options = std::make_shared<Options>();
   command.add_option("scene", options->scene, "A scene file")->required();
   command.add_option("--to", options->to, "The format; default the suffix of --out")
@@ -148,6 +162,7 @@ says what is in each, and how other programs open it.)");
                      "The file, - for standard output; default out/NAME/NAME.FORMAT");
   command.add_option("--fps", options->fps, "Another number of frames per second")
       ->check(CLI::Range(1, 1000));
+  command.add_flag("--scenery", options->scenery, "With the stage's scenery: glb");
   add_method_options(command, options->method);
   add_memory_option(command, options->max_memory);
   command.callback([options, &program] {

@@ -3,7 +3,9 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scenes/scene.h"
@@ -20,14 +22,18 @@ struct ExportState {
   std::vector<std::vector<Vec3>> velocities;  // [connector][particle], m/s
 };
 
+/// What a format says of a file: names that end with a unit, and numbers.
+using Figures = std::vector<std::pair<std::string, double>>;
+
 /// A format. One scene's states come in the order of their times, the first and the last at frames.
 class FrameWriter {
  public:
   virtual ~FrameWriter() = default;
-  /// Into how many parts it wants a frame's time divided.
+  /// Into how many parts it wants a frame's time divided; 0: it wants nothing but the times.
   virtual int states_per_frame() const { return 1; }
   virtual void add(const ExportState& state) = 0;
   virtual void finish() = 0;
+  virtual Figures figures() const { return {}; }
 };
 
 /// Simulates the scene and gives the writer its states, then finishes it; calls `tick` with the

@@ -5,9 +5,16 @@
 namespace taut {
 
 void play(const Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick) {
+  const int frames = scene.frames(), parts = writer.states_per_frame();
+  if (parts == 0) {
+    for (int frame = 0; frame < frames; ++frame) {
+      writer.add({true, {double(frame) / scene.fps, {}, {}}, {}});
+      tick(frame + 1);
+    }
+    return writer.finish();
+  }
   Simulation simulation = start(scene);
   const ShownVelocities velocities(scene.world, scene.timeline);
-  const int frames = scene.frames(), parts = writer.states_per_frame();
   const auto show = [&](double time, bool frame) {
     simulation.advance_to(time);
     writer.add({frame, simulation.state(), velocities.of(simulation)});

@@ -158,7 +158,7 @@ TEST_F(Export, APointCacheHasEveryParticle) {
 }
 
 TEST_F(Export, FilesAreTheSameBytesEachTime) {
-  for (const char* format : {"npz", "csv", "pc2"}) {
+  for (const char* format : {"glb", "usda", "npz", "csv", "pc2"}) {
     const std::string file = fmt::format("a.{}", format);
     const ProgramResult outcome = run({"link.toml", "-o", file, "-q"});
     EXPECT_EQ(outcome.output, file + "\n");
@@ -193,7 +193,7 @@ TEST_F(Export, TheExamplesOfThePageRun) {
   };
   const std::string path = "PATH=" + fs::path(TAUT_PROGRAM).parent_path().string() + ":$PATH\n";
   const std::vector<std::string> shell = examples("sh"), python = examples("python");
-  ASSERT_GE(shell.size(), 2u);
+  ASSERT_GE(shell.size(), 6u);
   for (const std::string& example : shell) passes({"sh", "-e", "-c", path + example}, example);
   ASSERT_GE(python.size(), 1u);
   if (Child({"python3", "-c", "import numpy"}, folder_.path()).wait().code != 0)
@@ -208,6 +208,9 @@ TEST_F(Export, SaysWhatItMade) {
   EXPECT_EQ(json.at("file"), "a.npz");
   EXPECT_EQ(json.at("frames"), 20);
   EXPECT_EQ(json.at("bytes"), fs::file_size(folder_.path() / "a.npz"));
+  const auto glb = nlohmann::json::parse(run({"cut.toml", "-o", "a.glb", "--json"}).output);
+  EXPECT_LT(glb.at("particles_between_frames_off_by_m"), 1e-4);
+  EXPECT_GE(glb.at("keys"), 25);
 }
 
 TEST_F(Export, MisuseAndFailuresLeaveNothing) {
@@ -217,11 +220,13 @@ TEST_F(Export, MisuseAndFailuresLeaveNothing) {
     EXPECT_EQ(outcome.output, "");
     EXPECT_NE(outcome.messages.find(says), std::string::npos) << outcome.messages;
   };
-  fails(2, "no format is given, expected --to with one of npz, csv, pc2", {"link.toml"});
+  fails(2, "no format is given, expected --to with one of glb, usda, npz, csv, pc2, bvh",
+        {"link.toml"});
   fails(2, "swing.abc: its suffix names no format", {"link.toml", "-o", "swing.abc"});
   fails(2, "--to", {"link.toml", "--to", "abc"});
   fails(2, "standard output is the JSON's", {"link.toml", "--to", "npz", "-o", "-", "--json"});
   fails(3, "none.toml", {"none.toml", "--to", "npz"});
+  fails(3, "link.toml: has 0 characters on its stage", {"link.toml", "--to", "bvh"});
   fails(6, "cannot be created", {"link.toml", "-o", "cut.toml/a.npz"});
   fails(3, "of memory", {"cut.toml", "-o", "a.npz", "--max-memory", "10kB"});
   folder_.write("burst.toml", [] {

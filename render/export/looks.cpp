@@ -1,0 +1,72 @@
+#include "render/export/looks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/method.h"
+
+namespace taut {
+namespace {
+
+bool same(const std::vector<CameraKey>& a, const std::vector<CameraKey>& b) {
+  return std::ranges::equal(a, b, [](const CameraKey& x, const CameraKey& y) {
+    return x.time == y.time && x.position == y.position && x.target == y.target &&
+           x.field_of_view == y.field_of_view;
+  });
+}
+
+}  // namespace
+
+std::vector<std::shared_ptr<const Model>> body_models(const Scene& scene) {
+  std::vector<std::shared_ptr<const Model>> models;
+  if (scene.stage) models = scene.stage->body_models;
+  models.resize(scene.world.bodies.size());
+  return models;
+}
+
+std::vector<double> body_reaches(const Scene& scene) {
+  std::vector<double> reaches;
+  for (const auto& model : body_models(scene)) {
+    double& farthest = reaches.emplace_back(0);
+    if (!model) continue;
+    for (const Mesh& mesh : model->meshes)
+      for (const Vertex& v : mesh.vertices)
+        farthest = std::max(farthest, Vec3(v.position[0], v.position[1], v.position[2]).norm());
+  }
+  return reaches;
+}
+
+ConnectorLook look_of(const Scene& scene, std::size_t connector) {
+  if (!scene.stage || connector >= scene.stage->connector_looks.size()) return {};
+  return scene.stage->connector_looks[connector];
+}
+
+std::vector<NamedCamera> cameras(const Scene& scene) {
+  const Stage& stage = *scene.stage;
+  std::vector<NamedCamera> result{{"camera", stage.camera, 0}};
+  for (std::size_t i = 0; i < stage.shots.size(); ++i) {
+    const Shot& shot = stage.shots[i];
+    if (!same(shot.camera, stage.camera))
+      result.push_back({"camera of shot " + std::to_string(i + 1), shot.camera, shot.from});
+  }
+  return result;
+}
+
+Quat looking(const Vec3& direction) {
+  const Vec3 back = -direction.normalized();
+  const Vec3 up = std::abs(back.y()) < 0.9999 ? Vec3::UnitY() : Vec3::UnitX();
+  const Vec3 right = up.cross(back).normalized();
+  Mat3 axes;
+  axes << right, back.cross(right), back;
+  return Quat(axes);
+}
+
+int parts_of_frame(const Scene& scene) {
+  const MethodInfo& method = *find_method(scene.method.name);
+  const Settings settings = with_defaults(method, scene.method.settings);
+  const auto step = settings.find("step");
+  const bool equal = step != settings.end() && std::get<double>(step->second) > 0;
+  return equal ? 64 : 16;
+}
+
+}  // namespace taut

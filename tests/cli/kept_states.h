@@ -1,0 +1,43 @@
+// What an export of a scene is given.
+#pragma once
+
+#include <string>
+
+#include "render/export/frame_writer.h"
+#include "render/export/looks.h"
+
+namespace taut {
+
+/// The states at frames and between, as formats are given them.
+inline std::vector<ExportState> states_of(const Scene& scene) {
+  class Keeper final : public FrameWriter {
+   public:
+    explicit Keeper(int parts) : parts_(parts) {}
+    int states_per_frame() const override { return parts_; }
+    void add(const ExportState& state) override { states.push_back(state); }
+    void finish() override {}
+    std::vector<ExportState> states;
+
+   private:
+    int parts_;
+  };
+  Keeper keeper(parts_of_frame(scene));
+  play(scene, keeper, [](int) {});
+  return keeper.states;
+}
+
+/// The bytes of a format.
+template <typename MakeWriter>
+std::string exported(const Scene& scene, MakeWriter make) {
+  std::string bytes;
+  const auto writer = make(scene, [&](std::string_view more) { bytes += more; });
+  play(scene, *writer, [](int) {});
+  return bytes;
+}
+
+/// A scene of the repository.
+inline Scene scene_of(const std::string& name) {
+  return load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes" / name, true);
+}
+
+}  // namespace taut
