@@ -134,7 +134,6 @@ TEST(Allocations, DirectDoesNotAllocateWhileSpansStayTaut) {
   EXPECT_TRUE(method->events().empty());
 }
 
-// Audits and the steps that they have taken again among them.
 TEST(Allocations, DirectDoesNotAllocateAtCoarseTolerances) {
   for (const double tolerance : {0.01, 0.03, 0.06, 0.1, 0.3}) {
     World world = spiral();
