@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "sim/coarse_method.h"
-#include "sim/methods/direct/control.h"
+#include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/projection.h"
 #include "sim/room.h"
@@ -13,13 +13,13 @@ namespace taut {
 namespace {
 
 using direct::Component;
-using direct::Course;
+using direct::Integrator;
 
 /// What advance() leaves in the world is where it goes on from; whoever changes the world between
 /// two calls starts it afresh.
 class Direct : public Method {
  public:
-  explicit Direct(const direct::Control& control) : control_(control) {}
+  explicit Direct(const direct::StepOptions& options) : options_(options) {}
 
   void advance(World& world, double until) override {
     if (has_spans(world)) return advance_spans(world, until);
@@ -28,13 +28,13 @@ class Direct : public Method {
       place_held(world, world.time);
       // A particle that was pinned in motion leaves its neighbours so.
       if (changes_ || stretches(world)) stopper_.stop(world);
-      for (std::size_t k = 0; k < followed_; ++k) courses_[k]->load(world);
+      for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->load(world);
     }
     for (std::size_t k = 0; k < followed_; ++k) {
       try {
-        courses_[k]->advance(world, until, counters_);
-      } catch (const Course::StepTooSmall& stop) {
-        const Component& part = courses_[k]->component();
+        integrators_[k]->advance(world, until, counters_);
+      } catch (const Integrator::StepTooSmall& stop) {
+        const Component& part = integrators_[k]->component();
         throw Diverged("direct", stop.time, counters_.steps,
                        part.spans.empty() ? world.bodies[part.bodies[0]].name
                                           : world.connectors[part.spans[0].connector].name,
@@ -42,14 +42,14 @@ class Direct : public Method {
       }
     }
     place_prescribed(world, until);
-    for (std::size_t k = 0; k < followed_; ++k) courses_[k]->store(world);
+    for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->store(world);
     place_carried(world);
     note(world);
   }
 
  private:
   void advance_spans(World& world, double until) {
-    if (!spans_) spans_ = std::make_unique<direct::Spans>(std::make_unique<Direct>(control_));
+    if (!spans_) spans_ = std::make_unique<direct::Spans>(std::make_unique<Direct>(options_));
     if (!built_ || topology_ != world.topology) {
       built_ = true;
       topology_ = world.topology;
@@ -63,14 +63,14 @@ class Direct : public Method {
     built_ = true;
     topology_ = world.topology;
     const std::span<const Component> parts = division_.divide(world);
-    if (courses_.size() < parts.size()) make_room(world, parts);
+    if (integrators_.size() < parts.size()) make_room(world, parts);
     followed_ = parts.size();
-    for (std::size_t k = 0; k < followed_; ++k) courses_[k]->follow(parts[k]);
+    for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->follow(parts[k]);
     noted_.clear();
   }
 
-  /// Makes courses for the parts, and for those into which the pins that the world has room for can
-  /// divide them.
+  /// Makes integrators for the parts, and for those into which the pins that the world has room for
+  /// can divide them.
   void make_room(const World& world, std::span<const Component> parts) {
     std::size_t largest = 0, spare = 0, pins = 0;  // links, particles
     for (const Component& part : parts) {
@@ -84,9 +84,10 @@ class Direct : public Method {
     }
     changes_ = spare > 0;
     if (!changes_) pins = 0;  // nothing is meant to be added
-    while (courses_.size() < parts.size() + pins) {
-      courses_.push_back(std::make_unique<Course>(control_));
-      if (changes_) courses_.back()->reserve(largest + spare, 2 * (pins + 2), world.bodies.size());
+    while (integrators_.size() < parts.size() + pins) {
+      integrators_.push_back(std::make_unique<Integrator>(options_));
+      if (changes_)
+        integrators_.back()->reserve(largest + spare, 2 * (pins + 2), world.bodies.size());
     }
     noted_.reserve(15 * world.bodies.size() + 6 * room(world).particles + 1);
   }
@@ -128,11 +129,11 @@ class Direct : public Method {
     });
   }
 
-  direct::Control control_;
+  direct::StepOptions options_;
   bool built_ = false;
   std::uint64_t topology_ = 0;
   direct::Division division_;
-  std::vector<std::unique_ptr<Course>> courses_;  // more than are followed, to have room
+  std::vector<std::unique_ptr<Integrator>> integrators_;  // more than are followed, to have room
   std::size_t followed_ = 0;
   bool changes_ = false;  // interventions may come, for which room is kept
   StretchStopper stopper_;
@@ -175,10 +176,10 @@ MethodInfo direct_method() {
             .fallback = 0.0,
             .maximum = 1.0}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
-        direct::Control control;
-        control.tolerance = number(settings, "tolerance");
-        control.step = number(settings, "step");
-        return std::make_unique<Direct>(control);
+        direct::StepOptions options;
+        options.tolerance = number(settings, "tolerance");
+        options.step = number(settings, "step");
+        return std::make_unique<Direct>(options);
       },
       .follows_spans = true,
       .coarse =

@@ -134,7 +134,6 @@ TEST(Allocations, DirectDoesNotAllocateWhileSpansStayTaut) {
   EXPECT_TRUE(method->events().empty());
 }
 
-// Audits and the steps that they have taken again among them.
 TEST(Allocations, DirectDoesNotAllocateAtCoarseTolerances) {
   for (const double tolerance : {0.01, 0.03, 0.06, 0.1, 0.3}) {
     World world = spiral();
@@ -189,13 +188,17 @@ TEST_P(Allocation, NoEstimateAllocates) {
   ErrorEstimate estimate(spiral(), GetParam(), {}, timeline);
   simulation.advance_to(0.01);
   estimate.follow(simulation);
+  // The coarser run may meet a change of the scene a frame later than the other.
+  std::size_t stepping = 0, estimating = 0;
   for (int k = 2; k <= 30; ++k) {
     const std::size_t at_first = allocations;
     simulation.advance_to(0.01 * k);
-    const std::size_t stepping = allocations - at_first;
+    const std::size_t stepped = allocations;
     estimate.follow(simulation);
-    EXPECT_LE(allocations - at_first - stepping, stepping) << k;
+    stepping += stepped - at_first;
+    estimating += allocations - stepped;
   }
+  EXPECT_LE(estimating, stepping);
 }
 
 INSTANTIATE_TEST_SUITE_P(OwnMethods, Allocation, testing::ValuesIn(own_methods()),

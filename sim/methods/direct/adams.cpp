@@ -148,12 +148,12 @@ double AdamsStep::attempt(Motion& motion, double time, const double* q, const do
   const std::size_t size = q_.size();
   const double *a = past(0), *b = past(1), *c = past(2), *d = past(3);
   predict(size, h_, rate, a, b, c, d, q_.data(), rate_.data());
-  if (!motion.lift(q, q_.data(), rate_.data())) return kOutside;
+  if (!motion.retract(q, q_.data(), rate_.data())) return kOutside;
   motion.acceleration(time + h_, q_.data(), rate_.data(), next_.data());
   const double squares =
       correct(size, h_, rate, next_.data(), a, b, c, d, rate_.data(), error_.data());
-  const double bound = motion.memory() * motion.shift_bound(squares);
-  return bound < unimportant ? bound : motion.memory() * motion.shift(error_.data());
+  const double bound = motion.velocity_time() * motion.displacement_bound(squares);
+  return bound < unimportant ? bound : motion.velocity_time() * motion.displacement(error_.data());
 }
 
 }  // namespace taut::direct

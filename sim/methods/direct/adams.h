@@ -48,6 +48,8 @@ class AdamsStep {
   /// Steps are stable for frequencies (rad/s) up to 1.6 / h, by the roots of the recurrence for
   /// q'' = -w^2 q, and damp them below; less, as tensions rise and links turn in a step.
   static constexpr double kStable = 1.4;
+  /// What a step takes beside projections, in accelerations; measured.
+  static constexpr double kCost = 1.6;
 
   static constexpr std::size_t kKept = 6;
   static constexpr std::size_t kArrays = 2 * kKept + 4;

@@ -1,4 +1,4 @@
-// The arrays of a course, in one block of memory.
+// The arrays of an integrator, in one block of memory.
 #pragma once
 
 #include <cstddef>

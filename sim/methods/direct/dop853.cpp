@@ -130,12 +130,12 @@ double Dop853Step::attempt(Motion& motion, double time, double h, const double* 
   }
   end_state(size, h, q, rate, a, q_.data(), rate_.data());
   error_of_order_5(size, h, a, error_q_.data(), error_rate_.data());
-  motion.across(q, error_q_.data());
-  motion.across(q, error_rate_.data());
+  motion.to_tangent(q, error_q_.data());
+  motion.to_tangent(q, error_rate_.data());
   const double error5 = motion.error(error_q_.data(), error_rate_.data());
   error_of_order_3(size, h, a, error_q_.data(), error_rate_.data());
-  motion.across(q, error_q_.data());
-  motion.across(q, error_rate_.data());
+  motion.to_tangent(q, error_q_.data());
+  motion.to_tangent(q, error_rate_.data());
   const double error3 = motion.error(error_q_.data(), error_rate_.data());
   // Hairer's blend: of order 8 where both estimates behave.
   const double blend = std::hypot(error5, 0.1 * error3);

@@ -1,5 +1,5 @@
 // The state at a time within the last step.
-#include "sim/methods/direct/control.h"
+#include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/vector.h"
 
 namespace taut::direct {
@@ -44,9 +44,9 @@ void quintic(std::size_t n, double h, double s, const double* const (&first)[3],
 }  // namespace
 
 /// The state at `time` within the last step, by Hermite's polynomial. Accelerations count in it
-/// where Adams follows every wave; the implicit method passes over them.
-void Course::interpolate(double time, const double* first_acceleration,
-                         const double* last_acceleration) {
+/// where Adams follows every wave; the implicit scheme passes over them.
+void Integrator::interpolate(double time, const double* first_acceleration,
+                             const double* last_acceleration) {
   const double h = time_ - before_, s = (time - before_) / h;
   const double* const first[] = {q_before_.data(), rate_before_.data(), first_acceleration};
   const double* const last[] = {q_.data(), rate_.data(), last_acceleration};

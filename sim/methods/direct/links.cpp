@@ -9,7 +9,7 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 25;
+constexpr std::size_t kArrays = 23;
 
 // A link that is turned by almost a right angle from its chart's base has left the chart.
 constexpr double kLeastRoom = 1e-4;
@@ -73,7 +73,7 @@ template <int kComponents>
 
 /// x = its part across b + w b with w = sqrt(1 - |x|^2); returns whether every w^2 has room.
 template <int kComponents>
-[[gnu::always_inline]] inline bool lift_loop(std::size_t n, In base, Out x, Out rate) {
+[[gnu::always_inline]] inline bool retract_loop(std::size_t n, In base, Out x, Out rate) {
   std::size_t outside = 0;
 #pragma GCC ivdep  // components do not overlap
   for (std::size_t i = 0; i < n; ++i) {
@@ -105,7 +105,7 @@ template <int kComponents>
 }
 
 template <int kComponents>
-[[gnu::always_inline]] inline void across_loop(std::size_t n, In base, Out x) {
+[[gnu::always_inline]] inline void to_tangent_loop(std::size_t n, In base, Out x) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) {
     double along = 0;
@@ -147,20 +147,20 @@ void normalise_in_space(std::size_t count, std::size_t n, Out q, Out rate) {
   normalise_loop<3>(count, n, q, rate);
 }
 TAUT_VECTOR_CLONES
-bool lift_in_plane(std::size_t n, In base, Out x, Out rate) {
-  return lift_loop<2>(n, base, x, rate);
+bool retract_in_plane(std::size_t n, In base, Out x, Out rate) {
+  return retract_loop<2>(n, base, x, rate);
 }
 TAUT_VECTOR_CLONES
-bool lift_in_space(std::size_t n, In base, Out x, Out rate) {
-  return lift_loop<3>(n, base, x, rate);
+bool retract_in_space(std::size_t n, In base, Out x, Out rate) {
+  return retract_loop<3>(n, base, x, rate);
 }
 TAUT_VECTOR_CLONES
-void across_in_plane(std::size_t n, In base, Out x) {
-  across_loop<2>(n, base, x);
+void to_tangent_in_plane(std::size_t n, In base, Out x) {
+  to_tangent_loop<2>(n, base, x);
 }
 TAUT_VECTOR_CLONES
-void across_in_space(std::size_t n, In base, Out x) {
-  across_loop<3>(n, base, x);
+void to_tangent_in_space(std::size_t n, In base, Out x) {
+  to_tangent_loop<3>(n, base, x);
 }
 
 }  // namespace
@@ -174,11 +174,11 @@ void Links::rebuild(std::span<const Link> links, int components) {
   stride_ = (links.size() + kLanes - 1) / kLanes * kLanes;
   components_ = components;
   arena_.assign(kPad + kArrays * (stride_ + 2 * kPad), 0.0);
-  double** const arrays[] = {&rest_,     &inverse_rest_, &both_,         &shared_,    &scale_,
-                             &beside_,   &weight_,       &next_gain_,    &last_gain_, &own_gain_,
-                             &near_,     &far_,          &apart_,        &turned_,    &off_,
-                             &right_,    &unknown_,      &frozen_pivot_, &frozen_up_, &frozen_down_,
-                             &diagonal_, &change_,       &work_};
+  double** const arrays[] = {
+      &rest_,        &inverse_rest_,  &both_,      &shared_,   &scale_,   &beside_,
+      &weight_,      &next_gain_,     &last_gain_, &own_gain_, &near_,    &far_,
+      &apart_,       &turned_,        &off_,       &right_,    &unknown_, &factored_pivot_,
+      &factored_up_, &factored_down_, &work_};
   static_assert(std::size(arrays) + 2 == kArrays);  // work_ is three
   for (std::size_t k = 0; k < std::size(arrays); ++k) {
     *arrays[k] = arena_.data() + kPad + k * (stride_ + 2 * kPad);
@@ -233,25 +233,26 @@ void Links::add_response(const double* response, double factor) {
 void Links::pull(const double* q, double* out) {
   const auto loop = components_ == 2 ? pull_in_plane : pull_in_space;
   loop(stride_, q + kPad, next_gain_, last_gain_, own_gain_, unknown_, out + kPad);
-  fastest_squared_ = 2 * largest(stride_, unknown_, own_gain_);
+  wave_squared_ = 2 * largest(stride_, unknown_, own_gain_);
 }
 
-void Links::freeze(double sigma_squared) {
+void Links::factor(double sigma_squared) {
   for (std::size_t i = 0; i < count_; ++i) {
     const double pull = std::max(tension(i), 0.0);
-    frozen_pivot_[i] = sigma_squared * (rest_[i] > 0 ? rest_[i] : 1) + both_[i] * pull;
-    frozen_down_[i] = shared_[i] * pull;
-    if (i > 0) frozen_up_[i - 1] = shared_[i - 1] * pull;
+    factored_pivot_[i] = sigma_squared * (rest_[i] > 0 ? rest_[i] : 1) + both_[i] * pull;
+    factored_down_[i] = shared_[i] * pull;
+    if (i > 0) factored_up_[i - 1] = shared_[i - 1] * pull;
   }
-  factor_twisted(count_, frozen_pivot_, frozen_up_, frozen_down_, work_);
+  factor_twisted(count_, factored_pivot_, factored_up_, factored_down_, work_);
 }
 
-void Links::solve_frozen(double* x) const {
+void Links::solve_factored(double* x) const {
   for (int c = 0; c < components_; ++c) {
     double* __restrict column = x + begin(c);
     for (std::size_t i = 0; i < count_; ++i) column[i] *= rest_[i];
   }
-  solve_twisted(count_, frozen_pivot_, frozen_up_, frozen_down_, components_, stride_, x + kPad);
+  solve_twisted(count_, factored_pivot_, factored_up_, factored_down_, components_, stride_,
+                x + kPad);
 }
 
 void Links::normalise(double* q, double* rate) const {
@@ -259,13 +260,13 @@ void Links::normalise(double* q, double* rate) const {
   loop(count_, stride_, q + kPad, rate + kPad);
 }
 
-bool Links::lift(const double* base, double* x, double* rate) const {
-  const auto loop = components_ == 2 ? lift_in_plane : lift_in_space;
+bool Links::retract(const double* base, double* x, double* rate) const {
+  const auto loop = components_ == 2 ? retract_in_plane : retract_in_space;
   return loop(stride_, base + kPad, x + kPad, rate + kPad);
 }
 
-void Links::across(const double* base, double* x) const {
-  (components_ == 2 ? across_in_plane : across_in_space)(stride_, base + kPad, x + kPad);
+void Links::to_tangent(const double* base, double* x) const {
+  (components_ == 2 ? to_tangent_in_plane : to_tangent_in_space)(stride_, base + kPad, x + kPad);
 }
 
 }  // namespace taut::direct

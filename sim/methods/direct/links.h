@@ -63,36 +63,25 @@ class Links {
 
   /// A bound (Gershgorin's, for a row of equal links exact) of the frequencies of the waves under
   /// those tensions, rad/s.
-  double fastest() const { return std::sqrt(fastest_squared_); }
-
-  /// Of links in space, where those that turn on from `before` over q go under the tensions.
-  void lead(double h, double last, const double* before, const double* q, double* out) const;
-  /// Changes the tensions so that lengths hold where `lead` leads, and writes there where the links
-  /// go; into `turned` by how much the changes turned them. Spoils `chord`. Returns the most (of a
-  /// length) that a link was off without.
-  double mend(double half_square, const double* q, double* lead, double* chord, double* turned);
-  /// The square (rad^2/s^2) of a bound of the frequencies of the waves under a tension.
-  double wave(std::size_t link, double tension) const {
-    return 2 * both_[link] * inverse_rest_[link] * tension;
-  }
+  double wave_frequency() const { return std::sqrt(wave_squared_); }
 
   /// Factors sigma_squared - L, where L x is what pull() makes of x with the tensions of the last
   /// solve(), as far as they pull: the waves.
-  void freeze(double sigma_squared);
-  void solve_frozen(double* x) const;
+  void factor(double sigma_squared);
+  void solve_factored(double* x) const;
 
   /// Unit directions, and rates across them.
   void normalise(double* q, double* rate) const;
   /// From coordinates across `base` to unit directions and their rates; false where a link is
   /// turned by a right angle or more from its base.
-  bool lift(const double* base, double* x, double* rate) const;
+  bool retract(const double* base, double* x, double* rate) const;
   /// Leaves of x what lies across `base`.
-  void across(const double* base, double* x) const;
+  void to_tangent(const double* base, double* x) const;
 
  private:
   std::size_t count_ = 0, stride_ = 0;
   int components_ = 3;
-  double fastest_squared_ = 0;  // rad^2/s^2, under the last tensions
+  double wave_squared_ = 0;  // rad^2/s^2, under the last tensions
   // One block, so that no two arrays lie a multiple of a page apart, where stores would hold up
   // loads. Rows and columns of the system are scaled to a diagonal of 2, near which neither its
   // minors nor their inverses overflow.
@@ -102,9 +91,8 @@ class Links {
   // The system, see solve_chain(). Links of different spans are no neighbours: as if at right
   // angles, where `apart_` is what that makes of turned_.
   double *near_, *far_, *apart_, *off_, *turned_, *right_, *unknown_;  // unknowns: T / scale
-  double *frozen_pivot_, *frozen_up_, *frozen_down_;
-  double *diagonal_, *change_;  // of mend()
-  double* work_;                // three arrays
+  double *factored_pivot_, *factored_up_, *factored_down_;
+  double* work_;  // three arrays
 };
 
 }  // namespace taut::direct

@@ -13,7 +13,7 @@
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 37;
+constexpr std::size_t kArrays = 23;
 
 using Out = double* __restrict;
 using In = const double* __restrict;
@@ -76,9 +76,9 @@ bool add(std::size_t n, double most, In change, Out x) {
   return outside == 0;
 }
 
-/// The rows of freeze(), less what the first link hangs from; `down` begins a row before.
+/// The rows of factor(), less what the first link hangs from; `down` begins a row before.
 TAUT_VECTOR_CLONES
-void freeze_links(std::size_t n, double sigma_squared, In rest, In next_gain, In last_gain,
+void factor_links(std::size_t n, double sigma_squared, In rest, In next_gain, In last_gain,
                   In cosine, In unknown, Out pivot, Out up, Out down) {
   for (std::size_t k = 0; k < n; ++k) {
     const double next = rest[k] * next_gain[k] * std::max(unknown[k + 1] * cosine[k], 0.0);
@@ -168,13 +168,10 @@ void PlanarChain::rebuild(const World& world, const Component& component, const 
   const std::size_t stride = loop_ + 2 * kLanes;
   arena_.assign((kArrays + 2) * stride, 0.0);
   double** const arrays[kArrays] = {
-      &rest_,         &scale_,      &beside_,  &weight_,       &next_gain_,      &last_gain_,
-      &wave_gain_,    &near_,       &far_,     &turned_,       &cosine_,         &sine_,
-      &off_,          &right_,      &unknown_, &frozen_pivot_, &frozen_up_,      &frozen_down_,
-      &place_cosine_, &place_sine_, &mass_,    &inverse_,      &leapt_from_,     &leapt_to_,
-      &next_x_,       &next_y_,     &now_x_,   &now_y_,        &past_x_,         &past_y_,
-      &lead_x_,       &lead_y_,     &chord_x_, &chord_y_,      &chord_diagonal_, &change_,
-      &work_};
+      &rest_,         &scale_,      &beside_,  &weight_,         &next_gain_,   &last_gain_,
+      &wave_gain_,    &near_,       &far_,     &turned_,         &cosine_,      &sine_,
+      &off_,          &right_,      &unknown_, &factored_pivot_, &factored_up_, &factored_down_,
+      &place_cosine_, &place_sine_, &mass_,    &inverse_,        &work_};
   static_assert(std::size(arrays) == kArrays);
   for (std::size_t k = 0; k < kArrays && arrays[k]; ++k) {
     *arrays[k] = arena_.data() + kLanes + k * stride;
@@ -205,12 +202,12 @@ void PlanarChain::measure(const World& world) {
     total += mass_[k];
     length += rest_[k];
     shortest = std::min(shortest, rest_[k]);
-    // Cauchy's and Schwarz's inequality for the sum in shift().
+    // Cauchy's and Schwarz's inequality for the sum in displacement().
     reach += static_cast<double>(links_ + 1 - k) * rest_[k] * rest_[k];
   }
   length_ = length, shortest_ = shortest;
   reach_ = std::sqrt(reach / static_cast<double>(links_));
-  memory_ = memory_of_velocity(length);
+  velocity_time_ = velocity_time_of(length);
   const double least = kLeastMassShare * (total > 0 ? total : 1);
   for (std::size_t k = 1; k <= links_; ++k) inverse_[k] = 1 / std::max(mass_[k], least);
   scale_links(links_, inverse_ + 1, rest_ + 1, scale_ + 1, near_ + 1, far_ + 1, weight_ + 1);
@@ -221,7 +218,6 @@ void PlanarChain::measure(const World& world) {
 void PlanarChain::load(const World& world, double, double* q, double* rate) {
   attach(world);
   left_plane_.reset();
-  leapt_to_[0] = std::numeric_limits<double>::quiet_NaN();  // nowhere
   gravity_ = world.gravity;
   std::fill_n(q, size(), 0.0);
   std::fill_n(rate, size(), 0.0);
@@ -283,7 +279,7 @@ void PlanarChain::acceleration(double time, const double* q, const double* rate,
   assemble(loop_, q, rate, beside_, weight_, cosine_, sine_, off_, turned_, right_);
   right_[1] += scale_[1] * (cosine_[0] * fx + sine_[0] * fy);
   solve_chain(links_, near_ + 1, far_ + 1, off_ + 1, turned_ + 1, right_ + 1, unknown_ + 1, work_);
-  fastest_squared_ = turn(loop_, sine_, next_gain_, last_gain_, wave_gain_, unknown_, out);
+  wave_squared_ = turn(loop_, sine_, next_gain_, last_gain_, wave_gain_, unknown_, out);
   out[1] += (cosine_[0] * fy - sine_[0] * fx) / rest_[1];
   for (std::size_t k = loop_; k < size(); ++k) out[k] = 0;
 }
@@ -294,24 +290,8 @@ double PlanarChain::work() const {
   return 450 + 20 * static_cast<double>(links_) + (hold_.kind == Attachment::Kind::fixed ? 0 : 100);
 }
 
-Motion::Energy PlanarChain::energy(double, const double* q, const double* rate) {
-  directions(loop_, q, place_cosine_, place_sine_);
-  const double gx = gravity_.dot(plane_.x), gy = gravity_.dot(plane_.y);
-  double x = 0, y = 0, vx = 0, vy = 0;
-  Energy sum;
-  for (std::size_t k = 1; k <= links_; ++k) {
-    const double along = rest_[k] * place_cosine_[k], across = rest_[k] * place_sine_[k];
-    x += along, y += across;
-    vx -= across * rate[k], vy += along * rate[k];
-    sum.kinetic += mass_[k] / 2 * (vx * vx + vy * vy);
-    sum.potential -= mass_[k] * (gx * x + gy * y);
-    sum.mass += mass_[k];
-  }
-  return sum;
-}
-
 /// As if the links were parallel. Four parts of the sum go on at once.
-double PlanarChain::shift(const double* change) const {
+double PlanarChain::displacement(const double* change) const {
   constexpr std::size_t kParts = 4;
   double place[kParts] = {}, sum[kParts] = {}, squares[kParts] = {};
   const std::size_t length = links_ / kParts;
@@ -334,31 +314,32 @@ double PlanarChain::shift(const double* change) const {
 }
 
 /// Angles know no edge of the chart, but more than half a turn is nonsense.
-bool PlanarChain::lift(const double* base, double* x, double*) const {
+bool PlanarChain::retract(const double* base, double* x, double*) const {
   constexpr double kHalfTurn = 3.141592653589793;
   return add(loop_, kHalfTurn, base, x);
 }
 
 /// sigma^2 - L, rows times l: L p is what the tensions make of a change p of the angles, as far as
 /// they pull and the links do not fold.
-void PlanarChain::freeze(double sigma_squared) {
+void PlanarChain::factor(double sigma_squared) {
   const double first =
       std::max(cosine_[0] * pull_.dot(plane_.x) + sine_[0] * pull_.dot(plane_.y), 0.0);
-  freeze_links(links_, sigma_squared, rest_ + 1, next_gain_ + 1, last_gain_ + 1, cosine_ + 1,
-               unknown_ + 1, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_);
-  frozen_pivot_[1] += first;
-  factor_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1, work_);
+  factor_links(links_, sigma_squared, rest_ + 1, next_gain_ + 1, last_gain_ + 1, cosine_ + 1,
+               unknown_ + 1, factored_pivot_ + 1, factored_up_ + 1, factored_down_);
+  factored_pivot_[1] += first;
+  factor_twisted(links_, factored_pivot_ + 1, factored_up_ + 1, factored_down_ + 1, work_);
 }
 
-void PlanarChain::solve_frozen(double* x) const {
+void PlanarChain::solve_factored(double* x) const {
   multiply(links_, rest_ + 1, x + 1);
-  solve_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1, 1, 0, x + 1);
+  solve_twisted(links_, factored_pivot_ + 1, factored_up_ + 1, factored_down_ + 1, 1, 0, x + 1);
 }
 
-void PlanarChain::solve_frozen(double* x, double* y) const {
+void PlanarChain::solve_factored(double* x, double* y) const {
   for (double* right : {x, y}) multiply(links_, rest_ + 1, right + 1);
   const auto stride = static_cast<std::size_t>(y - x);
-  solve_twisted(links_, frozen_pivot_ + 1, frozen_up_ + 1, frozen_down_ + 1, 2, stride, x + 1);
+  solve_twisted(links_, factored_pivot_ + 1, factored_up_ + 1, factored_down_ + 1, 2, stride,
+                x + 1);
 }
 
 }  // namespace taut::direct

@@ -16,7 +16,7 @@ void directions(std::size_t n, const double* angle, double* cosine, double* sine
 /// a body that hangs by one point and so is one more link (see Stick). Coordinates: the angles p_k
 /// of the links, k from 1, against the plane's x axis, p_0 = 0. With link k between the points k-1
 /// and k, w_k the inverse mass of point k (w_0 = 0), c_k and s_k the cosine and sine of
-/// p_{k+1} - p_k, and f gravity less the first point's acceleration, the equations of Net become
+/// p_{k+1} - p_k, and f gravity less the first point's acceleration, the equations of System become
 ///
 ///   (w_{k-1} + w_k) T_k - w_k c_k T_{k+1} - w_{k-1} c_{k-1} T_{k-1} = l_k p_k'^2  [+ u_1 . f]
 ///   l_k p_k'' = w_k s_k T_{k+1} - w_{k-1} s_{k-1} T_{k-1}  [+ n_1 . f]
@@ -37,28 +37,21 @@ class PlanarChain : public Motion {
   const std::optional<Vec3>& left_plane() const override { return left_plane_; }
   double length() const override { return length_; }
   double shortest() const override { return shortest_; }
-  double fastest() const override { return std::sqrt(fastest_squared_); }
+  double wave_frequency() const override { return std::sqrt(wave_squared_); }
 
   std::size_t size() const override { return loop_ + kLanes; }
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   void project(double, double*, double*) override {}
   double projection_cost() const override { return 0; }
   double work() const override;
-  double shift(const double* change) const override;
-  double shift_bound(double squares) const override { return reach_ * std::sqrt(squares); }
-  Energy energy(double time, const double* q, const double* rate) override;
-  double gravity() const override { return gravity_.norm(); }
-  double memory() const override { return memory_; }
-  bool leaps() const override { return true; }
-  double fastest_hanging() const override;
-  bool pushes() const override;
-  double leap(double time, double h, double last, const double* q, const double* q_before,
-              double* q_next, double* turned) override;
-  bool lift(const double* base, double* x, double* rate) const override;
-  void across(const double*, double*) const override {}
-  void freeze(double sigma_squared) override;
-  void solve_frozen(double* x) const override;
-  void solve_frozen(double* x, double* y) const override;
+  double displacement(const double* change) const override;
+  double displacement_bound(double squares) const override { return reach_ * std::sqrt(squares); }
+  double velocity_time() const override { return velocity_time_; }
+  bool retract(const double* base, double* x, double* rate) const override;
+  void to_tangent(const double*, double*) const override {}
+  void factor(double sigma_squared) override;
+  void solve_factored(double* x) const override;
+  void solve_factored(double* x, double* y) const override;
 
  private:
   void measure(const World& world);
@@ -80,23 +73,20 @@ class PlanarChain : public Motion {
   Quat rotation_ = Quat::Identity();  // its own, when loaded
   std::size_t links_ = 0, loop_ = 0;  // loops run over loop_ slots, a multiple of kLanes
   double length_ = 0, shortest_ = 0;  // m, of all links, of the shortest
-  double memory_ = 0;                 // s
-  double reach_ = 0;                  // m, of shift_bound()
+  double velocity_time_ = 0;          // s
+  double reach_ = 0;                  // m, of displacement_bound()
   Vec3 pull_ = Vec3::Zero();          // m/s^2, f at the last instant
-  double fastest_squared_ = 0;        // rad^2/s^2, at the last instant
+  double wave_squared_ = 0;           // rad^2/s^2, at the last instant
 
   // Slot k belongs to link k, slot 0 to the axis; one block, as in Links. Rows and columns of the
   // system are scaled to a diagonal of 2.
   Array arena_;
   double *rest_, *scale_;                               // per link
   double *beside_, *weight_, *next_gain_, *last_gain_;  // scaled constants of the loops
-  double* wave_gain_;                                   // 1/s^2 per unknown, see fastest()
+  double* wave_gain_;                                   // 1/s^2 per unknown, see wave_frequency()
   double *near_, *far_, *turned_;                      // of the rows and columns, see solve_chain()
   double *cosine_, *sine_, *off_, *right_, *unknown_;  // unknowns: T / scale
-  double *frozen_pivot_, *frozen_up_, *frozen_down_;
-  double *leapt_from_, *leapt_to_;  // angles of the last leap(), and cosines and sines:
-  double *past_x_, *past_y_, *now_x_, *now_y_, *next_x_, *next_y_;
-  double *lead_x_, *lead_y_, *chord_x_, *chord_y_, *chord_diagonal_, *change_;  // of leap()
+  double *factored_pivot_, *factored_up_, *factored_down_;
   double *place_cosine_, *place_sine_;  // of the links themselves
   double *mass_, *inverse_;             // of the points
   double* work_;                        // three arrays

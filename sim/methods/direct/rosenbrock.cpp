@@ -159,7 +159,7 @@ double RosenbrockStep::attempt(Motion& motion, double time, double h, const doub
   }
   const std::size_t size = q_.size();
   const double sigma = 1 / (kGamma * h);
-  motion.freeze(sigma * sigma);
+  motion.factor(sigma * sigma);
   for (int s = 0; s < kStages; ++s) {
     const double* y = rate;
     if (s == 0) {
@@ -168,17 +168,17 @@ double RosenbrockStep::attempt(Motion& motion, double time, double h, const doub
       stage_state(s, size, rate, dx, dy, q_.data(), rate_.data());
       std::copy(rate_.begin(), rate_.end(), chart_rate_.begin());
       y = chart_rate_.data();
-      if (!motion.lift(q, q_.data(), rate_.data())) return kOutside;
+      if (!motion.retract(q, q_.data(), rate_.data())) return kOutside;
       motion.acceleration(time + kNode[s] * h, q_.data(), rate_.data(), acceleration_.data());
     }
-    motion.across(q, acceleration_.data());
+    motion.to_tangent(q, acceleration_.data());
     right_side(s, size, h, y, acceleration_.data(), dx, dy, dx[s], dy[s]);
-    motion.solve_frozen(dx[s]);
-    motion.across(q, dx[s]);
+    motion.solve_factored(dx[s]);
+    motion.to_tangent(q, dx[s]);
     finish_stage(size, sigma, dx[s], dy[s]);
   }
   end_state(size, rate, dx, dy, q_.data(), rate_.data(), error_q_.data(), error_rate_.data());
-  if (!motion.lift(q, q_.data(), rate_.data())) return kOutside;
+  if (!motion.retract(q, q_.data(), rate_.data())) return kOutside;
   return motion.error(error_q_.data(), error_rate_.data());
 }
 

@@ -119,16 +119,16 @@ void Spans::build_systems() {
   for (const Component& component : division_.divide(inner_)) {
     const auto is_tie = [&](const SpanRange& range) { return tie_of[range.connector] != kNone; };
     if (std::ranges::none_of(component.spans, is_tie)) continue;
-    System& system = systems_.emplace_back();
-    system.net.rebuild(inner_, component, std::nullopt);
-    for (Array* array : {&system.q, &system.rate, &system.acceleration}) {
-      array->resize(system.net.size());
+    Tensions& part = systems_.emplace_back();
+    part.system.rebuild(inner_, component, std::nullopt);
+    for (Array* array : {&part.q, &part.rate, &part.acceleration}) {
+      array->resize(part.system.size());
     }
     for (const SpanRange& range : component.spans) {
       if (!is_tie(range)) continue;
       Tie& tie = ties_[tie_of[range.connector]];
       tie.system = systems_.size() - 1;
-      tie.link = system.net.first_link(range.connector);
+      tie.link = part.system.first_link(range.connector);
     }
   }
 }
@@ -136,12 +136,12 @@ void Spans::build_systems() {
 /// Solves for the tensions of the inner world's present state.
 void Spans::look() {
   if (!built_) build_systems();
-  for (System& system : systems_) {
-    double *q = system.q.data(), *rate = system.rate.data();
-    system.net.load(inner_, inner_.time, q, rate);
-    system.net.acceleration(inner_.time, q, rate, system.acceleration.data());
+  for (Tensions& part : systems_) {
+    double *q = part.q.data(), *rate = part.rate.data();
+    part.system.load(inner_, inner_.time, q, rate);
+    part.system.acceleration(inner_.time, q, rate, part.acceleration.data());
     looks_.solves += 1;
-    looks_.work += system.net.work();
+    looks_.work += part.system.work();
   }
 }
 
@@ -215,7 +215,7 @@ void Spans::lay(Connector& connector, const Span& span, const Vec3& gravity) {
 /// True where the state that was looked at last is not one that the tie can be in.
 bool Spans::breaks(const Tie& tie) const {
   if (spans_[tie.span].taut) {
-    return tie.system != kNone && systems_[tie.system].net.tension(tie.link) < 0;
+    return tie.system != kNone && systems_[tie.system].system.tension(tie.link) < 0;
   }
   const Ends ends = ends_of(inner_, tie.a, tie.b);
   const bool gives = !is_prescribed(inner_, tie.a) || !is_prescribed(inner_, tie.b);

@@ -8,7 +8,7 @@
 
 #include "sim/method.h"
 #include "sim/methods/direct/components.h"
-#include "sim/methods/direct/net.h"
+#include "sim/methods/direct/system.h"
 #include "sim/methods/span.h"
 
 namespace taut::direct {
@@ -44,8 +44,8 @@ class Spans {
     double thrown_back = -std::numeric_limits<double>::infinity();  // s, when its ends last were
   };
   /// The tensions of one component of the inner world.
-  struct System {
-    Net net;
+  struct Tensions {
+    System system;
     Array q, rate, acceleration;
   };
   struct PointMass {
@@ -71,8 +71,8 @@ class Spans {
   std::vector<PointMass> point_masses_;  // bodies of the inner world, behind those of the outer
   std::vector<std::size_t> copied_;      // connectors of the outer world that are links
   Division division_;
-  std::deque<System> systems_;  // of the components that have ties; they cannot move
-  bool built_ = false;          // for the present ties
+  std::deque<Tensions> systems_;  // of the components that have ties; they cannot move
+  bool built_ = false;            // for the present ties
   Counters looks_;
 };
 

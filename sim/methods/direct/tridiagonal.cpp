@@ -16,35 +16,8 @@ constexpr std::size_t kRowsPerScaling = 32;
 // holds.
 constexpr double kNoPivot = 1e-13;
 
-// The rows of the two kinds of systems, as an elimination needs them that goes down from the first
-// one, or up from the last: what the minors from one end come to.
-
-struct Plain {
-  const double *d, *e;
-  struct Half {
-    double before = 0, now = 1;  // q_{i-2}, q_{i-1}
-    void rescale(double scale) { before *= scale, now = 1; }
-  };
-
-  [[gnu::always_inline]] void row(Half& half, std::size_t i, double beside) const {
-    const double loss = beside * beside * half.before;
-    half.before = half.now;
-    half.now = d[i] * half.now - loss;
-  }
-  [[gnu::always_inline]] void down(Half& half, std::size_t i) const {
-    row(half, i, i > 0 ? e[i - 1] : 0);
-  }
-  [[gnu::always_inline]] void up(Half& half, std::size_t i, std::size_t n) const {
-    row(half, i, i + 1 < n ? e[i] : 0);
-  }
-  double pivot(std::size_t m, std::size_t n, const Half& above, const Half& below) const {
-    double sum = d[m];
-    if (m > 0) sum -= e[m - 1] * e[m - 1] * above.before / above.now;
-    if (m + 1 < n) sum -= e[m] * e[m] * below.before / below.now;
-    return sum;
-  }
-};
-
+/// The rows as an elimination needs them that goes down from the first one, or up from the last:
+/// what the minors from one end come to.
 struct Chain {
   const double *near, *far, *turned;
   struct Half {
@@ -71,8 +44,7 @@ struct Chain {
   }
 };
 
-template <class System>
-[[gnu::always_inline]] inline void solve_from_both_ends(const System& a, std::size_t n,
+[[gnu::always_inline]] inline void solve_from_both_ends(const Chain& a, std::size_t n,
                                                         const double* __restrict e,
                                                         const double* __restrict r,
                                                         double* __restrict x,
@@ -83,7 +55,7 @@ template <class System>
   double* __restrict b = work + 2 * n;
   // Rows 0..m-1 go down, rows n-1..m+1 go up, and row m joins them.
   const std::size_t m = n / 2, pairs = (n - 1) / 2;
-  typename System::Half above, below;
+  Chain::Half above, below;
   double above_sum = 0, below_sum = 0;  // z_{i-1}
   const auto down = [&](std::size_t i) {
     above_sum = r[i] * above.now + (i > 0 ? e[i - 1] : 0) * above_sum;
@@ -126,12 +98,6 @@ template <class System>
 }
 
 }  // namespace
-
-TAUT_VECTOR_CLONES
-void solve_tridiagonal(std::size_t n, const double* d, const double* e, const double* r, double* x,
-                       double* work) {
-  solve_from_both_ends(Plain{d, e}, n, e, r, x, work);
-}
 
 TAUT_VECTOR_CLONES
 void solve_chain(std::size_t n, const double* near, const double* far, const double* e,

@@ -5,24 +5,20 @@
 
 namespace taut::direct {
 
-/// Solves A x = r for n rows, A with `diagonal` (n, near 2) and -`off` (n-1) beside it, positive
-/// definite. `work` takes 3n doubles.
+/// Solves A x = r for a chain of n links whose first or last point is free: the diagonal of A is
+/// `near` + `far`, shared with the row before and the next; beside it stands -`off` (n-1), off_i =
+/// sqrt(far_i near_{i+1}) times the cosine of a turn; `turned` (n-1) is the square of the same
+/// times its sine. `work` takes 3n doubles.
 ///
 /// Elimination without divisions: with the leading minors q_i = d_i q_{i-1} - e_i^2 q_{i-2} and
 /// z_i = r_i q_{i-1} + e_i z_{i-1}, the rows read x_i = (z_i + e_{i+1} q_{i-1} x_{i+1}) / q_i, and
 /// all divisions are done together. The same from the last row backwards; the halves meet in the
 /// middle, which halves the chain of operations that wait for each other.
-void solve_tridiagonal(std::size_t n, const double* diagonal, const double* off,
-                       const double* right, double* x, double* work);
-
-/// Solves the same for a chain whose first or last point is free: the diagonal is `near` + `far`,
-/// shared with the row before and the next, off_i = sqrt(far_i near_{i+1}) times the cosine of a
-/// turn, and `turned` (n-1) is the square of the same times its sine.
 ///
-/// With q_i = far_i q_{i-1} + g_i the minors become sums, g_i = near_i g_{i-1} + turned_{i-1}
-/// q_{i-2}, and every digit of nearly singular systems counts, such as those of straight chains
-/// between a hold and a load a million times as heavy as they. Where a system leaves the tensions
-/// open, the middle one is zero.
+/// With q_i = far_i q_{i-1} + g_i the minors are sums, g_i = near_i g_{i-1} + turned_{i-1} q_{i-2},
+/// and every digit of nearly singular systems counts, such as those of straight chains between a
+/// hold and a load a million times as heavy as they. Where a system leaves the tensions open, the
+/// middle one is zero.
 void solve_chain(std::size_t n, const double* near, const double* far, const double* off,
                  const double* turned, const double* right, double* x, double* work);
 

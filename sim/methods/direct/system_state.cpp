@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/methods/direct/net.h"
+#include "sim/methods/direct/system.h"
 
 namespace taut::direct {
 namespace {
@@ -35,7 +35,7 @@ Quat half_turning(const Vec3& spin, const Quat& rotation) {
 
 }  // namespace
 
-void Net::load(const World& world, double time, double* q, double* rate) {
+void System::load(const World& world, double time, double* q, double* rate) {
   attach(world);
   left_plane_.reset();
   loaded_at_ = time;
@@ -97,13 +97,13 @@ void Net::load(const World& world, double time, double* q, double* rate) {
   spin_momentum_ = rotary(time).momentum;
 }
 
-std::size_t Net::first_link(std::size_t connector) const {
+std::size_t System::first_link(std::size_t connector) const {
   const auto found = std::ranges::find_if(
       spans_, [&](const Span& span) { return span.range.connector == connector; });
   return found->offset;
 }
 
-Net::Point Net::start_of(const Span& span, double time) const {
+System::Point System::start_of(const Span& span, double time) const {
   if (span.first == kNone) return {};
   const End& end = ends_[span.first];
   if (end.body == kNone) {
@@ -115,7 +115,7 @@ Net::Point Net::start_of(const Span& span, double time) const {
 }
 
 /// Fills points_, centres_ and bar_centres_: everything's place and velocity at `time`.
-void Net::place(double time, const double* q, const double* rate) {
+void System::place(double time, const double* q, const double* rate) {
   turn_bodies(q, rate);
   if (floats_ && !bodies_.empty()) centres_[0] = {};
   std::size_t p = 0;
@@ -137,7 +137,7 @@ void Net::place(double time, const double* q, const double* rate) {
   place_bars(q, rate);
 }
 
-void Net::place_bars(const double* q, const double* rate) {
+void System::place_bars(const double* q, const double* rate) {
   std::size_t p = 0;
   for (const Span& span : spans_) {
     for (const std::size_t b : {span.first_bar, span.last_bar}) {
@@ -152,14 +152,14 @@ void Net::place_bars(const double* q, const double* rate) {
   }
 }
 
-Net::Point Net::centre(double time) const {
+System::Point System::centre(double time) const {
   const double t = time - loaded_at_;
   return {centre_.position + t * centre_.velocity + t * t / 2 * world_->gravity,
           centre_.velocity + t * world_->gravity};
 }
 
 /// Shifts everything so that the centre of mass is on its parabola.
-void Net::float_to(double time) {
+void System::float_to(double time) {
   Point sum;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     sum.position += bodies_[b].mass * centres_[b].position;
@@ -176,7 +176,7 @@ void Net::float_to(double time) {
   for (Point& point : centres_) point = {point.position + shift, point.velocity + push};
 }
 
-void Net::store(World& world, const double* q, const double* rate) {
+void System::store(World& world, const double* q, const double* rate) {
   attach(world);
   place(world.time, q, rate);
   std::size_t p = 0;
@@ -211,31 +211,13 @@ void Net::store(World& world, const double* q, const double* rate) {
   }
 }
 
-Motion::Energy Net::energy(double time, const double* q, const double* rate) {
-  place(time, q, rate);
-  Energy sum;
-  const auto count = [&](double mass, const Point& point) {
-    sum.kinetic += mass / 2 * point.velocity.squaredNorm();
-    sum.potential -= mass * world_->gravity.dot(point.position);
-    sum.mass += mass;
-  };
-  for (std::size_t k = 0; k < points_.size(); ++k) count(point_mass_[k], points_[k]);
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Part& part = bodies_[b];
-    count(part.mass, centres_[b]);
-    const Vec3 spin = part.rotation.transpose() * part.spin;
-    sum.kinetic += spin.dot(part.inertia * spin) / 2;
-  }
-  return sum;
-}
-
-void Net::project(double time, double* q, double* rate) {
+void System::project(double time, double* q, double* rate) {
   unit(q, rate);
   if (loops_) close(time, q, rate);
   if (floats_) restore_momentum(time, q, rate);
 }
 
-void Net::unit(double* q, double* rate) const {
+void System::unit(double* q, double* rate) const {
   links_.normalise(q, rate);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Eigen::Map<Eigen::Vector4d> p(q + quaternion(b)), r(rate + quaternion(b));
@@ -246,7 +228,7 @@ void Net::unit(double* q, double* rate) const {
 
 /// How far the last points of the spans that close loops are from their places, in gaps_; returns
 /// the largest gap of place (m).
-double Net::measure_gaps(double time, const double* q, const double* rate) {
+double System::measure_gaps(double time, const double* q, const double* rate) {
   place(time, q, rate);
   double largest = 0;
   std::size_t p = 0;
@@ -271,7 +253,7 @@ double Net::measure_gaps(double time, const double* q, const double* rate) {
 
 /// Shares a gap among the links of its span, and finds what the masses do to restore the lengths:
 /// impulses along the links, by the system of the tensions. Adds both to `array` (q or its rate).
-void Net::spread(const double* q, Vec3 Point::*gap, double* array) {
+void System::spread(const double* q, Vec3 Point::*gap, double* array) {
   std::fill(still_.begin(), still_.end(), 0.0);
   turn_bodies(q, still_.data());
   lead_bodies();
@@ -297,7 +279,7 @@ void Net::spread(const double* q, Vec3 Point::*gap, double* array) {
 }
 
 /// Closes the loops that an integrator's error has opened. Each round leaves the square of the gap.
-void Net::close(double time, double* q, double* rate) {
+void System::close(double time, double* q, double* rate) {
   constexpr int kRounds = 4;
   constexpr double kClosed = 1e-14;  // of the net's length
   for (int round = 0; round < kRounds; ++round) {
@@ -311,7 +293,7 @@ void Net::close(double time, double* q, double* rate) {
 }
 
 /// Angular momentum and inertia about the centre of mass; points_ and centres_ are up to date.
-Net::Rotary Net::rotary(double time) const {
+System::Rotary System::rotary(double time) const {
   const Point mean = centre(time);
   Rotary sum;
   const auto count = [&](double mass, const Point& point) {
@@ -331,7 +313,7 @@ Net::Rotary Net::rotary(double time) const {
 }
 
 /// Gives a floating net its angular momentum back by one rigid rotation.
-void Net::restore_momentum(double time, double* q, double* rate) {
+void System::restore_momentum(double time, double* q, double* rate) {
   place(time, q, rate);
   const Rotary now = rotary(time);
   const Vec3 spin = spin_for(now.inertia, spin_momentum_ - now.momentum);
@@ -344,11 +326,11 @@ void Net::restore_momentum(double time, double* q, double* rate) {
   }
 }
 
-double Net::projection_cost() const {
+double System::projection_cost() const {
   return loops_ ? 6 : floats_ ? 1.5 : 0.2;  // measured
 }
 
-double Net::shift(const double* change) const {
+double System::displacement(const double* change) const {
   double sum = 0;
   std::size_t count = 0;
   const double *x = change + links_.begin(0), *y = change + links_.begin(1);

@@ -27,7 +27,7 @@ namespace taut::direct {
 /// tridiagonal system for all spans, and a small dense one for bodies that several links hold.
 ///
 /// In a plane directions have two components, and bodies that hang by one point are links.
-class Net : public Motion {
+class System : public Motion {
  public:
   /// Room for so many links, and spans with so many ends, in a world of so many bodies.
   void reserve(std::size_t links, std::size_t ends, std::size_t bodies);
@@ -45,28 +45,21 @@ class Net : public Motion {
   const std::optional<Vec3>& left_plane() const override { return left_plane_; }
   double length() const override { return length_; }
   double shortest() const override { return shortest_; }
-  double fastest() const override { return links_.fastest(); }
+  double wave_frequency() const override { return links_.wave_frequency(); }
 
   std::size_t size() const override { return links_.end() + 4 * bodies_.size() + Links::kPad; }
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   void project(double time, double* q, double* rate) override;
   double projection_cost() const override;
   double work() const override { return work_; }
-  double shift(const double* change) const override;
-  double shift_bound(double squares) const override { return reach_ * std::sqrt(squares); }
-  Energy energy(double time, const double* q, const double* rate) override;
-  double gravity() const override { return world_->gravity.norm(); }
-  double memory() const override { return memory_; }
-  bool leaps() const override;
-  double fastest_hanging() const override;
-  bool pushes() const override;
-  double leap(double time, double h, double last, const double* q, const double* q_before,
-              double* q_next, double* turned) override;
-  bool lift(const double* base, double* x, double* rate) const override;
-  void across(const double* base, double* x) const override;
-  void freeze(double sigma_squared) override;
-  using Motion::solve_frozen;
-  void solve_frozen(double* x) const override;
+  double displacement(const double* change) const override;
+  double displacement_bound(double squares) const override { return reach_ * std::sqrt(squares); }
+  double velocity_time() const override { return velocity_time_; }
+  bool retract(const double* base, double* x, double* rate) const override;
+  void to_tangent(const double* base, double* x) const override;
+  void factor(double sigma_squared) override;
+  using Motion::solve_factored;
+  void solve_factored(double* x) const override;
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -129,7 +122,7 @@ class Net : public Motion {
   void measure_links(const World& world);
   void couple();
 
-  // The tensions' system (net.cpp).
+  // The tensions' system (system.cpp).
   void turn_bodies(const double* q, const double* rate);
   void lead_bodies();
   void read_holds(double time);
@@ -185,10 +178,10 @@ class Net : public Motion {
   Links links_;
   std::vector<Links::Link> measured_;  // what links_ is made of
   double length_ = 0, shortest_ = 0;   // m, of all links, of the shortest
-  double memory_ = 0;                  // s
-  double reach_ = 0;                   // m, of shift_bound()
+  double velocity_time_ = 0;           // s
+  double reach_ = 0;                   // m, of displacement_bound()
   double work_ = 0;                    // cycles
-  double frozen_ = 1;                  // 1/s^2, of freeze()
+  double factored_sigma_ = 1;          // 1/s^2, of factor()
 
   bool floats_ = false;  // nothing prescribed: its centre of mass flies freely
   double mass_ = 0;      // kg
@@ -215,7 +208,7 @@ class PlaneFinder {
   /// Room for components of so many links.
   void reserve(std::size_t links) { vectors_.reserve(2 * links + kOthers); }
   /// The plane in which a component moves as far as its present state and its holds at `time` tell,
-  /// if Net can step it there. `also` is one more acceleration in that plane, or zero.
+  /// if System can step it there. `also` is one more acceleration in that plane, or zero.
   std::optional<Plane> find(const World& world, const Component& component, double time,
                             const Vec3& also);
 

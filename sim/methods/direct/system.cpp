@@ -1,4 +1,4 @@
-#include "sim/methods/direct/net.h"
+#include "sim/methods/direct/system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ Quat quat(const double* c) {
 }  // namespace
 
 /// How the bodies lie and spin.
-void Net::turn_bodies(const double* q, const double* rate) {
+void System::turn_bodies(const double* q, const double* rate) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Part& part = bodies_[b];
     const Quat rotation = quat(q + quaternion(b));
@@ -26,7 +26,7 @@ void Net::turn_bodies(const double* q, const double* rate) {
 }
 
 /// What of the bodies' accelerations no tension causes, once they are turned.
-void Net::lead_bodies() {
+void System::lead_bodies() {
   for (Part& part : bodies_) {
     part.world_inverse_inertia = part.rotation * part.inverse_inertia * part.rotation.transpose();
     const Vec3 momentum = part.rotation * (part.inertia * (part.rotation.transpose() * part.spin));
@@ -38,7 +38,7 @@ void Net::lead_bodies() {
   }
 }
 
-void Net::read_holds(double time) {
+void System::read_holds(double time) {
   for (End& end : ends_) {
     if (end.body != kNone) continue;
     end.lead = -world_->gravity;
@@ -50,7 +50,7 @@ void Net::read_holds(double time) {
 
 /// Adds the ends to the tensions' system, whose row i is -u_i . (a_{i+1} - a_i) as far as tensions
 /// cause it = l |u'|^2 + u_i . (the rest of a_{i+1} - a_i).
-void Net::add_ends(const double* q) {
+void System::add_ends(const double* q) {
   for (const End& end : ends_) {
     const Vec3 u = at(q, end.link);
     links_.add_right(end.link, -end.pull * u.dot(end.lead));
@@ -64,7 +64,7 @@ void Net::add_ends(const double* q) {
 
 /// Bodies that several links hold add E Q E' to the tridiagonal A, E the columns of the unit
 /// matrix for those links: T = A^-1 r - A^-1 E (1 + Q G)^-1 Q E' A^-1 r, G = E' A^-1 E (Woodbury).
-void Net::add_couplings(const double* q) {
+void System::add_couplings(const double* q) {
   const auto row = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
   dense_.setZero();
   for (const Coupling& c : couplings_) {
@@ -96,7 +96,7 @@ void Net::add_couplings(const double* q) {
 }
 
 /// The bodies' own accelerations, and what tensions add to those of their ends.
-void Net::move_bodies(const double* q, double* out) {
+void System::move_bodies(const double* q, double* out) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Part& part = bodies_[b];
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
@@ -122,7 +122,7 @@ void Net::move_bodies(const double* q, double* out) {
 }
 
 /// Solves the system and writes the accelerations that the tensions and the ends' leads cause.
-void Net::respond(const double* q, double* out) {
+void System::respond(const double* q, double* out) {
   links_.solve();
   if (!coupled_.empty()) add_couplings(q);
   links_.pull(q, out);
@@ -132,21 +132,21 @@ void Net::respond(const double* q, double* out) {
   }
 }
 
-void Net::clear_ends(double* array) const {
+void System::clear_ends(double* array) const {
   std::fill_n(array, Links::kPad, 0.0);
   std::fill_n(array + size() - Links::kPad, Links::kPad, 0.0);
 }
 
 /// As of a chain in a plane, with a third component where it needs one; a body's matrices, and the
 /// systems that several links at one body solve.
-double Net::measure_work() const {
+double System::measure_work() const {
   const auto count = [](std::size_t number) { return static_cast<double>(number); };
   const double links = count(links_.count()), coupled = count(coupled_.size());
   return 450 + (links_.components() == 2 ? 20 : 24) * links + 100 * count(ends_.size()) +
          200 * count(bodies_.size()) + coupled * (15 * links + 50) + coupled * coupled * coupled;
 }
 
-void Net::acceleration(double time, const double* q, const double* rate, double* out) {
+void System::acceleration(double time, const double* q, const double* rate, double* out) {
   turn_bodies(q, rate);
   lead_bodies();
   read_holds(time);
@@ -156,42 +156,8 @@ void Net::acceleration(double time, const double* q, const double* rate, double*
   clear_ends(out);
 }
 
-/// A span in space that hangs from a hold. (Planes and loops are for others, bodies too slow.)
-bool Net::leaps() const {
-  return !plane_ && bodies_.empty() && !floats_ && !loops_;
-}
-
-double Net::fastest_hanging() const {
-  double below = 0, most = 0;
-  for (std::size_t i = links_.count(); i > 0; --i) {
-    below += point_mass_[i];
-    most = std::max(most, links_.wave(i - 1, below * gravity()));
-  }
-  return std::sqrt(most);
-}
-
-bool Net::pushes() const {
-  for (std::size_t i = 0; i < links_.count(); ++i) {
-    if (!(links_.tension(i) < 0)) return false;
-  }
-  return true;
-}
-
-double Net::leap(double time, double h, double last, const double* q, const double* q_before,
-                 double* q_next, double* turned) {
-  const double half_square = h * (h + last) / 2;
-  read_holds(time);
-  links_.lead(h, last, q_before, q, q_next);
-  for (const End& end : ends_) {
-    add(q_next, end.link, -end.pull * half_square * links_.inverse_rest(end.link) * end.lead);
-  }
-  clear_ends(q_next);
-  clear_ends(turned);
-  return links_.mend(half_square, q, q_next, still_.data(), turned);
-}
-
-bool Net::lift(const double* base, double* x, double* rate) const {
-  bool inside = links_.lift(base, x, rate);
+bool System::retract(const double* base, double* x, double* rate) const {
+  bool inside = links_.retract(base, x, rate);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const std::size_t k = quaternion(b);
     const Eigen::Map<const Eigen::Vector4d> o(base + k);
@@ -207,8 +173,8 @@ bool Net::lift(const double* base, double* x, double* rate) const {
   return inside;
 }
 
-void Net::across(const double* base, double* x) const {
-  links_.across(base, x);
+void System::to_tangent(const double* base, double* x) const {
+  links_.to_tangent(base, x);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Eigen::Map<const Eigen::Vector4d> o(base + quaternion(b));
     Eigen::Map<Eigen::Vector4d> p(x + quaternion(b));
@@ -216,14 +182,14 @@ void Net::across(const double* base, double* x) const {
   }
 }
 
-void Net::freeze(double sigma_squared) {
-  links_.freeze(sigma_squared);
-  frozen_ = sigma_squared;
+void System::factor(double sigma_squared) {
+  links_.factor(sigma_squared);
+  factored_sigma_ = sigma_squared;
 }
 
-void Net::solve_frozen(double* x) const {
-  links_.solve_frozen(x);
-  for (std::size_t k = quaternion(0); k < quaternion(bodies_.size()); ++k) x[k] /= frozen_;
+void System::solve_factored(double* x) const {
+  links_.solve_factored(x);
+  for (std::size_t k = quaternion(0); k < quaternion(bodies_.size()); ++k) x[k] /= factored_sigma_;
 }
 
 }  // namespace taut::direct

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/methods/direct/net.h"
 #include "sim/methods/direct/scales.h"
+#include "sim/methods/direct/system.h"
 #include "sim/stick.h"
 
 namespace taut::direct {
@@ -88,7 +88,7 @@ std::optional<Plane> PlaneFinder::find(const World& world, const Component& comp
   return plane;
 }
 
-void Net::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
+void System::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   links_.reserve(links);
   measured_.reserve(links);
   point_mass_.reserve(links + ends);
@@ -108,8 +108,8 @@ void Net::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   centres_.reserve(ends);
 }
 
-void Net::rebuild(const World& world, const Component& component,
-                  const std::optional<Plane>& plane) {
+void System::rebuild(const World& world, const Component& component,
+                     const std::optional<Plane>& plane) {
   world_ = &world;
   plane_ = plane;
   left_plane_.reset();
@@ -145,7 +145,7 @@ void Net::rebuild(const World& world, const Component& component,
   work_ = measure_work();
 }
 
-void Net::add_span(const World& world, const SpanRange& range, bool reversed) {
+void System::add_span(const World& world, const SpanRange& range, bool reversed) {
   const Connector& connector = world.connectors[range.connector];
   Span span;
   span.range = range;
@@ -190,7 +190,7 @@ void Net::add_span(const World& world, const SpanRange& range, bool reversed) {
 
 /// Walks from the prescribed holds (or, where there are none, from a body or a free end) along the
 /// spans, so that each span starts where one before it ended.
-void Net::order_spans(const World& world, std::span<const SpanRange> ranges) {
+void System::order_spans(const World& world, std::span<const SpanRange> ranges) {
   std::vector<char>&placed = placed_, &done = done_;
   placed.assign(bodies_.size(), 0);
   done.assign(ranges.size(), 0);
@@ -236,7 +236,7 @@ void Net::order_spans(const World& world, std::span<const SpanRange> ranges) {
   }
 }
 
-void Net::measure_links(const World& world) {
+void System::measure_links(const World& world) {
   std::vector<Links::Link>& links = measured_;
   links.clear();
   point_mass_.clear();
@@ -294,13 +294,13 @@ void Net::measure_links(const World& world) {
   for (const End& end : ends_) {
     if (end.body != kNone) links[end.link].end += 1 / bodies_[end.body].mass;
   }
-  memory_ = memory_of_velocity(length_);
+  velocity_time_ = velocity_time_of(length_);
   // Pins may leave links without length; a body alone has none.
   shortest_ = links.empty() ? 1 : length_;
   for (const Links::Link& link : links) {
     if (link.rest > kLeastLink * length_) shortest_ = std::min(shortest_, link.rest);
   }
-  // Cauchy's and Schwarz's inequality for the sums in shift().
+  // Cauchy's and Schwarz's inequality for the sums in displacement().
   double reach = 0;
   std::size_t count = bodies_.size();
   for (const Span& span : spans_) {
@@ -323,7 +323,7 @@ void Net::measure_links(const World& world) {
   still_.assign(size(), 0.0);
 }
 
-void Net::couple() {
+void System::couple() {
   body_ends_.clear();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     bodies_[b].first_end = body_ends_.size();

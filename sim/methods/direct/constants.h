@@ -1,0 +1,61 @@
+// Every constant of the step control, in one place.
+#pragma once
+
+namespace taut::direct {
+
+/// How the integrator chooses steps and schemes. What a scheme is (its order, its stability limit,
+/// its cost) stands with the scheme.
+struct StepConstants {
+  // From the tolerance to the error of a step.
+
+  /// A step of h seconds may err by min(rate h, share) tolerances. Errors of steps add up while
+  /// they decay or turn as waves, and grow while the motion is unstable; both numbers are the
+  /// largest that keep the error within the tolerance on 99 of 100 drawn scenes (taut_promise).
+  double rate = 5;        // 1/s
+  double share = 0.0025;  // 1
+  /// Nor may a step displace particles by more than this share of the shortest link, beyond which
+  /// an estimate to first order says nothing of the links' turns.
+  double roughness = 0.15;  // 1
+  /// The acceleration of a link is off by about so many roundings; errors below them do not fall
+  /// with the step.
+  double roundings = 4;  // 1
+  /// An estimated error above this share of the length has a fixed step done again in smaller ones.
+  double coarsest = 0.01;  // 1
+
+  // From one step to the next (Hairer, Norsett, Wanner, Solving ODEs I, II.4).
+
+  /// The next step aims at this share of the step whose error would be the one allowed.
+  double safety = 0.9;  // 1
+  /// From one step to the next its length grows or shrinks by at most this factor.
+  double most_change = 5;  // 1
+  /// The first step turns a link by about so much: far enough that the estimate says something,
+  /// near enough that the step is rarely refused.
+  double first_turn = 0.3;  // rad
+  /// Adams keeps its spacing down to this share of the step that is possible: a new spacing costs
+  /// an interpolation of what it remembers, and half of its memory where the spacing grows.
+  double least_spacing = 0.75;  // 1
+
+  // From one scheme to another.
+
+  /// Adams is tried where the error allows DOP853 at least this share of what the waves do: below
+  /// it, order 4 would need shorter steps than its lower cost makes up for.
+  double held_up = 0.25;  // 1
+  /// A scheme that handed over is tried again after so many steps; four times as many after each
+  /// failure, up to the second number. Unsuccessful trials then cost less than a hundredth.
+  int shortest_rest = 4;    // steps
+  int longest_rest = 1024;  // steps
+
+  // Where steps end.
+
+  /// States between steps are interpolated, rather than steps ended there, where the tolerance is
+  /// at least this share of the length: quintic interpolation over steps that follow each wave is
+  /// off by less.
+  double interpolated = 1e-3;  // 1
+  /// The longest step; with a driven end, whose motion between two stages no estimate sees, the
+  /// other: a frame at 30 a second.
+  double longest = 0.25, longest_driven = 1.0 / 30;  // s
+};
+
+inline constexpr StepConstants kConstants;
+
+}  // namespace taut::direct

@@ -1,0 +1,317 @@
+#include "sim/methods/direct/integrator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace taut::direct {
+namespace {
+
+bool driven(const World& world, const Component& component) {
+  for (const SpanRange& span : component.spans) {
+    for (const std::size_t particle : {span.first, span.last}) {
+      const Hold* hold = hold_at(world.connectors[span.connector], particle);
+      if (hold && is_prescribed(world, hold->to) && !rests(hold->to, world.time)) return true;
+    }
+  }
+  return false;
+}
+
+/// The step whose error would be the one allowed, after one of h that had `error` times that.
+double scaled_step(double h, double error, double order) {
+  constexpr double kLeast = 1 / kConstants.most_change;
+  if (!std::isfinite(error)) return h * kLeast;
+  return h * std::max(kLeast, kConstants.safety * std::pow(error, -1 / order));
+}
+
+}  // namespace
+
+void Integrator::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
+  planes_.reserve(links);
+  chain_.reserve(links);
+  system_.reserve(links, ends, bodies);
+  const std::size_t size = 3 * (links + kLanes) + 4 * ends + 2 * Links::kPad;
+  arena_.reserve(kArrays, size);
+}
+
+void Integrator::plan(const World& world, double time, const std::optional<Plane>& plane) {
+  planned_at_ = time;
+  if (plane && PlanarChain::fits(world, component_)) {
+    chain_.rebuild(world, component_, *plane);
+    motion_ = &chain_;
+  } else {
+    system_.rebuild(world, component_, plane);
+    motion_ = &system_;
+  }
+  arena_.reset(kArrays, motion_->size());
+  for (Slice* slice :
+       {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
+    *slice = arena_.make();
+  }
+  dop853_.make_arrays(arena_);
+  adams_.make_arrays(arena_);
+  rosenbrock_.make_arrays(arena_);
+  longest_ = driven(world, component_) ? kConstants.longest_driven : kConstants.longest;
+  cost_ = {Dop853Step::kCost, AdamsStep::kCost, RosenbrockStep::kCost};
+  for (double& cost : cost_) cost += motion_->projection_cost();
+}
+
+void Integrator::load(const World& world) {
+  plan(world, world.time, planes_.find(world, component_, world.time, Vec3::Zero()));
+  time_ = world.time;
+  motion_->load(world, time_, q_.data(), rate_.data());
+  motion_->project(time_, q_.data(), rate_.data());
+  begin();
+}
+
+/// Knows nothing but the state.
+void Integrator::begin() {
+  fresh_ = false;
+  scheme_ = dop853;
+  step_ = 0;
+  last_turn_ = Dop853Step::kStable;
+  rests_.fill({0, kConstants.shortest_rest});
+}
+
+/// How long it takes the quickest link to turn by kConstants.first_turn (s).
+double Integrator::first_step() const {
+  double speed = 0, gain = 0;  // 1/s, 1/s^2
+  for (std::size_t i = 0; i < q_.size(); ++i) {
+    speed = std::max(speed, std::abs(rate_[i]));
+    gain = std::max(gain, std::abs(acceleration_[i]));
+  }
+  const double turn = kConstants.first_turn;
+  const double turned = 2 * turn / (speed + std::sqrt(speed * speed + 2 * gain * turn));
+  return std::min(turned, longest_);
+}
+
+void Integrator::advance(World& world, double until, Counters& counters) {
+  motion_->attach(world);
+  if (time_ < until && options_.step > 0) return advance_by_step(world, until, counters);
+  // Sums of steps miss a time by roundings, which no step can make up for.
+  constexpr double kRoundings = 4 * std::numeric_limits<double>::epsilon();
+  if (std::abs(time_ - until) <= kRoundings * std::abs(until)) time_ = until;
+  if (time_ < until) advance_by_tolerance(world, until, counters);
+}
+
+void Integrator::store(World& world) {
+  if (time_ == world.time) return motion_->store(world, q_.data(), rate_.data());
+  const bool followed = scheme_ == adams && adams_.longest() > 0;
+  interpolate(world.time, followed ? adams_.past(1) : nullptr, adams_.past(0));
+  motion_->store(world, q_between_.data(), rate_between_.data());
+}
+
+void Integrator::refresh(Counters& counters) {
+  if (fresh_) return;
+  motion_->acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
+  waves_ = motion_->wave_frequency();
+  counters.solves += 1;
+  counters.work += motion_->work();
+  fresh_ = true;
+}
+
+/// The error (m) of a step of h by one of the schemes of one step.
+double Integrator::attempt(Scheme scheme, double h, Counters& counters) {
+  const double *q = q_.data(), *rate = rate_.data(), *first = acceleration_.data();
+  refresh(counters);
+  counters.work += (cost_[scheme] - 1) * motion_->work();
+  if (scheme == dop853) {
+    counters.solves += kStages - 1;
+    return dop853_.attempt(*motion_, time_, h, q, rate, first);
+  }
+  counters.solves += RosenbrockStep::kStages - 1;
+  return rosenbrock_.attempt(*motion_, time_, h, q, rate, first);
+}
+
+void Integrator::accept(Scheme scheme, double time, Counters& counters) {
+  before_ = time_;
+  q_before_.swap(q_);
+  rate_before_.swap(rate_);
+  time_ = time;
+  counters.steps += 1;
+  if (scheme == dop853) dop853_.swap_result(q_, rate_);
+  if (scheme == adams) adams_.swap_result(q_, rate_);
+  if (scheme == rosenbrock) rosenbrock_.swap_result(q_, rate_);
+  motion_->project(time_, q_.data(), rate_.data());
+  fresh_ = false;
+}
+
+/// A hold has left the plane: goes on from where the last step ended, in another plane (a chain
+/// that hangs still fits many) or in space.
+bool Integrator::leave_plane(World& world) {
+  const std::optional<Vec3> reason = motion_->left_plane();
+  if (!reason) return false;
+  place_prescribed(world, time_);
+  motion_->store(world, q_.data(), rate_.data());
+  std::optional<Plane> plane;
+  if (planned_at_ != time_) plane = planes_.find(world, component_, time_, *reason);
+  plan(world, time_, plane);
+  motion_->load(world, time_, q_.data(), rate_.data());
+  fresh_ = false;
+  return true;
+}
+
+void Integrator::advance_by_tolerance(World& world, double until, Counters& counters) {
+  while (time_ < until) {
+    if (step_ == 0) {
+      refresh(counters);
+      step_ = first_step();
+    }
+    if (scheme_ != adams) refresh(counters);
+    double wish = std::min({step_, stable_step(scheme_), longest_});
+    if (scheme_ == adams && adams_.longest() > 0) wish = std::min(wish, adams_.longest());
+    double h = length_of_step(until, wish);
+    Scheme scheme = scheme_;
+    double error = 0;
+    if (scheme_ == adams) {
+      if (adams_.prepare(h)) {
+        error = advance_adams(until, counters);
+        if (leave_plane(world)) continue;
+      } else {
+        scheme = dop853;
+        h = end_of_start(until, h) - time_;
+      }
+    }
+    if (!(time_ + h > time_)) throw StepTooSmall{time_};
+    if (scheme != adams) {
+      const double end = scheme == scheme_ ? end_of_step(until, h) : end_of_start(until, h / 3);
+      error = attempt(scheme, h, counters) / allowed_error(h);
+      if (leave_plane(world)) continue;
+      if (error <= 1) {  // false for NaN
+        if (scheme_ == adams) {
+          start_adams(end, counters);
+        } else {
+          accept(scheme, end, counters);
+          adams_.clear();
+        }
+      } else {
+        counters.rejected += 1;
+        fresh_ = fresh_ && scheme == dop853;  // the implicit one needs this state's tensions
+      }
+    }
+    if (scheme != scheme_ && !(error <= 1)) hand_over_to(dop853, counters);
+    if (scheme == scheme_) adapt(h, wish, error, counters);
+  }
+}
+
+/// Takes DOP853's step that was tried, from which Adams begins: with the accelerations at its
+/// thirds.
+void Integrator::start_adams(double time, Counters& counters) {
+  const auto [latest, later, earlier, first] = adams_.begin((time - time_) / 3);
+  std::copy(acceleration_.begin(), acceleration_.end(), first);
+  accept(dop853, time, counters);
+  refresh(counters);
+  std::copy(acceleration_.begin(), acceleration_.end(), latest);
+  for (const auto& [share, out] : {std::pair(1.0 / 3, earlier), std::pair(2.0 / 3, later)}) {
+    const double at = before_ + share * (time_ - before_);
+    interpolate(at, first, latest);
+    motion_->acceleration(at, q_between_.data(), rate_between_.data(), out);
+    counters.solves += 1;
+    counters.work += motion_->work();
+  }
+  fresh_ = false;  // the last tensions are others
+}
+
+/// Takes steps of Adams's spacing as far as `until`, for as long as waves and error suit it.
+/// Returns the error of the last one, as a share of the one allowed.
+double Integrator::advance_adams(double until, Counters& counters) {
+  // adapt() would shorten the step above the one error, and could lengthen it beyond a respacing
+  // below the other.
+  static const double kMuch = std::pow(kConstants.safety, AdamsStep::kErrorOrder - 1);
+  static const double kLittle =
+      std::pow(kConstants.safety * kConstants.least_spacing, AdamsStep::kErrorOrder);
+  const double h = adams_.spacing(), allowed = allowed_error(h);
+  double error = 0;
+  int& rest = rests_[rosenbrock].steps;
+  while (time_ < until) {
+    counters.solves += 1;
+    counters.work += cost_[adams] * motion_->work();
+    error = adams_.attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * allowed) / allowed;
+    if (motion_->left_plane()) return error;
+    if (!(error <= 1)) {
+      counters.rejected += 1;
+      return error;
+    }
+    adams_.accept();
+    accept(adams, end_of_step(until, h), counters);
+    waves_ = motion_->wave_frequency();
+    const double waves = h * waves_ / AdamsStep::kStable;
+    if (waves > 1 || error > kMuch) return error;
+    if ((error < kLittle && waves < kConstants.least_spacing) || --rest <= 0) return error;
+  }
+  return error;
+}
+
+/// Chooses the next step and its scheme from how a step of h went where `wish` was possible.
+void Integrator::adapt(double h, double wish, double error, Counters& counters) {
+  // Of the error as a share of the one allowed, which grows with the step.
+  constexpr double kOrder[kSchemes] = {Dop853Step::kErrorOrder - 1, AdamsStep::kErrorOrder - 1,
+                                       RosenbrockStep::kErrorOrder};
+  // h may be far shorter than what is possible, to end with the frame.
+  const double most = std::max(kConstants.most_change * h, wish);
+  step_ = std::min(scaled_step(h, error, kOrder[scheme_]), most);
+  const double speed = std::min(step_, stable_step(scheme_)) / cost_[scheme_];
+  if (scheme_ != dop853) {
+    const auto before = static_cast<Scheme>(scheme_ - 1);
+    double limit = stable_step(before);
+    if (scheme_ == adams) limit = std::min(limit, last_turn_ / waves_);
+    if (before == adams) limit *= kConstants.safety;
+    if (speed < limit / cost_[before]) {
+      hand_over_to(before, counters);
+      step_ = scheme_ == adams && adams_.longest() > 0 ? adams_.spacing() : limit;
+      return;
+    }
+    Rest& rest = rests_[scheme_];
+    if (error <= 1 && ++rest.steps > rest.interval) rest.interval = kConstants.shortest_rest;
+  }
+  if (scheme_ == dop853) last_turn_ = step_ * waves_;
+  const bool held_up = scheme_ == dop853 && step_ > kConstants.held_up * stable_step(dop853);
+  if (held_up && --rests_[adams].steps <= 0) {
+    try_next(adams, std::min(stable_step(adams), step_ / 3));
+  } else if (scheme_ != rosenbrock && --rests_[rosenbrock].steps <= 0) {
+    try_next(rosenbrock, speed * cost_[rosenbrock]);
+  }
+}
+
+/// Lets the scheme that failed rest.
+void Integrator::hand_over_to(Scheme before, Counters& counters) {
+  Rest& rest = rests_[scheme_];
+  rest.steps = rest.interval;
+  rest.interval = std::min(4 * rest.interval, kConstants.longest_rest);
+  scheme_ = before;
+  counters.handed_over += 1;
+}
+
+void Integrator::try_next(Scheme next, double step) {
+  scheme_ = next;
+  step_ = step;
+  rests_[next].steps = 0;
+}
+
+/// Fixed steps: DOP853 where it is stable, else the implicit scheme. A step that goes astray is
+/// done again in smaller ones.
+void Integrator::advance_by_step(World& world, double until, Counters& counters) {
+  const double coarsest = kConstants.coarsest * motion_->length();
+  const StepTimes times(time_, until, options_.step);
+  for (std::uint64_t i = 1; i <= times.count; ++i) {
+    const double end = times.at(i);
+    while (time_ < end) {
+      refresh(counters);
+      const double h = end - time_;
+      scheme_ = h > stable_step(dop853) ? rosenbrock : dop853;
+      const double error = attempt(scheme_, h, counters);
+      if (leave_plane(world)) continue;
+      if (error <= coarsest) {
+        accept(scheme_, end, counters);
+        continue;
+      }
+      counters.rejected += 1;
+      counters.handed_over += 1;
+      scheme_ = dop853;
+      step_ = h / 2;
+      advance_by_tolerance(world, end, counters);
+    }
+  }
+}
+
+}  // namespace taut::direct

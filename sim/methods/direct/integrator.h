@@ -1,0 +1,119 @@
+// Step control: which scheme takes a step, how far it goes, and what becomes of one that fails.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "sim/method.h"
+#include "sim/methods/direct/adams.h"
+#include "sim/methods/direct/arena.h"
+#include "sim/methods/direct/components.h"
+#include "sim/methods/direct/constants.h"
+#include "sim/methods/direct/dop853.h"
+#include "sim/methods/direct/planar_chain.h"
+#include "sim/methods/direct/plane.h"
+#include "sim/methods/direct/rosenbrock.h"
+#include "sim/methods/direct/system.h"
+
+namespace taut::direct {
+
+/// What the user asked for: an error, or a step.
+struct StepOptions {
+  double tolerance = 1e-4;  // m
+  double step = 0;          // s; zero: steps follow from the tolerance
+};
+
+/// Follows one component of a world through time.
+///
+/// It has three schemes: DOP853, explicit and of order 8; Adams's, explicit, with one acceleration
+/// a step; ROS34PW2, implicit in the waves that the tensions carry. In this order they err more but
+/// get further for their cost. Explicit steps end where the waves under the tensions become
+/// unstable, Adams's with a third of the accelerations. Where the waves and not its error limit a
+/// scheme, the next one is tried; where its error forces a scheme to steps that the one before
+/// could take as well (in slack, under pushing links, in whips), that one goes on.
+class Integrator {
+ public:
+  explicit Integrator(const StepOptions& options) : options_(options) {}
+  Integrator(const Integrator&) = delete;
+
+  /// Room for a component of so many links with so many ends of spans, in a world of so many
+  /// bodies.
+  void reserve(std::size_t links, std::size_t ends, std::size_t bodies);
+  /// Follows the component, which must stay, once it is loaded.
+  void follow(const Component& component) { component_ = component; }
+  /// Reads the state from the world.
+  void load(const World& world);
+  /// Steps to `until` or beyond; writes to the world only where it has to be planned anew. Throws
+  /// StepTooSmall.
+  void advance(World& world, double until, Counters& counters);
+  /// Writes the state at the world's time, for which it has been advanced and what is prescribed
+  /// has been placed.
+  void store(World& world);
+
+  const Component& component() const { return component_; }
+
+  /// The step that the error control would have to take is lost in the rounding of the time.
+  struct StepTooSmall {
+    double time;
+  };
+
+ private:
+  enum Scheme { dop853, adams, rosenbrock, kSchemes };
+  static constexpr std::size_t kArrays =
+      7 + Dop853Step::kArrays + AdamsStep::kArrays + RosenbrockStep::kArrays;
+  struct Rest {  // of a scheme that has handed over, before it is tried again
+    int steps = 0, interval = 0;
+  };
+
+  void plan(const World& world, double time, const std::optional<Plane>& plane);
+  void begin();
+  void advance_by_tolerance(World& world, double until, Counters& counters);
+  void advance_by_step(World& world, double until, Counters& counters);
+  double first_step() const;
+  void refresh(Counters& counters);
+  double attempt(Scheme scheme, double h, Counters& counters);
+  void start_adams(double time, Counters& counters);
+  double advance_adams(double until, Counters& counters);
+  void accept(Scheme scheme, double time, Counters& counters);
+  void adapt(double h, double wish, double error, Counters& counters);
+  void hand_over_to(Scheme before, Counters& counters);
+  void try_next(Scheme next, double step);
+  bool leave_plane(World& world);
+
+  // How far, how wrong and to where (step_length.cpp).
+  double stable_step(Scheme scheme) const;
+  double allowed_error(double h) const;
+  bool lands(Scheme scheme) const;
+  double length_of_step(double until, double wish) const;
+  double end_of_step(double until, double h) const;
+  double end_of_start(double until, double h) const;
+
+  // Between two steps (interpolation.cpp).
+  void interpolate(double time, const double* first_acceleration, const double* last_acceleration);
+
+  Component component_;
+  StepOptions options_;
+  PlaneFinder planes_;
+  PlanarChain chain_;
+  System system_;
+  Motion* motion_ = nullptr;  // one of the two
+  Dop853Step dop853_;
+  AdamsStep adams_;
+  RosenbrockStep rosenbrock_;
+  Arena arena_;
+  double time_ = 0, planned_at_ = 0;  // s
+  Slice q_, rate_, acceleration_;
+  double before_ = 0;  // s, where the last step began
+  Slice q_before_, rate_before_;
+  Slice q_between_, rate_between_;  // at a time within that step
+  bool fresh_ = false;              // acceleration_ and waves_ are those of the present state
+  double waves_ = 0;                // rad/s, the highest frequency of waves
+  Scheme scheme_ = dop853;          // for the next step
+  double step_ = 0;                 // s, what its error allows; zero: not known yet
+  double longest_ = 0;              // s, what driven ends allow
+  double last_turn_ = 0;            // rad, of the highest waves in DOP853's last step
+  std::array<Rest, kSchemes> rests_;
+  std::array<double, kSchemes> cost_{};  // of a step, in accelerations
+};
+
+}  // namespace taut::direct
