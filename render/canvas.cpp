@@ -65,7 +65,12 @@ bool Canvas::restore(std::uint64_t backdrop) {
   gathered_ = {};
   on_backdrop_ = kept_ && kept_ == backdrop;
   if (!on_backdrop_) return false;
-  for (const Rect& part : touched_) copy(backdrop_->samples, drawn_, part);
+  if (last_ == backdrop) {
+    for (const Rect& part : touched_) copy(backdrop_->samples, drawn_, part);
+  } else {
+    copy(backdrop_->samples, drawn_, whole());
+  }
+  last_ = backdrop;
   touched_.clear();
   return true;
 }
@@ -121,6 +126,15 @@ void Canvas::expose(const Rect& part, int count, const std::function<void(int)>&
     if (pictures > 1) gather(part, picture, pictures);
   }
   touch(part);
+}
+
+int Canvas::exposure_among(int fewer, int i, int count) const {
+  if (fewer == count) return i;
+  const int pictures = std::max(count / samples_, 1);
+  const GLbitfield mine = share_of_samples(i / pictures, std::min(count, samples_), samples_);
+  int share = 0;
+  while ((share_of_samples(share, fewer, samples_) & mine) != mine) ++share;
+  return share;
 }
 
 /// Adds a picture's share to the mean light.

@@ -41,6 +41,9 @@ class Canvas {
   /// several pictures, of which the mean is taken. One that follows shows times from all over;
   /// after drawings of several pictures none may follow.
   void expose(const Rect& part, int count, const std::function<void(int)>& draw);
+  /// Of `fewer` drawings, the one that has the samples of drawing `i` of `count`. `fewer` is a
+  /// divisor of samples(), or `count`.
+  int exposure_among(int fewer, int i, int count) const;
 
   /// Finishes what was drawn: samples averaged, sRGB, dithered.
   void resolve();

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 
-#include "render/contact.h"
+#include "render/brute_force.h"
 #include "render/jitter.h"
-#include "render/lighting.h"
-#include "render/moving_parts.h"
 #include "render/reach.h"
 #include "render/shadow_cover.h"
-#include "render/shadow_map.h"
-#include "render/surfaces.h"
+#include "render/stage_parts.h"
 #include "render/sweep.h"
 #include "sim/hash.h"
 
@@ -18,13 +15,8 @@ namespace {
 
 using Eigen::Matrix4f;
 using Eigen::Vector3f;
-using Boxes = std::vector<Eigen::AlignedBox3f>;
 
 constexpr float kShadowFilter = 5;  // texels: half the filter, and the offset along the normal
-
-Eigen::Vector4f with_w(const Vec3& v, double w) {
-  return {float(v.x()), float(v.y()), float(v.z()), float(w)};
-}
 
 /// The unit cube of the shadow map to clip space.
 Matrix4f map_to_clip() {
@@ -34,79 +26,10 @@ Matrix4f map_to_clip() {
   return m;
 }
 
-/// Removes some triangles from others; both are in the same order.
-void remove(const Triangles& some, Triangles& from) {
-  auto next = some.begin();
-  auto kept = from.begin();
-  for (auto corner = from.begin(); corner != from.end(); corner += 3) {
-    if (next != some.end() && std::equal(corner, corner + 3, next))
-      next += 3;
-    else
-      kept = std::copy(corner, corner + 3, kept);
-  }
-  from.erase(kept, from.end());
-}
-
-/// What exposure `i` of so many shows: states evenly apart.
-const Instant& shown_at(std::span<const Instant> shutter, int i, int count) {
-  const int stride = int(shutter.size()) / count;
-  return shutter[std::size_t(stride / 2 + i * stride)];
-}
-
 }  // namespace
 
-struct StageRenderer::Impl {
-  Impl(const Context& context, const Stage& s, const World& world, const Shading& options)
-      : gl(context.gl()),
-        stage(s),
-        shading(options),
-        surfaces(gl, s.light, options.map_size, options.lit),
-        map(gl, options.map_size),
-        parts(gl, s, world) {
-    for (const auto& model : stage.scenery)
-      for (Drawable& part : drawables(gl, *model)) scenery.push_back(std::move(part));
-  }
-
-  /// How a picture of that instant is seen and lit, and what feet can darken.
-  struct Look {
-    FrameBlock block;
-    Boxes contacts;
-  };
-  Look look(const Instant& instant, const Rect& viewport) const {
-    Look look{{instant.camera, viewport}, {}};
-    const LightMap light = light_map(stage.light.direction, extent(instant), shading.map_size);
-    FrameBlock& block = look.block;
-    block.light_projection = light.projection;
-    block.eye.w() = float(1.5 * light.texel);
-    if (!shading.contact) return look;
-    for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
-      for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
-        const std::size_t i = look.contacts.size();
-        if (i == kCapsules) break;
-        const Vec3 axis = capsule.to - capsule.from;
-        block.capsule_from[i] = with_w(capsule.from, capsule.radius);
-        block.capsule_to[i] = with_w(capsule.to, 1 / std::max(axis.squaredNorm(), 1e-6));
-        look.contacts.push_back(capsule.reach());
-      }
-    block.capsules[0] = int(look.contacts.size());
-    return look;
-  }
-
-  void draw_solid() const {
-    gl.Enable(GL_DEPTH_TEST);
-    gl.DepthMask(GL_TRUE);
-    gl.DepthFunc(GL_LESS);
-    gl.Enable(GL_CULL_FACE);
-    gl.CullFace(GL_BACK);
-    gl.Disable(GL_BLEND);
-    gl.Disable(GL_SCISSOR_TEST);
-  }
-
-  void aim(const Canvas& canvas, const Rect& viewport) const {
-    canvas.bind();
-    gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
-    gl.BindTextureUnit(0, map.texture());
-  }
+struct StageRenderer::Impl : StageParts {
+  using StageParts::StageParts;
 
   void start_cover(const Look& look) {
     cover.start(look.block.light_projection, kShadowFilter / float(shading.map_size));
@@ -186,10 +109,10 @@ struct StageRenderer::Impl {
       cover.add(item.triangles, {&places, 1});
       boxes.push_back(item.box());
     }
-    find_reached(look.contacts, reached[0]);
-    find_pixels(boxes, look.contacts, look.block, viewport, reached[0]);
-    draw_reached(reached[0]);
-    for (const ReachedPart& part : reached[0]) canvas.touch(part.pixels);
+    find_reached(look.contacts, still_reached);
+    find_pixels(boxes, look.contacts, look.block, viewport, still_reached);
+    draw_reached(still_reached);
+    for (const ReachedPart& part : still_reached) canvas.touch(part.pixels);
     lap("shadows");
   }
 
@@ -199,17 +122,15 @@ struct StageRenderer::Impl {
     profile->lap(name);
   }
 
-  const Gl& gl;
-  const Stage& stage;
-  const Shading shading;
+  /// Grades what moves while the shutter is open, and tells the exposures of each grade above 0;
+  /// none where nothing moves. The cover then holds what moves.
+  std::vector<Exposures> find_moving(std::span<const Instant> shutter, const Canvas& canvas,
+                                     const Look& look, const Rect& viewport);
+
   Profile* profile = nullptr;
-  Surfaces surfaces;
-  ShadowMap map;
-  MovingParts parts;
-  std::vector<Drawable> scenery;
   ShadowCover cover;
   Sweep sweep;
-  std::vector<Reached> reached{1};  // [grade], by the shadows of what moves so, or faster
+  Reached still_reached, moving_reached;  // by the shadows of what stands, and of what moves
 };
 
 StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world,
@@ -224,7 +145,13 @@ void StageRenderer::set_profile(Profile* profile) {
 
 void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
   Impl& d = *impl_;
-  const Gl& gl = d.gl;
+  if (d.shading.savings != Savings::all) {
+    canvas.restore(0);
+    d.draw_solid();
+    d.clear(canvas);
+    for (const View& view : views) draw_whole_scenery(d, view);
+    return;
+  }
   Hash name;
   for (const auto& [viewport, camera] : views) {
     for (const int pixels : {viewport.x, viewport.y, viewport.width, viewport.height})
@@ -235,16 +162,8 @@ void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
   if (canvas.restore(name.value())) return d.lap("backdrop");
 
   d.draw_solid();
-  canvas.bind();
-  const Vec3 c = Surfaces::encoded(d.stage.background);
-  gl.ClearColor(float(c.x()), float(c.y()), float(c.z()), 1);
-  gl.DepthFunc(GL_LEQUAL);  // where faces coincide, the last is in front: with its shadows, too
-  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  for (const auto& [viewport, camera] : views) {
-    d.surfaces.use({camera, viewport});
-    gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
-    for (Drawable& part : d.scenery) d.surfaces.draw({part, Matrix4f::Identity()}, Shade::lit);
-  }
+  d.clear(canvas);
+  for (const View& view : views) draw_whole_scenery(d, view);
   canvas.keep(name.value());
   d.lap("scenery");
 }
@@ -252,74 +171,87 @@ void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
 void StageRenderer::draw(Canvas& canvas, const Rect& viewport, const Instant& instant,
                          const Layer& layer) {
   Impl& d = *impl_;
+  if (d.shading.savings != Savings::all) return draw_whole(d, canvas, viewport, instant, layer);
   d.parts.pose(instant);
   d.lap("skin");
   const std::vector<Item> items = d.parts.items(instant, layer);
   d.paint(canvas, viewport, d.look(instant, viewport), items, items, layer.opacity);
 }
 
-int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const Instant> shutter) {
-  Impl& d = *impl_;
-  const Instant& middle = shutter[shutter.size() / 2];
-  const Impl::Look look = d.look(middle, viewport);
-  d.sweep.clear();
-  for (const Instant* instant : {&shutter.front(), &middle, &shutter.back()}) {
-    d.parts.pose(*instant);
-    d.sweep.add(d.parts.items(*instant), instant->state.time);
+std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const Instant> shutter,
+                                                        const Canvas& canvas, const Look& look,
+                                                        const Rect& viewport) {
+  sweep.clear();
+  for (const Instant* instant : {&shutter.front(), &shutter[shutter.size() / 2], &shutter.back()}) {
+    parts.pose(*instant);
+    sweep.add(parts.items(*instant), instant->state.time);
   }
-  const Sweep::Travel travel = d.sweep.find_moving(look.block.view_projection, viewport);
+  const Sweep::Travel travel =
+      sweep.find_moving(look.block.view_projection, viewport, shading.still);
+  if (travel.way <= shading.still) return {};
   double longest = 0;  // s from one state to the next
   for (std::size_t i = 1; i < shutter.size(); ++i)
     longest = std::max(longest, shutter[i].state.time - shutter[i - 1].state.time);
   const double open = longest * double(shutter.size());  // s
-  const std::vector<Exposures> grades = exposures(travel.speed * open, canvas.samples(),
-                                                  int(shutter.size()), d.stage.exposures_apart);
+  const std::vector<Exposures> grades =
+      exposures(travel.speed * open, canvas.samples(), int(shutter.size()), stage.exposures_apart);
+  if (grades.empty()) return {};
+  std::vector<double> speeds;
+  for (std::size_t i = 0; i + 1 < grades.size(); ++i) speeds.push_back(grades[i].way / open);
+  sweep.grade(speeds);
+  start_cover(look);
+  for (std::size_t grade = grades.size(); grade > 0; --grade) sweep.shade(cover, int(grade));
+  sweep.divide();
+  return grades;
+}
+
+int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const Instant> shutter) {
+  Impl& d = *impl_;
+  const Instant& middle = shutter[shutter.size() / 2];
+  const Look look = d.look(middle, viewport);
+  const std::vector<Exposures> grades = d.find_moving(shutter, canvas, look, viewport);
   d.lap("sweep");
-  if (grades.empty() || travel.way <= Sweep::kStill) {
+  if (grades.empty()) {
     draw(canvas, viewport, middle);
     return 1;
   }
-
-  // What changes with each grade, and where on the picture and in the shadow map.
-  std::vector<double> speeds;
-  for (std::size_t i = 0; i + 1 < grades.size(); ++i) speeds.push_back(grades[i].way / open);
-  d.sweep.grade(speeds);
-  d.start_cover(look);
-  d.reached.resize(std::max(d.reached.size(), grades.size() + 1));
-  for (std::size_t grade = grades.size(); grade > 0; --grade) {
-    d.sweep.shade(d.cover, int(grade));
-    d.find_reached({}, d.reached[grade]);
-    // What faster things shade, too, is drawn with these.
-    for (std::size_t above = grade + 1; above <= grades.size(); ++above)
-      for (std::size_t i = 0; i < d.scenery.size(); ++i)
-        remove(d.reached[above][i].triangles, d.reached[grade][i].triangles);
+  const int most = grades.back().count;
+  if (d.shading.savings == Savings::exposures) {
+    expose_whole(d, canvas, viewport, shutter, grades, d.sweep);
+    return most;
   }
-  d.sweep.divide();
+  if (d.shading.savings == Savings::none) {
+    expose_whole(d, canvas, viewport, shutter, most);
+    return most;
+  }
+
+  // What of the scenery and of the shadow map changes: the cover holds all that moves.
+  d.find_reached({}, d.moving_reached);
   d.parts.pose(middle);
   const std::vector<Item> items = d.parts.items(middle);
   std::vector<Item> still, still_casters;
+  Boxes casting;
   HullPoints in_map;
   for (std::size_t i = 0; i < items.size(); ++i) {
     still.emplace_back(items[i], d.sweep.shown(i, 0));
     still_casters.emplace_back(items[i], d.sweep.standing(i));
-    add_box(d.sweep.moving_box(i, 1), in_map);
+    casting.push_back(d.sweep.moving_box(i));
+    add_box(casting.back(), in_map);
   }
   const Rect map_part = pixels(in_map, map_to_clip() * look.block.light_projection,
                                {0, 0, d.map.size(), d.map.size()});
+  const Rect shadow = d.find_pixels(casting, {}, look.block, viewport, d.moving_reached);
   d.lap("sweep");
   d.paint(canvas, viewport, look, still, still_casters, 1);
   d.map.save(map_part);
 
   for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
-    Impl::Reached& reached = d.reached[grade];
-    Boxes casting;
+    const bool fastest = grade == grades.size();  // the scenery takes as many exposures
     HullPoints things;
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      casting.push_back(d.sweep.moving_box(i, int(grade)));
+    for (std::size_t i = 0; i < items.size(); ++i)
       add_box(d.sweep.box(i, d.sweep.shown(i, int(grade))), things);
-    }
-    const Rect shadow = d.find_pixels(casting, {}, look.block, viewport, reached);
-    const Rect part = hull(pixels(things, look.block.view_projection, viewport), shadow);
+    const Rect part =
+        hull(pixels(things, look.block.view_projection, viewport), fastest ? shadow : Rect());
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
     canvas.expose(part, count, [&](int i) {
@@ -336,23 +268,17 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
       d.map.restore(map_part);
       d.map.draw(casters);
 
-      FrameBlock block = look.block;
-      block.light_projection = moved_light(block.light_projection, extent(middle).center(), i);
-      FrameBlock moved = block;
-      if (count > canvas.samples())
-        moved.view_projection = moved_picture(block.view_projection, viewport, i);
       d.aim(canvas, viewport);
-      d.surfaces.use(moved);
+      d.surfaces.use(exposed(look.block, middle, viewport, i, count > canvas.samples()));
       d.gl.Enable(GL_SCISSOR_TEST);
       d.gl.Scissor(part.x, part.y, part.width, part.height);
-      const Shade shade = count < canvas.samples() ? Shade::shadowed : Shade::averaged;
-      for (const Item& item : shown) d.surfaces.draw(item, shade);
-      d.surfaces.use(block);
-      d.draw_reached(reached);
+      for (const Item& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));
+      d.surfaces.use(look.block);
+      if (fastest) d.draw_reached(d.moving_reached);
     });
   }
   d.lap("exposures");
-  return grades.back().count;
+  return most;
 }
 
 }  // namespace taut

@@ -26,7 +26,8 @@ void Sweep::add(std::span<const Item> items, double time) {
   }
 }
 
-Sweep::Travel Sweep::find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport) {
+Sweep::Travel Sweep::find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport,
+                                 double still) {
   const Vector2f half(0.5f * float(viewport.width), 0.5f * float(viewport.height));
   const auto seen = [&](const Vector3f& p) -> std::optional<Vector2f> {
     const Eigen::Vector4f q = view_projection * p.homogeneous();
@@ -49,7 +50,7 @@ Sweep::Travel Sweep::find_moving(const Eigen::Matrix4f& view_projection, const R
         }
         last = next;
       }
-      if (way > float(kStill)) entry.speed[v] = speed;
+      if (way > float(still)) entry.speed[v] = speed;
       most.way = std::max(most.way, double(way));
       most.speed = std::max(most.speed, double(speed));
     }
@@ -119,14 +120,6 @@ void Sweep::divide() {
         append(entry.shown[std::size_t(grade)], corner);
     }
   }
-}
-
-Eigen::AlignedBox3f Sweep::moving_box(std::size_t item, int grade) const {
-  const Entry& entry = items_[item];
-  Triangles some;
-  for (std::size_t i = 0; i < entry.triangles.size(); i += 3)
-    if (grades(entry.moves, &entry.triangles[i]).second >= grade) append(some, &entry.triangles[i]);
-  return box(item, some);
 }
 
 Eigen::AlignedBox3f Sweep::box(std::size_t item, std::span<const std::uint32_t> triangles) const {

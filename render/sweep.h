@@ -34,8 +34,9 @@ class Sweep {
     double way = 0;    // px that the fastest vertex comes
     double speed = 0;  // px/s, the largest of any vertex between two neighbouring times
   };
-  /// Finds what moves.
-  Travel find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport);
+  /// Finds what moves: farther than `still` px.
+  Travel find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport,
+                     double still = kStill);
   /// Grades what moves: 1, and one more for each of the rising speeds (px/s) that a vertex exceeds.
   void grade(std::span<const double> speeds);
   /// What moves with this grade changes how it shades other things: these are shown with at least
@@ -52,8 +53,8 @@ class Sweep {
   const Triangles& shown(std::size_t item, int grade) const {
     return items_[item].shown[std::size_t(grade)];
   }
-  /// Around what moves of an item with at least that grade, at all times.
-  Eigen::AlignedBox3f moving_box(std::size_t item, int grade) const;
+  /// Around what moves of an item, at all times.
+  Eigen::AlignedBox3f moving_box(std::size_t item) const { return box(item, moving(item)); }
   /// Around the given triangles of an item at all times.
   Eigen::AlignedBox3f box(std::size_t item, std::span<const std::uint32_t> triangles) const;
 

@@ -24,15 +24,17 @@ TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
   StageRenderer renderer(context, *scene.stage, scene.world);
   Canvas canvas(context, kWidth, kHeight, 4);
 
-  // The camera stands for a while, steps aside for one frame, and comes back.
+  // The camera stands for a while, steps aside for one frame, and comes back; by then the hand is
+  // where it was not before.
   Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
   std::vector<Instant> instants;
   for (int i = 0; i < 7; ++i) {
-    simulation.advance_to(0.25 * i);
+    const double time = i == 6 ? 2.2 : 0.25 * i;
+    simulation.advance_to(time);
     Instant instant{snapshot(simulation.world()), {}, camera_at(scene.stage->camera, 0)};
     for (const auto& performance : scene.performances)
-      instant.bones.push_back(performance->bones_at(0.25 * i));
-    if (i == 5) instant.camera.position += Vec3(0.01, 0, 0);
+      instant.bones.push_back(performance->bones_at(time));
+    if (i == 5) instant.camera.position += Vec3(0.5, 0, 0);
     instants.push_back(instant);
   }
   for (std::size_t i = 0; i < instants.size(); ++i) {

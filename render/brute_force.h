@@ -1,0 +1,24 @@
+// Pictures of a stage without any saving, for the others to be compared with: every triangle is
+// drawn over the whole picture, in every exposure.
+#pragma once
+
+#include "render/jitter.h"
+#include "render/stage_parts.h"
+#include "render/sweep.h"
+
+namespace taut {
+
+/// What moves, as it is at one instant, and its shadows on the scenery.
+void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const Instant& instant,
+                const Layer& layer);
+
+/// The same while a shutter is open, each triangle at the exposures of its grades.
+void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
+                  std::span<const Instant> shutter, std::span<const Exposures> grades,
+                  const Sweep& sweep);
+
+/// The same with everything in each of `count` exposures.
+void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
+                  std::span<const Instant> shutter, int count);
+
+}  // namespace taut
