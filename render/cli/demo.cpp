@@ -44,11 +44,12 @@ int render(const Common& common, const fs::path& scene, const fs::path& out,
 
 int demo(const Common& common, const Options& options) {
   const fs::path scene = shipped_scene(), out = options.out, preview = out / "preview";
-  if (!common.quiet) note("a picture and a small clip first, then the clip\n");
+  if (!common.quiet) note("a picture and five small seconds first, then the clip\n");
   int code = render(common, scene, preview, {"--poster", "6.9", "--size", "960x540"});
   if (code == kDone)
     code = render(common, scene, preview,
-                  {"--size", "480x270", "--fps", "20", "--samples", "2", "--no-estimate"});
+                  {"--size", "480x270", "--fps", "24", "--frames", "96-215", "--samples", "2",
+                   "--no-estimate"});
   if (code == kDone && !options.preview) code = render(common, scene, out, {});
   return code;
 }
