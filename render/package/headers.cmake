@@ -1,5 +1,6 @@
 # Installs the public headers and those that they include as include/taut/ROOM/..., where they name
 # each other so. Wants: sources (folders that rooms lie in), work (a folder), destination, headers.
+cmake_policy(VERSION 3.25)
 file(REMOVE_RECURSE "${work}")
 set(done "")
 while(headers)
