@@ -1,12 +1,13 @@
-// Methods that a program brings along, beside those of the list.
+// Methods that join the list from outside of it.
 #pragma once
 
 #include "sim/method.h"
 
 namespace taut {
 
-/// Adds a method at the end of methods(), for every part of the program. Call before anything else
-/// has looked at the list; `method` names storage that outlives the program.
-void add_method(MethodInfo method);
+/// Adds a method to methods(), for every part of the program: before the one called `before`, or at
+/// the end. Call before anything else has looked at the list; `method` names storage that outlives
+/// the program.
+void add_method(MethodInfo method, std::string_view before = {});
 
 }  // namespace taut

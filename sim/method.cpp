@@ -8,11 +8,8 @@
 #include "sim/methods/direct.h"
 #include "sim/methods/dynamic_constraints.h"
 #include "sim/methods/impulse.h"
-#include "sim/methods/multibody.h"
-#include "sim/methods/sdfast.h"
 #include "sim/methods/springs.h"
 #include "sim/methods/xpbd.h"
-#include "sim/truth/multipliers.h"
 
 namespace taut {
 
@@ -20,10 +17,8 @@ namespace {
 
 std::vector<MethodInfo>& list_of_methods() {
   static std::vector<MethodInfo> list = {
-      impulse_method(), dynamic_constraints_method(),
-      sdfast_method(),  multibody_method(),
-      springs_method(), xpbd_method(),
-      direct_method(),  truth_method(),
+      impulse_method(), dynamic_constraints_method(), springs_method(), xpbd_method(),
+      direct_method(),
   };
   return list;
 }
@@ -34,8 +29,9 @@ std::span<const MethodInfo> methods() {
   return list_of_methods();
 }
 
-void add_method(MethodInfo method) {
-  list_of_methods().push_back(std::move(method));
+void add_method(MethodInfo method, std::string_view before) {
+  auto& list = list_of_methods();
+  list.insert(std::ranges::find(list, before, &MethodInfo::name), std::move(method));
 }
 
 const MethodInfo* find_method(std::string_view name) {

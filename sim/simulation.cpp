@@ -8,9 +8,17 @@
 #include "sim/places.h"
 
 namespace taut {
+namespace {
+
+World finished(World world) {
+  if (world.topology == 0) finish(world);
+  return world;
+}
+
+}  // namespace
 
 Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline timeline)
-    : world_(std::move(world)),
+    : world_(finished(std::move(world))),
       bodies_as_links_(world_),
       method_(std::move(method)),
       timeline_(std::move(timeline)),

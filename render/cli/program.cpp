@@ -12,6 +12,7 @@
 #include "render/cli/note.h"
 #include "render/error.h"
 #include "render/interrupt.h"
+#include "scenes/asset_path.h"
 #include "scenes/error.h"
 #include "sim/method.h"
 #include "sim/timeline.h"
@@ -21,10 +22,15 @@ namespace taut::cli {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
+  taut demo                                       a first picture within seconds, then a clip
   taut render scenes/nunchaku.toml                its clip, in out/nunchaku
   taut check scenes/nunchaku.toml                 what is wrong with a scene, and what it would do
   taut simulate scenes/nunchaku.toml --csv t.csv  its trajectory, without pictures
   taut COMMAND --help                             more about one command
+
+Files that a scene names are looked for in --assets, in the folders of the environment's TAUT_ASSETS
+(separated by colons), beside the scene, in its project (the nearest folder above it with a
+CMakePresets.json or .git), and in share/taut where taut is installed.
 
 Results go to standard output, messages to standard error. Exit codes: 0 done, 1 a golden differs,
 2 usage, 3 bad scene or asset, 4 no rendering context, 5 FFmpeg missing or failed, 6 output could
@@ -95,12 +101,10 @@ void open_standard_streams() {
     if (fcntl(number, F_GETFD) < 0) open("/dev/null", O_RDONLY);
 }
 
-int parse_and_run(int argc, char** argv, std::initializer_list<AddCommand> commands) {
-  CLI::App app("Simulates flexible connectors (ropes, chains, cords) and renders them.", "taut");
-  app.require_subcommand(1);
-  app.footer(std::string("\n") + kExamples);
+int parse_and_run(int argc, char** argv, std::span<const AddCommand> commands) {
+  CLI::App app;
   Program program;
-  for (const AddCommand add : commands) add(app, program);
+  describe_program(app, program, commands);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -120,11 +124,24 @@ CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
       .add_option("--threads", program.common.threads,
                   "Threads to draw with, at most (simulating takes one); 0, the default: all")
       ->check(CLI::Range(0, 1024));
+  command
+      .add_option_function<std::string>(
+          "--assets", [](const std::string& folder) { set_asset_folder(folder); },
+          "A folder in which the files that a scene names are looked for first")
+      ->check(CLI::ExistingDirectory);
   command.footer("\nExamples:\n" + examples);
   return command;
 }
 
-int run_program(int argc, char** argv, std::initializer_list<AddCommand> commands) {
+void describe_program(CLI::App& app, Program& program, std::span<const AddCommand> commands) {
+  app.name("taut");
+  app.description("Simulates flexible connectors (ropes, chains, cords) and renders them.");
+  app.require_subcommand(1);
+  app.footer(std::string("\n") + kExamples);
+  for (const AddCommand add : commands) add(app, program);
+}
+
+int run_program(int argc, char** argv, std::span<const AddCommand> commands) {
   open_standard_streams();
   try {
     return parse_and_run(argc, argv, commands);

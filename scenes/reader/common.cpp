@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <span>
 
+#include "scenes/asset_path.h"
 #include "scenes/reader/reader.h"
 
 namespace taut {
@@ -11,14 +12,6 @@ namespace taut {
 namespace fs = std::filesystem;
 
 namespace {
-
-fs::path root_of(const fs::path& folder) {
-  std::error_code error;
-  for (fs::path at = folder;; at = at.parent_path()) {
-    if (fs::exists(at / "CMakePresets.json", error) || fs::exists(at / ".git", error)) return at;
-    if (at == at.parent_path()) return folder;
-  }
-}
 
 bool is_inside(const fs::path& file, const fs::path& folder) {
   const auto [in_folder, in_file] = std::ranges::mismatch(folder, file);
@@ -29,21 +22,23 @@ bool is_inside(const fs::path& file, const fs::path& folder) {
 
 fs::path find_file(const Document& document, const Value& value) {
   const fs::path asked(value.text);
-  if (asked.is_absolute()) document.mismatch(value, "a path relative to the scene");
   std::error_code error;
-  const fs::path folder = fs::weakly_canonical(document.file, error).parent_path();
-  const fs::path root = root_of(folder);
-  for (const fs::path& base : {root, folder}) {
-    const fs::path file = fs::weakly_canonical(base / asked, error);
+  const fs::path scene = fs::weakly_canonical(document.file, error).parent_path();
+  const std::vector<AssetFolder> folders = asset_folders(scene);
+  if (asked.is_absolute()) {
+    document.mismatch(value, fmt::format("a path relative to one of: {}", places(folders)));
+  }
+  for (const AssetFolder& place : folders) {
+    const fs::path file = fs::weakly_canonical(place.folder / asked, error);
     if (error || !fs::exists(file, error)) continue;
-    if (!is_inside(file, root)) {
-      document.mismatch(value, fmt::format("a file inside of {}", root.string()));
+    if (!is_inside(file, place.within)) {
+      document.mismatch(value, fmt::format("a file inside of {}", place.within.string()));
     }
     if (fs::is_directory(file, error)) document.mismatch(value, "a file, not a directory");
     return fs::proximate(file, error);
   }
-  document.fail(value, fmt::format("there is no file {} in {}{}", shown(value), root.string(),
-                                   root == folder ? "" : " or beside the scene"));
+  document.fail(value,
+                fmt::format("there is no file {}; looked: {}", shown(value), places(folders)));
 }
 
 double number_or(const Value& table, std::string_view key, double fallback) {

@@ -19,9 +19,8 @@ namespace taut {
 /// The scene that a document describes. Throws BadScene.
 Scene read_scene(Document document, bool with_stage);
 
-/// The file that `value` names, relative to the scene's repository root (the nearest folder above
-/// it with a CMakePresets.json or .git; without one the scene's own folder) or to the scene's
-/// folder. Throws BadScene when it is absolute, outside of the root, or missing.
+/// The file that `value` names, in the first of the asset_folders() that has it. Throws BadScene
+/// when the name is absolute, or the file missing or outside of the folder.
 std::filesystem::path find_file(const Document& document, const Value& value);
 
 /// Does what needs the asset that `value` names. A BadAsset becomes a BadScene that names the

@@ -47,7 +47,7 @@ TEST(BadAsset, EveryFaultIsNamedWithItsPlace) {
   expect("missing", "no.glb", "there is no file");
   folder.write("outside.glb", whole);
   expect("climbing out", "../outside.glb", "expected a file inside of");
-  expect("absolute", "/etc/passwd", "a path relative to the scene");
+  expect("absolute", "/etc/passwd", "a path relative to one of: ");
   std::filesystem::create_directory(home / "folder.glb");
   expect("a directory", "folder.glb", "not a directory");
   expect_file("empty", "a.glb", "", "empty file");

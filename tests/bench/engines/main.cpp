@@ -14,5 +14,6 @@ int main(int argc, char** argv) {
 #ifdef TAUT_ODE
   add_method(engines::ode_method());
 #endif
-  return cli::run_program(argc, argv, {cli::add_reach, cli::add_chart});
+  constexpr cli::AddCommand kCommands[] = {cli::add_reach, cli::add_chart};
+  return cli::run_program(argc, argv, kCommands);
 }

@@ -9,8 +9,8 @@
 
 #include <vector>
 
-#include "sim/methods/sdfast/chain.h"
-#include "sim/methods/sdfast/model.h"
+#include "sim/reference/sdfast/chain.h"
+#include "sim/reference/sdfast/model.h"
 
 namespace taut::sdfast {
 

@@ -1,4 +1,4 @@
-#include "sim/truth/multipliers.h"
+#include "sim/reference/multipliers.h"
 
 #include <algorithm>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>

@@ -1,4 +1,4 @@
-#include "sim/methods/sdfast/ball.h"
+#include "sim/reference/sdfast/ball.h"
 
 namespace taut::sdfast {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/methods/sdfast.h"
+#include "sim/reference/sdfast.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <stdexcept>
 
 #include "sim/coarse_method.h"
-#include "sim/methods/sdfast/ball.h"
-#include "sim/methods/sdfast/chain.h"
-#include "sim/methods/sdfast/model.h"
-#include "sim/methods/sdfast/pin.h"
+#include "sim/reference/sdfast/ball.h"
+#include "sim/reference/sdfast/chain.h"
+#include "sim/reference/sdfast/model.h"
+#include "sim/reference/sdfast/pin.h"
 #include "sim/projection.h"
 #include "sim/trajectory.h"
 

@@ -68,7 +68,7 @@ if(TAUT_SDFAST)
         OUTPUT ${made}
         COMMAND ${TAUT_SDFAST} -lc ${option} -ge -p ${name}_ ${name}.sd ${name}
         WORKING_DIRECTORY ${folder} DEPENDS ${folder}/${name}.sd VERBATIM)
-      target_sources(taut_sim PRIVATE ${made})
+      target_sources(taut_reference PRIVATE ${made})
       # Its C is of 1989, and not ours to mend; without branches, it gains nothing from more than -O1.
       set_source_files_properties(${made} PROPERTIES COMPILE_OPTIONS "-std=gnu89;-w;-Wno-error;-O1")
       string(APPEND declarations "TAUT_SDFAST_DECLARE(${name}_)\n")
@@ -77,4 +77,4 @@ if(TAUT_SDFAST)
   endforeach()
 endif()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/models.cpp.in ${folder}/models.cpp @ONLY)
-target_sources(taut_sim PRIVATE ${folder}/models.cpp)
+target_sources(taut_reference PRIVATE ${folder}/models.cpp)

@@ -1,4 +1,4 @@
-#include "sim/methods/sdfast/pin.h"
+#include "sim/reference/sdfast/pin.h"
 
 #include <cmath>
 #include <utility>

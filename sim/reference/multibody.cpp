@@ -1,9 +1,9 @@
-#include "sim/methods/multibody.h"
+#include "sim/reference/multibody.h"
 
 #include <optional>
 
 #include "sim/coarse_method.h"
-#include "sim/methods/simbody_model.h"
+#include "sim/reference/simbody_model.h"
 #include "sim/projection.h"
 #include "sim/trajectory.h"
 

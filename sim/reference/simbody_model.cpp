@@ -1,4 +1,4 @@
-#include "sim/methods/simbody_model.h"
+#include "sim/reference/simbody_model.h"
 
 #include <Simbody.h>
 

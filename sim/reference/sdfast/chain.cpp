@@ -1,4 +1,4 @@
-#include "sim/methods/sdfast/chain.h"
+#include "sim/reference/sdfast/chain.h"
 
 #include <algorithm>
 #include <stdexcept>

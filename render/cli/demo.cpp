@@ -1,0 +1,73 @@
+// taut demo: the demonstration that taut comes with, a first picture within seconds.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "render/cli/commands.h"
+#include "render/cli/note.h"
+#include "scenes/asset_path.h"
+#include "scenes/error.h"
+
+namespace taut::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScene = "scenes/nunchaku.toml";
+
+struct Options {
+  std::string out = "out/nunchaku";
+  bool preview = false;
+};
+
+fs::path shipped_scene() {
+  const auto folders = asset_folders(fs::current_path());
+  std::error_code error;
+  for (const AssetFolder& place : folders) {
+    if (fs::exists(place.folder / kScene, error)) return place.folder / kScene;
+  }
+  throw BadScene(fmt::format("there is no file \"{}\"; looked: {}", kScene, places(folders)));
+}
+
+/// `taut render` of `scene` with these words behind it.
+int render(const Common& common, const fs::path& scene, const fs::path& out,
+           std::vector<std::string> words) {
+  CLI::App app;
+  Program program;
+  add_render(app, program);
+  words.insert(words.begin(), {"render", scene.string(), "--out", out.string()});
+  std::ranges::reverse(words);  // as CLI11 takes them
+  app.parse(words);
+  program.common = common;
+  return program.run();
+}
+
+int demo(const Common& common, const Options& options) {
+  const fs::path scene = shipped_scene(), out = options.out, preview = out / "preview";
+  if (!common.quiet) note("a picture and five small seconds first, then the clip\n");
+  int code = render(common, scene, preview, {"--poster", "6.9", "--size", "960x540"});
+  if (code == kDone)
+    code = render(common, scene, preview,
+                  {"--size", "480x270", "--fps", "24", "--frames", "96-215", "--samples", "2",
+                   "--no-estimate"});
+  if (code == kDone && !options.preview) code = render(common, scene, out, {});
+  return code;
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, Program& program) {
+  CLI::App& command =
+      add_command(app, program, "demo", "Render the demonstration that taut comes with",
+                  "  taut demo               out/nunchaku: a picture and a small clip within "
+                  "seconds, then the clip\n"
+                  "  taut demo --preview     the picture and the small clip alone");
+  auto options = std::make_shared<Options>();
+  command.add_option("--out", options->out, "The clip's folder; default out/nunchaku");
+  command.add_flag("--preview", options->preview, "Only the picture and the small clip");
+  command.callback([&program, options] {
+    program.run = [&program, options] { return demo(program.common, *options); };
+  });
+}
+
+}  // namespace taut::cli

@@ -1,0 +1,31 @@
+// Where the files that a scene names are looked for.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace taut {
+
+/// A folder in which files are looked for, and why.
+struct AssetFolder {
+  std::string what;              // "--assets", "TAUT_ASSETS", "beside the scene", ...
+  std::filesystem::path folder;  // canonical
+  std::filesystem::path within;  // what is found must be inside of this
+};
+
+/// A folder that is looked into before all others, for the rest of the program: `--assets`.
+void set_asset_folder(const std::filesystem::path& folder);
+
+/// The folders for a scene in `folder`, in order: `--assets`, those of the environment's
+/// TAUT_ASSETS (separated by colons), the scene's own, its project's (the nearest folder above it
+/// with a CMakePresets.json or .git), and the one that is installed beside the program.
+std::vector<AssetFolder> asset_folders(const std::filesystem::path& folder);
+
+/// share/taut of the prefix that the running program is installed in; empty: it is in none.
+std::filesystem::path installed_share();
+
+/// The places as messages list them: `--assets (/a), beside the scene (/b)`.
+std::string places(const std::vector<AssetFolder>& folders);
+
+}  // namespace taut

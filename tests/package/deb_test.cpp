@@ -1,0 +1,47 @@
+// Debian packages, where dpkg makes them.
+#include <map>
+
+#include "tests/package/prefix.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_installed(const char* program) {
+  return Child({"sh", "-c", std::string("command -v ") + program}, "/").wait().code == 0;
+}
+
+std::string listing(const fs::path& package) {
+  return must_run({"dpkg-deb", "--contents", package.string()}, package.parent_path()).output;
+}
+
+TEST(DebianPackages, HoldWhatTheirNamesSayAndSatisfyLintian) {
+  if (!is_installed("dpkg-shlibdeps")) GTEST_SKIP() << "dpkg-dev is not installed";
+  Folder folder;
+  must_run({"cpack", "--config", TAUT_BUILD_DIR "/CPackConfig.cmake", "-B", folder.path().string()},
+           folder.path());
+  std::vector<std::string> lintian{"lintian", "--fail-on", "error,warning"};
+  std::map<std::string, fs::path> packages;
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    if (entry.path().extension() != ".deb") continue;
+    const std::string name = entry.path().filename().string();
+    packages[name.substr(0, name.find('_'))] = entry.path();
+    lintian.push_back(entry.path().string());
+  }
+  ASSERT_EQ(packages.size(), 3u);
+  for (const char* file : {"./usr/bin/taut\n", "/man1/taut-render.1.gz\n",
+                           "/scenes/nunchaku.toml\n", "/scenes/scene.schema.json\n",
+                           "/assets/martial_artist.glb\n", "/completions/taut\n", "/_taut\n"}) {
+    EXPECT_NE(listing(packages["taut"]).find(file), std::string::npos) << file;
+  }
+  EXPECT_NE(listing(packages["libtaut0"]).find("/libtaut_sim.so.0 -> "), std::string::npos);
+  for (const char* file : {"/include/taut/sim/world.h\n", "/include/taut/sim/options.h\n",
+                           "/tautConfig.cmake\n", "/pkgconfig/taut.pc\n", "/libtaut_sim.so -> "}) {
+    EXPECT_NE(listing(packages["libtaut-dev"]).find(file), std::string::npos) << file;
+  }
+  if (is_installed("lintian")) must_run(lintian, folder.path());
+}
+
+}  // namespace
+}  // namespace taut
