@@ -60,6 +60,7 @@ struct StageRenderer::Impl {
       : gl(context.gl()),
         stage(s),
         shading(options),
+        background(s.background),
         surfaces(gl, s.light, options.map_size, options.lit),
         map(gl, options.map_size),
         parts(gl, s, world) {
@@ -202,6 +203,7 @@ struct StageRenderer::Impl {
   const Gl& gl;
   const Stage& stage;
   const Shading shading;
+  Vec3 background;
   Profile* profile = nullptr;
   Surfaces surfaces;
   ShadowMap map;
@@ -222,10 +224,15 @@ void StageRenderer::set_profile(Profile* profile) {
   impl_->profile = profile;
 }
 
+void StageRenderer::set_background(const Vec3& color) {
+  impl_->background = color;
+}
+
 void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
   Impl& d = *impl_;
   const Gl& gl = d.gl;
   Hash name;
+  for (int k = 0; k < 3; ++k) name.number(d.background[k]);
   for (const auto& [viewport, camera] : views) {
     for (const int pixels : {viewport.x, viewport.y, viewport.width, viewport.height})
       name.number(pixels);
@@ -236,7 +243,8 @@ void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
 
   d.draw_solid();
   canvas.bind();
-  const Vec3 c = Surfaces::encoded(d.stage.background);
+  // As it is asked for, without the curve that lit surfaces go through.
+  const Vec3 c = d.background.cwiseMin(1).cwiseSqrt();
   gl.ClearColor(float(c.x()), float(c.y()), float(c.z()), 1);
   gl.DepthFunc(GL_LEQUAL);  // where faces coincide, the last is in front: with its shadows, too
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
