@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
 #include <system_error>
 
 #include "render/atomic_file.h"
 #include "render/child.h"
 #include "render/error.h"
+#include "render/gnuplot.h"
+#include "render/table.h"
 
 namespace taut {
 namespace {
@@ -38,10 +41,12 @@ Style truth_style() {
   return {0x777777, 0, 8};
 }
 
-std::string draw_chart(const Chart& chart, ChartFormat format) {
+namespace {
+
+ChildResult run_gnuplot(const std::vector<std::string>& arguments, const std::string& input) {
   ChildResult result;
   try {
-    result = run_child({"gnuplot", "-"}, gnuplot_script(chart, format));
+    result = run_child(arguments, input);
   } catch (const std::system_error& error) {
     throw CannotWrite(
         fmt::format("{}; charts are drawn by gnuplot (Debian: gnuplot-nox)", error.what()));
@@ -50,7 +55,37 @@ std::string draw_chart(const Chart& chart, ChartFormat format) {
     throw CannotWrite(
         fmt::format("gnuplot failed with status {}: {}", result.status, result.errors));
   }
-  return std::move(result.output);
+  return result;
+}
+
+/// Gnuplot's own titles are numbers; readers of pages are told them when they point at a line.
+std::string with_titles(const std::string& svg, const Chart& chart) {
+  constexpr std::string_view kOpen = "<title>", kClose = "</title>", kOwn = "gnuplot_plot_";
+  const std::vector<std::string> names = plot_names(chart);
+  std::string out;
+  std::size_t next = 0, done = 0;
+  for (std::size_t at = 0; (at = svg.find(kOpen, done)) != std::string::npos;) {
+    const std::size_t end = svg.find(kClose, at) + kClose.size();
+    const std::string_view title = std::string_view(svg).substr(at + kOpen.size());
+    out += svg.substr(done, at - done);
+    const std::string name = !title.starts_with(kOwn) ? chart.title
+                             : next < names.size()    ? names[next++]
+                                                      : "";
+    if (!name.empty()) out += fmt::format("{}{}{}", kOpen, escape_html(name), kClose);
+    done = end;
+  }
+  return out + svg.substr(done);
+}
+
+}  // namespace
+
+void require_gnuplot() {
+  run_gnuplot({"gnuplot", "--version"}, "");
+}
+
+std::string draw_chart(const Chart& chart, ChartFormat format) {
+  std::string drawn = run_gnuplot({"gnuplot", "-"}, gnuplot_script(chart, format)).output;
+  return format == ChartFormat::svg ? with_titles(drawn, chart) : drawn;
 }
 
 void write_chart(const Chart& chart, const std::filesystem::path& base) {

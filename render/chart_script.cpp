@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "render/chart_layout.h"
+#include "render/gnuplot.h"
 
 namespace taut {
 namespace {
@@ -86,6 +87,18 @@ std::string tics_of(const Axis& axis, std::pair<double, double> range, const cha
   return out + fmt::format(")\nunset m{}tics\n", name);
 }
 
+bool same(const Style& a, const Style& b) {
+  return a.color == b.color && a.dash == b.dash && a.marker == b.marker && a.hollow == b.hollow;
+}
+
+/// A series' name; one without goes with the one that looks like it.
+std::string name_in(const Panel& panel, const Series& series) {
+  if (!series.name.empty()) return series.name;
+  for (const Series& other : panel.series)
+    if (!other.name.empty() && same(other.style, series.style)) return other.name;
+  return {};
+}
+
 class Script {
  public:
   Script(const Chart& chart, ChartFormat format) : chart_(chart), layout_(layout_of(chart)) {
@@ -102,6 +115,7 @@ class Script {
   }
 
   std::string text() && { return std::move(text_); }
+  std::vector<std::string> names() && { return std::move(names_); }
 
  private:
   template <class... T>
@@ -132,6 +146,7 @@ class Script {
   Layout layout_;
   double type_scale_ = 1;
   std::string text_;
+  std::vector<std::string> names_;  // of plots
 };
 
 void Script::add_panel(std::size_t index) {
@@ -207,6 +222,7 @@ void Script::add_panel(std::size_t index) {
   }
 
   add("plot NaN notitle");
+  names_.emplace_back();
   for (std::size_t k = 0; k < chart_.kinds.size(); ++k) {
     const CellKind& kind = chart_.kinds[k];
     if (std::none_of(panel.cells.begin(), panel.cells.end(),
@@ -215,14 +231,21 @@ void Script::add_panel(std::size_t index) {
     add(", $kind{} using 1:2:3:4:5:6 with boxxyerror fillstyle solid 1 border lc rgb '#ffffff' "
         "fc {} notitle",
         k, color(kind.color));
+    names_.push_back(kind.name);
     if (!kind.letter.empty()) {
       add(", $kind{} using 1:2:({}) with labels textcolor rgb '{}' {} notitle", k,
           literal(kind.letter), grey(kind.color) > 0.5 ? "#333333" : "#ffffff", font(kText * 0.8));
+      names_.push_back(kind.name);
     }
   }
   for (const bool faint : {true, false}) {  // what is faint lies below
     for (std::size_t s = 0; s < panel.series.size(); ++s) {
-      if (panel.series[s].faint == faint) add_series(panel.series[s], s, !panel.cells.empty());
+      if (panel.series[s].faint != faint) continue;
+      const std::size_t before = text_.size();
+      add_series(panel.series[s], s, !panel.cells.empty());
+      const auto plots =
+          std::count(text_.begin() + static_cast<std::ptrdiff_t>(before), text_.end(), '$');
+      names_.insert(names_.end(), static_cast<std::size_t>(plots), name_in(panel, panel.series[s]));
     }
   }
   add("\n");
@@ -285,12 +308,17 @@ void Script::add_frame() {
         place(entry.x + (entry.kind ? 23 : 50), entry.y), font(kText));
   }
   add("set xrange [0:1]\nset yrange [0:1]\nplot NaN notitle\n");
+  names_.emplace_back();
 }
 
 }  // namespace
 
 std::string gnuplot_script(const Chart& chart, ChartFormat format) {
   return Script(chart, format).text();
+}
+
+std::vector<std::string> plot_names(const Chart& chart) {
+  return Script(chart, ChartFormat::svg).names();
 }
 
 }  // namespace taut

@@ -3,6 +3,7 @@
 #include "render/caption.h"
 #include "render/card.h"
 #include "render/fingerprint.h"
+#include "render/matte.h"
 
 namespace taut {
 
@@ -36,6 +37,18 @@ Picture Film::draw(const Instant& instant) {
 }
 
 Film::Frame Film::draw(const ClipFrame& frame, std::span<const Instant> shutter) {
+  if (!transparent_) return draw_opaque(frame, shutter);
+  const auto draw_on = [&](double grey) {
+    renderer_.set_background(Vec3::Constant(grey));
+    stage_drawn_ = 0;
+    return draw_opaque(frame, shutter);
+  };
+  Frame black = draw_on(0);
+  black.picture = matte(black.picture, draw_on(1).picture);
+  return black;
+}
+
+Film::Frame Film::draw_opaque(const ClipFrame& frame, std::span<const Instant> shutter) {
   if (!frame.card) {
     Frame drawn = draw_stage(shutter);
     draw_captions(drawn.picture, font_, scene_.stage->captions, frame.time);

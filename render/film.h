@@ -31,10 +31,15 @@ class Film {
   std::vector<Instant> shutter(const ClipFrame& frame, std::span<const Snapshot> states) const;
   Frame draw(const ClipFrame& frame, std::span<const Instant> shutter);
 
+  /// From now on frames have opacity, none where the stage's background would be; their colours are
+  /// not multiplied by it. Each takes the time of two.
+  void set_transparent(bool on) { transparent_ = on; }
+
   /// Where to note the stages' times, each waited for; null: nowhere.
   void set_profile(Profile* profile);
 
  private:
+  Frame draw_opaque(const ClipFrame& frame, std::span<const Instant> shutter);
   Frame draw_stage(std::span<const Instant> shutter);
   void lap(const char* stage) const;
 
@@ -45,6 +50,7 @@ class Film {
   Font font_, bold_{Font::Weight::bold};
   std::uint64_t stage_drawn_ = 0;  // fingerprint of the picture below; 0: none
   std::optional<Frame> stage_picture_;
+  bool transparent_ = false;
   Profile* profile_ = nullptr;
 };
 

@@ -19,10 +19,22 @@ namespace {
 
 constexpr std::size_t kQueued = 2;
 
-std::uint64_t file_hash(const std::filesystem::path& file) {
+std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(in), {});
-  return Hash().bytes(bytes.data(), bytes.size()).value();
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// True where a PNG file's bytes are of a picture of that size.
+bool has_size(const std::string& png, const FrameFolder::Size& size) {
+  constexpr std::size_t kWidth = 16, kHeight = 20;
+  if (png.size() < kHeight + 4) return false;
+  const auto number = [&](std::size_t at) {
+    int value = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      value = (value << 8) | static_cast<unsigned char>(png[at + k]);
+    return value;
+  };
+  return number(kWidth) == size.width && number(kHeight) == size.height;
 }
 
 bool is_frame(const std::filesystem::path& file) {
@@ -33,7 +45,8 @@ bool is_frame(const std::filesystem::path& file) {
 
 }  // namespace
 
-FrameFolder::FrameFolder(std::filesystem::path folder, bool keep) : folder_(std::move(folder)) {
+FrameFolder::FrameFolder(std::filesystem::path folder, bool keep, Size size)
+    : folder_(std::move(folder)) {
   std::error_code error, unknown;
   std::filesystem::create_directories(folder_, error);
   if (!std::filesystem::is_directory(folder_, unknown))
@@ -45,7 +58,7 @@ FrameFolder::FrameFolder(std::filesystem::path folder, bool keep) : folder_(std:
   if (!try_to_lock(lock_.get(), folder_))
     throw CannotWrite(fmt::format("{}: another run is writing frames here", folder_.string()));
 
-  if (keep) read_journal();
+  if (keep) read_journal(size);
   remove_others();
   AtomicFile journal(folder_ / "journal");
   for (const auto& [frame, entry] : kept_)
@@ -90,7 +103,7 @@ std::filesystem::path FrameFolder::file(int frame) const {
   return folder_ / fmt::format("{:06}.png", frame);
 }
 
-void FrameFolder::read_journal() {
+void FrameFolder::read_journal(Size size) {
   std::FILE* journal = std::fopen((folder_ / "journal").c_str(), "re");
   if (!journal) return;
   int frame = 0;
@@ -99,8 +112,11 @@ void FrameFolder::read_journal() {
   while (std::fscanf(journal, "%d %16llx %16llx\n", &frame, &inputs, &written) == 3)
     kept_[frame] = {inputs, written};
   std::fclose(journal);
-  std::erase_if(
-      kept_, [&](const auto& entry) { return file_hash(file(entry.first)) != entry.second.file; });
+  std::erase_if(kept_, [&](const auto& entry) {
+    const std::string png = bytes_of(file(entry.first));
+    return !has_size(png, size) ||
+           Hash().bytes(png.data(), png.size()).value() != entry.second.file;
+  });
 }
 
 bool FrameFolder::has(int frame, std::uint64_t inputs) const {
@@ -108,12 +124,14 @@ bool FrameFolder::has(int frame, std::uint64_t inputs) const {
   return entry != kept_.end() && entry->second.inputs == inputs;
 }
 
-void FrameFolder::put(int frame, std::uint64_t inputs, Picture picture) {
-  if (!worker_.joinable()) return write({frame, inputs, std::move(picture)});
+void FrameFolder::put(int frame, std::uint64_t inputs, Picture picture, PngExtras extras) {
+  if (!worker_.joinable()) {
+    return write({frame, inputs, std::move(picture), std::move(extras)});
+  }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return queue_.size() < kQueued || failure_; });
   if (failure_) std::rethrow_exception(failure_);
-  queue_.push_back({frame, inputs, std::move(picture)});
+  queue_.push_back({frame, inputs, std::move(picture), std::move(extras)});
   changed_.notify_all();
 }
 
@@ -145,7 +163,7 @@ void FrameFolder::work(std::stop_token stop) {
 }
 
 void FrameFolder::write(const Job& job) {
-  const std::vector<std::uint8_t> bytes = encode_png(job.picture);
+  const std::vector<std::uint8_t> bytes = encode_png(job.picture, job.extras);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   AtomicFile png(file(job.frame));
   png.write(text);

@@ -13,7 +13,7 @@
 
 #include "render/atomic_file.h"
 #include "render/descriptor.h"
-#include "render/picture.h"
+#include "render/png_file.h"
 
 namespace taut {
 
@@ -21,9 +21,15 @@ namespace taut {
 /// was made from, and that of its file; a frame is kept only where both still hold.
 class FrameFolder {
  public:
-  /// Makes the folder. Frames that another run left stay where their journal stands and `keep` is
-  /// set, and are removed otherwise. Throws CannotWrite, also while another run writes here.
-  FrameFolder(std::filesystem::path folder, bool keep);
+  /// What frames of a run have in common.
+  struct Size {
+    int width = 0, height = 0;
+  };
+
+  /// Makes the folder. Frames of that size that another run left stay where their journal stands
+  /// and `keep` is set, and are removed otherwise. Throws CannotWrite, also while another run
+  /// writes here.
+  FrameFolder(std::filesystem::path folder, bool keep, Size size);
   /// Waits until the frames given so far are written.
   ~FrameFolder();
   FrameFolder(const FrameFolder&) = delete;
@@ -36,7 +42,7 @@ class FrameFolder {
   bool has(int frame, std::uint64_t inputs) const;
   /// Writes the frame, on another thread where there can be one; waits while two others are on
   /// their way. Throws CannotWrite where an earlier frame could not be written.
-  void put(int frame, std::uint64_t inputs, Picture picture);
+  void put(int frame, std::uint64_t inputs, Picture picture, PngExtras extras = {});
   /// Waits for all frames. Throws CannotWrite.
   void finish();
 
@@ -48,8 +54,9 @@ class FrameFolder {
     int frame;
     std::uint64_t inputs;
     Picture picture;
+    PngExtras extras;
   };
-  void read_journal();
+  void read_journal(Size size);
   void remove_others();
   void work(std::stop_token stop);
   void write(const Job& job);

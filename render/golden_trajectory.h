@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,10 @@ namespace taut {
 
 /// Bits of states are the same wherever processor and compiler are.
 struct TrajectoryRecord {
-  std::string machine;           // processor and compiler
-  std::uint64_t hash = 0;        // of the whole dynamic state at every frame
-  std::vector<Snapshot> states;  // some of the frames, the last included
+  std::string machine;                           // processor and compiler
+  std::map<std::string, std::string> made_from;  // of the scene and the method, by their keys
+  std::uint64_t hash = 0;                        // of the whole dynamic state at every frame
+  std::vector<Snapshot> states;                  // some of the frames, the last included
 };
 
 /// Simulates the trajectory. Throws Diverged, Interrupted.

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "render/png_file.h"
+
 namespace taut {
 namespace {
 
@@ -36,23 +38,38 @@ struct Bytes {
 };
 
 /// The rows as PNG's filter 1 writes them: each byte less the one of the pixel to its left.
+template <int kChannels>
 Bytes filtered_rows(const Picture& picture) {
-  Bytes rows(std::size_t(picture.height) * (std::size_t(picture.width) * 3 + 1));
+  Bytes rows(std::size_t(picture.height) * (std::size_t(picture.width) * kChannels + 1));
   std::uint8_t* out = rows.data.get();
   for (int y = 0; y < picture.height; ++y) {
     *out++ = 1;
     const std::uint8_t* in = picture.at(0, y);
-    for (int k = 0; k < 3; ++k) *out++ = in[k];
+    for (int k = 0; k < kChannels; ++k) *out++ = in[k];
     for (int x = 1; x < picture.width; ++x, in += 4)
-      for (int k = 0; k < 3; ++k) *out++ = std::uint8_t(in[4 + k] - in[k]);
+      for (int k = 0; k < kChannels; ++k) *out++ = std::uint8_t(in[4 + k] - in[k]);
   }
   return rows;
+}
+
+/// A keyword and a text in UTF-8, neither packed nor translated (PNG specification, 11.3.4.5).
+void append_text(std::vector<std::uint8_t>& png, const std::string& keyword,
+                 const std::string& text) {
+  std::vector<std::uint8_t> data(keyword.begin(), keyword.end());
+  data.insert(data.end(), 5,
+              0);  // the keyword's end, no packing, its method, no language, no other
+  data.insert(data.end(), text.begin(), text.end());
+  append_chunk(png, "iTXt", data);
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> encode_png(const Picture& picture) {
-  const Bytes rows = filtered_rows(picture);
+  return encode_png(picture, PngExtras{});
+}
+
+std::vector<std::uint8_t> encode_png(const Picture& picture, const PngExtras& extras) {
+  const Bytes rows = extras.opacity ? filtered_rows<4>(picture) : filtered_rows<3>(picture);
   // The fastest level: the next takes half as long again to save a twentieth.
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
       libdeflate_alloc_compressor(1), &libdeflate_free_compressor);
@@ -64,13 +81,15 @@ std::vector<std::uint8_t> encode_png(const Picture& picture) {
   std::vector<std::uint8_t> header;
   append(header, std::uint32_t(picture.width));
   append(header, std::uint32_t(picture.height));
-  for (const int byte : {8, 2, 0, 0, 0}) header.push_back(std::uint8_t(byte));  // 8 bits, RGB
+  const int kind = extras.opacity ? 6 : 2;                                         // RGBA, RGB
+  for (const int byte : {8, kind, 0, 0, 0}) header.push_back(std::uint8_t(byte));  // 8 bits
   const std::uint8_t perceptual = 0;
 
   std::vector<std::uint8_t> png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   png.reserve(data.size + 128);
   append_chunk(png, "IHDR", header);
   append_chunk(png, "sRGB", {&perceptual, 1});
+  for (const auto& [keyword, text] : extras.texts) append_text(png, keyword, text);
   append_chunk(png, "IDAT", {data.data.get(), data.size});
   append_chunk(png, "IEND", {});
   return png;

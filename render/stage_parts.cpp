@@ -20,6 +20,7 @@ StageParts::StageParts(const Context& context, const Stage& s, const World& worl
     : gl(context.gl()),
       stage(s),
       shading(options),
+      background(s.background),
       surfaces(gl, s.light, options.map_size, options.lit),
       map(gl, options.map_size),
       parts(gl, s, world) {
@@ -65,7 +66,8 @@ void StageParts::aim(const Canvas& canvas, const Rect& viewport) const {
 
 void StageParts::clear(const Canvas& canvas) const {
   canvas.bind();
-  const Vec3 c = Surfaces::encoded(stage.background);
+  // As it is asked for, without the curve that lit surfaces go through.
+  const Vec3 c = background.cwiseMin(1).cwiseSqrt();
   gl.ClearColor(float(c.x()), float(c.y()), float(c.z()), 1);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }

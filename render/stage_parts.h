@@ -29,13 +29,14 @@ struct StageParts {
   void draw_solid() const;
   /// The canvas' viewport is drawn to, and the shadow map can be looked up.
   void aim(const Canvas& canvas, const Rect& viewport) const;
-  /// The stage's background everywhere.
+  /// The background everywhere.
   void clear(const Canvas& canvas) const;
   void draw_scenery(Shade shade);
 
   const Gl& gl;
   const Stage& stage;
   const Shading shading;
+  Vec3 background;
   Surfaces surfaces;
   ShadowMap map;
   MovingParts parts;

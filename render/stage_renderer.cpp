@@ -143,6 +143,10 @@ void StageRenderer::set_profile(Profile* profile) {
   impl_->profile = profile;
 }
 
+void StageRenderer::set_background(const Vec3& color) {
+  impl_->background = color;
+}
+
 void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
   Impl& d = *impl_;
   if (d.shading.savings != Savings::all) {
@@ -153,6 +157,7 @@ void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
     return;
   }
   Hash name;
+  for (int k = 0; k < 3; ++k) name.number(d.background[k]);
   for (const auto& [viewport, camera] : views) {
     for (const int pixels : {viewport.x, viewport.y, viewport.width, viewport.height})
       name.number(pixels);

@@ -45,6 +45,9 @@ class StageRenderer {
                 const Shading& shading = {});
   ~StageRenderer();
 
+  /// Another background than the stage's from the next frame on.
+  void set_background(const Vec3& color);
+
   /// Begins a frame: background everywhere, and the scenery in each of the views. The canvas
   /// keeps it for as long as the views stay the same.
   void begin(Canvas& canvas, std::span<const View> views);

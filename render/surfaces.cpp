@@ -66,12 +66,4 @@ void Surfaces::draw(const Item& item, Shade shade, float opacity) {
   item.draw();
 }
 
-// The surface shader's encode().
-Vec3 Surfaces::encoded(const Vec3& radiance) {
-  return radiance.unaryExpr([](double r) {
-    const double x = r * kExposure;
-    return std::sqrt(std::min(x * (2 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0));
-  });
-}
-
 }  // namespace taut

@@ -43,9 +43,6 @@ class Surfaces {
   void use(const FrameBlock& block) const;
   void draw(const Item& item, Shade shade, float opacity = 1);
 
-  /// A radiance as the canvas keeps it.
-  static Vec3 encoded(const Vec3& radiance);
-
  private:
   const Program& program(Surface surface, Shade shade);
 

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "render/fitted_table.h"
+
 namespace taut {
 namespace {
 
@@ -83,6 +85,48 @@ std::string to_text(const Table& table) {
   std::string out = write(table.columns);
   for (const auto& row : table.rows) out += write(row);
   return out;
+}
+
+namespace {
+
+std::size_t widest_line(const std::string& text) {
+  std::size_t widest = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    widest = std::max(widest, width(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return widest;
+}
+
+Table transposed(const Table& table) {
+  Table result{{table.columns.front()}, {}};
+  for (const auto& row : table.rows) result.columns.push_back(row.front());
+  for (std::size_t c = 1; c < table.columns.size(); ++c) {
+    std::vector<std::string> cells{table.columns[c]};
+    for (const auto& row : table.rows) cells.push_back(row[c]);
+    result.add(std::move(cells));
+  }
+  return result;
+}
+
+std::string paragraphs(const Table& table) {
+  std::string text;
+  for (const auto& row : table.rows) {
+    Table one{{table.columns.front(), row.front()}, {}};
+    for (std::size_t c = 1; c < row.size(); ++c) one.add({table.columns[c], row[c]});
+    text += (text.empty() ? "" : "\n") + to_text(one);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const Table& table, std::size_t most) {
+  std::string text = to_text(table);
+  if (widest_line(text) <= most || table.columns.size() < 2) return text;
+  text = to_text(transposed(table));
+  return widest_line(text) <= most ? text : paragraphs(table);
 }
 
 std::string to_markdown(const Table& table) {

@@ -8,6 +8,7 @@
 
 #include "scenes/reader/reader.h"
 #include "scenes/regular_file.h"
+#include "scenes/standard_input.h"
 #include "sim/hash.h"
 #include "sim/simulation.h"
 
@@ -122,7 +123,7 @@ std::optional<Length> read_length(std::string_view text) {
 std::uint64_t plan_stamp(const std::filesystem::path& scene) {
   const Document document = read_document(scene);
   Hash hash;
-  hash.text(without_plan(read_bytes(scene)));
+  hash.text(without_plan(read_scene_text(scene)));
   if (!document.base.empty()) hash.text(without_plan(read_bytes(document.base)));
   if (const Value* paths = document.root.find("paths")) {
     for (const Value& path : paths->children) {

@@ -10,6 +10,8 @@
 #include <iterator>
 #include <new>
 
+#include "scenes/standard_input.h"
+
 namespace taut {
 namespace {
 
@@ -19,6 +21,28 @@ const char* kind_of(mode_t mode) {
   if (S_ISFIFO(mode)) return "a pipe";
   if (S_ISSOCK(mode)) return "a socket";
   return "a device";
+}
+
+/// The bytes of an open file that messages call `name`.
+std::string read_all(int file, const std::filesystem::path& name, std::size_t limit,
+                     std::string_view expected) {
+  const auto fail = [&](const std::string& cause) { throw bad_asset(name, cause); };
+  std::string bytes;
+  struct stat status {};
+  if (fstat(file, &status) == 0 && static_cast<std::size_t>(status.st_size) <= limit) {
+    bytes.reserve(static_cast<std::size_t>(status.st_size));
+  }
+  char block[1 << 16];
+  ssize_t count = 0;
+  while (bytes.size() <= limit && (count = read(file, block, sizeof block)) != 0) {
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(fmt::format("cannot be read: {}", std::strerror(errno)));
+    bytes.append(block, static_cast<std::size_t>(count));
+  }
+  if (bytes.size() > limit) {
+    fail(fmt::format("is larger than {} MiB, expected {}", limit >> 20, expected));
+  }
+  return bytes;
 }
 
 /// An open file, closed at its end.
@@ -49,20 +73,11 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t lim
   if (!S_ISREG(status.st_mode)) {
     fail(fmt::format("is {}, expected {}", kind_of(status.st_mode), expected));
   }
-  std::string bytes;
-  const auto size = static_cast<std::size_t>(status.st_size);
-  if (size <= limit) bytes.reserve(size);
-  char block[1 << 16];
-  ssize_t count = 0;
-  while (bytes.size() <= limit && (count = read(handle.number, block, sizeof block)) != 0) {
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(fmt::format("cannot be read: {}", std::strerror(errno)));
-    bytes.append(block, static_cast<std::size_t>(count));
-  }
-  if (bytes.size() > limit) {
-    fail(fmt::format("is larger than {} MiB, expected {}", limit >> 20, expected));
-  }
-  return bytes;
+  return read_all(handle.number, file, limit, expected);
+}
+
+std::string read_standard_input(std::size_t limit, std::string_view expected) {
+  return read_all(STDIN_FILENO, "standard input", limit, expected);
 }
 
 std::ifstream open_asset(const std::filesystem::path& file) {

@@ -7,6 +7,7 @@
 
 #include "scenes/reader/format.h"
 #include "scenes/reader/reader.h"
+#include "scenes/standard_input.h"
 #include "sim/coarser.h"
 
 namespace taut {
@@ -60,7 +61,8 @@ Scene read_scene(Document document, bool with_stage) {
   const Value& root = document.root;
   Scene scene;
   scene.file = document.file;
-  scene.title = text_or(root, "title", document.file.stem().string());
+  const bool is_input = document.file == kStandardInput;
+  scene.title = text_or(root, "title", is_input ? "standard input" : document.file.stem().string());
   scene.duration = root.find("duration")->number;
   scene.fps = static_cast<int>(number_or(root, "fps", scene.fps));
   if (const Value* size = root.find("size")) {

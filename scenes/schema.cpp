@@ -12,6 +12,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Type = KeyFormat::Type;
 
+constexpr std::string_view kExtends = "extends";  // lets another file give what is required
+
 Json table_schema(const TableFormat& format);
 
 std::string described(const KeyFormat& key) {
@@ -46,7 +48,7 @@ Json method_schema() {
 Json key_schema(const KeyFormat& key) {
   switch (key.type) {
     case Type::flag:
-      return {{"type", "boolean"}};
+      return key.minimum == 1 ? Json{{"const", true}} : Json{{"type", "boolean"}};
     case Type::number:
       return number_schema(key);
     case Type::numbers:
@@ -99,7 +101,12 @@ Json table_schema(const TableFormat& format) {
   for (const Alternatives& group : format.alternatives) groups.push_back(group_schema(group));
   Json json = {
       {"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
-  if (!required.empty()) json["required"] = std::move(required);
+  if (format.find(kExtends)) {  // the other file may have what is required
+    groups.push_back(
+        {{"anyOf", {{{"required", {kExtends}}}, {{"required", std::move(required)}}}}});
+  } else if (!required.empty()) {
+    json["required"] = std::move(required);
+  }
   if (!groups.empty()) json["allOf"] = std::move(groups);
   return json;
 }

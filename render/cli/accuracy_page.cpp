@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "render/cli/html_page.h"
+#include "render/cli/method_options.h"
 
 namespace taut::cli {
 namespace {
@@ -287,24 +288,26 @@ error, as a share of the length.</p>
 std::string accuracy_json(const AccuracyStudy& study) {
   nlohmann::ordered_json json = {{"scene", study.scene},
                                  {"machine", machine()},
-                                 {"horizon", study.horizon},
+                                 {"horizon_s", study.horizon},
                                  {"self_error", study.self_error}};
   json["methods"] = nlohmann::ordered_json::array();
   for (const AccuracyBlock& block : study.blocks) {
     nlohmann::ordered_json one = {{"method", block.contender.label}};
+    const std::string missing(block.contender.method->missing);
+    if (!missing.empty()) one["missing"] = missing;
     for (const double target : study.targets) {
       const auto found = reaching(block, target);
-      nlohmann::ordered_json reach = {{"error", target}, {"ms_per_second", nullptr}};
+      nlohmann::ordered_json reach = {{"error", target}, {"cpu_ms_per_simulated_s", nullptr}};
       if (found) {
-        reach["ms_per_second"] = 1e3 * cost(block.rows[*found]);
-        reach["settings"] = describe(block.rows[*found].candidate.settings);
+        reach["cpu_ms_per_simulated_s"] = 1e3 * cost(block.rows[*found]);
+        reach["settings"] = settings_json(block.rows[*found].candidate.settings);
       }
       one["reach"].push_back(std::move(reach));
     }
     if (study.in_pixels) {
       const auto found = reaching(block, 1, kPixels);
-      one["ms_per_second_for_1_px"] = nullptr;
-      if (found) one["ms_per_second_for_1_px"] = 1e3 * cost(block.rows[*found]);
+      one["cpu_ms_per_simulated_s_for_1_px"] = nullptr;
+      if (found) one["cpu_ms_per_simulated_s_for_1_px"] = 1e3 * cost(block.rows[*found]);
     }
     one["least_error"] = nullptr;
     if (std::isfinite(least_error(block))) one["least_error"] = least_error(block);

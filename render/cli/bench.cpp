@@ -10,6 +10,8 @@
 #include "render/cli/bench_results.h"
 #include "render/cli/command.h"
 #include "render/cli/note.h"
+#include "render/cli/terminal.h"
+#include "render/gnuplot.h"
 #include "render/interrupt.h"
 
 namespace taut::cli {
@@ -20,7 +22,7 @@ constexpr int kFrames = 100;
 struct Options {
   StudyOptions study;
   std::vector<std::size_t> particles;
-  std::string against = "springs";
+  std::string against;  // empty: springs or, without them, the first method
 };
 
 Problem frames_of(const Scene& scene) {
@@ -62,8 +64,14 @@ BenchBlock measure(const StudyOptions& options, const std::vector<Contender>& co
 }  // namespace
 
 BenchResults measure_bench(const StudyOptions& options, const std::vector<std::size_t>& particles,
-                           const std::string& against, bool quiet) {
-  BenchResults results{study_scene(options), chosen_contenders(options), against, {}};
+                           const std::string& asked, bool quiet) {
+  const std::vector<Contender> contenders = chosen_contenders(options);
+  const bool springs =
+      std::ranges::find(contenders, "springs", &Contender::label) != contenders.end();
+  const std::string against = !asked.empty() ? asked
+                              : springs      ? "springs"
+                                             : contenders.front().label;
+  BenchResults results{study_scene(options), contenders, against, {}};
   if (std::ranges::find(results.contenders, against, &Contender::label) ==
       results.contenders.end()) {
     throw Misuse(fmt::format("--against: {} is not among the methods timed", against));
@@ -79,6 +87,7 @@ BenchResults measure_bench(const StudyOptions& options, const std::vector<std::s
 namespace {
 
 int run(const Options& options, const Common& common) {
+  require_gnuplot();
   const BenchResults results =
       measure_bench(options.study, options.particles, options.against, common.quiet);
   const std::filesystem::path folder = study_folder(options.study);
@@ -92,15 +101,15 @@ int run(const Options& options, const Common& common) {
   if (common.json) {
     write_output(bench_json(results));
   } else {
-    write_output(to_text(bench_table(results)));
+    write_output(table_text(bench_table(results)));
     if (!settings.rows.empty()) {
       write_output(fmt::format("\nSprings that cost {} times as much as impulse, which is the "
                                "paper's ratio:\n",
                                kPaperRatio) +
-                   to_text(settings) +
+                   table_text(settings) +
                    "\nThe cost of the error that impulse has at one step a frame, and of the least "
                    "that it reaches:\n" +
-                   to_text(equal));
+                   table_text(equal));
     }
     write_output("\n" + machine() + "\n");
   }
@@ -128,7 +137,7 @@ void add_bench(CLI::App& app, Program& program) {
       ->delimiter(',')
       ->check(CLI::Range(2, 100000));
   command.add_option("--against", options->against,
-                     "The method that others are compared with; default: springs");
+                     "The method that others are compared with; default: springs, or the first");
   command.callback([options, &program] {
     program.run = [options, &program] {
       const bool quick = options->study.quick;
@@ -137,7 +146,9 @@ void add_bench(CLI::App& app, Program& program) {
         options->particles =
             quick ? std::vector<std::size_t>{11, 21} : std::vector<std::size_t>{11, 21, 41, 81};
       }
-      return run(*options, program.common);
+      return for_each_study(options->study, program.common, [&](const StudyOptions& study) {
+        return run({study, options->particles, options->against}, program.common);
+      });
     };
   });
 }

@@ -12,6 +12,8 @@
 #include "render/cli/scoring.h"
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
+#include "render/cli/terminal.h"
+#include "render/gnuplot.h"
 
 namespace taut::cli {
 namespace {
@@ -22,6 +24,7 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   const Scene scene = study_scene(options, {}, true);
   const double length = scene.world.connectors.front().length;
   if (!(length > 0)) throw Misuse("a joint has no length to measure errors by");
+  require_gnuplot();
   const std::filesystem::path folder = study_folder(options);
   Journal journal(folder / "chart.unfinished", stamp_of(options));
   if (!common.quiet && journal.kept() > 0) {
@@ -77,7 +80,7 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   } else {
     const Table best = best_table(study);
     write_output(markdown ? to_markdown(best) + "\n" + to_markdown(reach)
-                          : to_text(best) + "\n" + to_text(reach));
+                          : table_text(best) + "\n" + table_text(reach));
   }
   if (!common.quiet) note("{}/chart: .csv .svg .png .html\n", folder.string());
   return kDone;
@@ -100,7 +103,9 @@ A chart that is stopped goes on where it was when the same command is given agai
   command.callback([options, markdown, &program] {
     program.run = [options, markdown, &program] {
       if (options->quick) options->budget = std::min(options->budget, 20.0);
-      return run(*options, *markdown, program.common);
+      return for_each_study(*options, program.common, [&](const StudyOptions& one) {
+        return run(one, *markdown, program.common);
+      });
     };
   });
 }

@@ -1,29 +1,38 @@
 // taut check: what is wrong with a scene, and what it would do.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
+#include "render/cli/json.h"
 #include "render/cli/method_options.h"
 #include "render/cli/needs.h"
 #include "render/cli/plan_table.h"
+#include "render/cli/program.h"
+#include "render/cli/scene_options.h"
+#include "render/interrupt.h"
+#include "scenes/default_stage.h"
+#include "scenes/faults.h"
 #include "scenes/schema.h"
+#include "scenes/warnings.h"
 
 namespace taut::cli {
 
 namespace {
 
 struct Options {
-  std::string scene;
+  SceneOptions inputs;
   bool schema = false;
   std::vector<std::string> plans;
 };
 
-using Json = nlohmann::ordered_json;
+constexpr int kSamples = 4;                  // per pixel, as taut render takes them
+constexpr std::chrono::seconds kLooking{2};  // for what needs a simulation
+constexpr double kLookedAt = 1e9;            // bytes; what takes more is not simulated for a look
 
-constexpr int kSamples = 4;  // per pixel, as taut render takes them
+struct TooLong {};
 
 std::size_t triangles(const Model& model) {
   std::size_t count = 0;
@@ -61,10 +70,11 @@ void append(Json& object, const std::string& name, Json member) {
   static_cast<Members&>(object.get_ref<Json::object_t&>()).emplace_back(name, std::move(member));
 }
 
-Json as_json(const Scene& scene) {
-  Json json = {{"scene", scene.file.string()}, {"title", scene.title},
-               {"duration", scene.duration},   {"fps", scene.fps},
-               {"frames", scene.frames()},     {"size", {scene.width, scene.height}}};
+Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& warnings) {
+  Json json = {
+      {"scene", scene.file.string()},          {"title", scene.title}, {"warnings", warnings},
+      {"duration_s", scene.duration},          {"fps", scene.fps},     {"frames", scene.frames()},
+      {"size_px", {scene.width, scene.height}}};
   json["method"] = scene.method.name;
   json["settings"] = settings_json(full_settings(scene.method));
   if (const double steps = steps_per_frame(scene); steps > 0) {
@@ -73,13 +83,13 @@ Json as_json(const Scene& scene) {
   json["bodies"] = Json::object();
   for (const Body& body : scene.world.bodies) {
     append(json["bodies"], body.name,
-           {{"driven", body.driven()}, {"mass", body.mass_properties.mass}});
+           {{"driven", body.driven()}, {"mass_kg", body.mass_properties.mass}});
   }
   json["connectors"] = Json::object();
   for (const Connector& connector : scene.world.connectors) {
     append(json["connectors"], connector.name,
-           {{"length", connector.length},
-            {"mass", connector.mass},
+           {{"length_m", connector.length},
+            {"mass_kg", connector.mass},
             {"particles", connector.particles()}});
   }
   if (scene.stage) json["clip_frames"] = std::uint64_t(clip_length(scene));
@@ -87,20 +97,19 @@ Json as_json(const Scene& scene) {
   json["cuts"] = scene.timeline.cuts.size();
   json["simulate"] = needs_json(simulation_needs(scene));
   if (scene.stage) json["render"] = needs_json(clip_needs(scene, clip_length(scene), kSamples));
-  json["stage"] = scene.stage.has_value();
-  if (scene.stage) {
-    json["models"] = Json::array();
-    for (const auto& [use, model] : models(scene)) {
-      json["models"].push_back({{"use", use},
-                                {"name", model->name},
-                                {"triangles", triangles(*model)},
-                                {"bones", model->bones.size()}});
-    }
+  json["stage"] = staged;
+  json["models"] = Json::array();
+  if (!scene.stage) return json;
+  for (const auto& [use, model] : models(scene)) {
+    json["models"].push_back({{"use", use},
+                              {"name", model->name},
+                              {"triangles", triangles(*model)},
+                              {"bones", model->bones.size()}});
   }
   return json;
 }
 
-std::string as_text(const Scene& scene) {
+std::string as_text(const Scene& scene, bool staged, const std::vector<std::string>& warnings) {
   std::string text;
   const auto line = [&text](const std::string& words) { text += words + '\n'; };
   const World& world = scene.world;
@@ -141,18 +150,72 @@ std::string as_text(const Scene& scene) {
   }
   line(fmt::format("taut simulate takes {}", needs_text(simulation_needs(scene))));
   if (!scene.stage) {
-    line("no stage: it can be simulated, not rendered");
+    line("stage: none is written; taut makes its own");
+    for (const std::string& warning : warnings) line("warning: " + warning);
     return text;
   }
-  line(fmt::format("stage: {}x{}; the clip has {:.0f} frames in {} shots", scene.width,
-                   scene.height, clip_length(scene), scene.stage->shots.size()));
+  line(fmt::format("stage{}: {}x{}; the clip has {:.0f} frames in {} shots",
+                   staged ? "" : ", as none is written, taut's own", scene.width, scene.height,
+                   clip_length(scene), scene.stage->shots.size()));
   line(fmt::format("taut render takes {}",
                    needs_text(clip_needs(scene, clip_length(scene), kSamples))));
   for (const auto& [use, model] : models(scene)) {
     line(fmt::format("{}: {}, {} triangles{}", use, model->name, triangles(*model),
                      model->bones.empty() ? "" : fmt::format(", {} bones", model->bones.size())));
   }
+  for (const std::string& warning : warnings) line("warning: " + warning);
   return text;
+}
+
+int check(const std::string& file, const std::vector<std::string>& set, const Common& common) {
+  const std::vector<SceneChange> changes = scene_changes(set);
+  if (std::vector<SceneFault> faults = faults_of(file, changes); !faults.empty()) {
+    throw BadScenes(std::move(faults));
+  }
+  Scene scene = load_scene(file, true, changes);
+  const bool staged = scene.stage.has_value();
+  std::vector<std::string> warnings;
+  try {
+    const auto end = std::chrono::steady_clock::now() + kLooking;
+    if (simulation_needs(scene).memory > kLookedAt) throw TooLong();
+    Scene complete = scene;
+    complete_stage(complete, changes, [&] {
+      stop_if_interrupted();
+      if (std::chrono::steady_clock::now() > end) throw TooLong();
+    });
+    scene = std::move(complete);
+    warnings =
+        warnings_of(scene, std::chrono::duration<double>(kLooking).count(), stop_if_interrupted);
+  } catch (const TooLong&) {
+    warnings.emplace_back("too much to simulate for a look at what the camera shows");
+  }
+  write_output(common.json ? as_json(scene, staged, warnings).dump(2) + '\n'
+                           : as_text(scene, staged, warnings));
+  return kDone;
+}
+
+Json json_of_plans(const std::vector<std::string>& files) {
+  Json list = Json::array();
+  for (const std::string& file : files) {
+    const Scene scene = load_scene(file, false);
+    Json one = {{"scene", file}, {"plan", nullptr}, {"strange", scene.strange_plan}};
+    if (scene.plan) {
+      const Plan& plan = *scene.plan;
+      one["plan"] = {{"tolerance", plan.tolerance},
+                     {"error", plan.error},
+                     {"error_unit", read_length(plan.tolerance)->unit},
+                     {"until_s", plan.until},
+                     {"method", plan.method.name},
+                     {"settings", settings_json(plan.method.settings)},
+                     {"particles", plan.particles},
+                     {"bodies_as_links", plan.links},
+                     {"exposures", plan.exposures},
+                     {"scene_changed", plan.stamp != plan_stamp(scene.file)},
+                     {"method_changed", plan.program != method_stamp(plan.method)}};
+    }
+    list.push_back(std::move(one));
+  }
+  return {{"scenes", std::move(list)}};
 }
 
 int run(const Options& options, const Common& common) {
@@ -161,13 +224,16 @@ int run(const Options& options, const Common& common) {
     return kDone;
   }
   if (!options.plans.empty()) {
-    write_output(to_markdown(plan_table(options.plans)));
+    write_output(common.json ? json_of_plans(options.plans).dump(2) + '\n'
+                             : to_markdown(plan_table(options.plans)));
     return kDone;
   }
-  if (options.scene.empty()) throw Misuse("check: expected a scene file, --plans or --schema");
-  const Scene scene = load_scene(options.scene, true);
-  write_output(common.json ? as_json(scene).dump(2) + '\n' : as_text(scene));
-  return kDone;
+  if (options.inputs.scenes.empty()) {
+    throw Misuse("check: expected a scene file, --plans or --schema");
+  }
+  return for_each_scene(options.inputs, common, [&](const std::string& scene) {
+    return check(scene, options.inputs.set, common);
+  });
 }
 
 }  // namespace
@@ -180,7 +246,8 @@ void add_check(CLI::App& app, Program& program) {
   taut check --plans scenes/*.toml                 their plans, as a table in Markdown
   taut check --schema > scenes/scene.schema.json   the JSON Schema, for editors)");
   const auto options = std::make_shared<Options>();
-  command.add_option("scene", options->scene, "A scene file");
+  add_scene_options(command, options->inputs);
+  command.get_option("scenes")->required(false);
   command.add_option("--plans", options->plans, "Write a table of these scenes' plans instead");
   command.add_flag("--schema", options->schema, "Write the JSON Schema of scene files instead");
   command.callback([options, &program] {

@@ -8,6 +8,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/evidence.h"
+#include "render/cli/terminal.h"
 
 namespace taut::cli {
 namespace {
@@ -191,7 +192,7 @@ int run(const Options& options, const Common& common) {
     }
     write_output(json.dump(2) + "\n");
   } else {
-    write_output(options.markdown ? to_markdown(table) : to_text(table));
+    write_output(options.markdown ? to_markdown(table) : table_text(table));
   }
   return kDone;
 }
@@ -203,7 +204,7 @@ void add_claims(CLI::App& app, Program& program) {
                                   R"(  taut claims scenes/rope_swing.toml
   taut claims scenes/rope_swing.toml --markdown)");
   const auto options = std::make_shared<Options>();
-  command.add_option("scene", options->study.scene, "A scene of one rope")->required();
+  add_scene_options(command, options->study.inputs);
   command.add_flag("--markdown", options->markdown, "The table as Markdown");
   options->study.budget = 60;
   for (const char* name : {"impulse", "dynamic-constraints", "sdfast", "multibody", "springs"}) {
@@ -211,7 +212,13 @@ void add_claims(CLI::App& app, Program& program) {
   }
   options->study.methods.emplace_back("dynamic-constraints:dense");
   command.callback([options, &program] {
-    program.run = [options, &program] { return run(*options, program.common); };
+    program.run = [options, &program] {
+      return for_each_study(options->study, program.common, [&](const StudyOptions& one) {
+        Options of_one = *options;
+        of_one.study = one;
+        return run(of_one, program.common);
+      });
+    };
   });
 }
 

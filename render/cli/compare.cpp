@@ -3,20 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
+#include <utility>
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/frame_list.h"
+#include "render/cli/json.h"
 #include "render/cli/note.h"
 #include "render/cli/progress.h"
 #include "render/cli/study_options.h"
+#include "render/cli/terminal.h"
 #include "render/comparison.h"
 #include "render/fingerprint.h"
 #include "render/frame_folder.h"
 #include "render/interrupt.h"
 #include "render/video.h"
+#include "scenes/default_stage.h"
 #include "scenes/error.h"
 #include "sim/measure.h"
 #include "sim/study/accuracy.h"
@@ -70,14 +73,23 @@ std::vector<double> distances(std::span<const Snapshot> frames, std::span<const 
   return list;
 }
 
-/// Their mean in mm; nothing where there are fewer than `frames`, or only the start.
-std::string mean_text(const std::vector<double>& distances, std::size_t frames) {
-  if (distances.size() < std::max<std::size_t>(frames, 2)) return "-";
-  return rounded(1e3 * std::reduce(distances.begin(), distances.end()) / double(distances.size()));
+/// Their mean; not a number where there are fewer than `frames`, or only the start.
+double mean(const std::vector<double>& distances, std::size_t frames) {
+  if (distances.size() < std::max<std::size_t>(frames, 2)) return NAN;
+  return std::reduce(distances.begin(), distances.end()) / double(distances.size());
 }
 
+/// The table's numbers, of one method; not a number where there is none.
+struct Measured {
+  double from_paper = NAN, from_truth = NAN;  // m
+  double stretch = NAN, drift = NAN;          // shares
+  double cpu = NAN;                           // s per frame
+};
+
 /// Runs everything, and measures it.
-Comparison compare(const Scene& scene, const std::vector<Contender>& contenders, bool quiet) {
+std::pair<Comparison, std::vector<Measured>> compare(const Scene& scene,
+                                                     const std::vector<Contender>& contenders,
+                                                     bool quiet) {
   Problem problem{scene.world, {}, scene.timeline};
   for (int k = 0; k < scene.frames(); ++k) problem.times.push_back(double(k) / scene.fps);
   const double length = scene.world.connectors.front().length;
@@ -110,6 +122,7 @@ Comparison compare(const Scene& scene, const std::vector<Contender>& contenders,
   if (!paper) beside = run_of({kPaper, {}}), paper = &beside;
 
   Comparison result;
+  std::vector<Measured> measured;
   result.times = problem.times;
   result.truth = std::move(truth.frames);
   result.horizon = truth.horizon;
@@ -119,7 +132,7 @@ Comparison compare(const Scene& scene, const std::vector<Contender>& contenders,
                           "from the truth, mm",
                           "largest stretch, %",
                           "energy drift, %",
-                          "CPU us per frame"};
+                          "CPU µs per frame"};
   result.measured_from = predictable > 1 ? "the truth" : "dynamic constraints";
   const bool closed =
       is_closed(scene.world) && scene.timeline.empty() && energy_scale(scene.world) > 0;
@@ -136,36 +149,45 @@ Comparison compare(const Scene& scene, const std::vector<Contender>& contenders,
     const auto from_truth = distances(run.frames, result.truth, predictable);
     const auto from_paper = distances(run.frames, paper->frames, problem.times.size());
     method.distance = predictable > 1 ? from_truth : from_paper;
-    const double frames = double(run.frames.size());
-    const double drift = std::max(run.energy_gain, run.energy_loss) / energy_scale(scene.world);
-    result.table.add({method.label, mean_text(from_paper, problem.times.size()),
-                      mean_text(from_truth, predictable),
-                      frames > 0 ? rounded(100 * run.stretch_max) : "-",
-                      frames > 0 && closed ? rounded(100 * drift) : "-",
-                      frames > 0 ? rounded(1e6 * run.cpu / frames) : "-"});
+    Measured& m = measured.emplace_back();
+    m.from_paper = mean(from_paper, problem.times.size());
+    m.from_truth = mean(from_truth, predictable);
+    if (const double frames = double(run.frames.size()); frames > 0) {
+      m.stretch = run.stretch_max;
+      if (closed) {
+        m.drift = std::max(run.energy_gain, run.energy_loss) / energy_scale(scene.world);
+      }
+      m.cpu = run.cpu / frames;
+    }
+    result.table.add({method.label, rounded(1e3 * m.from_paper), rounded(1e3 * m.from_truth),
+                      rounded(100 * m.stretch), rounded(100 * m.drift), rounded(1e6 * m.cpu)});
     method.frames = run.frames;
     result.methods.push_back(std::move(method));
   }
-  return result;
+  return {std::move(result), std::move(measured)};
 }
 
 std::string report(const Options& options, const Scene& scene, const Comparison& comparison,
-                   const std::string& video) {
-  nlohmann::ordered_json json = {{"scene", options.study.scene},
-                                 {"title", scene.title},
-                                 {"size", {scene.width, scene.height}},
-                                 {"fps", scene.fps},
-                                 {"horizon", comparison.horizon},
-                                 {"self_error", comparison.self_error},
-                                 {"methods", nlohmann::ordered_json::array()}};
+                   const std::vector<Measured>& measured, const std::string& video) {
+  Json json = {{"scene", options.study.scene},
+               {"title", scene.title},
+               {"size_px", {scene.width, scene.height}},
+               {"fps", scene.fps},
+               {"horizon_s", comparison.horizon},
+               {"self_error_m", comparison.self_error},
+               {"methods", Json::array()}};
   for (std::size_t i = 0; i < comparison.methods.size(); ++i) {
     const ComparedMethod& method = comparison.methods[i];
-    nlohmann::ordered_json entry = {{"settings", method.settings},
-                                    {"frames", method.frames.size()},
-                                    {"failure", method.failure}};
-    for (std::size_t c = 0; c < comparison.table.columns.size(); ++c)
-      entry[comparison.table.columns[c]] = comparison.table.rows[i][c];
-    json["methods"].push_back(entry);
+    const Measured& m = measured[i];
+    json["methods"].push_back({{"method", method.label},
+                               {"settings", method.settings},
+                               {"frames", method.frames.size()},
+                               {"failure", method.failure},
+                               {"from_dynamic_constraints_mm", number_or_null(1e3 * m.from_paper)},
+                               {"from_truth_mm", number_or_null(1e3 * m.from_truth)},
+                               {"stretch_max", number_or_null(m.stretch)},
+                               {"energy_drift", number_or_null(m.drift)},
+                               {"cpu_us_per_frame", number_or_null(1e6 * m.cpu)}});
   }
   if (!video.empty()) json["video"] = video;
   return json.dump(2) + "\n";
@@ -173,11 +195,9 @@ std::string report(const Options& options, const Scene& scene, const Comparison&
 
 int compare(const Common& common, const Options& options) {
   Scene scene = study_scene(options.study, {}, true);
-  if (!scene.stage)
-    throw BadScene(
-        fmt::format("{}: has no [stage], so there is nothing to draw", options.study.scene));
   if (options.fps > 0) scene.fps = options.fps;
   if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
+  complete_stage(scene, scene_changes(options.study.inputs.set), stop_if_interrupted);
   if (!options.no_video && (scene.width % 2 || scene.height % 2))
     throw Misuse(fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides",
                              scene.width, scene.height));
@@ -185,13 +205,12 @@ int compare(const Common& common, const Options& options) {
   const std::vector<int> frames = frame_list(options.frames, scene.frames());
   if (!options.no_video) require_ffmpeg();
 
-  const std::string name = std::filesystem::path(options.study.scene).stem().string();
-  const std::filesystem::path out = options.study.out.empty()
-                                        ? std::filesystem::path("out/compare") / name
-                                        : std::filesystem::path(options.study.out);
+  const std::string name = scene_name(options.study.scene);
+  const std::filesystem::path out = results_folder(options.study.scene, options.study.out,
+                                                   options.study.inputs.several(), "out/compare");
   const Context context(backend_named(options.backend), common.threads);
-  FrameFolder folder(out / "frames", false);
-  const Comparison comparison = compare(scene, chosen, common.quiet);
+  FrameFolder folder(out / "frames", false, {scene.width, scene.height});
+  const auto [comparison, measured] = compare(scene, chosen, common.quiet);
   ComparisonFilm film(context, scene, comparison, scene.width, scene.height, options.samples);
   std::vector<std::filesystem::path> files;
   {
@@ -210,11 +229,11 @@ int compare(const Common& common, const Options& options) {
     encode_video(files, scene.fps, video);
   }
   write_csv(comparison.table, out / "compare");
-  const std::string json = report(options, scene, comparison, video);
+  const std::string json = report(options, scene, comparison, measured, video);
   AtomicFile record(out / "compare.json");
   record.write(json);
   record.commit();
-  write_output(common.json ? json : to_text(comparison.table));
+  write_output(common.json ? json : table_text(comparison.table));
   if (!common.quiet) note("{}\n", video.empty() ? (out / "frames").string() : video);
   return kDone;
 }
@@ -228,8 +247,9 @@ void add_compare(CLI::App& app, Program& program) {
       "  taut compare scenes/rope_swing.toml --methods impulse,impulse:as-printed,direct\n"
       "  taut compare scenes/rope_swing.toml --frames 0-30 --size 960x540 --no-video");
   auto options = std::make_shared<Options>();
-  command.add_option("scene", options->study.scene, "The scene file")->required();
-  command.add_option("--out", options->study.out, "The clip's folder; default out/compare/NAME");
+  add_scene_options(command, options->study.inputs);
+  command.add_option("--out", options->study.out,
+                     "The clip's folder; default: below out/compare, by the scene's path");
   command
       .add_option("--methods", options->study.methods,
                   "Methods to compare, METHOD or METHOD:FORM, with commas; default: six")
@@ -245,7 +265,13 @@ void add_compare(CLI::App& app, Program& program) {
   command.add_flag("--no-video", options->no_video, "Frames only");
   options->study.follows = Follows::pins_and_cuts;
   command.callback([&program, options] {
-    program.run = [&program, options] { return compare(program.common, *options); };
+    program.run = [&program, options] {
+      return for_each_study(options->study, program.common, [&](const StudyOptions& one) {
+        Options of_one = *options;
+        of_one.study = one;
+        return compare(program.common, of_one);
+      });
+    };
   });
 }
 

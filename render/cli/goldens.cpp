@@ -126,7 +126,10 @@ std::string Goldens::accept(const GoldenFrame& frame, bool simulate_anew) {
 std::string Goldens::accept(const GoldenTrajectory& trajectory) {
   const TrajectoryRecord today = record_of(trajectory);
   const bool kept = fs::exists(file(trajectory));
-  if (kept && read_trajectory(file(trajectory)).hash == today.hash) return "as before";
+  if (kept) {
+    const TrajectoryRecord before = read_trajectory(file(trajectory));
+    if (before.hash == today.hash && before.made_from == today.made_from) return "as before";
+  }
   write_text(file(trajectory), trajectory_text(today));
   return kept ? "changed" : "new";
 }

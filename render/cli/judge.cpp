@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
+#include "render/cli/json.h"
 #include "render/cli/progress.h"
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
+#include "render/cli/terminal.h"
 #include "render/interrupt.h"
 #include "sim/study/stability.h"
 
@@ -17,9 +19,8 @@ namespace taut::cli {
 namespace {
 
 struct Options {
-  StudyOptions study;  // of its fields only methods
-  std::vector<std::string> scenes;
-  double cap = 5;  // s of CPU time
+  StudyOptions study;  // of its fields only inputs and methods
+  double cap = 5;      // s of CPU time
   bool markdown = false;
 };
 
@@ -64,53 +65,95 @@ Candidate candidate_for(const Contender& contender, const Scene& scene) {
   return candidate;
 }
 
-std::vector<std::string> row_of(const Options& options, const std::string& file,
-                                const std::vector<Contender>& contenders) {
+/// What was made of a scene, by each contender.
+struct Judged {
+  Scene scene;
+  std::string file;
+  std::optional<double> horizon;  // s
+  struct Method {
+    const Contender* contender;
+    std::optional<Run> run;  // none: this build lacks it
+    Judgement judgement = {};
+  };
+  std::vector<Method> methods = {};
+};
+
+Judged judged(const Options& options, const std::string& file,
+              const std::vector<Contender>& contenders) {
   StudyOptions study = options.study;
   study.scene = file;
   study.follows = Follows::pins_and_cuts;
-  const Scene scene = study_scene(study);
+  Judged result{study_scene(study), file, {}};
+  const Scene& scene = result.scene;
   const Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
   const auto reference = quick_reference(problem, 0.01 * total_length(scene.world), options.cap);
-  std::vector<std::string> row{scene.title, reference ? rounded(reference->horizon) : "-"};
+  if (reference) result.horizon = reference->horizon;
   for (const Contender& contender : contenders) {
     stop_if_interrupted();
-    if (!contender.method->missing.empty()) {
-      row.emplace_back(contender.method->missing);
-      continue;
+    Judged::Method method{&contender, {}};
+    if (contender.method->missing.empty()) {
+      method.run = taut::run(problem, candidate_for(contender, scene), options.cap);
+      method.judgement = judge(problem, *method.run, reference ? &*reference : nullptr);
+      method.run->frames.clear();
     }
-    const Run result = taut::run(problem, candidate_for(contender, scene), options.cap);
-    row.push_back(words(result, judge(problem, result, reference ? &*reference : nullptr)));
+    result.methods.push_back(std::move(method));
   }
+  return result;
+}
+
+std::vector<std::string> row_of(const Judged& one) {
+  std::vector<std::string> row{one.scene.title, one.horizon ? rounded(*one.horizon) : "-"};
+  for (const Judged::Method& method : one.methods)
+    row.push_back(method.run ? words(*method.run, method.judgement)
+                             : std::string(method.contender->method->missing));
   return row;
+}
+
+Json json_of(const Judged& one) {
+  Json json = {{"scene", one.file},
+               {"title", one.scene.title},
+               {"truth_until_s", one.horizon ? Json(*one.horizon) : Json(nullptr)}};
+  for (const Judged::Method& method : one.methods) {
+    Json entry = {{"method", method.contender->label}};
+    if (method.run) {
+      const Judgement& j = method.judgement;
+      const bool diverged = method.run->end == Run::End::diverged;
+      entry.update({{"verdict", name_of(j.verdict)},
+                    {"energy_gain", number_or_null(j.gain)},
+                    {"energy_loss", number_or_null(j.loss)},
+                    {"stretch_max", number_or_null(j.stretch)},
+                    {"rms_error", number_or_null(j.error)},
+                    {"reached_s", method.run->reached},
+                    {"diverged_at_s", diverged ? Json(method.run->failed_at) : Json(nullptr)},
+                    {"cpu_s", method.run->cpu}});
+    } else {
+      entry.update({{"verdict", nullptr}, {"missing", method.contender->method->missing}});
+    }
+    json["methods"].push_back(std::move(entry));
+  }
+  return json;
 }
 
 int run(const Options& options, const Common& common) {
   const std::vector<Contender> contenders = chosen_contenders(options.study);
   Table table{{"scene", "truth until (s)"}, {}};
   for (const Contender& contender : contenders) table.columns.push_back(contender.label);
+  Json json = {{"scenes", Json::array()}};
   {
-    Progress progress("judging", "scenes", options.scenes.size(), common.quiet);
-    for (const std::string& file : options.scenes) {
-      table.add(row_of(options, file, contenders));
+    const std::vector<std::string>& scenes = options.study.inputs.scenes;
+    Progress progress("judging", "scenes", scenes.size(), common.quiet);
+    for (const std::string& file : scenes) {
+      const Judged one = judged(options, file, contenders);
+      table.add(row_of(one));
+      json["scenes"].push_back(json_of(one));
       progress.update(table.rows.size());
     }
   }
   if (!options.study.out.empty())
     write_csv(table, std::filesystem::path(options.study.out) / "judge");
-  if (common.json) {
-    nlohmann::ordered_json json;
-    for (std::size_t i = 0; i < table.rows.size(); ++i) {
-      nlohmann::ordered_json scene = {{"scene", options.scenes[i]}};
-      for (std::size_t c = 1; c < table.columns.size(); ++c) {
-        scene[table.columns[c]] = table.rows[i][c];
-      }
-      json.push_back(std::move(scene));
-    }
-    write_output(json.dump(2) + "\n");
-  } else {
-    write_output(options.markdown ? to_markdown(table) : to_text(table));
-  }
+  write_output(common.json        ? json.dump(2) + "\n"
+               : options.markdown ? to_markdown(table)
+                                  : table_text(table));
   return kDone;
 }
 
@@ -127,7 +170,7 @@ The first class that fits: failed (diverged, or gained 10% of the energy), stret
 over-damped (lost 10%), accurate (RMS within 1% of the length of truth), plausible. Methods run at
 their own settings; where the scene's step is a whole frame, they take that.)");
   const auto options = std::make_shared<Options>();
-  command.add_option("scenes", options->scenes, "Scene files")->required();
+  add_scene_options(command, options->study.inputs);
   command.add_option("--out", options->study.out, "Folder for judge.csv; default: none");
   command
       .add_option("--methods", options->study.methods,

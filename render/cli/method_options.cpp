@@ -6,6 +6,8 @@
 #include <charconv>
 
 #include "render/cli/command.h"
+#include "render/cli/scene_options.h"
+#include "scenes/scene_keys.h"
 #include "sim/methods/span.h"
 
 namespace taut::cli {
@@ -35,6 +37,11 @@ Setting parsed(const MethodInfo& method, const std::string& name, const std::str
   return number;
 }
 
+/// Keys with dots are never a method's.
+bool is_of_scene(const std::string& key) {
+  return key.find_first_of(".[") != std::string::npos || is_scene_key(key);
+}
+
 }  // namespace
 
 void add_method_options(CLI::App& command, MethodOptions& options) {
@@ -56,7 +63,17 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
 
 Scene load_chosen(const std::filesystem::path& file, bool with_stage,
                   const MethodOptions& options) {
-  return options.planned ? load_planned(file, with_stage) : load_scene(file, with_stage);
+  if (options.planned) return load_planned(file, with_stage);
+  return load_scene(file, with_stage, chosen_changes(options));
+}
+
+std::vector<SceneChange> chosen_changes(const MethodOptions& options) {
+  std::vector<SceneChange> changes;
+  for (const std::string& text : options.set) {
+    const auto [key, value] = set_pair(text);
+    if (is_of_scene(key)) changes.push_back({key, value});
+  }
+  return changes;
 }
 
 MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
@@ -96,13 +113,9 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
     choice.settings.erase("step");
     choice.settings["tolerance"] = *options.tolerance;
   }
-  for (const std::string& pair : options.set) {
-    const std::size_t equals = pair.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw Misuse(fmt::format("--set {}: expected KEY=VALUE", pair));
-    }
-    const std::string name = pair.substr(0, equals);
-    choice.settings[name] = parsed(*method, name, pair.substr(equals + 1));
+  for (const std::string& text : options.set) {
+    const auto [name, value] = set_pair(text);
+    if (!is_of_scene(name)) choice.settings[name] = parsed(*method, name, value);
   }
   const std::string wrong = complaint(*method, choice.settings);
   if (!wrong.empty()) throw Misuse(wrong);

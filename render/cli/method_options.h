@@ -16,7 +16,7 @@ struct MethodOptions {
   std::string method;               // empty: the scene's
   std::optional<double> step;       // s
   std::optional<double> tolerance;  // m
-  std::vector<std::string> set;     // KEY=VALUE
+  std::vector<std::string> set;     // KEY=VALUE, of the method or of the scene
   bool planned = false;             // the model and the method of the scene's plan
 };
 
@@ -24,6 +24,9 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 
 /// The scene as it is written or, where the options say so, as its plan has it. Throws BadScene.
 Scene load_chosen(const std::filesystem::path& file, bool with_stage, const MethodOptions& options);
+
+/// What of --set is of the scene.
+std::vector<SceneChange> chosen_changes(const MethodOptions& options);
 
 /// The scene's method with the options put over its settings. Another method starts from its own:
 /// the step that suits one diverges in the next. Throws Misuse.

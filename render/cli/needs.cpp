@@ -147,9 +147,9 @@ std::string needs_text(const Needs& needs) {
 }
 
 nlohmann::ordered_json needs_json(const Needs& needs) {
-  return {{"memory", std::round(needs.memory)},
-          {"disk", std::round(needs.disk)},
-          {"seconds", needs.time}};
+  return {{"memory_bytes", std::round(needs.memory)},
+          {"disk_bytes", std::round(needs.disk)},
+          {"time_s", needs.time}};
 }
 
 void add_memory_option(CLI::App& command, double& most) {

@@ -32,6 +32,7 @@ constexpr double kFinerForClip = 0.9;
 constexpr int kTimings = 5;
 
 struct Options {
+  SceneOptions inputs;
   std::string scene, tolerance;
   bool write = false;
 };
@@ -252,7 +253,14 @@ Plan plan_of(const Planned& planned, const std::string& tolerance, std::uint64_t
 }
 
 int run(const Options& options, const Common& common) {
-  const Scene scene = load_scene(options.scene, true);
+  const std::vector<SceneChange> changes = scene_changes(options.inputs.set);
+  if (options.write && !changes.empty()) {
+    throw Misuse("--write: the plan would be of another scene than the file's (--set)");
+  }
+  if (options.write && options.scene == "-") {
+    throw Misuse("--write: standard input is no file to write the plan into");
+  }
+  const Scene scene = load_scene(options.scene, true, changes);
   if (scene.world.connectors.empty()) {
     throw Misuse(fmt::format("{}: has no connector to plan for", options.scene));
   }
@@ -278,7 +286,7 @@ int run(const Options& options, const Common& common) {
   asked.tolerance.most -= asked.per_metre * exact.self_error;
 
   const Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
-  std::vector<SceneModel> scene_models = models_of(scene);
+  std::vector<SceneModel> scene_models = models_of(scene, changes);
   const std::vector<PlanModel> models =
       judge_models(scene_models, exact, asked.tolerance, finely, scene.fps,
                    blur ? blur->longest_step : INFINITY, common.quiet);
@@ -311,7 +319,8 @@ int run(const Options& options, const Common& common) {
     const Candidate as_written{scene.method.name, scene.method.settings};
     const PlanModel& written = models.front();
     planned.as_written = run_through(written, as_written, exact, asked.tolerance.distance);
-    planned.models_off = model_errors(scene, scene_models, exact, finely, asked.tolerance.distance);
+    planned.models_off =
+        model_errors(scene, changes, scene_models, exact, finely, asked.tolerance.distance);
     planned.cost = cost_of(planned.model().model, planned.candidate(), exact.problem.times);
     planned.cost_as_written = cost_of(written, as_written, exact.problem.times);
     planned.plan = plan_of(planned, options.tolerance, stamp);
@@ -343,14 +352,20 @@ Pixels are those of the scene's shots, a picture as high as the scene's.
 --json has all of it. Exit codes: 0 found, 2 no method comes so near, or the tolerance makes no
 sense, 3 bad scene, 6 the scene file cannot be written, 130 interrupted)");
   const auto options = std::make_shared<Options>();
-  command.add_option("scene", options->scene, "A scene file")->required();
+  add_scene_options(command, options->inputs);
   command
       .add_option("--tolerance", options->tolerance,
                   "How far any point may be from where it should be: 1px on the picture, or 0.5mm")
       ->required();
   command.add_flag("--write", options->write, "Write the plan into the scene file");
   command.callback([options, &program] {
-    program.run = [options, &program] { return run(*options, program.common); };
+    program.run = [options, &program] {
+      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
+        Options one = *options;
+        one.scene = scene;
+        return run(one, program.common);
+      });
+    };
   });
 }
 

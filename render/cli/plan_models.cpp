@@ -47,7 +47,7 @@ std::string original(const Connector& connector) {
 
 }  // namespace
 
-std::vector<SceneModel> models_of(const Scene& scene) {
+std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneChange>& written) {
   std::size_t most = 1;
   for (const Connector& connector : scene.world.connectors) {
     most = std::max(most, connector.links());
@@ -55,7 +55,7 @@ std::vector<SceneModel> models_of(const Scene& scene) {
   std::vector<SceneModel> models;
   for (const double share : shares(most)) {
     std::map<std::string, std::size_t> particles;
-    std::vector<SceneChange> changes;
+    std::vector<SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
       if (is_copy(connector)) continue;
       const auto links = static_cast<std::size_t>(
@@ -90,12 +90,13 @@ std::vector<SceneModel> models_of(const Scene& scene) {
   return models;
 }
 
-ModelErrors model_errors(const Scene& scene, const std::vector<SceneModel>& models,
-                         const Exact& exact, const Candidate& finely, const Distance& distance) {
+ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& written,
+                         const std::vector<SceneModel>& models, const Exact& exact,
+                         const Candidate& finely, const Distance& distance) {
   ModelErrors errors;
   if (exact.known < 2) return errors;
   const auto refined = [&](std::size_t times) {
-    std::vector<SceneChange> changes;
+    std::vector<SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
       if (is_copy(connector)) continue;
       changes.push_back({fmt::format("connectors.{}.particles", connector.name),

@@ -22,8 +22,8 @@ struct SceneModel {
 /// The scene as it is written, then with fewer and fewer particles: of each connector about 7/8,
 /// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one; each of these
 /// also with links for all bodies that can be links; and as massless spans. Candidates and trials
-/// are not yet set.
-std::vector<SceneModel> models_of(const Scene& scene);
+/// are not yet set. `written` are the changes that the scene was read with.
+std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneChange>& written);
 
 /// Every method that follows the world, at every setting of its sweep, with steps that divide a
 /// frame of 1/`fps` s and are at most `longest_step` (s); the default method first.
@@ -38,8 +38,9 @@ struct ModelErrors {
 };
 
 /// Solves the refined models by `finely`. Where nothing can be foretold there is nothing to find.
-ModelErrors model_errors(const Scene& scene, const std::vector<SceneModel>& models,
-                         const Exact& exact, const Candidate& finely, const Distance& distance);
+ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& written,
+                         const std::vector<SceneModel>& models, const Exact& exact,
+                         const Candidate& finely, const Distance& distance);
 
 /// The world with a few of each connector's copies: as they are all alike, these show for all how
 /// good a model is. Copies that hang on bodies all stay.

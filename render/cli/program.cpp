@@ -7,13 +7,20 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <nlohmann/json.hpp>
+#include <string_view>
 
+#include "render/atomic_file.h"
 #include "render/cli/command.h"
+#include "render/cli/help.h"
 #include "render/cli/note.h"
+#include "render/cli/terminal.h"
 #include "render/error.h"
 #include "render/interrupt.h"
+#include "render/version.h"
 #include "scenes/asset_path.h"
 #include "scenes/error.h"
+#include "scenes/reader/document.h"
 #include "sim/method.h"
 #include "sim/timeline.h"
 
@@ -59,39 +66,56 @@ void terminate_for_memory() {
   terminate_before = std::set_terminate(terminate_for_memory);
 }
 
-int complain(ExitCode code, const std::exception& error) {
-  note("taut: {}\n", error.what());
-  return code;
+const char* cause_of(int code) {
+  switch (code) {
+    case kUsage:
+      return "usage";
+    case kBadScene:
+      return "bad scene or asset";
+    case kNoContext:
+      return "no rendering context";
+    case kEncoder:
+      return "FFmpeg missing or failed";
+    case kCannotWrite:
+      return "output could not be written";
+    case kDiverged:
+      return "the simulation diverged";
+    case kInterrupted:
+      return "interrupted";
+    case kTerminated:
+      return "terminated";
+    default:
+      return "internal error";
+  }
 }
 
-int run(const Program& program) {
-  try {
-    catch_interrupts();
-    return program.run();
-  } catch (const Misuse& error) {
-    return complain(kUsage, error);
-  } catch (const BadScene& error) {
-    return complain(kBadScene, error);
-  } catch (const BadIntervention& error) {
-    return complain(kBadScene, error);
-  } catch (const BadAsset& error) {
-    return complain(kBadScene, error);
-  } catch (const NoContext& error) {
-    return complain(kNoContext, error);
-  } catch (const EncoderFailed& error) {
-    return complain(kEncoder, error);
-  } catch (const CannotWrite& error) {
-    return complain(kCannotWrite, error);
-  } catch (const Diverged& error) {
-    return complain(kDiverged, error);
-  } catch (const Interrupted& error) {
-    return complain(error.signal == SIGINT ? kInterrupted : kTerminated, error);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    note("taut: internal error: {}\n", error.what());
-    return kInternal;
+nlohmann::ordered_json json_of(const SceneFault& fault) {
+  const FaultPlace& place = fault.place;
+  nlohmann::ordered_json json = {
+      {"file", place.file}, {"key", place.key}, {"message", place.fault}};
+  if (place.line > 0) json.update({{"line", place.line}, {"column", place.column}});
+  return json;
+}
+
+/// Says what went wrong; `faults` are those of a scene.
+int complain(const Common& common, ExitCode code, const std::string& message,
+             const std::vector<SceneFault>& faults = {}) {
+  const char* const name = is_colored(STDERR_FILENO) ? "\033[1;31mtaut:\033[0m" : "taut:";
+  if (faults.size() > 1) {
+    for (const SceneFault& fault : faults) note("{} {}\n", name, fault.what());
+  } else {
+    note("{} {}\n", name, message);
   }
+  if (!common.json) return code;
+  nlohmann::ordered_json error = {
+      {"exit_code", int(code)}, {"cause", cause_of(code)}, {"message", message}};
+  for (const SceneFault& fault : faults) error["faults"].push_back(json_of(fault));
+  // The error is told already where this fails, too.
+  try {
+    write_output(nlohmann::ordered_json({{"error", error}}).dump(2) + "\n");
+  } catch (const CannotWrite&) {
+  }
+  return code;
 }
 
 /// Opens what of standard input, output and error is closed, so that no output gets their numbers
@@ -101,6 +125,45 @@ void open_standard_streams() {
     if (fcntl(number, F_GETFD) < 0) open("/dev/null", O_RDONLY);
 }
 
+/// What the option parser did not know, in words, with what was meant; empty where it is something
+/// else that is wrong.
+std::string unknown_word(const CLI::App& app) {
+  std::vector<std::string_view> known;
+  const std::vector<const CLI::App*> chosen = [&] {
+    std::vector<const CLI::App*> list;
+    for (const CLI::App* command : app.get_subcommands()) list.push_back(command);
+    return list;
+  }();
+  const std::vector<std::string> left = app.remaining(true);
+  if (left.empty()) return {};
+  const bool is_option = left.front().starts_with("-");
+  std::vector<std::string> names;
+  const CLI::App& from = chosen.empty() ? app : *chosen.front();
+  if (is_option) {
+    for (const CLI::Option* option : from.get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  } else if (chosen.empty()) {
+    for (const CLI::App* command : app.get_subcommands(nullptr))
+      names.push_back(command->get_name());
+  } else {
+    return {};
+  }
+  for (const std::string& name : names) known.push_back(name);
+  const std::string word = left.front().substr(0, left.front().find('='));
+  const std::string of = chosen.empty() ? "" : " of taut " + from.get_name();
+  return is_option ? fmt::format("{} is no option{}{}", word, of, suggestion(word, known))
+                   : fmt::format("{} is no command{}", word, suggestion(word, known));
+}
+
+/// Tells what is wrong with the options, as with everything else.
+int complain_of_options(const Common& common, const CLI::App& app, const CLI::ParseError& error) {
+  const std::string word = unknown_word(app);
+  const CLI::App* chosen = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+  const std::string help = chosen == &app ? "taut" : "taut " + chosen->get_name();
+  const std::string why = word.empty() ? error.what() : word;
+  return complain(common, kUsage, fmt::format("{} ({} --help says more)", why, help));
+}
+
 int parse_and_run(int argc, char** argv, std::span<const AddCommand> commands) {
   CLI::App app;
   Program program;
@@ -108,16 +171,55 @@ int parse_and_run(int argc, char** argv, std::span<const AddCommand> commands) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUsage;
+    if (error.get_exit_code() == 0) return app.exit(error) == 0 ? kDone : kCannotWrite;
+    // Nothing is parsed that would say so.
+    for (int i = 1; i < argc; ++i) program.common.json |= std::string_view(argv[i]) == "--json";
+    return complain_of_options(program.common, app, error);
   }
-  return run(program);
+  return guarded(program.common, [&] {
+    catch_interrupts();
+    return program.run();
+  });
 }
 
 }  // namespace
 
+int guarded(const Common& common, const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const Misuse& error) {
+    return complain(common, kUsage, error.what());
+  } catch (const BadScenes& error) {
+    return complain(common, kBadScene, error.what(), error.all);
+  } catch (const SceneFault& error) {
+    return complain(common, kBadScene, error.what(), {error});
+  } catch (const BadScene& error) {
+    return complain(common, kBadScene, error.what());
+  } catch (const BadIntervention& error) {
+    return complain(common, kBadScene, error.what());
+  } catch (const BadAsset& error) {
+    return complain(common, kBadScene, error.what());
+  } catch (const NoContext& error) {
+    return complain(common, kNoContext, error.what());
+  } catch (const EncoderFailed& error) {
+    return complain(common, kEncoder, error.what());
+  } catch (const CannotWrite& error) {
+    return complain(common, kCannotWrite, error.what());
+  } catch (const Diverged& error) {
+    return complain(common, kDiverged, error.what());
+  } catch (const Interrupted& error) {
+    return complain(common, error.signal == SIGINT ? kInterrupted : kTerminated, error.what());
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    return complain(common, kInternal, fmt::format("internal error: {}", error.what()));
+  }
+}
+
 CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
                       const std::string& summary, const std::string& examples) {
   CLI::App& command = *app.add_subcommand(name, summary);
+  command.formatter(help_format());
   command.add_flag("--quiet,-q", program.common.quiet, "No progress, no notes; errors remain");
   command.add_flag("--json", program.common.json, "The result on standard output as JSON");
   command
@@ -137,6 +239,8 @@ void describe_program(CLI::App& app, Program& program, std::span<const AddComman
   app.name("taut");
   app.description("Simulates flexible connectors (ropes, chains, cords) and renders them.");
   app.require_subcommand(1);
+  app.formatter(help_format());
+  app.set_version_flag("--version", fmt::format("taut {}", version()));
   app.footer(std::string("\n") + kExamples);
   for (const AddCommand add : commands) add(app, program);
 }

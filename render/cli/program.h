@@ -1,9 +1,13 @@
 // A program made of commands: options in, one command run, an exit code out.
 #pragma once
 
+#include <functional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "render/cli/command.h"
+#include "scenes/fault.h"
 
 namespace taut::cli {
 
@@ -11,6 +15,18 @@ using AddCommand = void (*)(CLI::App& app, Program& program);
 
 /// The program's name, commands and options, as run_program() takes them.
 void describe_program(CLI::App& app, Program& program, std::span<const AddCommand> commands);
+
+/// Several things that are wrong with a scene.
+class BadScenes : public BadScene {
+ public:
+  explicit BadScenes(std::vector<SceneFault> faults)
+      : BadScene(faults.front()), all(std::move(faults)) {}
+  std::vector<SceneFault> all;
+};
+
+/// Does some work, and tells what it throws: in words on standard error and, with --json, as
+/// {"error": ...} on standard output. Returns the exit code.
+int guarded(const Common& common, const std::function<int()>& work);
 
 /// Returns the exit code.
 int run_program(int argc, char** argv, std::span<const AddCommand> commands);

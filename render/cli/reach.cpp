@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -9,28 +10,50 @@
 #include "render/atomic_file.h"
 #include "render/cli/accuracy_page.h"
 #include "render/cli/command.h"
+#include "render/cli/json.h"
+#include "render/cli/method_options.h"
 #include "render/cli/note.h"
 #include "render/cli/scoring.h"
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
+#include "render/cli/terminal.h"
 
 namespace taut::cli {
 namespace {
 
 struct Options {
-  StudyOptions study;  // its scene is each of `scenes` in turn
-  std::vector<std::string> scenes;
+  StudyOptions study;                            // its scene is each of its inputs in turn
   std::vector<double> errors{1e-2, 1e-3, 1e-4};  // m
   bool markdown = false;
 };
 
+using Clock = std::chrono::steady_clock;
+
+/// As far as two solvers of the truth come within `cap` (s of CPU time) each.
+Target quick_target(const Scene& scene, double scored_error, double cap) {
+  Target target{{scene.world, frame_times(scene.duration, scene.fps), scene.timeline}, {}};
+  auto reference = quick_reference(target.problem, scored_error, cap);
+  if (!reference) {
+    throw Misuse(
+        fmt::format("{}: the truth cannot be solved in that time (--budget)", scene.file.string()));
+  }
+  target.reference = std::move(*reference);
+  std::erase_if(target.problem.times, [&](double time) { return time > target.reference.horizon; });
+  target.reference.frames.resize(target.problem.times.size());
+  return target;
+}
+
 AccuracyStudy study_of(const StudyOptions& options, double least_error, bool quiet) {
   const Scene scene = study_scene(options);
   if (!quiet) note("{}: solving the truth\n", options.scene);
-  TruthOptions truth;
-  truth.scored_error = least_error;
-  truth.second_accuracy = 1e-4 * least_error;
-  const Target target = predictable_target(scene, truth);
+  const Clock::time_point begin = Clock::now();
+  const Target target = options.quick
+                            ? quick_target(scene, least_error, 0.2 * options.budget)
+                            : predictable_target(scene, {.scored_error = least_error,
+                                                         .second_accuracy = 1e-4 * least_error});
+  // The truth is part of the budget, but for what the rest needs at least.
+  const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
+  const double left = std::max(options.budget - spent, 0.3 * options.budget);
   AccuracyStudy study;
   study.scene = options.scene;
   study.title = scene.title;
@@ -38,9 +61,9 @@ AccuracyStudy study_of(const StudyOptions& options, double least_error, bool qui
     study.blocks.push_back({contender, {}});
   }
   constexpr double kMetre = 1;
-  score_all(study, target, {share_of_length(kMetre)}, 0.7 * options.budget, options.quick, nullptr,
-            quiet);
-  time_all(study, target, 1, 0.3 * options.budget, 0.002 * options.budget);
+  score_all(study, target, {share_of_length(kMetre)}, 0.7 * left, options.quick, nullptr, quiet);
+  time_all(study, target, 1, 0.3 * left, 0.002 * left);
+  study.horizon = target.reference.horizon;
   return study;
 }
 
@@ -128,10 +151,40 @@ Table empty_cells(const std::vector<AccuracyStudy>& studies, const std::vector<d
   return table;
 }
 
+Json json_of(const AccuracyStudy& study, const std::vector<double>& errors) {
+  Json json = {{"scene", study.scene}, {"title", study.title}, {"horizon_s", study.horizon}};
+  for (const AccuracyBlock& block : study.blocks) {
+    Json entry = {{"method", block.contender.label}};
+    const std::string missing(block.contender.method->missing);
+    if (!missing.empty()) entry["missing"] = missing;
+    for (const double error : errors) {
+      const auto found = cheapest(cost_and_error(block.rows, 0), error);
+      Json reach = {{"error_asked_m", error}, {"cpu_ms_per_simulated_s", nullptr}};
+      if (found) {
+        const AccuracyRow& row = block.rows[*found];
+        const Spread time = spread(row.cpu);
+        reach.update({{"cpu_ms_per_simulated_s", 1e3 * time.median},
+                      {"low_quartile_ms", 1e3 * time.low},
+                      {"high_quartile_ms", 1e3 * time.high},
+                      {"timings", row.cpu.size()},
+                      {"rms_error_m", row.errors[0]},
+                      {"settings", settings_json(row.candidate.settings)}});
+      }
+      entry["reach"].push_back(std::move(reach));
+    }
+    double nearest = INFINITY;
+    for (const AccuracyRow& row : block.rows)
+      if (row.end == Run::End::done) nearest = std::min(nearest, row.errors[0]);
+    entry["least_rms_error_m"] = number_or_null(nearest);
+    json["methods"].push_back(std::move(entry));
+  }
+  return json;
+}
+
 int run(Options options, const Common& common) {
   std::vector<AccuracyStudy> studies;
   const double least = *std::ranges::min_element(options.errors);
-  for (const std::string& scene : options.scenes) {
+  for (const std::string& scene : options.study.inputs.scenes) {
     options.study.scene = scene;
     studies.push_back(study_of(options.study, least, common.quiet));
   }
@@ -141,11 +194,18 @@ int run(Options options, const Common& common) {
   }
   const Table table = side_by_side(studies, options.errors);
   const Table empty = empty_cells(studies, options.errors);
+  if (common.json) {
+    Json json = {{"machine", machine()}, {"scenes", Json::array()}};
+    for (const AccuracyStudy& study : studies)
+      json["scenes"].push_back(json_of(study, options.errors));
+    write_output(json.dump(2) + "\n");
+    return kDone;
+  }
   std::string output;
   for (const Table* part : {&table, &detail, &empty}) {
     if (part->rows.empty()) continue;
     if (!output.empty()) output += "\n";
-    output += options.markdown ? to_markdown(*part) : to_text(*part);
+    output += options.markdown ? to_markdown(*part) : table_text(*part);
   }
   write_output(output);
   return kDone;
@@ -164,7 +224,7 @@ scene's duration, as far as its truth is predictable, is at most so many metres;
 many times the cheapest of all that is. Runs are timed in turn; medians.)");
   const auto options = std::make_shared<Options>();
   options->study.budget = 120;
-  command.add_option("scenes", options->scenes, "Scene files")->required();
+  add_scene_options(command, options->study.inputs);
   command.add_option("--errors", options->errors, "m, with commas; default: 0.01,0.001,0.0001")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);

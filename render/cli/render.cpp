@@ -16,9 +16,14 @@
 #include "render/cli/method_options.h"
 #include "render/cli/needs.h"
 #include "render/cli/note.h"
+#include "render/cli/outputs.h"
+#include "render/cli/profile_report.h"
 #include "render/cli/progress.h"
+#include "render/cli/scene_options.h"
 #include "render/cli/self_estimate.h"
 #include "render/cli/stills.h"
+#include "render/cli/terminal.h"
+#include "render/cli/watch.h"
 #include "render/crew.h"
 #include "render/fingerprint.h"
 #include "render/frame_folder.h"
@@ -26,8 +31,11 @@
 #include "render/profile.h"
 #include "render/stage_floor.h"
 #include "render/table.h"
+#include "render/version.h"
 #include "render/video.h"
+#include "scenes/default_stage.h"
 #include "scenes/error.h"
+#include "scenes/reader/document.h"
 #include "scenes/scene.h"
 #include "sim/hash.h"
 
@@ -41,50 +49,19 @@ double seconds_since(Clock::time_point start) {
 }
 
 struct Options {
-  std::string scene, out, size, backend = "auto";
+  SceneOptions inputs;
+  std::string scene;  // of the inputs, the one that is rendered now
+  std::string out, size, backend = "auto";
   std::optional<std::string> frames;
-  int fps = 0, samples = 4;
-  double patience = 60;  // s
+  int fps = 0, samples = 0;  // 0: the preset's, or 4
+  double patience = 60;      // s
   double max_memory = 0;
   bool certificate = false, resume = false, anew = false, no_video = false, profile = false;
   bool no_estimate = false;
   Stills stills;
+  OutputOptions output;
   MethodOptions method;
 };
-
-/// The stages' medians, the share of the frames that went through each (scenery is drawn anew only
-/// where the camera moved), and what they add up to in a mean frame.
-Table stage_table(const Profile& profile, const Profile& unlit, const StageFloor& floor,
-                  std::size_t drawn) {
-  Table table{{"stage", "wall ms", "CPU ms", "floor ms", "% of frames"}, {}};
-  Profile::Times sum;
-  for (const Profile::Stage& stage : profile.stages()) {
-    const auto [cpu, wall] = median(stage);
-    const double share =
-        std::min(double(stage.frames.size()) / double(std::max<std::size_t>(drawn, 1)), 1.0);
-    const std::optional<double> least = floor.of(stage.name, unlit);
-    table.add({stage.name, fmt::format("{:.2f}", 1e3 * wall), fmt::format("{:.2f}", 1e3 * cpu),
-               least ? fmt::format("{:.2f}", 1e3 * *least) : "",
-               fmt::format("{:.0f}", 100 * share)});
-    sum.cpu += share * cpu;
-    sum.wall += share * wall;
-  }
-  table.add({"one after another", fmt::format("{:.2f}", 1e3 * sum.wall),
-             fmt::format("{:.2f}", 1e3 * sum.cpu), "", ""});
-  return table;
-}
-
-nlohmann::ordered_json stage_json(const Profile& profile, const Profile& unlit,
-                                  const StageFloor& floor) {
-  auto stages = nlohmann::ordered_json::array();
-  for (const Profile::Stage& stage : profile.stages()) {
-    const auto [cpu, wall] = median(stage);
-    stages.push_back(
-        {{"stage", stage.name}, {"wall", wall}, {"cpu", cpu}, {"frames", stage.frames.size()}});
-    if (const auto least = floor.of(stage.name, unlit)) stages.back()["floor"] = *least;
-  }
-  return stages;
-}
 
 /// What is proved of the clip at `fps` frames a second.
 std::string proof_of(const Scene& scene, const Options& options, int fps) {
@@ -114,26 +91,52 @@ std::size_t missing_frames(const std::filesystem::path& folder, const std::vecto
   }));
 }
 
-int render(const Common& common, const Options& options) {
+/// The options of a single picture, where one is asked for in whatever way.
+Stills stills_of(const Options& options, double duration) {
+  Stills stills = options.stills;
+  stills.transparent = options.output.transparent;
+  if (options.output.is_picture()) stills.poster_file = options.output.file;
+  if (!stills.poster && (options.output.is_picture() || options.output.watch)) {
+    stills.poster = duration / 2;
+  }
+  return stills;
+}
+
+int render(const Common& common, const Options& asked) {
+  Options options = asked;
+  check_outputs(options.output, options.inputs.several(),
+                options.no_video || options.stills.poster || options.output.watch);
   const Backend backend = backend_named(options.backend);
   Scene scene = load_chosen(options.scene, true, options.method);
-  if (!scene.stage)
-    throw BadScene(fmt::format("{}: has no [stage], so there is nothing to draw", options.scene));
   const int planned_height = scene.height;
+  const Preset preset = preset_of(options.output.preset, scene.width, scene.height, 4);
+  std::tie(scene.width, scene.height) = std::pair(preset.width, preset.height);
+  if (options.samples == 0) options.samples = preset.samples;
   if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
+  const auto complete = [&] {
+    refuse_beyond({.memory = simulation_needs(scene).memory}, scene, options.max_memory, "", "",
+                  true);
+    complete_stage(scene, chosen_changes(options.method), stop_if_interrupted);
+  };
   if (options.method.planned) {
+    complete();
     enlarge(scene, double(scene.height) / planned_height, options.samples);
   }
   const int fps = options.fps > 0 ? options.fps : scene.fps;
   const std::string proof = proof_of(scene, options, fps);
   scene.fps = fps;
   scene.method = chosen_method(options.method, scene);
+  if (!options.method.planned) complete();
+  options.stills = stills_of(options, clip_length(scene) / scene.fps);
   const bool video = !options.no_video && !options.stills.any();
-  if (video && (scene.width % 2 || scene.height % 2))
+  const std::string ending = options.output.file.empty()
+                                 ? ".mp4"
+                                 : std::filesystem::path(options.output.file).extension().string();
+  if (video && needs_even_sides(ending) && (scene.width % 2 || scene.height % 2))
     throw Misuse(
-        fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides "
+        fmt::format("a video of {}x{} is not possible: {} (yuv420p) needs even sides "
                     "(--no-video makes frames of any size)",
-                    scene.width, scene.height));
+                    scene.width, scene.height, ending == ".mp4" ? "H.264" : ending));
   constexpr const char* kFewer = ", fewer frames at a time (--frames), smaller pictures (--size)";
   refuse_beyond({.memory = clip_needs(scene, 0, options.samples).memory}, scene, options.max_memory,
                 "", kFewer, true);
@@ -141,9 +144,10 @@ int render(const Common& common, const Options& options) {
   const std::vector<int> frames = frame_list(options.frames, int(clip.size()));
   if (video) require_ffmpeg();
 
-  const std::string name = std::filesystem::path(options.scene).stem().string();
-  const std::filesystem::path out = options.out.empty() ? std::filesystem::path("out") / name
-                                                        : std::filesystem::path(options.out);
+  const std::string name = scene_name(options.scene);
+  const std::filesystem::path out =
+      results_folder(options.scene, options.out, options.inputs.several());
+  const Provenance provenance(scene, options.scene);
   if (!options.stills.any()) {
     Needs needs = clip_needs(scene, double(frames.size()), options.samples);
     needs.disk *= double(missing_frames(out / "frames", frames)) / double(frames.size());
@@ -152,11 +156,11 @@ int render(const Common& common, const Options& options) {
   const bool one_by_one = options.profile || options.stills.any();
   Crew crew(backend, common.threads, one_by_one, scene, scene.width, scene.height, options.samples);
   if (options.stills.any()) {
-    write_output(make_stills(options.stills, scene, crew.film(), out));
+    write_output(make_stills(options.stills, scene, crew.film(), out, provenance));
     return kDone;
   }
   Font font;
-  FrameFolder folder(out / "frames", !options.anew);
+  FrameFolder folder(out / "frames", !options.anew, {scene.width, scene.height});
   Profile profile, unlit;
   Profile* const measured = options.profile ? &profile : nullptr;
   crew.film().set_profile(measured);
@@ -187,6 +191,8 @@ int render(const Common& common, const Options& options) {
                                    .number(scene.height)
                                    .number(options.samples)
                                    .text(options.certificate ? proof : "")
+                                   .text(provenance.text())
+                                   .number(options.output.transparent)
                                    .value();
   std::size_t drawn = 0, drawn_again = 0, exposures = 0;
   const auto rendering_start = Clock::now();
@@ -196,6 +202,7 @@ int render(const Common& common, const Options& options) {
     std::size_t done = 0;
     crew.each(frames.size(), [&](Film& film, std::size_t i) {
       stop_if_interrupted();
+      film.set_transparent(options.output.transparent);
       if (measured) profile.start();
       const ClipFrame& frame = clip[std::size_t(frames[i])];
       const std::vector<Instant> shutter = film.shutter(frame, states[i]);
@@ -209,7 +216,8 @@ int render(const Common& common, const Options& options) {
       if (!is_there) {
         drawn_again += folder.knows(frames[i]);
         if (options.certificate) draw_note(made.picture, font, "Certificate: " + proof);
-        folder.put(frames[i], inputs, std::move(made.picture));
+        folder.put(frames[i], inputs, std::move(made.picture),
+                   provenance.picture(frame.time, options.output.transparent));
         exposures += std::size_t(made.exposures);
         ++drawn;
         if (measured) {  // alone, so that its time is not another stage's
@@ -240,10 +248,10 @@ int render(const Common& common, const Options& options) {
       {"title", scene.title},
       {"method",
        {{"name", scene.method.name}, {"settings", settings_json(full_settings(scene.method))}}},
-      {"size", {scene.width, scene.height}},
+      {"size_px", {scene.width, scene.height}},
       {"fps", scene.fps},
       {"samples", options.samples},
-      {"certificate", proof},
+      {"version", version()},
       {"renderer", crew.context().description()},
       {"frames", frames.size()},
       {"frames_drawn", drawn},
@@ -252,13 +260,18 @@ int render(const Common& common, const Options& options) {
       {"seconds_per_frame",
        {{"simulation", simulation_time / double(frames.back() + 1)},
         {"rendering", drawn ? rendering_time / double(drawn) : 0.0}}}};
+  const bool proven = options.method.planned || options.certificate;
+  if (proven) report["certificate"] = proof;
   estimate.add_to(report);
   if (video) {
     std::vector<std::filesystem::path> files;
     for (const int frame : frames) files.push_back(folder.file(frame));
-    const std::filesystem::path file = out / (name + ".mp4");
+    const std::filesystem::path file = options.output.file.empty()
+                                           ? out / (name + ".mp4")
+                                           : std::filesystem::path(options.output.file);
     const auto encoding_start = Clock::now();
-    encode_video(files, scene.fps, file,
+    const Encoding encoding{options.output.quality, options.output.transparent, provenance.video()};
+    encode_video(files, scene.fps, file, encoding,
                  std::chrono::milliseconds(std::llround(1e3 * options.patience)));
     report["seconds_per_frame"]["encoding"] = seconds_since(encoding_start) / double(frames.size());
     report["video"] = file.string();
@@ -268,7 +281,8 @@ int render(const Common& common, const Options& options) {
     floor.emplace(scene.width, scene.height, options.samples);
     report["profile"] = stage_json(profile, unlit, *floor);
   }
-  if (!common.quiet) note("certificate: {}\n{}", proof, estimate.line());
+  if (!common.quiet && proven) note("certificate: {}\n", proof);
+  if (!common.quiet) note("{}", estimate.line());
   const std::string text = report.dump(2) + "\n";
   AtomicFile record_file(out / "clip.json");
   record_file.write(text);
@@ -279,10 +293,29 @@ int render(const Common& common, const Options& options) {
     write_output((video ? report["video"] : report["frames_folder"]).get<std::string>() + "\n");
     if (measured)
       write_output(fmt::format("{}exposures per frame: {:.2f}\n",
-                               to_text(stage_table(profile, unlit, *floor, drawn)),
+                               table_text(stage_table(profile, unlit, *floor, drawn)),
                                mean_exposures));
   }
   return kDone;
+}
+
+/// The files that a scene is written in.
+std::vector<std::filesystem::path> files_of(const std::string& scene) {
+  std::vector<std::filesystem::path> files = {scene};
+  try {
+    const std::filesystem::path base = read_document(scene).base;
+    if (!base.empty()) files.push_back(base);
+  } catch (const BadScene&) {  // which is told when it is read to be rendered
+  }
+  return files;
+}
+
+int render_or_watch(const Common& common, const Options& options) {
+  if (!options.output.watch) return render(common, options);
+  if (options.scene == "-" || options.inputs.several()) {
+    throw Misuse("--watch: expected one scene file");
+  }
+  return watch(files_of(options.scene), common, [&] { return render(common, options); });
 }
 
 }  // namespace
@@ -291,19 +324,24 @@ void add_render(CLI::App& app, Program& program) {
   CLI::App& command =
       add_command(app, program, "render", "Render a scene's clip",
                   "  taut render scenes/nunchaku.toml\n"
+                  "  taut render scenes/nunchaku.toml -o nunchaku.webp --preset draft\n"
+                  "  taut render scenes/rope_swing.toml --set connectors.rope.length=0.3 --watch\n"
                   "  taut render scenes/nunchaku.toml --frames 0-59,120 --size 960x540 --no-video\n"
                   "  taut render scenes/nunchaku.toml --resume\n\n" +
                       std::string(kEstimateHelp) +
                       "\nclip.json has it: error_estimate_m, foretold_until_s, "
                       "estimate_ms_per_second.");
   auto options = std::make_shared<Options>();
-  command.add_option("scene", options->scene, "The scene file")->required();
-  command.add_option("--out", options->out, "The clip's folder; default out/NAME");
+  add_scene_options(command, options->inputs, false);
+  command.add_option("--out", options->out,
+                     "The clip's folder; default: below out/, by the scene's path");
+  add_output_options(command, options->output);
   command.add_option("--frames", options->frames, "Frames to make, as A-B,C; default all");
   command.add_option("--size", options->size, "WxH in pixels; default the scene's");
   command.add_option("--fps", options->fps, "Frames per second; default the scene's")
       ->check(CLI::Range(1, 1000));
-  command.add_option("--samples", options->samples, "Samples per pixel; default 4")
+  command
+      .add_option("--samples", options->samples, "Samples per pixel; default: the preset's, or 4")
       ->check(CLI::Range(1, 64));
   add_method_options(command, options->method);
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
@@ -333,7 +371,13 @@ void add_render(CLI::App& app, Program& program) {
                   "Seconds after which an FFmpeg that does nothing is given up; default 60")
       ->check(CLI::PositiveNumber);
   command.callback([&program, options] {
-    program.run = [&program, options] { return render(program.common, *options); };
+    program.run = [&program, options] {
+      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
+        Options one = *options;
+        one.scene = scene;
+        return render_or_watch(program.common, one);
+      });
+    };
   });
 }
 

@@ -14,6 +14,7 @@
 #include "render/cli/needs.h"
 #include "render/cli/note.h"
 #include "render/cli/progress.h"
+#include "render/cli/scene_options.h"
 #include "render/cli/self_estimate.h"
 #include "render/export/csv.h"
 #include "render/interrupt.h"
@@ -28,7 +29,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string scene;
+  SceneOptions inputs;
+  std::string scene;  // of the inputs, the one that is simulated now
   std::string csv;
   int fps = 0;  // 0: the scene's
   bool no_estimate = false;
@@ -92,7 +94,12 @@ Report simulate(const Scene& scene, Simulation& simulation, SelfEstimate& estima
   for (int frame = 0; frame < frames; ++frame) {
     stop_if_interrupted();
     const double before = cpu_seconds();
-    simulation.advance_to(static_cast<double>(frame) / scene.fps);
+    try {
+      simulation.advance_to(static_cast<double>(frame) / scene.fps);
+    } catch (const Diverged&) {
+      rows.finish();  // those until then are worth having
+      throw;
+    }
     report.stepping += cpu_seconds() - before;
     estimate.follow(simulation);
     const double energy = kinetic_energy(world) + potential_energy(world);
@@ -135,6 +142,16 @@ std::string json_text(const Scene& scene, const Simulation& simulation, const Re
   return json.dump(2) + '\n';
 }
 
+/// Several scenes share a folder.
+std::string csv_file(const Options& options) {
+  if (options.csv.empty() || !options.inputs.several()) return options.csv;
+  if (options.csv.ends_with(".csv")) {
+    throw Misuse(
+        fmt::format("--csv {}: one file for several scenes, expected a folder", options.csv));
+  }
+  return results_folder(options.scene, options.csv, true).string() + ".csv";
+}
+
 int run(const Options& options, const Common& common) {
   Scene scene = load_chosen(options.scene, false, options.method);
   if (options.fps > 0) scene.fps = options.fps;
@@ -143,7 +160,7 @@ int run(const Options& options, const Common& common) {
   if (to_output && common.json) {
     throw Misuse(fmt::format("--csv {}: standard output is the JSON's (--json)", options.csv));
   }
-  const std::string csv = to_output ? "" : options.csv;
+  const std::string csv = to_output ? "" : csv_file(options);
   const fs::path folder = fs::path(csv).has_parent_path() ? fs::path(csv).parent_path() : ".";
   refuse_beyond(simulation_needs(scene), scene, options.max_memory, csv.empty() ? "" : folder, "",
                 common.quiet);
@@ -178,17 +195,23 @@ and, with --json, error_estimate_m (its largest and its final value), foretold_u
 estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)",
                               kEstimateHelp));
   const auto options = std::make_shared<Options>();
-  command.add_option("scene", options->scene, "A scene file")->required();
+  add_scene_options(command, options->inputs, false);
   command.add_option("--csv", options->csv,
-                     "The trajectory into this file; - or, without --json, nothing: to standard "
-                     "output");
+                     "The trajectory into this file, of several scenes into this folder; - or, "
+                     "without --json, nothing: to standard output");
   command.add_option("--fps", options->fps, "Another number of frames per second")
       ->check(CLI::Range(1, 1000));
   add_method_options(command, options->method);
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
   add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
-    program.run = [options, &program] { return run(*options, program.common); };
+    program.run = [options, &program] {
+      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
+        Options one = *options;
+        one.scene = scene;
+        return run(one, program.common);
+      });
+    };
   });
 }
 

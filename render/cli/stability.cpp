@@ -15,6 +15,7 @@
 #include "render/cli/progress.h"
 #include "render/cli/stability_maps.h"
 #include "render/cli/study_target.h"
+#include "render/gnuplot.h"
 #include "render/interrupt.h"
 
 namespace taut::cli {
@@ -143,6 +144,7 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
 int run(const StudyOptions& options, const Common& common) {
   const Scene scene = study_scene(options);
   StabilityStudy study;
+  require_gnuplot();
   study.scene = options.scene;
   study.title = scene.title;
   study.quick = options.quick;
@@ -215,7 +217,8 @@ Maps that are stopped go on where they were when the same command is given again
   command.callback([options, &program] {
     program.run = [options, &program] {
       if (options->quick) options->budget = std::min(options->budget, 20.0);
-      return run(*options, program.common);
+      return for_each_study(*options, program.common,
+                            [&](const StudyOptions& one) { return run(one, program.common); });
     };
   });
 }

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "render/cli/html_page.h"
+#include "render/cli/json.h"
 
 namespace taut::cli {
 namespace {
@@ -164,13 +164,27 @@ std::string stability_page(const StabilityStudy& study) {
 }
 
 std::string stability_json(const StabilityStudy& study) {
-  nlohmann::ordered_json json = {
-      {"scene", study.scene}, {"machine", machine()}, {"cpu_cap", study.cap}};
-  const Table table = stability_table(study);
-  for (const auto& row : table.rows) {
-    nlohmann::ordered_json cell;
-    for (std::size_t i = 0; i < row.size(); ++i) cell[table.columns[i]] = row[i];
-    json["cells"].push_back(std::move(cell));
+  Json json = {{"scene", study.scene},
+               {"machine", machine()},
+               {"duration_s", study.duration},
+               {"cpu_cap_s", study.cap},
+               {"cells", Json::array()}};
+  for (const StabilityMap& map : study.maps) {
+    for (const MapCell& cell : map.cells) {
+      const Contender& contender = study.contenders[cell.contender];
+      const Judgement& j = cell.judgement;
+      json["cells"].push_back({{"map", map.axis.name},
+                               {"x", cell.x},
+                               {"method", contender.label},
+                               {"setting", map_height(*contender.method)->name},
+                               {"value", cell.y},
+                               {"verdict", name_of(j.verdict)},
+                               {"energy_gain", number_or_null(j.gain)},
+                               {"energy_loss", number_or_null(j.loss)},
+                               {"stretch_max", number_or_null(j.stretch)},
+                               {"rms_error", number_or_null(j.error)},
+                               {"reason", cell.reason}});
+    }
   }
   return json.dump(2) + "\n";
 }

@@ -1,5 +1,7 @@
 #include "render/cli/stills.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -14,8 +16,8 @@
 namespace taut::cli {
 namespace {
 
-void write_png(const std::filesystem::path& name, const Picture& picture) {
-  const auto bytes = encode_png(picture);
+void write_png(const std::filesystem::path& name, const Picture& picture, const PngExtras& extras) {
+  const auto bytes = encode_png(picture, extras);
   AtomicFile file(name);
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   file.commit();
@@ -53,7 +55,7 @@ std::pair<std::vector<int>, int> on_sheet(const Stills& stills, const Scene& sce
 }  // namespace
 
 std::string make_stills(const Stills& stills, const Scene& scene, Film& film,
-                        const std::filesystem::path& out) {
+                        const std::filesystem::path& out, const Provenance& provenance) {
   const std::vector<ClipFrame> frames = clip_frames(scene);
   const auto draw_all = [&](const std::vector<int>& wanted, int shrink) {
     const auto states = record(scene, frames, wanted, stop_if_interrupted);
@@ -61,21 +63,32 @@ std::string make_stills(const Stills& stills, const Scene& scene, Film& film,
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       stop_if_interrupted();
       const ClipFrame& frame = frames[std::size_t(wanted[i])];
-      pictures.push_back(shrunk(film.draw(frame, film.shutter(frame, states[i])).picture, shrink));
+      Picture drawn = film.draw(frame, film.shutter(frame, states[i])).picture;
+      pictures.push_back(shrink > 1 ? shrunk(drawn, shrink) : std::move(drawn));
     }
     return pictures;
   };
   std::string made;
   if (stills.contact_sheet || stills.every) {
     const auto [wanted, columns] = on_sheet(stills, scene, frames);
-    write_png(out / "contact_sheet.png", contact_sheet(draw_all(wanted, columns), columns));
+    write_png(out / "contact_sheet.png", contact_sheet(draw_all(wanted, columns), columns),
+              provenance.picture(frames[std::size_t(wanted.front())].time, false));
     made += (out / "contact_sheet.png").string() + "\n";
   }
   if (stills.poster) {
-    const int last = int(frames.size()) - 1;
-    const int frame = std::clamp(int(std::lround(*stills.poster * scene.fps)), 0, last);
-    write_png(out / "poster.png", draw_all({frame}, 1)[0]);
-    made += (out / "poster.png").string() + "\n";
+    const double end = double(frames.size()) / scene.fps;
+    if (!(*stills.poster >= 0 && *stills.poster <= end)) {
+      throw Misuse(
+          fmt::format("--poster {}: the clip lasts from 0 to {:g} s", *stills.poster, end));
+    }
+    const int frame =
+        std::min(int(std::lround(*stills.poster * scene.fps)), int(frames.size()) - 1);
+    const std::filesystem::path file =
+        stills.poster_file.empty() ? out / "poster.png" : std::filesystem::path(stills.poster_file);
+    film.set_transparent(stills.transparent);
+    write_png(file, draw_all({frame}, 1)[0],
+              provenance.picture(frames[std::size_t(frame)].time, stills.transparent));
+    made += file.string() + "\n";
   }
   return made;
 }

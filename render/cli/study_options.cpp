@@ -9,7 +9,7 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/fingerprint.h"
-#include "scenes/regular_file.h"
+#include "scenes/standard_input.h"
 #include "sim/hash.h"
 
 namespace taut::cli {
@@ -36,8 +36,9 @@ std::vector<Contender> all_contenders() {
 
 void add_study_options(CLI::App& command, StudyOptions& options, double budget) {
   options.budget = budget;
-  command.add_option("scene", options.scene, "A scene file")->required();
-  command.add_option("--out", options.out, "Folder for the results; default: out/SCENE");
+  add_scene_options(command, options.inputs);
+  command.add_option("--out", options.out,
+                     "Folder for the results; default: below out/, by the scene's path");
   command
       .add_option("--methods", options.methods,
                   "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")
@@ -84,13 +85,23 @@ std::vector<Candidate> candidates_of(const Contender& contender, bool quick) {
 }
 
 std::filesystem::path study_folder(const StudyOptions& options) {
-  if (!options.out.empty()) return options.out;
-  return std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
+  return results_folder(options.scene, options.out, options.inputs.several());
+}
+
+int for_each_study(const StudyOptions& options, const Common& common,
+                   const std::function<int(const StudyOptions& one)>& study) {
+  return for_each_scene(options.inputs, common, [&](const std::string& scene) {
+    StudyOptions one = options;
+    one.scene = scene;
+    return study(one);
+  });
 }
 
 Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes,
                   bool with_stage) {
-  Scene scene = load_scene(options.scene, with_stage, changes);
+  std::vector<SceneChange> all = scene_changes(options.inputs.set);
+  all.insert(all.end(), changes.begin(), changes.end());
+  Scene scene = load_scene(options.scene, with_stage, all);
   if (scene.world.connectors.empty()) {
     throw Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
@@ -114,7 +125,8 @@ Scene study_scene(const StudyOptions& options, std::size_t particles) {
 
 std::uint64_t stamp_of(const StudyOptions& options) {
   Hash hash;
-  hash.text(read_bytes(options.scene));
+  hash.text(read_scene_text(options.scene));
+  for (const std::string& set : options.inputs.set) hash.text(set);
   for (const std::string& method : options.methods) hash.text(method);
   return hash.number(options.budget).number(options.quick).number(program_fingerprint()).value();
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/chart.h"
+#include "render/cli/scene_options.h"
 #include "render/table.h"
 #include "scenes/scene.h"
 #include "sim/study/candidate.h"
@@ -17,15 +18,16 @@ namespace taut::cli {
 enum class Follows { nothing, pins, pins_and_cuts };
 
 struct StudyOptions {
-  std::string scene;
-  std::string out;                   // empty: out/SCENE
+  SceneOptions inputs;
+  std::string scene;                 // of the inputs, the one that is studied now
+  std::string out;                   // empty: by the scene's path, see results_folder()
   std::vector<std::string> methods;  // METHOD or METHOD:FORM; empty: all
   double budget = 0;                 // s of wall time
   bool quick = false;
   Follows follows = Follows::nothing;
 };
 
-/// SCENE, --out, --methods, --budget (`budget` seconds unless told) and --quick.
+/// SCENE..., --set, --out, --methods, --budget (`budget` seconds unless told) and --quick.
 void add_study_options(CLI::App& command, StudyOptions& options, double budget);
 
 /// A row of a comparison: a method, or a form of it.
@@ -46,6 +48,10 @@ std::string legend_name(const Contender& contender);
 /// Every setting of a contender's sweep (only the ends and middle of numbers where `quick`), with
 /// what its form sets put over it.
 std::vector<Candidate> candidates_of(const Contender& contender, bool quick);
+
+/// Calls `study` with the options of each of the scenes in turn, see for_each_scene().
+int for_each_study(const StudyOptions& options, const Common& common,
+                   const std::function<int(const StudyOptions& one)>& study);
 
 /// The folder that results go to.
 std::filesystem::path study_folder(const StudyOptions& options);

@@ -1,6 +1,9 @@
 #include "scenes/character/character.h"
 
+#include <algorithm>
+
 #include "scenes/character/acting.h"
+#include "scenes/character/reach.h"
 #include "scenes/character/tails.h"
 
 namespace taut {
@@ -29,6 +32,20 @@ class Player : public Performance {
     return figure_.skeleton().poses(all);
   }
 
+  /// How far the pelvis is from over its feet, beyond what a stance allows, and what the arm is
+  /// short of even so.
+  double beyond_reach(double time) const {
+    constexpr double kStance = 0.45;  // m, of a figure of 1.78 m: a lunge
+    const Controls c = controls_.at(time);
+    const Vec3 pelvis(c[root_x], 0, c[root_z]);
+    const Vec3 right(c[right_step_x], 0, c[right_step_z]), left(c[left_step_x], 0, c[left_step_z]);
+    const Placement torso = figure_.skeleton().place(figure_.torso(c));
+    const ArmState arm = figure_.right_arm(figure_.right_shoulder(torso), figure_.chest_turn(torso),
+                                           path_->at(time).pose(), c[hand_roll], c[elbow_swivel]);
+    const double off = (pelvis - (right + left) / 2).norm();
+    return std::max(0.0, off - kStance * figure_.scale()) + arm.shortfall;
+  }
+
  private:
   Placement placed(double time) const {
     return figure_.pose(controls_.at(time), path_->at(time).pose());
@@ -48,6 +65,11 @@ std::shared_ptr<const Performance> make_performance(std::shared_ptr<const Model>
                                                     const HeldStick& right_hand, double duration,
                                                     const Path* head) {
   return std::make_shared<Player>(std::move(model), right_hand, duration, head);
+}
+
+double beyond_reach(const Performance& performance, double time) {
+  const auto* player = dynamic_cast<const Player*>(&performance);
+  return player ? player->beyond_reach(time) : 0;
 }
 
 void check_figure(const Model& model, const HeldStick& right_hand) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scenes/reader/format.h"
+#include "scenes/reader/format_faults.h"
 
 namespace taut {
 
@@ -39,30 +40,49 @@ std::string count_text(const KeyFormat& key) {
   return fmt::format("{} to {}", key.least, key.most);
 }
 
+/// A flag from 1 on says nothing when it is false.
+bool only_true(const KeyFormat& key) {
+  return key.minimum == 1;
+}
+
 class Checker {
  public:
-  explicit Checker(const Document& document) : document_(document) {}
+  /// Throws the first fault or, where there are `faults`, adds all to them.
+  explicit Checker(const Document& document, std::vector<SceneFault>* faults = nullptr)
+      : document_(document), faults_(faults) {}
 
   void table(const Value& value, const TableFormat& format) const {
     expect(value, Value::Kind::table, "a table");
     for (const Value& member : value.children) {
-      const KeyFormat* key = format.find(member.name);
-      if (!key) unknown(member, format.names());
-      check(member, *key);
+      attempt([&] {
+        const KeyFormat* key = format.find(member.name);
+        if (!key) unknown(member, format.names());
+        check(member, *key);
+      });
     }
     for (const KeyFormat& key : format.keys) {
-      if (key.required && !value.find(key.name)) {
+      if (!key.required || value.find(key.name)) continue;
+      attempt([&] {
         document_.fail(value, fmt::format("{} is missing, expected {}", key.name, wanted(key)));
-      }
+      });
     }
-    for (const Alternatives& group : format.alternatives) check(value, group);
+    for (const Alternatives& group : format.alternatives) attempt([&] { check(value, group); });
   }
 
  private:
+  void attempt(auto&& look) const {
+    if (!faults_) return look();
+    try {
+      look();
+    } catch (const SceneFault& fault) {
+      faults_->push_back(fault);
+    }
+  }
+
   static std::string wanted(const KeyFormat& key) {
     switch (key.type) {
       case Type::flag:
-        return "true or false";
+        return only_true(key) ? "true, or another key" : "true or false";
       case Type::number:
         return number_text(key);
       case Type::numbers:
@@ -103,7 +123,9 @@ class Checker {
   void check(const Value& value, const KeyFormat& key) const {
     switch (key.type) {
       case Type::flag:
-        return expect(value, Value::Kind::flag, wanted(key));
+        expect(value, Value::Kind::flag, wanted(key));
+        if (only_true(key) && !value.flag) document_.mismatch(value, wanted(key));
+        return;
       case Type::number:
         return number(value, key);
       case Type::numbers:
@@ -130,7 +152,7 @@ class Checker {
         return named(value, key);
       case Type::tables:
         count(value, key);
-        for (const Value& element : value.children) table(element, *key.table);
+        for (const Value& element : value.children) attempt([&] { table(element, *key.table); });
         return;
       case Type::files:
         count(value, key);
@@ -192,7 +214,7 @@ class Checker {
       if (member.name.empty() || !std::ranges::all_of(member.name, plain)) {
         document_.fail_at_key(member, "is no name, expected letters, digits, _ and -");
       }
-      table(member, *key.table);
+      attempt([&] { table(member, *key.table); });
     }
   }
 
@@ -233,6 +255,7 @@ class Checker {
   }
 
   const Document& document_;
+  std::vector<SceneFault>* faults_;
 };
 
 }  // namespace
@@ -243,6 +266,12 @@ void check_format(const Document& document, const TableFormat& format) {
 
 void check_format(const Document& document, const Value& table, const TableFormat& format) {
   Checker(document).table(table, format);
+}
+
+std::vector<SceneFault> format_faults(const Document& document) {
+  std::vector<SceneFault> faults;
+  Checker(document, &faults).table(document.root, scene_format());
+  return faults;
 }
 
 }  // namespace taut

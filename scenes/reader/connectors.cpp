@@ -129,9 +129,7 @@ class Layout {
     }
     if (const Value* mass = value.find("point_mass")) {
       end.point_mass = mass->number;
-    } else if (const Value* free = value.find("free")) {
-      if (!free->flag) document_.mismatch(*free, "true, or another key");
-    } else {
+    } else if (!value.find("free")) {
       end.to = read_attachment(document_, value, "fixed", motions_);
       if (end.to->kind == Attachment::Kind::body) end.hanging = unplaced_[end.to->body];
     }

@@ -4,9 +4,12 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <numeric>
 
+#include "scenes/fault.h"
 #include "scenes/regular_file.h"
+#include "scenes/standard_input.h"
 
 namespace taut {
 
@@ -16,9 +19,26 @@ constexpr std::size_t kMaxBytes = 16 << 20;
 // The parser makes one nested table of each dotted part, and frees them recursively.
 constexpr int kMaxDots = 64;
 
+std::string name_of(const std::filesystem::path& file) {
+  return file == kStandardInput ? "standard input" : file.string();
+}
+
 [[noreturn]] void fail_place(const std::filesystem::path& file, SourcePosition place,
-                             const std::string& message) {
-  throw BadScene(fmt::format("{}:{}:{}: {}", file.string(), place.line, place.column, message));
+                             const std::string& key, const std::string& fault) {
+  const std::string message = key.empty() ? fault : fmt::format("{}: {}", key, fault);
+  throw SceneFault(fmt::format("{}:{}:{}: {}", name_of(file), place.line, place.column, message),
+                   {name_of(file), place.line, place.column, key, fault});
+}
+
+/// At a value of the document: those that stand in no file have no line.
+[[noreturn]] void fail_value(const Document& document, const Value& value, SourcePosition place,
+                             const std::string& fault) {
+  if (value.place.line > 0) {
+    fail_place(value.inherited ? document.base : document.file, place, value.path, fault);
+  }
+  const std::string file = name_of(document.file);
+  throw SceneFault(fmt::format("{}: {} as set: {}", file, value.path, fault),
+                   {file, 0, 0, value.path, fault});
 }
 
 void check_dots(const std::filesystem::path& file, std::string_view text) {
@@ -26,7 +46,8 @@ void check_dots(const std::filesystem::path& file, std::string_view text) {
   for (const char c : text) {
     if (c == '.') {
       if (++dots > kMaxDots) {
-        fail_place(file, {line, 1}, fmt::format("more than {} dots in a row of words", kMaxDots));
+        fail_place(file, {line, 1}, "",
+                   fmt::format("more than {} dots in a row of words", kMaxDots));
       }
     } else if (c == '\n' || c == ',' || c == '=') {
       dots = 0;
@@ -185,27 +206,29 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
 }
 
 void Document::fail(const Value& value, const std::string& message) const {
-  fail_place(value.inherited ? base : file, value.place,
-             value.path.empty() ? message : fmt::format("{}: {}", value.path, message));
+  fail_value(*this, value, value.place, message);
 }
 
 void Document::fail_at_key(const Value& value, const std::string& message) const {
-  fail_place(value.inherited ? base : file, value.key_place,
-             value.path.empty() ? message : fmt::format("{}: {}", value.path, message));
+  fail_value(*this, value, value.key_place, message);
 }
 
 void Document::mismatch(const Value& value, const std::string& expected) const {
   fail(value, fmt::format("found {}, expected {}", shown(value), expected));
 }
 
-Document read_document(const std::filesystem::path& file) {
-  std::string text;
+std::string read_scene_text(const std::filesystem::path& file) {
   try {
-    text = read_regular_file(file, kMaxBytes, "a scene file");
+    if (file != kStandardInput) return read_regular_file(file, kMaxBytes, "a scene file");
+    static const std::string input = read_standard_input(kMaxBytes, "a scene file");
+    return input;
   } catch (const BadAsset& error) {
     throw BadScene(error.what());
   }
-  Document document = parse_document(file, text);
+}
+
+Document read_document(const std::filesystem::path& file) {
+  Document document = parse_document(file, read_scene_text(file));
   if (const Value* extends = document.root.find("extends")) inherit(document, *extends);
   return document;
 }
@@ -216,35 +239,79 @@ Document parse_document(const std::filesystem::path& file, std::string_view text
     const toml::table table = toml::parse(text);
     return {file, converted(table, "", "", SourcePosition{})};
   } catch (const toml::parse_error& error) {
-    fail_place(file, place_of(error.source()),
+    fail_place(file, place_of(error.source()), "",
                fmt::format("not a TOML file: {}", error.description()));
   }
 }
 
-void change(Document& document, std::string_view path, const std::string& text) {
-  Value* table = &document.root;
-  std::string_view rest = path;
-  for (;;) {
-    const std::size_t dot = rest.find('.');
-    const std::string name(rest.substr(0, dot));
-    if (table->kind != Value::Kind::table) {
-      document.fail(*table, fmt::format("is no table, so that {} cannot be set", path));
+namespace {
+
+/// The parts of a dotted path; elements of lists are parts of their own.
+std::vector<std::string> parts_of(std::string_view path) {
+  std::vector<std::string> parts(1);
+  for (const char c : path) {
+    if (c == '.' || c == '[') {
+      parts.emplace_back();
+    } else if (c != ']') {
+      parts.back() += c;
     }
-    auto at = std::ranges::find(table->children, name, &Value::name);
-    if (at == table->children.end()) {
-      const std::string full = table->path.empty() ? name : table->path + "." + name;
-      table->children.push_back({.name = name, .path = full, .key_place = {}, .place = {}});
-      at = table->children.end() - 1;
-    }
-    table = &*at;
-    if (dot == std::string_view::npos) break;
-    rest.remove_prefix(dot + 1);
   }
+  return parts;
+}
+
+/// Text that TOML has no value of but that people write for a word, as assets/stick.glb.
+bool is_word(std::string_view text) {
+  return !text.empty() && text.find_first_of("\"'[]{}=,#\n\r\t") == std::string_view::npos;
+}
+
+/// What stands in no file has no line.
+void mark_changed(Value& value) {
+  value.place = value.key_place = {0, 0};
+  for (Value& child : value.children) mark_changed(child);
+}
+
+/// The member or element of that name; a table gets a new one where it has none.
+Value& member_of(const Document& document, Value& value, const std::string& name,
+                 std::string_view path) {
+  if (value.kind == Value::Kind::list) {
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), index);
+    if (error == std::errc() && end == name.data() + name.size() && index < value.children.size()) {
+      return value.children[index];
+    }
+    document.fail(value, fmt::format("has {} elements, so that {} cannot be set",
+                                     value.children.size(), path));
+  }
+  if (value.kind != Value::Kind::table) {
+    document.fail(value, fmt::format("is no table, so that {} cannot be set", path));
+  }
+  const auto at = std::ranges::find(value.children, name, &Value::name);
+  if (at != value.children.end()) return *at;
+  const std::string full = value.path.empty() ? name : value.path + "." + name;
+  value.children.push_back({.name = name, .path = full, .key_place = {0, 0}, .place = {0, 0}});
+  return value.children.back();
+}
+
+}  // namespace
+
+void change(Document& document, std::string_view path, const std::string& text) {
+  Value* value = &document.root;
+  for (const std::string& part : parts_of(path)) value = &member_of(document, *value, part, path);
+  const auto put = [&](const std::string& toml) {
+    const toml::table parsed = toml::parse("value = " + toml);
+    *value = converted(*parsed.get("value"), value->name, value->path, value->key_place);
+    mark_changed(*value);
+  };
   try {
-    const toml::table parsed = toml::parse("value = " + text);
-    *table = converted(*parsed.get("value"), table->name, table->path, table->key_place);
+    put(text);
   } catch (const toml::parse_error& error) {
-    document.fail(*table, fmt::format("{} is no value: {}", text, error.description()));
+    if (!is_word(text)) {
+      document.fail(*value, fmt::format("{} is no value: {}", text, error.description()));
+    }
+    value->kind = Value::Kind::text;
+    value->text = text;
+    value->children.clear();
+    mark_changed(*value);
   }
 }
 

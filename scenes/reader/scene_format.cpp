@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scenes/reader/format_keys.h"
+#include "scenes/scene_keys.h"
 #include "sim/method.h"
 
 namespace taut {
@@ -98,7 +99,10 @@ const TableFormat& end_format() {
        text("bone", "Name of the bone that carries the end, of a character."),
        text("character", "Name of that character."),
        positive("point_mass", "Mass of a point that the end carries.", "kg"),
-       {.name = "free", .type = Type::flag, .meaning = "true: nothing holds the end."}},
+       {.name = "free",
+        .type = Type::flag,
+        .meaning = "true: nothing holds the end.",
+        .minimum = 1}},
       {{{"body", "fixed", "path", "bone", "point_mass", "free"}}}};
   return format;
 }
@@ -279,6 +283,10 @@ std::vector<std::string_view> TableFormat::names() const {
   std::vector<std::string_view> list;
   for (const KeyFormat& key : keys) list.push_back(key.name);
   return list;
+}
+
+bool is_scene_key(std::string_view key) {
+  return scene_format().find(key.substr(0, key.find_first_of(".["))) != nullptr;
 }
 
 }  // namespace taut

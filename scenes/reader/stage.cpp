@@ -10,6 +10,8 @@ namespace taut {
 
 namespace {
 
+const Vec3 kBackground(0.16530606184503005, 0.181895792503865, 0.20362917723338914);
+
 using ModelPointer = std::shared_ptr<const Model>;
 
 ModelPointer make_shape(const Value& body, const Value& shape);
@@ -178,7 +180,7 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
   stage.end = read_card(value.find("end"));
   stage.shutter = number_or(value, "shutter", stage.shutter);
   if (const Value* light = value.find("light")) stage.light = read_light(document, *light);
-  stage.background = vec3_or(value, "background", stage.background);
+  stage.background = vec3_or(value, "background", kBackground);
   if (const Value* captions = value.find("captions")) {
     stage.captions = read_captions(document, *captions);
   }

@@ -60,7 +60,7 @@ const TableFormat& stage_format() {
         .minimum = 0,
         .maximum = 1},
        table("light", "The key light and the light from all around.", light),
-       color("background", "Linear colour where nothing is."),
+       color("background", "Linear colour where nothing is, as it comes out; 1: all there is."),
        table("captions", "Lines of text on the picture.", caption, Type::tables)}};
   return format;
 }

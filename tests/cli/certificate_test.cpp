@@ -45,8 +45,15 @@ TEST_F(Certified, ByItsPlan) {
   EXPECT_NE(outcome.messages.find("certificate: " + proof), std::string::npos) << outcome.messages;
 }
 
-TEST_F(Certified, OrSaysThatItIsNot) {
+TEST_F(Certified, SaysNothingWhereNobodyAsks) {
   const ProgramResult outcome = render({});
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_FALSE(clip().contains("certificate"));
+  EXPECT_EQ(outcome.messages.find("certificate"), std::string::npos) << outcome.messages;
+}
+
+TEST_F(Certified, OrSaysThatItIsNot) {
+  const ProgramResult outcome = render({"--certificate"});
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const std::string proof = clip().at("certificate");
   EXPECT_EQ(proof.rfind("none", 0), 0u) << proof;

@@ -50,8 +50,12 @@ TEST_F(Compare, SixMethodsInAClip) {
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto report = nlohmann::json::parse(outcome.output);
   ASSERT_EQ(report.at("methods").size(), 6u);
-  EXPECT_GT(report.at("horizon"), 0.1);
-  for (const auto& method : report.at("methods")) EXPECT_EQ(method.at("frames"), 10);
+  EXPECT_GT(report.at("horizon_s"), 0.1);
+  for (const auto& method : report.at("methods")) {
+    EXPECT_EQ(method.at("frames"), 10);
+    EXPECT_GE(method.at("stretch_max"), 0);
+    EXPECT_GT(method.at("cpu_us_per_frame"), 0);
+  }
   EXPECT_TRUE(fs::exists(out_ / "swing.mp4"));
   EXPECT_EQ(read_png(frame(9)).width, 480);
   const Table table = from_csv(read_file(out_ / "compare.csv"));

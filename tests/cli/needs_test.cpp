@@ -88,7 +88,7 @@ TEST_F(Needs, CheckSaysThem) {
   folder_.write("swing.toml", swing_scene(6.0));
   const auto json = nlohmann::json::parse(run({"check", "swing.toml", "--json"}).output);
   for (const char* command : {"simulate", "render"}) {
-    for (const char* need : {"memory", "disk", "seconds"}) {
+    for (const char* need : {"memory_bytes", "disk_bytes", "time_s"}) {
       EXPECT_GT(json.at(command).at(need), 0) << command << need;
     }
   }

@@ -76,13 +76,14 @@ TEST(LongResults, HardCasesStandAsTheyAreJudged) {
       {"--methods", "impulse,dynamic-constraints,multibody,springs,xpbd,direct", "--json", "-q"});
   const ProgramResult outcome = Child(command, TAUT_SOURCE_DIR).wait(std::chrono::seconds(600));
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
-  const auto scenes = nlohmann::json::parse(outcome.output);
+  const auto scenes = nlohmann::json::parse(outcome.output).at("scenes");
   ASSERT_EQ(rows.size(), scenes.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t m = 0; m < std::size(methods); ++m) {
-      const std::string judged = scenes[i].at(methods[m]);
-      EXPECT_EQ(first_word(rows[i].at(m + 2)), first_word(judged))
-          << rows[i][0] << ", " << methods[m] << ": " << judged;
+      const auto& judged = scenes[i].at("methods").at(m);
+      ASSERT_EQ(judged.at("method"), methods[m]);
+      EXPECT_EQ(first_word(rows[i].at(m + 2)), first_word(judged.at("verdict")))
+          << rows[i][0] << ": " << judged;
     }
   }
 }

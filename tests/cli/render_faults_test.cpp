@@ -170,7 +170,6 @@ TEST_F(RenderFaults, FramesOfAnEarlierRunStayWhereTheyAreTheSame) {
   const char* const kAll = "5 of 5 frames were there already";
   const char* const kNone = "0 of 5 frames were there already; 5 were made from another";
   const char* const kNothingKept =
-      "certificate: none: the clip is not by a plan (--planned)\n"
       "error estimate: none, as impulse does not converge to the exact motion, whatever its step\n";
   EXPECT_EQ(again(TAUT_PROGRAM).messages, kNothingKept);
   expect("the same clip", again(TAUT_PROGRAM), kAll);
@@ -298,9 +297,9 @@ TEST_F(RenderFaults, EveryFaultIsNamed) {
   const fs::path out = std::exchange(out_, folder_.write("file", "x") / "clip");
   expect("output under a file", 6, {});
   out_ = out;
-  folder_.write("swing.toml",
-                std::string(kScene).substr(0, std::string_view(kScene).find("[stage]")));
-  expect("scene without a stage", 3, {});
+  expect("a poster after the clip's end", 2, {"--poster", "99"});
+  expect("a kind of file that nobody knows", 2, {"-o", "clip.avi"});
+  expect("opacity where there is none", 2, {"-o", "clip.mp4", "--transparent"});
   EXPECT_TRUE(table.is_as_accepted());
 }
 

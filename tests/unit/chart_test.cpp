@@ -57,6 +57,14 @@ TEST(Chart, SvgSaysWhatItShows) {
   }
 }
 
+TEST(Chart, LinesOfAnSvgAreCalledByTheirNames) {
+  const std::string svg = draw_chart(small_chart(), ChartFormat::svg);
+  EXPECT_EQ(svg.find("gnuplot_plot_1a</title>"), std::string::npos);
+  EXPECT_EQ(svg.find("<title>Gnuplot"), std::string::npos);
+  EXPECT_NE(svg.find("<title>Halving the step quarters the error</title>"), std::string::npos);
+  EXPECT_NE(svg.find("<g id=\"gnuplot_plot_2a\" ><title>springs</title>"), std::string::npos);
+}
+
 TEST(Chart, IsTheSameEachTime) {
   EXPECT_EQ(draw_chart(small_chart(), ChartFormat::svg),
             draw_chart(small_chart(), ChartFormat::svg));

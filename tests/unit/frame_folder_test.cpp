@@ -12,6 +12,7 @@ namespace taut {
 namespace {
 
 constexpr int kFrames = 40;
+constexpr FrameFolder::Size kSize{64, 48};
 
 Picture picture(int frame) {
   Picture made(64, 48);
@@ -28,11 +29,11 @@ void fill(FrameFolder& frames) {
 TEST(FrameFolder, WritesEveryFrameAndKnowsItAgain) {
   const Folder folder;
   {
-    FrameFolder frames(folder.path() / "frames", true);
+    FrameFolder frames(folder.path() / "frames", true, kSize);
     fill(frames);
     frames.finish();
   }
-  const FrameFolder again(folder.path() / "frames", true);
+  const FrameFolder again(folder.path() / "frames", true, kSize);
   for (int k = 0; k < kFrames; ++k) {
     EXPECT_TRUE(again.has(k, static_cast<std::uint64_t>(k)));
     EXPECT_FALSE(again.has(k, 1000));
@@ -40,22 +41,32 @@ TEST(FrameFolder, WritesEveryFrameAndKnowsItAgain) {
   }
 }
 
+TEST(FrameFolder, HasFramesOfOneSizeAlone) {
+  const Folder folder;
+  { fill(*std::make_unique<FrameFolder>(folder.path(), true, kSize)); }
+  const FrameFolder larger(folder.path(), true, FrameFolder::Size{128, 96});
+  for (int k = 0; k < kFrames; ++k) {
+    EXPECT_FALSE(larger.knows(k));
+    EXPECT_FALSE(std::filesystem::exists(larger.file(k)));
+  }
+}
+
 TEST(FrameFolder, WritesWhatItWasGivenBeforeItGoes) {
   const Folder folder;
-  { fill(*std::make_unique<FrameFolder>(folder.path(), true)); }
-  const FrameFolder again(folder.path(), true);
+  { fill(*std::make_unique<FrameFolder>(folder.path(), true, kSize)); }
+  const FrameFolder again(folder.path(), true, kSize);
   for (int k = 0; k < kFrames; ++k) EXPECT_TRUE(again.knows(k));
 }
 
 TEST(FrameFolder, IsOneRunsAlone) {
   const Folder folder;
-  const FrameFolder first(folder.path(), true);
-  EXPECT_THROW(FrameFolder(folder.path(), true), CannotWrite);
+  const FrameFolder first(folder.path(), true, kSize);
+  EXPECT_THROW(FrameFolder(folder.path(), true, kSize), CannotWrite);
 }
 
 TEST(FrameFolder, SaysThatAFrameCouldNotBeWritten) {
   const Folder folder;
-  FrameFolder frames(folder.path(), true);
+  FrameFolder frames(folder.path(), true, kSize);
   folder.write("000003.png/in the way", "");
   EXPECT_THROW(
       {

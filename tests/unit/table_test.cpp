@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "render/fitted_table.h"
+
 namespace taut {
 namespace {
 
@@ -41,6 +43,24 @@ TEST(Table, MarkupEscapesItsOwnCharacters) {
   EXPECT_EQ(to_html(table),
             "<table>\n<tr><th class=\"number\">a|b</th><th>&lt;x&gt;</th></tr>\n"
             "<tr><td class=\"number\">1 &amp; 2</td><td>&quot;q&quot;</td></tr>\n</table>\n");
+}
+
+TEST(Table, FitsIntoAWidth) {
+  const Table table{{"method", "a long heading", "another long heading"},
+                    {{"impulse", "1", "2"}, {"direct", "3", "4"}}};
+  EXPECT_EQ(to_text(table, 100), to_text(table));
+  EXPECT_EQ(to_text(table, 40),
+            "method                impulse  direct\n"
+            "a long heading              1       3\n"
+            "another long heading        2       4\n");
+  EXPECT_EQ(to_text(table, 32),
+            "method                impulse\n"
+            "a long heading              1\n"
+            "another long heading        2\n"
+            "\n"
+            "method                direct\n"
+            "a long heading             3\n"
+            "another long heading       4\n");
 }
 
 }  // namespace

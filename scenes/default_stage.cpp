@@ -1,0 +1,268 @@
+#include "scenes/default_stage.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/reader/document.h"
+#include "scenes/shapes.h"
+
+namespace taut {
+namespace {
+
+constexpr double kFieldOfView = 0.5;  // rad, vertical
+constexpr double kFilled = 0.8;       // of the picture, by what moves
+constexpr double kRise = 0.2;         // rad, of the camera above what it looks at
+constexpr double kAside = 0.3;        // rad, from the square look, so that depth is seen
+constexpr double kRunaway = 10;       // times the size at the start: farther off is not framed
+constexpr double kSmallest = 0.05;    // m, half of what is framed
+constexpr double kHead = 0.15;        // m, of a character around its bones
+
+using Box = Eigen::AlignedBox3d;
+
+Box box_of(const Model& model) {
+  Box box;
+  for (const Mesh& mesh : model.meshes)
+    for (const Vertex& v : mesh.vertices)
+      box.extend(Vec3(double(v.position[0]), double(v.position[1]), double(v.position[2])));
+  return box;
+}
+
+/// The box that has the body's mass and inertia, in the body's frame.
+Box box_of(const MassProperties& properties) {
+  Box box;
+  for (const Vec3& middle : box_ends(properties)) box.extend(middle);
+  return box;
+}
+
+/// Everything there is to see of a scene, state by state.
+class Seen {
+ public:
+  explicit Seen(const Scene& scene) : scene_(scene) {
+    for (std::size_t b = 0; b < scene.world.bodies.size(); ++b) {
+      const Model* model = scene.stage ? scene.stage->body_models.at(b).get() : nullptr;
+      boxes_.push_back(model ? box_of(*model) : box_of(scene.world.bodies[b].bare));
+    }
+  }
+
+  std::vector<Vec3> points(const Snapshot& state) const {
+    std::vector<Vec3> all;
+    for (const auto& particles : state.connectors)
+      all.insert(all.end(), particles.begin(), particles.end());
+    for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+      const std::vector<Vec3> own = corners(b, state.bodies[b]);
+      all.insert(all.end(), own.begin(), own.end());
+    }
+    return all;
+  }
+
+  std::vector<Vec3> corners(std::size_t body, const Pose& frame) const {
+    std::vector<Vec3> all;
+    for (int corner = 0; corner < 8; ++corner)
+      all.push_back(frame.to_world(boxes_.at(body).corner(static_cast<Box::CornerType>(corner))));
+    return all;
+  }
+
+  std::vector<Vec3> figures(double time) const {
+    std::vector<Vec3> all;
+    for (const auto& performance : scene_.performances)
+      for (const Pose& bone : performance->bones_at(time))
+        for (const double side : {-kHead, kHead})
+          all.push_back(bone.position + side * Vec3::UnitY());
+    return all;
+  }
+
+ private:
+  const Scene& scene_;
+  std::vector<Box> boxes_;
+};
+
+/// What the whole clip shows, but for what runs away.
+std::vector<Vec3> points_of_clip(const Scene& scene, const std::function<void()>& tick) {
+  const Seen seen(scene);
+  Simulation simulation = start(scene);
+  std::vector<Vec3> all;
+  Box near;
+  try {
+    for (int frame = 0; frame < scene.frames(); ++frame) {
+      tick();
+      const double time = static_cast<double>(frame) / scene.fps;
+      simulation.advance_to(time);
+      std::vector<Vec3> points = seen.points(simulation.state());
+      for (const Body& body : simulation.world().bodies)
+        if (body.driven()) near.extend(body.position);
+      for (const Connector& connector : simulation.world().connectors)
+        for (const Hold& hold : connector.holds)
+          if (hold.to.kind != Attachment::Kind::body)
+            near.extend(connector.position[hold.particle]);
+      if (frame == 0)
+        for (const Vec3& point : points) near.extend(point);
+      all.insert(all.end(), points.begin(), points.end());
+      if (frame % std::max(scene.fps / 10, 1) == 0) {
+        points = seen.figures(time);
+        for (const Vec3& point : points) near.extend(point);
+        all.insert(all.end(), points.begin(), points.end());
+      }
+    }
+  } catch (const Diverged&) {  // the clip ends there, too
+  }
+  const double reach = kRunaway * std::max(near.diagonal().norm() / 2, kSmallest);
+  std::erase_if(all, [&](const Vec3& point) {
+    return !point.allFinite() || near.exteriorDistance(point) > reach;
+  });
+  return all;
+}
+
+/// The way to look: level, across the plane in which most happens, from the front.
+Vec3 way_to_look(const std::vector<Vec3>& points) {
+  Eigen::Vector2d mean(0, 0);
+  for (const Vec3& p : points) mean += Eigen::Vector2d(p.x(), p.z()) / double(points.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const Vec3& p : points) {
+    const Eigen::Vector2d off = Eigen::Vector2d(p.x(), p.z()) - mean;
+    spread += off * off.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
+  Vec3 back(0, 0, 1);  // towards the camera
+  constexpr double kPlane = 0.5;
+  if (axes.eigenvalues()[0] < kPlane * axes.eigenvalues()[1]) {
+    const Eigen::Vector2d thin = axes.eigenvectors().col(0);
+    back = Vec3(thin.x(), 0, thin.y());
+    if (back.z() < -1e-6 || (std::abs(back.z()) <= 1e-6 && back.x() < 0)) back = -back;
+  }
+  const Eigen::AngleAxisd aside(kAside, Vec3::UnitY());
+  const Vec3 level = aside * back;
+  return -(std::cos(kRise) * level + std::sin(kRise) * Vec3::UnitY()).normalized();
+}
+
+CameraKey framing(const std::vector<Vec3>& points, double aspect) {
+  const Vec3 ahead = way_to_look(points), right = ahead.cross(Vec3::UnitY()).normalized(),
+             up = right.cross(ahead);
+  Mat3 axes;
+  axes << right, up, -ahead;
+  Box box;
+  for (const Vec3& p : points) box.extend(axes.transpose() * p);
+  const double half = std::tan(kFieldOfView / 2) * kFilled;
+  const Vec3 centre = box.center();
+  double distance = kSmallest / half;
+  for (const Vec3& p : points) {
+    const Vec3 off = axes.transpose() * p - centre;
+    distance = std::max(distance,
+                        off.z() + std::max(std::abs(off.x()) / aspect, std::abs(off.y())) / half);
+  }
+  CameraKey key;
+  key.target = axes * centre;
+  key.position = key.target - distance * ahead;
+  key.field_of_view = kFieldOfView;
+  return key;
+}
+
+/// A disc whose top is at `height`, wide enough that the camera sees no near edge.
+std::shared_ptr<const Model> ground_at(double height, const CameraKey& camera) {
+  const double radius = 20 * (camera.position - camera.target).norm(), thickness = radius / 1000;
+  Model disc = cylinder_model(thickness, 2 * radius, Vec3(0.30, 0.30, 0.31));
+  disc.name = "ground";
+  disc.materials.front().roughness = 0.9F;
+  const Vec3 to(camera.target.x(), height - thickness / 2, camera.target.z());
+  for (Vertex& vertex : disc.meshes.front().vertices)
+    for (std::size_t k = 0; k < 3; ++k)
+      vertex.position[k] += static_cast<float>(to[static_cast<Eigen::Index>(k)]);
+  return std::make_shared<const Model>(std::move(disc));
+}
+
+/// As thick as a fibre rope of its weight would be, a chain's links as wide; within what the
+/// picture, `size` (m) wide, can show.
+double thickness_of(const Connector& connector, ConnectorLook::Kind kind, double size) {
+  constexpr double kFibre = 1000, kSteel = 7800;  // kg/m^3
+  const bool chain = kind == ConnectorLook::Kind::chain;
+  const double line = connector.length > 0 ? connector.mass / connector.length : 0;
+  double diameter = std::sqrt(4 * line / (std::numbers::pi * (chain ? kSteel : kFibre)));
+  if (chain) diameter *= 2.5;  // of a link against its wire
+  return std::clamp(diameter, 0.01 * size, 0.03 * size);
+}
+
+/// The looks of connectors that the file says nothing of: copies and parts that cuts make are like
+/// what they come from.
+void find_looks(const Document& document, Scene& scene, double size) {
+  using Kind = ConnectorLook::Kind;
+  const Value* connectors = document.root.find("connectors");
+  if (!connectors) return;
+  const World world = divided(scene.world, scene.timeline);
+  for (std::size_t i = 0; i < scene.stage->connector_looks.size(); ++i) {
+    const Connector& connector = world.connectors.at(i);
+    const Value* written =
+        connectors->find(connector.name.substr(0, connector.name.find_first_of("#'")));
+    if (!written) continue;
+    ConnectorLook& look = scene.stage->connector_looks[i];
+    const double line = connector.length > 0 ? connector.mass / connector.length : 0;
+    if (!written->find("look") && !written->find("color")) {
+      look.kind = line > 0.6 ? Kind::chain : line < 0.03 ? Kind::cord : Kind::rope;
+      if (look.kind == Kind::chain) look.color = Vec3(0.45, 0.46, 0.48);
+      if (look.kind == Kind::cord) look.color = Vec3(0.40, 0.05, 0.03);
+    }
+    if (!written->find("diameter")) look.diameter = thickness_of(connector, look.kind, size);
+  }
+}
+
+/// Bodies without mesh and shape, as the boxes of their inertia.
+void give_boxes(Scene& scene) {
+  for (std::size_t b = 0; b < scene.world.bodies.size(); ++b) {
+    auto& model = scene.stage->body_models.at(b);
+    if (model) continue;
+    const Box box = box_of(scene.world.bodies[b].bare);
+    Model made = box_model(box.sizes().cwiseMax(1e-4), Vec3(0.25, 0.30, 0.36));
+    for (Vertex& vertex : made.meshes.front().vertices)
+      for (std::size_t k = 0; k < 3; ++k)
+        vertex.position[k] += static_cast<float>(box.center()[static_cast<Eigen::Index>(k)]);
+    model = std::make_shared<const Model>(std::move(made));
+  }
+}
+
+}  // namespace
+
+std::vector<Outline> outlines(const Scene& scene, const Snapshot& state) {
+  const World world = divided(scene.world, scene.timeline);
+  std::vector<Outline> all;
+  for (std::size_t c = 0; c < state.connectors.size(); ++c)
+    all.push_back({"connector " + world.connectors.at(c).name, state.connectors[c]});
+  const Seen seen(scene);
+  for (std::size_t b = 0; b < state.bodies.size(); ++b)
+    all.push_back({"body " + world.bodies.at(b).name, seen.corners(b, state.bodies[b])});
+  return all;
+}
+
+void complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
+                    const std::function<void()>& tick) {
+  if (!scene.stage) {
+    std::vector<SceneChange> staged = changes;
+    staged.push_back({"stage", "{}"});
+    Scene read = load_scene(scene.file, true, staged);
+    scene.stage = std::move(read.stage);
+    scene.performances = std::move(read.performances);
+  }
+  Stage& stage = *scene.stage;
+  Document document = read_document(scene.file);
+  for (const auto& [key, value] : changes) change(document, key, value);
+  const Value* written = document.root.find("stage");
+  if (written && written->find("camera")) return;
+  const std::vector<Vec3> points = points_of_clip(scene, tick);
+  if (points.empty()) return;
+  const CameraKey camera = framing(points, static_cast<double>(scene.width) / scene.height);
+  const Value* shots = written ? written->find("shots") : nullptr;
+  stage.camera = {camera};
+  for (std::size_t i = 0; i < stage.shots.size(); ++i)
+    if (!shots || !shots->children[i].find("camera")) stage.shots[i].camera = stage.camera;
+  const double size =
+      2 * std::tan(camera.field_of_view / 2) * (camera.position - camera.target).norm();
+  find_looks(document, scene, size);
+  give_boxes(scene);
+  if (written && written->find("scenery")) return;
+  double thickest = 0;
+  for (const ConnectorLook& look : stage.connector_looks)
+    thickest = std::max(thickest, look.diameter);
+  const double lowest = std::ranges::min(points, {}, [](const Vec3& p) { return p.y(); }).y();
+  stage.scenery.push_back(ground_at(lowest - thickest / 2, camera));
+}
+
+}  // namespace taut

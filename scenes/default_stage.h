@@ -1,0 +1,30 @@
+// What pictures need where the scene's file says nothing of it.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+
+namespace taut {
+
+/// Gives a scene that was read with its stage what its file leaves open: all of a stage; a camera
+/// that has in its picture, over the whole clip, what moves; where no camera is written also a
+/// ground at the lowest point, looks by what connectors weigh, and boxes for bodies without a
+/// shape. What is open is found by a simulation of the whole scene, which calls `tick` now and
+/// then; where a camera is written nothing is done. `changes` are those that the scene was read
+/// with. Throws BadScene.
+void complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
+                    const std::function<void()>& tick);
+
+/// Something that moves, with points around it (m).
+struct Outline {
+  std::string name;  // "body held"
+  std::vector<Vec3> points;
+};
+
+/// Every connector and body in that state; bodies as their models or their inertia have them.
+std::vector<Outline> outlines(const Scene& scene, const Snapshot& state);
+
+}  // namespace taut

@@ -1,0 +1,17 @@
+// All that is wrong with a scene, for people who mend it.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "scenes/fault.h"
+#include "scenes/scene.h"
+
+namespace taut {
+
+/// Every fault of a scene and of its assets, in the order of the file: what follows only from
+/// another fault is left out, and what another hides may be. Empty: load_scene() reads it.
+std::vector<SceneFault> faults_of(const std::filesystem::path& file,
+                                  const std::vector<SceneChange>& changes = {});
+
+}  // namespace taut

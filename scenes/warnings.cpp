@@ -1,0 +1,124 @@
+#include "scenes/warnings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include "scenes/character/reach.h"
+#include "scenes/clip.h"
+#include "scenes/default_stage.h"
+#include "scenes/view.h"
+
+namespace taut {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kLooks = 30;         // a second of the scene, at most
+constexpr double kOutOfReach = 0.05;  // m
+constexpr double kEdge = 1.02;        // of half the picture
+
+/// A thing's times in the picture and out of it.
+struct Sight {
+  double shown = 0, hidden = 0;              // looks
+  double first_hidden = 0, last_hidden = 0;  // s
+};
+
+/// The times at which the clip shows the scene, rising, as far apart as looks need to be.
+std::map<double, std::vector<const Shot*>> times_of_clip(const Scene& scene) {
+  std::map<double, std::vector<const Shot*>> times;
+  const int every = std::max(1, static_cast<int>(std::lround(scene.fps / kLooks)));
+  const std::vector<Shot>& shots = scene.stage->shots;
+  for (int frame = 0; frame < scene.frames(); frame += every) {
+    const double time = static_cast<double>(frame) / scene.fps;
+    for (const Shot& shot : shots)
+      if (shot.from <= time && time < shot.until) times[time].push_back(&shot);
+  }
+  return times;
+}
+
+bool is_shown(const Scene& scene, const std::vector<const Shot*>& shots, double time,
+              const Outline& thing) {
+  const double aspect = static_cast<double>(scene.width) / scene.height;
+  return std::ranges::any_of(shots, [&](const Shot* shot) {
+    const CameraView camera = camera_at(shot->camera, time);
+    return std::ranges::any_of(thing.points, [&](const Vec3& point) {
+      const auto at = on_picture(camera, aspect, point);
+      return at && at->cwiseAbs().maxCoeff() < kEdge;
+    });
+  });
+}
+
+void look_through_camera(const Scene& scene, double seconds, const std::function<void()>& tick,
+                         std::vector<std::string>& warnings) {
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  std::map<std::string, Sight> sights;
+  Simulation simulation = start(scene);
+  try {
+    for (const auto& [time, shots] : times_of_clip(scene)) {
+      tick();
+      if (Clock::now() > end) break;
+      simulation.advance_to(time);
+      for (const Outline& thing : outlines(scene, simulation.state())) {
+        Sight& sight = sights[thing.name];
+        if (is_shown(scene, shots, time, thing)) {
+          ++sight.shown;
+          continue;
+        }
+        if (sight.hidden++ == 0) sight.first_hidden = time;
+        sight.last_hidden = time;
+      }
+    }
+  } catch (const Diverged& error) {
+    warnings.push_back(fmt::format("the simulation diverges: {}", error.what()));
+  }
+  for (const auto& [name, sight] : sights) {
+    if (sight.hidden == 0) continue;
+    warnings.push_back(
+        sight.shown == 0
+            ? fmt::format("{} is never in the camera's picture", name)
+            : fmt::format("{} is out of the camera's picture {:.0f}% of the time, from {:.3g} s "
+                          "until {:.3g} s",
+                          name, 100 * sight.hidden / (sight.hidden + sight.shown),
+                          sight.first_hidden, sight.last_hidden));
+  }
+}
+
+void look_at_hands(const Scene& scene, std::vector<std::string>& warnings) {
+  for (const auto& performance : scene.performances) {
+    double most = 0, worst = 0, first = -1;
+    for (int frame = 0; frame < scene.frames(); ++frame) {
+      const double time = static_cast<double>(frame) / scene.fps;
+      const double beyond = beyond_reach(*performance, time);
+      if (beyond > kOutOfReach && first < 0) first = time;
+      if (beyond > most) most = beyond, worst = time;
+    }
+    if (most <= kOutOfReach) continue;
+    warnings.push_back(fmt::format(
+        "the hand's path is out of the arm's reach from {:.3g} s, most at {:.3g} s, by {:.2f} m: "
+        "it drags the body along",
+        first, worst, most));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const Scene& scene, double seconds,
+                                     const std::function<void()>& tick) {
+  std::vector<std::string> warnings;
+  const bool anything =
+      !scene.world.connectors.empty() ||
+      std::ranges::any_of(scene.world.bodies, [](const Body& body) { return !body.driven(); });
+  if (!anything) {
+    warnings.emplace_back("nothing is simulated: there is no connector and no free body");
+  }
+  if (!scene.stage) return warnings;
+  look_at_hands(scene, warnings);
+  look_through_camera(scene, seconds, tick, warnings);
+  return warnings;
+}
+
+}  // namespace taut

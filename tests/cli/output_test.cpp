@@ -1,0 +1,176 @@
+// What a clip is written as: kinds of files, opacity, backgrounds, and what the files say of
+// themselves.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "render/picture.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// Without a stage.
+constexpr const char* kScene = R"(title = "Swing"
+duration = 0.2
+fps = 20
+size = [96, 54]
+[connectors.rope]
+length = 0.2
+mass = 0.05
+particles = 4
+from = { fixed = [0, 0.6, 0] }
+to = { point_mass = 0.2 }
+start = { direction = [1, 0, 0] }
+)";
+
+class Output : public testing::Test {
+ protected:
+  ProgramResult render(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"render", "swing.toml"});
+    return run_taut(more, folder_.path());
+  }
+  json probe(const std::string& name) const {
+    const ProgramResult outcome = Child({"ffprobe", "-v", "error", "-count_frames", "-show_streams",
+                                         "-show_format", "-of", "json", name},
+                                        folder_.path())
+                                      .wait();
+    return json::parse(outcome.output);
+  }
+  Picture picture(const std::string& name) const { return read_png(folder_.path() / name); }
+
+  Folder folder_;
+  fs::path scene_ = folder_.write("swing.toml", kScene);
+};
+
+TEST_F(Output, ASceneWithoutAStageIsSeen) {
+  ASSERT_EQ(render({"-o", "poster.png", "--poster", "0"}).code, 0);
+  const Picture seen = picture("poster.png");
+  EXPECT_EQ(seen.width, 96);
+  // Hemp is redder than the ground and the background.
+  int hemp = 0, background = 0;
+  for (int y = 0; y < seen.height; ++y)
+    for (int x = 0; x < seen.width; ++x) {
+      hemp += seen.at(x, y)[0] > seen.at(x, y)[2] + 20;
+      background += seen.at(x, y)[2] > seen.at(x, y)[0] + 5;
+    }
+  EXPECT_GT(hemp, 15);
+  EXPECT_GT(background, 50) << "above the ground's far edge";
+}
+
+TEST_F(Output, EveryKindOfFile) {
+  for (const auto& [name, codec] :
+       std::vector<std::pair<std::string, std::string>>{{"a.mp4", "h264"},
+                                                        {"a.webm", "vp9"},
+                                                        {"a.mov", "prores"},
+                                                        {"a.gif", "gif"},
+                                                        {"a.apng", "apng"}}) {
+    const ProgramResult outcome = render({"-o", name, "-q"});
+    ASSERT_EQ(outcome.code, 0) << outcome.messages;
+    EXPECT_EQ(outcome.output, name + "\n");
+    const json stream = probe(name).at("streams").at(0);
+    EXPECT_EQ(stream.at("codec_name"), codec);
+    EXPECT_EQ(stream.at("nb_read_frames"), "4") << name;
+  }
+  ASSERT_EQ(render({"-o", "a.webp", "-q"}).code, 0);
+  const std::string webp = read_file(folder_.path() / "a.webp");
+  EXPECT_EQ(webp.substr(8, 4), "WEBP");
+  std::size_t frames = 0;
+  for (std::size_t at = 0; (at = webp.find("ANMF", at)) != std::string::npos; ++at) ++frames;
+  EXPECT_EQ(frames, 4u);
+}
+
+TEST_F(Output, QualityIsSize) {
+  ASSERT_EQ(render({"-o", "low.mp4", "--quality", "10", "-q"}).code, 0);
+  ASSERT_EQ(render({"-o", "high.mp4", "--quality", "100", "-q"}).code, 0);
+  EXPECT_LT(fs::file_size(folder_.path() / "low.mp4"), fs::file_size(folder_.path() / "high.mp4"));
+}
+
+TEST_F(Output, PresetsAreSizes) {
+  ASSERT_EQ(render({"-o", "draft.png", "--preset", "draft"}).code, 0);
+  EXPECT_EQ(picture("draft.png").width, 640);
+  EXPECT_EQ(picture("draft.png").height, 360);
+}
+
+TEST_F(Output, ABackgroundComesOutAsItIsAsked) {
+  ASSERT_EQ(
+      render({"-o", "green.png", "--set", "stage.background=[0,1,0]", "--set", "stage.scenery=[]"})
+          .code,
+      0);
+  const Picture green = picture("green.png");
+  EXPECT_EQ(green.at(1, 1)[0], 0);
+  EXPECT_EQ(green.at(1, 1)[1], 255);
+  EXPECT_EQ(green.at(1, 1)[2], 0);
+}
+
+TEST_F(Output, TransparentPicturesHaveNoBackground) {
+  const std::vector<std::string> bare = {"--transparent", "--set", "stage.scenery=[]", "--set",
+                                         "connectors.rope.diameter=0.03"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), bare.begin(), bare.end());
+    return render(words);
+  };
+  ASSERT_EQ(with({"-o", "clear.png", "--poster", "0"}).code, 0);
+  const Picture clear = picture("clear.png");
+  int solid = 0, nothing = 0;
+  for (int y = 0; y < clear.height; ++y)
+    for (int x = 0; x < clear.width; ++x) {
+      solid += clear.at(x, y)[3] == 255;
+      nothing += clear.at(x, y)[3] == 0;
+    }
+  EXPECT_EQ(clear.at(0, 0)[3], 0);
+  EXPECT_GT(solid, 50);
+  EXPECT_GT(nothing, clear.width * clear.height / 2);
+  for (const char* name : {"clear.webm", "clear.mov", "clear.apng"})
+    EXPECT_EQ(with({"-o", name, "-q"}).code, 0) << name;
+  const std::string pixels = probe("clear.mov").at("streams").at(0).at("pix_fmt");
+  EXPECT_EQ(pixels.substr(0, 8), "yuva444p");
+  EXPECT_EQ(probe("clear.apng").at("streams").at(0).at("pix_fmt"), "rgba");
+  ASSERT_EQ(with({"--no-video", "-q", "--out", "frames"}).code, 0);
+  EXPECT_EQ(picture("frames/frames/000000.png").at(0, 0)[3], 0);
+}
+
+TEST_F(Output, FilesSayWhatTheyAreOf) {
+  ASSERT_EQ(render({"-q"}).code, 0);
+  const std::string png = read_file(folder_.path() / "out/swing/frames/000002.png");
+  for (const char* word :
+       {"iTXtSoftware", "iTXtSource", "swing.toml", "iTXttaut:time", "0.1 s", "iTXttaut:method"})
+    EXPECT_NE(png.find(word), std::string::npos) << word;
+  const json tags = probe("out/swing/swing.mp4").at("format").at("tags");
+  EXPECT_EQ(tags.at("title"), "Swing");
+  const std::string comment = tags.at("comment");
+  EXPECT_NE(comment.find("scene swing.toml, method "), std::string::npos) << comment;
+  const std::string first = read_file(folder_.path() / "out/swing/swing.mp4");
+  ASSERT_EQ(render({"-q", "--anew"}).code, 0);
+  EXPECT_EQ(read_file(folder_.path() / "out/swing/swing.mp4"), first) << "the same bytes again";
+}
+
+TEST_F(Output, WatchingMakesAPosterWheneverTheSceneIsSaved) {
+  Child child({TAUT_PROGRAM, "render", "swing.toml", "--watch", "--out", "here"}, folder_.path());
+  const fs::path poster = folder_.path() / "here/poster.png";
+  const auto in_time = [](const std::function<bool()>& so) {
+    for (int i = 0; i < 3000 && !so(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return so();
+  };
+  ASSERT_TRUE(in_time([&] { return fs::exists(poster); }));
+  const std::string first = read_file(poster);
+  folder_.write("swing.toml", "duration = -1\n");
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  std::string other = kScene;
+  folder_.write("swing.toml", other.replace(other.find("[1, 0, 0]"), 9, "[0, 1, 1]"));
+  EXPECT_TRUE(in_time([&] { return read_file(poster) != first; }));
+  kill(child.id(), SIGINT);
+  const ProgramResult outcome = child.wait();
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+  EXPECT_NE(outcome.messages.find("duration: found -1"), std::string::npos) << outcome.messages;
+}
+
+}  // namespace
+}  // namespace taut
