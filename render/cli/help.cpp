@@ -34,11 +34,12 @@ std::string entry(const std::string& name, const std::string& description) {
   return text + line + '\n';
 }
 
-/// What an option takes, in capitals: its own name where it has no better word.
+}  // namespace
+
 std::string value_of(const CLI::Option& option) {
   std::string type = option.get_type_name();
   type = type.substr(0, type.find_first_of(": "));
-  if (option.get_type_size() == 0) return "";
+  if (option.get_items_expected_max() == 0) return "";
   if (type == "INT" || type == "UINT" || type == "FLOAT") return "N";
   if (type != "TEXT" && !type.empty()) return type;
   std::string name = option.get_name(false, false);
@@ -46,6 +47,8 @@ std::string value_of(const CLI::Option& option) {
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::toupper(c); });
   return name;
 }
+
+namespace {
 
 class Format : public CLI::Formatter {
  public:
