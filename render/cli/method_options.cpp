@@ -53,8 +53,11 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   step->excludes(tolerance);
   auto* set =
       command
-          .add_option("--set", options.set, "A setting of the method, KEY=VALUE; may be repeated")
-          ->allow_extra_args(false);
+          .add_option("--set", options.set,
+                      "A setting of the method, as in stiffness=5000, or a value in place of the "
+                      "scene's, as in connectors.rope.length=0.5; may be repeated")
+          ->allow_extra_args(false)
+          ->type_name("KEY=VALUE");
   command
       .add_flag("--planned", options.planned,
                 "The model and the method of the scene's plan, as taut plan --write made it")
