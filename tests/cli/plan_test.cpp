@@ -190,7 +190,7 @@ void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
       {cli::few_copies(scene.world), frame_times(scene.duration, scene.fps), scene.timeline},
       metres, 1e9, [](double) {});
   std::size_t tried = 0;
-  for (const cli::SceneModel& one : cli::models_of(scene)) {
+  for (const cli::SceneModel& one : cli::models_of(scene, {})) {
     for (const Candidate& candidate : cli::all_candidates(one.model.world, scene.fps)) {
       const Trial trial = attempt(one.model, candidate, exact, asked, enough);
       EXPECT_NE(trial.end, Trial::End::within)
