@@ -36,6 +36,16 @@ Box box_of(const MassProperties& properties) {
   return box;
 }
 
+/// Of the ball that a point mass at the particle is drawn as: steel of that mass; 0: there is none.
+double radius_at(const Connector& connector, std::size_t particle) {
+  constexpr double kSteel = 7850;  // kg/m^3
+  for (const Hold& hold : connector.holds)
+    if (hold.particle == particle) return 0;
+  const double own = connector.mass / static_cast<double>(connector.particles());
+  const double extra = std::max(connector.particle_mass[particle] - own, 0.0);
+  return std::cbrt(3 * extra / (4 * std::numbers::pi * kSteel));
+}
+
 /// Everything there is to see of a scene, state by state.
 class Seen {
  public:
@@ -50,6 +60,13 @@ class Seen {
     std::vector<Vec3> all;
     for (const auto& particles : state.connectors)
       all.insert(all.end(), particles.begin(), particles.end());
+    for (std::size_t c = 0; c < scene_.world.connectors.size(); ++c) {
+      for (const std::size_t end : {std::size_t(0), scene_.world.connectors[c].particles() - 1})
+        for (const Vec3& way : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())})
+          for (const double side : {-1.0, 1.0})
+            all.push_back(state.connectors[c][end == 0 ? 0 : state.connectors[c].size() - 1] +
+                          side * radius_at(scene_.world.connectors[c], end) * way);
+    }
     for (std::size_t b = 0; b < state.bodies.size(); ++b) {
       const std::vector<Vec3> own = corners(b, state.bodies[b]);
       all.insert(all.end(), own.begin(), own.end());

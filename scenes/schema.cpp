@@ -48,7 +48,8 @@ Json method_schema() {
 Json key_schema(const KeyFormat& key) {
   switch (key.type) {
     case Type::flag:
-      return key.minimum == 1 ? Json{{"const", true}} : Json{{"type", "boolean"}};
+      return key.minimum == 1 ? Json{{"type", "boolean"}, {"const", true}}
+                              : Json{{"type", "boolean"}};
     case Type::number:
       return number_schema(key);
     case Type::numbers:

@@ -12,6 +12,7 @@
 #include "render/cli/note.h"
 #include "render/cli/output.h"
 #include "render/cli/progress.h"
+#include "render/cli/scene_options.h"
 #include "render/export/bvh.h"
 #include "render/export/csv.h"
 #include "render/export/glb.h"
@@ -27,7 +28,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string scene, to, out;
+  SceneOptions inputs;
+  std::string scene;  // of the inputs, the one that is exported now
+  std::string to, out;
   int fps = 0;  // 0: the scene's
   bool scenery = false;
   double max_memory = 0;
@@ -79,13 +82,17 @@ Needs needs_of(const Scene& scene, const Format& format) {
 
 int run(const Options& options, const Common& common) {
   const Format& format = chosen_format(options);
+  if (!options.out.empty() && options.inputs.several()) {
+    throw Misuse(fmt::format("-o {}: one file for several scenes, expected --to", options.out));
+  }
   Scene scene = load_chosen(options.scene, format.stage, options.method);
   if (scene.stage && !options.scenery) scene.stage->scenery.clear();
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
-  const std::string stem = fs::path(options.scene).stem().string();
-  const std::string name =
-      !options.out.empty() ? options.out : fmt::format("out/{}/{}.{}", stem, stem, format.name);
+  const std::string file = fmt::format("{}.{}", scene_name(options.scene), format.name);
+  const std::string name = !options.out.empty()
+                               ? options.out
+                               : (results_folder(options.scene, "", false) / file).string();
   const bool to_output = to_standard_output(name);
   if (to_output && common.json) {
     throw Misuse(fmt::format("-o {}: standard output is the JSON's (--json)", name));
@@ -151,11 +158,12 @@ Formats:
   bvh   the character's skeleton and its motion
 
 SI units, y up, one state per frame. glb and usda have more where the motion needs them: between
-frames nothing is more than 0.1 mm from the simulation's own states (--json says how far, _off_by_m).
+frames nothing is more than 0.1 mm from the simulation's own states (--json says how far,
+_off_by_m).
 The same scene gives the same bytes. render/export/README.md says what is in each format, and how
 other programs open it.)");
   const auto options = std::make_shared<Options>();
-  command.add_option("scene", options->scene, "A scene file")->required();
+  add_scene_options(command, options->inputs, false);
   command.add_option("--to", options->to, "The format; default the suffix of --out")
       ->check(CLI::IsMember(format_names()));
   command.add_option("--out,-o", options->out,
@@ -166,7 +174,13 @@ other programs open it.)");
   add_method_options(command, options->method);
   add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
-    program.run = [options, &program] { return run(*options, program.common); };
+    program.run = [options, &program] {
+      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
+        Options one = *options;
+        one.scene = scene;
+        return run(one, program.common);
+      });
+    };
   });
 }
 

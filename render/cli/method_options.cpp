@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 
 #include "render/cli/command.h"
 #include "render/cli/scene_options.h"
@@ -53,8 +55,11 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   step->excludes(tolerance);
   auto* set =
       command
-          .add_option("--set", options.set, "A setting of the method, KEY=VALUE; may be repeated")
-          ->allow_extra_args(false);
+          .add_option("--set", options.set,
+                      "A setting of the method, as in stiffness=5000, or a value in place of the "
+                      "scene's, as in connectors.rope.length=0.5; may be repeated")
+          ->allow_extra_args(false)
+          ->type_name("KEY=VALUE");
   command
       .add_flag("--planned", options.planned,
                 "The model and the method of the scene's plan, as taut plan --write made it")
@@ -133,7 +138,13 @@ Settings full_settings(const MethodChoice& choice) {
 nlohmann::ordered_json settings_json(const Settings& settings) {
   auto object = nlohmann::ordered_json::object();
   for (const auto& [name, value] : settings) {
-    std::visit([&](const auto& v) { object[name] = v; }, value);
+    // Whole numbers are written as such: a count has no .0.
+    const double* number = std::get_if<double>(&value);
+    if (number && std::abs(*number) < 1e15 && *number == std::floor(*number)) {
+      object[name] = static_cast<std::int64_t>(*number);
+    } else {
+      std::visit([&](const auto& v) { object[name] = v; }, value);
+    }
   }
   return object;
 }

@@ -29,28 +29,14 @@ struct Options {
 
 using Clock = std::chrono::steady_clock;
 
-/// As far as two solvers of the truth come within `cap` (s of CPU time) each.
-Target quick_target(const Scene& scene, double scored_error, double cap) {
-  Target target{{scene.world, frame_times(scene.duration, scene.fps), scene.timeline}, {}};
-  auto reference = quick_reference(target.problem, scored_error, cap);
-  if (!reference) {
-    throw Misuse(
-        fmt::format("{}: the truth cannot be solved in that time (--budget)", scene.file.string()));
-  }
-  target.reference = std::move(*reference);
-  std::erase_if(target.problem.times, [&](double time) { return time > target.reference.horizon; });
-  target.reference.frames.resize(target.problem.times.size());
-  return target;
-}
-
 AccuracyStudy study_of(const StudyOptions& options, double least_error, bool quiet) {
   const Scene scene = study_scene(options);
   if (!quiet) note("{}: solving the truth\n", options.scene);
   const Clock::time_point begin = Clock::now();
-  const Target target = options.quick
-                            ? quick_target(scene, least_error, 0.2 * options.budget)
-                            : predictable_target(scene, {.scored_error = least_error,
-                                                         .second_accuracy = 1e-4 * least_error});
+  TruthOptions truth;
+  truth.scored_error = least_error;
+  truth.second_accuracy = (options.quick ? 5e-3 : 1e-4) * least_error;
+  const Target target = predictable_target(scene, truth);
   // The truth is part of the budget, but for what the rest needs at least.
   const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
   const double left = std::max(options.budget - spent, 0.3 * options.budget);

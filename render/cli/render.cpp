@@ -91,6 +91,8 @@ std::size_t missing_frames(const std::filesystem::path& folder, const std::vecto
   }));
 }
 
+constexpr const char* kFewer = ", fewer frames at a time (--frames), smaller pictures (--size)";
+
 /// The options of a single picture, where one is asked for in whatever way.
 Stills stills_of(const Options& options, double duration) {
   Stills stills = options.stills;
@@ -114,8 +116,9 @@ int render(const Common& common, const Options& asked) {
   if (options.samples == 0) options.samples = preset.samples;
   if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
   const auto complete = [&] {
-    refuse_beyond({.memory = simulation_needs(scene).memory}, scene, options.max_memory, "", "",
-                  true);
+    const Needs needs =
+        scene.stage ? clip_needs(scene, 0, options.samples) : simulation_needs(scene);
+    refuse_beyond({.memory = needs.memory}, scene, options.max_memory, "", kFewer, true);
     complete_stage(scene, chosen_changes(options.method), stop_if_interrupted);
   };
   if (options.method.planned) {
@@ -137,7 +140,6 @@ int render(const Common& common, const Options& asked) {
         fmt::format("a video of {}x{} is not possible: {} (yuv420p) needs even sides "
                     "(--no-video makes frames of any size)",
                     scene.width, scene.height, ending == ".mp4" ? "H.264" : ending));
-  constexpr const char* kFewer = ", fewer frames at a time (--frames), smaller pictures (--size)";
   refuse_beyond({.memory = clip_needs(scene, 0, options.samples).memory}, scene, options.max_memory,
                 "", kFewer, true);
   const std::vector<ClipFrame> clip = clip_frames(scene);

@@ -15,6 +15,7 @@
 #include "render/cli/progress.h"
 #include "render/cli/stability_maps.h"
 #include "render/cli/study_target.h"
+#include "render/cli/terminal.h"
 #include "render/gnuplot.h"
 #include "render/interrupt.h"
 
@@ -141,6 +142,27 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
   }
 }
 
+/// How many cells of all maps each method has of each class.
+Table verdict_table(const StabilityStudy& study) {
+  constexpr Verdict kVerdicts[] = {Verdict::accurate,  Verdict::plausible, Verdict::over_damped,
+                                   Verdict::stretched, Verdict::failed,    Verdict::over_cap};
+  Table table{{"cells"}, {}};
+  for (const Verdict verdict : kVerdicts) table.columns.emplace_back(name_of(verdict));
+  for (std::size_t c = 0; c < study.contenders.size(); ++c) {
+    std::vector<std::string> row{study.contenders[c].label};
+    for (const Verdict verdict : kVerdicts) {
+      std::ptrdiff_t count = 0;
+      for (const StabilityMap& map : study.maps)
+        count += std::ranges::count_if(map.cells, [&](const MapCell& cell) {
+          return cell.contender == c && cell.judgement.verdict == verdict;
+        });
+      row.push_back(std::to_string(count));
+    }
+    table.add(std::move(row));
+  }
+  return table;
+}
+
 int run(const StudyOptions& options, const Common& common) {
   const Scene scene = study_scene(options);
   StabilityStudy study;
@@ -196,7 +218,7 @@ int run(const StudyOptions& options, const Common& common) {
   page.write(stability_page(study));
   page.commit();
   journal.finish();
-  if (common.json) write_output(stability_json(study));
+  write_output(common.json ? stability_json(study) : table_text(verdict_table(study)));
   if (!common.quiet) {
     note("{}/stability: .html .csv, and a .svg and .png per map\n", folder.string());
   }

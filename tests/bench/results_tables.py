@@ -112,7 +112,7 @@ def scenes(work):
                                                 "hard/falling_chain", "hard/whip")] + ["tests/bench/upright.toml"]
     for file in files:
         told = json.loads(work.run(f"taut check {file} --json"))
-        length = next(iter(told["connectors"].values()))["length"]
+        length = next(iter(told["connectors"].values()))["length_m"]
         errors = ",".join(f"{length * share:.6g}" for share in shares)
         found = cells(work.run(f"taut reach {file} --methods direct,impulse,dynamic-constraints,xpbd "
                                f"--budget 12 --errors {errors} --markdown"))

@@ -55,11 +55,10 @@ def trajectory(build, scene, folder, *method):
 
 def horizon(build, scene):
     """Until when (s) the truth can be foretold, at most a second."""
-    [told] = json.loads(taut(build, "judge", scene, "--methods", "direct", "--json", "--quiet"))
-    until = told["truth until (s)"]
-    if until == "-":
+    [told] = json.loads(taut(build, "judge", scene, "--methods", "direct", "--json", "--quiet"))["scenes"]
+    if told["truth_until_s"] is None:
         raise Failed(f"{scene}: nothing is predictable")
-    return min(1.0, float(until) + 1e-3)  # it is rounded
+    return min(1.0, told["truth_until_s"])
 
 
 def rms(frames, truth, until):

@@ -227,6 +227,7 @@ TEST(Stability, MapsHaveEveryCellAndGoOn) {
   const ProgramResult second = run_taut(command, folder.path());
   ASSERT_EQ(second.code, 0) << second.messages;
   EXPECT_NE(second.messages.find("going on after"), std::string::npos) << second.messages;
+  EXPECT_EQ(second.output.rfind("cells    accurate  plausible", 0), 0u) << second.output;
   const Table table = from_csv(read_file(out / "stability.csv"));
   // Four values of each of five axes and five steps; impulse has no stiffness.
   EXPECT_EQ(table.rows.size(), 4u * 5u * (5u + 4u));

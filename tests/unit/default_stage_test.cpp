@@ -76,6 +76,23 @@ TEST_F(DefaultStage, TheGroundIsWhereNothingGoesBelow) {
   EXPECT_NEAR(top, lowest, 0.1);
 }
 
+TEST_F(DefaultStage, TheBallOfAPointMassLiesOnTheGround) {
+  const Scene scene = staged(R"(duration = 0.1
+fps = 30
+[connectors.rope]
+length = 1
+mass = 0.01
+particles = 3
+from = { fixed = [0, 1, 0] }
+to = { point_mass = 1 }
+)");
+  double top = -1e9;
+  for (const Vertex& vertex : scene.stage->scenery.at(0)->meshes[0].vertices)
+    top = std::max(top, static_cast<double>(vertex.position[1]));
+  EXPECT_LT(top, -0.031) << "steel of 1 kg has a radius of 31 mm";
+  EXPECT_GT(top, -0.06);
+}
+
 TEST_F(DefaultStage, LooksAreByKindAndBodiesHaveOne) {
   const Scene scene = staged(kRope);
   using Kind = ConnectorLook::Kind;
