@@ -8,6 +8,7 @@
 #include "sim/shown_velocities.h"
 #include "tests/cli/export_scenes.h"
 #include "tests/support/folder.h"
+#include "tests/support/glb.h"
 #include "tests/support/npz.h"
 #include "tests/support/program.h"
 
@@ -213,11 +214,29 @@ TEST_F(Export, SaysWhatItMade) {
   EXPECT_GE(glb.at("keys"), 25);
 }
 
+TEST_F(Export, SeveralScenesShareAFolder) {
+  const ProgramResult outcome =
+      run({"cut.toml", "link.toml", "--to", "csv", "-o", "rows", "-q", "--set", "duration=0.1"});
+  EXPECT_EQ(outcome.output, "rows/cut.csv\nrows/link.csv\n") << outcome.messages;
+  EXPECT_EQ(read_file(folder_.path() / "rows/link.csv"),
+            run({"link.toml", "--to", "csv", "-o", "-", "--set", "duration=0.1"}).output);
+  EXPECT_EQ(run({"cut.toml", "link.toml", "-o", "rows.csv"}).code, 2);
+}
+
+// A scene that says nothing of pictures has boxes, a camera and a light.
+TEST_F(Export, ASceneWithoutAStageHasWhatPicturesOfItHave) {
+  const GlbFile file(exported("link.toml", "glb"));
+  EXPECT_TRUE(file.root()["nodes"][file.node("stick")].contains("mesh"));
+  EXPECT_TRUE(file.root()["nodes"][file.node("camera")].contains("camera"));
+  EXPECT_FALSE(file.root()["nodes"][file.node("key light")]["extensions"].empty());
+}
+
 TEST_F(Export, MisuseAndFailuresLeaveNothing) {
   const auto fails = [&](int code, const std::string& says, std::vector<std::string> arguments) {
+    const bool json = arguments.back() == "--json";
     const ProgramResult outcome = run(std::move(arguments));
     EXPECT_EQ(outcome.code, code);
-    EXPECT_EQ(outcome.output, "");
+    EXPECT_EQ(outcome.output.empty(), !json);
     EXPECT_NE(outcome.messages.find(says), std::string::npos) << outcome.messages;
   };
   fails(2, "no format is given, expected --to with one of glb, usda, npz, csv, pc2, bvh",
