@@ -38,7 +38,7 @@ TEST(Options, AreGivenByName) {
 TEST(Options, MakeTheMethodThatTheGenericOnesMake) {
   World world;
   world.connectors = {straight_connector("rope", 1, 0.2, 11, Vec3::Zero(), Vec3::UnitX())};
-  world.connectors[0].holds = {{.particle = 0, .to = {.point = Vec3::Zero()}}};
+  world.connectors[0].holds = {{0, {}, {}}};
   Simulation typed(world, make_method(springs::Options{.step = 1e-4}));
   Simulation generic(world, make_method("springs", {{"step", 1e-4}}));
   typed.advance_to(0.1);
