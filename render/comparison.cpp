@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/framing.h"
 #include "render/paint.h"
 
 namespace taut {
 namespace {
 
 constexpr Rgb kInk = {32, 34, 38}, kGrey = {110, 112, 116}, kPaper = {255, 255, 255};
-constexpr float kGhost = 0.35f;          // opacity
-constexpr double kCells = 0.63;          // of the picture's height
+constexpr float kGhost = 0.35f;     // opacity
+constexpr double kCells = 0.63;     // of the picture's height
+constexpr double kHeading = 0.085;  // of the picture's height, over what moves in a cell
+constexpr int kMostColumns = 6;
 constexpr double kCharts = 0.58;         // of the picture's width; the rest is the table's
 constexpr double kLeastDistance = 1e-4;  // mm, of the chart
 constexpr double kLeastStretch = 1e-4;   // %, of the chart
@@ -21,9 +24,8 @@ Rgb rgb(std::uint32_t color) {
   return {std::uint8_t(color >> 16), std::uint8_t(color >> 8), std::uint8_t(color)};
 }
 
-/// Cells in rows of at most three, from the upper left.
-std::vector<Rect> cells(std::size_t count, int width, int height) {
-  const int columns = count == 4 ? 2 : std::min(int(count), 3);
+/// Cells in rows of so many, from the upper left.
+std::vector<Rect> cells(std::size_t count, int columns, int width, int height) {
   const int rows = (int(count) + columns - 1) / columns;
   std::vector<Rect> result;
   for (int i = 0; i < int(count); ++i) {
@@ -32,6 +34,17 @@ std::vector<Rect> cells(std::size_t count, int width, int height) {
         {x, y, width * (i % columns + 1) / columns - x, height * (i / columns + 1) / rows - y});
   }
   return result;
+}
+
+/// Everything that moves, as the truth has it.
+std::vector<Vec3> moving_points(const Comparison& comparison) {
+  std::vector<Vec3> points;
+  for (const Snapshot& state : comparison.truth) {
+    for (const auto& particles : state.connectors)
+      points.insert(points.end(), particles.begin(), particles.end());
+    for (const Pose& body : state.bodies) points.push_back(body.position);
+  }
+  return points;
 }
 
 /// A millimetre value as short as its size allows.
@@ -48,17 +61,62 @@ ComparisonFilm::ComparisonFilm(const Context& context, const Scene& scene,
       comparison_(comparison),
       width_(width),
       height_(height),
-      cells_(cells(comparison.methods.size(), width, std::max(int(kCells * height), 1))),
-      top_(cells_.back().top()),
+      top_(std::max(int(kCells * height), 1)),
       canvas_(context, width, top_, samples),
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline)),
       still_(width, height) {
+  lay_out();
   draw_charts();
   draw_table();
 }
 
+void ComparisonFilm::lay_out() {
+  const std::size_t count = comparison_.methods.size();
+  const int usual = count == 4 ? 2 : std::min(int(count), 3);
+  cells_ = cells(count, usual, width_, top_);
+  // People, and cameras that move, are seen as the scene has them.
+  if (!scene_.stage->characters.empty() || scene_.stage->camera.size() != 1) return;
+  const CameraView camera = camera_at(scene_.stage->camera, 0);
+  const std::vector<Vec3> points = moving_points(comparison_);
+  double best = 0;  // px to a metre
+  for (int columns = 1; columns <= std::min(int(count), kMostColumns); ++columns) {
+    std::vector<Rect> tried = cells(count, columns, width_, top_);
+    const Rect& cell = tried.front();
+    if (cell.width < 1 || cell.height < 1) continue;
+    const CameraView view = framed(camera, points, double(cell.width) / cell.height,
+                                   std::min(kHeading * height_ / cell.height, 0.4));
+    const double scale = pixels_per_metre(view, cell.height);
+    if (scale <= best) continue;
+    best = scale;
+    camera_ = view;
+    cells_ = std::move(tried);
+  }
+}
+
+CameraView ComparisonFilm::camera(double time) const {
+  return camera_ ? *camera_ : camera_at(scene_.stage->camera, time);
+}
+
+/// A length in the first cell, as long as it is where the camera looks.
+void ComparisonFilm::draw_scale(Picture& picture) {
+  if (!camera_) return;
+  const Rect& cell = cells_.front();
+  const double metre = pixels_per_metre(*camera_, cell.height);
+  const double length = round_length(0.4 * cell.width / metre), size = 0.0168 * height_;
+  const int wide = std::max(int(std::lround(length * metre)), 1),
+            thick = std::max(height_ / 360, 1);
+  const int left = cell.x + int(size), bottom = cell.top() - int(size);
+  fill(picture, {left, bottom - thick, wide, thick}, kInk);
+  for (const int x : {left, left + wide - thick})
+    fill(picture, {x, bottom - 3 * thick, thick, 3 * thick}, kInk);
+  const std::string text = length >= 1      ? fmt::format("{:g} m", length)
+                           : length >= 0.01 ? fmt::format("{:g} cm", 1e2 * length)
+                                            : fmt::format("{:g} mm", 1e3 * length);
+  font_.draw(picture, text, left, bottom - 4 * thick - 0.2 * size, size, kInk);
+}
+
 Instant ComparisonFilm::instant(const Snapshot& state, double time) const {
-  Instant instant{state, {}, camera_at(scene_.stage->camera, time)};
+  Instant instant{state, {}, camera(time)};
   for (const auto& performance : scene_.performances)
     instant.bones.push_back(performance->bones_at(time));
   return instant;
@@ -68,8 +126,7 @@ Picture ComparisonFilm::draw(std::size_t frame) {
   const double time = comparison_.times[frame];
   std::vector<View> views;
   for (const Rect& cell : cells_)
-    views.push_back({{cell.x, top_ - cell.top(), cell.width, cell.height},
-                     camera_at(scene_.stage->camera, time)});
+    views.push_back({{cell.x, top_ - cell.top(), cell.width, cell.height}, camera(time)});
   renderer_.begin(canvas_, views);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ComparedMethod& method = comparison_.methods[i];
@@ -83,6 +140,7 @@ Picture ComparisonFilm::draw(std::size_t frame) {
   Picture picture = still_;
   paste(canvas_.finish(), picture, 0, 0);
   for (std::size_t i = 0; i < cells_.size(); ++i) draw_cell(picture, i, frame);
+  draw_scale(picture);
   draw_cursor(picture, frame);
   return picture;
 }

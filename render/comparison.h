@@ -1,6 +1,7 @@
 // Methods side by side in one picture: a cell of the scene for each, charts and a table under them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,10 @@ class ComparisonFilm {
   Picture draw(std::size_t frame);
 
  private:
+  /// Cells and a camera that show what moves as large as it can be.
+  void lay_out();
+  CameraView camera(double time) const;
+  void draw_scale(Picture& picture);
   Instant instant(const Snapshot& state, double time) const;
   void draw_cell(Picture& picture, std::size_t method, std::size_t frame);
   void draw_charts();
@@ -54,8 +59,9 @@ class ComparisonFilm {
   const Scene& scene_;
   const Comparison& comparison_;
   int width_, height_;
-  std::vector<Rect> cells_;  // from the upper left corner of the picture
-  int top_ = 0;              // px, of the charts
+  int top_;                           // px, of the charts
+  std::vector<Rect> cells_;           // from the upper left corner of the picture
+  std::optional<CameraView> camera_;  // none: the scene's
   Canvas canvas_;
   StageRenderer renderer_;
   Font font_, bold_{Font::Weight::bold};

@@ -11,7 +11,7 @@
 namespace taut {
 
 /// How a material's pattern is computed; the numbers are the surface shader's SURFACE.
-enum class Surface { plain, wood, cloth, skin, rope, count };
+enum class Surface { plain, wood, cloth, skin, rope, paper, count };
 
 /// The surface that a material's name asks for, such as "dark wood" or "skin".
 Surface surface_named(std::string_view material);

@@ -124,19 +124,30 @@ float wave(float turns) {
   return -4 * x * (1 - abs(x));
 }
 
-// Height of the small creases of cloth that is worn, m: waves along wandering lines.
-float creases(vec3 p) {
-  float a = wave(dot(p, vec3(15.1, 6.5, 0)) + 0.27 * wave(dot(p, vec3(0, 5.9, 4.6))));
-  float b = wave(dot(p, vec3(0, 9.7, -13.2)) + 0.30 * wave(dot(p, vec3(6.8, -4.9, 0))));
-  return 0.0011 * a * b;
+// By how much a wave rises in one turn.
+float wave_slope(float turns) {
+  return 32 * abs(turns - floor(turns) - 0.5) - 8;
 }
 
-// A normal tilted by heights over the surface (Mikkelsen 2010).
-vec3 bumped(vec3 n, float height) {
+// How the height of the small creases of worn cloth changes along the rest position, m/m: waves
+// along wandering lines.
+vec3 crease_slope(vec3 p) {
+  const vec3 a = vec3(15.1, 6.5, 0), b = vec3(0, 5.9, 4.6), c = vec3(0, 9.7, -13.2),
+             d = vec3(6.8, -4.9, 0);
+  float at_b = dot(p, b), at_d = dot(p, d);
+  float first = dot(p, a) + 0.27 * wave(at_b), second = dot(p, c) + 0.30 * wave(at_d);
+  return 0.0011 * (wave_slope(first) * wave(second) * (a + 0.27 * wave_slope(at_b) * b) +
+                   wave(first) * wave_slope(second) * (c + 0.30 * wave_slope(at_d) * d));
+}
+
+// A normal tilted by heights over the surface (Mikkelsen 2010), given how these change along the
+// rest position: differences of heights between pixels would show the pixels' grid.
+vec3 bumped(vec3 n, vec3 rest_slope) {
   vec3 x = dFdx(world_position), y = dFdy(world_position);
   vec3 across = cross(y, n), along = cross(n, x);
   float area = dot(x, across);
-  vec3 slope = sign(area) * (dFdx(height) * across + dFdy(height) * along);
+  vec3 slope = sign(area) * (dot(rest_slope, dFdx(rest_position)) * across +
+                             dot(rest_slope, dFdy(rest_position)) * along);
   return normalize(abs(area) * n - slope);
 }
 
@@ -168,18 +179,20 @@ void main() {
 #elif SURFACE == 2  // cloth: a weave of 2.4 mm that fades before it aliases, and a soft sheen
   vec2 threads = facing(rest_position, n) * (1 / 0.0024);
   vec2 width = fwidth(threads);
-  float fade = clamp(1.4 - 3.46 * max(width.x, width.y), 0, 1);
+  float fade = clamp(1.25 - 5 * max(width.x, width.y), 0, 1);
   albedo *= 1 + 0.16 * fade * wave(threads.x) * wave(threads.y);
-  n = bumped(n, creases(rest_position));
+  n = bumped(n, crease_slope(rest_position));
   wrap = vec3(0.15);
   sheen = 0.12;
 #elif SURFACE == 3  // skin: light that went in comes out redder past the terminator
-  wrap = vec3(0.34, 0.16, 0.10);
+  wrap = vec3(0.22, 0.14, 0.11);
   albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * 6.0).r;
 #elif SURFACE == 4  // rope: three strands; rest_position is (turn, metres along, radius)
   float strand = abs(sin(3.14159 * (3.0 * rest_position.x + rest_position.y / (7.0 * rest_position.z))));
   albedo *= 0.45 + 0.55 * sqrt(strand);
   wrap = vec3(0.1);
+#elif SURFACE == 5  // paper: daylight from behind comes through
+  vec3 through = 0.30 * albedo * LIGHT_COLOR;
 #endif
 
   vec3 v = normalize(eye.xyz - world_position), l = TO_LIGHT;
@@ -215,6 +228,9 @@ void main() {
   ambient_part += sheen * rim * rim * rim * ambient_light(n);
 #endif
   radiance += contact_light(world_position, n) * ambient_part;
+#if SURFACE == 5
+  radiance += through;
+#endif
   encoded = vec4(encode(radiance), opacity);
 }
 #endif

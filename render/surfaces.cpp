@@ -13,7 +13,7 @@
 namespace taut {
 namespace {
 
-constexpr double kExposure = 0.38;
+constexpr double kExposure = 0.48;
 
 }  // namespace
 

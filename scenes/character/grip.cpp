@@ -16,12 +16,12 @@ constexpr double degree = M_PI / 180, mm = 0.001;
 constexpr double skin = 0.7 * mm;  // left between skin and what it touches
 constexpr std::array<const char*, 4> finger_names = {"Index", "Middle", "Ring", "Pinky"};
 
-/// A cost of some angles (rad) that compass search can lower: tries each angle up and down, and
-/// halves the stride when nothing helps.
+/// A cost of some numbers that compass search can lower: tries each up and down, and halves the
+/// stride when nothing helps.
 template <std::size_t n, typename Cost>
-double descend(std::array<double, n>& x, Cost cost) {
+double descend(std::array<double, n>& x, Cost cost, double stride = 0.3, double finest = 0.004) {
   double least = cost(x);
-  for (double stride = 0.3; stride > 0.004;) {
+  while (stride > finest) {
     bool better = false;
     for (std::size_t i = 0; i < n; ++i) {
       for (const double sign : {1.0, -1.0}) {
@@ -174,26 +174,52 @@ class Thumb {
   Vec3 hinge_;
 };
 
-/// The least distance of the hand's own skin, its fingers turned so, from the stick's surface.
-double palm_gap(const Model& model, const Skeleton& skeleton, std::size_t hand,
-                const std::vector<std::pair<std::size_t, Quat>>& fingers, const Capsule& stick) {
-  Posture posture = skeleton.upright();
-  for (const auto& [bone, turn] : fingers) posture.turn[bone] = turn;
-  const Placement placed = skeleton.place(posture);
-  double least = std::numeric_limits<double>::infinity();
-  for (const Mesh& mesh : model.meshes) {
-    for (const Vertex& v : mesh.vertices) {
-      const auto strongest = std::ranges::max_element(v.weights);
-      if (*strongest <= 0 ||
-          v.bones[static_cast<std::size_t>(strongest - v.weights.begin())] != hand)
-        continue;
+/// The skin that moves most with a hand's own bone.
+class Palm {
+ public:
+  Palm(const Model& model, const Skeleton& skeleton, std::size_t hand) : skeleton_(skeleton) {
+    for (const Mesh& mesh : model.meshes)
+      for (const Vertex& v : mesh.vertices) {
+        const auto strongest = std::ranges::max_element(v.weights);
+        if (*strongest > 0 &&
+            v.bones[static_cast<std::size_t>(strongest - v.weights.begin())] == hand)
+          skin_.push_back(v);
+      }
+  }
+
+  /// Where it is when the fingers are turned so.
+  std::vector<Vec3> bent(const std::vector<std::pair<std::size_t, Quat>>& fingers) const {
+    Posture posture = skeleton_.upright();
+    for (const auto& [bone, turn] : fingers) posture.turn[bone] = turn;
+    const Placement placed = skeleton_.place(posture);
+    std::vector<Vec3> points;
+    for (const Vertex& v : skin_) {
       const Vec3 rest(v.position[0], v.position[1], v.position[2]);
       Vec3 p = Vec3::Zero();
       for (std::size_t k = 0; k < 4; ++k)
         p += double{v.weights[k]} * (placed.position[v.bones[k]] +
-                                     placed.turn[v.bones[k]] * (rest - skeleton.rest(v.bones[k])));
-      least = std::min(least, distance(p, stick));
+                                     placed.turn[v.bones[k]] * (rest - skeleton_.rest(v.bones[k])));
+      points.push_back(p);
     }
+    return points;
+  }
+
+ private:
+  const Skeleton& skeleton_;
+  std::vector<Vertex> skin_;
+};
+
+/// The least distance of points from a stick's surface, within a finger's breadth of each of the
+/// places along it.
+std::vector<double> gaps_along(const std::vector<Vec3>& points, const Capsule& stick,
+                               std::span<const double> places) {
+  constexpr double half = 8 * mm;
+  const Vec3 centre = (stick.a + stick.b) / 2, axis = (stick.b - stick.a).normalized();
+  std::vector<double> least(places.size(), std::numeric_limits<double>::infinity());
+  for (const Vec3& p : points) {
+    const double at = (p - centre).dot(axis);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      if (std::abs(at - places[k]) < half) least[k] = std::min(least[k], distance(p, stick));
   }
   return least;
 }
@@ -212,6 +238,7 @@ void add_finger(const Digit& finger, const DigitTurns& turns, ClosedHand& closed
     closed.phalanges.push_back({at[k], at[k + 1], finger.radius(k), finger.bones()[k]});
 }
 
+/// The stick lies where the fingers begin, so far over the bones that the palm's skin touches it.
 ClosedHand close_hand(const Model& model, const Skeleton& skeleton, Side side, double radius) {
   const std::size_t hand = skeleton.find(hand_name(side));
   const Vec3 wrist = skeleton.rest(hand);
@@ -221,22 +248,37 @@ ClosedHand close_hand(const Model& model, const Skeleton& skeleton, Side side, d
   const Vec3 axis = std::cos(tilt) * axes.across + std::sin(tilt) * axes.along;
   // A finger flexes toward the palm: about the hinge that turns `along` into `palm`.
   const Vec3 hinge = axes.along.cross(axes.palm);
+  std::vector<Digit> fingers;
+  for (const char* name : finger_names) fingers.emplace_back(model, skeleton, side, name);
 
+  using Place = std::array<double, 2>;  // m, along the hand and over its bones
+  const auto stick_at = [&](const Place& x) {
+    const Vec3 centre = wrist + x[0] * axes.along - 0.04 * length * axes.across + x[1] * axes.palm;
+    return Capsule{centre - axis, centre + axis, radius, hand};
+  };
+  const Palm palm(model, skeleton, hand);
+  const double best = 0.75 * length;  // nearer the wrist, knuckles would have to fold too far
+  Place x = {best, radius + 0.18 * length};
   ClosedHand closed;
-  double height = radius + 0.18 * length;  // over the palm's bones
   // Fingers that close pull the palm's skin along, so that the stick lies a little differently.
-  for (int round = 0; round < 3; ++round) {
-    const Vec3 centre =
-        wrist + 0.77 * length * axes.along - 0.04 * length * axes.across + height * axes.palm;
-    closed = {{}, {}, {centre - axis, centre + axis, radius, hand}};
-    for (const char* name : finger_names) {
-      const Digit finger(model, skeleton, side, name);
+  for (int round = 0;; ++round) {
+    closed = {{}, {}, stick_at(x)};
+    for (const Digit& finger : fingers)
       add_finger(finger, wrap(finger, closed.stick, hinge), closed);
-    }
-    const double gap = palm_gap(model, skeleton, hand, closed.fingers, closed.stick);
-    if (round < 2 && std::isfinite(gap)) height += skin - gap;
+    const std::vector<Vec3> points = palm.bent(closed.fingers);
+    if (round == 3 || points.empty()) return closed;
+    const auto cost = [&](const Place& trial) {
+      const Capsule stick = stick_at(trial);
+      const Vec3 centre = (stick.a + stick.b) / 2;
+      std::vector<double> places;
+      for (const Digit& finger : fingers) places.push_back((finger.rest(0) - centre).dot(axis));
+      double sum = squared((trial[0] - best) / mm);
+      for (const double gap : gaps_along(points, stick, places))
+        if (std::isfinite(gap)) sum += touch(gap);
+      return sum;
+    };
+    descend(x, cost, 10 * mm, 0.1 * mm);
   }
-  return closed;
 }
 
 }  // namespace
@@ -262,24 +304,23 @@ Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double 
   const Capsule& stick = closed.stick;
   const Vec3 centre = (stick.a + stick.b) / 2, axis = (stick.b - stick.a).normalized();
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
-  // The thumb goes round from the other side, beside the index finger.
-  const Vec3 beside = closed.phalanges[1].b - centre;
-  const double along = beside.dot(axis) + closed.phalanges[1].radius + thumb.digit().radius(2);
-  const Vec3 out = (0.8 * axes.palm + 0.6 * axes.along).normalized();
-  const Vec3 tip = centre + along * axis + (radius + thumb.digit().radius(2)) * out;
-  add_turns(thumb.digit(), thumb.lay({&stick, 1}, closed.phalanges, tip), closed.fingers);
+  // The thumb goes round from the other side, over the index finger's end.
+  const Capsule& end = closed.phalanges[2];
+  const Vec3 middle = (end.a + end.b) / 2, off = middle - centre;
+  const Vec3 out = (off - off.dot(axis) * axis).normalized();
+  const Vec3 tip = middle + (end.radius + thumb.digit().radius(2)) * out;
+  const std::array<Capsule, 2> index = {closed.phalanges[1], end};
+  std::vector<Capsule> things = closed.phalanges;
+  things.push_back(stick);
+  add_turns(thumb.digit(), thumb.lay(index, things, tip), closed.fingers);
   return {centre - skeleton.rest(stick.bone), axis, std::move(closed.fingers)};
 }
 
 std::vector<std::pair<std::size_t, Quat>> fist(const Model& model, const Skeleton& skeleton,
                                                Side side) {
-  constexpr std::array<double, 3> curl = {82 * degree, 100 * degree, 65 * degree};
   const HandAxes axes = hand_axes(skeleton, side);
-  ClosedHand closed;
-  for (const char* name : finger_names) {
-    const Digit finger(model, skeleton, side, name);
-    add_finger(finger, flexed(curl, axes.along.cross(axes.palm)), closed);
-  }
+  constexpr double hollow = 1.5 * mm;  // what a fist leaves free
+  ClosedHand closed = close_hand(model, skeleton, side, hollow);
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
   // Across the middle phalanges of index and middle finger.
   const std::array<Capsule, 2> middles = {closed.phalanges[1], closed.phalanges[4]};
