@@ -39,7 +39,7 @@ struct ModelErrors {
 
 /// Solves the refined models by `finely`. Where nothing can be foretold there is nothing to find.
 ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& written,
-                         const std::vector<SceneModel>& models, const Exact& exact,
+                         const std::vector<SceneModel>& models, const ReferenceSolution& reference,
                          const Candidate& finely, const Distance& distance);
 
 /// The world with a few of each connector's copies: as they are all alike, these show for all how
