@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kCheckWork = 1.5e10;  // cycles of the independent check
-constexpr double kFinely = 1e-2;  // of the tolerance: how finely models are solved to judge them
+constexpr double kFinely = 1e-2;  // of the tolerance: how finely models are solved to score them
 constexpr double kFinerForClip = 0.9;
 constexpr int kTimings = 5;
 
@@ -191,7 +191,7 @@ class PlanFile {
 /// Solves every model finely, to see how good it is by itself, and gives candidates to those that
 /// are good enough: what is beyond the tolerance when it is solved well must not be saved by errors
 /// that cancel.
-std::vector<PlanModel> judge_models(std::vector<SceneModel>& scene_models,
+std::vector<PlanModel> score_models(std::vector<SceneModel>& scene_models,
                                     const ReferenceSolution& reference, const Tolerance& tolerance,
                                     const Candidate& finely, int fps, double longest_step,
                                     bool quiet) {
@@ -290,7 +290,7 @@ int run(const Options& options, const Common& common) {
   const Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
   std::vector<SceneModel> scene_models = models_of(scene, changes);
   const std::vector<PlanModel> models =
-      judge_models(scene_models, reference, asked.tolerance, finely, scene.fps,
+      score_models(scene_models, reference, asked.tolerance, finely, scene.fps,
                    blur ? blur->longest_step : INFINITY, common.quiet);
 
   // Between frames a clip may show what is farther off than at any frame: then once more, finer.

@@ -140,7 +140,7 @@ void Multipliers::give_up(double time, std::size_t row, const char* what) const 
 
 MethodInfo truth_method() {
   return {.name = kName,
-          .summary = "the converged solution, which the others are judged by",
+          .summary = "the converged solution, which the others are scored against",
           .settings = {{"local_error",
                         "Error allowed in a step, in metres and metres per second; less is dearer.",
                         "1", 1e-12, 1e-15, 1e-3}},

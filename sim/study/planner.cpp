@@ -53,10 +53,10 @@ class Dearness {
   std::map<std::string, std::pair<double, double>> ranges_;  // the first and the last of each
 };
 
-/// Goes on as long as `judge` says that the trial is within. After the first frame that takes work
+/// Goes on as long as `end_of` says that the trial is within. After the first frame that takes work
 /// it says what equal steps will take to the end, so that what is too dear is not run.
 Trial run(const PlanModel& model, const Candidate& candidate, const ReferenceSolution& reference,
-          const Distance& distance, const std::function<Trial::End(const Trial&)>& judge) {
+          const Distance& distance, const std::function<Trial::End(const Trial&)>& end_of) {
   const std::vector<double>& times = reference.problem.times;
   const double span = times.back() - times.front();
   Trial trial;
@@ -68,7 +68,7 @@ Trial run(const PlanModel& model, const Candidate& candidate, const ReferenceSol
       trial.later = compared.later();
       trial.work = compared.work() / span;
       if (k == 1 && equal) trial.work *= span / (times[1] - times[0]);
-      trial.end = judge(trial);
+      trial.end = end_of(trial);
     }
   } catch (const Diverged&) {
     trial.end = Trial::End::diverged;

@@ -100,8 +100,8 @@ World nudged_with_bodies(const World& world, double distance, bool rough) {
 }
 
 /// What counts after the horizon.
-void judge_later(ReferenceSolution& reference, const Motion& motion, std::span<const Motion> others,
-                 double scored_error) {
+void measure_afterwards(ReferenceSolution& reference, const Motion& motion,
+                        std::span<const Motion> others, double scored_error) {
   const World& world = reference.problem.world;
   reference.closed = is_closed(world) && reference.problem.timeline.empty();
   reference.balanced = motion.balanced;
@@ -196,7 +196,7 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
                   });
     reference.known = std::min(reference.known, agree(motion, check, apart, reference.self_error));
   }
-  judge_later(reference, motion, others, scored_error);
+  measure_afterwards(reference, motion, others, scored_error);
   tick(1);
   return reference;
 }

@@ -55,7 +55,7 @@ def trajectory(build, scene, folder, *method):
 
 def horizon(build, scene):
     """Until when (s) the truth can be foretold, at most a second."""
-    [told] = json.loads(taut(build, "judge", scene, "--methods", "direct", "--json", "--quiet"))
+    [told] = json.loads(taut(build, "classify", scene, "--methods", "direct", "--json", "--quiet"))
     until = told["truth until (s)"]
     if until == "-":
         raise Failed(f"{scene}: nothing is predictable")
