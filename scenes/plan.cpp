@@ -195,7 +195,7 @@ std::string certificate(const Plan& plan) {
                        plan.tolerance.substr(std::min(unit, plan.tolerance.size())),
                        two_digits(plan.until, false), plan.end.empty() ? "" : ", when " + plan.end);
   } else {
-    text = "of a motion that nobody can foretell";
+    text = "of an unpredictable motion";
   }
   if (const auto& later = plan.afterwards) {
     using Work = Plan::Afterwards::Work;

@@ -25,7 +25,7 @@ struct Plan {
   double until = 0;       // s: as long as the motion is predictable
   std::string end = {};   // what makes an end of that, as "a pin comes"; empty: it ends by itself
 
-  /// What is said of the rest, where nobody can foretell it: shares by which it differs from
+  /// What is said of the rest, where it is not predictable: shares by which it differs from
   /// reference solutions.
   struct Afterwards {
     enum class Work { none, known, unknown };  // that is done on the scene

@@ -131,8 +131,8 @@ std::optional<Blur> blur_of(const Scene& scene, const ReferenceSolution& referen
   return blur;
 }
 
-/// The most that the planned motion is off at all instants that the clip shows, as far as it can be
-/// foretold; none where these are the frames that the planner compares anyway.
+/// The most that the planned motion is off at all instants that the clip shows, as far as it is
+/// predictable; none where these are the frames that the planner compares anyway.
 std::optional<double> error_of_clip(const Planned& planned, double scored,
                                     const std::function<void(double)>& tick) {
   if (!planned.scene.stage) return std::nullopt;

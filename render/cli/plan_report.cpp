@@ -153,9 +153,10 @@ std::string plan_text(const Planned& planned) {
          fmt::format("known to {} {}: {}", rounded(planned.asked.per_metre * reference.self_error),
                      unit, checked_by(reference)));
   } else {
-    line("error", fmt::format("nothing can be foretold to {}: a nudge of a ten-thousandth of that "
-                              "grows beyond a hundredth within a frame",
-                              planned.plan.tolerance));
+    line("error",
+         fmt::format("the motion is not predictable to {}: a nudge of a ten-thousandth of that "
+                     "grows beyond a hundredth within a frame",
+                     planned.plan.tolerance));
   }
   if (reference.known > 1 && reference.goes_on()) {
     line("until", fmt::format("{} s: {}a nudge of a ten-thousandth of {} then grows beyond a "

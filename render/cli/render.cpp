@@ -329,7 +329,7 @@ void add_render(CLI::App& app, Program& program) {
                   "  taut render scenes/nunchaku.toml --frames 0-59,120 --size 960x540 --no-video\n"
                   "  taut render scenes/nunchaku.toml --resume\n\n" +
                       std::string(kEstimateHelp) +
-                      "\nclip.json has it: error_estimate_m, foretold_until_s, "
+                      "\nclip.json has it: error_estimate_m, predictable_until_s, "
                       "estimate_ms_per_second.");
   auto options = std::make_shared<Options>();
   add_scene_options(command, options->inputs, false);

@@ -23,7 +23,7 @@ struct Trial {
   enum class End {
     within,    // of the tolerance, at every frame
     dearer,    // than the best so far
-    unlike,    // the reference solution where that cannot be foretold
+    unlike,    // the reference solution where that is not predictable
     beyond,    // the tolerance, where it can
     diverged,  // or refused by the method
   };

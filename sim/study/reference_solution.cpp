@@ -163,7 +163,7 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
   Problem& own = reference.problem;
   own.times.resize(motion.points.size());
 
-  // How long it can be foretold.
+  // How long it is predictable.
   const double apart = kCloser * scored_error;
   double ignored = 0;
   reference.known = motion.points.size();

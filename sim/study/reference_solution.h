@@ -1,5 +1,5 @@
 // The reference solution of a world, as plans are proved against it: where everything is as long as
-// that can be foretold, and what every solution has in common after that.
+// that is predictable, and what every solution has in common after that.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace taut {
 
-/// By how much a motion differs from the reference where neither can be foretold.
+/// By how much a motion differs from the reference where neither is predictable.
 struct Difference {
   /// A share of ReferenceSolution::energy_scale: of the energy, less the work of what drives it,
   /// the largest of any frame; of the mean over all frames where that work cannot be told
@@ -40,15 +40,15 @@ struct ReferenceSolution {
   double same_speed = 0;            // m/s: speeds that differ by less are equal
   Difference most = {};             // that a motion may differ
 
-  /// The time (s) until which the motion can be foretold.
+  /// The time (s) until which the motion is predictable.
   double horizon() const { return problem.times[known > 0 ? known - 1 : 0]; }
   /// True where it ends before the frames do.
   bool goes_on() const { return known < points.size(); }
 };
 
 /// Solves the problem for comparisons to within `scored_error` (m): by the direct method far more
-/// finely; from two starts nudged by a ten-thousandth of that, to see how long the motion can be
-/// foretold and how much solutions differ later; and by the solver of the truth, which shares
+/// finely; from two starts nudged by a ten-thousandth of that, to see how long the motion is
+/// predictable and how much solutions differ later; and by the solver of the truth, which shares
 /// neither its equations nor its integrators. What that cannot follow, or not with `most_work` (of
 /// MethodInfo::work), direct checks itself, ten times as finely. Calls `tick` after each frame with
 /// the share of all that is done; it may throw. Throws Diverged where there is no second frame.

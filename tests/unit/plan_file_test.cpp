@@ -232,7 +232,7 @@ TEST(Certificate, SaysHowFarAndHowLong) {
   Plan chaos = a_plan();
   chaos.until = 0;
   EXPECT_EQ(certificate(chaos),
-            "of a motion that nobody can foretell; energy within 0.1%, stretch within 0.01%, "
+            "of an unpredictable motion; energy within 0.1%, stretch within 0.01%, "
             "speeds within 4%");
 }
 
