@@ -60,6 +60,18 @@ def keep(work, made, name):
 # What stands in README.md.
 
 
+@result("build", FRONT)
+def build(work):
+    """compile units and size of a build"""
+    units = {}
+    for target in ("taut", "all"):
+        inputs = set(work.run(f"ninja -C {work.build} -t inputs {target}").split())
+        units[target] = sum(one.endswith(".o") for one in inputs)
+    size = int(work.run(f"du -sm {work.build}").split()[0])
+    work.commands = ["ninja -t inputs taut", "ninja -t inputs all", "du -sm build/release"]
+    return (f"The program is {units['taut']} compile units, everything with its tests {units['all']} and {size} MB.")
+
+
 @result("summary", FRONT, measured=False)
 def summary(work):
     """six lines from the other tables"""
