@@ -21,7 +21,7 @@ struct Style {
 
 /// The fixed styles of the methods, by their place in the list of methods; repeats after eleven.
 Style method_style(std::size_t index);
-/// The style of the reference that methods are judged by.
+/// The style of the reference that methods are scored against.
 Style truth_style();
 
 inline constexpr double kAuto = std::numeric_limits<double>::quiet_NaN();

@@ -92,9 +92,9 @@ std::string_view name_of(Tier tier) {
   return "";
 }
 
-PictureJudgement judge(const Picture& actual, const Renderer& renderer, const Picture& golden,
-                       const GoldenRecord& record) {
-  PictureJudgement result;
+PictureComparison compare(const Picture& actual, const Renderer& renderer, const Picture& golden,
+                          const GoldenRecord& record) {
+  PictureComparison result;
   result.difference = difference(actual, golden);
   if (renderer.driver != record.renderer.driver) {
     result.tier = Tier::other_driver;

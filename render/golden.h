@@ -1,4 +1,4 @@
-// Golden pictures: what is kept of a frame, and how a picture of today is judged by it.
+// Golden pictures: what is kept of a frame, and how a picture of today is compared with it.
 #pragma once
 
 #include <cstdint>
@@ -42,15 +42,15 @@ std::string golden_text(const GoldenRecord& record);
 enum class Tier { exact, same_driver, other_driver };
 std::string_view name_of(Tier tier);
 
-struct PictureJudgement {
+struct PictureComparison {
   Tier tier = Tier::exact;
   bool same = false;
   PictureDifference difference;
 };
 
 /// Judges a picture drawn by `renderer` from the record's state.
-PictureJudgement judge(const Picture& actual, const Renderer& renderer, const Picture& golden,
-                       const GoldenRecord& record);
+PictureComparison compare(const Picture& actual, const Renderer& renderer, const Picture& golden,
+                          const GoldenRecord& record);
 
 /// Where and how much two pictures of one size differ: distances times 8, on the golden's grey
 /// ghost.

@@ -111,9 +111,9 @@ std::string trajectory_text(const TrajectoryRecord& record) {
          "\n";
 }
 
-TrajectoryJudgement judge(const TrajectoryRecord& today, const TrajectoryRecord& kept,
-                          double within) {
-  TrajectoryJudgement result;
+TrajectoryComparison compare(const TrajectoryRecord& today, const TrajectoryRecord& kept,
+                             double within) {
+  TrajectoryComparison result;
   result.exact = today.machine == kept.machine;
   if (today.states.size() != kept.states.size())
     result.distance = std::numeric_limits<double>::infinity();

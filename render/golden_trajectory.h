@@ -1,4 +1,4 @@
-// Golden trajectories: what is kept of a motion, and how today's is judged by it.
+// Golden trajectories: what is kept of a motion, and how today's is compared with it.
 #pragma once
 
 #include <cstdint>
@@ -27,16 +27,16 @@ TrajectoryRecord record_of(const GoldenTrajectory& trajectory);
 TrajectoryRecord read_trajectory(const std::filesystem::path& file);
 std::string trajectory_text(const TrajectoryRecord& record);
 
-struct TrajectoryJudgement {
-  bool exact = false;   // judged by bits, else by distance
+struct TrajectoryComparison {
+  bool exact = false;   // compared by bits, else by distance
   double distance = 0;  // m, the largest of a point in any kept state
   std::string failure;  // empty: as it was kept
 };
 
 /// Judges today's record: by its hash where machine and record match, and by the distance `within`
 /// (m) elsewhere.
-TrajectoryJudgement judge(const TrajectoryRecord& today, const TrajectoryRecord& kept,
-                          double within);
+TrajectoryComparison compare(const TrajectoryRecord& today, const TrajectoryRecord& kept,
+                             double within);
 
 /// The largest distance between like points of two states, m; infinite where they are not of one
 /// world.

@@ -1,4 +1,4 @@
-// How two pictures differ: the measures by which golden pictures are judged.
+// How two pictures differ: the measures by which golden pictures are compared.
 #pragma once
 
 #include "render/picture.h"

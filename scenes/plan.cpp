@@ -190,12 +190,12 @@ std::string certificate(const Plan& plan) {
   const std::size_t unit = plan.tolerance.find_first_not_of("0123456789.e-+");
   std::string text;
   if (plan.until > 0) {
-    text =
-        fmt::format("within {} {} of the exact motion until {} s{}", two_digits(plan.error, true),
-                    plan.tolerance.substr(std::min(unit, plan.tolerance.size())),
-                    two_digits(plan.until, false), plan.end.empty() ? "" : ", when " + plan.end);
+    text = fmt::format("within {} {} of the reference solution until {} s{}",
+                       two_digits(plan.error, true),
+                       plan.tolerance.substr(std::min(unit, plan.tolerance.size())),
+                       two_digits(plan.until, false), plan.end.empty() ? "" : ", when " + plan.end);
   } else {
-    text = "of a motion that nobody can foretell";
+    text = "of an unpredictable motion";
   }
   if (const auto& later = plan.afterwards) {
     using Work = Plan::Afterwards::Work;

@@ -1,5 +1,5 @@
-// A plan: the cheapest model of a scene that nobody can tell from the exact one, as `taut plan`
-// found it, kept in the scene file's table [plan].
+// A plan: the cheapest model of a scene that nobody can tell from the reference solution, as `taut
+// plan` found it, kept in the scene file's table [plan].
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ struct Plan {
   double until = 0;       // s: as long as the motion is predictable
   std::string end = {};   // what makes an end of that, as "a pin comes"; empty: it ends by itself
 
-  /// What is said of the rest, where nobody can foretell it: shares by which it differs from exact
-  /// motions.
+  /// What is said of the rest, where it is not predictable: shares by which it differs from
+  /// reference solutions.
   struct Afterwards {
     enum class Work { none, known, unknown };  // that is done on the scene
     Work work = Work::none;
@@ -65,8 +65,8 @@ std::uint64_t method_stamp(const MethodChoice& method);
 /// the text is not TOML.
 std::string with_plan(std::string_view text, const Plan& plan);
 
-/// "within 0.4 px of the exact motion until 4.1 s; afterwards energy within 0.1%, stretch within
-/// 0.01%, speeds within 4%".
+/// "within 0.4 px of the reference solution until 4.1 s; afterwards energy within 0.1%, stretch
+/// within 0.01%, speeds within 4%".
 std::string certificate(const Plan& plan);
 
 }  // namespace taut

@@ -121,7 +121,7 @@ void ErrorEstimate::compare(const Simulation& simulation) {
 void ErrorEstimate::note(double time, double error) {
   error_ = error;
   largest_ = std::max(largest_, error);
-  if (error > limit_ && !foretold_until_) foretold_until_ = time;
+  if (error > limit_ && !predictable_until_) predictable_until_ = time;
 }
 
 }  // namespace taut

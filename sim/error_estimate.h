@@ -44,11 +44,11 @@ class ErrorEstimate {
   /// What the coarser one diverged of; empty: it did not.
   const std::string& diverged() const { return diverged_; }
 
-  /// The error (m) up to which a motion counts as foretold: the tolerance, where the method was
+  /// The error (m) up to which a motion counts as predictable: the tolerance, where the method was
   /// given one in metres, otherwise a hundredth of length_scale().
   double limit() const { return limit_; }
   /// The first time (s) at which the estimate was above limit(); none: it never was.
-  std::optional<double> foretold_until() const { return foretold_until_; }
+  std::optional<double> predictable_until() const { return predictable_until_; }
 
  private:
   struct Ends {
@@ -67,7 +67,7 @@ class ErrorEstimate {
   double length_ = 0;             // m, as length_scale() has it
   double limit_ = 0;
   double error_, largest_;
-  std::optional<double> foretold_until_;
+  std::optional<double> predictable_until_;
   std::optional<Simulation> coarse_;
   std::vector<Ends> ends_;              // of the free bodies
   double time_ = 0;                     // s, of the simulation when it was followed last

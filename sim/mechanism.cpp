@@ -60,12 +60,12 @@ void Mechanism::rebuild(const World& world) {
   velocities_ = 3 * points() + 7 * bodies_.size();
   twists_ = velocities_ + 3 * points();
   add_rows(world);
-  add_grips();
-  loose_.assign(points(), gravity_);
+  add_row_ends();
+  point_acceleration_.assign(points(), gravity_);
   direction_.resize(rows_.size());
-  excess_.resize(rows_.size());
+  violation_.resize(rows_.size());
   rate_.resize(rows_.size());
-  curvature_.resize(rows_.size());
+  velocity_term_.resize(rows_.size());
 }
 
 void Mechanism::reserve(const World& world) {
@@ -78,16 +78,16 @@ void Mechanism::reserve(const World& world) {
   const Room all = room(world);
   room_ = all.particles;
   inverse_mass_.reserve(room_);
-  loose_.reserve(room_);
-  carried_.reserve(all.holds);
+  point_acceleration_.reserve(room_);
+  body_points_.reserve(all.holds);
   prescribed_.reserve(all.holds);
-  grips_.reserve(2 * all.holds);
+  row_ends_.reserve(2 * all.holds);
   const std::size_t rows = room_ + 2 * joints;
   rows_.reserve(rows);
   direction_.reserve(rows);
-  excess_.reserve(rows);
+  violation_.reserve(rows);
   rate_.reserve(rows);
-  curvature_.reserve(rows);
+  velocity_term_.reserve(rows);
 }
 
 void Mechanism::add_bodies(const World& world) {
@@ -113,7 +113,7 @@ void Mechanism::add_bodies(const World& world) {
 
 void Mechanism::add_points(const World& world) {
   inverse_mass_.clear();
-  carried_.clear();
+  body_points_.clear();
   prescribed_.clear();
   for (const Connector& connector : world.connectors) {
     const std::size_t first = inverse_mass_.size();
@@ -127,9 +127,9 @@ void Mechanism::add_points(const World& world) {
         prescribed_.emplace_back(point, hold.to);
       } else {
         const Vec3 centre = world.bodies[hold.to.body].mass_properties.centre;
-        carried_.push_back({.point = point,
-                            .body = small(free_index_[hold.to.body]),
-                            .local = hold.to.point - centre});
+        body_points_.push_back({.point = point,
+                                .body = small(free_index_[hold.to.body]),
+                                .local = hold.to.point - centre});
       }
     }
   }
@@ -159,15 +159,15 @@ void Mechanism::add_rows(const World& world) {
   }
 }
 
-void Mechanism::add_grips() {
-  grips_.clear();
-  if (carried_.empty()) return;
+void Mechanism::add_row_ends() {
+  row_ends_.clear();
+  if (body_points_.empty()) return;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     if (inverse_mass_[rows_[r].a] != 0 && inverse_mass_[rows_[r].b] != 0) continue;  // both free
-    for (std::size_t i = 0; i < carried_.size(); ++i) {
-      const auto point = carried_[i].point;
-      if (rows_[r].a == point) grips_.push_back({small(r), small(i), 1.0});
-      if (rows_[r].b == point) grips_.push_back({small(r), small(i), -1.0});
+    for (std::size_t i = 0; i < body_points_.size(); ++i) {
+      const auto point = body_points_[i].point;
+      if (rows_[r].a == point) row_ends_.push_back({small(r), small(i), 1.0});
+      if (rows_[r].b == point) row_ends_.push_back({small(r), small(i), -1.0});
     }
   }
 }
@@ -213,7 +213,7 @@ void Mechanism::store(const std::vector<double>& state, double time, World& worl
   place_held(world, time);
 }
 
-void Mechanism::look(double time, double* state) {
+void Mechanism::update(double time, double* state) {
   place(time, state);
   measure(state);
 }
@@ -223,7 +223,7 @@ void Mechanism::place(double time, double* state) {
     const PointMotion motion = hold_motion(*world_, hold, time);
     vector(state + position(point)) = motion.position;
     vector(state + velocity(point)) = motion.velocity;
-    loose_[point] = motion.acceleration;
+    point_acceleration_[point] = motion.acceleration;
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     FreeBody& body = bodies_[b];
@@ -233,15 +233,16 @@ void Mechanism::place(double time, double* state) {
     const Vec3 angular_momentum = turn * (body.inertia * (turn.transpose() * spin));
     body.gyration = body.world_inverse * angular_momentum.cross(spin);
   }
-  for (Carried& carried : carried_) {
+  for (BodyPoint& carried : body_points_) {
     const double* q = state + pose(carried.body);
     const double* u = state + twist(carried.body);
     const Vec3 spin = vector(u + 3);
     carried.arm = quaternion(q + 3).normalized() * carried.local;
     vector(state + position(carried.point)) = vector(q) + carried.arm;
     vector(state + velocity(carried.point)) = vector(u) + spin.cross(carried.arm);
-    loose_[carried.point] = gravity_ + bodies_[carried.body].gyration.cross(carried.arm) +
-                            spin.cross(spin.cross(carried.arm));
+    point_acceleration_[carried.point] = gravity_ +
+                                         bodies_[carried.body].gyration.cross(carried.arm) +
+                                         spin.cross(spin.cross(carried.arm));
   }
 }
 
@@ -253,17 +254,17 @@ void Mechanism::measure(const double* state) {
     const Vec3 gap_rate = vector(velocities + 3 * row.b) - vector(velocities + 3 * row.a);
     if (row.axis != Row::kAlongLink) {
       direction_[r] = Vec3::Unit(row.axis);
-      excess_[r] = gap[row.axis];
+      violation_[r] = gap[row.axis];
       rate_[r] = gap_rate[row.axis];
-      curvature_[r] = 0;
+      velocity_term_[r] = 0;
       continue;
     }
     const double length = gap.norm();
     const double inverse = length > 0 ? 1 / length : 0;
     direction_[r] = inverse * gap;
-    excess_[r] = length - row.rest;
+    violation_[r] = length - row.rest;
     rate_[r] = direction_[r].dot(gap_rate);
-    curvature_[r] = (gap_rate - rate_[r] * direction_[r]).squaredNorm() * inverse;
+    velocity_term_[r] = (gap_rate - rate_[r] * direction_[r]).squaredNorm() * inverse;
   }
 }
 
@@ -289,7 +290,7 @@ void Mechanism::differentiate(const double* state, const double* tension,
     vector(derivative + velocity(point)).setZero();
   };
   for (const auto& held : prescribed_) rest(held.first);
-  for (const Carried& carried : carried_) rest(carried.point);
+  for (const BodyPoint& carried : body_points_) rest(carried.point);
 }
 
 void Mechanism::push(const double* impulse, double* state) const {
@@ -300,10 +301,10 @@ void Mechanism::push(const double* impulse, double* state) const {
     vector(velocities + 3 * row.a) += inverse_mass_[row.a] * pull;
     vector(velocities + 3 * row.b) -= inverse_mass_[row.b] * pull;
   }
-  for (const Grip& grip : grips_) {
-    const Carried& carried = carried_[grip.carried];
+  for (const RowEnd& end : row_ends_) {
+    const BodyPoint& carried = body_points_[end.body_point];
     const FreeBody& body = bodies_[carried.body];
-    const Vec3 pull = grip.sign * impulse[grip.row] * direction_[grip.row];
+    const Vec3 pull = end.sign * impulse[end.row] * direction_[end.row];
     double* u = state + twist(carried.body);
     vector(u) += body.inverse_mass * pull;
     vector(u + 3) += body.world_inverse * carried.arm.cross(pull);
@@ -317,10 +318,10 @@ void Mechanism::move(const double* shift, double* state) const {
     vector(state + 3 * row.a) += inverse_mass_[row.a] * pull;
     vector(state + 3 * row.b) -= inverse_mass_[row.b] * pull;
   }
-  for (const Grip& grip : grips_) {
-    const Carried& carried = carried_[grip.carried];
+  for (const RowEnd& end : row_ends_) {
+    const BodyPoint& carried = body_points_[end.body_point];
     const FreeBody& body = bodies_[carried.body];
-    const Vec3 pull = grip.sign * shift[grip.row] * direction_[grip.row];
+    const Vec3 pull = end.sign * shift[end.row] * direction_[end.row];
     double* q = state + pose(carried.body);
     vector(q) += body.inverse_mass * pull;
     rotate(body.world_inverse * carried.arm.cross(pull), q + 3);

@@ -26,20 +26,20 @@ struct Row {
 /// arrays. The state vector of P points and B free bodies is
 ///   [ P positions | B poses: centre of mass, quaternion w x y z | P velocities | B twists:
 ///   velocity of the centre of mass, spin in the world's axes ],
-/// 6 P + 13 B numbers in SI units. Held points stand in it too: look() puts them where their holds
-/// are, and their derivatives are zero.
+/// 6 P + 13 B numbers in SI units. Held points stand in it too: update() puts them where their
+/// holds are, and their derivatives are zero.
 class Mechanism {
  public:
   /// A point that a free body carries; `arm` (m) from its centre of mass, world axes at the instant
-  /// last looked at.
-  struct Carried {
+  /// of the last update.
+  struct BodyPoint {
     std::uint32_t point = 0, body = 0;
     Vec3 local = Vec3::Zero();  // m from the centre of mass, body axes
     Vec3 arm = Vec3::Zero();
   };
   /// An end of a row at a carried point. `sign` is +1 for the row's `a`, -1 for its `b`.
-  struct Grip {
-    std::uint32_t row = 0, carried = 0;
+  struct RowEnd {
+    std::uint32_t row = 0, body_point = 0;
     double sign = 0;
   };
   struct FreeBody {
@@ -47,7 +47,7 @@ class Mechanism {
     Mat3 inertia = Mat3::Zero();  // kg m^2, body axes
     FreeRotation rotation = FreeRotation(Mat3::Zero());
     Mat3 inverse_inertia = Mat3::Zero();  // 1/(kg m^2), body axes
-    Mat3 world_inverse = Mat3::Zero();    // world axes at the instant last looked at
+    Mat3 world_inverse = Mat3::Zero();    // world axes at the instant of the last update
     Vec3 gyration = Vec3::Zero();         // rad/s^2: spin rate without torque, at that instant
   };
 
@@ -66,8 +66,8 @@ class Mechanism {
   std::size_t row_room() const { return rows_.capacity(); }
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<FreeBody>& bodies() const { return bodies_; }
-  const std::vector<Carried>& carried() const { return carried_; }
-  const std::vector<Grip>& grips() const { return grips_; }
+  const std::vector<BodyPoint>& body_points() const { return body_points_; }
+  const std::vector<RowEnd>& row_ends() const { return row_ends_; }
   /// 1/kg per point; zero for held points, carried ones included.
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }
   const Vec3& gravity() const { return gravity_; }
@@ -85,15 +85,15 @@ class Mechanism {
 
   /// Puts held points at their places.
   void place(double time, double* state);
-  /// place(), and measures the rows; everything below speaks of the instant last looked at.
-  void look(double time, double* state);
+  /// place(), and measures the rows; everything below speaks of the instant of the last update.
+  void update(double time, double* state);
 
   /// Per row: direction from a to b (zero where they coincide), how far it is too long (m), the
   /// rate of that (m/s), and the part of its second derivative that velocities alone make (m/s^2).
   const std::vector<Vec3>& direction() const { return direction_; }
-  const std::vector<double>& excess() const { return excess_; }
+  const std::vector<double>& violation() const { return violation_; }
   const std::vector<double>& rate() const { return rate_; }
-  const std::vector<double>& curvature() const { return curvature_; }
+  const std::vector<double>& velocity_term() const { return velocity_term_; }
 
   /// The derivative of the state under the rows' `tension` (N).
   void differentiate(const double* state, const double* tension, double* derivative) const;
@@ -102,12 +102,14 @@ class Mechanism {
   /// Moves points and bodies as push() changes velocities: by M^-1 J^T `shift` (kg m).
   void move(const double* shift, double* state) const;
 
-  /// The second derivative of a row's excess without tensions, m/s^2.
-  double loose_excess_acceleration(std::size_t row) const {
-    return direction_[row].dot(loose_[rows_[row].b] - loose_[rows_[row].a]) + curvature_[row];
+  /// The second derivative of a row's violation without tensions, m/s^2.
+  double free_acceleration(std::size_t row) const {
+    return direction_[row].dot(point_acceleration_[rows_[row].b] -
+                               point_acceleration_[rows_[row].a]) +
+           velocity_term_[row];
   }
 
-  /// The cycles (see Counters::work) of look(), differentiate() and the sums that an integrator
+  /// The cycles (see Counters::work) of update(), differentiate() and the sums that an integrator
   /// makes of it: of a row some 85 additions and multiplications, two divisions and a root; of a
   /// body three products of matrices and what turns it.
   double work() const {
@@ -123,7 +125,7 @@ class Mechanism {
   void add_bodies(const World& world);
   void add_points(const World& world);
   void add_rows(const World& world);
-  void add_grips();
+  void add_row_ends();
   void measure(const double* state);
 
   const World* world_ = nullptr;  // between load() and store()
@@ -134,14 +136,14 @@ class Mechanism {
   std::vector<FreeBody> bodies_;
   std::vector<std::size_t> body_index_;  // into World::bodies
   std::vector<std::size_t> free_index_;  // of World::bodies into bodies_; driven ones: anything
-  std::vector<Carried> carried_;
-  std::vector<Grip> grips_;
+  std::vector<BodyPoint> body_points_;
+  std::vector<RowEnd> row_ends_;
   std::vector<std::pair<std::uint32_t, Attachment>> prescribed_;  // point, hold
   std::size_t velocities_ = 0, twists_ = 0;                       // offsets
 
   std::vector<Vec3> direction_;
-  std::vector<Vec3> loose_;  // per point, m/s^2: its acceleration without tensions
-  std::vector<double> excess_, rate_, curvature_;
+  std::vector<Vec3> point_acceleration_;  // per point, m/s^2: its acceleration without tensions
+  std::vector<double> violation_, rate_, velocity_term_;
 };
 
 // The quaternion w x y z at `q`.

@@ -23,25 +23,26 @@ Projection::Left Projection::lengths(Mechanism& mechanism, double time,
   for (std::size_t b = 0; b < mechanism.bodies().size(); ++b) {
     Eigen::Map<Eigen::Vector4d>(&state[mechanism.pose(b) + 3]).normalize();
   }
-  mechanism.look(time, state.data());
+  mechanism.update(time, state.data());
   if (multiplier_.empty()) return {};
   Left left;
   for (int i = 0;; ++i) {
-    const double before = left.excess;
-    const auto& excess = mechanism.excess();
-    const auto worst = std::ranges::max_element(excess, {}, [](double x) { return std::abs(x); });
-    left = {std::abs(*worst), static_cast<std::size_t>(worst - excess.begin())};
-    const bool settled = i > 0 && left.excess < kKept && left.excess > before / 2;
-    if (!(left.excess >= kExact) || settled || i == kIterations) return left;
+    const double before = left.violation;
+    const auto& violation = mechanism.violation();
+    const auto worst =
+        std::ranges::max_element(violation, {}, [](double x) { return std::abs(x); });
+    left = {std::abs(*worst), static_cast<std::size_t>(worst - violation.begin())};
+    const bool settled = i > 0 && left.violation < kKept && left.violation > before / 2;
+    if (!(left.violation >= kExact) || settled || i == kIterations) return left;
     system_.assemble(mechanism);
-    system_.solve(excess, multiplier_);
+    system_.solve(violation, multiplier_);
     mechanism.move(multiplier_.data(), state.data());
-    mechanism.look(time, state.data());
+    mechanism.update(time, state.data());
   }
 }
 
 void Projection::rates(Mechanism& mechanism, double time, std::vector<double>& state) {
-  mechanism.look(time, state.data());
+  mechanism.update(time, state.data());
   if (multiplier_.empty()) return;
   system_.assemble(mechanism);
   system_.solve(mechanism.rate(), multiplier_);
@@ -54,7 +55,8 @@ bool restore_lengths(World& world) {
   Projection projection(mechanism);
   std::vector<double> state;
   mechanism.load(world, state);
-  if (!(projection.lengths(mechanism, world.time, state).excess <= Projection::kKept)) return false;
+  if (!(projection.lengths(mechanism, world.time, state).violation <= Projection::kKept))
+    return false;
   mechanism.store(state, world.time, world);
   return true;
 }
@@ -76,7 +78,7 @@ bool stretches(const World& world) {
   return false;
 }
 
-void StretchStopper::stop(World& world) {
+void VelocityProjection::stop(World& world) {
   mechanism_.rebuild(world);
   projection_.rebuild(mechanism_);
   state_.reserve(mechanism_.state_room());

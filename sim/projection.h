@@ -16,10 +16,10 @@ class Projection {
   /// Lengths that stay off by more (m) cannot be kept.
   static constexpr double kKept = 1e-8;
 
-  /// What is left of the rows' excess; not finite where the state was not.
+  /// What is left of the rows' violation; not finite where the state was not.
   struct Left {
-    double excess = 0;    // m, the largest
-    std::size_t row = 0;  // where that is
+    double violation = 0;  // m, the largest
+    std::size_t row = 0;   // where that is
   };
 
   Projection() = default;
@@ -49,7 +49,7 @@ bool stretches(const World& world);
 
 /// Changes the velocities of a world by the impulses that stop all links from changing their
 /// length, as when a moving particle is pinned. Keeps its workspace.
-class StretchStopper {
+class VelocityProjection {
  public:
   void stop(World& world);
 

@@ -63,12 +63,14 @@ void TensionSystem::find_terms(const Mechanism& mechanism) {
       }
     }
   }
-  const auto& grips = mechanism.grips();
-  const auto body = [&](std::size_t g) { return mechanism.carried()[grips[g].carried].body; };
-  for (std::size_t g = 0; g < grips.size(); ++g) {
-    for (std::size_t h = g; h < grips.size(); ++h) {
+  const auto& row_ends = mechanism.row_ends();
+  const auto body = [&](std::size_t g) {
+    return mechanism.body_points()[row_ends[g].body_point].body;
+  };
+  for (std::size_t g = 0; g < row_ends.size(); ++g) {
+    for (std::size_t h = g; h < row_ends.size(); ++h) {
       if (body(g) != body(h)) continue;
-      const auto [row, other] = std::minmax(grips[g].row, grips[h].row);
+      const auto [row, other] = std::minmax(row_ends[g].row, row_ends[h].row);
       const double times = row == other && g != h ? 2 : 1;
       body_terms_.push_back({small(g), small(h), entry(mechanism, row, other), times});
     }
@@ -114,12 +116,12 @@ void TensionSystem::assemble(const Mechanism& mechanism) {
     values_[term.value] += term.weight * direction[term.row].dot(direction[term.other]);
   }
   for (const BodyTerm& term : body_terms_) {
-    const auto& g = mechanism.grips()[term.grip];
-    const auto& h = mechanism.grips()[term.other];
-    const auto& body = mechanism.bodies()[mechanism.carried()[g.carried].body];
+    const auto& g = mechanism.row_ends()[term.end];
+    const auto& h = mechanism.row_ends()[term.other];
+    const auto& body = mechanism.bodies()[mechanism.body_points()[g.body_point].body];
     const Vec3 pull = g.sign * direction[g.row], other = h.sign * direction[h.row];
-    const Vec3 torque = mechanism.carried()[g.carried].arm.cross(pull);
-    const Vec3 other_torque = mechanism.carried()[h.carried].arm.cross(other);
+    const Vec3 torque = mechanism.body_points()[g.body_point].arm.cross(pull);
+    const Vec3 other_torque = mechanism.body_points()[h.body_point].arm.cross(other);
     values_[term.value] += term.times * (body.inverse_mass * pull.dot(other) +
                                          torque.dot(body.world_inverse * other_torque));
   }

@@ -10,8 +10,9 @@
 
 namespace taut {
 
-/// A = J M^-1 J^T over the rows of a mechanism, at the instant that the mechanism looked at last.
-/// Under tensions T (N) the second derivatives of the rows' excess are (their loose value) - A T.
+/// A = J M^-1 J^T over the rows of a mechanism, at the instant that the mechanism was updated to
+/// last. Under tensions T (N) the second derivatives of the rows' violation are (their value
+/// without tensions) - A T.
 ///
 /// Rows of a connector couple with their neighbours alone, so A is tridiagonal, but for a border:
 /// joints, and the rows at a free body that carries more than one point.
@@ -64,7 +65,7 @@ class TensionSystem {
     double weight = 0;  // 1/kg, signed
   };
   struct BodyTerm {
-    std::uint32_t grip = 0, other = 0, value = 0;
+    std::uint32_t end = 0, other = 0, value = 0;
     double times = 1;
   };
 

@@ -33,19 +33,4 @@ struct Program {
 CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
                       const std::string& summary, const std::string& examples);
 
-// One per file of this folder; main lists them.
-void add_render(CLI::App& app, Program& program);
-void add_simulate(CLI::App& app, Program& program);
-void add_export(CLI::App& app, Program& program);
-void add_check(CLI::App& app, Program& program);
-void add_bench(CLI::App& app, Program& program);
-void add_chart(CLI::App& app, Program& program);
-void add_stability(CLI::App& app, Program& program);
-void add_compare(CLI::App& app, Program& program);
-void add_golden(CLI::App& app, Program& program);
-void add_judge(CLI::App& app, Program& program);
-void add_claims(CLI::App& app, Program& program);
-void add_reach(CLI::App& app, Program& program);
-void add_plan(CLI::App& app, Program& program);
-
 }  // namespace taut::cli

@@ -1,4 +1,4 @@
-// The commands of the program taut, in the order in which --help lists them.
+// The commands of the program taut, one per file of this folder.
 #pragma once
 
 #include "render/cli/program.h"
@@ -6,10 +6,25 @@
 namespace taut::cli {
 
 void add_demo(CLI::App& app, Program& program);
+void add_render(CLI::App& app, Program& program);
+void add_simulate(CLI::App& app, Program& program);
+void add_export(CLI::App& app, Program& program);
+void add_check(CLI::App& app, Program& program);
+void add_bench(CLI::App& app, Program& program);
+void add_chart(CLI::App& app, Program& program);
+void add_stability(CLI::App& app, Program& program);
+void add_compare(CLI::App& app, Program& program);
+void add_golden(CLI::App& app, Program& program);
+void add_classify(CLI::App& app, Program& program);
+void add_work_precision(CLI::App& app, Program& program);
+void add_claims(CLI::App& app, Program& program);
+void add_plan(CLI::App& app, Program& program);
 
+/// In the order in which --help lists them.
 inline constexpr AddCommand kCommands[] = {
-    add_demo,      add_render,  add_simulate, add_export, add_check, add_bench,  add_chart,
-    add_stability, add_compare, add_golden,   add_judge,  add_reach, add_claims, add_plan,
+    add_demo,     add_render,         add_simulate,  add_export,  add_check,
+    add_bench,    add_chart,          add_stability, add_compare, add_golden,
+    add_classify, add_work_precision, add_claims,    add_plan,
 };
 
 }  // namespace taut::cli

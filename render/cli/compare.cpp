@@ -242,7 +242,7 @@ int compare(const Common& common, const Options& options) {
 
 void add_compare(CLI::App& app, Program& program) {
   CLI::App& command = add_command(
-      app, program, "compare", "Show methods side by side in one clip, judged by the truth",
+      app, program, "compare", "Show methods side by side in one clip, scored against the truth",
       "  taut compare scenes/rope_drop.toml\n"
       "  taut compare scenes/rope_swing.toml --methods impulse,impulse:as-printed,direct\n"
       "  taut compare scenes/rope_swing.toml --frames 0-30 --size 960x540 --no-video");

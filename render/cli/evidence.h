@@ -1,4 +1,4 @@
-// What the paper's claims are judged by: measurements of one scene.
+// Measurements behind the paper's claims of one scene.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace taut::cli {
 // Particles: as many as the scenes of ropes have, and a long chain.
 inline constexpr std::size_t kFew = 21, kMany = 101;
 
-/// What the claims are judged by.
+/// What the claims rest on.
 struct Evidence {
   BenchResults bench;
   std::vector<double> errors;       // RMS against truth, share of the length; per contender

@@ -32,7 +32,7 @@ int check(Goldens& goldens, const fs::path& out, const Common& common) {
                       goldens.frames().size() + goldens.trajectories().size(), common.quiet);
     for (const GoldenTrajectory& trajectory : goldens.trajectories()) {
       stop_if_interrupted();
-      const TrajectoryJudgement result = goldens.check(trajectory);
+      const TrajectoryComparison result = goldens.check(trajectory);
       if (!result.failure.empty()) failures.push_back({trajectory.name, result.failure, false});
       trajectories.push_back({{"name", trajectory.name},
                               {"scene", trajectory.scene.string()},
@@ -59,7 +59,7 @@ int check(Goldens& goldens, const fs::path& out, const Common& common) {
                         amplified_difference(*result.actual, *result.golden));
         }
       }
-      const PictureDifference& d = result.judgement.difference;
+      const PictureDifference& d = result.comparison.difference;
       frames.push_back({{"name", frame.name},
                         {"scene", frame.scene.string()},
                         {"frame", frame.frame},
@@ -67,7 +67,7 @@ int check(Goldens& goldens, const fs::path& out, const Common& common) {
                         {"settings", settings_json(full_settings(frame.method))},
                         {"same", result.failure.empty()},
                         {"failure", result.failure},
-                        {"judged_as", name_of(result.judgement.tier)},
+                        {"judged_as", name_of(result.comparison.tier)},
                         {"share_above_2", d.above_2},
                         {"largest", d.largest},
                         {"mean_shift", d.mean_shift},

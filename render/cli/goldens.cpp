@@ -80,14 +80,14 @@ FrameResult Goldens::check(const GoldenFrame& frame) {
   }
   result.golden = std::move(golden);
   result.actual = set.film.draw(set.film.instant(record.state));
-  result.judgement = judge(*result.actual, renderer_, *result.golden, record);
-  const PictureDifference& d = result.judgement.difference;
-  if (!result.judgement.same)
+  result.comparison = compare(*result.actual, renderer_, *result.golden, record);
+  const PictureDifference& d = result.comparison.difference;
+  if (!result.comparison.same)
     result.failure = fmt::format(
         "{:.3g}% of its pixels differ by more than 2, at most by {}, means by {:.2g}; "
-        "{:.3g}% have nothing like them next to them (judged as: {})",
+        "{:.3g}% have nothing like them next to them (compared by: {})",
         100 * d.above_2, d.largest, d.mean_shift, 100 * d.near_above_8,
-        name_of(result.judgement.tier));
+        name_of(result.comparison.tier));
   if (!(result.distance <= frame.within))
     result.failure +=
         fmt::format("{}the simulation ends {:.3g} m from the kept state, {:.3g} m allowed",
@@ -95,9 +95,9 @@ FrameResult Goldens::check(const GoldenFrame& frame) {
   return result;
 }
 
-TrajectoryJudgement Goldens::check(const GoldenTrajectory& trajectory) {
+TrajectoryComparison Goldens::check(const GoldenTrajectory& trajectory) {
   if (!fs::exists(file(trajectory))) return {.failure = "nothing is kept of it yet; accept it"};
-  return judge(record_of(trajectory), read_trajectory(file(trajectory)), trajectory.within);
+  return compare(record_of(trajectory), read_trajectory(file(trajectory)), trajectory.within);
 }
 
 std::string Goldens::accept(const GoldenFrame& frame, bool simulate_anew) {

@@ -17,7 +17,7 @@ namespace taut::cli {
 
 /// What became of one picture.
 struct FrameResult {
-  PictureJudgement judgement;
+  PictureComparison comparison;
   double distance = 0;  // m, of today's state from the kept one
   std::string failure;  // empty: as it should be
   std::optional<Picture> actual, golden;
@@ -34,7 +34,7 @@ class Goldens {
   const std::vector<GoldenTrajectory>& trajectories() const { return suite_.trajectories; }
 
   FrameResult check(const GoldenFrame& frame);
-  TrajectoryJudgement check(const GoldenTrajectory& trajectory);
+  TrajectoryComparison check(const GoldenTrajectory& trajectory);
 
   /// Keeps what there is today; a frame's kept state stays unless `simulate` asks for another.
   /// Says what changed.

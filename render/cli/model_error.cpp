@@ -137,7 +137,7 @@ Chart model_chart(const ModelStudy& study, const std::string& title) {
   Chart chart;
   chart.width = 1000;
   chart.height = 620;
-  chart.title = "The continuous rope is not known long enough to judge chains by";
+  chart.title = "The continuous rope is not known long enough to score chains by";
   Panel panel;
   panel.x = {"particles n", true};
   panel.y = {"RMS position error (share of the length)", true};

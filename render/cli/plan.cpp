@@ -1,4 +1,4 @@
-// taut plan: the cheapest model of a scene that nobody can tell from the exact one.
+// taut plan: the cheapest model of a scene that nobody can tell from the reference solution.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kCheckWork = 1.5e10;  // cycles of the independent check
-constexpr double kFinely = 1e-2;  // of the tolerance: how finely models are solved to judge them
+constexpr double kFinely = 1e-2;  // of the tolerance: how finely models are solved to score them
 constexpr double kFinerForClip = 0.9;
 constexpr int kTimings = 5;
 
@@ -90,15 +90,16 @@ double cost_of(const PlanModel& model, const Candidate& candidate,
 }
 
 /// What the blur of the clip needs, where the tolerance is of its pictures.
-std::optional<Blur> blur_of(const Scene& scene, const Exact& exact, const Asked& asked) {
+std::optional<Blur> blur_of(const Scene& scene, const ReferenceSolution& reference,
+                            const Asked& asked) {
   if (!scene.stage || scene.stage->shutter == 0 || asked.unit != "px") return std::nullopt;
   // Of the frame from the time of each state to the next, the most that a point comes, px.
   std::vector<double> ways;
-  for (std::size_t k = 1; k < exact.points.size(); ++k) {
+  for (std::size_t k = 1; k < reference.points.size(); ++k) {
     double most = 0;
-    for (std::size_t i = 0; i < exact.points[k].size(); ++i) {
-      const double way = asked.tolerance.distance(exact.points[k][i], exact.points[k - 1][i],
-                                                  exact.problem.times[k]);
+    for (std::size_t i = 0; i < reference.points[k].size(); ++i) {
+      const double way = asked.tolerance.distance(
+          reference.points[k][i], reference.points[k - 1][i], reference.problem.times[k]);
       if (std::isfinite(way)) most = std::max(most, way);
     }
     ways.push_back(most);
@@ -130,8 +131,8 @@ std::optional<Blur> blur_of(const Scene& scene, const Exact& exact, const Asked&
   return blur;
 }
 
-/// The most that the planned motion is off at all instants that the clip shows, as far as it can be
-/// foretold; none where these are the frames that the planner compares anyway.
+/// The most that the planned motion is off at all instants that the clip shows, as far as it is
+/// predictable; none where these are the frames that the planner compares anyway.
 std::optional<double> error_of_clip(const Planned& planned, double scored,
                                     const std::function<void(double)>& tick) {
   if (!planned.scene.stage) return std::nullopt;
@@ -139,9 +140,9 @@ std::optional<double> error_of_clip(const Planned& planned, double scored,
   clip.method = {planned.candidate().method, planned.candidate().settings};
   if (planned.blur) clip.stage->exposures = planned.blur->most;
   const std::vector<double> times = shown_times(clip, clip_frames(clip));
-  const std::vector<double>& compared = planned.exact.problem.times;
+  const std::vector<double>& compared = planned.reference.problem.times;
   if (std::ranges::includes(compared, times)) return std::nullopt;
-  const Exact shown = at_times(planned.exact, scored, times, tick);
+  const ReferenceSolution shown = at_times(planned.reference, scored, times, tick);
   return distance_between(shown, planned.model().model.world, planned.model().model.timeline,
                           planned.candidate(), planned.asked.tolerance.distance);
 }
@@ -190,9 +191,10 @@ class PlanFile {
 /// Solves every model finely, to see how good it is by itself, and gives candidates to those that
 /// are good enough: what is beyond the tolerance when it is solved well must not be saved by errors
 /// that cancel.
-std::vector<PlanModel> judge_models(std::vector<SceneModel>& scene_models, const Exact& exact,
-                                    const Tolerance& tolerance, const Candidate& finely, int fps,
-                                    double longest_step, bool quiet) {
+std::vector<PlanModel> score_models(std::vector<SceneModel>& scene_models,
+                                    const ReferenceSolution& reference, const Tolerance& tolerance,
+                                    const Candidate& finely, int fps, double longest_step,
+                                    bool quiet) {
   std::vector<PlanModel> models;
   Progress progress("models", "models", scene_models.size(), quiet);
   constexpr std::size_t kBlock = 4;
@@ -201,7 +203,7 @@ std::vector<PlanModel> judge_models(std::vector<SceneModel>& scene_models, const
     side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
       const Tolerance own = tolerance;  // a distance may remember what it was asked last
       SceneModel& one = scene_models[k + i];
-      one.alone = attempt(one.model, finely, exact, own, INFINITY);
+      one.alone = attempt(one.model, finely, reference, own, INFINITY);
     });
     progress.update(k);
   }
@@ -214,39 +216,39 @@ std::vector<PlanModel> judge_models(std::vector<SceneModel>& scene_models, const
   return models;
 }
 
-Search search_all(const std::vector<PlanModel>& models, const Exact& exact,
+Search search_all(const std::vector<PlanModel>& models, const ReferenceSolution& reference,
                   const Tolerance& tolerance, bool quiet) {
   std::size_t total = 0;
   for (const PlanModel& model : models) total += model.candidates.size();
   Progress progress("planning", "runs", total, quiet);
-  return search(models, exact, tolerance, [&](std::size_t done) {
+  return search(models, reference, tolerance, [&](std::size_t done) {
     stop_if_interrupted();
     progress.update(done);
   });
 }
 
 Plan plan_of(const Planned& planned, const std::string& tolerance, std::uint64_t stamp) {
-  const Exact& exact = planned.exact;
+  const ReferenceSolution& reference = planned.reference;
   Plan plan{.tolerance = tolerance,
             .error = planned.error,
-            .until = exact.known > 1 ? exact.horizon() : 0,
+            .until = reference.known > 1 ? reference.horizon() : 0,
             .stamp = stamp,
             .method = {planned.candidate().method, planned.candidate().settings},
             .particles = planned.model().particles,
             .links = planned.model().links};
   plan.program = method_stamp(plan.method);
   if (planned.blur) plan.exposures = planned.blur->most;
-  if (exact.goes_on()) {
-    const std::size_t last = exact.known > 0 ? exact.known - 1 : 0;
-    if (exact.known > 1) {
-      plan.end = event_between(exact.problem.timeline, exact.problem.times[last],
-                               exact.problem.times[last + 1]);
+  if (reference.goes_on()) {
+    const std::size_t last = reference.known > 0 ? reference.known - 1 : 0;
+    if (reference.known > 1) {
+      plan.end = event_between(reference.problem.timeline, reference.problem.times[last],
+                               reference.problem.times[last + 1]);
     }
     using Work = Plan::Afterwards::Work;
     const Difference& later = planned.best.later;
-    plan.afterwards = {exact.closed     ? Work::none
-                       : exact.balanced ? Work::known
-                                        : Work::unknown,
+    plan.afterwards = {reference.closed     ? Work::none
+                       : reference.balanced ? Work::known
+                                            : Work::unknown,
                        later.energy, later.stretch, later.speeds};
   }
   return plan;
@@ -276,24 +278,24 @@ int run(const Options& options, const Common& common) {
       progress.update(static_cast<std::size_t>(100 * done));
     };
   };
-  const Exact exact = [&] {
-    Progress progress("solving exactly", "%", 100, common.quiet);
-    return solve_exactly(
+  const ReferenceSolution reference = [&] {
+    Progress progress("solving the reference", "%", 100, common.quiet);
+    return solve_reference(
         {few_copies(scene.world), frame_times(scene.duration, scene.fps), scene.timeline}, scored,
         kCheckWork, tick(progress));
   }();
-  const std::optional<Blur> blur = blur_of(scene, exact, asked);
-  asked.tolerance.most -= asked.per_metre * exact.self_error;
+  const std::optional<Blur> blur = blur_of(scene, reference, asked);
+  asked.tolerance.most -= asked.per_metre * reference.self_error;
 
   const Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
   std::vector<SceneModel> scene_models = models_of(scene, changes);
   const std::vector<PlanModel> models =
-      judge_models(scene_models, exact, asked.tolerance, finely, scene.fps,
+      score_models(scene_models, reference, asked.tolerance, finely, scene.fps,
                    blur ? blur->longest_step : INFINITY, common.quiet);
 
   // Between frames a clip may show what is farther off than at any frame: then once more, finer.
   for (Tolerance tolerance = asked.tolerance;;) {
-    const Search search = search_all(models, exact, tolerance, common.quiet);
+    const Search search = search_all(models, reference, tolerance, common.quiet);
     if (!search.best) {
       const Trial* trial = nearest(search, scene_models);
       const SceneModel& model = trial ? scene_models[trial->model] : scene_models.front();
@@ -301,13 +303,13 @@ int run(const Options& options, const Common& common) {
           "--tolerance {}: no method at any of its settings comes so near; nearest: {}, {}: {}",
           options.tolerance, describe(model, scene),
           trial ? describe(models[trial->model].candidates[trial->candidate]) : "solved finely",
-          outcome(trial ? *trial : model.alone, asked, exact)));
+          outcome(trial ? *trial : model.alone, asked, reference)));
     }
-    Planned planned{scene, asked, exact, scene_models, search, search.trials[*search.best]};
+    Planned planned{scene, asked, reference, scene_models, search, search.trials[*search.best]};
     planned.scored = scored;
     planned.blur = blur;
     planned.error = planned.best.error;
-    if (exact.known > 1) {
+    if (reference.known > 1) {
       Progress progress("proving the clip", "%", 100, common.quiet);
       planned.clip_error = error_of_clip(planned, scored, tick(progress));
       planned.error = std::max(planned.error, planned.clip_error.value_or(0));
@@ -318,11 +320,11 @@ int run(const Options& options, const Common& common) {
     }
     const Candidate as_written{scene.method.name, scene.method.settings};
     const PlanModel& written = models.front();
-    planned.as_written = run_through(written, as_written, exact, asked.tolerance.distance);
+    planned.as_written = run_through(written, as_written, reference, asked.tolerance.distance);
     planned.models_off =
-        model_errors(scene, changes, scene_models, exact, finely, asked.tolerance.distance);
-    planned.cost = cost_of(planned.model().model, planned.candidate(), exact.problem.times);
-    planned.cost_as_written = cost_of(written, as_written, exact.problem.times);
+        model_errors(scene, changes, scene_models, reference, finely, asked.tolerance.distance);
+    planned.cost = cost_of(planned.model().model, planned.candidate(), reference.problem.times);
+    planned.cost_as_written = cost_of(written, as_written, reference.problem.times);
     planned.plan = plan_of(planned, options.tolerance, stamp);
     if (file) file->write(planned.plan);
     write_output(common.json ? plan_json(planned) : plan_text(planned));
@@ -333,9 +335,9 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_plan(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(app, program, "plan",
-                                  "The cheapest model that nobody can tell from the exact one",
-                                  R"(  taut plan scenes/rope_swing.toml --tolerance 1px
+  CLI::App& command = add_command(
+      app, program, "plan", "The cheapest model that nobody can tell from the reference solution",
+      R"(  taut plan scenes/rope_swing.toml --tolerance 1px
   taut plan scenes/nunchaku.toml --tolerance 0.5mm
   taut plan scenes/rope_swing.toml --tolerance 1px --write
   taut render scenes/rope_swing.toml --planned

@@ -91,10 +91,10 @@ std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneCha
 }
 
 ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& written,
-                         const std::vector<SceneModel>& models, const Exact& exact,
+                         const std::vector<SceneModel>& models, const ReferenceSolution& reference,
                          const Candidate& finely, const Distance& distance) {
   ModelErrors errors;
-  if (exact.known < 2) return errors;
+  if (reference.known < 2) return errors;
   const auto refined = [&](std::size_t times) {
     std::vector<SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
@@ -104,7 +104,8 @@ ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& wri
     }
     try {
       const Scene changed = load_scene(scene.file, false, changes);
-      return distance_between(exact, few_copies(changed.world), changed.timeline, finely, distance);
+      return distance_between(reference, few_copies(changed.world), changed.timeline, finely,
+                              distance);
     } catch (const BadScene&) {
       return std::numeric_limits<double>::infinity();  // points were given for so many particles
     }
@@ -114,12 +115,13 @@ ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& wri
   errors.rope = error_of_chain(errors.twice, errors.four);
   const SceneModel& last = models.back();
   if (last.particles.begin()->second == 0) {
-    errors.span = distance_between(exact, last.model.world, last.model.timeline, finely, distance);
+    errors.span =
+        distance_between(reference, last.model.world, last.model.timeline, finely, distance);
   }
   if (models.size() > 1 && !models[1].links.empty()) {
     const SceneModel& linked = models[1];
     errors.link =
-        distance_between(exact, linked.model.world, linked.model.timeline, finely, distance);
+        distance_between(reference, linked.model.world, linked.model.timeline, finely, distance);
   }
   return errors;
 }

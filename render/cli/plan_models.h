@@ -37,9 +37,9 @@ struct ModelErrors {
   std::optional<double> link;  // of links in the place of rigid bodies
 };
 
-/// Solves the refined models by `finely`. Where nothing can be foretold there is nothing to find.
+/// Solves the refined models by `finely`. A motion that is not predictable has no such errors.
 ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& written,
-                         const std::vector<SceneModel>& models, const Exact& exact,
+                         const std::vector<SceneModel>& models, const ReferenceSolution& reference,
                          const Candidate& finely, const Distance& distance);
 
 /// The world with a few of each connector's copies: as they are all alike, these show for all how

@@ -30,7 +30,7 @@ Table left_out(const Planned& planned) {
     if (model.links.empty()) plain_is_good = !model.model.candidates.empty();
     if (!model.model.candidates.empty() || (!model.links.empty() && !plain_is_good)) continue;
     table.add({describe(model, planned.scene), "any",
-               outcome(model.alone, planned.asked, planned.exact)});
+               outcome(model.alone, planned.asked, planned.reference)});
   }
   for (const MethodInfo& method : methods()) {
     if (method.name == planned.candidate().method) continue;
@@ -38,7 +38,7 @@ Table left_out(const Planned& planned) {
     if (!trial) continue;
     const SceneModel& model = planned.models[trial->model];
     table.add({describe(model, planned.scene), describe(model.model.candidates[trial->candidate]),
-               outcome(*trial, planned.asked, planned.exact)});
+               outcome(*trial, planned.asked, planned.reference)});
   }
   return table;
 }
@@ -48,27 +48,27 @@ std::string times_less(double before, double now) {
                        : fmt::format("{} times more", rounded(now / before));
 }
 
-/// What solved the exact motion again.
-std::string checked_by(const Exact& exact) {
+/// What solved the reference solution again.
+std::string checked_by(const ReferenceSolution& reference) {
   const std::string itself = "direct, ten times as finely";
-  if (exact.checked < 2) return "checked by " + itself;
-  if (exact.checked == exact.known) return "checked by truth";
+  if (reference.checked < 2) return "checked by " + itself;
+  if (reference.checked == reference.known) return "checked by truth";
   return fmt::format("checked by truth until {} s, then by {}",
-                     rounded(exact.problem.times[exact.checked - 1]), itself);
+                     rounded(reference.problem.times[reference.checked - 1]), itself);
 }
 
 /// What became of each free body.
 std::string bodies_text(const Planned& planned) {
-  const World& exact = planned.scene.world;
+  const World& reference = planned.scene.world;
   const World& world = planned.model().model.world;
   const std::vector<std::string>& links = planned.model().links;
   const bool direct = planned.candidate().method == "direct" && !has_spans(world);
   const std::vector<bool> as_links = stepped_as_links(world);
   std::string text;
-  for (std::size_t b = 0; b < exact.bodies.size(); ++b) {
-    const Body& body = exact.bodies[b];
+  for (std::size_t b = 0; b < reference.bodies.size(); ++b) {
+    const Body& body = reference.bodies[b];
     if (body.driven()) continue;
-    const std::string reason = why_no_link(exact, planned.scene.timeline, b);
+    const std::string reason = why_no_link(reference, planned.scene.timeline, b);
     std::string is = "a rigid body";
     if (std::ranges::find(links, body.name) != links.end()) {
       is = "one more link of its chain";
@@ -95,9 +95,9 @@ std::string clip_text(const Planned& planned) {
 
 }  // namespace
 
-std::string outcome(const Trial& trial, const Asked& asked, const Exact& exact) {
+std::string outcome(const Trial& trial, const Asked& asked, const ReferenceSolution& reference) {
   const std::string& unit = asked.unit;
-  const Difference &later = trial.later, &most = exact.most;
+  const Difference &later = trial.later, &most = reference.most;
   switch (trial.end) {
     case Trial::End::within:
       return fmt::format("{} {} off", rounded(trial.error), unit);
@@ -135,7 +135,7 @@ const Trial* nearest(const Search& search, const std::vector<SceneModel>& models
 
 std::string plan_text(const Planned& planned) {
   const Scene& scene = planned.scene;
-  const Exact& exact = planned.exact;
+  const ReferenceSolution& reference = planned.reference;
   const Trial& best = planned.best;
   const std::string& unit = planned.asked.unit;
   std::string text = fmt::format("{}: {}\n", scene.file.string(), certificate(planned.plan));
@@ -145,38 +145,39 @@ std::string plan_text(const Planned& planned) {
   line("model", describe(planned.model(), scene));
   line("method", describe(planned.candidate()));
   if (const std::string bodies = bodies_text(planned); !bodies.empty()) line("bodies", bodies);
-  if (exact.known > 1) {
+  if (reference.known > 1) {
     line("error", fmt::format("{} {} at most, of every particle and the ends of every body in {} "
                               "frames{}",
-                              rounded(best.error), unit, exact.known, clip_text(planned)));
-    line("exact",
-         fmt::format("known to {} {}: {}", rounded(planned.asked.per_metre * exact.self_error),
-                     unit, checked_by(exact)));
+                              rounded(best.error), unit, reference.known, clip_text(planned)));
+    line("reference",
+         fmt::format("known to {} {}: {}", rounded(planned.asked.per_metre * reference.self_error),
+                     unit, checked_by(reference)));
   } else {
-    line("error", fmt::format("nothing can be foretold to {}: a nudge of a ten-thousandth of that "
-                              "grows beyond a hundredth within a frame",
-                              planned.plan.tolerance));
+    line("error",
+         fmt::format("the motion is not predictable to {}: a nudge of a ten-thousandth of that "
+                     "grows beyond a hundredth within a frame",
+                     planned.plan.tolerance));
   }
-  if (exact.known > 1 && exact.goes_on()) {
+  if (reference.known > 1 && reference.goes_on()) {
     line("until", fmt::format("{} s: {}a nudge of a ten-thousandth of {} then grows beyond a "
                               "hundredth of it",
                               rounded(planned.plan.until),
                               planned.plan.end.empty() ? "" : planned.plan.end + ", and ",
                               planned.plan.tolerance));
   }
-  if (exact.goes_on()) {
+  if (reference.goes_on()) {
     line("later",
-         fmt::format("{}energy{} within {}% of what lifts all by the length, and of all motion "
-                     "({}% would do)",
-                     exact.balanced ? "" : "mean ",
-                     exact.closed || !exact.balanced ? "" : ", less the work of what drives it,",
-                     rounded(100 * best.later.energy), rounded(100 * exact.most.energy)));
+         fmt::format(
+             "{}energy{} within {}% of what lifts all by the length, and of all motion "
+             "({}% would do)",
+             reference.balanced ? "" : "mean ",
+             reference.closed || !reference.balanced ? "" : ", less the work of what drives it,",
+             rounded(100 * best.later.energy), rounded(100 * reference.most.energy)));
     line("", fmt::format("links within {}% of their length ({}%)",
-                         rounded(100 * best.later.stretch), rounded(100 * exact.most.stretch)));
-    line("",
-         fmt::format("speeds of all points distributed within {}% ({}%, by how much equally exact "
-                     "motions differ)",
-                     rounded(100 * best.later.speeds), rounded(100 * exact.most.speeds)));
+                         rounded(100 * best.later.stretch), rounded(100 * reference.most.stretch)));
+    line("", fmt::format("speeds of all points distributed within {}% ({}%, by how much reference "
+                         "solutions differ)",
+                         rounded(100 * best.later.speeds), rounded(100 * reference.most.speeds)));
   }
   const ModelErrors& off = planned.models_off;
   if (off.rope) {
@@ -184,7 +185,7 @@ std::string plan_text(const Planned& planned) {
          fmt::format("the scene's chains are {} {} from continuous ropes, as {} and {} {} "
                      "from twice and four times the links tell",
                      rounded(*off.rope), unit, rounded(off.twice), rounded(off.four), unit));
-  } else if (exact.known > 1) {
+  } else if (reference.known > 1) {
     line("rope", fmt::format("the scene's chains are {} and {} {} from twice and four times the "
                              "links: too few to tell where continuous ropes would be",
                              rounded(off.twice), rounded(off.four), unit));
@@ -225,7 +226,7 @@ std::string plan_text(const Planned& planned) {
 }
 
 std::string plan_json(const Planned& planned) {
-  const Exact& exact = planned.exact;
+  const ReferenceSolution& reference = planned.reference;
   nlohmann::ordered_json json = {{"scene", planned.scene.file.string()},
                                  {"tolerance", planned.plan.tolerance},
                                  {"certificate", certificate(planned.plan)},
@@ -236,14 +237,14 @@ std::string plan_json(const Planned& planned) {
                                  {"settings", settings_json(planned.plan.method.settings)},
                                  {"particles", planned.plan.particles},
                                  {"bodies_as_links", planned.plan.links},
-                                 {"checked_by", checked_by(exact)},
+                                 {"checked_by", checked_by(reference)},
                                  {"scored_metres", planned.scored},
-                                 {"exact_known_to", planned.asked.per_metre * exact.self_error},
+                                 {"exact_known_to", planned.asked.per_metre * reference.self_error},
                                  {"cycles_per_second", planned.best.work},
                                  {"predicted_ms_per_second", milliseconds(planned.best.work)},
                                  {"measured_ms_per_second", 1e3 * planned.cost}};
   const ModelErrors& off = planned.models_off;
-  if (exact.known > 1) {
+  if (reference.known > 1) {
     json["model_error"] = {{"twice_the_links", off.twice}, {"four_times_the_links", off.four}};
     if (off.rope) json["model_error"]["continuous_rope"] = *off.rope;
     if (off.span) json["model_error"]["massless_span"] = *off.span;
@@ -255,13 +256,13 @@ std::string plan_json(const Planned& planned) {
                          {"mean_as_written", blur->mean_as_written},
                          {"pixels_apart", blur->apart}};
   }
-  if (exact.goes_on()) {
+  if (reference.goes_on()) {
     const auto later = [](const Difference& difference) {
       return nlohmann::ordered_json{{"energy", difference.energy},
                                     {"stretch", difference.stretch},
                                     {"speeds", difference.speeds}};
     };
-    json["later"] = {{"found", later(planned.best.later)}, {"allowed", later(exact.most)}};
+    json["later"] = {{"found", later(planned.best.later)}, {"allowed", later(reference.most)}};
   }
   if (planned.as_written.end == Trial::End::within) {
     json["as_written"] = {{"error", planned.as_written.error},

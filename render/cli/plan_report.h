@@ -32,7 +32,7 @@ struct Blur {
 struct Planned {
   const Scene& scene;
   const Asked& asked;
-  const Exact& exact;
+  const ReferenceSolution& reference;
   const std::vector<SceneModel>& models;
   const Search& search;
   const Trial& best;
@@ -50,7 +50,7 @@ struct Planned {
 };
 
 /// What became of a candidate, in a few words.
-std::string outcome(const Trial& trial, const Asked& asked, const Exact& exact);
+std::string outcome(const Trial& trial, const Asked& asked, const ReferenceSolution& reference);
 /// The trial that came nearest to being chosen: the cheapest within, else the cheapest of those
 /// that were only too dear, else one that only differs later, else the least error; of one method
 /// where that is named.

@@ -24,7 +24,7 @@ std::string found_of(const Plan& plan) {
   const std::string unit(read_length(plan.tolerance)->unit);
   std::string text = plan.until > 0 ? fmt::format("{} {} until {} s", rounded(plan.error), unit,
                                                   rounded(plan.until))
-                                    : "cannot be foretold";
+                                    : "not predictable";
   if (const auto& later = plan.afterwards) {
     text += fmt::format("; then energy {}%", rounded(100 * later->energy));
   }

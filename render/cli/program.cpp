@@ -9,6 +9,8 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
@@ -164,18 +166,34 @@ int complain_of_options(const Common& common, const CLI::App& app, const CLI::Pa
   return complain(common, kUsage, fmt::format("{} ({} --help says more)", why, help));
 }
 
+/// Commands that have another name now. The old one still works, with a note.
+constexpr std::pair<std::string_view, const char*> kRenamed[] = {{"judge", "classify"},
+                                                                 {"reach", "work-precision"}};
+
+/// The name that a renamed command has now; null: `name` is not one.
+const char* new_name(std::string_view name) {
+  for (const auto& [before, now] : kRenamed) {
+    if (name == before) return now;
+  }
+  return nullptr;
+}
+
 int parse_and_run(int argc, char** argv, std::span<const AddCommand> commands) {
   CLI::App app;
   Program program;
   describe_program(app, program, commands);
+  std::vector<const char*> words(argv, argv + argc);
+  const char* now = argc > 1 ? new_name(argv[1]) : nullptr;
+  if (now) words[1] = now;
   try {
-    app.parse(argc, argv);
+    app.parse(argc, words.data());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error) == 0 ? kDone : kCannotWrite;
     // Nothing is parsed that would say so.
     for (int i = 1; i < argc; ++i) program.common.json |= std::string_view(argv[i]) == "--json";
     return complain_of_options(program.common, app, error);
   }
+  if (now && !program.common.quiet) note("taut: {} is called {} now\n", argv[1], now);
   return guarded(program.common, [&] {
     catch_interrupts();
     return program.run();

@@ -24,11 +24,11 @@
 #include "render/cli/stills.h"
 #include "render/cli/terminal.h"
 #include "render/cli/watch.h"
-#include "render/crew.h"
 #include "render/fingerprint.h"
 #include "render/frame_folder.h"
 #include "render/interrupt.h"
 #include "render/profile.h"
+#include "render/render_workers.h"
 #include "render/stage_floor.h"
 #include "render/table.h"
 #include "render/version.h"
@@ -156,19 +156,20 @@ int render(const Common& common, const Options& asked) {
     refuse_beyond(needs, scene, options.max_memory, out, kFewer, common.quiet);
   }
   const bool one_by_one = options.profile || options.stills.any();
-  Crew crew(backend, common.threads, one_by_one, scene, scene.width, scene.height, options.samples);
+  RenderWorkers workers(backend, common.threads, one_by_one, scene, scene.width, scene.height,
+                        options.samples);
   if (options.stills.any()) {
-    write_output(make_stills(options.stills, scene, crew.film(), out, provenance));
+    write_output(make_stills(options.stills, scene, workers.film(), out, provenance));
     return kDone;
   }
   Font font;
   FrameFolder folder(out / "frames", !options.anew, {scene.width, scene.height});
   Profile profile, unlit;
   Profile* const measured = options.profile ? &profile : nullptr;
-  crew.film().set_profile(measured);
+  workers.film().set_profile(measured);
   std::optional<Film> unlit_film;
   if (measured) {
-    unlit_film.emplace(crew.context(), scene, scene.width, scene.height, options.samples,
+    unlit_film.emplace(workers.context(), scene, scene.width, scene.height, options.samples,
                        Shading{.lit = false});
     unlit_film->set_profile(&unlit);
   }
@@ -188,7 +189,7 @@ int render(const Common& common, const Options& asked) {
   const std::uint64_t shared = Hash()
                                    .number(program_fingerprint())
                                    .number(fingerprint(*scene.stage))
-                                   .text(crew.context().description())
+                                   .text(workers.context().description())
                                    .number(scene.width)
                                    .number(scene.height)
                                    .number(options.samples)
@@ -202,7 +203,7 @@ int render(const Common& common, const Options& asked) {
     Progress progress("rendering", "frames", frames.size(), common.quiet);
     std::mutex mutex;  // of everything that counts, and of the font
     std::size_t done = 0;
-    crew.each(frames.size(), [&](Film& film, std::size_t i) {
+    workers.each(frames.size(), [&](Film& film, std::size_t i) {
       stop_if_interrupted();
       film.set_transparent(options.output.transparent);
       if (measured) profile.start();
@@ -254,7 +255,7 @@ int render(const Common& common, const Options& asked) {
       {"fps", scene.fps},
       {"samples", options.samples},
       {"version", version()},
-      {"renderer", crew.context().description()},
+      {"renderer", workers.context().description()},
       {"frames", frames.size()},
       {"frames_drawn", drawn},
       {"mean_exposures", mean_exposures},
@@ -331,7 +332,7 @@ void add_render(CLI::App& app, Program& program) {
                   "  taut render scenes/nunchaku.toml --frames 0-59,120 --size 960x540 --no-video\n"
                   "  taut render scenes/nunchaku.toml --resume\n\n" +
                       std::string(kEstimateHelp) +
-                      "\nclip.json has it: error_estimate_m, foretold_until_s, "
+                      "\nclip.json has it: error_estimate_m, predictable_until_s, "
                       "estimate_ms_per_second.");
   auto options = std::make_shared<Options>();
   add_scene_options(command, options->inputs, false);

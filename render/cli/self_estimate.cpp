@@ -28,10 +28,10 @@ std::string reason(const ErrorEstimate& estimate) {
 const std::string_view kEstimateHelp =
     "The run estimates its own error: the same method with coarser settings (tolerance times 4, "
     "or\n"
-    "twice the step) goes beside it, and Richardson's extrapolation tells the error from the\n"
+    "twice the step) runs in parallel, and Richardson's extrapolation tells the error from the\n"
     "difference, as an RMS of all particles and the ends of free bodies, in m. The motion is\n"
-    "foretold until the estimate exceeds the tolerance asked for or, where the method has none in\n"
-    "metres, a hundredth of the longest connector. --no-estimate saves its time.";
+    "predictable until the estimate exceeds the tolerance asked for or, where the method has none\n"
+    "in metres, a hundredth of the longest connector. --no-estimate saves its time.";
 
 SelfEstimate::SelfEstimate(const Scene& scene, bool on) {
   if (on) estimate_.emplace(scene.world, scene.method.name, scene.method.settings, scene.timeline);
@@ -52,15 +52,16 @@ double SelfEstimate::error() const {
 void SelfEstimate::add_to(nlohmann::ordered_json& record) const {
   if (!estimate_) return;
   const std::string why = reason(*estimate_);
-  const auto foretold = estimate_->foretold_until();
+  const auto until = estimate_->predictable_until();
   record["error_estimate_m"] = {{"largest", finite(estimate_->largest())},
                                 {"final", finite(estimate_->error())}};
   record["error_estimate_reason"] = why.empty() ? Json(nullptr) : Json(why);
-  record["foretold_until_s"] = foretold ? Json(*foretold) : Json(nullptr);
-  record["foretold_until_is"] = fmt::format(
+  record["predictable_until_s"] = until ? Json(*until) : Json(nullptr);
+  record["predictable_until_is"] = fmt::format(
       "the first time at which the estimate exceeds {} m; null where it never does, or where there "
       "is no estimate",
       estimate_->limit());
+  record["foretold_until_s"] = record["predictable_until_s"];  // its former name
   record["estimate_ms_per_second"] = until_ > 0 ? Json(1e3 * seconds_ / until_) : Json(nullptr);
 }
 
@@ -68,11 +69,11 @@ std::string SelfEstimate::line() const {
   if (!estimate_) return {};
   const std::string why = reason(*estimate_);
   if (!estimate_->none().empty()) return "error estimate: none, as " + why + "\n";
-  const auto foretold = estimate_->foretold_until();
+  const auto until = estimate_->predictable_until();
   return fmt::format(
       "error estimate: {:.3g} m at most, {}{}\n", estimate_->largest(),
-      foretold ? fmt::format("above {:.3g} m from {:.4g} s on", estimate_->limit(), *foretold)
-               : fmt::format("never above {:.3g} m", estimate_->limit()),
+      until ? fmt::format("above {:.3g} m from {:.4g} s on", estimate_->limit(), *until)
+            : fmt::format("never above {:.3g} m", estimate_->limit()),
       why.empty() ? "" : "; " + why);
 }
 

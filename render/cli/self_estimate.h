@@ -27,8 +27,8 @@ class SelfEstimate {
   /// At the last frame, m; not a number where there is no estimate.
   double error() const;
 
-  /// Adds error_estimate_m, foretold_until_s, estimate_ms_per_second and what they mean to a record
-  /// of the run; nothing where it is switched off.
+  /// Adds error_estimate_m, predictable_until_s, estimate_ms_per_second and what they mean to a
+  /// record of the run; nothing where it is switched off.
   void add_to(nlohmann::ordered_json& record) const;
   /// The same as one line, empty where it is switched off.
   std::string line() const;

@@ -191,7 +191,7 @@ NAME'.
 
 {}
 It is the last column (inf once the coarser run has diverged, nan where the method has no estimate)
-and, with --json, error_estimate_m (its largest and its final value), foretold_until_s and
+and, with --json, error_estimate_m (its largest and its final value), predictable_until_s and
 estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)",
                               kEstimateHelp));
   const auto options = std::make_shared<Options>();

@@ -66,17 +66,17 @@ Column column_of(const StudyOptions& options, const MapAxis& axis, double value,
 MapCell cell_from(std::size_t contender, double x, double y,
                   const std::vector<std::string>& cells) {
   MapCell cell{contender, x, y, {}, cells.at(5), cells.at(6) == "over"};
-  cell.judgement.verdict = static_cast<Verdict>(number_in(cells.at(0)));
-  cell.judgement.gain = number_in(cells.at(1));
-  cell.judgement.loss = number_in(cells.at(2));
-  cell.judgement.stretch = number_in(cells.at(3));
-  cell.judgement.error = number_in(cells.at(4));
+  cell.classification.motion_class = static_cast<MotionClass>(number_in(cells.at(0)));
+  cell.classification.gain = number_in(cells.at(1));
+  cell.classification.loss = number_in(cells.at(2));
+  cell.classification.stretch = number_in(cells.at(3));
+  cell.classification.error = number_in(cells.at(4));
   return cell;
 }
 
 std::vector<std::string> cells_of(const MapCell& cell) {
-  const Judgement& j = cell.judgement;
-  return {std::to_string(static_cast<int>(j.verdict)),
+  const Classification& j = cell.classification;
+  return {std::to_string(static_cast<int>(j.motion_class)),
           exact(j.gain),
           exact(j.loss),
           exact(j.stretch),
@@ -89,7 +89,7 @@ std::string key_of(const MapAxis& axis, const Contender& contender, double x, do
   return fmt::format("{} {} {} {}", axis.name, contender.label, exact(x), exact(y));
 }
 
-/// A run's place in the map, judged.
+/// A run's place in the map, with its class.
 MapCell cell_of(const StabilityMap& map, std::size_t index, const StabilityStudy& study,
                 const Column& column, double x, double y, double cap) {
   const Contender& contender = study.contenders[index];
@@ -101,7 +101,7 @@ MapCell cell_of(const StabilityMap& map, std::size_t index, const StabilityStudy
   return {index,
           x,
           y,
-          judge(column.problem, result, reference),
+          classify(column.problem, result, reference),
           result.reason,
           result.end == Run::End::over_cap};
 }
@@ -126,7 +126,7 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
       over = over || (map.axis.dearer && over_before[h]);
       const double left = seconds - std::chrono::duration<double>(Clock::now() - start).count();
       MapCell cell{index, x, y, {}, "not run: a cheaper one was over its CPU cap", true};
-      cell.judgement.verdict = Verdict::over_cap;
+      cell.classification.motion_class = MotionClass::over_cap;
       if (const auto* cells = journal.find(key)) {
         cell = cell_from(index, x, y, *cells);
       } else {
@@ -170,7 +170,7 @@ int run(const StudyOptions& options, const Common& common) {
   study.scene = options.scene;
   study.title = scene.title;
   study.quick = options.quick;
-  study.judged = !options.quick;
+  study.scored = !options.quick;
   study.duration = options.quick ? 0.5 : 1.0;
   study.contenders = chosen_contenders(options);
   const std::filesystem::path folder = study_folder(options);
@@ -202,7 +202,7 @@ int run(const StudyOptions& options, const Common& common) {
       std::vector<Column> columns;
       for (const double value : axis.values) {
         stop_if_interrupted();
-        columns.push_back(column_of(options, axis, value, study.duration, study.judged));
+        columns.push_back(column_of(options, axis, value, study.duration, study.scored));
         map.worlds.push_back(columns.back().problem.world);
       }
       for (std::size_t c = 0; c < study.contenders.size(); ++c) {

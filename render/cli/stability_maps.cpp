@@ -11,14 +11,14 @@
 namespace taut::cli {
 namespace {
 
-/// In the order of Verdict; dark to light from bad to good, so that grey print keeps the order.
+/// In the order of MotionClass; dark to light from bad to good, so that grey print keeps the order.
 std::vector<CellKind> kinds() {
-  return {{std::string(name_of(Verdict::over_cap)), "-", 0xdddddd},
-          {std::string(name_of(Verdict::failed)), "F", 0x3b0f70},
-          {std::string(name_of(Verdict::stretched)), "S", 0x8c2981},
-          {std::string(name_of(Verdict::over_damped)), "D", 0xde4968},
-          {std::string(name_of(Verdict::accurate)), "A", 0xfcfdbf},
-          {std::string(name_of(Verdict::plausible)), "P", 0xfe9f6d}};
+  return {{std::string(name_of(MotionClass::over_cap)), "-", 0xdddddd},
+          {std::string(name_of(MotionClass::failed)), "F", 0x3b0f70},
+          {std::string(name_of(MotionClass::stretched)), "S", 0x8c2981},
+          {std::string(name_of(MotionClass::over_damped)), "D", 0xde4968},
+          {std::string(name_of(MotionClass::accurate)), "A", 0xfcfdbf},
+          {std::string(name_of(MotionClass::plausible)), "P", 0xfe9f6d}};
 }
 
 /// Half way to the neighbours on either side of value `i`; `log`: of the logarithms.
@@ -79,8 +79,8 @@ Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std::size_t
     if (cell.contender != index) continue;
     const auto x = edges(map.axis.values, place(map.axis.values, cell.x), map.axis.log);
     const auto y = edges(heights, place(heights, cell.y), true);
-    panel.cells.push_back(
-        {x.first, x.second, y.first, y.second, static_cast<std::size_t>(cell.judgement.verdict)});
+    panel.cells.push_back({x.first, x.second, y.first, y.second,
+                           static_cast<std::size_t>(cell.classification.motion_class)});
   }
   if (contender.method->longest_step && setting->name == "step") {
     panel.series.push_back(law_of(map, contender));
@@ -101,8 +101,8 @@ std::string finding(const StabilityStudy& study, const StabilityMap& map) {
     for (const MapCell& cell : map.cells) {
       if (cell.contender != c) continue;
       ++share.all;
-      share.good += cell.judgement.verdict == Verdict::accurate ||
-                    cell.judgement.verdict == Verdict::plausible;
+      share.good += cell.classification.motion_class == MotionClass::accurate ||
+                    cell.classification.motion_class == MotionClass::plausible;
     }
     if (share.all > 0) shares.push_back(std::move(share));
   }
@@ -121,10 +121,10 @@ Table stability_table(const StabilityStudy& study) {
   for (const StabilityMap& map : study.maps) {
     for (const MapCell& cell : map.cells) {
       const Contender& contender = study.contenders[cell.contender];
-      const Judgement& j = cell.judgement;
+      const Classification& j = cell.classification;
       table.add({map.axis.name, rounded(cell.x), contender.label,
                  std::string(map_height(*contender.method)->name), rounded(cell.y),
-                 std::string(name_of(j.verdict)), rounded(j.gain), rounded(j.loss),
+                 std::string(name_of(j.motion_class)), rounded(j.gain), rounded(j.loss),
                  rounded(j.stretch), rounded(j.error), cell.reason});
     }
   }
@@ -139,7 +139,7 @@ Chart stability_chart(const StabilityStudy& study, const StabilityMap& map) {
       "stretched (a link by 1%), over-damped (lost 10%), accurate (within 1% of the length of "
       "truth{}), plausible; the last two hold. A cell may take {} s of CPU time. {}",
       study.title, rounded(study.duration),
-      study.judged ? "" : "; not told from plausible in a quick map", rounded(study.cap),
+      study.scored ? "" : "; not told from plausible in a quick map", rounded(study.cap),
       machine());
   chart.kinds = kinds();
   for (std::size_t c = 0; c < study.contenders.size(); ++c) {
@@ -172,13 +172,13 @@ std::string stability_json(const StabilityStudy& study) {
   for (const StabilityMap& map : study.maps) {
     for (const MapCell& cell : map.cells) {
       const Contender& contender = study.contenders[cell.contender];
-      const Judgement& j = cell.judgement;
+      const Classification& j = cell.classification;
       json["cells"].push_back({{"map", map.axis.name},
                                {"x", cell.x},
                                {"method", contender.label},
                                {"setting", map_height(*contender.method)->name},
                                {"value", cell.y},
-                               {"verdict", name_of(j.verdict)},
+                               {"verdict", name_of(j.motion_class)},
                                {"energy_gain", number_or_null(j.gain)},
                                {"energy_loss", number_or_null(j.loss)},
                                {"stretch_max", number_or_null(j.stretch)},

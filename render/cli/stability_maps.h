@@ -12,7 +12,7 @@ namespace taut::cli {
 struct MapCell {
   std::size_t contender = 0;  // index
   double x = 0, y = 0;        // values of the map's axis and of the height
-  Judgement judgement;
+  Classification classification;
   std::string reason;  // of an end before the end
   bool over = false;   // it ran over its CPU cap, or was not run since a cheaper one did
 };
@@ -28,7 +28,7 @@ struct StabilityStudy {
   std::string scene, title;
   double duration = 0;  // s, of each run
   double cap = 0;       // s of CPU time, the most that a cell may take
-  bool judged = true;   // there was a truth to tell accurate from plausible
+  bool scored = true;   // there was a truth to tell accurate from plausible
   bool quick = false;
   std::vector<Contender> contenders;
   std::vector<StabilityMap> maps;

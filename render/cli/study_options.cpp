@@ -107,13 +107,14 @@ Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& c
   }
   if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
     throw Misuse(
-        fmt::format("{}: has pins, which chart, bench, compare and judge follow, and this "
+        fmt::format("{}: has pins, which chart, bench, compare and classify follow, and this "
                     "command does not",
                     options.scene));
   }
   if (!scene.timeline.cuts.empty() && options.follows != Follows::pins_and_cuts) {
-    throw Misuse(fmt::format(
-        "{}: has cuts, which compare and judge follow, and this command does not", options.scene));
+    throw Misuse(
+        fmt::format("{}: has cuts, which compare and classify follow, and this command does not",
+                    options.scene));
   }
   return scene;
 }

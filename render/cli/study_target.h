@@ -1,4 +1,4 @@
-// What runs of a study are judged by: the truth of a scene, and units to judge in.
+// What runs of a study are scored against: the truth of a scene, in units of choice.
 #pragma once
 
 #include <optional>

@@ -27,7 +27,7 @@ class Direct : public Method {
     if (!same(world)) {
       place_held(world, world.time);
       // A particle that was pinned in motion leaves its neighbours so.
-      if (changes_ || stretches(world)) stopper_.stop(world);
+      if (changes_ || stretches(world)) velocity_projection_.stop(world);
       for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->load(world);
     }
     for (std::size_t k = 0; k < followed_; ++k) {
@@ -136,7 +136,7 @@ class Direct : public Method {
   std::vector<std::unique_ptr<Integrator>> integrators_;  // more than are followed, to have room
   std::size_t followed_ = 0;
   bool changes_ = false;  // interventions may come, for which room is kept
-  StretchStopper stopper_;
+  VelocityProjection velocity_projection_;
   std::unique_ptr<direct::Spans> spans_;  // where the world has massless ones
   std::vector<double> noted_;             // the world as advance() left it
 };

@@ -68,7 +68,7 @@ class DynamicConstraints final : public SteppedMethod {
           system_.assemble(at);
           for (std::size_t r = 0; r < right_.size(); ++r) {
             right_[r] =
-                at.loose_excess_acceleration(r) + (2 * at.rate()[r] + at.excess()[r] / tau) / tau;
+                at.free_acceleration(r) + (2 * at.rate()[r] + at.violation()[r] / tau) / tau;
           }
           ++counters_.solves;
           counters_.work += at.work();

@@ -14,7 +14,7 @@ constexpr double kSameLine = 0.5;  // cosine of the most that a span turns betwe
 /// An end of a span as a thing that impulses move: a point at `arm` from the centre of mass of a
 /// body, or a particle (arm zero). World axes.
 struct Side {
-  double inverse_mass = 0;              // 1/kg; zero: does not answer to impulses
+  double inverse_mass = 0;              // 1/kg; zero: does not respond to impulses
   Mat3 inverse_inertia = Mat3::Zero();  // 1/(kg m^2)
   Vec3 arm = Vec3::Zero();              // m
   Vec3 spin = Vec3::Zero();             // rad/s
@@ -51,13 +51,13 @@ struct Side {
   Vec3 velocity_of(const Vec3& at) const { return *velocity + spin.cross(at); }
 
   /// The velocity that the point at `seen` gets from a unit impulse along `n` at `acting`.
-  Vec3 answer(const Vec3& n, const Vec3& acting, const Vec3& seen) const {
+  Vec3 inverse_mass_along(const Vec3& n, const Vec3& acting, const Vec3& seen) const {
     return inverse_mass * n + (inverse_inertia * acting.cross(n)).cross(seen);
   }
   /// The same as a matrix on the impulse.
-  Mat3 answers(const Vec3& acting, const Vec3& seen) const {
+  Mat3 inverse_mass_matrix(const Vec3& acting, const Vec3& seen) const {
     Mat3 matrix;
-    for (int i = 0; i < 3; ++i) matrix.col(i) = answer(Vec3::Unit(i), acting, seen);
+    for (int i = 0; i < 3; ++i) matrix.col(i) = inverse_mass_along(Vec3::Unit(i), acting, seen);
     return matrix;
   }
 
@@ -110,28 +110,30 @@ double mass_ratio(const Span& span, double inverse_mass) {
 /// forces of a step act that keep it closed.
 bool close_joint(const Side& a, const Side& b, double dt) {
   const Vec3 arm_a = a.arm_before(dt / 2), arm_b = b.arm_before(dt / 2);
-  const Mat3 inverse = Mat3(a.answers(arm_a, a.arm) + b.answers(arm_b, b.arm)).inverse();
+  const Mat3 inverse =
+      Mat3(a.inverse_mass_matrix(arm_a, a.arm) + b.inverse_mass_matrix(arm_b, b.arm)).inverse();
   const Vec3 shift = inverse * (a.point() - b.point());
   const Vec3 impulse = inverse * (a.velocity_of(a.arm) - b.velocity_of(b.arm));
   exchange(a, arm_a, b, arm_b, impulse, shift);
   return true;
 }
 
-/// Equation (5) as it stands in the paper: each end answers as if the other were fixed, its moment
+/// Equation (5) as it stands in the paper: each end responds as if the other were fixed, its moment
 /// of inertia is a number (about the axis that resists most), and nothing clamps it. It has moved
 /// with the mean of its velocities before and after. Returns the larger of the two impulses, N s.
 double printed_impulse(const Side& a, const Side& b, const Span& span, const Vec3& along,
-                       double parting, double elasticity, double dt) {
+                       double separation_speed, double elasticity, double dt) {
   double largest = 0;
   const auto apply = [&](const Side& side, const Vec3& toward_other) {
     if (side.inverse_mass == 0) return;
-    double answer = side.inverse_mass;
+    double inverse = side.inverse_mass;
     if (side.body) {
       const Mat3 inertia = side.body->mass_properties.inertia;
       const double moment = inertia.diagonal().maxCoeff();
-      if (moment > 0) answer += side.arm.squaredNorm() / moment;
+      if (moment > 0) inverse += side.arm.squaredNorm() / moment;
     }
-    const double size = parting * (1 + elasticity) / answer * mass_ratio(span, side.inverse_mass);
+    const double size =
+        separation_speed * (1 + elasticity) / inverse * mass_ratio(span, side.inverse_mass);
     side.kick(size * toward_other, side.arm);
     side.shift(dt / 2 * size * toward_other, side.arm);
     largest = std::max(largest, size);
@@ -181,31 +183,34 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   const double sign = is_long ? 1 : -1;
   const double limit = is_long ? reach.longest : reach.shortest;
   const Vec3 along = gap / distance;
-  const double parting = sign * along.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm));
+  const double separation_speed = sign * along.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm));
   const double elasticity = world.connectors[span.connector].elasticity;
   if (as_printed_) {
-    if (parting <= 0) return false;
-    const double size = printed_impulse(a, b, span, sign * along, parting, elasticity, dt);
+    if (separation_speed <= 0) return false;
+    const double size = printed_impulse(a, b, span, sign * along, separation_speed, elasticity, dt);
     if (!span.taut) {
       log(Event::Kind::taut, time, 0);
       log(Event::Kind::impulse, time, size);
     }
     span.taut = true;
-    return false;  // both ends have answered; nothing more to settle in this step
+    return false;  // both ends have responded; nothing more to settle in this step
   }
 
   // The span passed its limit `ago`; in steady tension that is half a step. `pull` is what gravity
-  // adds to the parting in a second.
-  const bool impact = parting > 0 && !span.taut;
+  // adds to the separation speed in a second.
+  const bool impact = separation_speed > 0 && !span.taut;
   const double pull = sign * along.dot(b.fall(world.gravity) - a.fall(world.gravity));
   const double excess = sign * (distance - limit);
-  double ago = parting > 0 ? std::min(excess / parting, dt) : 0;
-  if (impact) ago = std::min(excess / std::max(parting - pull * ago / 2, parting / 2), dt);
+  double ago = separation_speed > 0 ? std::min(excess / separation_speed, dt) : 0;
+  if (impact)
+    ago = std::min(excess / std::max(separation_speed - pull * ago / 2, separation_speed / 2), dt);
   Vec3 line = (b.point_before(ago) - a.point_before(ago)).normalized();
   Vec3 arm_a = a.arm_before(ago), arm_b = b.arm_before(ago);
-  Vec3 answer = a.answer(line, arm_a, a.arm) + b.answer(line, arm_b, b.arm);
-  // The shift along `line` that brings the ends back to their limit: |gap + shift answer| = limit.
-  const double p = gap.dot(answer), q = answer.squaredNorm();
+  Vec3 response =
+      a.inverse_mass_along(line, arm_a, a.arm) + b.inverse_mass_along(line, arm_b, b.arm);
+  // The shift along `line` that brings the ends back to their limit: |gap + shift response| =
+  // limit.
+  const double p = gap.dot(response), q = response.squaredNorm();
   const double c = distance * distance - limit * limit;
   const bool turns = line.dot(along) < kSameLine || p * p < q * c;
   double shift = turns ? 0 : -c / (p + std::sqrt(p * p - q * c));
@@ -213,12 +218,13 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
     ago = 0;
     line = along;
     arm_a = a.arm, arm_b = b.arm;
-    answer = a.answer(line, arm_a, a.arm) + b.answer(line, arm_b, b.arm);
-    shift = (limit - distance) / line.dot(answer);
+    response = a.inverse_mass_along(line, arm_a, a.arm) + b.inverse_mass_along(line, arm_b, b.arm);
+    shift = (limit - distance) / line.dot(response);
   }
   double size = 0;
   if (impact) {
-    const Vec3 then = a.answer(line, arm_a, arm_a) + b.answer(line, arm_b, arm_b);
+    const Vec3 then =
+        a.inverse_mass_along(line, arm_a, arm_a) + b.inverse_mass_along(line, arm_b, arm_b);
     const double speed = sign * line.dot(b.velocity_of(arm_b) - a.velocity_of(arm_a));
     // Thrown back at the moment of the impact, and pulled since; else the span stays taut.
     const double back = elasticity * mass_ratio(span, inverse_mass) * (speed - pull * ago);
@@ -228,9 +234,10 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
     if (rebounds) shift -= sign * ago * (back - pull * ago / 2) / line.dot(then);
     log(Event::Kind::taut, time - ago, 0);
     log(Event::Kind::impulse, time - ago, std::abs(size));
-  } else if (parting > 0) {  // steady: the ends neither part nor approach when the step ends
-    const Vec3 now = turns ? along : Vec3((gap + shift * answer).normalized());
-    size = -now.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm)) / now.dot(answer);
+  } else if (separation_speed >
+             0) {  // steady: the distance of the ends does not change when the step ends
+    const Vec3 now = turns ? along : Vec3((gap + shift * response).normalized());
+    size = -now.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm)) / now.dot(response);
   }
   span.taut = true;
   exchange(a, arm_a, b, arm_b, size * line, shift * line);

@@ -55,7 +55,7 @@ class Springs : public SteppedMethod {
     stepper_.step(mechanism, time, dt, state,
                   [this](const Mechanism& at, std::vector<double>& tension) {
                     for (std::size_t r = 0; r < tension.size(); ++r) {
-                      tension[r] = stiffness_ * at.excess()[r] + damper_ * at.rate()[r];
+                      tension[r] = stiffness_ * at.violation()[r] + damper_ * at.rate()[r];
                     }
                     ++counters_.solves;
                     counters_.work += at.work();

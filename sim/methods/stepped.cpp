@@ -45,10 +45,10 @@ void row_mobility(const Mechanism& mechanism, std::vector<double>& rows) {
   for (std::size_t r = 0; r < rows.size(); ++r) {
     rows[r] = mobile[mechanism.rows()[r].a] + mobile[mechanism.rows()[r].b];
   }
-  for (const auto& grip : mechanism.grips()) {
-    const auto& carried = mechanism.carried()[grip.carried];
+  for (const auto& end : mechanism.row_ends()) {
+    const auto& carried = mechanism.body_points()[end.body_point];
     const auto& body = mechanism.bodies()[carried.body];
-    rows[grip.row] += body.inverse_mass + carried.local.squaredNorm() * body.inverse_inertia.norm();
+    rows[end.row] += body.inverse_mass + carried.local.squaredNorm() * body.inverse_inertia.norm();
   }
 }
 

@@ -65,7 +65,7 @@ constexpr double order_of(Integrator integrator) {
 double stability_limit(Integrator integrator, double damping_ratio);
 
 /// Steps a mechanism under any law of tensions: a callable that fills the tension (N) of each row
-/// of the mechanism at the instant that it looks at.
+/// of the mechanism at the instant of its last update.
 class Stepper {
  public:
   explicit Stepper(Integrator integrator) : integrator_(integrator) {}
@@ -102,7 +102,7 @@ class Stepper {
   template <class Law>
   void slope(Mechanism& mechanism, double time, std::vector<double>& state, std::vector<double>& k,
              Law& law) {
-    mechanism.look(time, state.data());
+    mechanism.update(time, state.data());
     law(mechanism, tension_);
     mechanism.differentiate(state.data(), tension_.data(), k.data());
   }

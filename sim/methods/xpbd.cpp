@@ -29,7 +29,7 @@ class Xpbd final : public SteppedMethod {
  private:
   static constexpr int kNone = -1;
   struct Carriers {
-    int a = kNone, b = kNone;  // indices into Mechanism::carried()
+    int a = kNone, b = kNone;  // indices into Mechanism::body_points()
     bool any() const { return a != kNone || b != kNone; }
   };
 
@@ -52,14 +52,14 @@ double Xpbd::prepare(Mechanism& mechanism, const World&) {
   flown_.reserve(mechanism.state_room());
   carriers_.reserve(mechanism.row_room());
   carriers_.assign(mechanism.rows().size(), {});
-  for (const auto& grip : mechanism.grips()) {
-    Carriers& carriers = carriers_[grip.row];
-    (grip.sign > 0 ? carriers.a : carriers.b) = static_cast<int>(grip.carried);
+  for (const auto& end : mechanism.row_ends()) {
+    Carriers& carriers = carriers_[end.row];
+    (end.sign > 0 ? carriers.a : carriers.b) = static_cast<int>(end.body_point);
   }
   // In a pass each row waits for the one before: a difference, a norm, two divisions and a move,
-  // one after another. A grip turns its body.
+  // one after another. A end turns its body.
   const auto count = [](std::size_t number) { return static_cast<double>(number); };
-  pass_work_ = 20 + 80 * count(mechanism.rows().size()) + 450 * count(mechanism.grips().size());
+  pass_work_ = 20 + 80 * count(mechanism.rows().size()) + 450 * count(mechanism.row_ends().size());
   step_work_ = 150 + 20 * count(mechanism.points()) + 700 * count(mechanism.bodies().size());
   return 0;
 }
@@ -102,15 +102,15 @@ void Xpbd::pass(const Mechanism& mechanism, double softness, double* state) {
     Map a(state + mechanism.position(row.a)), b(state + mechanism.position(row.b));
     const Vec3 gap = b - a;
     Vec3 along;
-    double excess;
+    double violation;
     if (row.axis == Row::kAlongLink) {
       const double length = gap.norm();
       if (length == 0) continue;  // no direction: the neighbours part the points
       along = gap / length;
-      excess = length - row.rest;
+      violation = length - row.rest;
     } else {
       along = Vec3::Unit(row.axis);
-      excess = gap[row.axis];
+      violation = gap[row.axis];
     }
     const Carriers& carriers = carriers_[r];
     const double wa =
@@ -119,7 +119,7 @@ void Xpbd::pass(const Mechanism& mechanism, double softness, double* state) {
         carriers.b == kNone ? w[row.b] : mobility(mechanism, carriers.b, along, state);
     const double stiff = wa + wb + softness;
     if (stiff == 0) continue;  // both ends are held
-    const double change = -(excess + softness * multiplier_[r]) / stiff;
+    const double change = -(violation + softness * multiplier_[r]) / stiff;
     multiplier_[r] += change;
     const Vec3 move = change * along;
     a -= w[row.a] * move;
@@ -132,7 +132,7 @@ void Xpbd::pass(const Mechanism& mechanism, double softness, double* state) {
 /// How easily a carried point moves `along`, 1/kg.
 double Xpbd::mobility(const Mechanism& mechanism, int carried, const Vec3& along,
                       const double* state) {
-  const auto& point = mechanism.carried()[static_cast<std::size_t>(carried)];
+  const auto& point = mechanism.body_points()[static_cast<std::size_t>(carried)];
   const auto& body = mechanism.bodies()[point.body];
   const Quat rotation = quaternion(state + mechanism.pose(point.body) + 3);
   const Vec3 lever = point.local.cross(rotation.conjugate() * along);  // in body axes
@@ -141,7 +141,7 @@ double Xpbd::mobility(const Mechanism& mechanism, int carried, const Vec3& along
 
 /// Moves the body that carries a point as `by` (kg m) at that point does, and all its points.
 void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double* state) {
-  const auto& point = mechanism.carried()[static_cast<std::size_t>(carried)];
+  const auto& point = mechanism.body_points()[static_cast<std::size_t>(carried)];
   const auto& body = mechanism.bodies()[point.body];
   double* q = state + mechanism.pose(point.body);
   const Quat rotation = quaternion(q + 3);
@@ -150,7 +150,7 @@ void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double*
   centre += body.inverse_mass * by;
   rotate(rotation * (body.inverse_inertia * lever), q + 3);
   const Quat turned = quaternion(q + 3);
-  for (const auto& other : mechanism.carried()) {
+  for (const auto& other : mechanism.body_points()) {
     if (other.body != point.body) continue;
     Map position(state + mechanism.position(other.point));
     position = centre + turned * other.local;

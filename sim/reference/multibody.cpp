@@ -25,7 +25,7 @@ class Multibody final : public Method {
   double accuracy_;
   std::string integrator_;
   std::optional<SimbodyModel> model_;
-  StretchStopper stopper_;
+  VelocityProjection velocity_projection_;
   std::uint64_t topology_ = 0;
   std::uint64_t left_at_ = 0;  // hash of the world as this left it
   Counters before_;            // of models that are no more
@@ -37,7 +37,7 @@ void Multibody::advance(World& world, double until) {
     if (!model_ || topology_ != world.topology || left_at_ != state_hash(world)) {
       before_ = counters_;
       topology_ = world.topology;
-      stopper_.stop(world);  // joint coordinates have no such velocities
+      velocity_projection_.stop(world);  // joint coordinates have no such velocities
       model_.emplace(world, integrator_, accuracy_);
       cycles_ = 42000;
       for (const Connector& connector : world.connectors) {

@@ -112,9 +112,9 @@ void Multipliers::step(double& time, double until) {
 
 void Multipliers::slope(const State& state, State& derivative, double time) {
   scratch_ = state;
-  mechanism_.look(time, scratch_.data());
+  mechanism_.update(time, scratch_.data());
   for (std::size_t r = 0; r < right_.size(); ++r) {
-    right_[r] = mechanism_.loose_excess_acceleration(r);
+    right_[r] = mechanism_.free_acceleration(r);
   }
   system_.assemble(mechanism_);
   system_.solve(right_, tension_);
@@ -125,8 +125,8 @@ void Multipliers::slope(const State& state, State& derivative, double time) {
 
 void Multipliers::project(double time) {
   const Projection::Left left = projection_.lengths(mechanism_, time, state_);
-  if (!std::isfinite(left.excess)) give_up(time, left.row, "not finite");
-  if (left.excess > Projection::kKept) give_up(time, left.row, "the length cannot be kept");
+  if (!std::isfinite(left.violation)) give_up(time, left.row, "not finite");
+  if (left.violation > Projection::kKept) give_up(time, left.row, "the length cannot be kept");
   projection_.rates(mechanism_, time, state_);
 }
 
@@ -140,7 +140,7 @@ void Multipliers::give_up(double time, std::size_t row, const char* what) const 
 
 MethodInfo truth_method() {
   return {.name = kName,
-          .summary = "the converged solution, which the others are judged by",
+          .summary = "the converged solution, which the others are scored against",
           .settings = {{"local_error",
                         "Error allowed in a step, in metres and metres per second; less is dearer.",
                         "1", 1e-12, 1e-15, 1e-3}},

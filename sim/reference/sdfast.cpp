@@ -57,7 +57,7 @@ class SdFast final : public Method {
   direct::Plane plane_;                       // of pins
   const World* moving_ = nullptr;             // while a model integrates
   std::uint64_t topology_ = 0, left_at_ = 0;  // hash of the world as this left it
-  StretchStopper stopper_;
+  VelocityProjection velocity_projection_;
   int start_ = 1;
   std::vector<double> state_, rate_;
 };
@@ -109,7 +109,7 @@ void SdFast::set_up(const World& world) {
 }
 
 void SdFast::load(World& world) {
-  stopper_.stop(world);  // joint coordinates have no such velocities
+  velocity_projection_.stop(world);  // joint coordinates have no such velocities
   if (planar()) {
     sdfast::load_pins(world, chain_, plane_, state_);
   } else {

@@ -53,22 +53,22 @@ class Dearness {
   std::map<std::string, std::pair<double, double>> ranges_;  // the first and the last of each
 };
 
-/// Goes on as long as `judge` says that the trial is within. After the first frame that takes work
+/// Goes on as long as `end_of` says that the trial is within. After the first frame that takes work
 /// it says what equal steps will take to the end, so that what is too dear is not run.
-Trial run(const PlanModel& model, const Candidate& candidate, const Exact& exact,
-          const Distance& distance, const std::function<Trial::End(const Trial&)>& judge) {
-  const std::vector<double>& times = exact.problem.times;
+Trial run(const PlanModel& model, const Candidate& candidate, const ReferenceSolution& reference,
+          const Distance& distance, const std::function<Trial::End(const Trial&)>& end_of) {
+  const std::vector<double>& times = reference.problem.times;
   const double span = times.back() - times.front();
   Trial trial;
   try {
-    Beside beside(exact, model.world, model.timeline, candidate, distance);
+    ComparedRun compared(reference, model.world, model.timeline, candidate, distance);
     const bool equal = has_equal_steps(candidate);
-    for (std::size_t k = 0; trial.end == Trial::End::within && beside.next(); ++k) {
-      trial.error = beside.error();
-      trial.later = beside.later();
-      trial.work = beside.work() / span;
+    for (std::size_t k = 0; trial.end == Trial::End::within && compared.next(); ++k) {
+      trial.error = compared.error();
+      trial.later = compared.later();
+      trial.work = compared.work() / span;
       if (k == 1 && equal) trial.work *= span / (times[1] - times[0]);
-      trial.end = judge(trial);
+      trial.end = end_of(trial);
     }
   } catch (const Diverged&) {
     trial.end = Trial::End::diverged;
@@ -82,22 +82,23 @@ Trial run(const PlanModel& model, const Candidate& candidate, const Exact& exact
 
 }  // namespace
 
-Trial attempt(const PlanModel& model, const Candidate& candidate, const Exact& exact,
-              const Tolerance& tolerance, double most_work) {
-  return run(model, candidate, exact, tolerance.distance, [&](const Trial& trial) {
+Trial attempt(const PlanModel& model, const Candidate& candidate,
+              const ReferenceSolution& reference, const Tolerance& tolerance, double most_work) {
+  return run(model, candidate, reference, tolerance.distance, [&](const Trial& trial) {
     if (!(trial.error <= tolerance.most)) return Trial::End::beyond;
-    if (!trial.later.within(exact.most)) return Trial::End::unlike;
+    if (!trial.later.within(reference.most)) return Trial::End::unlike;
     return trial.work > most_work ? Trial::End::dearer : Trial::End::within;
   });
 }
 
-Trial run_through(const PlanModel& model, const Candidate& candidate, const Exact& exact,
-                  const Distance& distance) {
-  return run(model, candidate, exact, distance, [](const Trial&) { return Trial::End::within; });
+Trial run_through(const PlanModel& model, const Candidate& candidate,
+                  const ReferenceSolution& reference, const Distance& distance) {
+  return run(model, candidate, reference, distance,
+             [](const Trial&) { return Trial::End::within; });
 }
 
-Search search(std::span<const PlanModel> models, const Exact& exact, const Tolerance& tolerance,
-              const std::function<void(std::size_t)>& tried) {
+Search search(std::span<const PlanModel> models, const ReferenceSolution& reference,
+              const Tolerance& tolerance, const std::function<void(std::size_t)>& tried) {
   // A few at a time on all cores; what is too dear is told by what was found before them, so that
   // the outcome is the same on any number of cores.
   constexpr std::size_t kBlock = 4;
@@ -114,7 +115,7 @@ Search search(std::span<const PlanModel> models, const Exact& exact, const Toler
       std::unique_lock lock(alone, std::defer_lock);
       if (candidate.method == "multibody" || candidate.method == "sdfast") lock.lock();
       const Tolerance own = tolerance;  // a distance may remember what it was asked last
-      block[i] = attempt(models[m], candidate, exact, own, least);
+      block[i] = attempt(models[m], candidate, reference, own, least);
       block[i].model = m;
       block[i].candidate = c;
     });

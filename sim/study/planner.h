@@ -1,5 +1,5 @@
 // The planner: of many models and settings, the one that takes the least work and that nobody can
-// tell from the exact motion.
+// tell from the reference solution.
 #pragma once
 
 #include <functional>
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/study/beside.h"
+#include "sim/study/compared_run.h"
 
 namespace taut {
 
@@ -23,7 +23,7 @@ struct Trial {
   enum class End {
     within,    // of the tolerance, at every frame
     dearer,    // than the best so far
-    unlike,    // the exact motion where that cannot be foretold
+    unlike,    // the reference solution where that is not predictable
     beyond,    // the tolerance, where it can
     diverged,  // or refused by the method
   };
@@ -46,19 +46,19 @@ struct Tolerance {
 
 /// A run to the end, or until it is beyond the tolerance or takes more than `most_work` (per
 /// simulated second).
-Trial attempt(const PlanModel& model, const Candidate& candidate, const Exact& exact,
-              const Tolerance& tolerance, double most_work);
+Trial attempt(const PlanModel& model, const Candidate& candidate,
+              const ReferenceSolution& reference, const Tolerance& tolerance, double most_work);
 
 /// A run to the end, whatever its error: within or diverged.
-Trial run_through(const PlanModel& model, const Candidate& candidate, const Exact& exact,
-                  const Distance& distance);
+Trial run_through(const PlanModel& model, const Candidate& candidate,
+                  const ReferenceSolution& reference, const Distance& distance);
 
 /// Tries the candidates of every model, the last model first, those of the method that stands first
 /// before all others, until they are beyond the tolerance or dearer than the cheapest within; on
 /// all cores. The numbers of a method's settings must go from cheap to dear: past what is within or
 /// too dear, dearer ones are not run. `tried` is called with the number of candidates so far, now
 /// and then; it may throw to stop.
-Search search(std::span<const PlanModel> models, const Exact& exact, const Tolerance& tolerance,
-              const std::function<void(std::size_t)>& tried);
+Search search(std::span<const PlanModel> models, const ReferenceSolution& reference,
+              const Tolerance& tolerance, const std::function<void(std::size_t)>& tried);
 
 }  // namespace taut

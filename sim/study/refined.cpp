@@ -4,15 +4,16 @@
 
 namespace taut {
 
-double distance_between(const Exact& exact, const World& world, const Timeline& timeline,
-                        const Candidate& candidate, const Distance& distance) {
-  Beside beside(exact, world, timeline, candidate, distance);
+double distance_between(const ReferenceSolution& reference, const World& world,
+                        const Timeline& timeline, const Candidate& candidate,
+                        const Distance& distance) {
+  ComparedRun compared(reference, world, timeline, candidate, distance);
   try {
-    for (std::size_t k = 0; k < exact.known; ++k) beside.next();
+    for (std::size_t k = 0; k < reference.known; ++k) compared.next();
   } catch (const Diverged&) {
     return INFINITY;
   }
-  return beside.error();
+  return compared.error();
 }
 
 std::optional<double> error_of_chain(double twice, double four) {

@@ -3,14 +3,16 @@
 
 #include <optional>
 
-#include "sim/study/beside.h"
+#include "sim/study/compared_run.h"
 
 namespace taut {
 
-/// The largest distance of any of the exact motion's points in the frames that can be compared, for
-/// a world that models the same in another way; infinite where it cannot be run that far.
-double distance_between(const Exact& exact, const World& world, const Timeline& timeline,
-                        const Candidate& candidate, const Distance& distance);
+/// The largest distance of any of the reference solution's points in the frames that can be
+/// compared, for a world that models the same in another way; infinite where it cannot be run that
+/// far.
+double distance_between(const ReferenceSolution& reference, const World& world,
+                        const Timeline& timeline, const Candidate& candidate,
+                        const Distance& distance);
 
 /// Where chains of n, 2n, 4n links tend to, from how far the second (`twice`) and the third
 /// (`four`) are from the first: with errors that shrink by the same factor r each time, these are

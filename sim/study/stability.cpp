@@ -72,44 +72,46 @@ double available_energy(const World& world) {
   return std::max(kinetic + potential_energy(world) - lowest, 1e-3 * fall);
 }
 
-Judgement judge(const Problem& problem, const Run& run, const Reference* reference,
-                const VerdictLimits& limits) {
-  Judgement judgement;
-  judgement.stretch = run.stretch_max;
+Classification classify(const Problem& problem, const Run& run, const Reference* reference,
+                        const ClassLimits& limits) {
+  Classification classification;
+  classification.stretch = run.stretch_max;
   if (is_closed(problem.world) && problem.timeline.empty()) {
     const double scale = available_energy(problem.world);
     const auto share = [scale](double energy) { return energy > 0 ? energy / scale : 0; };
-    judgement.gain = share(run.energy_gain);
-    judgement.loss = share(run.energy_loss);
+    classification.gain = share(run.energy_gain);
+    classification.loss = share(run.energy_loss);
   }
   if (reference) {
     const Metric metric = share_of_length(total_length(problem.world));
-    judgement.error = rms_error(run.frames, reference->frames, reference->horizon, metric.distance);
+    classification.error =
+        rms_error(run.frames, reference->frames, reference->horizon, metric.distance);
   }
-  judgement.verdict = [&] {
-    if (run.end == Run::End::diverged || judgement.gain > limits.gain) return Verdict::failed;
-    if (judgement.stretch > limits.stretch) return Verdict::stretched;
-    if (judgement.loss > limits.loss) return Verdict::over_damped;
-    if (run.end == Run::End::over_cap) return Verdict::over_cap;
-    if (judgement.error <= limits.accurate) return Verdict::accurate;
-    return Verdict::plausible;
+  classification.motion_class = [&] {
+    if (run.end == Run::End::diverged || classification.gain > limits.gain)
+      return MotionClass::failed;
+    if (classification.stretch > limits.stretch) return MotionClass::stretched;
+    if (classification.loss > limits.loss) return MotionClass::over_damped;
+    if (run.end == Run::End::over_cap) return MotionClass::over_cap;
+    if (classification.error <= limits.accurate) return MotionClass::accurate;
+    return MotionClass::plausible;
   }();
-  return judgement;
+  return classification;
 }
 
-std::string_view name_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::over_cap:
+std::string_view name_of(MotionClass motion_class) {
+  switch (motion_class) {
+    case MotionClass::over_cap:
       return "over the CPU cap";
-    case Verdict::failed:
+    case MotionClass::failed:
       return "failed";
-    case Verdict::stretched:
+    case MotionClass::stretched:
       return "stretched";
-    case Verdict::over_damped:
+    case MotionClass::over_damped:
       return "over-damped";
-    case Verdict::accurate:
+    case MotionClass::accurate:
       return "accurate";
-    case Verdict::plausible:
+    case MotionClass::plausible:
       return "plausible";
   }
   return "";

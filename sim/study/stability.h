@@ -11,7 +11,7 @@
 namespace taut {
 
 /// The first that fits, in this order.
-enum class Verdict {
+enum class MotionClass {
   over_cap,     // it was stopped at its CPU cap before it showed any other failure
   failed,       // diverged, not finite, or gained energy
   stretched,    // a link is too long or too short
@@ -20,15 +20,15 @@ enum class Verdict {
   plausible,    // nothing wrong that needs no reference to be seen
 };
 
-struct VerdictLimits {
+struct ClassLimits {
   double gain = 0.1;       // of the available energy
   double stretch = 0.01;   // of a link's rest length
   double loss = 0.1;       // of the available energy
   double accurate = 0.01;  // RMS, of the connectors' length, within the horizon
 };
 
-struct Judgement {
-  Verdict verdict = Verdict::plausible;
+struct Classification {
+  MotionClass motion_class = MotionClass::plausible;
   double gain = 0, loss = 0;  // of the available energy
   double stretch = 0;
   double error = std::numeric_limits<double>::quiet_NaN();  // RMS, of the length
@@ -40,15 +40,15 @@ double total_length(const World& world);
 
 /// The energy (J) that the world can turn into motion: what it has, less what is left when
 /// everything hangs at rest below what holds it. Without anything that holds it: its kinetic
-/// energy, and that of a fall by total_length(). At least a thousandth of that fall, so that a world
-/// at rest has a scale as well.
+/// energy, and that of a fall by total_length(). At least a thousandth of that fall, so that a
+/// world at rest has a scale as well.
 double available_energy(const World& world);
 
 /// Judges a run of `problem`. Energies count only where nothing is driven. `reference` may be null.
-Judgement judge(const Problem& problem, const Run& run, const Reference* reference,
-                const VerdictLimits& limits = {});
+Classification classify(const Problem& problem, const Run& run, const Reference* reference,
+                        const ClassLimits& limits = {});
 
 /// One word or two for tables and legends.
-std::string_view name_of(Verdict verdict);
+std::string_view name_of(MotionClass motion_class);
 
 }  // namespace taut

@@ -1,4 +1,4 @@
-// The truth: what methods are judged by, and for how long.
+// The truth: what methods are scored against, and for how long.
 #pragma once
 
 #include <span>

@@ -60,6 +60,18 @@ def keep(work, made, name):
 # What stands in README.md.
 
 
+@result("build", FRONT)
+def build(work):
+    """compile units and size of a build"""
+    units = {}
+    for target in ("taut", "all"):
+        inputs = set(work.run(f"ninja -C {work.build} -t inputs {target}").split())
+        units[target] = sum(one.endswith(".o") for one in inputs)
+    size = int(work.run(f"du -sm {work.build}").split()[0])
+    work.commands = ["ninja -t inputs taut", "ninja -t inputs all", "du -sm build/release"]
+    return (f"The program is {units['taut']} compile units, everything with its tests {units['all']} and {size} MB.")
+
+
 @result("summary", FRONT, measured=False)
 def summary(work):
     """six lines from the other tables"""
@@ -114,7 +126,7 @@ def scenes(work):
         told = json.loads(work.run(f"taut check {file} --json"))
         length = next(iter(told["connectors"].values()))["length_m"]
         errors = ",".join(f"{length * share:.6g}" for share in shares)
-        found = cells(work.run(f"taut reach {file} --methods direct,impulse,dynamic-constraints,xpbd "
+        found = cells(work.run(f"taut work-precision {file} --methods direct,impulse,dynamic-constraints,xpbd "
                                f"--budget 12 --errors {errors} --markdown"))
         row = [file.removeprefix("scenes/").removesuffix(".toml")]
         for i in range(1, len(shares) + 1):
@@ -124,7 +136,7 @@ def scenes(work):
             row.append(f"{costs[0][1]} {costs[0][0]:g}" + (f" ({other[0] / costs[0][0]:.3g}x)" if other else "")
                        if costs else "")
         rows.append(row)
-    work.commands = [f"taut reach {' '.join(files)} --methods direct,impulse,dynamic-constraints,xpbd "
+    work.commands = [f"taut work-precision {' '.join(files)} --methods direct,impulse,dynamic-constraints,xpbd "
                      "--budget 12 --errors ..."]
     return markdown(rows, range(1, len(rows[0])))
 
@@ -135,7 +147,7 @@ def engines(work):
     every = "direct,dynamic-constraints,xpbd,multibody,bullet,mujoco,ode,sdfast,sdfast:ball"
     some = "direct,multibody,bullet,mujoco,ode"
     spaces = " ".join(f"tests/bench/engines/{name}.toml" for name in ("stick_in_space", "swing_from_30", "swing_in_space"))
-    tables = [first_table(work.run(f"taut_engines reach {files} --methods {methods} --budget {budget} --markdown"))
+    tables = [first_table(work.run(f"taut_engines work-precision {files} --methods {methods} --budget {budget} --markdown"))
               for files, methods, budget in (("scenes/bench_swing.toml scenes/bench_stick.toml", every, 70),
                                              ("scenes/bench_heavy.toml", every, 270), (spaces, some, 100))]
     if any("not installed" in table for table in tables):
@@ -157,7 +169,7 @@ def compare(work):
 @result("hard", STUDY)
 def hard(work):
     """what each method makes of the hard cases"""
-    return work.run("taut judge " + " ".join(f"scenes/hard/{name}.toml" for name in (
+    return work.run("taut classify " + " ".join(f"scenes/hard/{name}.toml" for name in (
         "coincident", "falling_chain", "heavy_load", "long_step", "pulled_apart", "release_straight_up",
         "rotating_chain", "taut_snap", "whip")) + f" --methods {OURS} --markdown")
 

@@ -4,7 +4,7 @@
 Both builds run every scene over the same tolerances, each beside the other in turn. Printed is, per
 scene and error, the cheapest tolerance of each build that comes within the error: its CPU time per
 simulated second (median), its solves, and what the new build takes of the base's. An error is the
-RMS over all particles and frames of the first second, as far as it can be foretold, against the
+RMS over all particles and frames of the first second, as far as it is predictable, against the
 method truth.
 
   tests/bench/versus.py --base ../base/build/release --new build/release
@@ -54,8 +54,8 @@ def trajectory(build, scene, folder, *method):
 
 
 def horizon(build, scene):
-    """Until when (s) the truth can be foretold, at most a second."""
-    [told] = json.loads(taut(build, "judge", scene, "--methods", "direct", "--json", "--quiet"))["scenes"]
+    """Until when (s) the motion is predictable, at most a second."""
+    [told] = json.loads(taut(build, "classify", scene, "--methods", "direct", "--json", "--quiet"))["scenes"]
     if told["truth_until_s"] is None:
         raise Failed(f"{scene}: nothing is predictable")
     return min(1.0, told["truth_until_s"])

@@ -41,7 +41,7 @@ TEST_F(Certified, ByItsPlan) {
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const std::string proof = clip().at("certificate");
   EXPECT_EQ(proof.rfind("within ", 0), 0u) << proof;
-  EXPECT_NE(proof.find("px of the exact motion until 0.2 s"), std::string::npos) << proof;
+  EXPECT_NE(proof.find("px of the reference solution until 0.2 s"), std::string::npos) << proof;
   EXPECT_NE(outcome.messages.find("certificate: " + proof), std::string::npos) << outcome.messages;
 }
 

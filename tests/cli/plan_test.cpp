@@ -12,7 +12,7 @@
 #include "render/cli/plan_models.h"
 #include "render/cli/study_target.h"
 #include "scenes/scene.h"
-#include "sim/study/marks.h"
+#include "sim/study/sample_points.h"
 #include "tests/support/folder.h"
 
 namespace taut {
@@ -48,13 +48,13 @@ void expect_within(const fs::path& file) {
   Simulation truth(world, make_method("truth", {{"local_error", 1e-11}}), exact.timeline);
   Simulation found(cli::few_copies(planned.world),
                    make_method(planned.method.name, planned.method.settings), planned.timeline);
-  const Marks marks(world, truth.state()), own(found.world(), found.state());
+  const SamplePoints sample_points(world, truth.state()), own(found.world(), found.state());
   double error = 0;
   for (const double time : frame_times(plan.until, exact.fps)) {
     truth.advance_to(time);
     found.advance_to(time);
-    const std::vector<Vec3> at = own.places(marks, found.state());
-    const std::vector<Vec3> right = marks.places(marks, truth.state());
+    const std::vector<Vec3> at = own.places(sample_points, found.state());
+    const std::vector<Vec3> right = sample_points.places(sample_points, truth.state());
     for (std::size_t i = 0; i < at.size(); ++i) {
       error = std::max(error, distance(at[i], right[i], time));
     }
@@ -186,13 +186,13 @@ void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
   const Scene scene = load_scene(kScenes / name, true);
   const Tolerance asked{distance_of(scene, tolerance), std::stod(tolerance)};
   const double metres = plan.at("scored_metres").get<double>();
-  const Exact exact = solve_exactly(
+  const ReferenceSolution reference = solve_reference(
       {cli::few_copies(scene.world), frame_times(scene.duration, scene.fps), scene.timeline},
       metres, 1e9, [](double) {});
   std::size_t tried = 0;
   for (const cli::SceneModel& one : cli::models_of(scene, {})) {
     for (const Candidate& candidate : cli::all_candidates(one.model.world, scene.fps)) {
-      const Trial trial = attempt(one.model, candidate, exact, asked, enough);
+      const Trial trial = attempt(one.model, candidate, reference, asked, enough);
       EXPECT_NE(trial.end, Trial::End::within)
           << name << ": " << cli::describe(one, scene) << ", " << describe(candidate) << " costs "
           << trial.work << " of " << 1.5 * enough;

@@ -1,5 +1,5 @@
-// The tables of results are what the commands beside them say: times differ from machine to machine,
-// words must not.
+// The tables of results are what the commands beside them say: times differ from machine to
+// machine, words must not.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -61,11 +61,11 @@ TEST(LongResults, ClaimsStandAsTheyAreMeasured) {
   }
 }
 
-TEST(LongResults, HardCasesStandAsTheyAreJudged) {
+TEST(LongResults, HardCasesStandAsTheyAreClassified) {
   const Rows rows = results_table("| scene | truth until (s) |");
   const char* methods[] = {"impulse", "dynamic-constraints", "multibody", "springs", "xpbd",
                            "direct"};
-  std::vector<std::string> command{TAUT_PROGRAM, "judge"};
+  std::vector<std::string> command{TAUT_PROGRAM, "classify"};
   for (const char* scene :
        {"coincident", "falling_chain", "heavy_load", "long_step", "pulled_apart",
         "release_straight_up", "rotating_chain", "taut_snap", "whip"}) {
@@ -80,10 +80,10 @@ TEST(LongResults, HardCasesStandAsTheyAreJudged) {
   ASSERT_EQ(rows.size(), scenes.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t m = 0; m < std::size(methods); ++m) {
-      const auto& judged = scenes[i].at("methods").at(m);
-      ASSERT_EQ(judged.at("method"), methods[m]);
-      EXPECT_EQ(first_word(rows[i].at(m + 2)), first_word(judged.at("verdict")))
-          << rows[i][0] << ": " << judged;
+      const auto& classified = scenes[i].at("methods").at(m);
+      ASSERT_EQ(classified.at("method"), methods[m]);
+      EXPECT_EQ(first_word(rows[i].at(m + 2)), first_word(classified.at("verdict")))
+          << rows[i][0] << ": " << classified;
     }
   }
 }

@@ -56,14 +56,15 @@ TEST_F(Render, ClipSaysItsErrorEstimate) {
   const auto clip = nlohmann::json::parse(read_file(out_ / "clip.json"));
   EXPECT_GT(clip.at("error_estimate_m").at("largest"), 0);
   EXPECT_GT(clip.at("error_estimate_m").at("final"), 0);
-  EXPECT_TRUE(clip.at("foretold_until_s").is_null());
+  EXPECT_TRUE(clip.at("predictable_until_s").is_null());
   EXPECT_GT(clip.at("estimate_ms_per_second"), 0);
   const std::string with = read_file(frame(9));
   ASSERT_EQ(
       render({"--no-video", "--method", "xpbd", "--step", "0.00005", "--anew", "--no-estimate"})
           .code,
       0);
-  EXPECT_FALSE(nlohmann::json::parse(read_file(out_ / "clip.json")).contains("foretold_until_s"));
+  EXPECT_FALSE(
+      nlohmann::json::parse(read_file(out_ / "clip.json")).contains("predictable_until_s"));
   EXPECT_EQ(read_file(frame(9)), with);
 }
 

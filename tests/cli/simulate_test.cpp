@@ -174,8 +174,8 @@ TEST(Simulate, EstimatesItsOwnError) {
   EXPECT_EQ(json.at("error_estimate_m").at("largest"), largest);
   EXPECT_EQ(json.at("error_estimate_m").at("final"), std::stod(last_column(csv).back()));
   EXPECT_TRUE(json.at("error_estimate_reason").is_null());
-  EXPECT_TRUE(json.at("foretold_until_s").is_null()) << "errs by less than a millimetre";
-  EXPECT_NE(json.at("foretold_until_is").get<std::string>().find("0.001 m"), std::string::npos);
+  EXPECT_TRUE(json.at("predictable_until_s").is_null()) << "errs by less than a millimetre";
+  EXPECT_NE(json.at("predictable_until_is").get<std::string>().find("0.001 m"), std::string::npos);
   EXPECT_GT(json.at("estimate_ms_per_second"), 0);
 
   const auto without = simulate({"--no-estimate", "--quiet"});
@@ -212,7 +212,8 @@ TEST(Simulate, TheEstimateIsInfiniteOnceTheCoarserRunDiverges) {
   EXPECT_TRUE(json.at("error_estimate_m").at("final").is_null());
   EXPECT_NE(json.at("error_estimate_reason").get<std::string>().find("springs: diverged"),
             std::string::npos);
-  EXPECT_GT(json.at("foretold_until_s"), 0);
+  EXPECT_GT(json.at("predictable_until_s"), 0);
+  EXPECT_EQ(json.at("foretold_until_s"), json.at("predictable_until_s")) << "its former name";
   EXPECT_EQ(last_column(read_file(folder.path() / "t.csv")).back(), "inf");
 }
 

@@ -178,19 +178,19 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   EXPECT_EQ(cells(reach, "ms/s for 1e-06").at(0), "-") << "impulse";
 }
 
-TEST(Reach, SaysWhatAnErrorCostsSceneBesideScene) {
+TEST(WorkPrecision, SaysWhatAnErrorCostsSceneBesideScene) {
   const Folder folder;
   folder.write("a.toml", kScene);
   folder.write("b.toml", kScene);
   const ProgramResult outcome =
-      run_taut({"reach", "a.toml", "b.toml", "--methods", "impulse,direct", "--errors",
+      run_taut({"work-precision", "a.toml", "b.toml", "--methods", "impulse,direct", "--errors",
                 "0.1,0.00001", "--budget", "2", "--markdown", "--out", "out"},
                folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   EXPECT_NE(outcome.output.find("| Short swing: 100 mm | Short swing: 0.01 mm |"),
             std::string::npos)
       << outcome.output;
-  const Table table = from_csv(read_file(folder.path() / "out/reach.csv"));
+  const Table table = from_csv(read_file(folder.path() / "out/work_precision.csv"));
   const auto errors = cells(table, "error (m)"), asked = cells(table, "error asked for (m)");
   for (std::size_t i = 0; i < errors.size(); ++i) {
     EXPECT_LE(std::stod(errors[i]), std::stod(asked[i])) << i;
@@ -278,11 +278,11 @@ TEST(Plan, MisuseIsTwo) {
   }
 }
 
-TEST(Judge, SaysOneWordPerMethodAndScene) {
+TEST(Classify, SaysOneClassPerMethodAndScene) {
   const Folder folder;
   folder.write("scene.toml", kScene);
   folder.write("torn.toml", kTorn);
-  const ProgramResult outcome = run_taut({"judge", "scene.toml", "torn.toml", "--methods",
+  const ProgramResult outcome = run_taut({"classify", "scene.toml", "torn.toml", "--methods",
                                           "dynamic-constraints,xpbd,direct", "--json", "-q"},
                                          folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
@@ -299,6 +299,21 @@ TEST(Judge, SaysOneWordPerMethodAndScene) {
   EXPECT_GT(judged(1, "dynamic-constraints").at("diverged_at_s"), 0);
   EXPECT_EQ(judged(1, "xpbd").at("verdict"), "stretched");
   EXPECT_GT(judged(1, "xpbd").at("stretch_max"), 0.01);
+}
+
+TEST(Renamed, CommandsWorkUnderTheirFormerNames) {
+  const Folder folder;
+  folder.write("scene.toml", kScene);
+  const ProgramResult now =
+      run_taut({"classify", "scene.toml", "--methods", "direct"}, folder.path());
+  const ProgramResult before =
+      run_taut({"judge", "scene.toml", "--methods", "direct"}, folder.path());
+  EXPECT_EQ(before.code, 0) << before.messages;
+  EXPECT_EQ(before.output, now.output);
+  EXPECT_NE(before.messages.find("taut: judge is called classify now\n"), std::string::npos)
+      << before.messages;
+  EXPECT_EQ(now.messages.find("is called"), std::string::npos) << now.messages;
+  EXPECT_EQ(run_taut({"reach", "--help"}, folder.path()).code, 0);
 }
 
 TEST(LongStability, FullMapsOfTheRopeSwing) {

@@ -30,9 +30,9 @@ to = { point_mass = 0.2 }
 start = { direction = [1, 0, 0] }
 )";
 
-const std::vector<std::string> kCommands = {"render", "simulate",  "export",  "check",  "bench",
-                                            "chart",  "stability", "compare", "golden", "judge",
-                                            "reach",  "claims",    "plan"};
+const std::vector<std::string> kCommands = {
+    "render",  "simulate", "export",   "check",          "bench",  "chart", "stability",
+    "compare", "golden",   "classify", "work-precision", "claims", "plan"};
 
 class Usage : public testing::Test {
  protected:
@@ -118,7 +118,7 @@ TEST_F(Usage, AnyValueOfASceneCanBeSet) {
             std::string::npos)
       << wrong.messages;
   for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"judge", "swing.toml", "--methods", "impulse"},
+       {std::vector<std::string>{"classify", "swing.toml", "--methods", "impulse"},
         {"check", "swing.toml"},
         {"plan", "swing.toml", "--tolerance", "1mm"}}) {
     std::vector<std::string> all = words;
@@ -135,7 +135,7 @@ TEST_F(Usage, ASceneComesFromStandardInputAndRowsGoToStandardOutput) {
   const ProgramResult piped = run({"simulate", "-", "--csv", "-", "-q"}, from_file);
   EXPECT_EQ(piped.code, 0) << piped.messages;
   EXPECT_EQ(piped.output, run({"simulate", "swing.toml", "-q"}).output);
-  EXPECT_EQ(run({"judge", "-", "--methods", "impulse"}, from_file).code, 0);
+  EXPECT_EQ(run({"classify", "-", "--methods", "impulse"}, from_file).code, 0);
   folder_.write("bad.toml", "duration = -1\n");
   const ProgramResult bad = run({"check", "-"}, [&] {
     dup2(open((folder_.path() / "bad.toml").c_str(), O_RDONLY), STDIN_FILENO);
@@ -171,8 +171,9 @@ TEST(ResultsFolder, IsEachScenesOwn) {
 }
 
 TEST_F(Usage, ReachAndPlansAreJson) {
-  const ProgramResult reach = run({"reach", "swing.toml", "--methods", "impulse,direct", "--errors",
-                                   "0.1,0.00001", "--budget", "2", "--quick", "--json", "-q"});
+  const ProgramResult reach =
+      run({"work-precision", "swing.toml", "--methods", "impulse,direct", "--errors", "0.1,0.00001",
+           "--budget", "2", "--quick", "--json", "-q"});
   ASSERT_EQ(reach.code, 0) << reach.messages;
   const json scene = json::parse(reach.output).at("scenes").at(0);
   EXPECT_GT(scene.at("horizon_s"), 0);
@@ -207,8 +208,8 @@ TEST_F(Usage, EveryResultIsAsTheSchemaSays) {
   check("export", {"export", "swing.toml", "--to", "csv"});
   check("render", {"render", "swing.toml", "--size", "64x36"});
   check("compare", {"compare", "swing.toml", "--size", "480x270", "--no-video", "--frames", "0"});
-  check("judge", {"judge", "swing.toml"});
-  check("reach", {"reach", "swing.toml", "--quick", "--budget", "1"});
+  check("classify", {"classify", "swing.toml"});
+  check("work-precision", {"work-precision", "swing.toml", "--quick", "--budget", "1"});
   check("chart", {"chart", "swing.toml", "--quick", "--budget", "1"});
   check("stability", {"stability", "swing.toml", "--quick", "--budget", "1"});
 }
@@ -232,7 +233,7 @@ TEST_F(Usage, WithoutGnuplotAStudyDoesNotBegin) {
 TEST_F(Usage, TablesFitTheTerminal) {
   const auto widest = [&](const char* columns) {
     const ProgramResult outcome =
-        run({"judge", "swing.toml", "--methods", "impulse,springs,xpbd,direct", "-q"},
+        run({"classify", "swing.toml", "--methods", "impulse,springs,xpbd,direct", "-q"},
             [&] { setenv("COLUMNS", columns, 1); });
     EXPECT_NE(outcome.output.find("direct"), std::string::npos);
     std::size_t most = 0;
@@ -245,7 +246,7 @@ TEST_F(Usage, TablesFitTheTerminal) {
 }
 
 TEST_F(Usage, ColorsWhereTheyAreWanted) {
-  const std::vector<std::string> words = {"judge", "swing.toml", "--methods", "impulse", "-q"};
+  const std::vector<std::string> words = {"classify", "swing.toml", "--methods", "impulse", "-q"};
   EXPECT_EQ(run(words).output.find('\033'), std::string::npos) << "a pipe";
   const auto force = [] { setenv("CLICOLOR_FORCE", "1", 1); };
   EXPECT_NE(run(words, force).output.find("\033[1m"), std::string::npos);

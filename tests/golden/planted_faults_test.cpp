@@ -1,4 +1,4 @@
-// Faults planted on purpose: the thresholds by which golden pictures are judged see each of them,
+// Faults planted on purpose: the thresholds by which golden pictures are compared see each of them,
 // and let pass what is not a fault.
 #include <gtest/gtest.h>
 
@@ -35,17 +35,17 @@ class PlantedFaults : public testing::Test {
     return film.draw(film.instant(state));
   }
 
-  /// How a picture of the frame would be judged if it came from `renderer`.
-  PictureJudgement judged(const Picture& picture, const GoldenFrame& frame,
-                          const Renderer& renderer) {
-    return judge(picture, renderer, read_png(kFolder / (frame.name + ".png")), record(frame));
+  /// How a picture of the frame would compare if it came from `renderer`.
+  PictureComparison compared(const Picture& picture, const GoldenFrame& frame,
+                             const Renderer& renderer) {
+    return compare(picture, renderer, read_png(kFolder / (frame.name + ".png")), record(frame));
   }
 
   /// Caught in both tiers of one driver.
   void expect_caught(const Picture& picture, const GoldenFrame& frame) {
     for (const Renderer* renderer : {&here_, &same_driver_}) {
-      const PictureJudgement judgement = judged(picture, frame, *renderer);
-      EXPECT_FALSE(judgement.same) << frame.name << ", judged as: " << name_of(judgement.tier);
+      const PictureComparison comparison = compared(picture, frame, *renderer);
+      EXPECT_FALSE(comparison.same) << frame.name << ", compared by: " << name_of(comparison.tier);
     }
   }
 
@@ -75,8 +75,8 @@ TEST_F(PlantedFaults, NothingPlantedPassesInEveryTier) {
   for (const GoldenFrame& frame : suite_.frames) {
     const Picture picture = draw(scene_, record(frame).state);
     for (const Renderer* renderer : {&here_, &same_driver_, &other_driver_})
-      EXPECT_TRUE(judged(picture, frame, *renderer).same)
-          << frame.name << ", judged as: " << name_of(judged(picture, frame, *renderer).tier);
+      EXPECT_TRUE(compared(picture, frame, *renderer).same)
+          << frame.name << ", compared by: " << name_of(compared(picture, frame, *renderer).tier);
   }
 }
 
@@ -90,7 +90,7 @@ TEST_F(PlantedFaults, AStickThreePixelsOffIsSeenEvenByAnotherDriver) {
   std::size_t seen = 0;
   for (const GoldenFrame& frame : suite_.frames) {
     const Picture picture = draw(scene_, stick_moved(record(frame).state, 3));
-    seen += !judged(picture, frame, other_driver_).same;
+    seen += !compared(picture, frame, other_driver_).same;
   }
   EXPECT_GT(2 * seen, suite_.frames.size());
 }

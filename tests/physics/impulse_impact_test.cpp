@@ -23,7 +23,7 @@ Vec3 end_velocity(const World& world, const Hold& hold) {
   return hold_motion(world, hold.to, world.time).velocity;
 }
 
-double parting(const World& world, const Vec3& along) {
+double separation_speed(const World& world, const Vec3& along) {
   const auto& holds = world.connectors[0].holds;
   return along.dot(end_velocity(world, holds[1]) - end_velocity(world, holds[0]));
 }
@@ -50,7 +50,7 @@ Impact impact(World world, const Settings& settings) {
   return result;
 }
 
-/// The mass with which two ends resist parting along n: 1 / sum of n.(1/m + (I^-1 (r x n)) x r).
+/// The mass with which two ends resist separation along n: 1 / sum of n.(1/m + (I^-1 (r x n)) x r).
 double reduced_mass(const World& world, const Vec3& along) {
   double inverse = 0;
   for (const Hold& hold : world.connectors[0].holds) {
@@ -77,7 +77,8 @@ TEST(Impulse, AGoingTautReversesThePartingByTheElasticity) {
   for (const double elasticity : {0.0, 0.3, 1.0}) {
     for (const World& world : {stick_on_a_fixed_cord(elasticity), two_sticks(elasticity)}) {
       const Impact hit = impact(world, {{"step", 1e-4}});
-      const double before = parting(hit.before, hit.along), after = parting(hit.after, hit.along);
+      const double before = separation_speed(hit.before, hit.along),
+                   after = separation_speed(hit.after, hit.along);
       ASSERT_GT(before, 0.5);
       // The bodies turn by up to spin * step = 6e-4 rad within the step of the impact.
       EXPECT_NEAR(after, -elasticity * before, 2e-3 * before);
@@ -113,7 +114,8 @@ TEST(Impulse, TheMassOfTheConnectorTakesItsPartOfTheRebound) {
   const double mass = 0.1, a = 0.12 + mass / 5, b = 0.3 + mass / 5;
   const double ends = a * b / (a + b);
   const Impact hit = impact(two_sticks(0.5, mass), {{"step", 1e-4}});
-  const double ratio = -parting(hit.after, hit.along) / parting(hit.before, hit.along);
+  const double ratio =
+      -separation_speed(hit.after, hit.along) / separation_speed(hit.before, hit.along);
   EXPECT_NEAR(ratio, 0.5 * ends / (mass + ends), 3e-3);
 }
 

@@ -23,7 +23,7 @@ World tightrope(std::size_t particles) {
 struct System {
   explicit System(const World& world) : mechanism(world), tensions(mechanism) {
     mechanism.load(world, state);
-    mechanism.look(world.time, state.data());
+    mechanism.update(world.time, state.data());
     tensions.assemble(mechanism);
   }
   Mechanism mechanism;
@@ -60,7 +60,7 @@ TEST(Singular, BandedAndDenseAgreeWhereNothingIsSingular) {
     System system(world);
     std::vector<double> right(system.mechanism.rows().size()), banded, dense;
     for (std::size_t r = 0; r < right.size(); ++r) {
-      right[r] = system.mechanism.loose_excess_acceleration(r) + 1;
+      right[r] = system.mechanism.free_acceleration(r) + 1;
     }
     ASSERT_TRUE(system.tensions.solve_banded(right, banded));
     system.tensions.solve_dense(right, dense);

@@ -52,7 +52,7 @@ TEST(ErrorEstimate, SaysByNameWhereThereIsNone) {
     EXPECT_EQ(estimate.none().rfind(std::string(method) + " ", 0), 0u) << estimate.none();
     swing(chain(), method, settings, [&](const Simulation& s) { estimate.follow(s); });
     EXPECT_TRUE(std::isnan(estimate.error())) << method;
-    EXPECT_FALSE(estimate.foretold_until()) << method;
+    EXPECT_FALSE(estimate.predictable_until()) << method;
   }
   EXPECT_THROW(ErrorEstimate(chain(), "springs", {{"stepp", 1.0}}), std::invalid_argument);
 }
@@ -75,13 +75,13 @@ TEST(ErrorEstimate, TheFirstTimeAboveTheLimitStays) {
     estimate.follow(simulation);
     largest = std::max(largest, estimate.error());
     if (first < 0 && estimate.error() > estimate.limit()) first = simulation.world().time;
-    EXPECT_EQ(estimate.foretold_until().value_or(-1), first);
+    EXPECT_EQ(estimate.predictable_until().value_or(-1), first);
     EXPECT_EQ(estimate.largest(), largest);
   });
   EXPECT_GT(first, 0);
   ErrorEstimate fine(chain(), "xpbd", {{"step", 1.0 / 60000}});
   swing(chain(), "xpbd", {{"step", 1.0 / 60000}}, [&](const Simulation& s) { fine.follow(s); });
-  EXPECT_FALSE(fine.foretold_until());
+  EXPECT_FALSE(fine.predictable_until());
 }
 
 TEST(ErrorEstimate, ARunGoesOnWhereTheCoarserOneDiverges) {
@@ -96,8 +96,8 @@ TEST(ErrorEstimate, ARunGoesOnWhereTheCoarserOneDiverges) {
   EXPECT_NE(estimate.diverged().find("springs"), std::string::npos) << estimate.diverged();
   EXPECT_TRUE(std::isinf(estimate.error()));
   EXPECT_TRUE(std::isinf(estimate.largest()));
-  ASSERT_TRUE(estimate.foretold_until());
-  EXPECT_LT(*estimate.foretold_until(), 0.5);
+  ASSERT_TRUE(estimate.predictable_until());
+  EXPECT_LT(*estimate.predictable_until(), 0.5);
 }
 
 TEST(ErrorEstimate, StepsOfAFrameAreComparedEveryFour) {

@@ -28,15 +28,15 @@ TEST(GoldenTrajectory, SaysWhatOfTheSceneChanged) {
   golden.within = 1e-9;
   const TrajectoryRecord before = record_of(golden);
   const auto kept = read_trajectory(folder.write("kept.json", trajectory_text(before)));
-  EXPECT_EQ(judge(before, kept, golden.within).failure, "");
+  EXPECT_EQ(compare(before, kept, golden.within).failure, "");
   std::string other = kScene;
   folder.write("scene.toml", other.replace(other.find("length = 0.2"), 12, "length = 0.3"));
-  const std::string failure = judge(record_of(golden), kept, golden.within).failure;
+  const std::string failure = compare(record_of(golden), kept, golden.within).failure;
   EXPECT_NE(failure.find("since it was accepted connectors.rope.length was 0.2 and is 0.3"),
             std::string::npos)
       << failure;
   golden.method = {"direct", {{"tolerance", 1e-7}}};
-  EXPECT_NE(judge(record_of(golden), kept, golden.within).failure.find("method.tolerance is new"),
+  EXPECT_NE(compare(record_of(golden), kept, golden.within).failure.find("method.tolerance is new"),
             std::string::npos);
 }
 

@@ -221,17 +221,18 @@ TEST_F(PlanFile, TablesAfterItStay) {
 }
 
 TEST(Certificate, SaysHowFarAndHowLong) {
-  EXPECT_EQ(certificate(a_plan()),
-            "within 0.4 px of the exact motion until 4.1 s; afterwards energy within 0.1%, stretch "
-            "within 0.01%, speeds within 4%");
+  EXPECT_EQ(
+      certificate(a_plan()),
+      "within 0.4 px of the reference solution until 4.1 s; afterwards energy within 0.1%, stretch "
+      "within 0.01%, speeds within 4%");
   Plan to_its_end = a_plan();
   to_its_end.afterwards.reset();
   to_its_end.tolerance = "0.5mm";
-  EXPECT_EQ(certificate(to_its_end), "within 0.4 mm of the exact motion until 4.1 s");
+  EXPECT_EQ(certificate(to_its_end), "within 0.4 mm of the reference solution until 4.1 s");
   Plan chaos = a_plan();
   chaos.until = 0;
   EXPECT_EQ(certificate(chaos),
-            "of a motion that nobody can foretell; energy within 0.1%, stretch within 0.01%, "
+            "of an unpredictable motion; energy within 0.1%, stretch within 0.01%, "
             "speeds within 4%");
 }
 
@@ -239,9 +240,10 @@ TEST(Certificate, SaysWhatIsDoneToIt) {
   Plan plan = a_plan();
   plan.end = "a pin comes";
   plan.afterwards->work = Plan::Afterwards::Work::known;
-  EXPECT_EQ(certificate(plan),
-            "within 0.4 px of the exact motion until 4.1 s, when a pin comes; afterwards energy, "
-            "less the work of what drives it, within 0.1%, stretch within 0.01%, speeds within 4%");
+  EXPECT_EQ(
+      certificate(plan),
+      "within 0.4 px of the reference solution until 4.1 s, when a pin comes; afterwards energy, "
+      "less the work of what drives it, within 0.1%, stretch within 0.01%, speeds within 4%");
   plan.afterwards->work = Plan::Afterwards::Work::unknown;
   EXPECT_NE(certificate(plan).find("afterwards mean energy within 0.1%"), std::string::npos);
 }
@@ -252,7 +254,7 @@ TEST(Certificate, NeverClaimsMoreThanWasFound) {
   plan.until = 4.19;
   plan.afterwards->energy = 0.001001;
   EXPECT_EQ(certificate(plan),
-            "within 0.41 px of the exact motion until 4.1 s; afterwards energy within 0.11%, "
+            "within 0.41 px of the reference solution until 4.1 s; afterwards energy within 0.11%, "
             "stretch within 0.01%, speeds within 4%");
 }
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "sim/study/marks.h"
 #include "sim/study/refined.h"
 #include "sim/study/run.h"
+#include "sim/study/sample_points.h"
 
 namespace taut {
 namespace {
@@ -21,24 +21,24 @@ World swing(std::size_t particles) {
   return world;
 }
 
-TEST(Marks, LieBetweenTheParticlesOfACoarserChain) {
+TEST(SamplePoints, LieBetweenTheParticlesOfACoarserChain) {
   const World fine = swing(5), coarse = swing(2);
-  const Marks marks(fine, snapshot(fine)), own(coarse, snapshot(coarse));
-  const std::vector<Vec3> places = own.places(marks, snapshot(coarse));
+  const SamplePoints sample_points(fine, snapshot(fine)), own(coarse, snapshot(coarse));
+  const std::vector<Vec3> places = own.places(sample_points, snapshot(coarse));
   ASSERT_EQ(places.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_NEAR((places[i] - fine.connectors[0].position[i]).norm(), 0, 1e-16) << i;
   }
 }
 
-TEST(Marks, OfAStickAreItsEnds) {
+TEST(SamplePoints, OfAStickAreItsEnds) {
   World world;
   Body stick;
   stick.mass_properties = solid_cylinder(0.2, 0.3, 0.02);
   world.bodies.push_back(stick);
   finish(world);
-  const Marks marks(world, snapshot(world));
-  const std::vector<Vec3> places = marks.places(marks, snapshot(world));
+  const SamplePoints sample_points(world, snapshot(world));
+  const std::vector<Vec3> places = sample_points.places(sample_points, snapshot(world));
   ASSERT_EQ(places.size(), 6u);
   double reach = 0;
   for (const Vec3& place : places) reach = std::max(reach, std::abs(place.y()));
@@ -61,12 +61,13 @@ TEST(Distributions, DifferByTheLargestShare) {
   EXPECT_DOUBLE_EQ(distribution_distance(a, b, 2), 0);
 }
 
-TEST(Exact, OfASwingIsKnownToItsEnd) {
-  const Exact exact = solve_exactly({swing(21), frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
-  EXPECT_EQ(exact.known, exact.points.size());
-  EXPECT_EQ(exact.checked, exact.known) << "by the truth";
-  EXPECT_FALSE(exact.goes_on());
-  EXPECT_LT(exact.self_error, 1e-5);
+TEST(ReferenceSolution, OfASwingIsKnownToItsEnd) {
+  const ReferenceSolution reference =
+      solve_reference({swing(21), frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
+  EXPECT_EQ(reference.known, reference.points.size());
+  EXPECT_EQ(reference.checked, reference.known) << "by the truth";
+  EXPECT_FALSE(reference.goes_on());
+  EXPECT_LT(reference.self_error, 1e-5);
 }
 
 /// Upright but for a hair: a nudge soon decides where it goes.
@@ -81,14 +82,15 @@ World drop(std::size_t particles) {
   return world;
 }
 
-TEST(Exact, BeyondTheHorizonKeepsWhatAllMotionsHaveInCommon) {
-  const Exact exact = solve_exactly({drop(21), frame_times(1.5, 60)}, 1e-3, 1e9, no_tick);
-  ASSERT_TRUE(exact.goes_on());
-  EXPECT_LT(exact.known, 20u);
-  EXPECT_NEAR(exact.most.energy, 1e-3 / 0.2, 1e-4) << "a closed world keeps its energy";
+TEST(ReferenceSolution, BeyondTheHorizonKeepsWhatAllMotionsHaveInCommon) {
+  const ReferenceSolution reference =
+      solve_reference({drop(21), frame_times(1.5, 60)}, 1e-3, 1e9, no_tick);
+  ASSERT_TRUE(reference.goes_on());
+  EXPECT_LT(reference.known, 20u);
+  EXPECT_NEAR(reference.most.energy, 1e-3 / 0.2, 1e-4) << "a closed world keeps its energy";
   const PlanModel model{drop(21), {}, {}};
   const auto outcome = [&](const Candidate& candidate) {
-    return attempt(model, candidate, exact, {metres, 1e-3}, INFINITY).end;
+    return attempt(model, candidate, reference, {metres, 1e-3}, INFINITY).end;
   };
   EXPECT_EQ(outcome({"direct", {{"tolerance", 1e-5}}}), Trial::End::within);
   EXPECT_EQ(outcome({"springs", {{"stiffness", 2e4}, {"step", 1.0 / 7680}}}), Trial::End::unlike);
@@ -108,9 +110,11 @@ TEST(ErrorOfAChain, IsWhereTwiceAndFourTimesTheLinksLeadTo) {
 /// A rope of equal masses nears a continuous one with 1/n: the extrapolation from n, 2n and 4n
 /// links must be what far more links show.
 TEST(ErrorOfAChain, IsThatOfFarMoreLinks) {
-  const Exact exact = solve_exactly({swing(6), frame_times(0.3, 60)}, 1e-3, 1e9, no_tick);
+  const ReferenceSolution reference =
+      solve_reference({swing(6), frame_times(0.3, 60)}, 1e-3, 1e9, no_tick);
   const auto from = [&](std::size_t particles) {
-    return distance_between(exact, swing(particles), {}, {"direct", {{"tolerance", 1e-6}}}, metres);
+    return distance_between(reference, swing(particles), {}, {"direct", {{"tolerance", 1e-6}}},
+                            metres);
   };
   const std::optional<double> error = error_of_chain(from(11), from(21));
   ASSERT_TRUE(error.has_value());
@@ -133,10 +137,11 @@ class Planner : public testing::Test {
     }
   }
   Search within(double most) {
-    return search(models_, exact_, {metres, most}, [](std::size_t) {});
+    return search(models_, reference_, {metres, most}, [](std::size_t) {});
   }
 
-  const Exact exact_ = solve_exactly({swing(21), frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
+  const ReferenceSolution reference_ =
+      solve_reference({swing(21), frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
   std::vector<PlanModel> models_;
 };
 
@@ -151,7 +156,7 @@ TEST_F(Planner, FindsTheLeastWorkOfAllThatStayWithin) {
     EXPECT_LT(found.trials.size(), 3 * models_[0].candidates.size());
     for (std::size_t m = 0; m < models_.size(); ++m) {
       for (const Candidate& candidate : models_[m].candidates) {
-        const Trial alone = attempt(models_[m], candidate, exact_, {metres, most}, INFINITY);
+        const Trial alone = attempt(models_[m], candidate, reference_, {metres, most}, INFINITY);
         if (alone.end != Trial::End::within) continue;
         EXPECT_GE(alone.work, best.work) << describe(candidate);
       }
@@ -171,7 +176,7 @@ TEST_F(Planner, SaysWhereNothingIsNearEnough) {
 
 TEST_F(Planner, MayBeStopped) {
   int tried = 0;
-  EXPECT_THROW(search(models_, exact_, {metres, 1},
+  EXPECT_THROW(search(models_, reference_, {metres, 1},
                       [&](std::size_t) {
                         if (++tried == 2) throw std::runtime_error("stop");
                       }),

@@ -45,30 +45,30 @@ TEST(Stability, FirstVerdictThatFitsWins) {
   const Problem problem = rope(Vec3(1, 0, 0));
   const double scale = available_energy(problem.world);
   ::taut::Run run;
-  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::plausible);
+  EXPECT_EQ(classify(problem, run, nullptr).motion_class, MotionClass::plausible);
   run.energy_loss = 0.11 * scale;
-  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::over_damped);
+  EXPECT_EQ(classify(problem, run, nullptr).motion_class, MotionClass::over_damped);
   run.stretch_max = 0.011;
-  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::stretched);
+  EXPECT_EQ(classify(problem, run, nullptr).motion_class, MotionClass::stretched);
   run.energy_gain = 0.11 * scale;
-  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::failed);
+  EXPECT_EQ(classify(problem, run, nullptr).motion_class, MotionClass::failed);
   run = {};
   run.end = ::taut::Run::End::over_cap;
-  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::over_cap);
+  EXPECT_EQ(classify(problem, run, nullptr).motion_class, MotionClass::over_cap);
   run.end = ::taut::Run::End::diverged;
-  EXPECT_EQ(judge(problem, run, nullptr).verdict, Verdict::failed);
+  EXPECT_EQ(classify(problem, run, nullptr).motion_class, MotionClass::failed);
 }
 
 TEST(Stability, AccurateNeedsAReference) {
   const Problem problem = rope(Vec3(1, 0, 0));
   const ::taut::Run run = ::taut::run(problem, {"impulse", {}}, 10);
   const Reference itself{run.frames, 0.5, 0};
-  const Judgement same = judge(problem, run, &itself);
+  const Classification same = classify(problem, run, &itself);
   EXPECT_EQ(same.error, 0);
-  EXPECT_TRUE(std::isnan(judge(problem, run, nullptr).error));
+  EXPECT_TRUE(std::isnan(classify(problem, run, nullptr).error));
   ::taut::Run cut = run;
   cut.frames.resize(5);
-  EXPECT_TRUE(std::isinf(judge(problem, cut, &itself).error));
+  EXPECT_TRUE(std::isinf(classify(problem, cut, &itself).error));
 }
 
 TEST(Stability, EnergyOfADrivenWorldIsNotJudged) {
@@ -79,10 +79,11 @@ TEST(Stability, EnergyOfADrivenWorldIsNotJudged) {
     Attachment& hold = problem.world.connectors[0].holds[0].to;
     hold.kind = Attachment::Kind::path;
     hold.path = std::make_shared<const Path>(std::move(keys));
-    return judge(problem, run, nullptr).verdict;
+    return classify(problem, run, nullptr).motion_class;
   };
-  EXPECT_EQ(verdict_on({{0, Vec3::Zero()}}), Verdict::failed) << "a path of one key moves nothing";
-  EXPECT_EQ(verdict_on({{0, Vec3::Zero()}, {1, Vec3::UnitX()}}), Verdict::plausible);
+  EXPECT_EQ(verdict_on({{0, Vec3::Zero()}}), MotionClass::failed)
+      << "a path of one key moves nothing";
+  EXPECT_EQ(verdict_on({{0, Vec3::Zero()}, {1, Vec3::UnitX()}}), MotionClass::plausible);
 }
 
 TEST(Stability, AvailableEnergyOfAMasslessSpanIsThatOfItsEnds) {
@@ -114,15 +115,15 @@ TEST(Stability, AWorldOfJointsAloneHasALength) {
   EXPECT_NEAR(available_energy(problem.world), 1e-3 * 2 * kGravity * length, 1e-12);
   const ::taut::Run run = ::taut::run(problem, {"direct", {}}, 10);
   const Reference itself{run.frames, 0.1, 0};
-  EXPECT_EQ(judge(problem, run, &itself).verdict, Verdict::accurate);
+  EXPECT_EQ(classify(problem, run, &itself).motion_class, MotionClass::accurate);
 }
 
 TEST(Stability, AWorldThatNothingCanMoveIsJudged) {
   Problem problem = ball_on_a_joint();
   problem.world.gravity.setZero();
-  const Judgement judgement = judge(problem, {}, nullptr);
-  EXPECT_EQ(judgement.gain, 0);
-  EXPECT_EQ(judgement.loss, 0);
+  const Classification classification = classify(problem, {}, nullptr);
+  EXPECT_EQ(classification.gain, 0);
+  EXPECT_EQ(classification.loss, 0);
 }
 
 TEST(SpeedAccuracy, ScoresAgainstTheReference) {

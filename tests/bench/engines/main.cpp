@@ -1,5 +1,5 @@
 // taut beside other engines: their settings in taut's own studies.
-#include "render/cli/program.h"
+#include "render/cli/commands.h"
 #include "sim/add_method.h"
 #include "tests/bench/engines/engine.h"
 
@@ -14,6 +14,6 @@ int main(int argc, char** argv) {
 #ifdef TAUT_ODE
   add_method(engines::ode_method());
 #endif
-  constexpr cli::AddCommand kCommands[] = {cli::add_reach, cli::add_chart};
+  constexpr cli::AddCommand kCommands[] = {cli::add_work_precision, cli::add_chart};
   return cli::run_program(argc, argv, kCommands);
 }

@@ -1,4 +1,4 @@
-#include "render/crew.h"
+#include "render/render_workers.h"
 
 #include <algorithm>
 #include <atomic>
@@ -8,26 +8,26 @@
 
 namespace taut {
 
-Crew::Crew(Backend backend, int threads, bool alone, const Scene& scene, int width, int height,
-           int samples) {
+RenderWorkers::RenderWorkers(Backend backend, int threads, bool alone, const Scene& scene,
+                             int width, int height, int samples) {
   if (threads == 0) threads = std::max(int(std::thread::hardware_concurrency()), 1);
-  const auto paint = [=, &scene](std::optional<Painter>& painter, int share, Seat seat) {
-    painter.emplace(backend, share, seat, scene, width, height, samples);
+  const auto paint = [=, &scene](std::optional<Worker>& worker, int share, Seat seat) {
+    worker.emplace(backend, share, seat, scene, width, height, samples);
   };
   if (!alone && threads > 1 && backend != Backend::osmesa) {
     std::promise<bool> ready;
     std::future<bool> is_ready = ready.get_future();
     auto help = [paint, threads, ready = std::move(ready), job = job_.get_future()]() mutable {
-      std::optional<Painter> painter;
+      std::optional<Worker> worker;
       try {
-        paint(painter, threads / 2, Seat::device);
-      } catch (...) {  // whatever it is, the own painter meets it, too
+        paint(worker, threads / 2, Seat::device);
+      } catch (...) {  // whatever it is, the own worker meets it, too
       }
-      const bool helps = painter && painter->context.is_software();
+      const bool helps = worker && worker->context.is_software();
       ready.set_value(helps);
       if (!helps) return;
       try {
-        job.get()(painter->film);
+        job.get()(worker->film);
       } catch (const std::future_error&) {  // it is not needed
       }
     };
@@ -44,21 +44,21 @@ Crew::Crew(Backend backend, int threads, bool alone, const Scene& scene, int wid
       }
     } catch (const NoContext&) {
     }
-    dismiss();
+    stop_other();
   }
   paint(own_, threads, Seat::any);
 }
 
-Crew::~Crew() {
-  dismiss();
+RenderWorkers::~RenderWorkers() {
+  stop_other();
 }
 
-void Crew::dismiss() {
+void RenderWorkers::stop_other() {
   job_ = {};
   if (other_.joinable()) other_.join();
 }
 
-void Crew::each(std::size_t count, const std::function<void(Film&, std::size_t)>& work) {
+void RenderWorkers::each(std::size_t count, const std::function<void(Film&, std::size_t)>& work) {
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   std::exception_ptr failure;

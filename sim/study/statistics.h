@@ -1,4 +1,4 @@
-// What can be compared of two motions once neither can be foretold: how much energy they have, how
+// What can be compared of two motions once neither is predictable: how much energy they have, how
 // far links stretch, and how fast points are.
 #pragma once
 

@@ -1,21 +1,21 @@
-// A run beside the exact motion: how far from it, and at what price.
+// A run beside the reference solution: how far from it, and at what price.
 #pragma once
 
 #include "sim/study/accuracy.h"
 #include "sim/study/energy_balance.h"
-#include "sim/study/exact.h"
-#include "sim/study/likeness.h"
+#include "sim/study/reference_solution.h"
+#include "sim/study/statistics.h"
 
 namespace taut {
 
-/// Goes from frame to frame of the exact motion, with any world that has the same connectors and
-/// bodies, whatever chain of particles stands for a connector.
-class Beside {
+/// Goes from frame to frame of the reference solution, with any world that has the same connectors
+/// and bodies, whatever chain of particles stands for a connector.
+class ComparedRun {
  public:
-  /// `exact` and `distance` must outlive it. Throws std::invalid_argument where the method does not
-  /// take the settings.
-  Beside(const Exact& exact, const World& world, const Timeline& timeline,
-         const Candidate& candidate, const Distance& distance);
+  /// `reference` and `distance` must outlive it. Throws std::invalid_argument where the method does
+  /// not take the settings.
+  ComparedRun(const ReferenceSolution& reference, const World& world, const Timeline& timeline,
+              const Candidate& candidate, const Distance& distance);
 
   /// To the next frame; false where there is none. Throws Diverged.
   bool next();
@@ -31,10 +31,10 @@ class Beside {
   const Simulation& simulation() const { return simulation_; }
 
  private:
-  const Exact& exact_;
+  const ReferenceSolution& reference_;
   const Distance& distance_;
   Simulation simulation_;
-  Marks marks_;
+  SamplePoints sample_points_;
   std::size_t frame_ = 0;  // the next one
   double error_ = 0;
   double stretch_ = 0;  // after the horizon

@@ -1,4 +1,4 @@
-#include "sim/study/marks.h"
+#include "sim/study/sample_points.h"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ std::vector<double> shares(const std::vector<Vec3>& particles) {
 
 }  // namespace
 
-Marks::Marks(const World& world, const Snapshot& start) {
+SamplePoints::SamplePoints(const World& world, const Snapshot& start) {
   for (const auto& particles : start.connectors) along_.push_back(shares(particles));
   for (const Body& body : world.bodies) {
     const std::array<Vec3, 6> ends = box_ends(body.bare);
@@ -29,7 +29,7 @@ Marks::Marks(const World& world, const Snapshot& start) {
   }
 }
 
-std::vector<Vec3> Marks::places(const Marks& of, const Snapshot& state) const {
+std::vector<Vec3> SamplePoints::places(const SamplePoints& of, const Snapshot& state) const {
   if (along_.size() != of.along_.size() || ends_.size() != of.ends_.size()) {
     throw std::invalid_argument("motions of different worlds cannot be compared");
   }

@@ -1,4 +1,4 @@
-// taut judge: one word for what each method makes of each scene.
+// taut classify: the class of the motion of each method in each scene.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,22 +29,22 @@ std::string percent(double share) {
 }
 
 /// The class, and the number that it was found by.
-std::string words(const Run& run, const Judgement& j) {
-  switch (j.verdict) {
-    case Verdict::failed:
+std::string words(const Run& run, const Classification& found) {
+  switch (found.motion_class) {
+    case MotionClass::failed:
       return run.end == Run::End::diverged
                  ? fmt::format("failed: diverged at {} s", rounded(run.failed_at))
-                 : "failed: gained " + percent(j.gain) + " energy";
-    case Verdict::stretched:
-      return "stretched " + percent(j.stretch);
-    case Verdict::over_damped:
-      return "over-damped: lost " + percent(j.loss);
-    case Verdict::over_cap:
+                 : "failed: gained " + percent(found.gain) + " energy";
+    case MotionClass::stretched:
+      return "stretched " + percent(found.stretch);
+    case MotionClass::over_damped:
+      return "over-damped: lost " + percent(found.loss);
+    case MotionClass::over_cap:
       return fmt::format("over the CPU cap at {} s", rounded(run.reached));
-    case Verdict::accurate:
-      return "accurate: " + percent(j.error);
-    case Verdict::plausible:
-      return std::isnan(j.error) ? "plausible" : "plausible: off by " + percent(j.error);
+    case MotionClass::accurate:
+      return "accurate: " + percent(found.error);
+    case MotionClass::plausible:
+      return std::isnan(found.error) ? "plausible" : "plausible: off by " + percent(found.error);
   }
   return "";
 }
@@ -65,35 +65,35 @@ Candidate candidate_for(const Contender& contender, const Scene& scene) {
   return candidate;
 }
 
-/// What was made of a scene, by each contender.
-struct Judged {
+/// The class of each contender in a scene.
+struct Classified {
   Scene scene;
   std::string file;
   std::optional<double> horizon;  // s
   struct Method {
     const Contender* contender;
     std::optional<Run> run;  // none: this build lacks it
-    Judgement judgement = {};
+    Classification classification = {};
   };
   std::vector<Method> methods = {};
 };
 
-Judged judged(const Options& options, const std::string& file,
-              const std::vector<Contender>& contenders) {
+Classified classified(const Options& options, const std::string& file,
+                      const std::vector<Contender>& contenders) {
   StudyOptions study = options.study;
   study.scene = file;
   study.follows = Follows::pins_and_cuts;
-  Judged result{study_scene(study), file, {}};
+  Classified result{study_scene(study), file, {}};
   const Scene& scene = result.scene;
   const Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
   const auto reference = quick_reference(problem, 0.01 * total_length(scene.world), options.cap);
   if (reference) result.horizon = reference->horizon;
   for (const Contender& contender : contenders) {
     stop_if_interrupted();
-    Judged::Method method{&contender, {}};
+    Classified::Method method{&contender, {}};
     if (contender.method->missing.empty()) {
       method.run = taut::run(problem, candidate_for(contender, scene), options.cap);
-      method.judgement = judge(problem, *method.run, reference ? &*reference : nullptr);
+      method.classification = classify(problem, *method.run, reference ? &*reference : nullptr);
       method.run->frames.clear();
     }
     result.methods.push_back(std::move(method));
@@ -101,28 +101,28 @@ Judged judged(const Options& options, const std::string& file,
   return result;
 }
 
-std::vector<std::string> row_of(const Judged& one) {
+std::vector<std::string> row_of(const Classified& one) {
   std::vector<std::string> row{one.scene.title, one.horizon ? rounded(*one.horizon) : "-"};
-  for (const Judged::Method& method : one.methods)
-    row.push_back(method.run ? words(*method.run, method.judgement)
+  for (const Classified::Method& method : one.methods)
+    row.push_back(method.run ? words(*method.run, method.classification)
                              : std::string(method.contender->method->missing));
   return row;
 }
 
-Json json_of(const Judged& one) {
+Json json_of(const Classified& one) {
   Json json = {{"scene", one.file},
                {"title", one.scene.title},
                {"truth_until_s", one.horizon ? Json(*one.horizon) : Json(nullptr)}};
-  for (const Judged::Method& method : one.methods) {
+  for (const Classified::Method& method : one.methods) {
     Json entry = {{"method", method.contender->label}};
     if (method.run) {
-      const Judgement& j = method.judgement;
+      const Classification& found = method.classification;
       const bool diverged = method.run->end == Run::End::diverged;
-      entry.update({{"verdict", name_of(j.verdict)},
-                    {"energy_gain", number_or_null(j.gain)},
-                    {"energy_loss", number_or_null(j.loss)},
-                    {"stretch_max", number_or_null(j.stretch)},
-                    {"rms_error", number_or_null(j.error)},
+      entry.update({{"verdict", name_of(found.motion_class)},
+                    {"energy_gain", number_or_null(found.gain)},
+                    {"energy_loss", number_or_null(found.loss)},
+                    {"stretch_max", number_or_null(found.stretch)},
+                    {"rms_error", number_or_null(found.error)},
                     {"reached_s", method.run->reached},
                     {"diverged_at_s", diverged ? Json(method.run->failed_at) : Json(nullptr)},
                     {"cpu_s", method.run->cpu}});
@@ -141,16 +141,16 @@ int run(const Options& options, const Common& common) {
   Json json = {{"scenes", Json::array()}};
   {
     const std::vector<std::string>& scenes = options.study.inputs.scenes;
-    Progress progress("judging", "scenes", scenes.size(), common.quiet);
+    Progress progress("classifying", "scenes", scenes.size(), common.quiet);
     for (const std::string& file : scenes) {
-      const Judged one = judged(options, file, contenders);
+      const Classified one = classified(options, file, contenders);
       table.add(row_of(one));
       json["scenes"].push_back(json_of(one));
       progress.update(table.rows.size());
     }
   }
   if (!options.study.out.empty())
-    write_csv(table, std::filesystem::path(options.study.out) / "judge");
+    write_csv(table, std::filesystem::path(options.study.out) / "classify");
   write_output(common.json        ? json.dump(2) + "\n"
                : options.markdown ? to_markdown(table)
                                   : table_text(table));
@@ -159,22 +159,22 @@ int run(const Options& options, const Common& common) {
 
 }  // namespace
 
-void add_judge(CLI::App& app, Program& program) {
+void add_classify(CLI::App& app, Program& program) {
   CLI::App& command =
-      add_command(app, program, "judge", "One word for what each method makes of each scene",
-                  R"(  taut judge scenes/hard/*.toml
-  taut judge scenes/hard/whip.toml --methods xpbd,direct
-  taut judge scenes/hard/*.toml --markdown --methods impulse,springs,direct
+      add_command(app, program, "classify", "The class of the motion of each method in each scene",
+                  R"(  taut classify scenes/hard/*.toml
+  taut classify scenes/hard/whip.toml --methods xpbd,direct
+  taut classify scenes/hard/*.toml --markdown --methods impulse,springs,direct
 
 The first class that fits: failed (diverged, or gained 10% of the energy), stretched (a link by 1%),
 over-damped (lost 10%), accurate (RMS within 1% of the length of truth), plausible. Methods run at
 their own settings; where the scene's step is a whole frame, they take that.)");
   const auto options = std::make_shared<Options>();
   add_scene_options(command, options->study.inputs);
-  command.add_option("--out", options->study.out, "Folder for judge.csv; default: none");
+  command.add_option("--out", options->study.out, "Folder for classify.csv; default: none");
   command
       .add_option("--methods", options->study.methods,
-                  "Methods to judge, METHOD or METHOD:FORM, with commas; default: all")
+                  "Methods to classify, METHOD or METHOD:FORM, with commas; default: all")
       ->delimiter(',');
   command.add_option("--cap", options->cap, "Seconds of CPU time that a run may take; default: 5")
       ->check(CLI::PositiveNumber);

@@ -1,4 +1,4 @@
-#include "sim/study/likeness.h"
+#include "sim/study/statistics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,19 +1,20 @@
-// The exact motion of a world, as plans are proved against it: where everything is as long as that
-// can be foretold, and what every solution has in common after that.
+// The reference solution of a world, as plans are proved against it: where everything is as long as
+// that is predictable, and what every solution has in common after that.
 #pragma once
 
 #include <functional>
 #include <vector>
 
-#include "sim/study/marks.h"
 #include "sim/study/run.h"
+#include "sim/study/sample_points.h"
 
 namespace taut {
 
-/// By how much a motion differs from the exact one where neither can be foretold.
+/// By how much a motion differs from the reference where neither is predictable.
 struct Difference {
-  /// A share of Exact::energy_scale: of the energy, less the work of what drives it, the largest of
-  /// any frame; of the mean over all frames where that work cannot be told (EnergyBalance).
+  /// A share of ReferenceSolution::energy_scale: of the energy, less the work of what drives it,
+  /// the largest of any frame; of the mean over all frames where that work cannot be told
+  /// (EnergyBalance).
   double energy = 0;
   double stretch = 0;  // the largest of a link, a share of its length
   double speeds = 0;   // of the distributions of all points' speeds, see distribution_distance()
@@ -23,10 +24,10 @@ struct Difference {
   }
 };
 
-struct Exact {
+struct ReferenceSolution {
   Problem problem;  // its times: as far as there is a solution
-  Marks marks;
-  std::vector<std::vector<Vec3>> points = {};  // [frame][mark], m
+  SamplePoints sample_points;
+  std::vector<std::vector<Vec3>> points = {};  // [frame][point], m
   bool closed = false;                         // nothing does work on it
   bool balanced = false;                       // it is known how much work is done
   std::vector<double> energy = {};             // J, of each frame, as EnergyBalance has it
@@ -39,24 +40,24 @@ struct Exact {
   double same_speed = 0;            // m/s: speeds that differ by less are equal
   Difference most = {};             // that a motion may differ
 
-  /// The time (s) until which the motion can be foretold.
+  /// The time (s) until which the motion is predictable.
   double horizon() const { return problem.times[known > 0 ? known - 1 : 0]; }
   /// True where it ends before the frames do.
   bool goes_on() const { return known < points.size(); }
 };
 
 /// Solves the problem for comparisons to within `scored_error` (m): by the direct method far more
-/// finely; from two starts nudged by a ten-thousandth of that, to see how long the motion can be
-/// foretold and how much solutions differ later; and by the solver of the truth, which shares
+/// finely; from two starts nudged by a ten-thousandth of that, to see how long the motion is
+/// predictable and how much solutions differ later; and by the solver of the truth, which shares
 /// neither its equations nor its integrators. What that cannot follow, or not with `most_work` (of
 /// MethodInfo::work), direct checks itself, ten times as finely. Calls `tick` after each frame with
 /// the share of all that is done; it may throw. Throws Diverged where there is no second frame.
-Exact solve_exactly(Problem problem, double scored_error, double most_work,
-                    const std::function<void(double)>& tick);
+ReferenceSolution solve_reference(Problem problem, double scored_error, double most_work,
+                                  const std::function<void(double)>& tick);
 
 /// The same motion at other times (s, rising), as far as it is known; for comparisons of states
 /// alone.
-Exact at_times(const Exact& exact, double scored_error, std::vector<double> times,
-               const std::function<void(double)>& tick);
+ReferenceSolution at_times(const ReferenceSolution& reference, double scored_error,
+                           std::vector<double> times, const std::function<void(double)>& tick);
 
 }  // namespace taut

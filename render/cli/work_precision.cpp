@@ -1,4 +1,4 @@
-// taut reach: what an error costs each method, scene beside scene.
+// taut work-precision: the cost of an error for each method, scene beside scene.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -176,7 +176,7 @@ int run(Options options, const Common& common) {
   }
   const Table detail = details(studies, options.errors);
   if (!options.study.out.empty()) {
-    write_csv(detail, std::filesystem::path(options.study.out) / "reach");
+    write_csv(detail, std::filesystem::path(options.study.out) / "work_precision");
   }
   const Table table = side_by_side(studies, options.errors);
   const Table empty = empty_cells(studies, options.errors);
@@ -199,11 +199,11 @@ int run(Options options, const Common& common) {
 
 }  // namespace
 
-void add_reach(CLI::App& app, Program& program) {
-  CLI::App& command =
-      add_command(app, program, "reach", "What an error costs each method, scene beside scene",
-                  R"(  taut reach scenes/bench_*.toml
-  taut reach scenes/bench_*.toml --errors 0.01,0.001,0.0001 --markdown --out out/reach
+void add_work_precision(CLI::App& app, Program& program) {
+  CLI::App& command = add_command(app, program, "work-precision",
+                                  "The cost of an error for each method, scene beside scene",
+                                  R"(  taut work-precision scenes/bench_*.toml
+  taut work-precision scenes/bench_*.toml --errors 0.01,0.001,0.0001 --markdown --out out/bench
 
 CPU milliseconds per simulated second of the cheapest settings whose RMS position error over the
 scene's duration, as far as its truth is predictable, is at most so many metres; in brackets, how
@@ -214,7 +214,7 @@ many times the cheapest of all that is. Runs are timed in turn; medians.)");
   command.add_option("--errors", options->errors, "m, with commas; default: 0.01,0.001,0.0001")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
-  command.add_option("--out", options->study.out, "Folder for reach.csv; default: none");
+  command.add_option("--out", options->study.out, "Folder for work_precision.csv; default: none");
   command
       .add_option("--methods", options->study.methods,
                   "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")

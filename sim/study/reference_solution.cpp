@@ -1,4 +1,4 @@
-#include "sim/study/exact.h"
+#include "sim/study/reference_solution.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include "sim/measure.h"
 #include "sim/methods/span.h"
 #include "sim/study/energy_balance.h"
-#include "sim/study/likeness.h"
 #include "sim/study/side_by_side.h"
+#include "sim/study/statistics.h"
 #include "sim/truth/truth.h"
 
 namespace taut {
@@ -25,7 +25,7 @@ constexpr double kFinest = 1e-12;     // what doubles allow
 constexpr std::size_t kRuns = 4;      // the solution, two nudged ones, the check
 
 struct Motion {
-  std::vector<std::vector<Vec3>> points;  // [frame][mark], m
+  std::vector<std::vector<Vec3>> points;  // [frame][point], m
   std::vector<double> energy;             // J, as EnergyBalance has it
   bool balanced = false;
   double most_kinetic = 0;  // J
@@ -33,7 +33,7 @@ struct Motion {
 };
 
 /// The motion as far as the method goes or `go_on`, called after each frame, says.
-Motion solve(const Problem& problem, const World& world, const Marks& marks,
+Motion solve(const Problem& problem, const World& world, const SamplePoints& sample_points,
              const Candidate& candidate,
              const std::function<bool(const Motion&, const Simulation&)>& go_on) {
   Motion motion;
@@ -42,7 +42,7 @@ Motion solve(const Problem& problem, const World& world, const Marks& marks,
   try {
     for (const double time : problem.times) {
       simulation.advance_to(time);
-      motion.points.push_back(marks.places(marks, simulation.state()));
+      motion.points.push_back(sample_points.places(sample_points, simulation.state()));
       motion.energy.push_back(balance.next(simulation.world()));
       motion.most_kinetic = std::max(motion.most_kinetic, kinetic_energy(simulation.world()));
       motion.stopped = !go_on(motion, simulation);
@@ -100,41 +100,41 @@ World nudged_with_bodies(const World& world, double distance, bool rough) {
 }
 
 /// What counts after the horizon.
-void judge_later(Exact& exact, const Motion& motion, std::span<const Motion> others,
-                 double scored_error) {
-  const World& world = exact.problem.world;
-  exact.closed = is_closed(world) && exact.problem.timeline.empty();
-  exact.balanced = motion.balanced;
-  exact.energy_scale = energy_scale(world) - kinetic_energy(world) + motion.most_kinetic;
-  const std::vector<double>& times = exact.problem.times;
-  exact.same_speed = scored_error / (times[1] - times[0]);
-  const std::size_t first = exact.known > 0 ? exact.known - 1 : 0;
-  exact.speeds = speeds_from(exact.problem, motion, first);
+void measure_afterwards(ReferenceSolution& reference, const Motion& motion,
+                        std::span<const Motion> others, double scored_error) {
+  const World& world = reference.problem.world;
+  reference.closed = is_closed(world) && reference.problem.timeline.empty();
+  reference.balanced = motion.balanced;
+  reference.energy_scale = energy_scale(world) - kinetic_energy(world) + motion.most_kinetic;
+  const std::vector<double>& times = reference.problem.times;
+  reference.same_speed = scored_error / (times[1] - times[0]);
+  const std::size_t first = reference.known > 0 ? reference.known - 1 : 0;
+  reference.speeds = speeds_from(reference.problem, motion, first);
 
   double energy = 0, speeds = 0;
-  std::vector<std::vector<double>> all{exact.speeds};
+  std::vector<std::vector<double>> all{reference.speeds};
   for (std::size_t i = 0; i < others.size(); ++i) {
-    all.push_back(speeds_from(exact.problem, others[i], first));
-    energy = std::max(energy, energy_difference(motion, others[i], first, exact.balanced));
+    all.push_back(speeds_from(reference.problem, others[i], first));
+    energy = std::max(energy, energy_difference(motion, others[i], first, reference.balanced));
     for (std::size_t j = 0; j < i; ++j) {
-      energy = std::max(energy, energy_difference(others[i], others[j], first, exact.balanced));
+      energy = std::max(energy, energy_difference(others[i], others[j], first, reference.balanced));
     }
     for (const std::vector<double>& one : all) {
-      speeds = std::max(speeds, distribution_distance(one, all.back(), exact.same_speed));
+      speeds = std::max(speeds, distribution_distance(one, all.back(), reference.same_speed));
     }
   }
   // What lifts everything by the tolerance, and stretches the whole by it; and, as three solutions
   // are few, a few times what they differ by.
   const double share = scored_error / length_scale(world);
-  if (exact.energy_scale > 0) energy /= exact.energy_scale;
+  if (reference.energy_scale > 0) energy /= reference.energy_scale;
   const auto frames = static_cast<double>(times.size() - first);
-  exact.most = {share + 4 * energy, share, 2 * speeds + 1 / std::sqrt(frames)};
+  reference.most = {share + 4 * energy, share, 2 * speeds + 1 / std::sqrt(frames)};
 }
 
 }  // namespace
 
-Exact solve_exactly(Problem problem, double scored_error, double most_work,
-                    const std::function<void(double)>& tick) {
+ReferenceSolution solve_reference(Problem problem, double scored_error, double most_work,
+                                  const std::function<void(double)>& tick) {
   const auto frames = static_cast<double>(problem.times.size());
   double done = 0;
   std::mutex one_at_a_time;
@@ -144,74 +144,78 @@ Exact solve_exactly(Problem problem, double scored_error, double most_work,
     return true;
   };
   const auto direct = [&](double finer) { return direct_within(finer * scored_error); };
-  const Marks marks(problem.world,
-                    Simulation(problem.world, make_method("direct", {}), problem.timeline).state());
+  const SamplePoints sample_points(
+      problem.world,
+      Simulation(problem.world, make_method("direct", {}), problem.timeline).state());
   const World starts[] = {problem.world,
                           nudged_with_bodies(problem.world, kNudge * scored_error, false),
                           nudged_with_bodies(problem.world, kNudge * scored_error, true)};
   Motion motions[std::size(starts)];
   side_by_side(std::size(starts), [&](std::size_t i) {
-    motions[i] = solve(problem, starts[i], marks, direct(kFiner), look);
+    motions[i] = solve(problem, starts[i], sample_points, direct(kFiner), look);
   });
   const Motion& motion = motions[0];
   const std::span<const Motion> others = std::span(motions).subspan(1);
-  Exact exact{.problem = std::move(problem),
-              .marks = marks,
-              .points = motion.points,
-              .energy = motion.energy};
-  Problem& own = exact.problem;
+  ReferenceSolution reference{.problem = std::move(problem),
+                              .sample_points = sample_points,
+                              .points = motion.points,
+                              .energy = motion.energy};
+  Problem& own = reference.problem;
   own.times.resize(motion.points.size());
 
-  // How long it can be foretold.
+  // How long it is predictable.
   const double apart = kCloser * scored_error;
   double ignored = 0;
-  exact.known = motion.points.size();
+  reference.known = motion.points.size();
   for (const Motion& other : others) {
-    exact.known = std::min(exact.known, agree(motion, other, apart, ignored));
+    reference.known = std::min(reference.known, agree(motion, other, apart, ignored));
   }
   const Candidate truth{"truth",
                         {{"local_error", std::clamp(kTruthFiner * scored_error, kFinest, 1e-9)}}};
   Motion check;
   if (!has_spans(own.world)) {
     try {
-      check = solve(own, own.world, marks, truth, [&](const Motion& so_far, const Simulation& now) {
-        look(so_far, now);
-        return so_far.points.size() < exact.known && now.method().counters().work < most_work;
-      });
+      check = solve(own, own.world, sample_points, truth,
+                    [&](const Motion& so_far, const Simulation& now) {
+                      look(so_far, now);
+                      return so_far.points.size() < reference.known &&
+                             now.method().counters().work < most_work;
+                    });
     } catch (const Diverged&) {
       // Left to the direct method.
     }
   }
-  exact.checked = std::min(exact.known, check.points.size());
-  const std::size_t agreed = agree(motion, check, apart, exact.self_error);
-  if (agreed < exact.checked) exact.known = exact.checked = agreed;
-  if (exact.checked < exact.known) {
-    check = solve(own, own.world, marks, direct(kEvenFiner),
+  reference.checked = std::min(reference.known, check.points.size());
+  const std::size_t agreed = agree(motion, check, apart, reference.self_error);
+  if (agreed < reference.checked) reference.known = reference.checked = agreed;
+  if (reference.checked < reference.known) {
+    check = solve(own, own.world, sample_points, direct(kEvenFiner),
                   [&](const Motion& so_far, const Simulation& now) {
                     look(so_far, now);
-                    return so_far.points.size() < exact.known;
+                    return so_far.points.size() < reference.known;
                   });
-    exact.known = std::min(exact.known, agree(motion, check, apart, exact.self_error));
+    reference.known = std::min(reference.known, agree(motion, check, apart, reference.self_error));
   }
-  judge_later(exact, motion, others, scored_error);
+  measure_afterwards(reference, motion, others, scored_error);
   tick(1);
-  return exact;
+  return reference;
 }
 
-Exact at_times(const Exact& exact, double scored_error, std::vector<double> times,
-               const std::function<void(double)>& tick) {
-  std::erase_if(times, [&](double time) { return time > exact.horizon(); });
+ReferenceSolution at_times(const ReferenceSolution& reference, double scored_error,
+                           std::vector<double> times, const std::function<void(double)>& tick) {
+  std::erase_if(times, [&](double time) { return time > reference.horizon(); });
   const auto all = static_cast<double>(times.size());
-  Exact other{.problem = {exact.problem.world, std::move(times), exact.problem.timeline},
-              .marks = exact.marks,
-              .self_error = exact.self_error};
-  other.points =
-      solve(other.problem, other.problem.world, exact.marks, direct_within(kFiner * scored_error),
-            [&](const Motion& so_far, const Simulation&) {
-              tick(static_cast<double>(so_far.points.size()) / all);
-              return true;
-            })
-          .points;
+  ReferenceSolution other{
+      .problem = {reference.problem.world, std::move(times), reference.problem.timeline},
+      .sample_points = reference.sample_points,
+      .self_error = reference.self_error};
+  other.points = solve(other.problem, other.problem.world, reference.sample_points,
+                       direct_within(kFiner * scored_error),
+                       [&](const Motion& so_far, const Simulation&) {
+                         tick(static_cast<double>(so_far.points.size()) / all);
+                         return true;
+                       })
+                     .points;
   other.known = other.points.size();
   return other;
 }
