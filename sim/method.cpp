@@ -4,35 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "sim/add_method.h"
-#include "sim/methods/direct.h"
-#include "sim/methods/dynamic_constraints.h"
-#include "sim/methods/impulse.h"
-#include "sim/methods/springs.h"
-#include "sim/methods/xpbd.h"
-
 namespace taut {
-
-namespace {
-
-std::vector<MethodInfo>& list_of_methods() {
-  static std::vector<MethodInfo> list = {
-      impulse_method(), dynamic_constraints_method(), springs_method(), xpbd_method(),
-      direct_method(),
-  };
-  return list;
-}
-
-}  // namespace
-
-std::span<const MethodInfo> methods() {
-  return list_of_methods();
-}
-
-void add_method(MethodInfo method, std::string_view before) {
-  auto& list = list_of_methods();
-  list.insert(std::ranges::find(list, before, &MethodInfo::name), std::move(method));
-}
 
 const MethodInfo* find_method(std::string_view name) {
   const auto list = methods();

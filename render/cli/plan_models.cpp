@@ -10,7 +10,7 @@
 #include "scenes/error.h"
 #include "sim/bodies_as_links.h"
 #include "sim/coarser.h"
-#include "sim/methods/span.h"
+#include "sim/span.h"
 #include "sim/study/refined.h"
 
 namespace taut::cli {

@@ -10,8 +10,8 @@
 #include "render/cli/study_options.h"
 #include "render/table.h"
 #include "sim/bodies_as_links.h"
-#include "sim/methods/direct.h"
-#include "sim/methods/span.h"
+#include "sim/methods/direct/direct.h"
+#include "sim/span.h"
 
 namespace taut::cli {
 namespace {

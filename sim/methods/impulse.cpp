@@ -5,7 +5,7 @@
 #include <ranges>
 
 #include "sim/coarse_method.h"
-#include "sim/methods/span.h"
+#include "sim/span.h"
 #include "sim/methods/span_impulse.h"
 #include "sim/room.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/method.h"
-#include "sim/methods/span.h"
+#include "sim/span.h"
 #include "sim/rotation.h"
 
 namespace taut {

@@ -6,11 +6,11 @@
 #include <stdexcept>
 
 #include "sim/coarse_method.h"
+#include "sim/projection.h"
 #include "sim/reference/sdfast/ball.h"
 #include "sim/reference/sdfast/chain.h"
 #include "sim/reference/sdfast/model.h"
 #include "sim/reference/sdfast/pin.h"
-#include "sim/projection.h"
 #include "sim/trajectory.h"
 
 namespace taut {
@@ -54,7 +54,7 @@ class SdFast final : public Method {
   bool always_ball_;
   const Model* model_ = nullptr;
   Chain chain_;
-  direct::Plane plane_;                       // of pins
+  Plane plane_;                               // of pins
   const World* moving_ = nullptr;             // while a model integrates
   std::uint64_t topology_ = 0, left_at_ = 0;  // hash of the world as this left it
   VelocityProjection velocity_projection_;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/measure.h"
-#include "sim/methods/span.h"
+#include "sim/span.h"
 
 namespace taut {
 namespace {
@@ -56,7 +56,7 @@ std::vector<EnergyBalance::Part> EnergyBalance::parts(const World& world) {
     return {};
   }
   std::vector<Part> all;
-  for (const direct::Component& component : division_.divide(world)) {
+  for (const Component& component : division_.divide(world)) {
     Part part;
     const auto add = [&](double mass, const Vec3& position, const Vec3& velocity) {
       part.mass += mass;
@@ -67,10 +67,10 @@ std::vector<EnergyBalance::Part> EnergyBalance::parts(const World& world) {
       const Body& body = world.bodies[b];
       add(body.mass_properties.mass, body.position, body.velocity);
     }
-    for (const direct::SpanRange& span : component.spans) {
+    for (const SpanRange& span : component.spans) {
       const Connector& connector = world.connectors[span.connector];
       for (std::size_t i = span.first; i <= span.last; ++i) {
-        const Hold* hold = direct::hold_at(connector, i);
+        const Hold* hold = find_hold(connector, i);
         if (!hold) {
           add(connector.particle_mass[i], connector.position[i], connector.velocity[i]);
         } else if (is_prescribed(world, hold->to)) {

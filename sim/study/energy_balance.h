@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sim/methods/direct/components.h"
+#include "sim/components.h"
 #include "sim/timeline.h"
 #include "sim/world.h"
 
@@ -41,7 +41,7 @@ class EnergyBalance {
   double work(const World& world, const Part& before, const Part& after, double from);
   bool intervened(double from, double until) const;
 
-  direct::Division division_;
+  Division division_;
   std::vector<Interval> interventions_;
   std::vector<Part> before_;
   bool begun_ = false, complete_ = true;

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "sim/measure.h"
-#include "sim/methods/span.h"
+#include "sim/span.h"
 #include "sim/study/energy_balance.h"
 #include "sim/study/side_by_side.h"
 #include "sim/study/statistics.h"

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <regex>
 #include <set>
 
 #include "tests/support/definitions.h"
@@ -55,6 +56,51 @@ TEST(SourceTree, NoProgramHasTwoTypesOfOneName) {
       EXPECT_LE(files.size(), 1u) << type << " is defined in" << list;
     }
   }
+}
+
+/// The rooms that each room may look into, beside its own files.
+const std::map<std::string, std::set<std::string>> kSees = {
+    {"sim", {"sim/batch"}},
+    {"sim/batch", {}},
+    {"sim/methods", {"sim", "sim/methods/direct"}},
+    {"sim/methods/direct", {"sim"}},
+    {"sim/options", {"sim"}},
+    {"sim/reference", {"sim", "sim/reference/sdfast"}},
+    {"sim/reference/sdfast", {"sim"}},
+    {"sim/study", {"sim", "sim/truth"}},
+    {"sim/truth", {"sim"}},
+    {"sim/examples", {"taut"}},
+    {"scenes", {"sim", "scenes/character", "scenes/model", "scenes/reader"}},
+    {"scenes/character", {"sim", "scenes", "scenes/model"}},
+    {"scenes/model", {"sim", "scenes"}},
+    {"scenes/reader", {"sim", "scenes", "scenes/character"}},
+    {"render", {"sim", "scenes", "scenes/model"}},
+    {"render/export", {"sim", "scenes", "scenes/character", "scenes/model", "render"}},
+    {"render/package", {"sim", "render/cli"}},
+    {"render/cli",
+     {"sim", "sim/methods/direct", "sim/study", "sim/truth", "scenes", "scenes/reader", "render",
+      "render/export"}},
+};
+
+TEST(SourceTree, NoIncludeRunsTheWrongWay) {
+  const fs::path root = TAUT_SOURCE_DIR;
+  const std::regex include("#include \"([^\"]+)/[^\"/]+\"");
+  std::size_t seen = 0;
+  for (const char* house : {"sim", "scenes", "render"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / house)) {
+      const fs::path file = fs::relative(entry.path(), root);
+      if (file.extension() != ".h" && file.extension() != ".cpp") continue;
+      const std::string room = file.parent_path().string();
+      ASSERT_TRUE(kSees.contains(room)) << room << " is new: say above what it may see";
+      const std::string text = read_file(entry.path());
+      for (std::sregex_iterator i(text.begin(), text.end(), include), end; i != end; ++i) {
+        const std::string other = (*i)[1];
+        ++seen;
+        EXPECT_TRUE(other == room || kSees.at(room).contains(other)) << file << " sees " << (*i)[0];
+      }
+    }
+  }
+  EXPECT_GT(seen, 1000u) << "the includes are found at all";
 }
 
 TEST(SourceTree, EveryModelHasLimits) {

@@ -10,7 +10,7 @@ namespace {
 bool driven(const World& world, const Component& component) {
   for (const SpanRange& span : component.spans) {
     for (const std::size_t particle : {span.first, span.last}) {
-      const Hold* hold = hold_at(world.connectors[span.connector], particle);
+      const Hold* hold = find_hold(world.connectors[span.connector], particle);
       if (hold && is_prescribed(world, hold->to) && !rests(hold->to, world.time)) return true;
     }
   }

@@ -4,16 +4,16 @@
 #include <array>
 #include <optional>
 
+#include "sim/components.h"
 #include "sim/method.h"
 #include "sim/methods/direct/adams.h"
 #include "sim/methods/direct/arena.h"
-#include "sim/methods/direct/components.h"
 #include "sim/methods/direct/constants.h"
 #include "sim/methods/direct/dop853.h"
 #include "sim/methods/direct/planar_chain.h"
-#include "sim/methods/direct/plane.h"
 #include "sim/methods/direct/rosenbrock.h"
 #include "sim/methods/direct/system.h"
+#include "sim/plane.h"
 
 namespace taut::direct {
 

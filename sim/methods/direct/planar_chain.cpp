@@ -139,7 +139,7 @@ bool PlanarChain::fits(const World& world, const Component& component) {
   const SpanRange& span = component.spans[0];
   const Connector& connector = world.connectors[span.connector];
   const auto prescribed = [&](std::size_t particle) {
-    const Hold* hold = hold_at(connector, particle);
+    const Hold* hold = find_hold(connector, particle);
     return hold && is_prescribed(world, hold->to);
   };
   for (std::size_t k = span.first; k < span.last; ++k) {
@@ -158,9 +158,9 @@ void PlanarChain::rebuild(const World& world, const Component& component, const 
   range_ = component.spans[0];
   gravity_ = world.gravity;
   const Connector& connector = world.connectors[range_.connector];
-  const Hold* first = hold_at(connector, range_.first);
+  const Hold* first = find_hold(connector, range_.first);
   reversed_ = !first || !is_prescribed(world, first->to);
-  hold_ = hold_at(connector, particle(0))->to;
+  hold_ = find_hold(connector, particle(0))->to;
   bar_.reset();
   if (!component.bodies.empty()) bar_ = component.bodies[0];
   links_ = range_.last - range_.first + (bar_ ? 1 : 0);
@@ -190,7 +190,7 @@ void PlanarChain::measure(const World& world) {
     const Body& body = world.bodies[*bar_];
     const MassProperties& m = body.mass_properties;
     const Vec3 normal = body.rotation.conjugate() * plane_.normal;
-    const Hold* hold = hold_at(connector, particle(particles - 1));
+    const Hold* hold = find_hold(connector, particle(particles - 1));
     arm_ = (hold->to.point - m.centre).norm();
     const Stick stick(m.mass, normal.dot(m.inertia * normal), arm_);
     mass_[links_ - 1] = stick.tip;

@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "sim/methods/direct/components.h"
+#include "sim/components.h"
 #include "sim/methods/direct/motion.h"
-#include "sim/methods/direct/plane.h"
+#include "sim/plane.h"
 
 namespace taut::direct {
 

@@ -50,7 +50,7 @@ void kick(World& world, const Attachment& to, const Vec3& impulse) {
 }  // namespace
 
 Attachment Spans::attachment(const World& world, const Span& span, const SpanEnd& end) {
-  if (const Hold* hold = hold_at(world.connectors[span.connector], end.particle)) return hold->to;
+  if (const Hold* hold = find_hold(world.connectors[span.connector], end.particle)) return hold->to;
   Attachment to;
   to.kind = Attachment::Kind::body;
   const auto same = [&](const PointMass& p) {

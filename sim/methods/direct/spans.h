@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
+#include "sim/components.h"
 #include "sim/method.h"
-#include "sim/methods/direct/components.h"
 #include "sim/methods/direct/system.h"
-#include "sim/methods/span.h"
+#include "sim/span.h"
 
 namespace taut::direct {
 

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "sim/methods/direct/components.h"
+#include "sim/components.h"
 #include "sim/methods/direct/links.h"
 #include "sim/methods/direct/motion.h"
-#include "sim/methods/direct/plane.h"
+#include "sim/plane.h"
 #include "sim/world.h"
 
 namespace taut::direct {

@@ -26,7 +26,7 @@ Hanging hanging(const World& world, const Component& component, std::size_t body
   for (const SpanRange& span : component.spans) {
     const Connector& connector = world.connectors[span.connector];
     for (const std::size_t particle : {span.first, span.last}) {
-      const Hold* hold = hold_at(connector, particle);
+      const Hold* hold = find_hold(connector, particle);
       if (!hold || hold->to.kind != Attachment::Kind::body || hold->to.body != body) continue;
       ++ends;
       found.arm = world.bodies[body].position - world.bodies[body].point(hold->to.point);
@@ -54,7 +54,7 @@ std::optional<Plane> PlaneFinder::find(const World& world, const Component& comp
       if (!velocity.isZero(0)) vectors.push_back(velocity);
     }
     for (const std::size_t particle : {span.first, span.last}) {
-      const Hold* hold = hold_at(connector, particle);
+      const Hold* hold = find_hold(connector, particle);
       if (!hold || !is_prescribed(world, hold->to)) continue;
       vectors.push_back(hold_motion(world, hold->to, time).acceleration);
       const Attachment& to = hold->to;
@@ -153,7 +153,7 @@ void System::add_span(const World& world, const SpanRange& range, bool reversed)
   span.offset = spans_.empty() ? 0 : spans_.back().offset + spans_.back().links;
   span.links = range.last - range.first;
   const auto bar_at = [&](std::size_t particle) {
-    const Hold* hold = hold_at(connector, particle);
+    const Hold* hold = find_hold(connector, particle);
     return hold && !is_prescribed(world, hold->to) ? bar_of_[hold->to.body] : kNone;
   };
   span.first_bar = bar_at(span.particle(0));
@@ -169,7 +169,7 @@ void System::add_span(const World& world, const SpanRange& range, bool reversed)
     ++span.links;
   }
   const auto end = [&](std::size_t particle, std::size_t link, double pull) {
-    const Hold* hold = hold_at(connector, particle);
+    const Hold* hold = find_hold(connector, particle);
     if (!hold || bar_at(particle) != kNone) return kNone;
     End made;
     made.link = link;
@@ -196,7 +196,7 @@ void System::order_spans(const World& world, std::span<const SpanRange> ranges) 
   done.assign(ranges.size(), 0);
   enum class Place { free, known, unknown };
   const auto place = [&](const SpanRange& range, std::size_t particle) {
-    const Hold* hold = hold_at(world.connectors[range.connector], particle);
+    const Hold* hold = find_hold(world.connectors[range.connector], particle);
     if (!hold) return Place::free;
     if (is_prescribed(world, hold->to)) return Place::known;
     const std::size_t body = part_of_[hold->to.body];

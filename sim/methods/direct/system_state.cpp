@@ -88,7 +88,7 @@ void System::load(const World& world, double time, double* q, double* rate) {
     const Connector& connector = world.connectors[span.range.connector];
     for (std::size_t k = 0; k < span.particles(); ++k) {
       const std::size_t particle = span.particle(k);
-      if (hold_at(connector, particle)) continue;
+      if (find_hold(connector, particle)) continue;
       centre_.position += connector.particle_mass[particle] / mass_ * connector.position[particle];
       centre_.velocity += connector.particle_mass[particle] / mass_ * connector.velocity[particle];
     }

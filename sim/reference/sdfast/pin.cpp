@@ -5,7 +5,7 @@
 
 namespace taut::sdfast {
 
-std::optional<direct::Plane> plane_of(const World& world, const Chain& chain) {
+std::optional<Plane> plane_of(const World& world, const Chain& chain) {
   if (!chain.held || chain.held->kind != Attachment::Kind::fixed || chain.tip) return {};
   const Connector& connector = world.connectors.front();
   std::vector<Vec3> vectors{world.gravity};
@@ -13,11 +13,10 @@ std::optional<direct::Plane> plane_of(const World& world, const Chain& chain) {
     vectors.push_back(connector.position[k + 1] - connector.position[k]);
     vectors.push_back(connector.velocity[k + 1] - connector.velocity[k]);
   }
-  return direct::common_plane(vectors, {});
+  return common_plane(vectors, {});
 }
 
-void set_up_pins(const Model& model, const World& world, const Chain& chain,
-                 const direct::Plane& plane) {
+void set_up_pins(const Model& model, const World& world, const Chain& chain, const Plane& plane) {
   const Connector& connector = world.connectors.front();
   double gravity[3] = {world.gravity.dot(plane.x), world.gravity.dot(plane.y), 0};
   model.gravity(gravity);
@@ -28,7 +27,7 @@ void set_up_pins(const Model& model, const World& world, const Chain& chain,
   }
 }
 
-void load_pins(const World& world, const Chain& chain, const direct::Plane& plane,
+void load_pins(const World& world, const Chain& chain, const Plane& plane,
                std::vector<double>& state) {
   const Connector& connector = world.connectors.front();
   state.assign(2 * chain.links, 0);
@@ -45,7 +44,7 @@ void load_pins(const World& world, const Chain& chain, const direct::Plane& plan
   }
 }
 
-void store_pins(const std::vector<double>& state, const Chain& chain, const direct::Plane& plane,
+void store_pins(const std::vector<double>& state, const Chain& chain, const Plane& plane,
                 World& world) {
   Connector& connector = world.connectors.front();
   double angle = 0, spin = 0;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/methods/direct/plane.h"
+#include "sim/plane.h"
 #include "sim/reference/sdfast/chain.h"
 #include "sim/reference/sdfast/model.h"
 
@@ -12,16 +12,15 @@ namespace taut::sdfast {
 
 /// The plane in which the chain moves and its weight pulls, or none; none, too, where it does not
 /// hang from a fixed point or holds a body.
-std::optional<direct::Plane> plane_of(const World& world, const Chain& chain);
+std::optional<Plane> plane_of(const World& world, const Chain& chain);
 
 /// Gives the model the chain's masses and lengths. In its reference shape the chain hangs down, so
 /// that joints lie above particles.
-void set_up_pins(const Model& model, const World& world, const Chain& chain,
-                 const direct::Plane& plane);
+void set_up_pins(const Model& model, const World& world, const Chain& chain, const Plane& plane);
 /// Reads the state of a model from `world`, and writes it there.
-void load_pins(const World& world, const Chain& chain, const direct::Plane& plane,
+void load_pins(const World& world, const Chain& chain, const Plane& plane,
                std::vector<double>& state);
-void store_pins(const std::vector<double>& state, const Chain& chain, const direct::Plane& plane,
+void store_pins(const std::vector<double>& state, const Chain& chain, const Plane& plane,
                 World& world);
 
 }  // namespace taut::sdfast

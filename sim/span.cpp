@@ -1,4 +1,4 @@
-#include "sim/methods/span.h"
+#include "sim/span.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
-#include "sim/methods/direct/plane.h"
+#include "sim/plane.h"
 
 #include <algorithm>
 
-namespace taut::direct {
+namespace taut {
 namespace {
 
 /// The one of `vectors`, as unit vectors, that leaves `line` most; zero where none does.
@@ -35,4 +35,4 @@ std::optional<Plane> common_plane(std::span<const Vec3> vectors, std::span<const
   return all ? std::optional(plane) : std::nullopt;
 }
 
-}  // namespace taut::direct
+}  // namespace taut

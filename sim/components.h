@@ -7,7 +7,7 @@
 
 #include "sim/world.h"
 
-namespace taut::direct {
+namespace taut {
 
 /// The links of a connector between two neighbouring holds, or a hold and a free end.
 struct SpanRange {
@@ -58,6 +58,6 @@ inline bool rests(const Attachment& to, double time) {
 }
 
 /// The hold on a particle, or null.
-const Hold* hold_at(const Connector& connector, std::size_t particle);
+const Hold* find_hold(const Connector& connector, std::size_t particle);
 
-}  // namespace taut::direct
+}  // namespace taut

@@ -6,7 +6,7 @@
 
 #include "sim/types.h"
 
-namespace taut::direct {
+namespace taut {
 
 /// Two unit vectors along a plane and the normal n = x cross y.
 struct Plane {
@@ -24,4 +24,4 @@ struct Plane {
 /// the plane contains `hints` as far as one of them leaves the line.
 std::optional<Plane> common_plane(std::span<const Vec3> vectors, std::span<const Vec3> hints);
 
-}  // namespace taut::direct
+}  // namespace taut

@@ -1,4 +1,4 @@
-#include "sim/methods/direct/components.h"
+#include "sim/components.h"
 
 #include <algorithm>
 #include <numeric>
@@ -6,14 +6,14 @@
 
 #include "sim/room.h"
 
-namespace taut::direct {
+namespace taut {
 namespace {
 
 /// True where nothing can move the link's ends against each other: both are prescribed, or points
 /// of one body.
 bool is_idle(const World& world, const Connector& connector, const SpanRange& span) {
   if (span.last - span.first > 1) return false;
-  const Hold *a = hold_at(connector, span.first), *b = hold_at(connector, span.last);
+  const Hold *a = find_hold(connector, span.first), *b = find_hold(connector, span.last);
   if (!a || !b) return false;
   if (is_prescribed(world, a->to)) return is_prescribed(world, b->to);
   return b->to.kind == Attachment::Kind::body && a->to.body == b->to.body;
@@ -52,7 +52,7 @@ void Division::collect(const World& world) {
       const SpanRange span{c, std::exchange(from, to), to};
       if (span.first == to || is_idle(world, connector, span)) return;
       for (const std::size_t end : {span.first, span.last}) {
-        const Hold* hold = hold_at(connector, end);
+        const Hold* hold = find_hold(connector, end);
         if (hold && !is_prescribed(world, hold->to)) {
           joints_.push_back({spans_.size(), hold->to.body});
         }
@@ -107,9 +107,9 @@ std::span<const Component> Division::divide(const World& world) {
   return found_;
 }
 
-const Hold* hold_at(const Connector& connector, std::size_t particle) {
+const Hold* find_hold(const Connector& connector, std::size_t particle) {
   const auto hold = std::ranges::lower_bound(connector.holds, particle, {}, &Hold::particle);
   return hold != connector.holds.end() && hold->particle == particle ? &*hold : nullptr;
 }
 
-}  // namespace taut::direct
+}  // namespace taut

@@ -1,4 +1,4 @@
-#include "sim/methods/direct.h"
+#include "sim/methods/direct/direct.h"
 
 #include <algorithm>
 #include <cstring>
@@ -12,7 +12,7 @@
 namespace taut {
 namespace {
 
-using direct::Component;
+using Component;
 using direct::Integrator;
 
 /// What advance() leaves in the world is where it goes on from; whoever changes the world between
@@ -75,7 +75,7 @@ class Direct : public Method {
     std::size_t largest = 0, spare = 0, pins = 0;  // links, particles
     for (const Component& part : parts) {
       std::size_t links = part.bodies.size();
-      for (const direct::SpanRange& span : part.spans) links += span.last - span.first;
+      for (const SpanRange& span : part.spans) links += span.last - span.first;
       largest = std::max(largest, links);
     }
     for (const Connector& connector : world.connectors) {
@@ -132,7 +132,7 @@ class Direct : public Method {
   direct::StepOptions options_;
   bool built_ = false;
   std::uint64_t topology_ = 0;
-  direct::Division division_;
+  Division division_;
   std::vector<std::unique_ptr<Integrator>> integrators_;  // more than are followed, to have room
   std::size_t followed_ = 0;
   bool changes_ = false;  // interventions may come, for which room is kept
@@ -145,7 +145,7 @@ class Direct : public Method {
 
 std::vector<bool> stepped_as_links(const World& world) {
   std::vector<bool> as_links(world.bodies.size());
-  direct::Division division;
+  Division division;
   direct::PlaneFinder planes;
   for (const Component& part : division.divide(world)) {
     if (!planes.find(world, part, world.time, Vec3::Zero())) continue;

@@ -1,0 +1,33 @@
+// The methods there are, in the order in which they are listed.
+#include <algorithm>
+
+#include "sim/add_method.h"
+#include "sim/methods/direct/direct.h"
+#include "sim/methods/dynamic_constraints.h"
+#include "sim/methods/impulse.h"
+#include "sim/methods/springs.h"
+#include "sim/methods/xpbd.h"
+
+namespace taut {
+namespace {
+
+std::vector<MethodInfo>& list_of_methods() {
+  static std::vector<MethodInfo> list = {
+      impulse_method(), dynamic_constraints_method(), springs_method(), xpbd_method(),
+      direct_method(),
+  };
+  return list;
+}
+
+}  // namespace
+
+std::span<const MethodInfo> methods() {
+  return list_of_methods();
+}
+
+void add_method(MethodInfo method, std::string_view before) {
+  auto& list = list_of_methods();
+  list.insert(std::ranges::find(list, before, &MethodInfo::name), std::move(method));
+}
+
+}  // namespace taut
