@@ -3,9 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <string>
 
 namespace taut::cli {
 
 std::shared_ptr<CLI::Formatter> help_format();
+
+/// What an option takes, in capitals: its own name where it has no better word; empty for flags.
+std::string value_name(const CLI::Option& option);
 
 }  // namespace taut::cli

@@ -41,12 +41,13 @@ taut_package(program taut graphics)
 taut_package(library libtaut0 libs)
 taut_package(development libtaut-dev libdevel)
 
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each has its own
 set(about "taut simulates flexible connectors (ropes, chains, cords and hoses) between
- bodies by several methods of the literature and one of its own, tells how far
- each is from the exact motion, and renders films without a display.")
-set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "simulator and renderer of ropes, chains and cords\n${about}\n .\n This package has the program, its scenes and models.")
-set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "simulation of ropes, chains and cords - shared library\n${about}\n .\n This package has the library of the methods.")
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "simulation of ropes, chains and cords - development files\n${about}\n .\n This package has headers, archives, and files for CMake and pkg-config.")
+bodies by several methods of the literature and one of its own, tells how far
+each is from the exact motion, and renders films without a display.")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "simulator and renderer of ropes, chains and cords\n${about}\n\nThis package has the program, its scenes and models.")
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "simulation of ropes, chains and cords - shared library\n${about}\n\nThis package has the library of the methods.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "simulation of ropes, chains and cords - development files\n${about}\n\nThis package has headers, archives, and files for CMake and pkg-config.")
 
 # GL and FFmpeg are opened or started when they are needed.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "fonts-dejavu-core, libegl1, libegl-mesa0, libgl1-mesa-dri")
@@ -54,9 +55,14 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox | gnuplot, libo
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libtaut0 (= ${package_version}), libeigen3-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libassimp-dev, libdeflate-dev, libfmt-dev, libfreetype-dev, libpng-dev, libsimbody-dev, libtomlplusplus-dev")
 
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 file(WRITE ${doc}/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${doc}/triggers)
-file(WRITE ${doc}/libtaut0 "# The library is called after its room, the package after the project.\nlibtaut0: package-name-doesnt-match-sonames libtaut-sim0\n")
+file(WRITE ${doc}/libtaut0 "# The library is called after its room, the package after the project.
+libtaut0: package-name-doesnt-match-sonames libtaut-sim0
+# CPack writes the scripts.
+libtaut0: maintscript-calls-ldconfig *
+")
 install(FILES ${doc}/libtaut0 DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides COMPONENT library)
 include(CPack)

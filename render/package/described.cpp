@@ -1,5 +1,6 @@
 #include "render/package/described.h"
 
+#include "render/cli/help.h"
 #include "sim/method.h"
 
 namespace taut::package {
@@ -23,13 +24,7 @@ DescribedOption described(const CLI::Option& option) {
   DescribedOption result;
   if (!option.get_snames().empty()) result.shorts = option.get_snames().front();
   if (!option.get_lnames().empty()) result.longs = option.get_lnames().front();
-  if (result.is_positional()) {
-    result.value = option.get_name(true, false);
-  } else if (option.get_items_expected_max() > 0) {
-    const std::string type = option.get_type_name();
-    result.value = type.substr(0, type.find(':'));
-    if (result.value.starts_with('{') || result.value.empty()) result.value = "TEXT";
-  }
+  result.value = cli::value_name(option);
   result.choices = choices_of(option);
   result.text = option.get_description();
   result.required = option.get_required();
