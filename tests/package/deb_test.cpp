@@ -1,4 +1,4 @@
-// Debian packages, where dpkg makes them.
+// Debian packages, where dpkg is; with lintian, what that says of them.
 #include <map>
 
 #include "tests/package/prefix.h"
@@ -17,10 +17,16 @@ std::string listing(const fs::path& package) {
 }
 
 TEST(DebianPackages, HoldWhatTheirNamesSayAndSatisfyLintian) {
-  if (!is_installed("dpkg-shlibdeps")) GTEST_SKIP() << "dpkg-dev is not installed";
+  if (!is_installed("dpkg-deb")) GTEST_SKIP() << "dpkg is not installed";
   Folder folder;
-  must_run({"cpack", "--config", TAUT_BUILD_DIR "/CPackConfig.cmake", "-B", folder.path().string()},
-           folder.path());
+  std::vector<std::string> cpack{"cpack", "--config", TAUT_BUILD_DIR "/CPackConfig.cmake", "-B",
+                                 folder.path().string()};
+  const bool whole = is_installed("dpkg-shlibdeps") && is_installed("lintian");
+  if (!whole) {  // what the files are linked with is not looked up, and packing is quick
+    cpack.insert(cpack.end(), {"-D", "CPACK_DEBIAN_PACKAGE_SHLIBDEPS=OFF", "-D",
+                               "CPACK_DEBIAN_COMPRESSION_TYPE=gzip"});
+  }
+  must_run(cpack, folder.path());
   std::vector<std::string> lintian{"lintian", "--fail-on", "error,warning"};
   std::map<std::string, fs::path> packages;
   for (const auto& entry : fs::directory_iterator(folder.path())) {
@@ -40,7 +46,7 @@ TEST(DebianPackages, HoldWhatTheirNamesSayAndSatisfyLintian) {
                            "/tautConfig.cmake\n", "/pkgconfig/taut.pc\n", "/libtaut_sim.so -> "}) {
     EXPECT_NE(listing(packages["libtaut-dev"]).find(file), std::string::npos) << file;
   }
-  if (is_installed("lintian")) must_run(lintian, folder.path());
+  if (whole) must_run(lintian, folder.path());
 }
 
 }  // namespace
