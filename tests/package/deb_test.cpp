@@ -24,6 +24,7 @@ TEST(DebianPackages, HoldWhatTheirNamesSayAndSatisfyLintian) {
   const bool whole = is_installed("dpkg-shlibdeps") && is_installed("lintian");
   if (!whole) {  // what the files are linked with is not looked up, and packing is quick
     cpack.insert(cpack.end(), {"-D", "CPACK_DEBIAN_PACKAGE_SHLIBDEPS=OFF", "-D",
+                               "CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS=OFF", "-D",
                                "CPACK_DEBIAN_COMPRESSION_TYPE=gzip"});
   }
   must_run(cpack, folder.path());
