@@ -67,7 +67,7 @@ class Format : public CLI::Formatter {
 std::string value_name(const CLI::Option& option) {
   std::string type = option.get_type_name();
   type = type.substr(0, type.find_first_of(": "));
-  if (option.get_type_size() == 0) return "";
+  if (option.get_items_expected_max() == 0) return "";
   if (type == "INT" || type == "UINT" || type == "FLOAT") return "N";
   if (type != "TEXT" && !type.empty()) return type;
   std::string name = option.get_name(false, false);
