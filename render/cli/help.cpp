@@ -34,10 +34,26 @@ std::string entry(const std::string& name, const std::string& description) {
   return text + line + '\n';
 }
 
+}  // namespace
+
+std::string value_of(const CLI::Option& option) {
+  std::string type = option.get_type_name();
+  type = type.substr(0, type.find_first_of(": "));
+  if (option.get_items_expected_max() == 0) return "";
+  if (type == "INT" || type == "UINT" || type == "FLOAT") return "N";
+  if (type != "TEXT" && !type.empty()) return type;
+  std::string name = option.get_name(false, false);
+  name.erase(0, name.find_first_not_of('-'));
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::toupper(c); });
+  return name;
+}
+
+namespace {
+
 class Format : public CLI::Formatter {
  public:
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
-    const std::string value = value_name(*option);
+    const std::string value = value_of(*option);
     std::string name = is_positional ? value : option->get_name(false, true);
     if (is_positional && option->get_expected_max() > 1) name += "...";
     if (!is_positional && !value.empty()) name += " " + value;
@@ -52,8 +68,7 @@ class Format : public CLI::Formatter {
     std::string usage = "\nUsage: " + name + " [OPTIONS]";
     for (const CLI::Option* option :
          app->get_options([](const CLI::Option* o) { return o->get_positional(); })) {
-      usage +=
-          option->get_required() ? " " + value_name(*option) : " [" + value_name(*option) + "]";
+      usage += option->get_required() ? " " + value_of(*option) : " [" + value_of(*option) + "]";
       if (option->get_expected_max() > 1) usage += "...";
     }
     const bool has_commands =
@@ -63,18 +78,6 @@ class Format : public CLI::Formatter {
 };
 
 }  // namespace
-
-std::string value_name(const CLI::Option& option) {
-  std::string type = option.get_type_name();
-  type = type.substr(0, type.find_first_of(": "));
-  if (option.get_items_expected_max() == 0) return "";
-  if (type == "INT" || type == "UINT" || type == "FLOAT") return "N";
-  if (type != "TEXT" && !type.empty()) return type;
-  std::string name = option.get_name(false, false);
-  name.erase(0, name.find_first_not_of('-'));
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::toupper(c); });
-  return name;
-}
 
 std::shared_ptr<CLI::Formatter> help_format() {
   return std::make_shared<Format>();

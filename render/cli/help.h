@@ -10,6 +10,6 @@ namespace taut::cli {
 std::shared_ptr<CLI::Formatter> help_format();
 
 /// What an option takes, in capitals: its own name where it has no better word; empty for flags.
-std::string value_name(const CLI::Option& option);
+std::string value_of(const CLI::Option& option);
 
 }  // namespace taut::cli

@@ -24,7 +24,7 @@ DescribedOption described(const CLI::Option& option) {
   DescribedOption result;
   if (!option.get_snames().empty()) result.shorts = option.get_snames().front();
   if (!option.get_lnames().empty()) result.longs = option.get_lnames().front();
-  result.value = cli::value_name(option);
+  result.value = cli::value_of(option);
   result.choices = choices_of(option);
   result.text = option.get_description();
   result.required = option.get_required();
