@@ -34,7 +34,7 @@ TEST(InstalledProgram, FindsItsScenesAndModels) {
   must_run({program(), "check", (prefix() / "share/taut/scenes/nunchaku.toml").string()},
            folder.path());
   folder.write("own.toml",
-               "duration = 1.0\n[bodies.stick]\nmass = 0.1\n"
+               "duration = 1.0\n[bodies.stick]\nmass = 0.1\nposition = [0, 1, 0]\n"
                "shape = { sphere = { diameter = 0.1 } }\nmesh = \"assets/stick.glb\"\n[stage]\n");
   must_run({program(), "check", "own.toml"}, folder.path());
 }
