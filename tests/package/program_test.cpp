@@ -64,7 +64,7 @@ std::string completed(const std::string& words) {
 
 TEST(InstalledProgram, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(completed("taut rend"), "render\n");
-  EXPECT_EQ(completed("taut golden acc"), "accept\n");
+  EXPECT_EQ(completed("taut sim"), "simulate\n");
   EXPECT_EQ(completed("taut render scene.toml --backend e"), "egl\n");
   EXPECT_EQ(completed("taut simulate --method imp"), "impulse\n");
   const std::string offered = " " + completed("taut render -");
