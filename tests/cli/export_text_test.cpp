@@ -81,7 +81,7 @@ TEST(UsdaExport, ParticlesAreWhereTheSimulationHadThem) {
 
 TEST(UsdaExport, ASceneWithoutAStageHasItsConnectorsAndBodies) {
   Folder folder;
-  const Scene scene = load_scene(folder.write("cut.toml", kPinnedAndCut), true);
+  const Scene scene = load_scene(folder.write("cut.toml", kPinnedAndCut), false);
   ASSERT_FALSE(scene.stage);
   const std::string usda = exported(scene, usda_writer);
   expect_particles(scene, usda, {"cord", "rope", "rope_"});
