@@ -12,6 +12,7 @@
 #include "render/cli/note.h"
 #include "render/cli/output.h"
 #include "render/cli/progress.h"
+#include "render/cli/scene_options.h"
 #include "render/export/bvh.h"
 #include "render/export/csv.h"
 #include "render/export/glb.h"
@@ -19,6 +20,7 @@
 #include "render/export/pc2.h"
 #include "render/export/usda.h"
 #include "render/interrupt.h"
+#include "scenes/default_stage.h"
 #include "scenes/scene.h"
 
 namespace taut::cli {
@@ -27,6 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
+  SceneOptions inputs;
   std::string scene, to, out;
   int fps = 0;  // 0: the scene's
   bool scenery = false;
@@ -55,6 +58,19 @@ std::vector<std::string> format_names() {
   return names;
 }
 
+std::string output_file(const Options& options, const Format& format) {
+  const std::string suffix = fmt::format(".{}", format.name);
+  if (options.out.empty()) {
+    return (results_folder(options.scene, "", false) / (scene_name(options.scene) + suffix))
+        .string();
+  }
+  if (!options.inputs.several()) return options.out;
+  if (fs::path(options.out).has_extension() || to_standard_output(options.out)) {
+    throw Misuse(fmt::format("-o {}: one file for several scenes, expected a folder", options.out));
+  }
+  return results_folder(options.scene, options.out, true).string() + suffix;
+}
+
 /// The format that was named or, where none was, that of the file's suffix.
 const Format& chosen_format(const Options& options) {
   const std::string suffix = fs::path(options.out).extension().string();
@@ -80,12 +96,9 @@ Needs needs_of(const Scene& scene, const Format& format) {
 int run(const Options& options, const Common& common) {
   const Format& format = chosen_format(options);
   Scene scene = load_chosen(options.scene, format.stage, options.method);
-  if (scene.stage && !options.scenery) scene.stage->scenery.clear();
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
-  const std::string stem = fs::path(options.scene).stem().string();
-  const std::string name =
-      !options.out.empty() ? options.out : fmt::format("out/{}/{}.{}", stem, stem, format.name);
+  const std::string name = output_file(options, format);
   const bool to_output = to_standard_output(name);
   if (to_output && common.json) {
     throw Misuse(fmt::format("-o {}: standard output is the JSON's (--json)", name));
@@ -99,6 +112,8 @@ int run(const Options& options, const Common& common) {
   const fs::path folder = fs::path(name).has_parent_path() ? fs::path(name).parent_path() : ".";
   refuse_beyond(needs_of(scene, format), scene, options.max_memory, to_output ? "" : folder, "",
                 common.quiet);
+  if (format.stage) complete_stage(scene, chosen_changes(options.method), stop_if_interrupted);
+  if (scene.stage && !options.scenery) scene.stage->scenery.clear();
   Output output(name);
   Figures figures;
   {
@@ -120,8 +135,9 @@ int run(const Options& options, const Common& common) {
                                    {"method", scene.method.name},
                                    {"settings", settings_json(full_settings(scene.method))},
                                    {"frames", scene.frames()},
-                                   {"frames_per_second", scene.fps}};
-    for (const auto& [figure, value] : figures) json[figure] = value;
+                                   {"fps", scene.fps}};
+    for (const auto& figure : figures)
+      std::visit([&](auto number) { json[figure.first] = number; }, figure.second);
     write_output(json.dump(2) + '\n');
     return kDone;
   }
@@ -155,18 +171,27 @@ frames nothing is more than 0.1 mm from the simulation's own states (--json says
 The same scene gives the same bytes. render/export/README.md says what is in each format, and how
 other programs open it.)");
   const auto options = std::make_shared<Options>();
-  command.add_option("scene", options->scene, "A scene file")->required();
+  add_scene_options(command, options->inputs, false);
   command.add_option("--to", options->to, "The format; default the suffix of --out")
       ->check(CLI::IsMember(format_names()));
-  command.add_option("--out,-o", options->out,
-                     "The file, - for standard output; default out/NAME/NAME.FORMAT");
+  command
+      .add_option("--out,-o", options->out,
+                  "The file, of several scenes their folder; - for standard output; default "
+                  "out/NAME/NAME.FORMAT")
+      ->type_name("FILE");
   command.add_option("--fps", options->fps, "Another number of frames per second")
       ->check(CLI::Range(1, 1000));
   command.add_flag("--scenery", options->scenery, "With the stage's scenery: glb");
   add_method_options(command, options->method);
   add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
-    program.run = [options, &program] { return run(*options, program.common); };
+    program.run = [options, &program] {
+      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
+        Options one = *options;
+        one.scene = scene;
+        return run(one, program.common);
+      });
+    };
   });
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "scenes/scene.h"
@@ -23,7 +24,7 @@ struct ExportState {
 };
 
 /// What a format says of a file: names that end with a unit, and numbers.
-using Figures = std::vector<std::pair<std::string, double>>;
+using Figures = std::vector<std::pair<std::string, std::variant<std::size_t, double>>>;
 
 /// A format. One scene's states come in the order of their times, the first and the last at frames.
 class FrameWriter {

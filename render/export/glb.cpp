@@ -60,7 +60,7 @@ class GlbWriter final : public FrameWriter {
   }
 
   Figures figures() const override {
-    return {{"keys", double(tracks_->times().size())},
+    return {{"keys", tracks_->times().size()},
             {"particles_between_frames_off_by_m", tracks_->point_error()},
             {"bodies_between_frames_off_by_m", tracks_->frame_error()}};
   }

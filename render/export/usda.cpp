@@ -128,7 +128,7 @@ class UsdaWriter final : public FrameWriter {
   }
 
   Figures figures() const override {
-    return {{"keys", double(count_)}, {"between_frames_off_by_m", keys_.error()}};
+    return {{"keys", count_}, {"between_frames_off_by_m", keys_.error()}};
   }
 
  private:

@@ -8,6 +8,7 @@
 #include "sim/shown_velocities.h"
 #include "tests/cli/export_scenes.h"
 #include "tests/support/folder.h"
+#include "tests/support/glb.h"
 #include "tests/support/npz.h"
 #include "tests/support/program.h"
 
@@ -211,6 +212,23 @@ TEST_F(Export, SaysWhatItMade) {
   const auto glb = nlohmann::json::parse(run({"cut.toml", "-o", "a.glb", "--json"}).output);
   EXPECT_LT(glb.at("particles_between_frames_off_by_m"), 1e-4);
   EXPECT_GE(glb.at("keys"), 25);
+}
+
+TEST_F(Export, SeveralScenesShareAFolder) {
+  const ProgramResult outcome =
+      run({"cut.toml", "link.toml", "--to", "csv", "-o", "rows", "-q", "--set", "duration=0.1"});
+  EXPECT_EQ(outcome.output, "rows/cut.csv\nrows/link.csv\n") << outcome.messages;
+  EXPECT_EQ(read_file(folder_.path() / "rows/link.csv"),
+            run({"link.toml", "--to", "csv", "-o", "-", "--set", "duration=0.1"}).output);
+  EXPECT_EQ(run({"cut.toml", "link.toml", "-o", "rows.csv"}).code, 2);
+}
+
+// A scene that says nothing of pictures has boxes, a camera and a light.
+TEST_F(Export, ASceneWithoutAStageHasWhatPicturesOfItHave) {
+  const GlbFile file(exported("link.toml", "glb"));
+  EXPECT_TRUE(file.root()["nodes"][file.node("stick")].contains("mesh"));
+  EXPECT_TRUE(file.root()["nodes"][file.node("camera")].contains("camera"));
+  EXPECT_FALSE(file.root()["nodes"][file.node("key light")]["extensions"].empty());
 }
 
 TEST_F(Export, MisuseAndFailuresLeaveNothing) {

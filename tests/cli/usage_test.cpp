@@ -30,9 +30,9 @@ to = { point_mass = 0.2 }
 start = { direction = [1, 0, 0] }
 )";
 
-const std::vector<std::string> kCommands = {"render", "simulate",  "check",   "bench",
-                                            "chart",  "stability", "compare", "golden",
-                                            "judge",  "reach",     "claims",  "plan"};
+const std::vector<std::string> kCommands = {"render", "simulate",  "export",  "check",  "bench",
+                                            "chart",  "stability", "compare", "golden", "judge",
+                                            "reach",  "claims",    "plan"};
 
 class Usage : public testing::Test {
  protected:
@@ -203,6 +203,8 @@ TEST_F(Usage, EveryResultIsAsTheSchemaSays) {
   check("check", {"check", TAUT_SOURCE_DIR "/scenes/hose.toml"});
   check("plans", {"check", "--plans", TAUT_SOURCE_DIR "/scenes/rope_swing.toml", "swing.toml"});
   check("simulate", {"simulate", "swing.toml"});
+  check("export", {"export", "swing.toml", "--to", "glb"});
+  check("export", {"export", "swing.toml", "--to", "csv"});
   check("render", {"render", "swing.toml", "--size", "64x36"});
   check("compare", {"compare", "swing.toml", "--size", "480x270", "--no-video", "--frames", "0"});
   check("judge", {"judge", "swing.toml"});
