@@ -1,4 +1,5 @@
-"""Exports a scene and opens it in Blender: is every particle where the simulation had it?
+"""Exports a scene and opens it in Blender: is every particle where the simulation had it, and every bone of the
+BVH where the glTF file has it?
 
 blender --background --factory-startup --python tests/bench/export_in_blender.py -- \
     build/release/taut scenes/rope_swing.toml scenes/nunchaku.toml
@@ -8,6 +9,7 @@ at any frame from the arrays of --to npz, for each format that this Blender read
 one is above a hundredth of a millimetre.
 """
 
+import builtins
 import math
 import os
 import subprocess
@@ -104,6 +106,34 @@ def in_usda(file, fps, names, expected):
     return largest_error(names, expected, place)
 
 
+def joints(frames):
+    """[frame][name] of the joints of the scene's armatures."""
+    places = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        places.append({
+            bone.name: tuple(rig.matrix_world @ bone.head)
+            for rig in bpy.data.objects if rig.type == "ARMATURE" for bone in rig.pose.bones
+        })
+    return places
+
+
+def in_bvh(file, glb, fps, frames):
+    """The largest distance of a joint from the one of the same name in the glTF file."""
+    some = range(0, frames, max(frames // 20, 1))
+    empty_scene(fps)
+    bpy.ops.import_scene.gltf(filepath=glb, import_shading="SMOOTH")
+    expected = joints(some)
+    empty_scene(fps)
+    # Blender 3.4 opens it in a mode that Debian's Python no longer has.
+    plain = builtins.open
+    builtins.open = lambda name, mode="r", *more, **others: plain(name, mode.replace("U", ""), *more, **others)
+    bpy.ops.import_anim.bvh(filepath=file)  # from frame 1 on
+    builtins.open = plain
+    found = joints(frame + 1 for frame in some)
+    return max(math.dist(place, there[name]) for there, here in zip(expected, found) for name, place in here.items())
+
+
 def main():
     taut, *scenes = sys.argv[sys.argv.index("--") + 1 :]
     failed = False
@@ -123,6 +153,10 @@ def main():
                     print(f"{scene} {suffix}: {missing}")
                 print(f"{scene} {suffix}: " + ("not read by this Blender" if error is None else f"{error:.2g} m"))
                 failed |= error is not None and error > LIMIT
+            if subprocess.run([taut, "export", scene, "-o", at("bvh"), "--quiet"], capture_output=True).returncode == 0:
+                error = in_bvh(at("bvh"), at("glb"), fps, len(arrays["times"]))
+                print(f"{scene} bvh: {error:.2g} m")
+                failed |= error > 10 * LIMIT  # rotations of the one have 16 bits, angles of the other six decimals
     sys.exit(1 if failed else 0)
 
 
