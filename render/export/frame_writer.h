@@ -20,7 +20,7 @@ using WriteBytes = std::function<void(std::string_view)>;
 struct ExportState {
   bool frame = true;  // else it lies between two frames
   Snapshot state;
-  std::vector<std::vector<Vec3>> velocities;  // [connector][particle], m/s
+  std::vector<std::vector<Vec3>> velocities;  // [connector][particle], m/s; at frames
 };
 
 /// What a format says of a file: names that end with a unit, and numbers.
@@ -38,7 +38,7 @@ class FrameWriter {
 };
 
 /// Simulates the scene and gives the writer its states, then finishes it; calls `tick` with the
-/// number of frames that are done.
+/// number of frames that are done. Frames are those of a simulation that stops at nothing else.
 void play(const Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick);
 
 }  // namespace taut

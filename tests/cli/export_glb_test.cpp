@@ -76,6 +76,27 @@ TEST(GlbExport, PartsOfACutRopeAreWhereTheyAre) {
   }
 }
 
+// Whatever happens between frames, and however the method chooses its steps: a rope caught by a pin
+// soon goes another way after the smallest change.
+TEST(GlbExport, FramesAreThoseOfARunThatStopsAtNothingElse) {
+  const Scene scene = scene_of("pin.toml");
+  ASSERT_EQ(scene.method.name, "direct");
+  const GlbFile file(exported(scene, glb_writer));
+  Simulation simulation = start(scene);
+  const std::size_t first = file.node("rope.0");
+  for (int frame = 0; frame < scene.frames(); ++frame) {
+    simulation.advance_to(double(frame) / scene.fps);
+    if (frame % 7 != 0) continue;
+    const std::vector<Vec3> shown = simulation.state().connectors[0];
+    for (std::size_t i = 0; i < shown.size(); ++i)
+      ASSERT_LT(
+          (file.world(first + i, double(float(double(frame) / scene.fps))).translation() - shown[i])
+              .norm(),
+          kAtFrames)
+          << "frame " << frame << ", particle " << i;
+  }
+}
+
 // The rings of a tube that belong to one particle alone are circles about it.
 TEST(GlbExport, ATubeGoesThroughItsParticles) {
   const Scene scene = scene_of("rope_swing.toml");
