@@ -167,13 +167,14 @@ Formats:
   bvh   the character's skeleton and its motion
 
 SI units, y up, one state per frame. glb and usda have more where the motion needs them: between
-frames nothing is more than 0.1 mm from the simulation's own states (--json says how far, _off_by_m).
+frames nothing is more than 0.1 mm from the simulation's own states (--json: ..._off_by_m).
 The same scene gives the same bytes. render/export/README.md says what is in each format, and how
 other programs open it.)");
   const auto options = std::make_shared<Options>();
   add_scene_options(command, options->inputs, false);
   command.add_option("--to", options->to, "The format; default the suffix of --out")
-      ->check(CLI::IsMember(format_names()));
+      ->check(CLI::IsMember(format_names()))
+      ->type_name("FORMAT");
   command
       .add_option("--out,-o", options->out,
                   "The file, of several scenes their folder; - for standard output; default "
