@@ -20,7 +20,7 @@ length = 2
 mass = 0.3
 particles = 9
 from = { fixed = [5, 3, -2] }
-to = { body = "box" }
+to = { body = "box", point = [0, 0.05, 0] }
 start = { direction = [0, -0.5, 1] }
 [connectors.thread]
 length = 1
