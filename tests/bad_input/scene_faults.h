@@ -6,7 +6,7 @@
 
 namespace taut {
 
-struct SceneFault {
+struct SpoiltScene {
   std::string name;        // in a few words
   std::string good;        // text of the good scene
   std::string bad;         // what stands there instead; ^ marks the place that the message names
@@ -14,7 +14,7 @@ struct SceneFault {
   std::string place = {};  // line:column, where it is not in `bad`
 };
 
-inline std::vector<SceneFault> scene_faults() {
+inline std::vector<SpoiltScene> spoilt_scenes() {
   const std::string keys =
       "keys = [\n  { t = 0.0, position = [0.0, 1.0, 0.0], rotation = [1, 0, 0, 0] },\n  { t = 0.5, "
       "position = [0.2, 1.0, 0.0], axis = [0, 1, 0], hold = 0.1 },\n]";

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The good scene with the fault in it, and the place (line:column) that the message must name.
-std::pair<std::string, std::string> spoilt(const SceneFault& fault) {
+std::pair<std::string, std::string> spoilt(const SpoiltScene& fault) {
   std::string text(kGoodScene);
   const std::size_t at = text.find(fault.good);
   if (at == std::string::npos) return {};
@@ -45,7 +45,7 @@ TEST(BadScene, TheGoodSceneIsGood) {
 TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
   const Folder folder;
   FaultTable table("Scenes", folder.path());
-  for (const SceneFault& fault : scene_faults()) {
+  for (const SpoiltScene& fault : spoilt_scenes()) {
     SCOPED_TRACE(fault.name);
     const auto [text, place] = spoilt(fault);
     ASSERT_NE(text, "") << "the good scene has no \"" << fault.good << '"';
