@@ -12,7 +12,6 @@
 namespace taut {
 namespace {
 
-using Component;
 using direct::Integrator;
 
 /// What advance() leaves in the world is where it goes on from; whoever changes the world between
