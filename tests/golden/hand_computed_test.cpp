@@ -177,7 +177,7 @@ TEST(HandComputed, AShadowEndsWhereTheLightGoesPast) {
   const auto value = [&](int column) { return int(*picture.at(column, kWide / 2)); };
   const auto x_of = [&](double column) { return 0.25 + (column - kWide / 2) * pixel; };
   const int lit = value(5), dark = value(kWide / 2);
-  EXPECT_EQ(dark, 0);
+  EXPECT_LE(dark, 1);
   EXPECT_GT(lit, 60);
   std::vector<double> edges;  // where the row crosses half of the light, m
   for (int column = 6; column < kWide; ++column) {
