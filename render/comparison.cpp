@@ -50,7 +50,7 @@ std::vector<Vec3> moving_points(const Comparison& comparison) {
 /// A millimetre value as short as its size allows.
 std::string millimetres(double metres) {
   const double mm = 1e3 * metres;
-  return mm >= 1e-3 ? fmt::format("{:.3g} mm", mm) : fmt::format("{:.0e} mm", mm);
+  return mm >= 1e-3 || mm == 0 ? fmt::format("{:.3g} mm", mm) : fmt::format("{:.0e} mm", mm);
 }
 
 }  // namespace
@@ -173,7 +173,11 @@ void ComparisonFilm::draw_cell(Picture& picture, std::size_t index, std::size_t 
       font_.draw(picture, text, cell.x + 2 * gap, y += 1.4 * small, small, kInk);
   } else if (frame < method.distance.size()) {
     const std::string text = millimetres(method.distance[frame]);
-    font_.draw(picture, text, cell.right() - gap - font_.width(text, size), line, size, kInk);
+    const double wide = font_.width(text, size);
+    // Beside the label where there is room, else under the band.
+    const bool room = bold_.width(method.label, size) + wide + 3 * gap < cell.width;
+    font_.draw(picture, text, cell.right() - gap - wide, room ? line : cell.y + band + 1.3 * size,
+               size, kInk);
   }
 }
 
