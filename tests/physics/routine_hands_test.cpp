@@ -108,7 +108,8 @@ class Holding : public RoutineHands {
           const Capsule wood{middle - 0.14 * axis, middle + 0.14 * axis, kStick, 0};
           const Skin skin = skin_of("HandR", bones);
           const auto expect = [&](const std::string& part, double x, const Range& range) {
-            if (!within(x, range)) found += fmt::format("{} {:.4f} m at {}\n", part, x, time);
+            if (!within(x, range) && found.size() < 300)
+              found += fmt::format("{} {:.4f} m at {}\n", part, x, time);
           };
           for (const std::string finger : {"Index", "Middle", "Ring", "Pinky"}) {
             const double at = (joint(bones, "RightHand" + finger + "1") - middle).dot(axis);
