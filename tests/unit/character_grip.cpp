@@ -60,7 +60,9 @@ TEST(CharacterGrip, EveryFingerTouchesTheStickAndNothingEntersIt) {
   for (const auto& [bone, distance] : gap) {
     EXPECT_GT(distance, -0.001) << bone;
     // The thumb lies over the index finger.
-    if (bone.find("Thumb") == bone.npos) EXPECT_LT(distance, 0.003) << bone;
+    if (bone.find("Thumb") == bone.npos) {
+      EXPECT_LT(distance, 0.003) << bone;
+    }
   }
 }
 
