@@ -143,18 +143,19 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
 }
 
 /// How many cells of all maps each method has of each class.
-Table verdict_table(const StabilityStudy& study) {
-  constexpr Verdict kVerdicts[] = {Verdict::accurate,  Verdict::plausible, Verdict::over_damped,
-                                   Verdict::stretched, Verdict::failed,    Verdict::over_cap};
+Table class_table(const StabilityStudy& study) {
+  constexpr MotionClass kClasses[] = {MotionClass::accurate,    MotionClass::plausible,
+                                      MotionClass::over_damped, MotionClass::stretched,
+                                      MotionClass::failed,      MotionClass::over_cap};
   Table table{{"cells"}, {}};
-  for (const Verdict verdict : kVerdicts) table.columns.emplace_back(name_of(verdict));
+  for (const MotionClass one : kClasses) table.columns.emplace_back(name_of(one));
   for (std::size_t c = 0; c < study.contenders.size(); ++c) {
     std::vector<std::string> row{study.contenders[c].label};
-    for (const Verdict verdict : kVerdicts) {
+    for (const MotionClass one : kClasses) {
       std::ptrdiff_t count = 0;
       for (const StabilityMap& map : study.maps)
         count += std::ranges::count_if(map.cells, [&](const MapCell& cell) {
-          return cell.contender == c && cell.judgement.verdict == verdict;
+          return cell.contender == c && cell.classification.motion_class == one;
         });
       row.push_back(std::to_string(count));
     }
@@ -218,7 +219,7 @@ int run(const StudyOptions& options, const Common& common) {
   page.write(stability_page(study));
   page.commit();
   journal.finish();
-  write_output(common.json ? stability_json(study) : table_text(verdict_table(study)));
+  write_output(common.json ? stability_json(study) : table_text(class_table(study)));
   if (!common.quiet) {
     note("{}/stability: .html .csv, and a .svg and .png per map\n", folder.string());
   }
