@@ -167,7 +167,7 @@ Formats:
   bvh   the character's skeleton and its motion
 
 SI units, y up, one state per frame. glb and usda have more where the motion needs them: between
-frames nothing is more than 0.1 mm from the simulation's own states (--json says how far, _off_by_m).
+frames nothing is more than 0.1 mm from the states that are simulated (--json: _off_by_m).
 The same scene gives the same bytes. render/export/README.md says what is in each format, and how
 other programs open it.)");
   const auto options = std::make_shared<Options>();
