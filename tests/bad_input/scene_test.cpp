@@ -53,9 +53,13 @@ TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
     const ProgramResult outcome = run_taut({"check", "scene.toml"}, folder.path());
     EXPECT_EQ(outcome.code, 3);
     EXPECT_EQ(outcome.output, "");
-    EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:" + place + ": ", 0), 0u) << place;
-    EXPECT_NE(outcome.messages.find(fault.says), std::string::npos) << outcome.messages;
-    EXPECT_EQ(std::ranges::count(outcome.messages, '\n'), 1) << outcome.messages;
+    // A fault may have others in its wake: a misspelt key leaves out what it was meant to be.
+    const std::size_t at = outcome.messages.find("taut: scene.toml:" + place + ": ");
+    ASSERT_NE(at, std::string::npos) << place << '\n' << outcome.messages;
+    const std::size_t end = outcome.messages.find('\n', at);
+    EXPECT_NE(outcome.messages.substr(at, end - at).find(fault.says), std::string::npos)
+        << outcome.messages;
+    EXPECT_LE(std::ranges::count(outcome.messages, '\n'), 4) << outcome.messages;
     table.add(fault.name, outcome);
   }
   EXPECT_TRUE(table.is_as_accepted());
