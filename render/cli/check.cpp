@@ -31,6 +31,8 @@ struct Options {
 constexpr int kSamples = 4;                  // per pixel, as taut render takes them
 constexpr std::chrono::seconds kLooking{2};  // for what needs a simulation
 constexpr double kLookedAt = 1e9;            // bytes; what takes more is not simulated for a look
+/// Pins and cuts; of more, one moment can take longer than the look may.
+constexpr std::size_t kLookedAtInterventions = 1000;
 
 struct TooLong {};
 
@@ -177,7 +179,10 @@ int check(const std::string& file, const std::vector<std::string>& set, const Co
   std::vector<std::string> warnings;
   try {
     const auto end = std::chrono::steady_clock::now() + kLooking;
-    if (simulation_needs(scene).memory > kLookedAt) throw TooLong();
+    const std::size_t interventions = scene.timeline.pins.size() + scene.timeline.cuts.size();
+    if (simulation_needs(scene).memory > kLookedAt || interventions > kLookedAtInterventions) {
+      throw TooLong();
+    }
     Scene complete = scene;
     complete_stage(complete, changes, [&] {
       stop_if_interrupted();

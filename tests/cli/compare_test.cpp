@@ -86,8 +86,8 @@ TEST_F(Compare, CellsDifferWhereMethodsDo) {
         count += std::abs(*picture.at(x, y) - *picture.at(x + 240, y)) > 8;
     return count;
   };
-  EXPECT_LT(differ(read_png(frame(0))), 20);
-  EXPECT_GT(differ(read_png(frame(9))), 20);
+  EXPECT_LT(differ(read_png(frame(0))), 30);
+  EXPECT_GT(differ(read_png(frame(9))), 60);
 }
 
 TEST_F(Compare, AMethodThatStopsLeavesTheOthers) {
@@ -102,7 +102,7 @@ TEST_F(Compare, AMethodThatStopsLeavesTheOthers) {
   const auto report = nlohmann::json::parse(outcome.output);
   EXPECT_LT(report.at("methods")[0].at("frames"), 10);
   EXPECT_NE(report.at("methods")[0].at("failure"), "");
-  EXPECT_EQ(report.at("methods")[0].at("from the truth, mm"), "-");
+  EXPECT_TRUE(report.at("methods")[0].at("from_truth_mm").is_null());
   EXPECT_EQ(report.at("methods")[1].at("frames"), 10);
   EXPECT_EQ(report.at("methods")[1].at("failure"), "");
 }
@@ -112,9 +112,6 @@ TEST_F(Compare, RefusesBeforeWorking) {
   EXPECT_EQ(compare({"--frames", "8-12"}).code, 2);
   EXPECT_EQ(compare({"--size", "63x36"}).code, 2);
   EXPECT_EQ(compare({"--size", "100000x200", "--no-video", "--methods", "direct"}).code, 4);
-  const std::string text = kScene;
-  scene_ = folder_.write("bare.toml", text.substr(0, text.find("[stage]")));
-  EXPECT_EQ(compare({}).code, 3);
   out_ = folder_.write("file", "x") / "clip";
   scene_ = folder_.write("swing.toml", kScene);
   EXPECT_EQ(compare({}).code, 6);
