@@ -31,8 +31,8 @@ struct Options {
 constexpr int kSamples = 4;                  // per pixel, as taut render takes them
 constexpr std::chrono::seconds kLooking{2};  // for what needs a simulation
 constexpr double kLookedAt = 1e9;            // bytes; what takes more is not simulated for a look
-/// Pins and cuts; of more, one moment can take longer than the look may.
-constexpr std::size_t kLookedAtInterventions = 1000;
+/// Bodies, connectors, pins and cuts; of more, one moment can take longer than the look may.
+constexpr std::size_t kThings = 1000;
 
 struct TooLong {};
 
@@ -179,8 +179,10 @@ int check(const std::string& file, const std::vector<std::string>& set, const Co
   std::vector<std::string> warnings;
   try {
     const auto end = std::chrono::steady_clock::now() + kLooking;
-    const std::size_t interventions = scene.timeline.pins.size() + scene.timeline.cuts.size();
-    if (simulation_needs(scene).memory > kLookedAt || interventions > kLookedAtInterventions) {
+    const World& world = scene.world;
+    const std::size_t things = world.bodies.size() + world.connectors.size() +
+                               scene.timeline.pins.size() + scene.timeline.cuts.size();
+    if (simulation_needs(scene).memory > kLookedAt || things > kThings) {
       throw TooLong();
     }
     Scene complete = scene;
