@@ -14,17 +14,18 @@ Film::Film(const Context& context, const Scene& scene, int width, int height, in
       canvas_(context, width, height, samples),
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shading) {}
 
-Instant Film::instant(const Snapshot& state) const {
-  Instant instant{state, {}, camera_at(scene_.stage->camera, state.time)};
-  for (const auto& performance : scene_.performances)
+Instant instant_of(const Scene& scene, const Snapshot& state) {
+  Instant instant{state, {}, camera_at(scene.stage->camera, state.time)};
+  for (const auto& performance : scene.performances)
     instant.bones.push_back(performance->bones_at(state.time));
   return instant;
 }
 
-std::vector<Instant> Film::shutter(const ClipFrame& frame, std::span<const Snapshot> states) const {
+std::vector<Instant> shutter_of(const Scene& scene, const ClipFrame& frame,
+                                std::span<const Snapshot> states) {
   std::vector<Instant> instants;
   for (const Snapshot& state : states) {
-    instants.push_back(instant(state));
+    instants.push_back(instant_of(scene, state));
     instants.back().camera = camera_at(frame.shot->camera, frame.time);
   }
   return instants;

@@ -11,6 +11,12 @@
 
 namespace taut {
 
+/// Everything that moves, in this state, by the scene's camera: characters pose by its time.
+Instant instant_of(const Scene& scene, const Snapshot& state);
+/// The states that a frame of the clip shows, as it shows them.
+std::vector<Instant> shutter_of(const Scene& scene, const ClipFrame& frame,
+                                std::span<const Snapshot> states);
+
 /// A frame depends on its own instants alone, never on the frames drawn before.
 class Film {
  public:
@@ -19,16 +25,16 @@ class Film {
   Film(const Context& context, const Scene& scene, int width, int height, int samples,
        const Shading& shading = {});
 
-  /// Everything that moves, in this state, by the scene's camera: characters pose by its time.
-  Instant instant(const Snapshot& state) const;
+  Instant instant(const Snapshot& state) const { return instant_of(scene_, state); }
   Picture draw(const Instant& instant);
 
   struct Frame {
     Picture picture;
     int exposures;  // instants that it shows
   };
-  /// The states that a frame of the clip shows, as it shows them.
-  std::vector<Instant> shutter(const ClipFrame& frame, std::span<const Snapshot> states) const;
+  std::vector<Instant> shutter(const ClipFrame& frame, std::span<const Snapshot> states) const {
+    return shutter_of(scene_, frame, states);
+  }
   Frame draw(const ClipFrame& frame, std::span<const Instant> shutter);
 
   /// From now on frames have opacity, none where the stage's background would be; their colours are

@@ -58,7 +58,7 @@ FrameFolder::FrameFolder(std::filesystem::path folder, bool keep, Size size)
   if (!try_to_lock(lock_.get(), folder_))
     throw CannotWrite(fmt::format("{}: another run is writing frames here", folder_.string()));
 
-  if (keep) read_journal(size);
+  if (keep) kept_ = whole_frames(folder_, size);
   remove_others();
   AtomicFile journal(folder_ / "journal");
   for (const auto& [frame, entry] : kept_)
@@ -99,24 +99,26 @@ void FrameFolder::remove_others() {
   for (const auto& file : others) remove_output(file);
 }
 
-std::filesystem::path FrameFolder::file(int frame) const {
-  return folder_ / fmt::format("{:06}.png", frame);
+std::filesystem::path FrameFolder::file(const std::filesystem::path& folder, int frame) {
+  return folder / fmt::format("{:06}.png", frame);
 }
 
-void FrameFolder::read_journal(Size size) {
-  std::FILE* journal = std::fopen((folder_ / "journal").c_str(), "re");
-  if (!journal) return;
+FrameFolder::Entries FrameFolder::whole_frames(const std::filesystem::path& folder, Size size) {
+  Entries entries;
+  std::FILE* journal = std::fopen((folder / "journal").c_str(), "re");
+  if (!journal) return entries;
   int frame = 0;
   unsigned long long inputs = 0, written = 0;
   // A line that a crash cut short ends the reading.
   while (std::fscanf(journal, "%d %16llx %16llx\n", &frame, &inputs, &written) == 3)
-    kept_[frame] = {inputs, written};
+    entries[frame] = {inputs, written};
   std::fclose(journal);
-  std::erase_if(kept_, [&](const auto& entry) {
-    const std::string png = bytes_of(file(entry.first));
+  std::erase_if(entries, [&](const auto& entry) {
+    const std::string png = bytes_of(file(folder, entry.first));
     return !has_size(png, size) ||
            Hash().bytes(png.data(), png.size()).value() != entry.second.file;
   });
+  return entries;
 }
 
 bool FrameFolder::has(int frame, std::uint64_t inputs) const {
@@ -168,8 +170,28 @@ void FrameFolder::write(const Job& job) {
   AtomicFile png(file(job.frame));
   png.write(text);
   png.commit();
-  const std::string line = fmt::format("{:06} {:016x} {:016x}\n", job.frame, job.inputs,
-                                       Hash().bytes(bytes.data(), bytes.size()).value());
+  note(job.frame, {job.inputs, Hash().bytes(bytes.data(), bytes.size()).value()});
+}
+
+void FrameFolder::take(int frame, const Entry& entry, const std::filesystem::path& from) {
+  std::filesystem::path half = file(frame);
+  half += ".part";
+  remove_output(half);
+  std::error_code error;
+  // Files of frames are replaced, never written to: two folders may share one.
+  std::filesystem::create_hard_link(from, half, error);
+  if (!error) std::filesystem::rename(half, file(frame), error);
+  if (error) {  // another file system
+    AtomicFile png(file(frame));
+    png.write(bytes_of(from));
+    png.commit();
+  }
+  kept_[frame] = entry;
+  note(frame, entry);
+}
+
+void FrameFolder::note(int frame, const Entry& entry) {
+  const std::string line = fmt::format("{:06} {:016x} {:016x}\n", frame, entry.inputs, entry.file);
   if (!write_all(journal_.get(), line)) fail_journal();
 }
 

@@ -25,6 +25,15 @@ class FrameFolder {
   struct Size {
     int width = 0, height = 0;
   };
+  /// Hashes of what a frame was made from and of its file.
+  struct Entry {
+    std::uint64_t inputs, file;
+  };
+  using Entries = std::map<int, Entry>;
+
+  /// The frames of that size in a folder that are whole, by number. Other runs may be writing
+  /// there.
+  static Entries whole_frames(const std::filesystem::path& folder, Size size);
 
   /// Makes the folder. Frames of that size that another run left stay where their journal stands
   /// and `keep` is set, and are removed otherwise. Throws CannotWrite, also while another run
@@ -35,7 +44,8 @@ class FrameFolder {
   FrameFolder(const FrameFolder&) = delete;
   FrameFolder& operator=(const FrameFolder&) = delete;
 
-  std::filesystem::path file(int frame) const;
+  std::filesystem::path file(int frame) const { return file(folder_, frame); }
+  static std::filesystem::path file(const std::filesystem::path& folder, int frame);
   /// True where a whole frame of this number is there, whatever it was made from.
   bool knows(int frame) const { return kept_.contains(frame); }
   /// True where a frame made from these inputs is there, whole.
@@ -45,26 +55,26 @@ class FrameFolder {
   void put(int frame, std::uint64_t inputs, Picture picture, PngExtras extras = {});
   /// Waits for all frames. Throws CannotWrite.
   void finish();
+  /// Takes a frame of another folder, which keeps it; not while frames are on their way. Throws
+  /// CannotWrite.
+  void take(int frame, const Entry& entry, const std::filesystem::path& from);
 
  private:
-  struct Entry {
-    std::uint64_t inputs, file;
-  };
   struct Job {
     int frame;
     std::uint64_t inputs;
     Picture picture;
     PngExtras extras;
   };
-  void read_journal(Size size);
   void remove_others();
   void work(std::stop_token stop);
   void write(const Job& job);
+  void note(int frame, const Entry& entry);
   [[noreturn]] void fail_journal() const;
 
   std::filesystem::path folder_;
   Descriptor lock_, journal_;
-  std::map<int, Entry> kept_;
+  Entries kept_;
 
   std::mutex mutex_;
   std::condition_variable_any changed_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "render/atomic_file.h"
 #include "render/cli/accuracy_page.h"
@@ -18,29 +19,64 @@
 namespace taut::cli {
 namespace {
 
+constexpr const char* kTruth = "truth";  // the row of a part's horizon (s) and self-error (m)
 constexpr double kTargets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};  // shares of the length
+
+// Shares of the budget: most of the time finds errors, the rest repeats timings.
+constexpr double kScoring = 0.6, kTiming = 0.4;
+// Share of the budget beyond which a run is timed less often.
+constexpr double kSlow = 0.002;
+
+Target solved_target(const StudyOptions& options, const Scene& scene, bool quiet) {
+  const double length = scene.world.connectors.front().length;
+  if (!quiet) note("solving the truth\n");
+  TruthOptions truth;
+  truth.scored_error = length * (options.quick ? 1e-4 : 1e-6);
+  if (options.quick) truth.second_accuracy = 1e-7;
+  return predictable_target(scene, truth);
+}
+
+bool has_model_study(const StudyOptions& options, const Scene& scene) {
+  return !options.quick && scene.world.connectors.size() == 1;
+}
+
+/// What parts share out: the runs of all candidates, and those of the model study.
+Pieces shared_work(const StudyOptions& options, const Scene& scene,
+                   const std::vector<Candidate>& candidates) {
+  Pieces pieces{"chart", "runs", Share::in_turn, {}};
+  for (const Candidate& candidate : candidates) pieces.keys.push_back(score_key(candidate));
+  if (has_model_study(options, scene)) {
+    for (std::string& key : model_keys()) pieces.keys.push_back(std::move(key));
+  }
+  return pieces;
+}
+
+int run_part(const StudyOptions& options, const Scene& scene, const AccuracyStudy& study,
+             const std::vector<Metric>& metrics, const Common& common) {
+  const std::vector<Candidate> candidates = all_candidates(study, options.quick);
+  std::optional<Target> target;
+  const auto work = [&](std::size_t i, Journal& journal) {
+    if (!target) {
+      target = solved_target(options, scene, common.quiet);
+      journal.add(kTruth, {exact(target->reference.horizon), exact(target->reference.self_error)});
+    }
+    if (i >= candidates.size()) {
+      return model_row(options, target->reference.horizon, i - candidates.size());
+    }
+    return scored_and_timed(*target, metrics, candidates[i],
+                            cap_of_a_run(study, kScoring * options.budget), kSlow * options.budget);
+  };
+  return do_part(options.part, shared_work(options, scene, candidates), study_folder(options),
+                 stamp_of(options), common, work);
+}
 
 int run(const StudyOptions& options, bool markdown, const Common& common) {
   const Scene scene = study_scene(options, {}, true);
   const double length = scene.world.connectors.front().length;
   if (!(length > 0)) throw Misuse("a joint has no length to measure errors by");
-  require_gnuplot();
-  const std::filesystem::path folder = study_folder(options);
-  Journal journal(folder / "chart.unfinished", stamp_of(options));
-  if (!common.quiet && journal.kept() > 0) {
-    note("going on after {} runs of a chart that was stopped\n", journal.kept());
-  }
-  if (!common.quiet) note("solving the truth\n");
-  TruthOptions truth;
-  truth.scored_error = length * (options.quick ? 1e-4 : 1e-6);
-  if (options.quick) truth.second_accuracy = 1e-7;
-  const Target target = predictable_target(scene, truth);
-
   AccuracyStudy study;
   study.scene = options.scene;
   study.title = scene.title;
-  study.horizon = target.reference.horizon;
-  study.self_error = target.reference.self_error / length;
   study.particles = scene.world.connectors.front().particles();
   study.targets.assign(std::begin(kTargets), std::end(kTargets));
   std::vector<Metric> metrics{share_of_length(length)};
@@ -49,16 +85,41 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   for (const Contender& contender : chosen_contenders(options)) {
     study.blocks.push_back({contender, {}});
   }
-  // Most of the time finds errors, the rest repeats timings.
-  score_all(study, target, metrics, 0.6 * options.budget, options.quick, &journal, common.quiet);
-  time_all(study, target, metrics.size(), 0.4 * options.budget, 0.002 * options.budget);
+  if (options.part.is_part()) return run_part(options, scene, study, metrics, common);
+
+  require_gnuplot();
+  const std::filesystem::path folder = study_folder(options);
+  const bool merge = options.part.merge;
+  Journal journal =
+      merge ? merged_journal(shared_work(options, scene, all_candidates(study, options.quick)),
+                             folder, stamp_of(options))
+            : Journal(folder / "chart.unfinished", stamp_of(options));
+  Target target;
+  if (merge) {
+    const auto* truth = journal.find(kTruth);
+    if (!truth) throw Misuse("--merge: there are no runs to merge");
+    target.reference.horizon = number_in(truth->at(0));
+    target.reference.self_error = number_in(truth->at(1));
+  } else {
+    if (!common.quiet && journal.kept() > 0) {
+      note("going on after {} runs of a chart that was stopped\n", journal.kept());
+    }
+    target = solved_target(options, scene, common.quiet);
+  }
+  study.horizon = target.reference.horizon;
+  study.self_error = target.reference.self_error / length;
+  score_all(study, target, metrics, kScoring * options.budget, options.quick, &journal,
+            common.quiet);
+  if (!merge) {
+    time_all(study, target, metrics.size(), kTiming * options.budget, kSlow * options.budget);
+  }
   std::vector<AccuracyRow> rows;
   for (const AccuracyBlock& block : study.blocks) {
     rows.insert(rows.end(), block.rows.begin(), block.rows.end());
   }
   study.unsteadiness = unsteadiness(rows);
-  if (!options.quick && scene.world.connectors.size() == 1) {
-    if (!common.quiet) note("solving chains of 6 to 321 particles\n");
+  if (has_model_study(options, scene)) {
+    if (!common.quiet && !merge) note("solving chains of 6 to 321 particles\n");
     study.model = model_study(options, study.horizon, journal);
   }
 
@@ -74,7 +135,7 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   AtomicFile page(folder / "chart.html");
   page.write(accuracy_page(study));
   page.commit();
-  journal.finish();
+  if (!merge) journal.finish();
   if (common.json) {
     write_output(accuracy_json(study));
   } else {
@@ -93,11 +154,16 @@ void add_chart(CLI::App& app, Program& program) {
                                   R"(  taut chart scenes/rope_swing.toml
   taut chart scenes/rope_swing.toml --quick
   taut chart scenes/rope_swing.toml --methods springs,xpbd,direct --budget 60
+  taut chart scenes/rope_swing.toml --part 3/100
 
-A chart that is stopped goes on where it was when the same command is given again.)");
+A chart that is stopped goes on where it was when the same command is given again. Parts are
+processes of their own, on any machines that share the folder of results: each takes every N-th run,
+scores and times it, and --merge draws the chart from their rows. --budget then only sets how long
+one run may take.)");
   const auto options = std::make_shared<StudyOptions>();
   const auto markdown = std::make_shared<bool>(false);
   add_study_options(command, *options, 240);
+  add_part_options(command, options->part, "runs");
   options->follows = Follows::pins;
   command.add_flag("--markdown", *markdown, "The tables as Markdown");
   command.callback([options, markdown, &program] {

@@ -30,6 +30,13 @@ std::string header(std::uint64_t stamp) {
   return fmt::format("taut study {:016x}", stamp);
 }
 
+/// The file's text without a line that was cut short.
+std::string whole_lines(const std::filesystem::path& file) {
+  std::string text = read_bytes(file);
+  text.resize(text.rfind('\n') + 1);  // npos + 1 is zero
+  return text;
+}
+
 }  // namespace
 
 Journal::Journal(std::filesystem::path file, std::uint64_t stamp) : name_(std::move(file)) {
@@ -43,22 +50,25 @@ Journal::Journal(std::filesystem::path file, std::uint64_t stamp) : name_(std::m
   if (!try_to_lock(file_.get(), name_)) {
     throw CannotWrite(fmt::format("{}: another run is writing it", name_.string()));
   }
-  read(stamp);
+  const std::string text = whole_lines(name_);
+  const bool known = take_up(text, stamp);
+  if (ftruncate(file_.get(), static_cast<off_t>(known ? text.size() : 0)) != 0)
+    fail("cannot be cut");
+  if (!known && !write_all(file_.get(), header(stamp) + "\n")) fail("cannot be written");
+  kept_ = rows_.size();
 }
 
-void Journal::read(std::uint64_t stamp) {
-  std::string text = read_bytes(name_);
-  text.resize(text.rfind('\n') + 1);  // npos + 1 is zero
+Journal::Journal(const std::vector<std::filesystem::path>& files, std::uint64_t stamp) {
+  for (const auto& file : files) take_up(whole_lines(file), stamp);
+  kept_ = rows_.size();
+}
+
+/// Takes the rows of a journal's text; false where it was written under another stamp.
+bool Journal::take_up(const std::string& text, std::uint64_t stamp) {
   std::istringstream lines(text);
   lines.exceptions(std::ios::badbit);  // or running out of memory would end the text
   std::string line;
-  if (!std::getline(lines, line) || line != header(stamp)) text.clear();
-  if (ftruncate(file_.get(), static_cast<off_t>(text.size())) != 0) fail("cannot be cut");
-  if (text.empty()) {
-    line = header(stamp) + "\n";
-    if (!write_all(file_.get(), line)) fail("cannot be written");
-    return;
-  }
+  if (!std::getline(lines, line) || line != header(stamp)) return false;
   while (std::getline(lines, line)) {
     std::vector<std::string> cells;
     std::string cell;
@@ -70,7 +80,7 @@ void Journal::read(std::uint64_t stamp) {
     cells.erase(cells.begin());
     rows_[std::move(key)] = std::move(cells);
   }
-  kept_ = rows_.size();
+  return true;
 }
 
 const std::vector<std::string>* Journal::find(const std::string& key) const {

@@ -19,6 +19,9 @@ class Journal {
   /// decides what the rows say. Starts anew otherwise. Throws CannotWrite, also when another run is
   /// writing it.
   Journal(std::filesystem::path file, std::uint64_t stamp);
+  /// Only to look up: the rows of those `files` that were written under the stamp, of two under a
+  /// key that of the later file. Throws BadAsset where one cannot be read.
+  Journal(const std::vector<std::filesystem::path>& files, std::uint64_t stamp);
 
   /// The row's cells, or null.
   const std::vector<std::string>* find(const std::string& key) const;
@@ -32,7 +35,7 @@ class Journal {
 
  private:
   [[noreturn]] void fail(const char* action) const;
-  void read(std::uint64_t stamp);
+  bool take_up(const std::string& text, std::uint64_t stamp);
 
   std::filesystem::path name_;
   Descriptor file_;

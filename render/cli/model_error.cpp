@@ -18,6 +18,31 @@ constexpr double kTolerance = 1e-6;           // m, of the direct method: far be
 constexpr double kSpanStep = 1.0 / 60 / 256;  // s
 constexpr double kSpanPasses = 16;
 
+/// A run: a chain of so many links, by a method.
+struct ModelRun {
+  std::size_t links = 0;
+  Candidate candidate;
+};
+
+ModelRun exact_run(std::size_t doublings) {
+  return {kCoarsest << doublings, {"direct", {{"tolerance", kTolerance}}}};
+}
+
+ModelRun massless_run(std::size_t doublings) {
+  return {kCoarsest << doublings, {"impulse", {{"step", kSpanStep}, {"passes", kSpanPasses}}}};
+}
+
+std::vector<ModelRun> model_runs() {
+  std::vector<ModelRun> runs;
+  for (std::size_t d = 0; d <= kDoublings + 1; ++d) runs.push_back(exact_run(d));
+  for (std::size_t d = 0; d <= kDoublings; ++d) runs.push_back(massless_run(d));
+  return runs;
+}
+
+std::string key_of(const ModelRun& run) {
+  return fmt::format("model {} {}", run.links, run.candidate.method);
+}
+
 /// Where the particles are that a chain of kCoarsest links has too, frame by frame.
 using Frames = std::vector<std::vector<Vec3>>;
 
@@ -26,12 +51,12 @@ struct Motion {
   double cost = 0;  // CPU s per simulated second
 };
 
-Motion motion_of(const StudyOptions& options, std::size_t links, double duration,
-                 const Candidate& candidate) {
+Motion motion_of(const StudyOptions& options, double duration, const ModelRun& chosen) {
   stop_if_interrupted();
+  const std::size_t links = chosen.links;
   const Scene scene = study_scene(options, links + 1);
   const Problem problem{scene.world, frame_times(duration, scene.fps), scene.timeline};
-  const Run result = taut::run(problem, candidate, 60);
+  const Run result = taut::run(problem, chosen.candidate, 60);
   Motion motion;
   for (const Snapshot& frame : result.frames) {
     std::vector<Vec3> points;
@@ -44,10 +69,20 @@ Motion motion_of(const StudyOptions& options, std::size_t links, double duration
   return motion;
 }
 
+std::vector<std::string> cells_of(const Motion& motion) {
+  std::vector<std::string> cells{exact(motion.cost)};
+  for (const auto& points : motion.frames) {
+    for (const Vec3& point : points) {
+      for (const double x : point) cells.push_back(exact(x));
+    }
+  }
+  return cells;
+}
+
 /// The motion as it was written down or, where it was not, as it is.
-Motion known_motion(const StudyOptions& options, std::size_t links, double duration,
-                    const Candidate& candidate, Journal& journal) {
-  const std::string key = fmt::format("model {} {}", links, candidate.method);
+Motion known_motion(const StudyOptions& options, double duration, const ModelRun& chosen,
+                    Journal& journal) {
+  const std::string key = key_of(chosen);
   Motion motion;
   if (const auto* cells = journal.find(key)) {
     motion.cost = number_in(cells->front());
@@ -61,14 +96,8 @@ Motion known_motion(const StudyOptions& options, std::size_t links, double durat
     }
     return motion;
   }
-  motion = motion_of(options, links, duration, candidate);
-  std::vector<std::string> cells{exact(motion.cost)};
-  for (const auto& points : motion.frames) {
-    for (const Vec3& point : points) {
-      for (const double x : point) cells.push_back(exact(x));
-    }
-  }
-  journal.add(key, cells);
+  motion = motion_of(options, duration, chosen);
+  journal.add(key, cells_of(motion));
   return motion;
 }
 
@@ -93,14 +122,23 @@ double rms(const Frames& a, const Frames& b, std::size_t frames) {
 
 }  // namespace
 
+std::vector<std::string> model_keys() {
+  std::vector<std::string> keys;
+  for (const ModelRun& run : model_runs()) keys.push_back(key_of(run));
+  return keys;
+}
+
+std::vector<std::string> model_row(const StudyOptions& options, double duration,
+                                   std::size_t index) {
+  return cells_of(motion_of(options, duration, model_runs().at(index)));
+}
+
 ModelStudy model_study(const StudyOptions& options, double duration, Journal& journal) {
   const Scene scene = study_scene(options);
   const double length = scene.world.connectors.front().length;
-  const Candidate exactly{"direct", {{"tolerance", kTolerance}}};
-  const Candidate massless{"impulse", {{"step", kSpanStep}, {"passes", kSpanPasses}}};
   std::vector<Motion> motions;  // of 5, 10, ... 320 links
   for (std::size_t d = 0; d <= kDoublings + 1; ++d) {
-    motions.push_back(known_motion(options, kCoarsest << d, duration, exactly, journal));
+    motions.push_back(known_motion(options, duration, exact_run(d), journal));
   }
   const Frames rope = limit_of(motions[kDoublings].frames, motions[kDoublings + 1].frames);
   const Frames before = limit_of(motions[kDoublings - 1].frames, motions[kDoublings].frames);
@@ -114,9 +152,8 @@ ModelStudy model_study(const StudyOptions& options, double duration, Journal& jo
   study.until = static_cast<double>(known - 1) / scene.fps;
   study.uncertainty = rms(rope, before, known) / length;
   for (std::size_t d = 0; d <= kDoublings; ++d) {
-    const std::size_t links = kCoarsest << d;
-    const Motion span = known_motion(options, links, duration, massless, journal);
-    study.rows.push_back({links + 1, rms(motions[d].frames, rope, known) / length,
+    const Motion span = known_motion(options, duration, massless_run(d), journal);
+    study.rows.push_back({(kCoarsest << d) + 1, rms(motions[d].frames, rope, known) / length,
                           rms(span.frames, rope, known) / length, motions[d].cost});
   }
   return study;

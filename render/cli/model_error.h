@@ -29,6 +29,10 @@ struct ModelStudy {
 /// the mass m/n. Rows that the journal knows are not run again. `done` is called after each run.
 ModelStudy model_study(const StudyOptions& options, double duration, Journal& journal);
 
+/// The runs that a model study makes, by the keys of their rows; and the row of the `index`-th.
+std::vector<std::string> model_keys();
+std::vector<std::string> model_row(const StudyOptions& options, double duration, std::size_t index);
+
 Table model_table(const ModelStudy& study);
 Chart model_chart(const ModelStudy& study, const std::string& title);
 

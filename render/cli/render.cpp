@@ -1,9 +1,7 @@
 // taut render: a scene's clip.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -11,295 +9,158 @@
 
 #include "render/atomic_file.h"
 #include "render/caption.h"
+#include "render/cli/clip_job.h"
 #include "render/cli/command.h"
-#include "render/cli/frame_list.h"
-#include "render/cli/method_options.h"
 #include "render/cli/needs.h"
 #include "render/cli/note.h"
-#include "render/cli/outputs.h"
 #include "render/cli/profile_report.h"
 #include "render/cli/progress.h"
-#include "render/cli/scene_options.h"
-#include "render/cli/self_estimate.h"
-#include "render/cli/stills.h"
 #include "render/cli/terminal.h"
 #include "render/cli/watch.h"
-#include "render/fingerprint.h"
-#include "render/frame_folder.h"
 #include "render/interrupt.h"
 #include "render/profile.h"
 #include "render/render_workers.h"
 #include "render/stage_floor.h"
 #include "render/table.h"
-#include "render/version.h"
-#include "render/video.h"
-#include "scenes/default_stage.h"
 #include "scenes/error.h"
 #include "scenes/reader/document.h"
-#include "scenes/scene.h"
-#include "sim/hash.h"
 
 namespace taut::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+/// Draws frames of a job with --profile: stage by stage, and each once more without light.
+class Profiled {
+ public:
+  Profiled(const ClipJob& job, RenderWorkers& workers)
+      : job_(job),
+        film_(workers.context(), job.scene, job.scene.width, job.scene.height, job.options.samples,
+              Shading{.lit = false}) {
+    workers.film().set_profile(&lit_);
+    film_.set_profile(&unlit_);
+  }
 
-struct Options {
-  SceneOptions inputs;
-  std::string scene;  // of the inputs, the one that is rendered now
-  std::string out, size, backend = "auto";
-  std::optional<std::string> frames;
-  int fps = 0, samples = 0;  // 0: the preset's, or 4
-  double patience = 60;      // s
-  double max_memory = 0;
-  bool certificate = false, resume = false, anew = false, no_video = false, profile = false;
-  bool no_estimate = false;
-  Stills stills;
-  OutputOptions output;
-  MethodOptions method;
+  void start() { lit_.start(); }
+  void lap(const char* stage) { lit_.lap(stage); }
+  void draw_unlit(const ClipFrame& frame, std::span<const Instant> shutter) {
+    const auto start = Clock::now();
+    unlit_.start();
+    film_.draw(frame, shutter);
+    time_ += std::chrono::duration<double>(Clock::now() - start).count();
+  }
+  /// Of drawing without light, s.
+  double time() const { return time_; }
+
+  void measure_floor() {
+    floor_.emplace(job_.scene.width, job_.scene.height, job_.options.samples);
+  }
+  nlohmann::ordered_json json() const { return stage_json(lit_, unlit_, *floor_); }
+  std::string table(std::size_t drawn) const {
+    return table_text(stage_table(lit_, unlit_, *floor_, drawn));
+  }
+
+ private:
+  const ClipJob& job_;
+  Film film_;
+  Profile lit_, unlit_;
+  std::optional<StageFloor> floor_;
+  double time_ = 0;
 };
 
-/// What is proved of the clip at `fps` frames a second.
-std::string proof_of(const Scene& scene, const Options& options, int fps) {
-  if (!options.method.planned) return "none: the clip is not by a plan (--planned)";
-  if (fps != scene.fps) {
-    return fmt::format("none: the plan is of {} frames a second, the clip of {}", scene.fps, fps);
-  }
-  return certificate(*scene.plan);
+/// Draws the frames that are not there yet.
+FramesMade draw_frames(const ClipJob& job, const ClipStates& states, RenderWorkers& workers,
+                       FrameFolder& folder, Profiled* profiled, const Common& common) {
+  FramesMade made;
+  made.renderer = workers.context().description();
+  const std::uint64_t shared = job.fingerprint(made.renderer);
+  const Provenance provenance = job.provenance();
+  const bool transparent = job.options.output.transparent;
+  Font font;
+  const auto begin = Clock::now();
+  Progress progress("rendering", "frames", job.frames.size(), common.quiet);
+  std::mutex mutex;  // of everything that counts, and of the font
+  std::size_t done = 0;
+  workers.each(job.frames.size(), [&](Film& film, std::size_t i) {
+    stop_if_interrupted();
+    film.set_transparent(transparent);
+    if (profiled) profiled->start();
+    const int number = job.frames[i];
+    const ClipFrame& frame = job.clip[std::size_t(number)];
+    const std::vector<Instant> shutter = film.shutter(frame, states.of_frames[i]);
+    if (profiled) profiled->lap("pose");
+    const std::uint64_t inputs = frame_inputs(shared, frame, shutter);
+    const bool is_there = folder.has(number, inputs);
+    Film::Frame drawn{};
+    if (!is_there) drawn = film.draw(frame, shutter);
+    const std::lock_guard lock(mutex);
+    if (!is_there) {
+      made.drawn_again += folder.knows(number);
+      if (job.options.certificate) draw_note(drawn.picture, font, "Certificate: " + job.proof);
+      folder.put(number, inputs, std::move(drawn.picture),
+                 provenance.picture(frame.time, transparent));
+      made.exposures += double(drawn.exposures);
+      ++made.drawn;
+      if (profiled) {  // alone, so that its time is not another stage's
+        folder.finish();
+        profiled->lap("PNG");
+        profiled->draw_unlit(frame, shutter);
+      }
+    }
+    progress.update(++done);
+  });
+  folder.finish();
+  made.time = std::chrono::duration<double>(Clock::now() - begin).count() -
+              (profiled ? profiled->time() : 0);
+  return made;
 }
 
-/// The plan's pixels are those of a picture as high as the scene's; of another they are as many
-/// more.
-void enlarge(Scene& scene, double times, int samples) {
-  Plan& plan = *scene.plan;
-  if (!plan.tolerance.ends_with("px")) return;
-  plan.error *= times;
-  if (plan.exposures == 0) return;
-  scene.stage->exposures_apart *= times;
-  if (plan.exposures > 1) scene.stage->exposures = std::max(scene.stage->exposures, samples);
-}
-
-/// Frames that are to be made and are no files yet.
-std::size_t missing_frames(const std::filesystem::path& folder, const std::vector<int>& frames) {
-  std::error_code error;
-  return std::size_t(std::ranges::count_if(frames, [&](int frame) {
-    return !std::filesystem::exists(folder / fmt::format("{:06}.png", frame), error);
-  }));
-}
-
-constexpr const char* kFewer = ", fewer frames at a time (--frames), smaller pictures (--size)";
-
-/// The options of a single picture, where one is asked for in whatever way.
-Stills stills_of(const Options& options, double duration) {
-  Stills stills = options.stills;
-  stills.transparent = options.output.transparent;
-  if (options.output.is_picture()) stills.poster_file = options.output.file;
-  if (!stills.poster && (options.output.is_picture() || options.output.watch)) {
-    stills.poster = duration / 2;
-  }
-  return stills;
-}
-
-int render(const Common& common, const Options& asked) {
-  Options options = asked;
-  check_outputs(options.output, options.inputs.several(),
-                options.no_video || options.stills.poster || options.output.watch);
-  const Backend backend = backend_named(options.backend);
-  Scene scene = load_chosen(options.scene, true, options.method);
-  const int planned_height = scene.height;
-  const Preset preset = preset_of(options.output.preset, scene.width, scene.height, 4);
-  std::tie(scene.width, scene.height) = std::pair(preset.width, preset.height);
-  if (options.samples == 0) options.samples = preset.samples;
-  if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
-  const auto complete = [&] {
-    const Needs needs =
-        scene.stage ? clip_needs(scene, 0, options.samples) : simulation_needs(scene);
-    refuse_beyond({.memory = needs.memory}, scene, options.max_memory, "", kFewer, true);
-    complete_stage(scene, chosen_changes(options.method), stop_if_interrupted);
-  };
-  if (options.method.planned) {
-    complete();
-    enlarge(scene, double(scene.height) / planned_height, options.samples);
-  }
-  const int fps = options.fps > 0 ? options.fps : scene.fps;
-  const std::string proof = proof_of(scene, options, fps);
-  scene.fps = fps;
-  scene.method = chosen_method(options.method, scene);
-  if (!options.method.planned) complete();
-  options.stills = stills_of(options, clip_length(scene) / scene.fps);
-  const bool video = !options.no_video && !options.stills.any();
-  const std::string ending = options.output.file.empty()
-                                 ? ".mp4"
-                                 : std::filesystem::path(options.output.file).extension().string();
-  if (video && needs_even_sides(ending) && (scene.width % 2 || scene.height % 2))
-    throw Misuse(
-        fmt::format("a video of {}x{} is not possible: {} (yuv420p) needs even sides "
-                    "(--no-video makes frames of any size)",
-                    scene.width, scene.height, ending == ".mp4" ? "H.264" : ending));
-  refuse_beyond({.memory = clip_needs(scene, 0, options.samples).memory}, scene, options.max_memory,
-                "", kFewer, true);
-  const std::vector<ClipFrame> clip = clip_frames(scene);
-  const std::vector<int> frames = frame_list(options.frames, int(clip.size()));
-  if (video) require_ffmpeg();
-
-  const std::string name = scene_name(options.scene);
-  const std::filesystem::path out =
-      results_folder(options.scene, options.out, options.inputs.several());
-  const Provenance provenance(scene, options.scene);
-  if (!options.stills.any()) {
-    Needs needs = clip_needs(scene, double(frames.size()), options.samples);
-    needs.disk *= double(missing_frames(out / "frames", frames)) / double(frames.size());
-    refuse_beyond(needs, scene, options.max_memory, out, kFewer, common.quiet);
-  }
+int draw_clip(const ClipJob& job, const Common& common) {
+  const RenderOptions& options = job.options;
   const bool one_by_one = options.profile || options.stills.any();
-  RenderWorkers workers(backend, common.threads, one_by_one, scene, scene.width, scene.height,
-                        options.samples);
+  RenderWorkers workers(job.backend, common.threads, one_by_one, job.scene, job.scene.width,
+                        job.scene.height, options.samples);
   if (options.stills.any()) {
-    write_output(make_stills(options.stills, scene, workers.film(), out, provenance));
+    write_output(make_stills(options.stills, job.scene, workers.film(), job.out, job.provenance()));
     return kDone;
   }
-  Font font;
-  FrameFolder folder(out / "frames", !options.anew, {scene.width, scene.height});
-  Profile profile, unlit;
-  Profile* const measured = options.profile ? &profile : nullptr;
-  workers.film().set_profile(measured);
-  std::optional<Film> unlit_film;
-  if (measured) {
-    unlit_film.emplace(workers.context(), scene, scene.width, scene.height, options.samples,
-                       Shading{.lit = false});
-    unlit_film->set_profile(&unlit);
+  FrameFolder folder(job.frame_path, !options.anew, job.size());
+  std::optional<Profiled> profiled;
+  if (options.profile) profiled.emplace(job, workers);
+  SelfEstimate estimate(job.scene, !options.no_estimate && !options.part.is_part());
+  const ClipStates states = record_states(job, estimate);
+  const FramesMade made =
+      draw_frames(job, states, workers, folder, profiled ? &*profiled : nullptr, common);
+  if (!common.quiet && (made.drawn_again > 0 || made.drawn < job.frames.size()))
+    note("{} of {} frames were there already{}\n", job.frames.size() - made.drawn,
+         job.frames.size(),
+         made.drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
+                                            "other options, and are drawn again",
+                                            made.drawn_again)
+                              : "");
+  nlohmann::ordered_json report = clip_report(job, states, made);
+  if (profiled) {
+    profiled->measure_floor();
+    report["profile"] = profiled->json();
   }
-  double unlit_time = 0;
-
-  SelfEstimate estimate(scene, !options.no_estimate);
-  double estimate_time = 0;
-  const auto simulation_start = Clock::now();
-  const auto states =
-      record(scene, clip, frames, stop_if_interrupted, [&](const Simulation& simulation) {
-        const auto start = Clock::now();
-        estimate.follow(simulation);
-        estimate_time += seconds_since(start);
-      });
-  const double simulation_time = seconds_since(simulation_start) - estimate_time;
-
-  const std::uint64_t shared = Hash()
-                                   .number(program_fingerprint())
-                                   .number(fingerprint(*scene.stage))
-                                   .text(workers.context().description())
-                                   .number(scene.width)
-                                   .number(scene.height)
-                                   .number(options.samples)
-                                   .text(options.certificate ? proof : "")
-                                   .text(provenance.text())
-                                   .number(options.output.transparent)
-                                   .value();
-  std::size_t drawn = 0, drawn_again = 0, exposures = 0;
-  const auto rendering_start = Clock::now();
-  {
-    Progress progress("rendering", "frames", frames.size(), common.quiet);
-    std::mutex mutex;  // of everything that counts, and of the font
-    std::size_t done = 0;
-    workers.each(frames.size(), [&](Film& film, std::size_t i) {
-      stop_if_interrupted();
-      film.set_transparent(options.output.transparent);
-      if (measured) profile.start();
-      const ClipFrame& frame = clip[std::size_t(frames[i])];
-      const std::vector<Instant> shutter = film.shutter(frame, states[i]);
-      if (measured) profile.lap("pose");
-      const std::uint64_t inputs =
-          Hash().number(shared).number(fingerprint(shutter)).number(frame.card_shown).value();
-      const bool is_there = folder.has(frames[i], inputs);
-      Film::Frame made{};
-      if (!is_there) made = film.draw(frame, shutter);
-      const std::lock_guard lock(mutex);
-      if (!is_there) {
-        drawn_again += folder.knows(frames[i]);
-        if (options.certificate) draw_note(made.picture, font, "Certificate: " + proof);
-        folder.put(frames[i], inputs, std::move(made.picture),
-                   provenance.picture(frame.time, options.output.transparent));
-        exposures += std::size_t(made.exposures);
-        ++drawn;
-        if (measured) {  // alone, so that its time is not another stage's
-          folder.finish();
-          profile.lap("PNG");
-          const auto start = Clock::now();
-          unlit.start();
-          unlit_film->draw(frame, shutter);
-          unlit_time += seconds_since(start);
-        }
-      }
-      progress.update(++done);
-    });
-    folder.finish();
+  finish_clip(job, report, estimate, common);
+  if (options.part.is_part()) {
+    return say_part_done(options.part, job.frame_path, job.frames.size(), common);
   }
-  const double rendering_time = seconds_since(rendering_start) - unlit_time;
-  if (!common.quiet && (drawn_again > 0 || drawn < frames.size()))
-    note("{} of {} frames were there already{}\n", frames.size() - drawn, frames.size(),
-         drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
-                                       "other options, and are drawn again",
-                                       drawn_again)
-                         : "");
-  // Where something moves, a pixel of a frame has a sample for each exposure.
-  const double mean_exposures = drawn ? double(exposures) / double(drawn) : 0;
-
-  nlohmann::ordered_json report = {
-      {"scene", options.scene},
-      {"title", scene.title},
-      {"method",
-       {{"name", scene.method.name}, {"settings", settings_json(full_settings(scene.method))}}},
-      {"size_px", {scene.width, scene.height}},
-      {"fps", scene.fps},
-      {"samples", options.samples},
-      {"version", version()},
-      {"renderer", workers.context().description()},
-      {"frames", frames.size()},
-      {"frames_drawn", drawn},
-      {"mean_exposures", mean_exposures},
-      {"frames_folder", (out / "frames").string()},
-      {"seconds_per_frame",
-       {{"simulation", simulation_time / double(frames.back() + 1)},
-        {"rendering", drawn ? rendering_time / double(drawn) : 0.0}}}};
-  const bool proven = options.method.planned || options.certificate;
-  if (proven) report["certificate"] = proof;
-  estimate.add_to(report);
-  if (video) {
-    std::vector<std::filesystem::path> files;
-    for (const int frame : frames) files.push_back(folder.file(frame));
-    const std::filesystem::path file = options.output.file.empty()
-                                           ? out / (name + ".mp4")
-                                           : std::filesystem::path(options.output.file);
-    const auto encoding_start = Clock::now();
-    const Encoding encoding{options.output.quality, options.output.transparent, provenance.video()};
-    encode_video(files, scene.fps, file, encoding,
-                 std::chrono::milliseconds(std::llround(1e3 * options.patience)));
-    report["seconds_per_frame"]["encoding"] = seconds_since(encoding_start) / double(frames.size());
-    report["video"] = file.string();
-  }
-  std::optional<StageFloor> floor;
-  if (measured) {
-    floor.emplace(scene.width, scene.height, options.samples);
-    report["profile"] = stage_json(profile, unlit, *floor);
-  }
-  if (!common.quiet && proven) note("certificate: {}\n", proof);
-  if (!common.quiet) note("{}", estimate.line());
-  const std::string text = report.dump(2) + "\n";
-  AtomicFile record_file(out / "clip.json");
-  record_file.write(text);
-  record_file.commit();
-  if (common.json) {
-    write_output(text);
-  } else {
-    write_output((video ? report["video"] : report["frames_folder"]).get<std::string>() + "\n");
-    if (measured)
-      write_output(fmt::format("{}exposures per frame: {:.2f}\n",
-                               table_text(stage_table(profile, unlit, *floor, drawn)),
-                               mean_exposures));
-  }
+  write_output(result_text(report, common));
+  if (profiled && !common.json)  // where something moves, a sample for each exposure
+    write_output(fmt::format("{}exposures per frame: {:.2f}\n", profiled->table(made.drawn),
+                             made.mean_exposures()));
   return kDone;
+}
+
+int render(const Common& common, const RenderOptions& options) {
+  const ClipJob job(options, common);
+  if (options.part.merge) return merge_clip(job, common);
+  if (options.part.is_part() && job.frames.empty()) {  // there are more parts than frames
+    return say_part_done(options.part, job.frame_path, 0, common);
+  }
+  return draw_clip(job, common);
 }
 
 /// The files that a scene is written in.
@@ -313,7 +174,7 @@ std::vector<std::filesystem::path> files_of(const std::string& scene) {
   return files;
 }
 
-int render_or_watch(const Common& common, const Options& options) {
+int render_or_watch(const Common& common, const RenderOptions& options) {
   if (!options.output.watch) return render(common, options);
   if (options.scene == "-" || options.inputs.several()) {
     throw Misuse("--watch: expected one scene file");
@@ -334,7 +195,7 @@ void add_render(CLI::App& app, Program& program) {
                       std::string(kEstimateHelp) +
                       "\nclip.json has it: error_estimate_m, predictable_until_s, "
                       "estimate_ms_per_second.");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderOptions>();
   add_scene_options(command, options->inputs, false);
   command.add_option("--out", options->out,
                      "The clip's folder; default: below out/, by the scene's path");
@@ -357,6 +218,7 @@ void add_render(CLI::App& app, Program& program) {
                    "Keep finished frames that would come out the same: the default");
   command.add_flag("--anew", options->anew, "Draw every frame, also those that are there")
       ->excludes("--resume");
+  add_part_options(command, options->part, "frames");
   command.add_flag("--contact-sheet", options->stills.contact_sheet,
                    "Only a sheet of the captions' middles, contact_sheet.png");
   command
@@ -376,7 +238,7 @@ void add_render(CLI::App& app, Program& program) {
   command.callback([&program, options] {
     program.run = [&program, options] {
       return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
-        Options one = *options;
+        RenderOptions one = *options;
         one.scene = scene;
         return render_or_watch(program.common, one);
       });

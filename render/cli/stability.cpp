@@ -89,13 +89,26 @@ std::string key_of(const MapAxis& axis, const Contender& contender, double x, do
   return fmt::format("{} {} {} {}", axis.name, contender.label, exact(x), exact(y));
 }
 
+/// The heights of a contender's cells, from cheap to dear.
+std::vector<double> heights_of(const Contender& contender, bool quick) {
+  std::vector<double> heights = map_heights(*map_height(*contender.method), quick);
+  std::ranges::reverse(heights);
+  return heights;
+}
+
+MapCell cell_not_run(std::size_t index, double x, double y) {
+  MapCell cell{index, x, y, {}, "not run: a cheaper one was over its CPU cap", true};
+  cell.classification.motion_class = MotionClass::over_cap;
+  return cell;
+}
+
 /// A run's place in the map, with its class.
-MapCell cell_of(const StabilityMap& map, std::size_t index, const StabilityStudy& study,
+MapCell cell_of(const MapAxis& axis, std::size_t index, const StabilityStudy& study,
                 const Column& column, double x, double y, double cap) {
   const Contender& contender = study.contenders[index];
   Candidate candidate = contender.candidate;
   candidate.settings[std::string(map_height(*contender.method)->name)] = y;
-  if (!map.axis.setting.empty()) candidate.settings[map.axis.setting] = x;
+  if (!axis.setting.empty()) candidate.settings[axis.setting] = x;
   const Run result = taut::run(column.problem, candidate, cap);
   const Reference* reference = column.reference ? &*column.reference : nullptr;
   return {index,
@@ -112,8 +125,7 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
           const std::vector<Column>& columns, double seconds, Journal& journal,
           const std::function<void()>& finished) {
   const Contender& contender = study.contenders[index];
-  std::vector<double> heights = map_heights(*map_height(*contender.method), study.quick);
-  std::ranges::reverse(heights);  // from cheap to dear
+  const std::vector<double> heights = heights_of(contender, study.quick);
   std::vector<bool> over_before(heights.size(), false);
   const Clock::time_point start = Clock::now();
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -125,13 +137,13 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
       const std::string key = key_of(map.axis, contender, x, y);
       over = over || (map.axis.dearer && over_before[h]);
       const double left = seconds - std::chrono::duration<double>(Clock::now() - start).count();
-      MapCell cell{index, x, y, {}, "not run: a cheaper one was over its CPU cap", true};
-      cell.classification.motion_class = MotionClass::over_cap;
-      if (const auto* cells = journal.find(key)) {
+      MapCell cell = cell_not_run(index, x, y);
+      const auto* const cells = journal.find(key);
+      if (cells && !over) {
         cell = cell_from(index, x, y, *cells);
-      } else {
+      } else if (!cells) {
         if (!over && left > 0) {
-          cell = cell_of(map, index, study, columns[i], x, y, std::min(left, study.cap));
+          cell = cell_of(map.axis, index, study, columns[i], x, y, std::min(left, study.cap));
         }
         journal.add(key, cells_of(cell));
       }
@@ -140,6 +152,11 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
       finished();
     }
   }
+}
+
+bool is_mapped(const Contender& contender, const MapAxis& axis) {
+  return contender.method->missing.empty() && map_height(*contender.method) &&
+         takes_part(contender, axis);
 }
 
 /// How many cells of all maps each method has of each class.
@@ -164,10 +181,72 @@ Table class_table(const StabilityStudy& study) {
   return table;
 }
 
+/// Where a cell is in the maps.
+struct CellPlace {
+  std::size_t axis = 0, column = 0, contender = 0, height = 0;
+};
+
+/// All cells, neighbours in a column beside each other: they share its truth.
+std::vector<CellPlace> all_places(const StabilityStudy& study, const std::vector<MapAxis>& axes) {
+  std::vector<CellPlace> places;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    for (std::size_t i = 0; i < axes[a].values.size(); ++i) {
+      for (std::size_t c = 0; c < study.contenders.size(); ++c) {
+        if (!is_mapped(study.contenders[c], axes[a])) continue;
+        const std::size_t heights = heights_of(study.contenders[c], study.quick).size();
+        for (std::size_t h = 0; h < heights; ++h) places.push_back({a, i, c, h});
+      }
+    }
+  }
+  return places;
+}
+
+Pieces shared_work(const StabilityStudy& study, const std::vector<MapAxis>& axes,
+                   const std::vector<CellPlace>& places) {
+  Pieces pieces{"stability", "cells", Share::neighbours, {}};
+  for (const CellPlace& at : places) {
+    const Contender& contender = study.contenders[at.contender];
+    pieces.keys.push_back(key_of(axes[at.axis], contender, axes[at.axis].values[at.column],
+                                 heights_of(contender, study.quick)[at.height]));
+  }
+  return pieces;
+}
+
+int run_part(const StudyOptions& options, const StabilityStudy& study,
+             const std::vector<MapAxis>& axes, const Common& common) {
+  const std::vector<CellPlace> places = all_places(study, axes);
+  std::optional<Column> column;
+  CellPlace of_column;
+  const auto work = [&](std::size_t i, const Journal& journal) {
+    const CellPlace at = places[i];
+    const MapAxis& axis = axes[at.axis];
+    const Contender& contender = study.contenders[at.contender];
+    const std::vector<double> heights = heights_of(contender, study.quick);
+    const double x = axis.values[at.column], y = heights[at.height];
+    // What merging leaves out need not be run, as far as this part can tell.
+    const auto is_over = [&](double left, double below) {
+      const auto* cells = journal.find(key_of(axis, contender, left, below));
+      return cells && cell_from(at.contender, left, below, *cells).over;
+    };
+    if ((at.height > 0 && is_over(x, heights[at.height - 1])) ||
+        (axis.dearer && at.column > 0 && is_over(axis.values[at.column - 1], y))) {
+      return cells_of(cell_not_run(at.contender, x, y));
+    }
+    if (!column || of_column.axis != at.axis || of_column.column != at.column) {
+      column = column_of(options, axis, x, study.duration, study.scored);
+      of_column = at;
+    }
+    return cells_of(cell_of(axis, at.contender, study, *column, x, y, study.cap));
+  };
+  return do_part(options.part, shared_work(study, axes, places), study_folder(options),
+                 stamp_of(options), common, work);
+}
+
 int run(const StudyOptions& options, const Common& common) {
   const Scene scene = study_scene(options);
+  const bool merge = options.part.merge;
   StabilityStudy study;
-  require_gnuplot();
+  if (!options.part.is_part()) require_gnuplot();
   study.scene = options.scene;
   study.title = scene.title;
   study.quick = options.quick;
@@ -178,24 +257,24 @@ int run(const StudyOptions& options, const Common& common) {
 
   std::size_t total = 0, pieces = 0;
   const std::vector<MapAxis> axes = map_axes(scene, options.quick);
-  const auto shown = [&](const Contender& one, const MapAxis& axis) {
-    return one.method->missing.empty() && map_height(*one.method) && takes_part(one, axis);
-  };
   for (const MapAxis& axis : axes) {
     for (const Contender& one : study.contenders) {
-      if (!shown(one, axis)) continue;
+      if (!is_mapped(one, axis)) continue;
       total += axis.values.size() * map_heights(*map_height(*one.method), options.quick).size();
       ++pieces;
     }
   }
   // Most cells take far less than their share, so a cell may take several.
   study.cap = 8 * options.budget / static_cast<double>(std::max<std::size_t>(1, total));
-  Journal journal(folder / "stability.unfinished", stamp_of(options));
-  if (!common.quiet && journal.kept() > 0) {
+  if (options.part.is_part()) return run_part(options, study, axes, common);
+  Journal journal = merge ? merged_journal(shared_work(study, axes, all_places(study, axes)),
+                                           folder, stamp_of(options))
+                          : Journal(folder / "stability.unfinished", stamp_of(options));
+  if (!common.quiet && journal.kept() > 0 && !merge) {
     note("going on after {} cells of maps that were stopped\n", journal.kept());
   }
   {
-    Progress progress("mapping", "cells", total, common.quiet);
+    Progress progress(merge ? "merging" : "mapping", "cells", total, common.quiet);
     Shares shares(options.budget, pieces);
     std::size_t done = 0;
     for (const MapAxis& axis : axes) {
@@ -203,11 +282,11 @@ int run(const StudyOptions& options, const Common& common) {
       std::vector<Column> columns;
       for (const double value : axis.values) {
         stop_if_interrupted();
-        columns.push_back(column_of(options, axis, value, study.duration, study.scored));
+        columns.push_back(column_of(options, axis, value, study.duration, study.scored && !merge));
         map.worlds.push_back(columns.back().problem.world);
       }
       for (std::size_t c = 0; c < study.contenders.size(); ++c) {
-        if (!shown(study.contenders[c], axis)) continue;
+        if (!is_mapped(study.contenders[c], axis)) continue;
         fill(map, c, study, columns, shares.next(), journal, [&] { progress.update(++done); });
       }
       write_chart(stability_chart(study, map), folder / ("stability_" + axis.name));
@@ -218,7 +297,7 @@ int run(const StudyOptions& options, const Common& common) {
   AtomicFile page(folder / "stability.html");
   page.write(stability_page(study));
   page.commit();
-  journal.finish();
+  if (!merge) journal.finish();
   write_output(common.json ? stability_json(study) : table_text(class_table(study)));
   if (!common.quiet) {
     note("{}/stability: .html .csv, and a .svg and .png per map\n", folder.string());
@@ -233,10 +312,14 @@ void add_stability(CLI::App& app, Program& program) {
                                   R"(  taut stability scenes/rope_swing.toml
   taut stability scenes/rope_swing.toml --quick
   taut stability scenes/rope_swing.toml --methods springs,direct --budget 120
+  taut stability scenes/rope_swing.toml --part 3/100
 
-Maps that are stopped go on where they were when the same command is given again.)");
+Maps that are stopped go on where they were when the same command is given again. Parts are
+processes of their own, on any machines that share the folder of results: each takes neighbouring
+cells, and --merge draws the maps from them. --budget then only sets how long one cell may take.)");
   const auto options = std::make_shared<StudyOptions>();
   add_study_options(command, *options, 480);
+  add_part_options(command, options->part, "cells");
   command.callback([options, &program] {
     program.run = [options, &program] {
       if (options->quick) options->budget = std::min(options->budget, 20.0);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/chart.h"
+#include "render/cli/part.h"
 #include "render/cli/scene_options.h"
 #include "render/table.h"
 #include "scenes/scene.h"
@@ -24,6 +25,7 @@ struct StudyOptions {
   std::vector<std::string> methods;  // METHOD or METHOD:FORM; empty: all
   double budget = 0;                 // s of wall time
   bool quick = false;
+  PartOptions part;  // of chart and stability
   Follows follows = Follows::nothing;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "render/atomic_file.h"
 #include "render/cli/accuracy_page.h"
@@ -17,6 +18,7 @@
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
 #include "render/cli/terminal.h"
+#include "sim/hash.h"
 
 namespace taut::cli {
 namespace {
@@ -29,29 +31,124 @@ struct Options {
 
 using Clock = std::chrono::steady_clock;
 
-AccuracyStudy study_of(const StudyOptions& options, double least_error, bool quiet) {
+double least_error(const Options& options) {
+  return *std::ranges::min_element(options.errors);
+}
+
+constexpr double kScoring = 0.7, kTiming = 0.3;  // shares of the budget
+constexpr double kSlow = 0.002;                  // share of it that is a long run
+constexpr double kMetre = 1;
+
+Target solved_target(const StudyOptions& options, double least_error, bool quiet) {
   const Scene scene = study_scene(options);
   if (!quiet) note("{}: solving the truth\n", options.scene);
-  const Clock::time_point begin = Clock::now();
   TruthOptions truth;
   truth.scored_error = least_error;
   truth.second_accuracy = (options.quick ? 5e-3 : 1e-4) * least_error;
-  const Target target = predictable_target(scene, truth);
-  // The truth is part of the budget, but for what the rest needs at least.
-  const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
-  const double left = std::max(options.budget - spent, 0.3 * options.budget);
+  return predictable_target(scene, truth);
+}
+
+/// Without rows.
+AccuracyStudy empty_study(const StudyOptions& options) {
   AccuracyStudy study;
   study.scene = options.scene;
-  study.title = scene.title;
+  study.title = study_scene(options).title;
   for (const Contender& contender : chosen_contenders(options)) {
     study.blocks.push_back({contender, {}});
   }
-  constexpr double kMetre = 1;
-  score_all(study, target, {share_of_length(kMetre)}, 0.7 * left, options.quick, nullptr, quiet);
-  time_all(study, target, 1, 0.3 * left, 0.002 * left);
+  return study;
+}
+
+AccuracyStudy study_of(const StudyOptions& options, double least_error, bool quiet) {
+  const Clock::time_point begin = Clock::now();
+  const Target target = solved_target(options, least_error, quiet);
+  // The truth is part of the budget, but for what the rest needs at least.
+  const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
+  const double left = std::max(options.budget - spent, 0.3 * options.budget);
+  AccuracyStudy study = empty_study(options);
+  score_all(study, target, {share_of_length(kMetre)}, kScoring * left, options.quick, nullptr,
+            quiet);
+  time_all(study, target, 1, kTiming * left, kSlow * left);
   study.horizon = target.reference.horizon;
   return study;
 }
+
+/// The runs of all scenes, for parts to share out: those of a scene beside each other, for they
+/// share its truth.
+class SharedRuns {
+ public:
+  explicit SharedRuns(const Options& options) : options_(options) {
+    Hash stamp;
+    for (const std::string& scene : options.study.inputs.scenes) {
+      StudyOptions one = options.study;
+      one.scene = scene;
+      stamp.text(scene).number(stamp_of(one));
+      const AccuracyStudy study = empty_study(one);
+      for (Candidate& candidate : all_candidates(study, one.quick)) {
+        pieces_.keys.push_back(key_of(scenes_.size(), candidate));
+        runs_.push_back({scenes_.size(), std::move(candidate)});
+      }
+      scenes_.push_back(std::move(one));
+      cap_ = cap_of_a_run(study, kScoring * one.budget);
+    }
+    for (const double error : options.errors) stamp.number(error);
+    stamp_ = stamp.value();
+  }
+
+  int run_part(const Common& common) const {
+    const std::vector<Metric> metrics{share_of_length(kMetre)};
+    std::optional<Target> target;
+    std::size_t of_target = 0;
+    return do_part(options_.study.part, pieces_, folder(), stamp_, common,
+                   [&](std::size_t i, Journal& journal) {
+                     const auto& [scene, candidate] = runs_[i];
+                     if (!target || of_target != scene) {
+                       target = solved_target(scenes_[scene], least_error(options_), common.quiet);
+                       of_target = scene;
+                       journal.add(truth_key(scene), {exact(target->reference.horizon)});
+                     }
+                     return scored_and_timed(*target, metrics, candidate, cap_,
+                                             kSlow * options_.study.budget);
+                   });
+  }
+
+  std::vector<AccuracyStudy> merged() const {
+    const Journal journal = merged_journal(pieces_, folder(), stamp_);
+    std::vector<AccuracyStudy> studies;
+    for (std::size_t s = 0; s < scenes_.size(); ++s) {
+      AccuracyStudy study = empty_study(scenes_[s]);
+      for (AccuracyBlock& block : study.blocks) {
+        for (const Candidate& candidate : candidates_of(block.contender, options_.study.quick)) {
+          block.rows.push_back(row_from(candidate, *journal.find(key_of(s, candidate))));
+        }
+      }
+      if (const auto* truth = journal.find(truth_key(s))) study.horizon = number_in(truth->at(0));
+      studies.push_back(std::move(study));
+    }
+    return studies;
+  }
+
+ private:
+  struct SceneRun {
+    std::size_t scene = 0;
+    Candidate candidate;
+  };
+
+  static std::string key_of(std::size_t scene, const Candidate& candidate) {
+    return fmt::format("{} {}", scene, score_key(candidate));
+  }
+  static std::string truth_key(std::size_t scene) { return fmt::format("{} truth", scene); }
+  std::filesystem::path folder() const {
+    return options_.study.out.empty() ? "out" : options_.study.out;
+  }
+
+  const Options& options_;
+  Pieces pieces_{"work_precision", "runs", Share::neighbours, {}};
+  std::vector<StudyOptions> scenes_;
+  std::vector<SceneRun> runs_;
+  double cap_ = 0;  // s
+  std::uint64_t stamp_ = 0;
+};
 
 /// The cheapest row of every contender that comes within `error` (m).
 std::vector<const AccuracyRow*> cheapest_rows(const AccuracyStudy& study, double error) {
@@ -169,10 +266,13 @@ Json json_of(const AccuracyStudy& study, const std::vector<double>& errors) {
 
 int run(Options options, const Common& common) {
   std::vector<AccuracyStudy> studies;
-  const double least = *std::ranges::min_element(options.errors);
+  const PartOptions& part = options.study.part;
+  if (part.is_part()) return SharedRuns(options).run_part(common);
+  if (part.merge) studies = SharedRuns(options).merged();
   for (const std::string& scene : options.study.inputs.scenes) {
+    if (part.merge) break;
     options.study.scene = scene;
-    studies.push_back(study_of(options.study, least, common.quiet));
+    studies.push_back(study_of(options.study, least_error(options), common.quiet));
   }
   const Table detail = details(studies, options.errors);
   if (!options.study.out.empty()) {
@@ -207,7 +307,9 @@ void add_work_precision(CLI::App& app, Program& program) {
 
 CPU milliseconds per simulated second of the cheapest settings whose RMS position error over the
 scene's duration, as far as its truth is predictable, is at most so many metres; in brackets, how
-many times the cheapest of all that is. Runs are timed in turn; medians.)");
+many times the cheapest of all that is. Runs are timed in turn; medians. Parts (--part 3/100) are
+processes of their own, on any machines that share the folder of --out: each takes neighbouring runs
+and times them one after another; --merge makes the tables.)");
   const auto options = std::make_shared<Options>();
   options->study.budget = 120;
   add_scene_options(command, options->study.inputs);
@@ -224,6 +326,7 @@ many times the cheapest of all that is. Runs are timed in turn; medians.)");
                   "Seconds that each scene may take, about; default: 120")
       ->check(CLI::PositiveNumber);
   command.add_flag("--quick", options->study.quick, "Few settings of each method");
+  add_part_options(command, options->study.part, "runs");
   command.add_flag("--markdown", options->markdown, "The tables as Markdown");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };

@@ -1,0 +1,101 @@
+// The clip from the frames that its parts drew.
+#include <fmt/format.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "render/atomic_file.h"
+#include "render/cli/clip_job.h"
+#include "render/film.h"
+#include "render/interrupt.h"
+#include "scenes/regular_file.h"
+
+namespace taut::cli {
+namespace {
+
+/// What a part left that is done.
+struct DonePart {
+  std::filesystem::path folder;
+  FrameFolder::Entries frames;
+  std::uint64_t shared = 0;  // what its frames have in common with others of its renderer
+  FramesMade made;           // by its last run
+};
+
+std::vector<DonePart> done_parts(const ClipJob& job, const std::vector<PartPath>& found) {
+  std::vector<DonePart> parts;
+  for (const PartPath& part : found) {
+    stop_if_interrupted();
+    const std::filesystem::path record = part.path / kRecord;
+    std::error_code error;
+    if (!std::filesystem::exists(record, error)) continue;  // it is not done
+    const auto json = nlohmann::json::parse(read_bytes(record), nullptr, false);
+    if (!json.is_object()) continue;
+    DonePart done{part.path, FrameFolder::whole_frames(part.path, job.size()), 0, {}};
+    done.made.renderer = json.value("renderer", "");
+    done.made.drawn = json.value("frames_drawn", std::size_t(0));
+    const double drawn = double(done.made.drawn);
+    done.made.exposures = json.value("mean_exposures", 0.0) * drawn;
+    done.made.time =
+        json.value(nlohmann::json::json_pointer("/seconds_per_frame/rendering"), 0.0) * drawn;
+    done.shared = job.fingerprint(done.made.renderer);
+    parts.push_back(std::move(done));
+  }
+  return parts;
+}
+
+}  // namespace
+
+int merge_clip(const ClipJob& job, const Common& common) {
+  const std::vector<PartPath> found = found_parts(job.out, kParts);
+  const std::vector<DonePart> parts = done_parts(job, found);
+  SelfEstimate estimate(job.scene, !job.options.no_estimate && !parts.empty());
+  ClipStates states;
+  if (!parts.empty()) states = record_states(job, estimate);
+  std::vector<const DonePart*> owners;
+  std::vector<std::uint64_t> inputs;
+  std::vector<std::size_t> missing;
+  std::set<const DonePart*> used;
+  for (std::size_t i = 0; i < job.frames.size(); ++i) {
+    const DonePart* owner = nullptr;
+    std::uint64_t of_owner = 0;
+    if (!parts.empty()) {
+      const ClipFrame& frame = job.clip[std::size_t(job.frames[i])];
+      const std::vector<Instant> shutter = shutter_of(job.scene, frame, states.of_frames[i]);
+      for (const DonePart& part : parts) {
+        const auto entry = part.frames.find(job.frames[i]);
+        if (owner || entry == part.frames.end()) continue;
+        of_owner = frame_inputs(part.shared, frame, shutter);
+        if (entry->second.inputs == of_owner) owner = &part;
+      }
+    }
+    if (!owner) missing.push_back(i);
+    owners.push_back(owner);
+    inputs.push_back(of_owner);
+    used.insert(owner);
+  }
+  require_all(missing, job.frames.size(), Share::neighbours, found, job.out, "frames");
+
+  FrameFolder folder(job.frame_path, true, job.size());
+  FramesMade made;
+  for (const DonePart& part : parts) {
+    if (!used.contains(&part)) continue;
+    made.drawn += part.made.drawn;
+    made.exposures += part.made.exposures;
+    made.time += part.made.time;
+    if (made.renderer.find(part.made.renderer) != std::string::npos) continue;
+    made.renderer += (made.renderer.empty() ? "" : "; ") + part.made.renderer;
+  }
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    stop_if_interrupted();
+    const int frame = job.frames[i];
+    if (folder.has(frame, inputs[i])) continue;
+    folder.take(frame, owners[i]->frames.at(frame), FrameFolder::file(owners[i]->folder, frame));
+  }
+  nlohmann::ordered_json report = clip_report(job, states, made);
+  finish_clip(job, report, estimate, common);
+  write_output(result_text(report, common));
+  return kDone;
+}
+
+}  // namespace taut::cli
