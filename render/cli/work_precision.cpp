@@ -288,10 +288,10 @@ int run(Options options, const Common& common) {
     return kDone;
   }
   std::string output;
-  for (const Table* part : {&table, &detail, &empty}) {
-    if (part->rows.empty()) continue;
+  for (const Table* one : {&table, &detail, &empty}) {
+    if (one->rows.empty()) continue;
     if (!output.empty()) output += "\n";
-    output += options.markdown ? to_markdown(*part) : table_text(*part);
+    output += options.markdown ? to_markdown(*one) : table_text(*one);
   }
   write_output(output);
   return kDone;

@@ -8,8 +8,10 @@ taut=${TAUT:-taut}
 
 if [ -z "$SLURM_JOB_ID" ]; then
   count=$1
+  usage="usage: $0 COUNT COMMAND..., as in: $0 100 render SCENE"
   case $count in
-    '' | *[!0-9]* | 0*) echo "usage: $0 COUNT COMMAND..., as in: $0 100 render SCENE" >&2; exit 2 ;;
+    --help) echo "$usage"; exit ;;
+    '' | *[!0-9]* | 0*) echo "$usage" >&2; exit 2 ;;
   esac
   shift
   mkdir -p out/slurm || exit 6

@@ -86,8 +86,8 @@ std::filesystem::path program_of(const std::string& word) {
   return {};
 }
 
-const std::set<std::string> kOfTheSystem{"apt-get", "cmake", "ctest",           "ffmpeg",
-                                         "git",     "mkdir", "/usr/bin/python3"};
+const std::set<std::string> kOfTheSystem{"apt-get", "cmake", "ctest", "ffmpeg",
+                                         "git",     "make",  "mkdir", "/usr/bin/python3"};
 
 bool is_preset(const std::string& name) {
   const auto json = nlohmann::json::parse(read_file(kSource / "CMakePresets.json"));
