@@ -1,4 +1,3 @@
-#!/usr/bin/make -f
 # A command of taut in parts on this machine, and their merge:
 #   make -f parts.mk -j 4 N=16 COMMAND='render scenes/nunchaku.toml'
 # Given again after parts were stopped or killed, it does what they had left to do.
