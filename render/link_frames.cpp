@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/rotation.h"
+
 namespace taut {
 namespace {
 
@@ -26,7 +28,7 @@ Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
 }  // namespace
 
 Vec3 transport(const Vec3& v, const Vec3& from, const Vec3& to) {
-  const Vec3 turned = Quat::FromTwoVectors(from, to) * v;
+  const Vec3 turned = rotation_between(from, to) * v;
   return (turned - turned.dot(to) * to).normalized();
 }
 

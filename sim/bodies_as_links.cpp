@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "sim/rotation.h"
 #include "sim/stick.h"
 
 namespace taut {
@@ -99,7 +100,7 @@ void BodiesAsLinks::follow(const World& world) {
     const Vec3 line = link.first ? at[0] - at[1] : at.back() - at[at.size() - 2];
     if (line.isZero()) continue;
     const Vec3 before = link.rotation * link.along;
-    link.rotation = (Quat::FromTwoVectors(before, line) * link.rotation).normalized();
+    link.rotation = (rotation_between(before, line) * link.rotation).normalized();
   }
 }
 

@@ -17,6 +17,10 @@ constexpr double kNoMoment = 1e-12;  // of the largest moment: a body that has n
 
 }  // namespace
 
+Quat rotation_between(const Vec3& from, const Vec3& to) {
+  return Quat::FromTwoVectors(from, to);
+}
+
 FreeRotation::FreeRotation(const Mat3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
   const Vec3 m = solver.eigenvalues();  // rising

@@ -1,4 +1,4 @@
-// Torque-free rotation of a rigid body.
+// Rotations: from one direction to another, and of a rigid body without torque.
 #pragma once
 
 #include <array>
@@ -6,6 +6,10 @@
 #include "sim/body.h"
 
 namespace taut {
+
+/// The smallest rotation that takes the direction of `from` to that of `to`, of any lengths but
+/// zero. Compiled once: Eigen's brings a singular value decomposition to every file that names it.
+Quat rotation_between(const Vec3& from, const Vec3& to);
 
 /// Rotates a rigid body with no torque on it, keeping its angular momentum to rounding. Exact for a
 /// symmetric top; second order in the step, without drift of the energy, for any other body.

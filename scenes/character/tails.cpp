@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sim/rotation.h"
+
 namespace taut {
 namespace {
 
@@ -111,7 +113,7 @@ void Tails::hang(const Eigen::VectorXd& offsets, Placement& placed) const {
     const auto aim = [&](std::size_t bone, const Vec3& rest_along, const Vec3& at) {
       const Vec3 now = placed.turn[bone] * rest_along;
       const Vec3 wanted = at - placed.position[bone];
-      placed.turn[bone] = Quat::FromTwoVectors(now, wanted) * placed.turn[bone];
+      placed.turn[bone] = rotation_between(now, wanted) * placed.turn[bone];
     };
     const Vec3 upper = tail.bend - skeleton_.rest(tail.upper);
     aim(tail.upper, upper, there(2 * i));

@@ -61,12 +61,18 @@ class Checker {
       });
     }
     for (const KeyFormat& key : format.keys) {
-      if (!key.required || value.find(key.name)) continue;
+      if (!key.required || value.find(key.name) || is_misspelt(key.name, value, format)) continue;
       attempt([&] {
         document_.fail(value, fmt::format("{} is missing, expected {}", key.name, wanted(key)));
       });
     }
-    for (const Alternatives& group : format.alternatives) attempt([&] { check(value, group); });
+    for (const Alternatives& group : format.alternatives) {
+      if (std::ranges::any_of(
+              group.keys, [&](std::string_view key) { return is_misspelt(key, value, format); })) {
+        continue;
+      }
+      attempt([&] { check(value, group); });
+    }
   }
 
  private:
@@ -77,6 +83,13 @@ class Checker {
     } catch (const SceneFault& fault) {
       faults_->push_back(fault);
     }
+  }
+
+  /// True where an unknown member of `value`, a fault of its own, may be meant to be `key`.
+  static bool is_misspelt(std::string_view key, const Value& value, const TableFormat& format) {
+    return std::ranges::any_of(value.children, [&](const Value& member) {
+      return !format.find(member.name) && !suggestion(member.name, {key}).empty();
+    });
   }
 
   static std::string wanted(const KeyFormat& key) {

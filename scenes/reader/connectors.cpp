@@ -7,6 +7,7 @@
 
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
+#include "sim/rotation.h"
 
 namespace taut {
 
@@ -249,7 +250,7 @@ class Layout {
       document_.fail(hangs, "the body is held at its centre of mass, expected a position instead");
     }
     const Vec3 down = direction(document_, hangs);
-    body.rotation = Quat::FromTwoVectors(lever, down);
+    body.rotation = rotation_between(lever, down);
     body.position = particle + lever.norm() * down;
     unplaced_[to.body] = nullptr;
     placed_.push_back(to.body);

@@ -79,15 +79,21 @@ class Search {
     wrong_.insert(entry_of(fault.place.key));
   }
 
-  void leave_out(const std::string& entry) {
+  void leave_out(std::string entry) {
+    // Of a list of tables one is left out, of a list of numbers all.
+    const Value* element = value_at(document_.root, entry);
+    if (element && entry.ends_with(']') && element->kind != Value::Kind::table) {
+      entry.resize(entry.rfind('['));
+    }
     // Without a duration there is no scene, and without what cannot be left out no other look.
     if (entry.empty() || entry == "duration" || !remove(document_.root, entry)) {
       stuck_ = true;
       return;
     }
     gone_.insert(entry.substr(entry.find('.') + 1));
-    connectors_gone_ = connectors_gone_ || entry.starts_with("connectors");
-    bodies_gone_ = bodies_gone_ || entry.starts_with("bodies");
+    const std::string table = entry.substr(0, entry.find('.'));  // perhaps misspelt
+    connectors_gone_ = connectors_gone_ || !suggestion(table, {"connectors"}).empty();
+    bodies_gone_ = bodies_gone_ || !suggestion(table, {"bodies"}).empty();
   }
 
   /// True for what is only wrong because something was left out.
@@ -95,7 +101,8 @@ class Search {
     const std::string& key = fault.place.key;
     const Value* value = value_at(document_.root, key);
     if (value && value->kind == Value::Kind::text && gone_.contains(value->text)) return true;
-    if (connectors_gone_ && key.ends_with(".hangs")) return true;
+    if (connectors_gone_ && (key.ends_with(".hangs") || key.ends_with(".connector"))) return true;
+    if (bodies_gone_ && key.ends_with(".body")) return true;
     // A connector as a whole: its ends have no place without what held them.
     return (connectors_gone_ || bodies_gone_) && key.starts_with("connectors.") &&
            key == entry_of(key);

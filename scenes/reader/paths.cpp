@@ -5,6 +5,7 @@
 
 #include "scenes/reader/reader.h"
 #include "scenes/regular_file.h"
+#include "sim/rotation.h"
 
 namespace taut {
 
@@ -13,7 +14,7 @@ namespace {
 /// The rotation that takes the frame `before` to one whose y axis is `axis` the shortest way, so
 /// that a path of directions does not spin about them.
 Quat turned_to(const Quat& before, const Vec3& axis) {
-  return (Quat::FromTwoVectors(before * Vec3::UnitY(), axis) * before).normalized();
+  return (rotation_between(before * Vec3::UnitY(), axis) * before).normalized();
 }
 
 Path read_keys(const Document& document, const Value& list) {

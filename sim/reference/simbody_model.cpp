@@ -9,6 +9,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "sim/rotation.h"
+
 namespace taut {
 namespace {
 
@@ -27,7 +29,7 @@ SimTK::Rotation to_simbody(const Quat& q) {
 
 /// A rotation that takes z to `direction` (a unit vector, or zero for none).
 Quat turn_z_to(const Vec3& direction) {
-  return direction.isZero() ? Quat::Identity() : Quat::FromTwoVectors(Vec3::UnitZ(), direction);
+  return direction.isZero() ? Quat::Identity() : rotation_between(Vec3::UnitZ(), direction);
 }
 
 /// A rigid body about its centre of mass.

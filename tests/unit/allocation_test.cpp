@@ -7,6 +7,7 @@
 #include <new>
 
 #include "sim/error_estimate.h"
+#include "sim/rotation.h"
 
 namespace {
 thread_local std::size_t allocations = 0;
@@ -95,7 +96,7 @@ World spiral() {
     rope.position[k + 1] = rope.position[k] + rope.rest[k] * along;
   }
   Body& stick = world.bodies[0];
-  stick.rotation = Quat::FromTwoVectors(-Vec3::UnitY(), along);
+  stick.rotation = rotation_between(-Vec3::UnitY(), along);
   stick.position = rope.position.back() + 0.2 * along;
   return world;
 }

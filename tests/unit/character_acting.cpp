@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scenes/character/acting.h"
+#include "sim/rotation.h"
 
 namespace taut {
 namespace {
@@ -19,7 +20,7 @@ const Figure& figure() {
 /// A hand at ease that goes `way` and stays there.
 Path move(const Vec3& way) {
   const Vec3 ease(-0.26, 1.06, 0.46);
-  const Quat turn = Quat::FromTwoVectors(Vec3::UnitY(), Vec3(-0.98, 0.17, 0).normalized());
+  const Quat turn = rotation_between(Vec3::UnitY(), Vec3(-0.98, 0.17, 0).normalized());
   return Path({{0, ease, turn, true},
                {start, ease, turn, true},
                {start + lasts, ease + way, turn, true},

@@ -7,6 +7,7 @@
 #include "scenes/character/character.h"
 #include "scenes/character/figure.h"
 #include "scenes/error.h"
+#include "sim/rotation.h"
 
 namespace taut {
 namespace {
@@ -18,7 +19,7 @@ std::shared_ptr<const Model> artist() {
 }
 
 std::shared_ptr<const Path> still(const Vec3& position, const Vec3& axis) {
-  const Quat rotation = Quat::FromTwoVectors(Vec3::UnitY(), axis.normalized());
+  const Quat rotation = rotation_between(Vec3::UnitY(), axis.normalized());
   return std::make_shared<const Path>(
       std::vector<PathKey>{{0, position, rotation, true}, {1, position, rotation, true}});
 }

@@ -1,5 +1,7 @@
 #include "sim/reference/sdfast/ball.h"
 
+#include "sim/rotation.h"
+
 namespace taut::sdfast {
 namespace {
 
@@ -136,7 +138,7 @@ void load_balls(const World& world, const Chain& chain, std::vector<double>& sta
     const std::size_t from = chain.particle(k), to = chain.particle(k + 1);
     const Vec3 up = connector.position[from] - connector.position[to];
     const Vec3 moves = connector.velocity[from] - connector.velocity[to];
-    turning.write({Quat::FromTwoVectors(Vec3::UnitY(), up), up.cross(moves) / up.squaredNorm()},
+    turning.write({rotation_between(Vec3::UnitY(), up), up.cross(moves) / up.squaredNorm()},
                   cursor);
   }
   turning.write(of(world, chain.tip), cursor);

@@ -1,4 +1,5 @@
 // Chains whose first end goes round or is shaken.
+#include "sim/rotation.h"
 #include "tests/bench/promise/parts.h"
 
 namespace taut::promise {
@@ -36,7 +37,7 @@ Body stick(const Vec3& top, const Vec3& along, double mass, double length, doubl
   Body body;
   body.name = "stick";
   body.mass_properties = solid_cylinder(mass, length, thickness * length);
-  body.rotation = Quat::FromTwoVectors(-Vec3::UnitY(), along);
+  body.rotation = rotation_between(-Vec3::UnitY(), along);
   body.position = top + held * length * along;
   return body;
 }
