@@ -101,7 +101,7 @@ std::string circumstances(const AccuracyStudy& study) {
 
 }  // namespace
 
-Table points_table(const AccuracyStudy& study) {
+Table points_table(const AccuracyStudy& study, bool exact) {
   Table table{
       {"method", "settings", "outcome", "error (share of length)", "CPU per simulated second (s)",
        "spread from (s)", "spread to (s)", "timings", "steps per second", "solves per second",
@@ -122,11 +122,14 @@ Table points_table(const AccuracyStudy& study) {
       const auto text = [&](double value) {
         return row.end == Run::End::done ? fmt::format("{:.9g}", value) : std::string();
       };
+      const auto error = [&](double value) {
+        return exact && row.end == Run::End::done ? fmt::format("{}", value) : text(value);
+      };
       const bool best = std::ranges::find(front, i) != front.end();
       std::vector<std::string> cells{block.contender.label,
                                      describe(row.candidate.settings),
                                      outcome(row),
-                                     text(row.errors[kShare]),
+                                     error(row.errors[kShare]),
                                      text(time.median),
                                      text(time.least),
                                      text(time.most),
@@ -136,7 +139,7 @@ Table points_table(const AccuracyStudy& study) {
                                      text(row.stretch_max),
                                      best ? "yes" : "no",
                                      row.reason};
-      if (study.in_pixels) cells.push_back(text(row.errors[kPixels]));
+      if (study.in_pixels) cells.push_back(error(row.errors[kPixels]));
       table.add(std::move(cells));
     }
   }
@@ -282,7 +285,7 @@ error, as a share of the length.</p>
 {})",
           escape_html(circumstances(study)), escape_html(study.scene), escape_html(machine()),
           inline_svg(accuracy_chart(study)), to_html(best_table(study)),
-          to_html(reach_table(study)), model, to_html(points_table(study))));
+          to_html(reach_table(study)), model, to_html(points_table(study, false))));
 }
 
 std::string accuracy_json(const AccuracyStudy& study) {

@@ -27,8 +27,9 @@ struct AccuracyStudy {
   ModelStudy model;         // no rows: not asked for
 };
 
-/// Every run: settings, error, cost, steps, how it ended.
-Table points_table(const AccuracyStudy& study);
+/// Every run: settings, error, cost, steps, how it ended. `exact`: errors read back as the same
+/// numbers.
+Table points_table(const AccuracyStudy& study, bool exact);
 /// Per method, the cheapest cost that reaches each target (and one pixel), and the settings that
 /// do.
 Table reach_table(const AccuracyStudy& study);

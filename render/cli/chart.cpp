@@ -124,7 +124,7 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
   }
 
   const Table reach = reach_table(study);
-  write_csv(points_table(study), folder / "chart");
+  write_csv(points_table(study, true), folder / "chart");
   write_csv(reach, folder / "chart_reach");
   const Chart chart = accuracy_chart(study);
   write_chart(chart, folder / "chart");

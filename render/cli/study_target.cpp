@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "render/cli/command.h"
+#include "render/interrupt.h"
 #include "render/lighting.h"
 
 namespace taut::cli {
 
 Target target_of(const Scene& scene, double duration, const TruthOptions& options) {
   Target target{{scene.world, frame_times(duration, scene.fps), scene.timeline}, {}};
-  Truth truth = solve_truth(scene.world, target.problem.times, options, scene.timeline);
+  Truth truth =
+      solve_truth(scene.world, target.problem.times, options, scene.timeline, stop_if_interrupted);
   target.reference = {std::move(truth.frames), truth.horizon, truth.self_error};
   std::erase_if(target.problem.times, [&](double time) { return time > truth.horizon; });
   target.reference.frames.resize(target.problem.times.size());

@@ -1,4 +1,4 @@
-# Debian packages of the three parts, by `cpack` in the build folder: taut, libtaut0, libtaut-dev.
+# Debian packages of the parts, by `cpack` in the build folder: taut, libtaut0, libtaut-dev, python3-taut.
 set(TAUT_MAINTAINER "The taut authors <taut@example.org>" CACHE STRING "Name and address in the packages")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_DEBIAN_PACKAGE_RELEASE 0taut1)
@@ -40,6 +40,10 @@ endmacro()
 taut_package(program taut graphics)
 taut_package(library libtaut0 libs)
 taut_package(development libtaut-dev libdevel)
+if(TAUT_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  taut_package(python python3-taut python)
+endif()
 
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each has its own
 set(about "taut simulates flexible connectors (ropes, chains, cords and hoses) between
@@ -48,10 +52,13 @@ each is from the exact motion, and renders films without a display.")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "simulator and renderer of ropes, chains and cords\n${about}\n\nThis package has the program, its scenes and models.")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "simulation of ropes, chains and cords - shared library\n${about}\n\nThis package has the library of the methods.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "simulation of ropes, chains and cords - development files\n${about}\n\nThis package has headers, archives, and files for CMake and pkg-config.")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "simulation of ropes, chains and cords - Python module\n${about}\n\nThis package has the module taut, which shows states and pictures as arrays of\nnumpy.")
 
 # GL and FFmpeg are opened or started when they are needed.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "fonts-dejavu-core, libegl1, libegl-mesa0, libgl1-mesa-dri")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox | gnuplot, libosmesa6")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${TAUT_PYTHON_DEPENDS}")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "taut (= ${package_version})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libtaut0 (= ${package_version}), libeigen3-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libassimp-dev, libdeflate-dev, libfmt-dev, libfreetype-dev, libpng-dev, libsimbody-dev, libtomlplusplus-dev")
 

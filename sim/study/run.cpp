@@ -16,7 +16,8 @@ constexpr double kSlice = 0.02;  // s of CPU time between two looks at the cap
 /// cap. Slices lie on the steps' grid, which leaves every bit as it was.
 class Slices {
  public:
-  Slices(const Settings& settings, double cpu_cap) : cap_(cpu_cap) {
+  Slices(const Settings& settings, double cpu_cap, const std::function<void()>& tick)
+      : cap_(cpu_cap), tick_(tick) {
     const auto step = settings.find("step");
     if (step == settings.end()) return;
     if (const double* value = std::get_if<double>(&step->second)) step_ = *value;
@@ -34,6 +35,7 @@ class Slices {
       simulation.advance_to(next);
       const double spent = thread_seconds() - before;
       cpu += spent;
+      if (tick_) tick_();
       if (cpu > cap_) return false;
       if (spent < kSlice / 2) count_ *= 2;
       if (spent > kSlice && count_ > 1) count_ /= 2;
@@ -43,6 +45,7 @@ class Slices {
 
  private:
   double cap_;
+  const std::function<void()>& tick_;
   double step_ = 0;
   double count_ = 1;  // steps in a slice
 };
@@ -67,10 +70,11 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-Run run(const Problem& problem, const Candidate& candidate, double cpu_cap) {
+Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
+        const std::function<void()>& tick) {
   Simulation simulation(problem.world, make_method(candidate.method, candidate.settings),
                         problem.timeline);
-  Slices slices(candidate.settings, cpu_cap);
+  Slices slices(candidate.settings, cpu_cap, tick);
   const double at_start = energy(problem.world);
   Run result;
   result.reached = problem.world.time;

@@ -1,6 +1,7 @@
 // One run of one candidate on one problem: states at the frame times, cost, energy and stretch.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,8 +40,10 @@ struct Run {
 };
 
 /// Runs `candidate` and records what Run holds. Stops once the stepping has taken `cpu_cap` (s).
-/// Settings must be valid: throws std::invalid_argument.
-Run run(const Problem& problem, const Candidate& candidate, double cpu_cap);
+/// Settings must be valid: throws std::invalid_argument. Calls `tick`, where there is one, now and
+/// then; it may throw.
+Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
+        const std::function<void()>& tick = {});
 
 /// Runs `candidate` and records nothing: the CPU time (s) of stepping alone; where that is less
 /// than 2 ms, the median of so many runs more. Throws Diverged.

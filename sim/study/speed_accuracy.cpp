@@ -6,8 +6,9 @@
 namespace taut {
 
 AccuracyRow score(const Problem& problem, const Reference& reference,
-                  std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap) {
-  const Run result = run(problem, candidate, cpu_cap);
+                  std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap,
+                  const std::function<void()>& tick) {
+  const Run result = run(problem, candidate, cpu_cap, tick);
   AccuracyRow row{candidate, result.end, result.reason, {}, {}, 0, 0, result.stretch_max};
   for (const Metric& metric : metrics) {
     row.errors.push_back(

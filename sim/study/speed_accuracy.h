@@ -1,6 +1,7 @@
 // Error against cost, one row per candidate.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,9 +23,11 @@ struct AccuracyRow {
   double stretch_max = 0;
 };
 
-/// Runs a candidate once and scores it against the reference. Runs that end early have no timings.
+/// Runs a candidate once, as run() does, and scores it against the reference. Runs that end early
+/// have no timings.
 AccuracyRow score(const Problem& problem, const Reference& reference,
-                  std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap);
+                  std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap,
+                  const std::function<void()>& tick = {});
 
 /// Adds one timing to a row whose run was done.
 void add_timing(const Problem& problem, AccuracyRow& row);

@@ -60,7 +60,7 @@ World nudged(World world, double distance, bool rough) {
 }
 
 Truth solve_truth(const World& world, std::span<const double> times, const TruthOptions& options,
-                  const Timeline& timeline) {
+                  const Timeline& timeline, const std::function<void()>& tick) {
   const Settings first{{"local_error", options.local_error}};
   const Settings second{{"accuracy", options.second_accuracy}};
   Truth truth;
@@ -68,9 +68,11 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
   for (const double time : times) {
     simulation.advance_to(time);
     truth.frames.push_back(simulation.state());
+    if (tick) tick();
   }
   const double apart = kCloser * options.scored_error;
   const auto close = [&](std::size_t frame, const Snapshot& other) {
+    if (tick) tick();
     return largest_distance(other, truth.frames[frame]) <= apart;
   };
   std::size_t predictable = times.size();

@@ -1,6 +1,7 @@
 // The truth: what methods are scored against, and for how long.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -32,9 +33,11 @@ struct Truth {
 /// Solves `world` by two independent solvers (multipliers with projection under
 /// Runge-Kutta-Fehlberg 7(8); joint coordinates under Simbody's Runge-Kutta-Merson) and once more
 /// from a nudged start. `times` (s) rise from the world's own on. Where one of the two comparisons
-/// ends early the horizon does too. Throws Diverged where the first solver finds no solution.
+/// ends early the horizon does too. Calls `tick`, where there is one, after each frame of each
+/// solution; it may throw. Throws Diverged where the first solver finds no solution.
 Truth solve_truth(const World& world, std::span<const double> times,
-                  const TruthOptions& options = {}, const Timeline& timeline = {});
+                  const TruthOptions& options = {}, const Timeline& timeline = {},
+                  const std::function<void()>& tick = {});
 
 /// `world` with its particles moved sideways by up to `distance` (m): more and more along each
 /// connector or, `rough`, by turns to one side and the other. A method's first projection puts the

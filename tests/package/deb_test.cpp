@@ -36,7 +36,16 @@ TEST(DebianPackages, HoldWhatTheirNamesSayAndSatisfyLintian) {
     packages[name.substr(0, name.find('_'))] = entry.path();
     lintian.push_back(entry.path().string());
   }
-  ASSERT_EQ(packages.size(), 3u);
+#ifdef TAUT_PYTHON_PROGRAM
+  const std::size_t count = 4;
+  for (const char* file :
+       {"/dist-packages/taut.cpython-", "/dist-packages/taut-stubs/__init__.pyi\n"}) {
+    EXPECT_NE(listing(packages["python3-taut"]).find(file), std::string::npos) << file;
+  }
+#else
+  const std::size_t count = 3;
+#endif
+  ASSERT_EQ(packages.size(), count);
   for (const char* file : {"./usr/bin/taut\n", "/man1/taut-render.1.gz\n",
                            "/scenes/nunchaku.toml\n", "/scenes/scene.schema.json\n",
                            "/assets/martial_artist.glb\n", "/completions/taut\n", "/_taut\n"}) {

@@ -77,6 +77,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"render", {"sim", "scenes", "scenes/model"}},
     {"render/export", {"sim", "scenes", "scenes/character", "scenes/model", "render"}},
     {"render/package", {"sim", "render/cli"}},
+    {"render/python", {"sim", "sim/study", "sim/truth", "scenes", "render"}},
     {"render/cli",
      {"sim", "sim/methods/direct", "sim/study", "sim/truth", "scenes", "scenes/reader", "render",
       "render/export"}},

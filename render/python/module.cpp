@@ -1,0 +1,20 @@
+// import taut: what Python has of the simulation and of its pictures.
+#include "render/python/errors.h"
+#include "render/python/scene.h"
+#include "render/python/simulation.h"
+#include "render/python/world.h"
+#include "render/version.h"
+
+PYBIND11_MODULE(taut, module) {
+  using namespace taut::python;
+  module.doc() = R"(Simulates ropes, chains and cords, and renders them.
+
+SI units, y up, quaternions w, x, y, z. Everything that is raised derives from taut.Error, but for
+what Python itself raises (TypeError, MemoryError, KeyboardInterrupt).)";
+  module.attr("__version__") = taut::version();
+  add_errors(module);
+  add_world(module);
+  add_simulation(module);
+  add_scene(module);
+  add_batch(module);
+}
