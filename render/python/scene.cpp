@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -54,7 +55,7 @@ std::vector<SceneChange> changes_of(const py::dict& set) {
   return changes;
 }
 
-std::unique_ptr<SceneObject> load(const std::string& file, const py::dict& set) {
+std::unique_ptr<SceneObject> load(const std::filesystem::path& file, const py::dict& set) {
   auto object = std::make_unique<SceneObject>();
   object->changes = changes_of(set);
   const py::gil_scoped_release unlocked;
@@ -129,7 +130,8 @@ Trajectory simulate(const SceneObject& object, const std::string& method,
 void add_scene(py::module_& module) {
   using namespace py::literals;
   module.def(
-      "set_asset_folder", [](const std::string& folder) { set_asset_folder(folder); }, "folder"_a,
+      "set_asset_folder", [](const std::filesystem::path& folder) { set_asset_folder(folder); },
+      "folder"_a,
       "The folder in which the files that scenes name are looked for first, from now on.");
   py::class_<Trajectory>(module, "Trajectory", "The frames of a scene.")
       .def_readonly("method", &Trajectory::method, "The method's name.")
@@ -189,7 +191,7 @@ between two frames.)")
 set: values in place of the scene's by their dotted keys: {"connectors.rope.length": 0.5}.)");
   module.def(
       "faults",
-      [](const std::string& file, const py::dict& set) {
+      [](const std::filesystem::path& file, const py::dict& set) {
         py::list all;
         for (const SceneFault& fault : faults_of(file, changes_of(set)))
           all.append(scene_error(fault));

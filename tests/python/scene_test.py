@@ -50,7 +50,7 @@ def read_png(data):
 
 class Scenes(unittest.TestCase):
     def test_tell_what_they_are(self):
-        scene = taut.load(SWING)
+        scene = taut.load(pathlib.Path(SWING))
         self.assertEqual((scene.file, scene.fps), (SWING, 60))
         self.assertEqual(scene.frames, round(scene.duration * 60))
         self.assertEqual(len(scene.connectors), 1)
