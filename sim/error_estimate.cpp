@@ -15,7 +15,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kInProportion = 0.1;   // of the motion: differences up to it
 constexpr std::uint64_t kFewSteps = 4;  // from one comparison to the next: so few can be halved
 
-CoarseMethod coarse_method(std::string_view name, const Settings& settings) {
+CoarseMethod companion_of(std::string_view name, const Settings& settings) {
   make_method(name, settings);  // throws what there is to say of them
   const MethodInfo& method = *find_method(name);
   if (!method.coarse) return {.none = "does not say how its error depends on its settings"};
@@ -33,33 +33,30 @@ double distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 
 ErrorEstimate::ErrorEstimate(const World& world, std::string_view method, const Settings& settings,
                              const Timeline& timeline)
-    : length_(length_scale(world)) {
-  CoarseMethod coarse = coarse_method(method, settings);
-  limit_ = coarse.asked > 0 ? coarse.asked : length_ / 100;
-  error_ = largest_ = coarse.method ? 0 : std::numeric_limits<double>::quiet_NaN();
-  if (!coarse.method) {
-    none_ = std::string(method) + " " + std::string(coarse.none);
+    : companion_(companion_of(method, settings)), length_(length_scale(world)) {
+  limit_ = companion_.asked > 0 ? companion_.asked : length_ / 100;
+  error_ = largest_ = companion_.method ? 0 : std::numeric_limits<double>::quiet_NaN();
+  if (!companion_.method) {
+    none_ = std::string(method) + " " + std::string(companion_.none);
     return;
   }
-  ratio_ = coarse.ratio;
-  order_ = coarse.order;
-  coarse_.emplace(world, std::move(coarse.method), timeline);
-  const World& stepped = coarse_->world();
+  other_method_ = companion_.method.get();
+  other_.emplace(world, std::move(companion_.method), timeline);
+  const World& stepped = other_->world();
   for (std::size_t b = 0; b < stepped.bodies.size(); ++b) {
     const Body& body = stepped.bodies[b];
-    if (!body.driven()) ends_.push_back({b, box_ends(body.bare)});
+    if (!body.driven() && stepped.connectors.empty()) ends_.push_back({b, box_ends(body.bare)});
   }
-  for (Points* points : {&fine_points_, &coarse_points_, &start_points_}) {
+  for (Points* points : {&points_, &other_points_, &start_points_}) {
     points->reserve(room(stepped).particles + 6 * ends_.size());
   }
 }
 
 void ErrorEstimate::follow(const Simulation& simulation) {
-  if (!coarse_ || !diverged_.empty()) return;
+  if (!other_ || !diverged_.empty()) return;
   if (!due(simulation)) return;
-  const double time = simulation.world().time;
   try {
-    coarse_->advance_to(time);
+    advance_companion(simulation);
   } catch (const Diverged& error) {
     diverged_ = error.what();
   } catch (const BadIntervention& error) {
@@ -68,14 +65,20 @@ void ErrorEstimate::follow(const Simulation& simulation) {
   if (diverged_.empty()) {
     compare(simulation);
   } else {
-    note(time, kInfinite);
+    note(simulation.world().time, kInfinite);
   }
 }
 
-/// Whether the simulation has taken steps enough since it was compared last. Where frames end
-/// steps, the coarser one would take as many as the simulation, and show no difference.
+/// Whether the simulation has taken frames or steps enough since it was compared last. Where frames
+/// end steps, the companion would take as many as the simulation, and show no difference.
 bool ErrorEstimate::due(const Simulation& simulation) {
   const double time = simulation.world().time;
+  if (companion_.frames > 0) {
+    if (time > time_) ++frames_, ++uncompared_;
+    time_ = time;
+    const int early = std::max(1, frames_ / 2);  // that motions show which end soon
+    return start_points_.empty() || uncompared_ >= std::min(early, companion_.frames);
+  }
   const std::uint64_t steps = simulation.method().counters().steps;
   passes_frames_ = passes_frames_ || (time > time_ && steps == followed_ && !start_points_.empty());
   time_ = time;
@@ -83,6 +86,15 @@ bool ErrorEstimate::due(const Simulation& simulation) {
   if (!passes_frames_ && !start_points_.empty() && steps < steps_ + kFewSteps) return false;
   steps_ = steps;
   return true;
+}
+
+void ErrorEstimate::advance_companion(const Simulation& simulation) {
+  const double from = other_->world().time, until = simulation.world().time;
+  if (companion_.heed) companion_.heed(*other_method_, simulation.method());
+  const int parts = companion_.frames > 0 ? uncompared_ + 1 : 1;
+  for (int i = 1; i < parts; ++i) other_->advance_to(from + (until - from) * i / parts);
+  other_->advance_to(until);
+  uncompared_ = 0;
 }
 
 void ErrorEstimate::sample(const World& world, Points& points) const {
@@ -97,25 +109,28 @@ void ErrorEstimate::sample(const World& world, Points& points) const {
 
 void ErrorEstimate::compare(const Simulation& simulation) {
   const World& world = simulation.world();
-  sample(world, fine_points_);
-  sample(coarse_->world(), coarse_points_);
-  if (fine_points_.size() != coarse_points_.size()) {
+  sample(world, points_);
+  sample(other_->world(), other_points_);
+  if (points_.size() != other_points_.size()) {
     throw std::invalid_argument("the simulation had interventions that its error estimate did not");
   }
-  if (start_points_.empty() || topology_ != world.topology) start_points_ = fine_points_;
+  if (start_points_.empty() || topology_ != world.topology) start_points_ = points_;
   topology_ = world.topology;
-  travelled_ = std::max(travelled_, distance(fine_points_, start_points_));
+  travelled_ = std::max(travelled_, distance(points_, start_points_));
 
-  const double difference = distance(fine_points_, coarse_points_);
+  const double difference = distance(points_, other_points_);
   if (!std::isfinite(difference)) {
     diverged_ = "not finite";
     return note(world.time, kInfinite);
   }
-  const auto taken = static_cast<double>(coarse_->method().counters().steps);
-  const double ratio =
-      order_ > 0 && taken > 0 ? std::pow(static_cast<double>(steps_) / taken, order_) : ratio_;
+  double ratio = companion_.ratio;
+  if (ratio == 0) {
+    const auto taken = static_cast<double>(other_->method().counters().steps);
+    ratio = taken > 0 ? std::pow(static_cast<double>(steps_) / taken, companion_.order) : 1;
+    ratio = std::max(ratio, 1.0);
+  }
   const bool in_proportion = difference <= kInProportion * std::min(length_, travelled_);
-  note(world.time, in_proportion && ratio > 1 ? difference / (ratio - 1) : difference);
+  note(world.time, in_proportion && ratio != 1 ? difference / std::abs(ratio - 1) : difference);
 }
 
 void ErrorEstimate::note(double time, double error) {

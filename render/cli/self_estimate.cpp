@@ -20,17 +20,19 @@ Json finite(double value) {
 std::string reason(const ErrorEstimate& estimate) {
   if (!estimate.none().empty()) return estimate.none();
   if (estimate.diverged().empty()) return {};
-  return "the coarser run ended: " + estimate.diverged();
+  return "the run beside it ended: " + estimate.diverged();
 }
 
 }  // namespace
 
 const std::string_view kEstimateHelp =
-    "The run estimates its own error: the same method with coarser settings (tolerance times 4, "
-    "or\n"
-    "twice the step) runs in parallel, and Richardson's extrapolation tells the error from the\n"
-    "difference, as an RMS of all particles and the ends of free bodies, in m. The motion is\n"
-    "predictable until the estimate exceeds the tolerance asked for or, where the method has none\n"
+    "The run estimates its own error: the same method runs beside it with other settings (direct: "
+    "steps\n"
+    "shorter by a fifth; others: tolerance times 4, or twice the step), and Richardson's\n"
+    "extrapolation tells the error from the difference, as an RMS of all particles, in m. The "
+    "motion\n"
+    "is predictable until the estimate exceeds the tolerance asked for or, where the method has "
+    "none\n"
     "in metres, a hundredth of the longest connector. --no-estimate saves its time.";
 
 SelfEstimate::SelfEstimate(const Scene& scene, bool on) {

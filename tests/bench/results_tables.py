@@ -9,6 +9,7 @@ import typing
 RESULTS = {}
 STUDY, SIM, RENDER, SCENES, FRONT = ("sim/study/README.md", "sim/README.md", "render/README.md",
                                      "scenes/README.md", "README.md")
+DIRECT = "sim/methods/direct/README.md"
 OURS = "impulse,dynamic-constraints,multibody,springs,xpbd,direct"
 
 
@@ -138,6 +139,35 @@ def scenes(work):
         rows.append(row)
     work.commands = [f"taut work-precision {' '.join(files)} --methods direct,impulse,dynamic-constraints,xpbd "
                      "--budget 12 --errors ..."]
+    return markdown(rows, range(1, len(rows[0])))
+
+
+@result("promise", DIRECT)
+def promise(work):
+    """errors over tolerances, and runs' own estimates over errors, on drawn scenes"""
+    path = work.out / "promise.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    work.run(f"taut_promise --scenes 350 --estimate --threads 2 --csv {path.relative_to(work.source)}")
+    with open(path, encoding="utf-8") as file:
+        cells_ = list(csv.DictReader(file))
+
+    def percent(values, holds):
+        return f"{100 * sum(map(holds, values)) / len(values):.1f}%"
+
+    def row(name, some):
+        errors = sorted(float(cell["error_in_tolerances"]) for cell in some)
+        told = sorted(float(cell["estimate"]) / float(cell["error_in_tolerances"]) for cell in some)
+        costs = sorted(float(cell["estimating"]) for cell in some)
+        solves = sorted(float(cell["solves"]) for cell in some)
+        middle = len(some) // 2
+        return [name, len(some), percent(errors, lambda e: e <= 1), percent(errors, lambda e: e <= 3),
+                f"{errors[middle]:.2g}", f"{errors[-1]:.2g}", f"{solves[middle]:.0f}", percent(told, lambda t: 1 / 3 <= t <= 3),
+                f"{told[middle]:.2g}", f"{costs[middle]:.2g}"]
+    rows = [["tolerance / length", "scenes", "at most 1", "at most 3", "median", "largest", "solves a second",
+             "told within 3 times", "told, median", "its cost"]]
+    for tolerance in dict.fromkeys(cell["tolerance_of_length"] for cell in cells_):
+        rows.append(row(tolerance, [cell for cell in cells_ if cell["tolerance_of_length"] == tolerance]))
+    rows.append(row("all", cells_))
     return markdown(rows, range(1, len(rows[0])))
 
 

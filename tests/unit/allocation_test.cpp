@@ -189,7 +189,7 @@ TEST_P(Allocation, NoEstimateAllocates) {
   ErrorEstimate estimate(spiral(), GetParam(), {}, timeline);
   simulation.advance_to(0.01);
   estimate.follow(simulation);
-  // The coarser run may meet a change of the scene a frame later than the other.
+  // The run beside it may meet a change of the scene a frame later than the other.
   std::size_t stepping = 0, estimating = 0;
   for (int k = 2; k <= 30; ++k) {
     const std::size_t at_first = allocations;

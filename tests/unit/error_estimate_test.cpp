@@ -113,6 +113,39 @@ TEST(ErrorEstimate, StepsOfAFrameAreComparedEveryFour) {
   }
 }
 
+TEST(ErrorEstimate, FramesThatAFinerCompanionSeesAreEveryFourthAndMoreAtFirst) {
+  ErrorEstimate estimate(chain(), "direct", {});
+  std::vector<double> errors;
+  swing(chain(), "direct", {}, [&](const Simulation& simulation) {
+    estimate.follow(simulation);
+    errors.push_back(estimate.error());
+  });
+  std::vector<std::size_t> compared;
+  for (std::size_t k = 1; k < errors.size(); ++k) {
+    if (errors[k] != errors[k - 1]) compared.push_back(k);
+  }
+  EXPECT_EQ(compared, (std::vector<std::size_t>{1, 2, 3, 5, 9, 13, 17, 21, 25, 29}));
+}
+
+TEST(ErrorEstimate, ParticlesCountWhereThereAreAnyAndBodiesByTheirEndsWhereThereAreNone) {
+  Body box;
+  box.mass_properties = solid_box(0.12, Vec3(0.30, 0.1, 0.02));
+  box.spin = Vec3(1, 20, 3);
+  World alone;
+  alone.bodies = {box};
+  World beside = chain();
+  beside.bodies = {box};
+  for (World* world : {&alone, &beside}) finish(*world);
+  const auto error = [](const World& world) {
+    const Settings steps{{"step", 1.0 / 960}};
+    ErrorEstimate estimate(world, "dynamic-constraints", steps);
+    swing(world, "dynamic-constraints", steps, [&](const Simulation& s) { estimate.follow(s); });
+    return estimate.error();
+  };
+  EXPECT_GT(error(alone), 0);
+  EXPECT_EQ(error(beside), error(chain()));
+}
+
 TEST(ErrorEstimate, InterventionsThatItDoesNotKnowAreAMistake) {
   Simulation simulation(chain(), make_method("xpbd", {}));
   ErrorEstimate estimate(chain(), "xpbd", {});
@@ -121,7 +154,7 @@ TEST(ErrorEstimate, InterventionsThatItDoesNotKnowAreAMistake) {
   EXPECT_THROW(estimate.follow(simulation), std::invalid_argument);
 }
 
-TEST(ErrorEstimate, BodiesCountByTheirEnds) {
+TEST(ErrorEstimate, EndsOfABodyAreAsFarAsAStickIsLong) {
   const MassProperties stick = solid_cylinder(0.12, 0.30, 0.028);
   double farthest = 0;
   for (const Vec3& end : box_ends(stick)) farthest = std::max(farthest, end.norm());

@@ -46,6 +46,18 @@ class Direct : public Method {
     note(world);
   }
 
+  /// Tries those schemes alone in each component of which `run` has taken steps since this was
+  /// called last.
+  void keep_to_schemes_of(const Direct& run) {
+    if (spans_ && run.spans_) {
+      return static_cast<Direct&>(spans_->links())
+          .keep_to_schemes_of(static_cast<const Direct&>(run.spans_->links()));
+    }
+    for (std::size_t k = 0; k < std::min(integrators_.size(), run.integrators_.size()); ++k) {
+      integrators_[k]->keep_to_schemes_of(*run.integrators_[k]);
+    }
+  }
+
  private:
   void advance_spans(World& world, double until) {
     if (!spans_) spans_ = std::make_unique<direct::Spans>(std::make_unique<Direct>(options_));
@@ -140,6 +152,24 @@ class Direct : public Method {
   std::vector<double> noted_;             // the world as advance() left it
 };
 
+/// One whose steps are shorter by a fifth. The errors of the three schemes fall by 1.25^8, 1.25^4
+/// and 1.25^3, so that the difference is 0.83, 0.59 and 0.49 of the error; two thirds are near to
+/// each. Where it took another scheme than the run, its own error could be the larger one.
+CoarseMethod with_finer_steps(double tolerance) {
+  constexpr int kFrames = 4;
+  direct::StepOptions options;
+  options.tolerance = tolerance;
+  options.finer = (kFrames + 1.0) / kFrames;
+  return {.method = std::make_unique<Direct>(options),
+          .ratio = 1.0 / 3,
+          .frames = kFrames,
+          .heed =
+              [](Method& companion, const Method& run) {
+                static_cast<Direct&>(companion).keep_to_schemes_of(static_cast<const Direct&>(run));
+              },
+          .asked = tolerance};
+}
+
 }  // namespace
 
 std::vector<bool> stepped_as_links(const World& world) {
@@ -183,9 +213,8 @@ MethodInfo direct_method() {
       .follows_spans = true,
       .coarse =
           [](const MethodInfo& direct, const Settings& settings) {
-            return number(settings, "step") > 0
-                       ? with_step_doubled(direct, settings, 8)
-                       : with_tolerance_raised(direct, settings, "tolerance");
+            return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)
+                                                : with_finer_steps(number(settings, "tolerance"));
           },
       .cost = {.memory = 1000, .step = 2e-7}};
 }

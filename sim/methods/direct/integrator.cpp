@@ -26,6 +26,14 @@ double scaled_step(double h, double error, double order) {
 
 }  // namespace
 
+Integrator::Integrator(const StepOptions& options)
+    : options_(options),
+      larger_{std::pow(options.finer, Dop853Step::kErrorOrder),
+              std::pow(options.finer, AdamsStep::kErrorOrder),
+              std::pow(options.finer, RosenbrockStep::kErrorOrder)} {
+  tries_.fill(options.finer == 1);
+}
+
 void Integrator::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   planes_.reserve(links);
   chain_.reserve(links);
@@ -129,6 +137,7 @@ void Integrator::accept(Scheme scheme, double time, Counters& counters) {
   rate_before_.swap(rate_);
   time_ = time;
   counters.steps += 1;
+  taken_[scheme] += 1;
   if (scheme == dop853) dop853_.swap_result(q_, rate_);
   if (scheme == adams) adams_.swap_result(q_, rate_);
   if (scheme == rosenbrock) rosenbrock_.swap_result(q_, rate_);
@@ -158,7 +167,7 @@ void Integrator::advance_by_tolerance(World& world, double until, Counters& coun
       step_ = first_step();
     }
     if (scheme_ != adams) refresh(counters);
-    double wish = std::min({step_, stable_step(scheme_), longest_});
+    double wish = std::min({step_, stable_step(scheme_), longest_ / options_.finer});
     if (scheme_ == adams && adams_.longest() > 0) wish = std::min(wish, adams_.longest());
     double h = length_of_step(until, wish);
     Scheme scheme = scheme_;
@@ -175,7 +184,7 @@ void Integrator::advance_by_tolerance(World& world, double until, Counters& coun
     if (!(time_ + h > time_)) throw StepTooSmall{time_};
     if (scheme != adams) {
       const double end = scheme == scheme_ ? end_of_step(until, h) : end_of_start(until, h / 3);
-      error = attempt(scheme, h, counters) / allowed_error(h);
+      error = attempt(scheme, h, counters) / allowed_error(scheme, h);
       if (leave_plane(world)) continue;
       if (error <= 1) {  // false for NaN
         if (scheme_ == adams) {
@@ -220,7 +229,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
   static const double kMuch = std::pow(kConstants.safety, AdamsStep::kErrorOrder - 1);
   static const double kLittle =
       std::pow(kConstants.safety * kConstants.least_spacing, AdamsStep::kErrorOrder);
-  const double h = adams_.spacing(), allowed = allowed_error(h);
+  const double h = adams_.spacing(), allowed = allowed_error(adams, h);
   double error = 0;
   int& rest = rests_[rosenbrock].steps;
   while (time_ < until) {
@@ -235,7 +244,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
     adams_.accept();
     accept(adams, end_of_step(until, h), counters);
     waves_ = motion_->wave_frequency();
-    const double waves = h * waves_ / AdamsStep::kStable;
+    const double waves = h / stable_step(adams);
     if (waves > 1 || error > kMuch) return error;
     if ((error < kLittle && waves < kConstants.least_spacing) || --rest <= 0) return error;
   }
@@ -266,9 +275,9 @@ void Integrator::adapt(double h, double wish, double error, Counters& counters) 
   }
   if (scheme_ == dop853) last_turn_ = step_ * waves_;
   const bool held_up = scheme_ == dop853 && step_ > kConstants.held_up * stable_step(dop853);
-  if (held_up && --rests_[adams].steps <= 0) {
+  if (held_up && tries_[adams] && --rests_[adams].steps <= 0) {
     try_next(adams, std::min(stable_step(adams), step_ / 3));
-  } else if (scheme_ != rosenbrock && --rests_[rosenbrock].steps <= 0) {
+  } else if (scheme_ != rosenbrock && tries_[rosenbrock] && --rests_[rosenbrock].steps <= 0) {
     try_next(rosenbrock, speed * cost_[rosenbrock]);
   }
 }
@@ -280,6 +289,13 @@ void Integrator::hand_over_to(Scheme before, Counters& counters) {
   rest.interval = std::min(4 * rest.interval, kConstants.longest_rest);
   scheme_ = before;
   counters.handed_over += 1;
+}
+
+void Integrator::keep_to_schemes_of(const Integrator& other) {
+  for (std::size_t s = 0; s < kSchemes; ++s) {
+    tries_[s] = other.taken_[s] > heeded_[s];
+    heeded_[s] = other.taken_[s];
+  }
 }
 
 void Integrator::try_next(Scheme next, double step) {

@@ -21,6 +21,7 @@ namespace taut::direct {
 struct StepOptions {
   double tolerance = 1e-4;  // m
   double step = 0;          // s; zero: steps follow from the tolerance
+  double finer = 1;         // times shorter than that are the steps, for estimates of the error
 };
 
 /// Follows one component of a world through time.
@@ -33,7 +34,7 @@ struct StepOptions {
 /// could take as well (in slack, under pushing links, in whips), that one goes on.
 class Integrator {
  public:
-  explicit Integrator(const StepOptions& options) : options_(options) {}
+  explicit Integrator(const StepOptions& options);
   Integrator(const Integrator&) = delete;
 
   /// Room for a component of so many links with so many ends of spans, in a world of so many
@@ -51,6 +52,10 @@ class Integrator {
   void store(World& world);
 
   const Component& component() const { return component_; }
+
+  /// From now on tries those schemes alone of which `other` has taken steps since this was called
+  /// last. One that is finer than asked for tries none before.
+  void keep_to_schemes_of(const Integrator& other);
 
   /// The step that the error control would have to take is lost in the rounding of the time.
   struct StepTooSmall {
@@ -82,7 +87,7 @@ class Integrator {
 
   // How far, how wrong and to where (step_length.cpp).
   double stable_step(Scheme scheme) const;
-  double allowed_error(double h) const;
+  double allowed_error(Scheme scheme, double h) const;
   bool lands(Scheme scheme) const;
   double length_of_step(double until, double wish) const;
   double end_of_step(double until, double h) const;
@@ -113,7 +118,13 @@ class Integrator {
   double longest_ = 0;              // s, what driven ends allow
   double last_turn_ = 0;            // rad, of the highest waves in DOP853's last step
   std::array<Rest, kSchemes> rests_;
+  std::array<bool, kSchemes> tries_{};
+  std::array<std::uint64_t, kSchemes> taken_{};  // steps of each scheme
+  std::array<std::uint64_t, kSchemes>
+      heeded_{};                         // of them another's, when they were looked at last
   std::array<double, kSchemes> cost_{};  // of a step, in accelerations
+  /// How many times as large a step's error would be if it was StepOptions::finer times as long.
+  std::array<double, kSchemes> larger_{};
 };
 
 }  // namespace taut::direct

@@ -29,6 +29,10 @@ class Spans {
   void prepare(const World& world);
   void advance(World& world, double until, std::vector<Event>& events);
 
+  /// What follows everything but spans.
+  Method& links() { return *links_; }
+  const Method& links() const { return *links_; }
+
   /// Those of the links' method, and the systems that looks at tensions solve.
   Counters counters() const;
 

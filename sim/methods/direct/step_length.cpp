@@ -10,20 +10,21 @@ namespace taut::direct {
 /// The longest step (s) of the scheme under the waves of the present state.
 double Integrator::stable_step(Scheme scheme) const {
   if (scheme == rosenbrock) return std::numeric_limits<double>::infinity();
-  return (scheme == dop853 ? Dop853Step::kStable : AdamsStep::kStable) / waves_;
+  return (scheme == dop853 ? Dop853Step::kStable : AdamsStep::kStable) / waves_ / options_.finer;
 }
 
-/// The error (m) that a step of h may make.
-double Integrator::allowed_error(double h) const {
+/// The error (m) that a step of h of the scheme may make.
+double Integrator::allowed_error(Scheme scheme, double h) const {
   const double length = motion_->length();
   const double tolerance = options_.step > 0 ? kConstants.coarsest * length : options_.tolerance;
-  const double share = std::min(kConstants.rate * h, kConstants.share);
+  const double share = std::min(kConstants.rate * options_.finer * h, kConstants.share);
   const double rough = kConstants.roughness * motion_->shortest() / kConstants.share;
   // No shorter step would mend what the last digit of each direction does under the tensions.
   constexpr double kDigit = std::numeric_limits<double>::epsilon() / 2;
   const double rounding =
       kConstants.roundings * kDigit * waves_ * waves_ * motion_->displacement_bound(1);
-  return share * std::min(tolerance, rough) + h * motion_->velocity_time() * rounding;
+  return share * std::min(tolerance, rough) / larger_[scheme] +
+         h * motion_->velocity_time() * rounding;
 }
 
 /// Whether the scheme's steps end where a state is asked for. DOP853's are too long to be

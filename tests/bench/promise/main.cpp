@@ -24,7 +24,7 @@ struct Options {
   std::string csv;
   std::size_t worst = 0;
   double cap = 60;  // s
-  bool cached = false, references = false;
+  bool cached = false, references = false, estimate = false;
 };
 
 Setting parsed(const std::string& text) {
@@ -84,6 +84,7 @@ class Work {
     for (const double tolerance : options_.tolerances) {
       if (!usable || options_.references) break;
       scores.push_back(score(drawn, *reference, candidate_, tolerance, options_.cap));
+      if (options_.estimate) add_estimate(scores.back(), drawn, *reference, candidate_);
     }
     const std::lock_guard lock(mutex_);
     results_.truth += spent;
@@ -109,7 +110,10 @@ class Work {
 
 void report(const Options& options, Results& results) {
   std::ranges::stable_sort(results.scores, {}, &Score::seed);
-  if (!results.scores.empty()) fmt::print("{}", table(results.scores));
+  if (!results.scores.empty()) {
+    fmt::print("{}", table(results.scores));
+    if (options.estimate) fmt::print("{}", estimates(results.scores));
+  }
   fmt::print("{}", worst(results.scores, options.worst));
   fmt::print(
       "left out: {} unpredictable after {} frames, {} whose truth takes over {} s, {} without "
@@ -171,6 +175,7 @@ int main(int argc, char** argv) {
   app.add_option("--cap", options.cap, "CPU seconds that a reference or a run may take")
       ->capture_default_str();
   app.add_flag("--cached", options.cached, "leave out what the cache does not have");
+  app.add_flag("--estimate", options.estimate, "also what the runs estimate of their own error");
   app.add_flag("--references", options.references, "fill the cache and run nothing");
   CLI11_PARSE(app, argc, argv);
   try {

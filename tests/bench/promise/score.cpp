@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "sim/error_estimate.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 
@@ -44,6 +45,30 @@ Score score(const Drawn& drawn, const Reference& reference, Candidate candidate,
   score.ms = 1e3 * result.cpu / simulated;
   score.diverged = result.end == Run::End::diverged;
   return score;
+}
+
+void add_estimate(Score& score, const Drawn& drawn, const Reference& reference,
+                  Candidate candidate) {
+  const double allowed = score.tolerance * drawn.length;
+  candidate.settings["tolerance"] = allowed;
+  Simulation simulation(drawn.world, make_method(candidate.method, candidate.settings));
+  ErrorEstimate estimate(drawn.world, candidate.method, candidate.settings);
+  double stepping = 0, following = 0;  // s of CPU time
+  try {
+    for (const Snapshot& frame : reference.frames) {
+      const double start = thread_seconds();
+      simulation.advance_to(frame.time);
+      const double middle = thread_seconds();
+      estimate.follow(simulation);
+      following += thread_seconds() - middle;
+      stepping += middle - start;
+    }
+  } catch (const Diverged&) {
+    score.estimate = std::numeric_limits<double>::quiet_NaN();
+    return;
+  }
+  score.estimate = estimate.largest() / allowed;
+  score.estimating = following / stepping;
 }
 
 }  // namespace taut::promise

@@ -66,6 +66,32 @@ std::string table(const std::vector<Score>& scores) {
   return text;
 }
 
+std::string estimates(const std::vector<Score>& scores) {
+  std::set<double, std::greater<>> tolerances;
+  for (const Score& score : scores) tolerances.insert(score.tolerance);
+  std::string text = fmt::format("{:>9} {:>6} {:>6} {:>8} {:>8} {:>8} {:>8}\n", "tolerance",
+                                 "scenes", "near %", "5 %", "median", "95 %", "cost");
+  const auto row = [&](const std::string& name, const std::vector<Score>& some) {
+    const auto near_ones = std::ranges::count_if(some, near);
+    text += fmt::format("{:>9} {:>6} {:>6.1f}", name, some.size(),
+                        100 * static_cast<double>(near_ones) / static_cast<double>(some.size()));
+    for (const double share : {0.05, 0.5, 0.95}) {
+      text +=
+          fmt::format(" {:>8.3g}", quantile(some, share, [](const Score& s) { return s.told(); }));
+    }
+    text += fmt::format(" {:>8.3g}\n",
+                        quantile(some, 0.5, [](const Score& s) { return s.estimating; }));
+  };
+  for (const double tolerance : tolerances) {
+    std::vector<Score> some;
+    std::ranges::copy_if(scores, std::back_inserter(some),
+                         [tolerance](const Score& score) { return score.tolerance == tolerance; });
+    row(fmt::format("{:g} L", tolerance), some);
+  }
+  row("any", scores);
+  return text;
+}
+
 std::string worst(std::vector<Score> scores, std::size_t count) {
   std::ranges::stable_sort(scores, std::ranges::greater(), &Score::error);
   scores.resize(std::min(count, scores.size()));
@@ -82,11 +108,12 @@ std::string worst(std::vector<Score> scores, std::size_t count) {
 std::string csv(const std::vector<Score>& scores) {
   std::string text =
       "seed,kind,particles,ratio,tolerance_of_length,error_in_tolerances,horizon,solves,rejected,"
-      "ms,growth,diverged\n";
+      "ms,growth,diverged,estimate,estimating\n";
   for (const Score& s : scores) {
-    text += fmt::format("{},{},{},{:.6g},{:g},{:.6g},{:.6g},{:.0f},{:.0f},{:.6g},{:.4g},{:d}\n",
-                        s.seed, kKinds[s.kind], s.particles, s.ratio, s.tolerance, s.error,
-                        s.horizon, s.solves, s.rejected, s.ms, s.growth, s.diverged);
+    text += fmt::format(
+        "{},{},{},{:.6g},{:g},{:.6g},{:.6g},{:.0f},{:.0f},{:.6g},{:.4g},{:d},{:.6g},{:.4g}\n",
+        s.seed, kKinds[s.kind], s.particles, s.ratio, s.tolerance, s.error, s.horizon, s.solves,
+        s.rejected, s.ms, s.growth, s.diverged, s.estimate, s.estimating);
   }
   return text;
 }
