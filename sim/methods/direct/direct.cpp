@@ -192,7 +192,7 @@ MethodInfo direct_method() {
       .settings =
           {{.name = "tolerance",
             .meaning =
-                "the RMS error of the particles' positions after a second; raising it is faster",
+                "the largest RMS error of all particles from the start on; raising it is faster",
             .unit = "m",
             .fallback = 1e-4,
             .maximum = 1e3,
