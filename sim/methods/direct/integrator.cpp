@@ -244,7 +244,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
     adams_.accept();
     accept(adams, end_of_step(until, h), counters);
     waves_ = motion_->wave_frequency();
-    const double waves = h / stable_step(adams);
+    const double waves = options_.finer * h * waves_ / AdamsStep::kStable;
     if (waves > 1 || error > kMuch) return error;
     if ((error < kLittle && waves < kConstants.least_spacing) || --rest <= 0) return error;
   }
@@ -293,8 +293,8 @@ void Integrator::hand_over_to(Scheme before, Counters& counters) {
 
 void Integrator::keep_to_schemes_of(const Integrator& other) {
   for (std::size_t s = 0; s < kSchemes; ++s) {
-    tries_[s] = other.taken_[s] > heeded_[s];
-    heeded_[s] = other.taken_[s];
+    tries_[s] = other.taken_[s] > seen_[s];
+    seen_[s] = other.taken_[s];
   }
 }
 

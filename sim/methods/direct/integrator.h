@@ -119,10 +119,9 @@ class Integrator {
   double last_turn_ = 0;            // rad, of the highest waves in DOP853's last step
   std::array<Rest, kSchemes> rests_;
   std::array<bool, kSchemes> tries_{};
-  std::array<std::uint64_t, kSchemes> taken_{};  // steps of each scheme
-  std::array<std::uint64_t, kSchemes>
-      heeded_{};                         // of them another's, when they were looked at last
-  std::array<double, kSchemes> cost_{};  // of a step, in accelerations
+  std::array<std::uint64_t, kSchemes> taken_{};  // steps
+  std::array<std::uint64_t, kSchemes> seen_{};   // another's, when it was looked at last
+  std::array<double, kSchemes> cost_{};          // of a step, in accelerations
   /// How many times as large a step's error would be if it was StepOptions::finer times as long.
   std::array<double, kSchemes> larger_{};
 };
