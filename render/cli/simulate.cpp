@@ -190,7 +190,7 @@ Particles that pins add have no columns; what is cut off a connector has its own
 NAME'.
 
 {}
-It is the last column (inf once the run beside it has diverged, nan where the method has no estimate)
+It is the last column (inf once the run beside it diverges, nan where the method has no estimate)
 and, with --json, error_estimate_m (its largest and its final value), predictable_until_s and
 estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)",
                               kEstimateHelp));
