@@ -218,7 +218,10 @@ void find_looks(const Document& document, Scene& scene, double size) {
       if (look.kind == Kind::chain) look.color = Vec3(0.45, 0.46, 0.48);
       if (look.kind == Kind::cord) look.color = Vec3(0.40, 0.05, 0.03);
     }
-    if (!written->find("diameter")) look.diameter = thickness_of(connector, look.kind, size);
+    const bool is_bead = written->find("radius") || !scene.world.obstacles.empty();
+    if (!written->find("diameter") && !is_bead) {
+      look.diameter = thickness_of(connector, look.kind, size);
+    }
   }
 }
 
@@ -275,6 +278,8 @@ void complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
   find_looks(document, scene, size);
   give_boxes(scene);
   if (written && written->find("scenery")) return;
+  const auto is_plane = [](const Obstacle& o) { return o.shape.kind == Shape::Kind::plane; };
+  if (std::ranges::any_of(scene.world.obstacles, is_plane)) return;
   double thickest = 0;
   for (const ConnectorLook& look : stage.connector_looks)
     thickest = std::max(thickest, look.diameter);

@@ -1,6 +1,7 @@
 #include "scenes/scene.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +34,18 @@ void refuse_spans(const Document& document, const MethodInfo& method) {
     document.mismatch(
         *model, fmt::format("\"links\": the method {} follows no massless spans", method.name));
   }
+}
+
+void refuse_obstacles(const Document& document, const MethodInfo& method) {
+  const Value* obstacles = document.root.find("obstacles");
+  if (!obstacles || obstacles->children.empty() || method.touches_obstacles) return;
+  std::vector<std::string_view> able;
+  for (const MethodInfo& info : methods()) {
+    if (info.touches_obstacles) able.push_back(info.name);
+  }
+  document.fail_at_key(obstacles->children.front(),
+                       fmt::format("the method {} knows no contact, expected one of: {}",
+                                   method.name, fmt::join(able, ", ")));
 }
 
 /// A plan is the program's own: one of another version's format spoils no scene.
@@ -74,8 +87,11 @@ Scene read_scene(Document document, bool with_stage) {
   Motions motions(document);
   scene.world.bodies = read_bodies(document, motions);
   read_connectors(document, motions, scene.world);
+  read_obstacles(document, motions, scene.world);
   refuse_spans(document, *find_method(scene.method.name));
+  refuse_obstacles(document, *find_method(scene.method.name));
   finish(scene.world);
+  check_obstacles(document, scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
   if (plan) try_plan(document, *plan, scene);
   if (with_stage && root.find("stage")) read_stage(document, motions, scene);

@@ -104,6 +104,41 @@ void look_at_hands(const Scene& scene, std::vector<std::string>& warnings) {
   }
 }
 
+/// The longest link (m) that lies on a surface bent by `radius` with its middle no deeper in it
+/// than `depth`.
+double longest_link(double radius, double depth) {
+  return 2 * std::sqrt(depth * (2 * radius - depth));
+}
+
+/// Beads touch obstacles, the links between them do not.
+void look_at_beads(const World& world, std::vector<std::string>& warnings) {
+  constexpr double kDip = 0.05;  // of the obstacle's radius, or the rope's own if that is more
+  for (const Obstacle& obstacle : world.obstacles) {
+    const double sharpest = obstacle.shape.sharpest();
+    if (std::isinf(sharpest)) continue;
+    for (const Connector& connector : world.connectors) {
+      if (connector.name.find('#') != std::string::npos) continue;  // a copy
+      const double bent = sharpest + connector.radius;
+      if (bent == 0) {
+        warnings.push_back(fmt::format(
+            "obstacle {} has sharp edges and connector {} no radius: its links cut the edges off, "
+            "however many there are",
+            obstacle.name, connector.name));
+        continue;
+      }
+      const double link = std::ranges::max(connector.rest);
+      const double allowed = longest_link(bent, std::max(connector.radius, kDip * sharpest));
+      if (link <= allowed) continue;
+      warnings.push_back(
+          fmt::format("connector {} has too few particles for obstacle {}: a link of {:.4g} m "
+                      "between two beads "
+                      "at it cuts into it{}; {:.0f} particles would do",
+                      connector.name, obstacle.name, link, link > 2 * bent ? ", or slips past" : "",
+                      std::ceil(connector.length / allowed) + 1));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Scene& scene, double seconds,
@@ -115,6 +150,7 @@ std::vector<std::string> warnings_of(const Scene& scene, double seconds,
   if (!anything) {
     warnings.emplace_back("nothing is simulated: there is no connector and no free body");
   }
+  look_at_beads(scene.world, warnings);
   if (!scene.stage) return warnings;
   look_at_hands(scene, warnings);
   look_through_camera(scene, seconds, tick, warnings);

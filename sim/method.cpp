@@ -118,6 +118,13 @@ SettingInfo step_setting(bool limited, int sweep) {
   return info;
 }
 
+void refuse_obstacles(std::string_view method, const World& world) {
+  if (world.obstacles.empty()) return;
+  throw Diverged(std::string(method), world.time, 0,
+                 world.connectors.empty() ? "" : world.connectors.front().name, 0,
+                 "knows no contact, and there is the obstacle " + world.obstacles.front().name);
+}
+
 Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number,
                    std::string connector_name, std::size_t link_index, std::string what)
     : std::runtime_error([&] {

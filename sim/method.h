@@ -125,6 +125,8 @@ struct MethodInfo {
   std::string_view longest_step_law = {};  // the law in a few words, for legends
   /// Connectors may be massless spans; others take every connector for links.
   bool follows_spans = false;
+  /// Beads touch what is in World::obstacles; others throw Diverged where there is anything.
+  bool touches_obstacles = false;
   /// The method with a full set of settings made coarser, by which ErrorEstimate tells the error;
   /// null: nothing is known of how the error depends on the settings.
   CoarseMethod (*coarse)(const MethodInfo& method, const Settings& settings) = nullptr;
@@ -146,6 +148,9 @@ Settings with_defaults(const MethodInfo& method, Settings settings);
 /// Makes a method; settings left out take their defaults. Throws std::invalid_argument with the
 /// complaint when a setting is wrong or the name is unknown.
 std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings);
+
+/// For methods whose beads touch nothing: throws Diverged where the world has obstacles.
+void refuse_obstacles(std::string_view method, const World& world);
 
 // Typed access for the methods' own code; the setting must exist.
 double number(const Settings& settings, std::string_view name);

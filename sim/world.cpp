@@ -87,6 +87,9 @@ std::uint64_t structure(const World& world) {
       hash.word(to.approach.since).word(to.approach.arrival);
     }
   }
+  if (world.obstacles.empty()) return hash.value();
+  for (const Connector& connector : world.connectors) hash.word(connector.radius);
+  for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
   return hash.value();
 }
 

@@ -1,4 +1,4 @@
-// The whole physical state: bodies, connectors, gravity and the time.
+// The whole physical state: bodies, connectors, gravity and the time; and what stands in their way.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 
 #include "sim/body.h"
 #include "sim/connector.h"
+#include "sim/contact/obstacle.h"
 #include "sim/types.h"
 
 namespace taut {
@@ -16,6 +17,7 @@ struct World {
   Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
   std::vector<Body> bodies;
   std::vector<Connector> connectors;
+  std::vector<Obstacle> obstacles;  // what the connectors' beads touch
   std::uint64_t topology = 0;  // another one whenever what structure() tells changes
   std::uint64_t pins = 0;      // how many there ever were
 };
@@ -26,7 +28,7 @@ struct World {
 void finish(World& world);
 
 /// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
-/// them, bodies with their mass properties, paths. Methods build on it, so World::topology is this
+/// them, bodies with their mass properties, paths, obstacles. Methods build on it, so World::topology is this
 /// number; whoever changes any of it by hand numbers it again.
 std::uint64_t structure(const World& world);
 

@@ -1,6 +1,8 @@
 // taut check: what is wrong with a scene, and what it would do.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
 
@@ -52,6 +54,19 @@ std::string held_by(const World& world, const Connector& connector, std::size_t 
   return "nothing";
 }
 
+std::string_view kind_of(const Obstacle& obstacle) {
+  static constexpr std::array<std::string_view, 5> kKinds{"plane", "sphere", "capsule", "cylinder",
+                                                          "box"};
+  return kKinds[static_cast<std::size_t>(obstacle.shape.kind)];
+}
+
+/// Whether the body is there only to show an obstacle on a path.
+bool shows_obstacle(const World& world, const Body& body) {
+  return std::ranges::any_of(world.obstacles, [&](const Obstacle& obstacle) {
+    return obstacle.path && obstacle.name == body.name && obstacle.path == body.path;
+  });
+}
+
 /// The models that the stage draws, each with its use.
 std::vector<std::pair<std::string, const Model*>> models(const Scene& scene) {
   std::vector<std::pair<std::string, const Model*>> list;
@@ -84,6 +99,7 @@ Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& wa
   }
   json["bodies"] = Json::object();
   for (const Body& body : scene.world.bodies) {
+    if (shows_obstacle(scene.world, body)) continue;
     append(json["bodies"], body.name,
            {{"driven", body.driven()}, {"mass_kg", body.mass_properties.mass}});
   }
@@ -93,6 +109,15 @@ Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& wa
            {{"length_m", connector.length},
             {"mass_kg", connector.mass},
             {"particles", connector.particles()}});
+  }
+  json["obstacles"] = Json::object();
+  for (const Obstacle& obstacle : scene.world.obstacles) {
+    append(json["obstacles"], obstacle.name,
+           {{"shape", kind_of(obstacle)},
+            {"moves", obstacle.path != nullptr},
+            {"friction", obstacle.kinetic_friction},
+            {"static_friction", obstacle.static_friction},
+            {"restitution", obstacle.restitution}});
   }
   if (scene.stage) json["clip_frames"] = std::uint64_t(clip_length(scene));
   json["pins"] = scene.timeline.pins.size();
@@ -122,6 +147,7 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
                    steps > 0 ? fmt::format(", {:.0f} steps a frame", steps) : "",
                    settings_text(full_settings(scene.method))));
   for (const Body& body : world.bodies) {
+    if (shows_obstacle(world, body)) continue;
     line(fmt::format("body {}: {:.6g} kg, {}", body.name, body.mass_properties.mass,
                      body.driven() ? "driven" : "free"));
   }
@@ -130,6 +156,11 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
                      connector.length, connector.mass, connector.particles(),
                      held_by(world, connector, 0),
                      held_by(world, connector, connector.particles() - 1)));
+  }
+  for (const Obstacle& obstacle : world.obstacles) {
+    line(fmt::format("obstacle {}: {}{}, friction {}, restitution {}", obstacle.name,
+                     kind_of(obstacle), obstacle.path ? " on a path" : "",
+                     obstacle.kinetic_friction, obstacle.restitution));
   }
   for (const TimedPin& pin : scene.timeline.pins) {
     line(fmt::format("pin: {} at {} m, from {} s until {} s", world.connectors[pin.connector].name,

@@ -101,6 +101,10 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
     throw Misuse(
         fmt::format("--method: {} follows no massless spans (model = \"span\")", choice.name));
   }
+  if (!scene.world.obstacles.empty() && !method->touches_obstacles) {
+    throw Misuse(fmt::format("--method: {} knows no contact, and the scene has the obstacle {}",
+                             choice.name, scene.world.obstacles.front().name));
+  }
   if (choice.name != scene.method.name) choice.settings.clear();
   if (options.step) {
     choice.settings.erase("tolerance");

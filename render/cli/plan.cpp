@@ -266,6 +266,12 @@ int run(const Options& options, const Common& common) {
   if (scene.world.connectors.empty()) {
     throw Misuse(fmt::format("{}: has no connector to plan for", options.scene));
   }
+  if (!scene.world.obstacles.empty()) {
+    throw Misuse(
+        fmt::format("{}: has obstacles, and the truth that plans are judged by knows no "
+                    "contact",
+                    options.scene));
+  }
   Asked asked = asked_for(options.tolerance, scene);
   const std::uint64_t stamp = plan_stamp(scene.file);
   std::optional<PlanFile> file;

@@ -105,6 +105,12 @@ Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& c
   if (scene.world.connectors.empty()) {
     throw Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
+  if (!scene.world.obstacles.empty()) {
+    throw Misuse(
+        fmt::format("{}: has obstacles, and the truth that methods are judged by knows no "
+                    "contact",
+                    options.scene));
+  }
   if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
     throw Misuse(
         fmt::format("{}: has pins, which chart, bench, compare and classify follow, and this "

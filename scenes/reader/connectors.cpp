@@ -93,6 +93,8 @@ class Layout {
         straight_connector(value.name, length, mass, particles, Vec3::Zero(), Vec3::UnitY());
     if (text_or(value, "model", "links") == "span") connector.model = ConnectorModel::span;
     connector.elasticity = number_or(value, "elasticity", 0);
+    connector.radius =
+        number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
     add_end(value, "from", 0, connector);
     add_end(value, "to", particles - 1, connector);
     const bool all_held = connector.holds.size() == particles;

@@ -12,7 +12,8 @@ using Type = KeyFormat::Type;
 inline constexpr double kLongest = 86400;      // s, a day
 inline constexpr double kMostParticles = 1e5;  // of a connector
 inline constexpr double kMostFps = 1000;
-inline constexpr double kWidest = 16384;  // pixels
+inline constexpr double kWidest = 16384;      // pixels
+inline constexpr double kMostFriction = 100;  // beyond, nothing ever slides
 
 inline KeyFormat vector(std::string_view name, std::string_view meaning,
                         std::string_view unit = "m") {
@@ -58,6 +59,7 @@ inline KeyFormat needed(KeyFormat key) {
 namespace taut {
 
 const TableFormat& path_format();
+const TableFormat& obstacle_format();
 const TableFormat& stage_format();
 const TableFormat& plan_format();
 

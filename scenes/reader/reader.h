@@ -108,6 +108,11 @@ MethodChoice read_method(const Document& document, const Value* table, int fps);
 std::vector<Body> read_bodies(const Document& document, Motions& motions);
 /// Connectors with their shapes; places the bodies that hang.
 void read_connectors(const Document& document, Motions& motions, World& world);
+/// Obstacles, behind the connectors. Those on paths come with a driven body, by which they are
+/// seen.
+void read_obstacles(const Document& document, Motions& motions, World& world);
+/// What stands where an obstacle is at the start; of a world that is finished.
+void check_obstacles(const Document& document, const World& world);
 /// Pins and cuts, of a world that is finished.
 Timeline read_timeline(const Document& document, Motions& motions, const World& world,
                        double duration);

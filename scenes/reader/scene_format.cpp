@@ -164,6 +164,11 @@ const TableFormat& connector_format() {
         .type = Type::choice,
         .meaning = "How it is drawn.",
         .choices = {"chain", "rope", "cord"}},
+       not_negative(
+           "radius",
+           "Of its particles, as beads that touch obstacles; default: half of the diameter "
+           "as drawn.",
+           "m"),
        positive("diameter", "As drawn: of the rope or cord, or across a link of the chain.", "m"),
        color("color", "Linear colour.")}};
   return format;
@@ -266,6 +271,7 @@ const TableFormat& scene_format() {
       table("characters", "People who hold bodies.", character_format(), Type::named),
       table("bodies", "Rigid bodies.", body_format(), Type::named),
       table("connectors", "Ropes, chains and cords.", connector_format(), Type::named),
+      table("obstacles", "Solids that beads of connectors touch.", obstacle_format(), Type::named),
       table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
       table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),
       table("stage", "What pictures need beside the world.", stage_format()),

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "scenes/obstacle_model.h"
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
 #include "scenes/shapes.h"
@@ -154,9 +155,24 @@ ConnectorLook read_look(const Value& connector) {
       {"chain", Kind::chain}, {"rope", Kind::rope}, {"cord", Kind::cord}};
   ConnectorLook look;
   look.kind = kinds.at(text_or(connector, "look", "rope"));
+  if (const Value* radius = connector.find("radius")) look.diameter = 2 * radius->number;
   look.diameter = number_or(connector, "diameter", look.diameter);
   look.color = vec3_or(connector, "color", look.color);
   return look;
+}
+
+/// Those that stand still are scenery; a driven body goes with each of the others.
+void show_obstacles(const Value* table, const World& world, Stage& stage) {
+  constexpr double kPlane = 4;  // m
+  const Vec3 grey(0.36, 0.35, 0.33);
+  for (std::size_t i = 0; i < world.obstacles.size(); ++i) {
+    const Obstacle& obstacle = world.obstacles[i];
+    const Value& value = table->children[i];
+    const double size = number_or(value.find("shape")->children.front(), "size", kPlane);
+    auto model = std::make_shared<const Model>(
+        obstacle_model(obstacle.shape, size, obstacle.place, vec3_or(value, "color", grey)));
+    (obstacle.path ? stage.body_models : stage.scenery).push_back(std::move(model));
+  }
 }
 
 }  // namespace
@@ -190,6 +206,7 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
     const Value* mesh = body.find("mesh");
     stage.body_models.push_back(mesh ? models.get(*mesh) : models.shape(body));
   });
+  show_obstacles(root.find("obstacles"), scene.world, stage);
   for_each(root.find("connectors"),
            [&](const Value& connector) { stage.connector_looks.push_back(read_look(connector)); });
   const Value* connectors = root.find("connectors");

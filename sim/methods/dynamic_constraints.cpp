@@ -35,6 +35,7 @@ class DynamicConstraints final : public SteppedMethod {
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
+    refuse_obstacles(kName, world);
     stepper_.prepare(mechanism);
     system_.rebuild(mechanism);
     resize_within(mechanism.row_room(), mechanism.rows().size(), right_);

@@ -67,6 +67,7 @@ class Impulse final : public Method {
 };
 
 void Impulse::prepare(const World& world) {
+  refuse_obstacles(kName, world);
   topology_ = world.topology;
   impulses_.prepare(world);
   if (!prepared_) {

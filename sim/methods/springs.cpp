@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "sim/coarse_method.h"
+#include "sim/contact/bead_contacts.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
 
@@ -40,6 +41,7 @@ class Springs : public SteppedMethod {
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
     stepper_.prepare(mechanism);
+    contacts_.rebuild(mechanism, world);
     row_mobility(mechanism, mobility_);
     const double fastest = fastest_wave(mobility_, stiffness_);
     damper_ = fastest > 0 ? 2 * damping_ * stiffness_ / fastest : 0;
@@ -60,6 +62,7 @@ class Springs : public SteppedMethod {
                     ++counters_.solves;
                     counters_.work += at.work();
                   });
+    if (contacts_.any()) contacts_.stop(mechanism, time + dt, dt, state);
   }
 
   double stiffness_, damping_;  // N/m, 1
@@ -67,6 +70,7 @@ class Springs : public SteppedMethod {
   Integrator integrator_;
   double limit_;  // of its stable steps, as a multiple of 1/w
   Stepper stepper_;
+  BeadContacts contacts_;
   std::vector<double> mobility_;  // per row, 1/kg
 };
 
@@ -115,6 +119,7 @@ MethodInfo springs_method() {
                 {"rk4", {{"integrator", std::string("rk4")}}}},
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
+      .touches_obstacles = true,
       .coarse = coarse,
       .cost = {.memory = 350, .step = 1e-8},
   };

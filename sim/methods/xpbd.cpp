@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/coarse_method.h"
+#include "sim/contact/bead_contacts.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
 
@@ -45,9 +46,12 @@ class Xpbd final : public SteppedMethod {
   double step_work_ = 0, pass_work_ = 0;    // cycles, see Counters::work
   std::vector<Carriers> carriers_;          // per row
   std::vector<double> multiplier_, flown_;  // kg m per row; the state after free motion
+  std::vector<double> started_;             // the state before it
+  BeadContacts contacts_;
 };
 
-double Xpbd::prepare(Mechanism& mechanism, const World&) {
+double Xpbd::prepare(Mechanism& mechanism, const World& world) {
+  contacts_.rebuild(mechanism, world);
   resize_within(mechanism.row_room(), mechanism.rows().size(), multiplier_);
   flown_.reserve(mechanism.state_room());
   carriers_.reserve(mechanism.row_room());
@@ -65,6 +69,7 @@ double Xpbd::prepare(Mechanism& mechanism, const World&) {
 }
 
 void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) {
+  if (contacts_.any()) started_ = state;
   const Vec3 gain = dt * mechanism.gravity();
   for (std::size_t p = 0; p < mechanism.points(); ++p)
     vector(&state[mechanism.velocity(p)]) += gain;
@@ -77,6 +82,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
 
   std::ranges::fill(multiplier_, 0.0);
   for (int i = 0; i < iterations_; ++i) pass(mechanism, compliance_ / (dt * dt), state.data());
+  if (contacts_.any()) contacts_.move_out(mechanism, time + dt, dt, started_, state);
   counters_.solves += static_cast<std::uint64_t>(iterations_);
   counters_.work += step_work_ + iterations_ * pass_work_;
 
@@ -91,6 +97,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     const Quat turned = quaternion(&state[q + 3]) * quaternion(&flown_[q + 3]).conjugate();
     spin += angle(turned) / dt;
   }
+  if (contacts_.any()) contacts_.rebound(mechanism, dt, started_, state);
 }
 
 /// Goes through the rows once; `softness` is the compliance over dt^2, 1/kg.
@@ -189,6 +196,7 @@ MethodInfo xpbd_method() {
       },
       .longest_step = longest_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
+      .touches_obstacles = true,
       .coarse = [](const MethodInfo& xpbd,
                    const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .cost = {.memory = 250, .step = 3e-8},

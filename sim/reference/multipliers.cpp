@@ -55,6 +55,7 @@ class Multipliers final : public Method {
 };
 
 void Multipliers::prepare(const World& world) {
+  refuse_obstacles("truth", world);
   step_ = kFirstStep;
   mechanism_.rebuild(world);
   system_.rebuild(mechanism_);

@@ -71,6 +71,7 @@ void SdFast::give_up(const World& world, const std::string& what) const {
 
 /// Finds the model of the world's chain.
 void SdFast::choose(const World& world) {
+  refuse_obstacles(kName, world);
   try {
     chain_ = sdfast::find_chain(world);
   } catch (const std::invalid_argument& error) {

@@ -255,6 +255,34 @@ TEST_P(MethodContract, APinThatIsDrawnAway) {
   expect_convergence("a pin that is drawn away", rope);
 }
 
+// Swings down onto a floor with friction: no bead ends a step below it, and what comes to lie stays.
+// Methods that know no contact say so.
+TEST_P(MethodContract, AFloor) {
+  World world = worlds::chain(6, 0.5, Vec3::UnitX());
+  Obstacle floor;
+  floor.name = "floor";
+  floor.place.position.y() = -0.3;
+  floor.static_friction = floor.kinetic_friction = 0.5;
+  world.obstacles = {floor};
+  world.topology = structure(world);
+  if (!find_method(theory().method)->touches_obstacles) {
+    try {
+      after(world, kHorizon);
+      ADD_FAILURE() << theory().label << " says nothing of the floor";
+    } catch (const Diverged& error) {
+      EXPECT_NE(std::string(error.what()).find("knows no contact, and there is the obstacle floor"),
+                std::string::npos)
+          << error.what();
+    }
+    return;
+  }
+  const World landed = after(world, kHorizon);
+  double lowest = 0;
+  for (const Vec3& at : landed.connectors[0].position) lowest = std::min(lowest, at.y());
+  EXPECT_NEAR(lowest, -0.3, kRounding) << "it reaches the floor and does not enter it";
+  EXPECT_EQ(state_hash(landed), state_hash(after(world, kHorizon)));
+}
+
 TEST_P(MethodContract, Determinism) {
   const World world = worlds::chain_with_box(6);
   EXPECT_EQ(state_hash(after(world, 0.1)), state_hash(after(world, 0.1)));

@@ -60,15 +60,16 @@ TEST(SourceTree, NoProgramHasTwoTypesOfOneName) {
 
 /// The rooms that each room may look into, beside its own files.
 const std::map<std::string, std::set<std::string>> kSees = {
-    {"sim", {"sim/batch"}},
+    {"sim", {"sim/batch", "sim/contact"}},
     {"sim/batch", {}},
-    {"sim/methods", {"sim", "sim/methods/direct"}},
-    {"sim/methods/direct", {"sim"}},
+    {"sim/contact", {"sim"}},
+    {"sim/methods", {"sim", "sim/contact", "sim/methods/direct"}},
+    {"sim/methods/direct", {"sim", "sim/contact"}},
     {"sim/options", {"sim"}},
-    {"sim/reference", {"sim", "sim/reference/sdfast"}},
+    {"sim/reference", {"sim", "sim/contact", "sim/reference/sdfast"}},
     {"sim/reference/sdfast", {"sim"}},
     {"sim/study", {"sim", "sim/truth"}},
-    {"sim/truth", {"sim"}},
+    {"sim/truth", {"sim", "sim/contact"}},
     {"sim/examples", {"taut"}},
     {"scenes", {"sim", "scenes/character", "scenes/model", "scenes/reader"}},
     {"scenes/character", {"sim", "scenes", "scenes/model"}},

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "sim/coarse_method.h"
+#include "sim/methods/direct/contacts.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/projection.h"
@@ -21,6 +22,7 @@ class Direct : public Method {
   explicit Direct(const direct::StepOptions& options) : options_(options) {}
 
   void advance(World& world, double until) override {
+    if (!world.obstacles.empty()) return advance_contacts(world, until);
     if (has_spans(world)) return advance_spans(world, until);
     if (!built_ || topology_ != world.topology) rebuild(world);
     if (!same(world)) {
@@ -59,6 +61,21 @@ class Direct : public Method {
   }
 
  private:
+  void advance_contacts(World& world, double until) {
+    if (!contacts_) {
+      contacts_ = std::make_unique<direct::Contacts>(
+          options_, [options = options_] { return std::make_unique<Direct>(options); });
+    }
+    if (!built_ || topology_ != world.topology) {
+      if (has_spans(world)) refuse_obstacles("direct with a massless span", world);
+      built_ = true;
+      topology_ = world.topology;
+      contacts_->prepare(world);
+    }
+    contacts_->advance(world, until);
+    counters_ = contacts_->counters();
+  }
+
   void advance_spans(World& world, double until) {
     if (!spans_) spans_ = std::make_unique<direct::Spans>(std::make_unique<Direct>(options_));
     if (!built_ || topology_ != world.topology) {
@@ -148,8 +165,9 @@ class Direct : public Method {
   std::size_t followed_ = 0;
   bool changes_ = false;  // interventions may come, for which room is kept
   VelocityProjection velocity_projection_;
-  std::unique_ptr<direct::Spans> spans_;  // where the world has massless ones
-  std::vector<double> noted_;             // the world as advance() left it
+  std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
+  std::unique_ptr<direct::Contacts> contacts_;  // where it has obstacles
+  std::vector<double> noted_;                   // the world as advance() left it
 };
 
 /// One whose steps are shorter by a fifth. The errors of the three schemes fall by 1.25^8, 1.25^4
@@ -211,6 +229,7 @@ MethodInfo direct_method() {
         return std::make_unique<Direct>(options);
       },
       .follows_spans = true,
+      .touches_obstacles = true,
       .coarse =
           [](const MethodInfo& direct, const Settings& settings) {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)

@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+/// How deep (of the length) a bead may start in an obstacle: the rounding of numbers that people
+/// type. The first step moves it out.
+constexpr double kRounding = 1e-6;
+
+double read_rounding(const Document& document, const Value& kind, double least) {
+  const Value* rounding = kind.find("rounding");
+  if (!rounding) return 0;
+  if (rounding->number > least / 2) {
+    document.mismatch(*rounding,
+                      fmt::format("at most half of its smallest size, {:.6g}", least / 2));
+  }
+  return rounding->number;
+}
+
+Shape read_surface(const Document& document, const Value& shape) {
+  const Value& kind = shape.children.front();
+  if (kind.name == "plane") return plane_shape();
+  if (kind.name == "box") {
+    const Vec3 size = kind.find("size")->vec3();
+    return box_shape(size, read_rounding(document, kind, size.minCoeff()));
+  }
+  const double diameter = kind.find("diameter")->number;
+  if (kind.name == "sphere") return sphere_shape(diameter / 2);
+  const double length = kind.find("length")->number;
+  if (kind.name == "capsule") return capsule_shape(diameter / 2, length);
+  return cylinder_shape(diameter / 2, length,
+                        read_rounding(document, kind, std::min(diameter, length)));
+}
+
+Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions) {
+  Obstacle made;
+  made.name = value.name;
+  made.shape = read_surface(document, *value.find("shape"));
+  made.place.position = vec3_or(value, "position", Vec3::Zero());
+  if (const Value* turned = value.find("rotation")) {
+    made.place.rotation = rotation(document, *turned);
+  }
+  if (const Value* path = value.find("path")) made.path = motions.path(*path);
+  made.kinetic_friction = number_or(value, "friction", 0);
+  made.static_friction = number_or(value, "static_friction", made.kinetic_friction);
+  if (made.static_friction < made.kinetic_friction) {
+    document.mismatch(*value.find("static_friction"),
+                      fmt::format("at least friction, {}", made.kinetic_friction));
+  }
+  made.restitution = number_or(value, "restitution", 0);
+  return made;
+}
+
+/// No held particle may be inside of an obstacle, and no bead reach into one.
+void check_start(const Document& document, const Value& value, const Obstacle& obstacle,
+                 const World& world) {
+  const Pose frame = obstacle.frame(0).pose();
+  const Value* connectors = document.root.find("connectors");
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    const double rounding = kRounding * connector.length;
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      const bool held = std::ranges::any_of(connector.holds,
+                                            [&](const Hold& hold) { return hold.particle == i; });
+      const double apart =
+          gap(obstacle, frame, connector.position[i], held ? 0 : connector.radius).distance;
+      if (apart >= -rounding) continue;
+      if (held) {
+        document.fail(value, fmt::format("is around what holds connector {} (particle {}), {:.6g} "
+                                         "m deep, expected to be beside it",
+                                         connector.name, i, -apart));
+      }
+      document.fail(*connectors->find(connector.name.substr(0, connector.name.find('#'))),
+                    fmt::format("its particle {} starts {:.6g} m inside of obstacle {}, expected "
+                                "to start outside, {} m of radius counted",
+                                i, -apart, obstacle.name, connector.radius));
+    }
+  }
+}
+
+}  // namespace
+
+void read_obstacles(const Document& document, Motions& motions, World& world) {
+  const Value* table = document.root.find("obstacles");
+  if (!table) return;
+  const Value* connectors = document.root.find("connectors");
+  for (std::size_t c = 0; connectors && c < connectors->children.size(); ++c) {
+    const Value* model = connectors->children[c].find("model");
+    if (!model || model->text != "span") continue;
+    document.mismatch(*model,
+                      "\"links\": a massless span touches no obstacle, and the scene has some");
+  }
+  for (const Value& value : table->children) {
+    const Obstacle& made = world.obstacles.emplace_back(read_obstacle(document, value, motions));
+    if (!made.path) continue;
+    Body seen;
+    seen.name = made.name;
+    seen.path = made.path;
+    seen.mass_properties = solid_sphere(1, 1);  // of no account: nothing moves it but its path
+    world.bodies.push_back(std::move(seen));
+  }
+}
+
+void check_obstacles(const Document& document, const World& world) {
+  for (std::size_t o = 0; o < world.obstacles.size(); ++o) {
+    check_start(document, document.root.find("obstacles")->children[o], world.obstacles[o], world);
+  }
+}
+
+}  // namespace taut

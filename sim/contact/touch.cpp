@@ -1,0 +1,194 @@
+#include "sim/contact/touch.h"
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace taut {
+namespace {
+
+constexpr double kParallel = 1e-6;  // of the sine of the angle between two normals
+constexpr double kSlack = 1e-12;    // of the speeds: by how much a touch may be broken by rounding
+
+struct Found {
+  Response response;
+  std::array<Touch, 3> touches;
+};
+
+/// What the bead's velocity would be without what the touch has given.
+Vec3 without(const Vec3& free, const Touch& touch) {
+  return free - touch.pushed - touch.rubbed;
+}
+
+void open(Touch& touch) {
+  touch.state = Touch::State::open;
+  touch.push = 0;
+  touch.rub.setZero();
+}
+
+double holding(const Touch& touch, const Vec3& slip) {
+  return touch.slid.dot(slip) > 0 ? touch.slide : touch.stick;
+}
+
+/// The one touch closes; none where it would have to pull.
+std::optional<Response> close_one(const Vec3& free, Touch& touch) {
+  const Vec3& n = touch.normal;
+  const Vec3 rubless = free - touch.rubbed;
+  const double push = n.dot(touch.pushed) + touch.least - n.dot(rubless);
+  if (!(push > 0)) return std::nullopt;
+  touch.push = push;
+  const Mat3 across = Mat3::Identity() - n * n.transpose();
+  const Vec3 slip = across * (rubless - touch.surface);
+  const double speed = slip.norm();
+  const Vec3 carried = touch.least * n + across * touch.surface;
+  if (speed <= holding(touch, slip) * push) {
+    touch.state = Touch::State::sticks;
+    touch.rub = -slip;
+    return Response{carried, Mat3::Zero()};
+  }
+  touch.state = Touch::State::slides;
+  const Vec3 ahead = slip / speed;
+  const double kept = 1 - std::min(1.0, touch.slide * push / speed);
+  touch.rub = (kept - 1) * slip;
+  Response found{carried + kept * slip, kept * across};
+  if (kept > 0) {
+    found.derivative += (1 - kept) * ahead * ahead.transpose();
+    found.derivative += touch.slide * ahead * n.transpose();
+  } else {
+    found.derivative.setZero();
+  }
+  return found;
+}
+
+/// Two touches close: the bead can only slide along the line that both surfaces share.
+std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b) {
+  const Vec3 line = a.normal.cross(b.normal);
+  const double sine = line.norm();
+  if (!(sine > kParallel)) return std::nullopt;
+  const Vec3 along = line / sine;
+  const Vec3 rubless = free - a.rubbed - b.rubbed;
+  Eigen::Matrix<double, 2, 3> normals;
+  normals << a.normal.transpose(), b.normal.transpose();
+  const Eigen::Matrix2d inverse = (normals * normals.transpose()).inverse();
+  const Eigen::Vector2d wanted(a.least, b.least);
+  const Vec3 bare = rubless - a.pushed - b.pushed;
+  const Eigen::Vector2d push = inverse * (wanted - normals * bare);
+  if (!(push.minCoeff() > 0)) return std::nullopt;
+  a.push = push[0];
+  b.push = push[1];
+  const Vec3 held = normals.transpose() * (inverse * wanted);
+  const double carried = along.dot(a.surface + b.surface) / 2;
+  const double slip = along.dot(rubless) - carried;
+  const double hold_a = holding(a, slip * along) * a.push;
+  const double most = hold_a + holding(b, slip * along) * b.push;
+  if (std::abs(slip) <= most) {
+    for (Touch* touch : {&a, &b}) {
+      touch->state = Touch::State::sticks;
+      const double own = touch == &a ? hold_a : most - hold_a;
+      const double share = most > 0 ? own / most : 0;
+      touch->rub = -share * slip * along;
+    }
+    return Response{held + carried * along, Mat3::Zero()};
+  }
+  const double way = slip > 0 ? 1 : -1;
+  const Eigen::Vector2d slide(a.slide, b.slide);
+  const double rub = std::min(std::abs(slip), slide.dot(push));
+  for (Touch* touch : {&a, &b}) {
+    touch->state = Touch::State::slides;
+    touch->rub = -way * touch->slide * touch->push * along;
+  }
+  Response found{held + (carried + slip - way * rub) * along, Mat3::Zero()};
+  if (rub < std::abs(slip)) {
+    found.derivative = along * (along.transpose() + way * slide.transpose() * inverse * normals);
+  }
+  return found;
+}
+
+/// Three touches close: the bead goes where they do.
+std::optional<Response> close_three(const Vec3& free, std::span<Touch> touches) {
+  Mat3 normals;
+  Vec3 wanted, bare = free;
+  for (int i = 0; i < 3; ++i) {
+    const Touch& touch = touches[static_cast<std::size_t>(i)];
+    normals.row(i) = touch.normal.transpose();
+    wanted[i] = touch.least;
+    bare = without(bare, touch);
+  }
+  if (!(std::abs(normals.determinant()) > kParallel)) return std::nullopt;
+  const Vec3 velocity = normals.inverse() * wanted;
+  const Vec3 push = normals.transpose().inverse() * (velocity - bare);
+  if (!(push.minCoeff() > 0)) return std::nullopt;
+  for (int i = 0; i < 3; ++i) {
+    Touch& touch = touches[static_cast<std::size_t>(i)];
+    touch.state = Touch::State::sticks;
+    touch.push = push[i];
+    touch.rub.setZero();
+  }
+  return Response{velocity, Mat3::Zero()};
+}
+
+/// By how much (m/s) a velocity breaks what the touches ask for.
+double broken(const Vec3& velocity, std::span<const Touch> touches) {
+  double most = 0;
+  for (const Touch& touch : touches) {
+    most = std::max(most, touch.least - touch.normal.dot(velocity));
+  }
+  return most;
+}
+
+/// With only the touches closed whose bit is set.
+std::optional<Found> closed(const Vec3& free, std::span<const Touch> touches, unsigned which) {
+  Found found;
+  Vec3 velocity = free;
+  std::array<std::size_t, 3> shut{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    found.touches[i] = touches[i];
+    open(found.touches[i]);
+    if (which & (1u << i)) {
+      shut[count++] = i;
+    } else {
+      velocity = without(velocity, touches[i]);
+    }
+  }
+  std::optional<Response> response;
+  if (count == 0) {
+    response = Response{velocity, Mat3::Identity()};
+  } else if (count == 1) {
+    response = close_one(velocity, found.touches[shut[0]]);
+  } else if (count == 2) {
+    response = close_two(velocity, found.touches[shut[0]], found.touches[shut[1]]);
+  } else {
+    response = close_three(velocity, std::span(found.touches));
+  }
+  if (!response) return std::nullopt;
+  found.response = *response;
+  return found;
+}
+
+}  // namespace
+
+Response respond(const Vec3& free, std::span<Touch> touches) {
+  // From few that are closed to many: the first that breaks no touch is it.
+  static constexpr std::array<unsigned, 8> kOrder{0, 1, 2, 4, 3, 5, 6, 7};
+  double least = std::numeric_limits<double>::infinity();
+  Found best;
+  best.response.velocity = free;
+  for (const unsigned which : kOrder) {
+    if (which >> touches.size()) continue;
+    const std::optional<Found> found = closed(free, touches, which);
+    if (!found) continue;
+    const double wrong = broken(found->response.velocity, touches);
+    if (wrong < least) {
+      least = wrong;
+      best = *found;
+    }
+    if (wrong <= kSlack * (1 + free.norm())) break;
+  }
+  for (std::size_t i = 0; i < touches.size(); ++i) touches[i] = best.touches[i];
+  return best.response;
+}
+
+}  // namespace taut

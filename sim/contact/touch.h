@@ -1,0 +1,46 @@
+// How a bead answers to what it touches: unilateral contact with Coulomb friction, solved at one
+// bead.
+#pragma once
+
+#include <span>
+
+#include "sim/types.h"
+
+namespace taut {
+
+/// One surface at a bead, in one stage of a step. Impulses are over the bead's mass, so that they
+/// are velocities (m/s).
+struct Touch {
+  enum class State { open, slides, sticks };
+  Vec3 normal = Vec3::UnitY();  // out of the surface
+  double least = 0;             // m/s: the bead's velocity along the normal is at least that
+  Vec3 surface = Vec3::Zero();  // m/s, of the obstacle there
+  double stick = 0, slide = 0;  // Coulomb's coefficients, static and kinetic
+  /// m/s, how the bead slid before. What was at rest, or comes to rest before it goes on the other
+  /// way, is held by static friction.
+  Vec3 slid = Vec3::Zero();
+
+  /// What the surface has given to the bead earlier in the step, which the velocity that respond()
+  /// is told contains: along the normal, and by friction. Signorini and Coulomb hold for the sum.
+  Vec3 pushed = Vec3::Zero(), rubbed = Vec3::Zero();
+
+  // Found by respond():
+  State state = State::open;
+  double push = 0;          // along the normal, the sum
+  Vec3 rub = Vec3::Zero();  // across it, the sum
+};
+
+/// A bead's velocity and how it changes with the velocity that it would have without the touches.
+struct Response {
+  Vec3 velocity = Vec3::Zero();
+  Mat3 derivative = Mat3::Identity();
+};
+
+/// The velocity of a bead that would have `free`, and at most three touches: along each normal it
+/// is at least what the touch says, what pushes does so where it is just that, and friction is
+/// within Coulomb's cone and, where the bead slides, against its sliding (kinetic). Where two
+/// surfaces hold a bead, friction acts along their common line alone: of many solutions this one
+/// needs no friction across it.
+Response respond(const Vec3& free, std::span<Touch> touches);
+
+}  // namespace taut

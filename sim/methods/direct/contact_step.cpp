@@ -1,0 +1,449 @@
+#include "sim/methods/direct/contact_step.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sim/hash.h"
+
+namespace taut::direct {
+namespace {
+
+using ConstMap = Eigen::Map<const Vec3>;
+
+Eigen::Map<Vec3> vector(double* at) {
+  return Eigen::Map<Vec3>(at);
+}
+
+constexpr double kTouching = 1e-9;       // of the longest connector
+constexpr double kShortOf = 100;         // of that: a hit that was located is this near
+constexpr double kExact = 1e-14;         // m: rounding of positions of about a metre
+constexpr double kSameDirection = 1e-9;  // rad
+constexpr double kStopped = 1e-13;       // of the speeds
+constexpr double kLeftOver = 1e4;        // times that, at most
+constexpr int kIterations = 80;
+constexpr double kWorse = 4;        // times as far from a solution as before
+constexpr int kHalvings = 8;        // of a change that leads there
+constexpr int kUndamped = 6;        // of these
+constexpr double kShortest = 1e-7;  // s: nothing is located more precisely
+constexpr int kRounds = 12;         // of finding what is hit in a step
+
+/// How much of Newton's changes is taken: all as long as touches stay as they are. Those that
+/// change their state to and fro, between sticking and sliding say, need less.
+class Damping {
+ public:
+  double next(std::uint64_t pattern) {
+    if (iteration_++ >= kUndamped) {
+      share_ = pattern == last_ ? std::min(1.0, 2 * share_) : std::max(0.1, 0.7 * share_);
+    }
+    last_ = pattern;
+    return share_;
+  }
+
+ private:
+  int iteration_ = 0;
+  double share_ = 1;
+  std::uint64_t last_ = 0;
+};
+
+}  // namespace
+
+void ContactStep::rebuild(const World& world) {
+  mechanism_.rebuild(world);
+  system_.rebuild(mechanism_);
+  radius_.clear();
+  double longest = 0;
+  for (const Connector& connector : world.connectors) {
+    longest = std::max(longest, connector.length);
+    const bool joint = !(connector.length > 0);
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      radius_.push_back(joint ? -1 : connector.radius);
+    }
+  }
+  for (std::size_t p = 0; p < radius_.size(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) radius_[p] = -1;
+  }
+  touching_ = kTouching * (longest > 0 ? longest : 1);
+  const std::size_t points = mechanism_.points(), rows = mechanism_.rows().size();
+  for (auto* array : {&mean_, &middle_, &free_, &acceleration_, &last_acceleration_}) {
+    array->assign(points, Vec3::Zero());
+  }
+  for (auto* array : {&from_, &along_, &to_}) array->assign(rows, Vec3::Zero());
+  for (auto* array : {&pull_, &rest_, &change_, &tension_, &last_tension_}) array->assign(rows, 0);
+  answer_.assign(points, Mat3::Zero());
+  arm_.resize(mechanism_.body_points().size());
+  inverse_.resize(mechanism_.bodies().size());
+  touches_.clear();
+  before_.clear();
+  last_hits_ = true;
+  solves_ = 0;
+}
+
+void ContactStep::load(const World& world, const std::vector<Obstacle>& obstacles) {
+  obstacles_ = &obstacles;
+  mechanism_.load(world, state_);
+  next_ = state_;
+  last_hits_ = true;
+}
+
+Vec3 ContactStep::position(const std::vector<double>& state, std::size_t point) const {
+  return ConstMap(&state[mechanism_.position(point)]);
+}
+
+/// Beads that touch at the start, but for those which are leaving.
+void ContactStep::find_touches() {
+  before_.swap(touches_);
+  touches_.clear();
+  for (std::uint32_t p = 0; p < radius_.size(); ++p) {
+    if (radius_[p] < 0) continue;
+    const Vec3 at = position(state_, p);
+    for (std::uint32_t o = 0; o < start_.size(); ++o) {
+      const SurfaceDistance near = gap((*obstacles_)[o], start_[o].pose(), at, radius_[p]);
+      if (near.distance > touching_) continue;
+      const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);
+      const Vec3 surface =
+          start_[o].point(start_[o].rotation.conjugate() * (at - start_[o].position)).velocity;
+      if (near.normal.dot(velocity - surface) > touching_) continue;
+      add_touch({.point = p,
+                 .obstacle = o,
+                 .anchor = start_[o].rotation.conjugate() * (at - start_[o].position)});
+      touches_.back().hits = false;
+    }
+  }
+}
+
+void ContactStep::add_touch(const Hit& hit) {
+  const auto same = [&](const BeadTouch& touch) {
+    return touch.point == hit.point && touch.obstacle == hit.obstacle;
+  };
+  if (std::ranges::any_of(touches_, same)) return;
+  const auto at = std::ranges::upper_bound(touches_, hit.point, {}, &BeadTouch::point);
+  if (std::ranges::count(touches_, hit.point, &BeadTouch::point) == 3) return;
+  const Obstacle& obstacle = (*obstacles_)[hit.obstacle];
+  BeadTouch made{.point = hit.point,
+                 .obstacle = hit.obstacle,
+                 .hits = true,
+                 .anchor = hit.anchor,
+                 .side = obstacle.shape.from(hit.anchor).normal,
+                 .touch = {}};
+  const auto was = std::ranges::find_if(before_, same);
+  const bool stuck = was != before_.end() && was->touch.state == Touch::State::sticks;
+  if (!stuck) {
+    const FrameMotion& start = start_[hit.obstacle];
+    const Vec3 from = position(state_, hit.point) - start.position;
+    made.touch.slid =
+        ConstMap(&state_[mechanism_.velocity(hit.point)]) - start.velocity - start.spin.cross(from);
+  }
+  touches_.insert(at, made);
+}
+
+double ContactStep::attempt(double time, double h, bool locates, double lowest) {
+  const std::vector<Obstacle>& obstacles = *obstacles_;
+  start_.resize(obstacles.size());
+  end_.resize(obstacles.size());
+  for (std::size_t o = 0; o < obstacles.size(); ++o) start_[o] = obstacles[o].frame(time);
+  mechanism_.update(time, state_.data());
+  from_ = mechanism_.direction();
+  for (std::size_t i = 0; i < arm_.size(); ++i) arm_[i] = mechanism_.body_points()[i].arm;
+  for (std::size_t b = 0; b < inverse_.size(); ++b) {
+    inverse_[b] = mechanism_.bodies()[b].world_inverse;
+  }
+  find_touches();
+  hits_ = false;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t o = 0; o < obstacles.size(); ++o) end_[o] = obstacles[o].frame(time + h);
+    for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] = h * last_tension_[r];
+    if (!glide(time, h, 1) && !glide_by_parts(time, h)) return 0;
+    if (!find_hits(time, h)) return settle(time, h, lowest) ? h : 0;
+    hits_ = true;
+    double first = 1;
+    for (const Hit& hit : found_) {
+      if (locates || hit.passes) first = std::min(first, hit.share);
+    }
+    const bool shortens = first < 1 - 1e-6 && first * h > kShortest;
+    for (const Hit& hit : found_) {
+      if (!shortens || hit.share <= first * (1 + 1e-6)) add_touch(hit);
+    }
+    if (shortens) h *= first;
+  }
+  return 0;
+}
+
+/// How directions and lengths are at the end of the step; returns the largest change of a mean
+/// direction.
+double ContactStep::measure() {
+  const auto& rows = mechanism_.rows();
+  double changed = 0;
+  turn_ = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Row& row = rows[r];
+    const Vec3 gap = position(next_, row.b) - position(next_, row.a);
+    if (row.axis != Row::kAlongLink) {
+      to_[r] = along_[r] = Vec3::Unit(row.axis);
+      rest_[r] = gap[row.axis];
+      continue;
+    }
+    const double length = gap.norm();
+    to_[r] = gap / length;
+    rest_[r] = length - row.rest;
+    const Vec3 mean = (from_[r] + to_[r]).normalized();
+    changed = std::max(changed, (mean - along_[r]).squaredNorm());
+    turn_ = std::max(turn_, (to_[r] - from_[r]).squaredNorm());
+    along_[r] = mean;
+  }
+  turn_ = std::sqrt(turn_);
+  return std::sqrt(changed);
+}
+
+/// Tells the touches of the first stage where the beads are; returns by how much (m) a touch that
+/// pushes is open, or one is broken.
+double ContactStep::aim(double h) {
+  double worst = 0;
+  for (BeadTouch& at : touches_) {
+    const Obstacle& obstacle = (*obstacles_)[at.obstacle];
+    const FrameMotion &start = start_[at.obstacle], &end = end_[at.obstacle];
+    const Vec3 from = position(state_, at.point), to = position(next_, at.point);
+    SurfaceDistance near = gap(obstacle, end.pose(), to, radius_[at.point]);
+    const Vec3 side = end.rotation * at.side;
+    if (near.normal.dot(side) < 0) {  // on its way to a solution it came out on the other side
+      near = {side.dot(to - end.pose().to_world(at.anchor)), side};
+    }
+    at.gap = near.distance;
+    worst = std::max(worst, at.touch.push > 0 ? std::abs(near.distance) : -near.distance);
+    // Along the mean normal a bead that stays at a round surface moves no way at all.
+    Vec3 normal = near.normal;
+    if (!at.hits) normal += gap(obstacle, start.pose(), from, radius_[at.point]).normal;
+    at.touch.normal = normal.squaredNorm() > 1 ? Vec3(normal.normalized()) : near.normal;
+    const Vec3 local = end.rotation.conjugate() * (to - end.position);
+    at.touch.surface = (to - start.pose().to_world(local)) / h;
+    at.touch.least = (at.touch.normal.dot(to - from) - near.distance) / h;
+    at.touch.pushed.setZero();
+    at.touch.rubbed.setZero();
+  }
+  return worst;
+}
+
+/// Adds to velocities what a `share` of the rows' impulses makes of them.
+void ContactStep::spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
+                         std::span<Vec3> velocity) const {
+  const auto& rows = mechanism_.rows();
+  const auto& mobile = mechanism_.inverse_mass();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Vec3 pull = share * impulse[r] * along[r];
+    velocity[rows[r].a] += mobile[rows[r].a] * pull;
+    velocity[rows[r].b] -= mobile[rows[r].b] * pull;
+  }
+}
+
+/// Lets each bead answer to its touches, and notes how it does.
+void ContactStep::respond_all(std::span<Vec3> velocity) {
+  const auto& mobile = mechanism_.inverse_mass();
+  for (std::size_t p = 0; p < answer_.size(); ++p) answer_[p] = mobile[p] * Mat3::Identity();
+  std::array<Touch, 3> touches;
+  for (std::size_t i = 0; i < touches_.size();) {
+    const std::size_t point = touches_[i].point;
+    std::size_t count = 0;
+    while (i + count < touches_.size() && touches_[i + count].point == point) {
+      touches[count] = touches_[i + count].touch;
+      ++count;
+    }
+    const Response answer = respond(velocity[point], std::span(touches).first(count));
+    velocity[point] = answer.velocity;
+    answer_[point] = mobile[point] * answer.derivative;
+    for (std::size_t k = 0; k < count; ++k) touches_[i + k].touch = touches[k];
+    i += count;
+  }
+}
+
+/// What the touches do, as one number.
+std::uint64_t ContactStep::pattern() const {
+  Hash hash;
+  for (const BeadTouch& at : touches_) {
+    hash.word(std::uint64_t(at.point))
+        .word(std::uint64_t(at.obstacle))
+        .word(static_cast<std::uint64_t>(at.touch.state));
+  }
+  return hash.value();
+}
+
+/// Moves everything by the pulls as they are.
+void ContactStep::move(double time, double h) {
+  const Vec3 gain = h / 2 * mechanism_.gravity();
+  for (std::size_t p = 0; p < mean_.size(); ++p) {
+    mean_[p] = ConstMap(&state_[mechanism_.velocity(p)]) + gain;
+  }
+  spread(pull_, along_, 0.5, mean_);
+  respond_all(mean_);
+  for (std::size_t p = 0; p < mean_.size(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) continue;
+    vector(&next_[mechanism_.position(p)]) = position(state_, p) + h * mean_[p];
+  }
+  // Bodies: half of the impulses at the start, a turn without torque, the other half at the end.
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    const double* u = &state_[mechanism_.twist(b)];
+    vector(&next_[mechanism_.twist(b)]) = ConstMap(u) + gain;
+    vector(&next_[mechanism_.twist(b) + 3]) = ConstMap(u + 3);
+  }
+  for (const auto& end : mechanism_.row_ends()) {
+    const std::size_t body = mechanism_.body_points()[end.body_point].body;
+    const Vec3 pull = end.sign * 0.5 * pull_[end.row] * along_[end.row];
+    double* u = &next_[mechanism_.twist(body)];
+    vector(u) += mechanism_.bodies()[body].inverse_mass * pull;
+    vector(u + 3) += inverse_[body] * arm_[end.body_point].cross(pull);
+  }
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    const double *u = &next_[mechanism_.twist(b)], *q = &state_[mechanism_.pose(b)];
+    Quat rotation = quaternion(q + 3);
+    Vec3 spin = ConstMap(u + 3);
+    mechanism_.bodies()[b].rotation.turn(rotation, spin, h);
+    vector(&next_[mechanism_.twist(b) + 3]) = spin;
+    vector(&next_[mechanism_.pose(b)]) = ConstMap(q) + h * ConstMap(u);
+    set_quaternion(rotation.normalized(), &next_[mechanism_.pose(b) + 3]);
+  }
+  mechanism_.place(time + h, next_.data());
+}
+
+/// With friction let in by and by, from no pulls at all.
+bool ContactStep::glide_by_parts(double time, double h) {
+  std::ranges::fill(pull_, 0.0);
+  for (const double share : {0.0, 0.3, 0.6, 0.8}) {
+    if (!glide(time, h, share)) return false;
+  }
+  return glide(time, h, 1);
+}
+
+/// Finds the first stage's pulls, from those that there are, with so much of all friction.
+bool ContactStep::glide(double time, double h, double friction) {
+  next_ = state_;
+  for (std::size_t p = 0; p < mean_.size(); ++p) {
+    vector(&next_[mechanism_.position(p)]) += h * ConstMap(&state_[mechanism_.velocity(p)]);
+  }
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    vector(&next_[mechanism_.pose(b)]) += h * ConstMap(&state_[mechanism_.twist(b)]);
+  }
+  mechanism_.place(time + h, next_.data());
+  for (BeadTouch& at : touches_) {
+    at.touch.push = 0;
+    at.touch.stick = friction * (*obstacles_)[at.obstacle].static_friction;
+    at.touch.slide = friction * (*obstacles_)[at.obstacle].kinetic_friction;
+  }
+  double before = std::numeric_limits<double>::infinity();
+  int halvings = 0;
+  Damping damping;
+  for (int i = 0; i < kIterations; ++i) {
+    const double changed = measure();
+    const double apart = aim(h);
+    double worst = apart;
+    for (const double rest : rest_) worst = std::max(worst, std::abs(rest));
+    if (!std::isfinite(worst)) return false;
+    const bool settled = worst < touching_ && worst > before / 2;
+    if (i > 0 && changed < kSameDirection && (worst <= kExact || settled)) return true;
+    if (i > 1 && worst > kWorse * before && halvings < kHalvings) {  // too far: half the way back
+      for (double& change : change_) change /= 2;
+      for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] -= change_[r];
+      ++halvings;
+    } else {
+      before = worst;
+      halvings = 0;
+      if (i > 0) {
+        for (std::size_t r = 0; r < rest_.size(); ++r) change_[r] = 2 / h * rest_[r];
+        system_.assemble(mechanism_, answer_, to_, along_);
+        system_.solve(change_);
+        const double share = damping.next(pattern());
+        for (double& change : change_) change *= share;
+        for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r];
+        ++solves_;
+      }
+    }
+    move(time, h);
+  }
+  return false;
+}
+
+bool ContactStep::settle(double time, double h, double lowest) {
+  h_ = h;
+  const double least = std::sqrt(2 * mechanism_.gravity().norm() * lowest);
+  double speed = 0;
+  for (std::size_t p = 0; p < mean_.size(); ++p) {
+    const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);
+    acceleration_[p] = 2 / h * (mean_[p] - velocity);
+    if (mechanism_.inverse_mass()[p] == 0) {
+      middle_[p] = ConstMap(&next_[mechanism_.velocity(p)]);
+    } else {
+      middle_[p] = 2 * mean_[p] - velocity;
+    }
+    speed = std::max(speed, middle_[p].squaredNorm());
+  }
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    vector(&next_[mechanism_.twist(b)]) += h / 2 * mechanism_.gravity();
+  }
+  const auto kick = [&](std::span<const double> impulse, std::span<const Vec3> along,
+                        double share) {
+    for (const auto& end : mechanism_.row_ends()) {
+      const auto& carried = mechanism_.body_points()[end.body_point];
+      const auto& body = mechanism_.bodies()[carried.body];
+      const Vec3 pull = end.sign * share * impulse[end.row] * along[end.row];
+      double* u = &next_[mechanism_.twist(carried.body)];
+      vector(u) += body.inverse_mass * pull;
+      vector(u + 3) += body.world_inverse * carried.arm.cross(pull);
+    }
+  };
+  kick(pull_, along_, 0.5);
+  std::erase_if(touches_, [&](const BeadTouch& at) {
+    return at.gap > (at.hits ? kShortOf * touching_ : touching_);
+  });
+  for (BeadTouch& at : touches_) {
+    Touch& touch = at.touch;
+    touch.pushed = 2 * touch.push * touch.normal;
+    touch.rubbed = 2 * touch.rub;
+    const FrameMotion& end = end_[at.obstacle];
+    const Obstacle& obstacle = (*obstacles_)[at.obstacle];
+    const Vec3 to = position(next_, at.point);
+    touch.normal = gap(obstacle, end.pose(), to, radius_[at.point]).normal;
+    touch.surface = end.point(end.rotation.conjugate() * (to - end.position)).velocity;
+    touch.least = touch.normal.dot(touch.surface);
+    if (!at.hits) continue;
+    const Vec3 arriving = middle_[at.point] - touch.pushed - touch.rubbed - touch.surface;
+    const double bounce = -obstacle.restitution * touch.normal.dot(arriving);
+    if (bounce > least) touch.least += bounce;
+  }
+  for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
+  std::ranges::fill(pull_, 0.0);
+  const std::vector<Row>& rows = mechanism_.rows();
+  const double stopped = kStopped * (1 + std::sqrt(speed));
+  Damping damping;
+  for (int i = 0; i < kIterations; ++i) {
+    free_ = middle_;
+    spread(pull_, to_, 1, free_);
+    respond_all(free_);
+    for (const auto& carried : mechanism_.body_points()) {
+      const double* u = &next_[mechanism_.twist(carried.body)];
+      free_[carried.point] = ConstMap(u) + ConstMap(u + 3).cross(carried.arm);
+    }
+    double worst = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      change_[r] = to_[r].dot(free_[rows[r].b] - free_[rows[r].a]);
+      worst = std::max(worst, std::abs(change_[r]));
+    }
+    if (!std::isfinite(worst)) return false;
+    // Where friction leaves no velocity at all that fits, the lengths of the next step do.
+    if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) {
+      for (std::size_t p = 0; p < free_.size(); ++p) {
+        vector(&next_[mechanism_.velocity(p)]) = free_[p];
+      }
+      mechanism_.place(time + h, next_.data());
+      return true;
+    }
+    system_.assemble(mechanism_, answer_, to_, to_);
+    system_.solve(change_);
+    const double share = damping.next(pattern());
+    for (double& change : change_) change *= share;
+    for (std::size_t r = 0; r < rows.size(); ++r) pull_[r] += change_[r];
+    kick(change_, to_, 1);
+    ++solves_;
+  }
+  return false;
+}
+
+}  // namespace taut::direct

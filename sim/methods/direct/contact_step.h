@@ -1,0 +1,102 @@
+// One step of links whose beads touch obstacles.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/contact/obstacle.h"
+#include "sim/contact/touch.h"
+#include "sim/mechanism.h"
+#include "sim/methods/direct/row_system.h"
+
+namespace taut::direct {
+
+/// A step has two stages. In the first, beads glide: with mean velocities and pulls along the mean
+/// directions of the links over the step (the midpoint rule in Gonzalez's form, which keeps energy
+/// and momenta exactly), all links have their length at its end and no bead is inside of an
+/// obstacle, whatever that takes. In the second, velocities settle: impulses along the links and at
+/// the touches stop what would stretch a link or enter an obstacle, by Newton's law of impact. Both
+/// have Signorini's condition and Coulomb's law for the sum of the step, and are solved by Newton's
+/// method on the links' impulses, in which each bead answers for itself (see respond()).
+class ContactStep {
+ public:
+  /// Call when the topology is new.
+  void rebuild(const World& world);
+  /// Reads the state; `world` and the obstacles must stay as long as steps are taken.
+  void load(const World& world, const std::vector<Obstacle>& obstacles);
+  void store(World& world, double time) const { mechanism_.store(state_, time, world); }
+
+  /// Two solid things nearer than this (m) touch.
+  double touching() const { return touching_; }
+  /// Steps from `time` by at most `h` (s); where a bead hits an obstacle on the way and `locates`
+  /// is set, to there. Bounces that would rise less than `lowest` (m) are not followed. Returns how
+  /// far it went, zero where the step did not converge. The state is the next one after accept().
+  double attempt(double time, double h, bool locates, double lowest);
+  void accept();
+
+  // Of the last attempt.
+  bool has_hits() const { return hits_; }
+  double turn() const { return turn_; }           // rad, the most that a link turned
+  double error() const;                           // m, RMS, of the first stage; 0: not known
+  double wave_frequency() const;                  // rad/s, the highest under the links' pulls
+  std::size_t solves() const { return solves_; }  // since rebuild()
+  const Mechanism& mechanism() const { return mechanism_; }
+  const std::vector<double>& state() const { return state_; }
+
+ private:
+  /// A bead at an obstacle.
+  struct BeadTouch {
+    std::uint32_t point = 0, obstacle = 0;
+    bool hits = false;  // it came to be in this step
+    Vec3 anchor, side;  // m, and the normal there: where it began, in the obstacle's frame
+    double gap = 0;     // m, at the end
+    Touch touch;
+  };
+  struct Hit {
+    double share = 1;  // of the step
+    std::uint32_t point = 0, obstacle = 0;
+    bool passes = false;         // the bead is outside again at the step's end
+    Vec3 anchor = Vec3::Zero();  // m, where the bead is then, in the obstacle's frame
+  };
+  using TouchRange = std::span<BeadTouch>;
+
+  void find_touches();
+  void add_touch(const Hit& hit);
+  bool find_hits(double time, double h);
+  Hit sweep(double time, double h, std::uint32_t point, std::uint32_t obstacle) const;
+  bool glide(double time, double h, double friction);
+  bool glide_by_parts(double time, double h);
+  void move(double time, double h);
+  double aim(double h);
+  bool settle(double time, double h, double lowest);
+  double measure();
+  void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
+              std::span<Vec3> velocity) const;
+  void respond_all(std::span<Vec3> velocity);
+  std::uint64_t pattern() const;
+  Vec3 position(const std::vector<double>& state, std::size_t point) const;
+
+  const std::vector<Obstacle>* obstacles_ = nullptr;
+  Mechanism mechanism_;
+  RowSystem system_;
+  double touching_ = 0;
+  std::vector<double> radius_;               // per point, m; negative: it touches nothing
+  std::vector<double> state_, next_;         // as Mechanism has them
+  std::vector<BeadTouch> touches_, before_;  // in order of points; before_: of the step before
+  std::vector<FrameMotion> start_, end_;     // of the obstacles
+  std::vector<Hit> found_;
+  std::vector<Vec3> mean_, middle_, free_;  // per point: m/s
+  std::vector<Vec3> from_, along_, to_;     // per row: directions at the start, mean, at the end
+  std::vector<Vec3> acceleration_, last_acceleration_;  // per point, m/s^2
+  std::vector<Vec3> arm_;                               // per body point, m, at the start
+  std::vector<Mat3> inverse_, answer_;                  // per body at the start, per point
+  std::vector<double> pull_, rest_, change_;            // per row: N s, m, m/s
+  std::vector<double> tension_, last_tension_;          // per row, N; last_: of the step before
+  double h_ = 0, last_h_ = 0, turn_ = 0;
+  bool hits_ = false, last_hits_ = true;  // last_: there is no step before to compare with
+  std::uint64_t last_pattern_ = 0;
+  std::size_t solves_ = 0;
+};
+
+}  // namespace taut::direct

@@ -1,0 +1,260 @@
+#include "sim/methods/direct/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace taut::direct {
+namespace {
+
+constexpr double kLook = 1.0 / 30;     // s, at most between two looks at what is near
+constexpr double kSurprise = 2;        // by how much speeds may rise until the next look
+constexpr double kLongest = 1.0 / 60;  // s, of a step
+constexpr double kShortest = 1e-8;     // s, below which a step cannot converge
+constexpr double kFirst = 0.3;         // of the time in which gravity moves by the tolerance
+constexpr double kFinest = 0.02;       // of that first step: errors force none that is shorter
+constexpr double kTurn = 0.3;          // rad, of a link or an obstacle in a step
+constexpr double kWaves = 0.7;   // rad, of the fastest wave in a step: the iteration converges
+constexpr double kShare = 0.3;   // of the tolerance, for what a second's steps err together
+constexpr double kGrowth = 1.3;  // of a step, at most
+constexpr double kLowest = 0.1;  // of the tolerance: bounces that are not followed
+constexpr int kLocated = 8;      // hits located in a row, before a step takes what it hits
+
+/// The node that stands for all that are joined with this one.
+std::size_t find(std::vector<std::size_t>& parent, std::size_t node) {
+  while (parent[node] != node) node = parent[node] = parent[parent[node]];
+  return node;
+}
+
+void copy_state(const World& from, std::size_t connector, Connector& to) {
+  to.position = from.connectors[connector].position;
+  to.velocity = from.connectors[connector].velocity;
+}
+
+void copy_state(const Body& from, Body& to) {
+  to.position = from.position;
+  to.rotation = from.rotation;
+  to.velocity = from.velocity;
+  to.spin = from.spin;
+}
+
+bool same_state(const Body& a, const Body& b) {
+  return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs() &&
+         a.velocity == b.velocity && a.spin == b.spin;
+}
+
+}  // namespace
+
+void Contacts::prepare(const World& world) {
+  obstacles_ = world.obstacles;
+  const std::size_t bodies = world.bodies.size();
+  std::vector<std::size_t> parent(bodies + world.connectors.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto is_free = [&](std::size_t body) { return !world.bodies[body].driven(); };
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    for (const Hold& hold : world.connectors[c].holds) {
+      if (hold.to.kind != Attachment::Kind::body || !is_free(hold.to.body)) continue;
+      parent[find(parent, bodies + c)] = find(parent, hold.to.body);
+    }
+  }
+  for (const auto& group : groups_) counters_.steps += group->links->counters().steps;
+  groups_.clear();
+  std::vector<std::size_t> group_of(parent.size(), parent.size());
+  const auto group = [&](std::size_t node) -> Group& {
+    std::size_t& index = group_of[find(parent, node)];
+    if (index == parent.size()) {
+      index = groups_.size();
+      groups_.push_back(std::make_unique<Group>());
+    }
+    return *groups_[index];
+  };
+  for (std::size_t b = 0; b < bodies; ++b) {
+    if (is_free(b)) group(b).bodies.push_back(b);
+  }
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    Group& made = group(bodies + c);
+    made.connectors.push_back(c);
+    for (const Hold& hold : world.connectors[c].holds) {
+      if (hold.to.kind == Attachment::Kind::body && !is_free(hold.to.body)) {
+        made.bodies.push_back(hold.to.body);
+      }
+    }
+  }
+  for (const auto& made : groups_) {
+    std::ranges::sort(made->bodies);
+    made->bodies.erase(std::ranges::unique(made->bodies).begin(), made->bodies.end());
+    World& part = made->part;
+    part.gravity = world.gravity;
+    part.time = world.time;
+    for (const std::size_t b : made->bodies) part.bodies.push_back(world.bodies[b]);
+    for (const std::size_t c : made->connectors) {
+      part.connectors.push_back(world.connectors[c]);
+      for (Hold& hold : part.connectors.back().holds) {
+        if (hold.to.kind != Attachment::Kind::body) continue;
+        const auto at = std::ranges::lower_bound(made->bodies, hold.to.body);
+        hold.to.body = static_cast<std::size_t>(at - made->bodies.begin());
+      }
+    }
+    part.topology = structure(part);
+    made->links = make_();
+    made->step.rebuild(part);
+  }
+}
+
+/// Copies the group's state; whether it has changed.
+bool Contacts::read(const World& world, Group& group) const {
+  bool changed = group.part.time != world.time;
+  group.part.time = world.time;
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    const Body& from = world.bodies[group.bodies[i]];
+    changed = changed || !same_state(from, group.part.bodies[i]);
+    copy_state(from, group.part.bodies[i]);
+  }
+  for (std::size_t i = 0; i < group.connectors.size(); ++i) {
+    const Connector& from = world.connectors[group.connectors[i]];
+    Connector& to = group.part.connectors[i];
+    changed = changed || from.position != to.position || from.velocity != to.velocity;
+    copy_state(world, group.connectors[i], to);
+  }
+  return changed;
+}
+
+void Contacts::write(const Group& group, World& world) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    copy_state(group.part.bodies[i], world.bodies[group.bodies[i]]);
+  }
+  for (std::size_t i = 0; i < group.connectors.size(); ++i) {
+    copy_state(group.part, i, world.connectors[group.connectors[i]]);
+  }
+}
+
+/// Whether a bead may touch something within so many seconds of the part's present time.
+bool Contacts::is_near(const World& part, double within) const {
+  const double fall = part.gravity.norm() * within;
+  for (const Obstacle& obstacle : obstacles_) {
+    const FrameMotion frame = obstacle.frame(part.time);
+    for (const Connector& connector : part.connectors) {
+      for (std::size_t i = 0; i < connector.particles(); ++i) {
+        if (find_hold(connector, i)) continue;
+        const Vec3& at = connector.position[i];
+        const SurfaceDistance near = gap(obstacle, frame.pose(), at, connector.radius);
+        const Vec3 surface =
+            frame.velocity + frame.spin.cross(at - near.distance * near.normal - frame.position);
+        const double speed = (connector.velocity[i] - surface).norm() + fall;
+        if (near.distance <= kSurprise * speed * within) return true;
+      }
+    }
+  }
+  return false;
+}
+
+void Contacts::advance(World& world, double until) {
+  for (const auto& group : groups_) {
+    if (read(world, *group)) group->steps = false;
+    const double from = world.time;
+    const auto looks = std::max(1.0, std::ceil((until - from) / kLook - 1e-9));
+    for (int look = 1; look <= looks; ++look) {
+      follow(*group, look == looks ? until : from + (until - from) * look / looks);
+    }
+    write(*group, world);
+  }
+  place_held(world, until);
+}
+
+void Contacts::follow(Group& group, double until) {
+  World& part = group.part;
+  const double within = until - part.time;
+  if (!is_near(part, within)) {
+    group.before = part;
+    group.links->advance(part, until);
+    if (!is_near(part, within)) {
+      group.steps = false;
+      return;
+    }
+    part = group.before;
+  }
+  step_through(group, until);
+}
+
+void Contacts::step_through(Group& group, double until) {
+  ContactStep& step = group.step;
+  World& part = group.part;
+  if (!group.steps) {
+    place_held(part, part.time);
+    step.load(part, obstacles_);
+  }
+  group.steps = true;
+  const double lowest = kLowest * options_.tolerance;
+  if (group.h == 0) {
+    group.first = kFirst * std::sqrt(options_.tolerance / std::max(part.gravity.norm(), 1.0));
+    group.h = options_.step > 0 ? options_.step : std::min(kLongest, group.first);
+  }
+  double time = part.time;
+  double spin = 0;
+  for (const Obstacle& obstacle : obstacles_) {
+    spin = std::max(spin, obstacle.frame(time).spin.norm());
+  }
+  while (time < until) {
+    const double left = until - time;
+    double wish = group.h;
+    if (spin > 0) wish = std::min(wish, kTurn / spin);
+    const double count = std::ceil(left / wish * (1 - 1e-9));
+    const double h = left / std::max(1.0, count);
+    const std::uint64_t before = step.solves();
+    const double gone = step.attempt(time, h, group.located < kLocated, lowest);
+    ++counters_.steps;
+    counters_.solves += step.solves() - before;
+    counters_.work += static_cast<double>(step.solves() - before) *
+                      (200 * static_cast<double>(step.mechanism().rows().size()) + 500);
+    const bool judged = options_.step == 0 && h > kFinest * group.first;
+    const double error = judged ? step.error() : 0;
+    const bool fails =
+        gone == 0 || step.turn() > kTurn || error > 8 * kShare * options_.tolerance * gone;
+    if (fails) {
+      ++counters_.rejected;
+      group.h = h / 2;
+      if (group.h >= kShortest) continue;
+      const std::string name =
+          part.connectors.empty() ? part.bodies[0].name : part.connectors[0].name;
+      throw Diverged("direct", time, counters_.steps, name, 0,
+                     "no step at an obstacle is small enough");
+    }
+    step.accept();
+    group.located = gone < h ? group.located + 1 : 0;
+    time = gone < h || count > 1 ? time + gone : until;
+    group.h = adapted(group, gone, wish);
+  }
+  step.store(part, until);
+}
+
+/// The length of the next step after one of `gone` (s), where `wish` was allowed.
+double Contacts::adapted(const Group& group, double gone, double wish) const {
+  const ContactStep& step = group.step;
+  double next = options_.step;
+  if (next == 0) {
+    const double error = step.error();
+    next = kGrowth * wish;
+    if (error > 0) {
+      next = std::min(next, 0.9 * gone * std::sqrt(kShare * options_.tolerance * gone / error));
+      next = std::max(next, gone / 2);
+    }
+    next = std::min(std::max(next, kFinest * group.first), kLongest);
+  }
+  const double waves = step.wave_frequency();
+  return waves > 0 ? std::min(next, kWaves / waves) : next;
+}
+
+Counters Contacts::counters() const {
+  Counters sum = counters_;
+  for (const auto& group : groups_) {
+    const Counters& links = group->links->counters();
+    sum.steps += links.steps;
+    sum.solves += links.solves;
+    sum.rejected += links.rejected;
+    sum.handed_over += links.handed_over;
+    sum.work += links.work;
+  }
+  return sum;
+}
+
+}  // namespace taut::direct

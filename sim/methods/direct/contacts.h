@@ -1,0 +1,56 @@
+// Worlds with obstacles by the direct method: as without them until something is near.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "sim/method.h"
+#include "sim/methods/direct/contact_step.h"
+#include "sim/methods/direct/integrator.h"
+
+namespace taut::direct {
+
+/// Follows a world in groups that move without each other: connectors with the free bodies that
+/// they hold. While no bead of a group can reach an obstacle before the next look, a method that
+/// knows no obstacles follows it, and leaves the same bits as in a world without. Near obstacles
+/// ContactStep does, with steps that follow from the tolerance.
+class Contacts {
+ public:
+  /// `make` makes methods that follow links without obstacles.
+  Contacts(const StepOptions& options, std::function<std::unique_ptr<Method>()> make)
+      : options_(options), make_(std::move(make)) {}
+
+  /// Call before the first advance() and whenever the topology is new.
+  void prepare(const World& world);
+  void advance(World& world, double until);
+
+  Counters counters() const;
+
+ private:
+  struct Group {
+    World part, before;
+    std::vector<std::size_t> bodies, connectors;  // indices into the world's
+    std::unique_ptr<Method> links;
+    ContactStep step;
+    bool steps = false;  // ContactStep has its present state
+    double h = 0;        // s, for the next step; 0: not known
+    double first = 0;    // s, of the first
+    int located = 0;     // hits in a row
+  };
+
+  bool read(const World& world, Group& group) const;
+  static void write(const Group& group, World& world);
+  bool is_near(const World& part, double within) const;
+  void follow(Group& group, double until);
+  void step_through(Group& group, double until);
+  double adapted(const Group& group, double gone, double wish) const;
+
+  StepOptions options_;
+  std::function<std::unique_ptr<Method>()> make_;
+  std::vector<Obstacle> obstacles_;
+  std::vector<std::unique_ptr<Group>> groups_;
+  Counters counters_;
+};
+
+}  // namespace taut::direct

@@ -1,0 +1,137 @@
+#include "sim/methods/direct/row_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut::direct {
+namespace {
+
+/// A pivot below this share of the row's own mobility is rounding.
+constexpr double kSingular = 1e-12;
+
+}  // namespace
+
+void RowSystem::rebuild(const Mechanism& mechanism) {
+  const std::size_t rows = mechanism.rows().size();
+  for (auto* array : {&diagonal_, &lower_, &upper_, &inverse_pivot_, &scale_}) {
+    array->reserve(mechanism.row_room());
+    array->assign(rows, 0);
+  }
+  border_.clear();
+  border_rows_.clear();
+  const auto& ends = mechanism.row_ends();
+  const auto body = [&](std::size_t end) {
+    return mechanism.body_points()[ends[end].body_point].body;
+  };
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    std::size_t same = 0;
+    for (std::size_t f = 0; f < ends.size(); ++f) same += body(f) == body(e);
+    if (same == 1) continue;
+    border_.push_back(e);
+    border_rows_.push_back(ends[e].row);
+  }
+  const auto size = static_cast<Eigen::Index>(border_.size());
+  columns_.assign(rows * border_.size(), 0);
+  coupling_.resize(size, size);
+  share_.resize(size);
+}
+
+void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answer,
+                         std::span<const Vec3> left, std::span<const Vec3> right) {
+  const auto& rows = mechanism.rows();
+  const auto& mobile = mechanism.inverse_mass();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Row& row = rows[r];
+    const Vec3 from_a = answer[row.a].transpose() * left[r];
+    const Vec3 from_b = answer[row.b].transpose() * left[r];
+    scale_[r] = mobile[row.a] + mobile[row.b];
+    diagonal_[r] = (from_a + from_b).dot(right[r]);
+    // Neighbours share a particle that the one's b and the other's a is.
+    lower_[r] = r > 0 && rows[r - 1].b == row.a ? -from_a.dot(right[r - 1]) : 0;
+    const bool followed = r + 1 < rows.size() && rows[r + 1].a == row.b;
+    upper_[r] = followed ? -from_b.dot(right[r + 1]) : 0;
+  }
+  add_bodies(mechanism, left, right);
+  eliminate();
+  if (border_.empty()) return;
+  const std::size_t count = rows.size();
+  Eigen::MatrixXd system = Eigen::MatrixXd::Identity(coupling_.rows(), coupling_.cols());
+  Eigen::MatrixXd response(coupling_.rows(), coupling_.cols());
+  for (std::size_t k = 0; k < border_.size(); ++k) {
+    const std::span column(&columns_[k * count], count);
+    std::ranges::fill(column, 0.0);
+    column[border_rows_[k]] = 1;
+    sweep(column);
+    for (std::size_t i = 0; i < border_.size(); ++i) {
+      response(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          column[border_rows_[i]];
+    }
+  }
+  system += response * coupling_;
+  decomposed_.compute(system);
+}
+
+void RowSystem::add_bodies(const Mechanism& mechanism, std::span<const Vec3> left,
+                           std::span<const Vec3> right) {
+  const auto& ends = mechanism.row_ends();
+  const auto mobility = [&](const Mechanism::RowEnd& end, const Mechanism::RowEnd& other) {
+    const auto& at = mechanism.body_points()[end.body_point];
+    const auto& pulled = mechanism.body_points()[other.body_point];
+    const auto& body = mechanism.bodies()[at.body];
+    const Vec3 turn = at.arm.cross(left[end.row]);
+    return end.sign * other.sign *
+           (body.inverse_mass * left[end.row].dot(right[other.row]) +
+            turn.dot(body.world_inverse * pulled.arm.cross(right[other.row])));
+  };
+  for (const auto& end : ends) {
+    const double own = mobility(end, end);
+    diagonal_[end.row] += own;
+    scale_[end.row] += std::abs(own);
+  }
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    for (std::size_t k = 0; k < border_.size(); ++k) {
+      const auto &end = ends[border_[i]], &other = ends[border_[k]];
+      const bool same = mechanism.body_points()[end.body_point].body ==
+                        mechanism.body_points()[other.body_point].body;
+      coupling_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          i != k && same ? mobility(end, other) : 0;
+    }
+  }
+}
+
+void RowSystem::eliminate() {
+  double last = 0;  // the inverse pivot before
+  for (std::size_t r = 0; r < diagonal_.size(); ++r) {
+    const double above = r > 0 ? upper_[r - 1] : 0;
+    const double pivot = diagonal_[r] - lower_[r] * last * above;
+    last = std::abs(pivot) > kSingular * scale_[r] ? 1 / pivot : 0;
+    inverse_pivot_[r] = last;
+  }
+}
+
+void RowSystem::sweep(std::span<double> x) const {
+  for (std::size_t r = 0; r < x.size(); ++r) {
+    const double before = r > 0 ? x[r - 1] : 0;
+    x[r] = (x[r] - lower_[r] * before) * inverse_pivot_[r];
+  }
+  for (std::size_t r = x.size(); r-- > 1;) {
+    x[r - 1] -= upper_[r - 1] * inverse_pivot_[r - 1] * x[r];
+  }
+}
+
+void RowSystem::solve(std::span<double> x) const {
+  sweep(x);
+  if (border_.empty()) return;
+  // A = T + E C E', T as swept: x = T^-1 b - T^-1 E C (I + E' T^-1 E C)^-1 E' T^-1 b.
+  const std::size_t count = x.size();
+  for (std::size_t k = 0; k < border_.size(); ++k) {
+    share_[static_cast<Eigen::Index>(k)] = x[border_rows_[k]];
+  }
+  share_ = coupling_ * decomposed_.solve(share_);
+  for (std::size_t k = 0; k < border_.size(); ++k) {
+    const double part = share_[static_cast<Eigen::Index>(k)];
+    for (std::size_t r = 0; r < count; ++r) x[r] -= part * columns_[k * count + r];
+  }
+}
+
+}  // namespace taut::direct

@@ -1,0 +1,44 @@
+// The linear systems of the rows of links whose particles answer to pulls in ways of their own.
+#pragma once
+
+#include <Eigen/LU>
+#include <span>
+#include <vector>
+
+#include "sim/mechanism.h"
+
+namespace taut::direct {
+
+/// A x = b over the rows of a mechanism, where A(r, s) says by how much row r stays shorter under a
+/// pull along row s. Particle p moves by answer[p] times what pulls it (1/kg): a multiple of the
+/// identity where it is free; less across a surface; not symmetric where it slides with friction.
+/// Rows pull along `right` and are measured along `left`, unit vectors.
+///
+/// Linear time: elimination along the connectors, and by Woodbury's identity a dense system for the
+/// rows that meet in free bodies which have several. A row that nothing can change, or that its
+/// neighbours determine already, is left out: its x is zero.
+class RowSystem {
+ public:
+  void rebuild(const Mechanism& mechanism);
+
+  void assemble(const Mechanism& mechanism, std::span<const Mat3> answer,
+                std::span<const Vec3> left, std::span<const Vec3> right);
+  /// In place.
+  void solve(std::span<double> x) const;
+
+ private:
+  void add_bodies(const Mechanism& mechanism, std::span<const Vec3> left,
+                  std::span<const Vec3> right);
+  void eliminate();
+  void sweep(std::span<double> x) const;
+
+  std::vector<double> diagonal_, lower_, upper_, inverse_pivot_;  // 1/kg, kg
+  std::vector<double> scale_;                                     // 1/kg, of the row's free ends
+  std::vector<std::size_t> border_, border_rows_;  // ends of rows at bodies that have several
+  std::vector<double> columns_;  // what a pull along each of those rows would take, A without them
+  Eigen::MatrixXd coupling_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> decomposed_;
+  mutable Eigen::VectorXd share_;
+};
+
+}  // namespace taut::direct
