@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim/contact/obstacle.h"
+#include "sim/rotation.h"
 #include "sim/simulation.h"
 #include "worlds.h"
 
@@ -24,7 +25,7 @@ inline Obstacle obstacle(const Shape& shape, double friction = 0, double restitu
 /// A cylinder along the world's z axis.
 inline Obstacle post(double radius, const Vec3& at, double friction = 0) {
   Obstacle made = obstacle(cylinder_shape(radius, 1), friction);
-  made.place = {at, Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ())};
+  made.place = {at, rotation_between(Vec3::UnitY(), Vec3::UnitZ())};
   return made;
 }
 

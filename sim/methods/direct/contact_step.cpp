@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sim/hash.h"
+#include "sim/methods/direct/damping.h"
 
 namespace taut::direct {
 namespace {
@@ -17,35 +18,13 @@ Eigen::Map<Vec3> vector(double* at) {
 }
 
 constexpr double kTouching = 1e-9;       // of the longest connector
-constexpr double kShortOf = 100;         // of that: a hit that was located is this near
 constexpr double kExact = 1e-14;         // m: rounding of positions of about a metre
 constexpr double kSameDirection = 1e-9;  // rad
-constexpr double kStopped = 1e-13;       // of the speeds
-constexpr double kLeftOver = 1e4;        // times that, at most
-constexpr int kIterations = 80;
-constexpr double kWorse = 4;        // times as far from a solution as before
-constexpr int kHalvings = 8;        // of a change that leads there
-constexpr int kUndamped = 6;        // of these
-constexpr double kShortest = 1e-7;  // s: nothing is located more precisely
-constexpr int kRounds = 12;         // of finding what is hit in a step
-
-/// How much of Newton's changes is taken: all as long as touches stay as they are. Those that
-/// change their state to and fro, between sticking and sliding say, need less.
-class Damping {
- public:
-  double next(std::uint64_t pattern) {
-    if (iteration_++ >= kUndamped) {
-      share_ = pattern == last_ ? std::min(1.0, 2 * share_) : std::max(0.1, 0.7 * share_);
-    }
-    last_ = pattern;
-    return share_;
-  }
-
- private:
-  int iteration_ = 0;
-  double share_ = 1;
-  std::uint64_t last_ = 0;
-};
+constexpr double kLastResort = 1e-6;     // s, of steps that may go with less friction
+constexpr double kWorse = 4;             // times as far from a solution as before
+constexpr int kHalvings = 8;             // of a change that leads there
+constexpr double kShortest = 1e-7;       // s: nothing is located more precisely
+constexpr int kRounds = 12;              // of finding what is hit in a step
 
 }  // namespace
 
@@ -304,13 +283,22 @@ void ContactStep::move(double time, double h) {
   mechanism_.place(time + h, next_.data());
 }
 
-/// With friction let in by and by, from no pulls at all.
+/// With friction let in by and by, from no pulls at all. In the shortest steps as much as there is
+/// a solution with.
 bool ContactStep::glide_by_parts(double time, double h) {
   std::ranges::fill(pull_, 0.0);
-  for (const double share : {0.0, 0.3, 0.6, 0.8}) {
-    if (!glide(time, h, share)) return false;
+  double found = -1;
+  for (const double share : kShares) {
+    kept_ = pull_;
+    if (glide(time, h, share)) {
+      found = share;
+      continue;
+    }
+    if (h > kLastResort || found < 0) return false;
+    pull_ = kept_;
+    return glide(time, h, found);
   }
-  return glide(time, h, 1);
+  return true;
 }
 
 /// Finds the first stage's pulls, from those that there are, with so much of all friction.
@@ -357,91 +345,6 @@ bool ContactStep::glide(double time, double h, double friction) {
       }
     }
     move(time, h);
-  }
-  return false;
-}
-
-bool ContactStep::settle(double time, double h, double lowest) {
-  h_ = h;
-  const double least = std::sqrt(2 * mechanism_.gravity().norm() * lowest);
-  double speed = 0;
-  for (std::size_t p = 0; p < mean_.size(); ++p) {
-    const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);
-    acceleration_[p] = 2 / h * (mean_[p] - velocity);
-    if (mechanism_.inverse_mass()[p] == 0) {
-      middle_[p] = ConstMap(&next_[mechanism_.velocity(p)]);
-    } else {
-      middle_[p] = 2 * mean_[p] - velocity;
-    }
-    speed = std::max(speed, middle_[p].squaredNorm());
-  }
-  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
-    vector(&next_[mechanism_.twist(b)]) += h / 2 * mechanism_.gravity();
-  }
-  const auto kick = [&](std::span<const double> impulse, std::span<const Vec3> along,
-                        double share) {
-    for (const auto& end : mechanism_.row_ends()) {
-      const auto& carried = mechanism_.body_points()[end.body_point];
-      const auto& body = mechanism_.bodies()[carried.body];
-      const Vec3 pull = end.sign * share * impulse[end.row] * along[end.row];
-      double* u = &next_[mechanism_.twist(carried.body)];
-      vector(u) += body.inverse_mass * pull;
-      vector(u + 3) += body.world_inverse * carried.arm.cross(pull);
-    }
-  };
-  kick(pull_, along_, 0.5);
-  std::erase_if(touches_, [&](const BeadTouch& at) {
-    return at.gap > (at.hits ? kShortOf * touching_ : touching_);
-  });
-  for (BeadTouch& at : touches_) {
-    Touch& touch = at.touch;
-    touch.pushed = 2 * touch.push * touch.normal;
-    touch.rubbed = 2 * touch.rub;
-    const FrameMotion& end = end_[at.obstacle];
-    const Obstacle& obstacle = (*obstacles_)[at.obstacle];
-    const Vec3 to = position(next_, at.point);
-    touch.normal = gap(obstacle, end.pose(), to, radius_[at.point]).normal;
-    touch.surface = end.point(end.rotation.conjugate() * (to - end.position)).velocity;
-    touch.least = touch.normal.dot(touch.surface);
-    if (!at.hits) continue;
-    const Vec3 arriving = middle_[at.point] - touch.pushed - touch.rubbed - touch.surface;
-    const double bounce = -obstacle.restitution * touch.normal.dot(arriving);
-    if (bounce > least) touch.least += bounce;
-  }
-  for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
-  std::ranges::fill(pull_, 0.0);
-  const std::vector<Row>& rows = mechanism_.rows();
-  const double stopped = kStopped * (1 + std::sqrt(speed));
-  Damping damping;
-  for (int i = 0; i < kIterations; ++i) {
-    free_ = middle_;
-    spread(pull_, to_, 1, free_);
-    respond_all(free_);
-    for (const auto& carried : mechanism_.body_points()) {
-      const double* u = &next_[mechanism_.twist(carried.body)];
-      free_[carried.point] = ConstMap(u) + ConstMap(u + 3).cross(carried.arm);
-    }
-    double worst = 0;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      change_[r] = to_[r].dot(free_[rows[r].b] - free_[rows[r].a]);
-      worst = std::max(worst, std::abs(change_[r]));
-    }
-    if (!std::isfinite(worst)) return false;
-    // Where friction leaves no velocity at all that fits, the lengths of the next step do.
-    if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) {
-      for (std::size_t p = 0; p < free_.size(); ++p) {
-        vector(&next_[mechanism_.velocity(p)]) = free_[p];
-      }
-      mechanism_.place(time + h, next_.data());
-      return true;
-    }
-    system_.assemble(mechanism_, answer_, to_, to_);
-    system_.solve(change_);
-    const double share = damping.next(pattern());
-    for (double& change : change_) change *= share;
-    for (std::size_t r = 0; r < rows.size(); ++r) pull_[r] += change_[r];
-    kick(change_, to_, 1);
-    ++solves_;
   }
   return false;
 }

@@ -70,6 +70,9 @@ class ContactStep {
   void move(double time, double h);
   double aim(double h);
   bool settle(double time, double h, double lowest);
+  void aim_velocities(double least);
+  bool stop(double stopped, double friction);
+  void kick(std::span<const double> impulse, std::span<const Vec3> along, double share);
   double measure();
   void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
               std::span<Vec3> velocity) const;
@@ -81,10 +84,10 @@ class ContactStep {
   Mechanism mechanism_;
   RowSystem system_;
   double touching_ = 0;
-  std::vector<double> radius_;               // per point, m; negative: it touches nothing
-  std::vector<double> state_, next_;         // as Mechanism has them
-  std::vector<BeadTouch> touches_, before_;  // in order of points; before_: of the step before
-  std::vector<FrameMotion> start_, end_;     // of the obstacles
+  std::vector<double> radius_;                 // per point, m; negative: it touches nothing
+  std::vector<double> state_, next_, glided_;  // as Mechanism has them; glided_: after that stage
+  std::vector<BeadTouch> touches_, before_;    // in order of points; before_: of the step before
+  std::vector<FrameMotion> start_, end_;       // of the obstacles
   std::vector<Hit> found_;
   std::vector<Vec3> mean_, middle_, free_;  // per point: m/s
   std::vector<Vec3> from_, along_, to_;     // per row: directions at the start, mean, at the end
@@ -93,6 +96,7 @@ class ContactStep {
   std::vector<Mat3> inverse_, answer_;                  // per body at the start, per point
   std::vector<double> pull_, rest_, change_;            // per row: N s, m, m/s
   std::vector<double> tension_, last_tension_;          // per row, N; last_: of the step before
+  std::vector<double> kept_;                            // pulls of a solution with less friction
   double h_ = 0, last_h_ = 0, turn_ = 0;
   bool hits_ = false, last_hits_ = true;  // last_: there is no step before to compare with
   std::uint64_t last_pattern_ = 0;

@@ -1,0 +1,141 @@
+// The second stage of a step at obstacles: velocities.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/methods/direct/contact_step.h"
+#include "sim/methods/direct/damping.h"
+
+namespace taut::direct {
+namespace {
+
+using ConstMap = Eigen::Map<const Vec3>;
+
+Eigen::Map<Vec3> vector(double* at) {
+  return Eigen::Map<Vec3>(at);
+}
+
+constexpr double kShortOf = 100;    // times touching(): a hit that was located is this near
+constexpr double kStopped = 1e-13;  // of the speeds
+constexpr double kLeftOver = 1e4;   // times that, at most
+
+}  // namespace
+
+/// Gives bodies a `share` of the rows' impulses.
+void ContactStep::kick(std::span<const double> impulse, std::span<const Vec3> along, double share) {
+  for (const auto& end : mechanism_.row_ends()) {
+    const auto& carried = mechanism_.body_points()[end.body_point];
+    const auto& body = mechanism_.bodies()[carried.body];
+    const Vec3 pull = end.sign * share * impulse[end.row] * along[end.row];
+    double* u = &next_[mechanism_.twist(carried.body)];
+    vector(u) += body.inverse_mass * pull;
+    vector(u + 3) += body.world_inverse * carried.arm.cross(pull);
+  }
+}
+
+/// Tells the touches of the second stage what the first has given.
+void ContactStep::aim_velocities(double least) {
+  std::erase_if(touches_, [&](const BeadTouch& at) {
+    return at.gap > (at.hits ? kShortOf * touching_ : touching_);
+  });
+  for (BeadTouch& at : touches_) {
+    Touch& touch = at.touch;
+    touch.pushed = 2 * touch.push * touch.normal;
+    touch.rubbed = 2 * touch.rub;
+    const FrameMotion& end = end_[at.obstacle];
+    const Obstacle& obstacle = (*obstacles_)[at.obstacle];
+    const Vec3 to = position(next_, at.point);
+    touch.normal = gap(obstacle, end.pose(), to, radius_[at.point]).normal;
+    touch.surface = end.point(end.rotation.conjugate() * (to - end.position)).velocity;
+    touch.least = touch.normal.dot(touch.surface);
+    if (!at.hits) continue;
+    const Vec3 arriving = middle_[at.point] - touch.pushed - touch.rubbed - touch.surface;
+    const double bounce = -obstacle.restitution * touch.normal.dot(arriving);
+    if (bounce > least) touch.least += bounce;
+  }
+}
+
+bool ContactStep::settle(double time, double h, double lowest) {
+  h_ = h;
+  double speed = 0;
+  for (std::size_t p = 0; p < mean_.size(); ++p) {
+    const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);
+    acceleration_[p] = 2 / h * (mean_[p] - velocity);
+    if (mechanism_.inverse_mass()[p] == 0) {
+      middle_[p] = ConstMap(&next_[mechanism_.velocity(p)]);
+    } else {
+      middle_[p] = 2 * mean_[p] - velocity;
+    }
+    speed = std::max(speed, middle_[p].squaredNorm());
+  }
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    vector(&next_[mechanism_.twist(b)]) += h / 2 * mechanism_.gravity();
+  }
+  kick(pull_, along_, 0.5);
+  aim_velocities(std::sqrt(2 * mechanism_.gravity().norm() * lowest));
+  for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
+  glided_ = next_;
+  std::ranges::fill(pull_, 0.0);
+  const double stopped = kStopped * (1 + std::sqrt(speed));
+  if (!stop(stopped, 1)) {
+    // With friction let in by and by, as much as there is a solution with.
+    std::ranges::fill(pull_, 0.0);
+    double found = -1;
+    for (const double share : kShares) {
+      kept_ = pull_;
+      if (stop(stopped, share)) {
+        found = share;
+        continue;
+      }
+      if (found < 0) return false;
+      pull_ = kept_;
+      if (!stop(stopped, found)) return false;
+      break;
+    }
+  }
+  for (std::size_t p = 0; p < free_.size(); ++p) {
+    vector(&next_[mechanism_.velocity(p)]) = free_[p];
+  }
+  mechanism_.place(time + h, next_.data());
+  return true;
+}
+
+/// Finds the second stage's impulses, from those that there are, with so much of all friction.
+bool ContactStep::stop(double stopped, double friction) {
+  std::copy(glided_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)), glided_.end(),
+            next_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)));
+  kick(pull_, to_, 1);
+  for (BeadTouch& at : touches_) {
+    at.touch.stick = friction * (*obstacles_)[at.obstacle].static_friction;
+    at.touch.slide = friction * (*obstacles_)[at.obstacle].kinetic_friction;
+  }
+  const std::vector<Row>& rows = mechanism_.rows();
+  Damping damping;
+  for (int i = 0; i < kIterations; ++i) {
+    free_ = middle_;
+    spread(pull_, to_, 1, free_);
+    respond_all(free_);
+    for (const auto& carried : mechanism_.body_points()) {
+      const double* u = &next_[mechanism_.twist(carried.body)];
+      free_[carried.point] = ConstMap(u) + ConstMap(u + 3).cross(carried.arm);
+    }
+    double worst = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const Vec3 parting = free_[rows[r].b] - free_[rows[r].a];
+      change_[r] = to_[r].dot(parting);
+      worst = std::max(worst, std::abs(change_[r]));
+    }
+    if (!std::isfinite(worst)) return false;
+    // Where states go to and fro within rounding, what is left does no harm.
+    if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) return true;
+    system_.assemble(mechanism_, answer_, to_, to_);
+    system_.solve(change_);
+    const double share = damping.next(pattern());
+    for (double& change : change_) change *= share;
+    for (std::size_t r = 0; r < rows.size(); ++r) pull_[r] += change_[r];
+    kick(change_, to_, 1);
+    ++solves_;
+  }
+  return false;
+}
+
+}  // namespace taut::direct

@@ -1,0 +1,193 @@
+// Obstacles of scenes: what they are read as, what is said against them, and how they are seen.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "scenes/error.h"
+#include "scenes/scene.h"
+#include "scenes/warnings.h"
+#include "tests/support/folder.h"
+
+namespace taut {
+namespace {
+
+constexpr const char* kScene = R"(duration = 1.0
+[connectors.rope]
+length = 1.0
+mass = 0.1
+particles = 21
+radius = 0.01
+from = { fixed = [0, 1, 0] }
+to = { free = true }
+start = { direction = [1, 0, 0] }
+[obstacles.floor]
+shape = { plane = {} }
+friction = 0.4
+)";
+
+class ObstacleScene : public testing::Test {
+ protected:
+  Scene read(const std::string& text, bool with_stage = false) const {
+    return load_scene(folder_.write("scene.toml", text), with_stage);
+  }
+  /// What is said of the scene with `more` behind it.
+  std::string said(const std::string& more, const std::string& scene = kScene) const {
+    try {
+      read(scene + more);
+    } catch (const BadScene& error) {
+      return error.what();
+    }
+    return "nothing";
+  }
+  void expect(const std::string& more, const std::string& place, const std::string& words) const {
+    const std::string message = said(more);
+    EXPECT_NE(message.find("scene.toml:" + place), std::string::npos) << message;
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  }
+
+  Folder folder_;
+};
+
+TEST_F(ObstacleScene, IsReadAsItSays) {
+  const Scene scene = read(std::string(kScene) + R"([paths.hand]
+keys = [{ t = 0, position = [0, 0, 5] }, { t = 1, position = [1, 0, 5] }]
+[obstacles.post]
+shape = { cylinder = { length = 2, diameter = 0.1, rounding = 0.02 } }
+path = "hand"
+position = [0, 1, 0]
+rotation = [0, 1, 0, 0]
+static_friction = 0.5
+friction = 0.2
+restitution = 0.3
+)",
+                           true);
+  ASSERT_EQ(scene.world.obstacles.size(), 2u);
+  const Obstacle &floor = scene.world.obstacles[0], &post = scene.world.obstacles[1];
+  EXPECT_EQ(floor.shape.kind, Shape::Kind::plane);
+  EXPECT_EQ(floor.kinetic_friction, 0.4);
+  EXPECT_EQ(floor.static_friction, 0.4);
+  EXPECT_EQ(floor.restitution, 0);
+  EXPECT_EQ(post.shape.radius, 0.05);
+  EXPECT_EQ(post.shape.rounding, 0.02);
+  EXPECT_EQ(post.static_friction, 0.5);
+  EXPECT_EQ(post.kinetic_friction, 0.2);
+  EXPECT_EQ(post.restitution, 0.3);
+  EXPECT_EQ(post.frame(1).position, Vec3(1, 1, 5));
+  EXPECT_EQ(scene.world.connectors[0].radius, 0.01);
+  // What moves is seen by a driven body.
+  ASSERT_EQ(scene.world.bodies.size(), 1u);
+  EXPECT_EQ(scene.world.bodies[0].name, "post");
+  EXPECT_TRUE(scene.world.bodies[0].driven());
+}
+
+TEST_F(ObstacleScene, IsSeen) {
+  const Scene scene = read(std::string(kScene) + R"([paths.hand]
+keys = [{ t = 0, position = [0, 0, 5] }, { t = 1, position = [1, 0, 5] }]
+[obstacles.ball]
+shape = { sphere = { diameter = 0.2 } }
+path = "hand"
+position = [0, 1, 0]
+[obstacles.bar]
+shape = { capsule = { length = 1, diameter = 0.1 } }
+position = [0, 0, -3]
+[obstacles.step]
+shape = { box = { size = [1, 0.2, 1], rounding = 0.02 } }
+position = [3, 0, 0]
+[stage]
+)",
+                           true);
+  ASSERT_TRUE(scene.stage);
+  ASSERT_EQ(scene.stage->scenery.size(), 3u);  // floor, bar and step
+  ASSERT_EQ(scene.stage->body_models.size(), 1u);
+  // The vertices of each lie on its surface, and normals are those of the surface.
+  std::size_t seen = 0;
+  for (const Obstacle& obstacle : scene.world.obstacles) {
+    const Model& model =
+        obstacle.path ? *scene.stage->body_models[0] : *scene.stage->scenery[seen++];
+    const Pose place = obstacle.place;
+    for (const Vertex& vertex : model.meshes[0].vertices) {
+      const Vec3 at(double(vertex.position[0]), double(vertex.position[1]),
+                    double(vertex.position[2]));
+      const Vec3 normal(double(vertex.normal[0]), double(vertex.normal[1]),
+                        double(vertex.normal[2]));
+      EXPECT_NEAR(gap(obstacle, place, at, 0).distance, 0, 1e-6) << obstacle.name;
+      EXPECT_GT(gap(obstacle, place, at + 1e-3 * normal, 0).normal.dot(normal), 0.999)
+          << obstacle.name;
+    }
+    // Triangles face outwards.
+    const std::vector<Vertex>& vertices = model.meshes[0].vertices;
+    const auto at = [&](std::uint32_t index) {
+      const auto& p = vertices[index].position;
+      return Vec3(double(p[0]), double(p[1]), double(p[2]));
+    };
+    const std::vector<std::uint32_t>& indices = model.meshes[0].indices;
+    double area = 0;
+    for (std::size_t i = 0; i < indices.size(); i += 3) {
+      const Vec3 a = at(indices[i]), b = at(indices[i + 1]), c = at(indices[i + 2]);
+      const auto& n = vertices[indices[i]].normal;
+      const Vec3 cross = (b - a).cross(c - a);
+      area += cross.norm() / 2;
+      if (cross.norm() < 1e-9) continue;
+      EXPECT_GT(cross.dot(Vec3(double(n[0]), double(n[1]), double(n[2]))), 0) << obstacle.name;
+    }
+    const double pi = 3.14159265;
+    if (obstacle.name == "ball") EXPECT_NEAR(area, 4 * pi * 0.01, 0.01 * area);
+    if (obstacle.name == "bar") EXPECT_NEAR(area, pi * 0.1 + 4 * pi * 0.0025, 0.01 * area);
+    if (obstacle.name == "step") {
+      // Faces, edges and corners of a box of 0.96 x 0.16 x 0.96 with everything 0.02 from it.
+      const double faces = 2 * (0.96 * 0.96 + 2 * 0.96 * 0.16);
+      const double edges = 2 * pi * 0.02 * (0.96 + 0.16 + 0.96), corners = 4 * pi * 0.0004;
+      EXPECT_NEAR(area, faces + edges + corners, 1e-3 * area);
+    }
+  }
+}
+
+TEST_F(ObstacleScene, FaultsAreNamed) {
+  expect("restitution = 1.5\n", "13:15", "found 1.5, expected a number from 0 to 1");
+  expect("static_friction = 0.1\n", "13:19", "found 0.1, expected at least friction, 0.4");
+  expect("static_friction = -0.1\n", "13:19", "found -0.1, expected a number");
+  expect("[obstacles.ball]\nshape = { ball = { diameter = 1 } }\n", "14:11",
+         "expected one of: plane, sphere, capsule, cylinder, box");
+  expect(
+      "[obstacles.ball]\nshape = { box = { size = [1, 0.1, 1], rounding = 0.06 } }\n"
+      "position = [0, 5, 0]\n",
+      "14:", "found 0.06, expected at most half of its smallest size, 0.05");
+  expect("[obstacles.ball]\nshape = { sphere = { diameter = 0.2 } }\npath = \"hand\"\n", "15:8",
+         "expected the name of a path, the scene has none");
+  expect("[obstacles.ball]\nshape = { sphere = { diameter = 0.2 } }\nposition = [0, 1, 0]\n",
+         "13:", "is around what holds connector rope (particle 0), 0.1 m deep");
+  expect("[obstacles.ball]\nshape = { sphere = { diameter = 0.2 } }\nposition = [0.5, 1, 0]\n",
+         "2:", "its particle 8 starts 0.01 m inside of obstacle ball");
+  expect("[method]\nname = \"impulse\"\n",
+         "10:", "the method impulse knows no contact, expected one of: springs, xpbd, direct");
+}
+
+TEST_F(ObstacleScene, MassesSpansTouchNothing) {
+  std::string scene = kScene;
+  scene.insert(scene.find("radius"), "model = \"span\"\n");
+  const std::string message = said("", scene);
+  EXPECT_NE(message.find("scene.toml:6:9"), std::string::npos) << message;
+  EXPECT_NE(message.find("a massless span touches no obstacle"), std::string::npos) << message;
+}
+
+TEST_F(ObstacleScene, TooFewBeadsAreToldWithHowManyWouldDo) {
+  const std::string post =
+      "[obstacles.post]\nshape = { capsule = { length = 1, diameter = 0.02 } }\n"
+      "position = [0.5, 0.4, 0]\n";
+  const auto warnings = [&](const std::string& scene) {
+    return warnings_of(read(scene), 1, [] {});
+  };
+  const std::vector<std::string> found = warnings(kScene + post);
+  ASSERT_EQ(found.size(), 1u);
+  // Two beads at radius 0.02 with their link 0.01 deep are 2 sqrt(0.01 (0.04 - 0.01)) apart.
+  EXPECT_NE(found[0].find("connector rope has too few particles for obstacle post"),
+            std::string::npos)
+      << found[0];
+  EXPECT_NE(found[0].find("30 particles would do"), std::string::npos) << found[0];
+  std::string fine = kScene;
+  fine.replace(fine.find("21"), 2, "30");
+  EXPECT_TRUE(warnings(fine + post).empty());
+}
+
+}  // namespace
+}  // namespace taut
