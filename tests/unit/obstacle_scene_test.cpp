@@ -131,9 +131,11 @@ position = [3, 0, 0]
       EXPECT_GT(cross.dot(Vec3(double(n[0]), double(n[1]), double(n[2]))), 0) << obstacle.name;
     }
     const double pi = 3.14159265;
-    if (obstacle.name == "ball") EXPECT_NEAR(area, 4 * pi * 0.01, 0.01 * area);
-    if (obstacle.name == "bar") EXPECT_NEAR(area, pi * 0.1 + 4 * pi * 0.0025, 0.01 * area);
-    if (obstacle.name == "step") {
+    if (obstacle.name == "ball") {
+      EXPECT_NEAR(area, 4 * pi * 0.01, 0.01 * area);
+    } else if (obstacle.name == "bar") {
+      EXPECT_NEAR(area, pi * 0.1 + 4 * pi * 0.0025, 0.01 * area);
+    } else if (obstacle.name == "step") {
       // Faces, edges and corners of a box of 0.96 x 0.16 x 0.96 with everything 0.02 from it.
       const double faces = 2 * (0.96 * 0.96 + 2 * 0.96 * 0.16);
       const double edges = 2 * pi * 0.02 * (0.96 + 0.16 + 0.96), corners = 4 * pi * 0.0004;

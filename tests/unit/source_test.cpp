@@ -71,7 +71,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/study", {"sim", "sim/truth"}},
     {"sim/truth", {"sim", "sim/contact"}},
     {"sim/examples", {"taut"}},
-    {"scenes", {"sim", "scenes/character", "scenes/model", "scenes/reader"}},
+    {"scenes", {"sim", "sim/contact", "scenes/character", "scenes/model", "scenes/reader"}},
     {"scenes/character", {"sim", "scenes", "scenes/model"}},
     {"scenes/model", {"sim", "scenes"}},
     {"scenes/reader", {"sim", "scenes", "scenes/character"}},

@@ -57,7 +57,7 @@ void Contacts::prepare(const World& world) {
       parent[find(parent, bodies + c)] = find(parent, hold.to.body);
     }
   }
-  for (const auto& group : groups_) counters_.steps += group->links->counters().steps;
+  counters_ = counters();
   groups_.clear();
   std::vector<std::size_t> group_of(parent.size(), parent.size());
   const auto group = [&](std::size_t node) -> Group& {
