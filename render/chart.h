@@ -37,6 +37,7 @@ struct Axis {
 struct Point {
   double x = 0, y = 0;
   double x_low = kAuto, x_high = kAuto, y_low = kAuto, y_high = kAuto;
+  std::string command = {};  // that makes it; pages show it
 };
 
 struct Series {
@@ -51,7 +52,9 @@ struct Series {
 /// A rectangle of a map, in the axes' values, and the class that fills it.
 struct Cell {
   double x_low = 0, x_high = 0, y_low = 0, y_high = 0;
-  std::size_t kind = 0;  // index into Chart::kinds
+  std::size_t kind = 0;      // index into Chart::kinds
+  double x = 0, y = 0;       // what it stands for
+  std::string command = {};  // that makes it; pages show it
 };
 
 struct CellKind {

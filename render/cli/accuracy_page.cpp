@@ -7,8 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "render/cli/html_page.h"
 #include "render/cli/method_options.h"
+#include "render/cli/reproduce.h"
+#include "render/html_page.h"
 
 namespace taut::cli {
 namespace {
@@ -212,6 +213,9 @@ Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
                               : "RMS position error (px of the scene's camera); lower is better",
              true};
   if (metric == kShare) panel.y.maximum = 3;  // beyond, all is lost
+  const auto command = [&](const AccuracyRow& row) {
+    return score_command({study.scene, study.set}, row.candidate, study.share);
+  };
   for (const AccuracyBlock& block : study.blocks) {
     const std::vector<std::size_t> best = pareto_front(cost_and_error(block.rows, metric));
     Series front{legend_name(block.contender), block.contender.style, true, true, false, {}};
@@ -219,12 +223,13 @@ Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
     for (const std::size_t i : best) {
       const Spread time = drawn_spread(study, block.rows[i]);
       front.points.push_back({1e3 * time.median, block.rows[i].errors[metric], 1e3 * time.least,
-                              1e3 * time.most, kAuto, kAuto});
+                              1e3 * time.most, kAuto, kAuto, command(block.rows[i])});
     }
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
       if (block.rows[i].end != Run::End::done) continue;
       if (std::ranges::find(best, i) != best.end()) continue;
-      rest.points.push_back({1e3 * cost(block.rows[i]), block.rows[i].errors[metric]});
+      rest.points.push_back({1e3 * cost(block.rows[i]), block.rows[i].errors[metric], kAuto, kAuto,
+                             kAuto, kAuto, command(block.rows[i])});
     }
     panel.series.push_back(std::move(front));
     panel.series.push_back(std::move(rest));
@@ -259,33 +264,33 @@ Chart accuracy_chart(const AccuracyStudy& study) {
   return chart;
 }
 
+std::string accuracy_section(const AccuracyStudy& study) {
+  return fmt::format(
+      R"({}
+<h3>What to use</h3>
+{}
+<h3>What an error costs</h3>
+<p>Milliseconds of CPU time per simulated second of the cheapest settings tried that reach an RMS
+error, as a share of the length.</p>
+{}
+)",
+      html_chart(accuracy_chart(study)), to_html(best_table(study)), to_html(reach_table(study)));
+}
+
 std::string accuracy_page(const AccuracyStudy& study) {
   std::string model;
   if (!study.model.rows.empty()) {
     model = fmt::format(
         "<h2>What few particles miss</h2>\n<p>A chain of n particles is not the continuous rope "
-        "that "
-        "it stands for. This error is the model's: no solver and no step removes it.</p>\n{}\n{}",
-        inline_svg(model_chart(study.model, study.title)), to_html(model_table(study.model)));
+        "that it stands for. This error is the model's: no solver and no step removes it.</p>\n{}\n"
+        "{}",
+        html_chart(model_chart(study.model, study.title)), to_html(model_table(study.model)));
   }
   return html_page(
       study.title + ": speed against accuracy",
-      fmt::format(
-          R"(<p>{}</p>
-<p>Scene: {}. {}.</p>
-{}
-<h2>What to use</h2>
-{}
-<h2>What an error costs</h2>
-<p>Milliseconds of CPU time per simulated second of the cheapest settings tried that reach an RMS
-error, as a share of the length.</p>
-{}
-{}
-<h2>Every run</h2>
-{})",
-          escape_html(circumstances(study)), escape_html(study.scene), escape_html(machine()),
-          inline_svg(accuracy_chart(study)), to_html(best_table(study)),
-          to_html(reach_table(study)), model, to_html(points_table(study, false))));
+      fmt::format("<p>Scene: {}. {}.</p>\n{}{}\n<h2>Every run</h2>\n{}", escape_html(study.scene),
+                  escape_html(machine()), accuracy_section(study), model,
+                  to_html(points_table(study, false))));
 }
 
 std::string accuracy_json(const AccuracyStudy& study) {

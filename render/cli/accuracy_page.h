@@ -17,6 +17,8 @@ struct AccuracyBlock {
 
 struct AccuracyStudy {
   std::string scene, title;
+  std::vector<std::string> set;  // of --set
+  double share = 0;              // the least error that is scored, of the length
   std::size_t particles = 0;
   double horizon = 0;           // s
   double self_error = 0;        // of the length
@@ -38,6 +40,8 @@ Table best_table(const AccuracyStudy& study);
 /// Fronts as lines, what they dominate as faint markers; a second panel in pixels where rows have
 /// them.
 Chart accuracy_chart(const AccuracyStudy& study);
+/// What a page says of the study: the chart, what to use, what an error costs.
+std::string accuracy_section(const AccuracyStudy& study);
 /// One HTML page that needs no other file.
 std::string accuracy_page(const AccuracyStudy& study);
 std::string accuracy_json(const AccuracyStudy& study);

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+
+#include "render/cli/json.h"
+#include "render/cli/method_options.h"
 
 namespace taut::cli {
 namespace {
@@ -141,14 +143,41 @@ Panel ratio_panel(const BenchResults& results) {
   return panel;
 }
 
-nlohmann::ordered_json objects(const Table& table) {
-  auto rows = nlohmann::ordered_json::array();
-  for (const auto& row : table.rows) {
-    nlohmann::ordered_json object;
-    for (std::size_t i = 0; i < row.size(); ++i) object[table.columns[i]] = row[i];
-    rows.push_back(std::move(object));
-  }
-  return rows;
+Json json_of(const BenchResults& results, const BenchBlock& block, std::size_t index) {
+  const BenchRow& row = block.rows[index];
+  const auto micro = [&](double seconds) { return timed(row) ? Json(1e6 * seconds) : Json(); };
+  const double factor = ratio(results, block, index);
+  return {{"particles", block.particles},
+          {"method", results.contenders[index].label},
+          {"settings", settings_json(row.candidate.settings)},
+          {"steps_per_frame", timed(row) ? Json(row.steps) : Json()},
+          {"cpu_us_per_frame", micro(row.mean.median)},
+          {"low_quartile_us", micro(row.mean.low)},
+          {"high_quartile_us", micro(row.mean.high)},
+          {"times_as_fast", factor > 0 ? Json(factor) : Json()},
+          {"repeats", row.repeats},
+          {"failure", row.failure.empty() ? Json() : Json(row.failure)}};
+}
+
+Json json_of(const PaperSetting& s) {
+  return {{"particles", s.particles},
+          {"impulse_steps_per_frame", s.impulse_steps},
+          {"impulse_rms_error", number_or_null(s.impulse_error)},
+          {"springs_steps_per_frame", s.substeps},
+          {"springs_stiffness_n_per_m", s.stiffness},
+          {"springs_rms_error", number_or_null(s.error)},
+          {"springs_stretch_max", number_or_null(s.stretch)},
+          {"cost_ratio", number_or_null(s.ratio)}};
+}
+
+Json json_of(const EqualError& e) {
+  const bool known = e.cost > 0;
+  return {{"particles", e.particles},
+          {"rms_error", number_or_null(e.error)},
+          {"method", e.method},
+          {"impulse_cpu_ms_per_simulated_s", 1e3 * e.impulse_cost},
+          {"cpu_ms_per_simulated_s", known ? Json(1e3 * e.cost) : Json()},
+          {"cost_ratio", known ? number_or_null(e.cost / e.impulse_cost) : Json()}};
 }
 
 }  // namespace
@@ -212,12 +241,18 @@ Chart bench_chart(const BenchResults& results) {
 }
 
 std::string bench_json(const BenchResults& results) {
-  const nlohmann::ordered_json json = {
-      {"scene", results.scene.file.string()},
-      {"machine", machine()},
-      {"rows", objects(bench_table(results))},
-      {"paper_ratio", objects(settings_table(results.paper()))},
-      {"equal_error", objects(equal_error_table(results.paper()))}};
+  Json json = {{"scene", results.scene.file.string()}, {"machine", machine()},
+               {"against", results.against},           {"rows", Json::array()},
+               {"paper_ratio", Json::array()},         {"equal_error", Json::array()}};
+  for (const BenchBlock& block : results.blocks) {
+    for (std::size_t c = 0; c < results.contenders.size(); ++c) {
+      json["rows"].push_back(json_of(results, block, c));
+    }
+    for (const PaperSetting& one : block.paper.settings) {
+      json["paper_ratio"].push_back(json_of(one));
+    }
+    for (const EqualError& one : block.paper.equal) json["equal_error"].push_back(json_of(one));
+  }
   return json.dump(2) + "\n";
 }
 

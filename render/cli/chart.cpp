@@ -6,6 +6,7 @@
 
 #include "render/atomic_file.h"
 #include "render/cli/accuracy_page.h"
+#include "render/cli/accuracy_study.h"
 #include "render/cli/command.h"
 #include "render/cli/journal.h"
 #include "render/cli/model_error.h"
@@ -20,20 +21,9 @@ namespace taut::cli {
 namespace {
 
 constexpr const char* kTruth = "truth";  // the row of a part's horizon (s) and self-error (m)
-constexpr double kTargets[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};  // shares of the length
-
-// Shares of the budget: most of the time finds errors, the rest repeats timings.
-constexpr double kScoring = 0.6, kTiming = 0.4;
-// Share of the budget beyond which a run is timed less often.
-constexpr double kSlow = 0.002;
-
 Target solved_target(const StudyOptions& options, const Scene& scene, bool quiet) {
-  const double length = scene.world.connectors.front().length;
   if (!quiet) note("solving the truth\n");
-  TruthOptions truth;
-  truth.scored_error = length * (options.quick ? 1e-4 : 1e-6);
-  if (options.quick) truth.second_accuracy = 1e-7;
-  return predictable_target(scene, truth);
+  return scored_target(scene, least_share(options.quick));
 }
 
 bool has_model_study(const StudyOptions& options, const Scene& scene) {
@@ -72,19 +62,8 @@ int run_part(const StudyOptions& options, const Scene& scene, const AccuracyStud
 
 int run(const StudyOptions& options, bool markdown, const Common& common) {
   const Scene scene = study_scene(options, {}, true);
-  const double length = scene.world.connectors.front().length;
-  if (!(length > 0)) throw Misuse("a joint has no length to measure errors by");
-  AccuracyStudy study;
-  study.scene = options.scene;
-  study.title = scene.title;
-  study.particles = scene.world.connectors.front().particles();
-  study.targets.assign(std::begin(kTargets), std::end(kTargets));
-  std::vector<Metric> metrics{share_of_length(length)};
-  if (const auto pixels = pixels_of(scene)) metrics.push_back(*pixels);
-  study.in_pixels = metrics.size() > 1;
-  for (const Contender& contender : chosen_contenders(options)) {
-    study.blocks.push_back({contender, {}});
-  }
+  AccuracyStudy study = accuracy_study(options, scene);
+  const std::vector<Metric> metrics = accuracy_metrics(scene);
   if (options.part.is_part()) return run_part(options, scene, study, metrics, common);
 
   require_gnuplot();
@@ -94,30 +73,21 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
       merge ? merged_journal(shared_work(options, scene, all_candidates(study, options.quick)),
                              folder, stamp_of(options))
             : Journal(folder / "chart.unfinished", stamp_of(options));
-  Target target;
   if (merge) {
     const auto* truth = journal.find(kTruth);
     if (!truth) throw Misuse("--merge: there are no runs to merge");
-    target.reference.horizon = number_in(truth->at(0));
-    target.reference.self_error = number_in(truth->at(1));
+    study.horizon = number_in(truth->at(0));
+    study.self_error = number_in(truth->at(1)) / scored_length(scene);
+    merge_rows(study, metrics, options.quick, journal);
   } else {
     if (!common.quiet && journal.kept() > 0) {
       note("going on after {} runs of a chart that was stopped\n", journal.kept());
     }
-    target = solved_target(options, scene, common.quiet);
+    const Target target = solved_target(options, scene, common.quiet);
+    study.horizon = target.reference.horizon;
+    study.self_error = target.reference.self_error / scored_length(scene);
+    measure(study, target, metrics, options.budget, options.quick, &journal, common.quiet);
   }
-  study.horizon = target.reference.horizon;
-  study.self_error = target.reference.self_error / length;
-  score_all(study, target, metrics, kScoring * options.budget, options.quick, &journal,
-            common.quiet);
-  if (!merge) {
-    time_all(study, target, metrics.size(), kTiming * options.budget, kSlow * options.budget);
-  }
-  std::vector<AccuracyRow> rows;
-  for (const AccuracyBlock& block : study.blocks) {
-    rows.insert(rows.end(), block.rows.begin(), block.rows.end());
-  }
-  study.unsteadiness = unsteadiness(rows);
   if (has_model_study(options, scene)) {
     if (!common.quiet && !merge) note("solving chains of 6 to 321 particles\n");
     study.model = model_study(options, study.horizon, journal);

@@ -8,7 +8,9 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/cli/json.h"
+#include "render/cli/method_options.h"
 #include "render/cli/progress.h"
+#include "render/cli/stability_study.h"
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
 #include "render/cli/terminal.h"
@@ -21,7 +23,7 @@ namespace {
 struct Options {
   StudyOptions study;  // of its fields only inputs and methods
   double cap = 5;      // s of CPU time
-  bool markdown = false;
+  bool markdown = false, no_truth = false;
 };
 
 std::string percent(double share) {
@@ -51,8 +53,15 @@ std::string words(const Run& run, const Classification& found) {
 
 /// The contender at its defaults. A scene whose step is a whole frame asks every method that has a
 /// step to take that.
-Candidate candidate_for(const Contender& contender, const Scene& scene) {
+Candidate candidate_for(const Contender& contender, const Scene& scene,
+                        const std::vector<std::string>& set) {
   Candidate candidate = contender.candidate;
+  for (const auto& [name, value] : settings_of(*contender.method, set)) {
+    candidate.settings[name] = value;
+  }
+  if (const std::string wrong = complaint(*contender.method, candidate.settings); !wrong.empty()) {
+    throw Misuse(fmt::format("--set: {}", wrong));
+  }
   const auto step = scene.method.settings.find("step");
   if (step == scene.method.settings.end() ||
       number(scene.method.settings, "step") * scene.fps < 0.999) {
@@ -83,16 +92,22 @@ Classified classified(const Options& options, const std::string& file,
   StudyOptions study = options.study;
   study.scene = file;
   study.follows = Follows::pins_and_cuts;
+  study.inputs.set = sets_of_scene(options.study.inputs.set);
   Classified result{study_scene(study), file, {}};
   const Scene& scene = result.scene;
   const Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
-  const auto reference = quick_reference(problem, 0.01 * total_length(scene.world), options.cap);
+  std::optional<Reference> reference;
+  if (!options.no_truth) {
+    reference = quick_reference(problem, 0.01 * total_length(scene.world),
+                                std::max(options.cap, kTruthCap));
+  }
   if (reference) result.horizon = reference->horizon;
   for (const Contender& contender : contenders) {
     stop_if_interrupted();
     Classified::Method method{&contender, {}};
     if (contender.method->missing.empty()) {
-      method.run = taut::run(problem, candidate_for(contender, scene), options.cap);
+      method.run = taut::run(problem, candidate_for(contender, scene, options.study.inputs.set),
+                             options.cap);
       method.classification = classify(problem, *method.run, reference ? &*reference : nullptr);
       method.run->frames.clear();
     }
@@ -136,6 +151,13 @@ Json json_of(const Classified& one) {
 
 int run(const Options& options, const Common& common) {
   const std::vector<Contender> contenders = chosen_contenders(options.study);
+  for (const std::string& set : options.study.inputs.set) {
+    const bool known =
+        !sets_of_scene({set}).empty() || std::ranges::any_of(contenders, [&](const Contender& one) {
+          return !settings_of(*one.method, {set}).empty();
+        });
+    if (!known) throw Misuse(fmt::format("--set {}: is no setting of these methods", set));
+  }
   Table table{{"scene", "truth until (s)"}, {}};
   for (const Contender& contender : contenders) table.columns.push_back(contender.label);
   Json json = {{"scenes", Json::array()}};
@@ -165,10 +187,12 @@ void add_classify(CLI::App& app, Program& program) {
                   R"(  taut classify scenes/hard/*.toml
   taut classify scenes/hard/whip.toml --methods xpbd,direct
   taut classify scenes/hard/*.toml --markdown --methods impulse,springs,direct
+  taut classify scenes/rope_swing.toml --methods springs --set step=0.001 --set stiffness=1e6
 
 The first class that fits: failed (diverged, or gained 10% of the energy), stretched (a link by 1%),
 over-damped (lost 10%), accurate (RMS within 1% of the length of truth), plausible. Methods run at
-their own settings; where the scene's step is a whole frame, they take that.)");
+their own settings, or at those of --set that they have; where the scene's step is a whole frame,
+they take that.)");
   const auto options = std::make_shared<Options>();
   add_scene_options(command, options->study.inputs);
   command.add_option("--out", options->study.out, "Folder for classify.csv; default: none");
@@ -178,6 +202,8 @@ their own settings; where the scene's step is a whole frame, they take that.)");
       ->delimiter(',');
   command.add_option("--cap", options->cap, "Seconds of CPU time that a run may take; default: 5")
       ->check(CLI::PositiveNumber);
+  command.add_flag("--no-truth", options->no_truth,
+                   "Solve no truth: accurate motion is called plausible, too");
   command.add_flag("--markdown", options->markdown, "The table as Markdown");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };

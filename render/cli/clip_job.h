@@ -95,6 +95,14 @@ void finish_clip(const ClipJob& job, nlohmann::ordered_json& report, const SelfE
 /// The report with --json, and else where the video or the frames are.
 std::string result_text(const nlohmann::ordered_json& report, const Common& common);
 
+/// The report, and with --profile what the stages take, as text.
+struct DrawnClip {
+  nlohmann::ordered_json report;
+  std::string profile;
+};
+/// Draws the frames that are not there yet, and makes the video where there is to be one.
+DrawnClip draw_clip(const ClipJob& job, const Common& common);
+
 /// Puts the frames of all parts into the clip's folder and makes its video; draws none. Throws
 /// Misuse where frames are missing.
 int merge_clip(const ClipJob& job, const Common& common);

@@ -106,10 +106,10 @@ int run(const Options& options, const Common& common) {
         goldens,
         options.out.empty() ? fs::path("out/golden") / folder.filename() : fs::path(options.out),
         common);
-  Json accepted = Json::object();
+  Json accepted = Json::array();
   std::string text;
   const auto took_over = [&](const std::string& name, const std::string& change) {
-    accepted[name] = change;
+    accepted.push_back({{"name", name}, {"change", change}});
     text += fmt::format("{}: {}\n", name, change);
     stop_if_interrupted();
   };
@@ -117,7 +117,7 @@ int run(const Options& options, const Common& common) {
     took_over(frame.name, goldens.accept(frame, options.simulate));
   for (const GoldenTrajectory& trajectory : goldens.trajectories())
     took_over(trajectory.name, goldens.accept(trajectory));
-  write_output(common.json ? accepted.dump(2) + "\n" : text);
+  write_output(common.json ? Json({{"accepted", accepted}}).dump(2) + "\n" : text);
   return kDone;
 }
 

@@ -81,6 +81,23 @@ std::vector<SceneChange> chosen_changes(const MethodOptions& options) {
   return changes;
 }
 
+std::vector<std::string> sets_of_scene(const std::vector<std::string>& set) {
+  std::vector<std::string> own;
+  for (const std::string& text : set) {
+    if (is_of_scene(set_pair(text).key)) own.push_back(text);
+  }
+  return own;
+}
+
+Settings settings_of(const MethodInfo& method, const std::vector<std::string>& set) {
+  Settings settings;
+  for (const std::string& text : set) {
+    const auto [key, value] = set_pair(text);
+    if (!is_of_scene(key) && find_setting(method, key)) settings[key] = parsed(method, key, value);
+  }
+  return settings;
+}
+
 MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
   MethodChoice choice = scene.method;
   if (!options.method.empty()) choice.name = options.method;

@@ -28,6 +28,11 @@ Scene load_chosen(const std::filesystem::path& file, bool with_stage, const Meth
 /// What of --set is of the scene.
 std::vector<SceneChange> chosen_changes(const MethodOptions& options);
 
+/// Those of KEY=VALUE that are of the scene; and, with their types, those that are settings of the
+/// method, others left out. Throws Misuse.
+std::vector<std::string> sets_of_scene(const std::vector<std::string>& set);
+Settings settings_of(const MethodInfo& method, const std::vector<std::string>& set);
+
 /// The scene's method with the options put over its settings. Another method starts from its own:
 /// the step that suits one diverges in the next. Throws Misuse.
 MethodChoice chosen_method(const MethodOptions& options, const Scene& scene);

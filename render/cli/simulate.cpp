@@ -10,12 +10,16 @@
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
+#include "render/cli/json.h"
 #include "render/cli/method_options.h"
 #include "render/cli/needs.h"
 #include "render/cli/note.h"
 #include "render/cli/progress.h"
+#include "render/cli/run_score.h"
 #include "render/cli/scene_options.h"
 #include "render/cli/self_estimate.h"
+#include "render/cli/study_options.h"
+#include "render/cli/terminal.h"
 #include "render/export/csv.h"
 #include "render/interrupt.h"
 #include "scenes/scene.h"
@@ -35,6 +39,7 @@ struct Options {
   int fps = 0;  // 0: the scene's
   bool no_estimate = false;
   double max_memory = 0;
+  std::optional<double> score;  // share of the length
   MethodOptions method;
 };
 
@@ -152,10 +157,32 @@ std::string csv_file(const Options& options) {
   return results_folder(options.scene, options.csv, true).string() + ".csv";
 }
 
+/// How far off the run is, in place of its trajectory.
+int score(const Scene& scene, const Options& options, const Common& common) {
+  if (!options.csv.empty()) throw Misuse("--score: makes no trajectory, expected no --csv");
+  refuse_beyond({.memory = simulation_needs(scene).memory}, scene, options.max_memory, "", "",
+                common.quiet);
+  if (!common.quiet) note("solving the truth\n");
+  const Json json = run_score(scene, *options.score);
+  if (common.json) {
+    write_output(json.dump(2) + "\n");
+    return kDone;
+  }
+  const auto value = [&](const char* key) {
+    return json[key].is_null() ? std::string("-") : rounded(json[key].get<double>());
+  };
+  write_output(table_text(
+      {{"method", "RMS error (share of length)", "ms per simulated second", "truth until (s)"},
+       {{scene.method.name, value("rms_error"), value("cpu_ms_per_simulated_s"),
+         value("horizon_s")}}}));
+  return kDone;
+}
+
 int run(const Options& options, const Common& common) {
   Scene scene = load_chosen(options.scene, false, options.method);
   if (options.fps > 0) scene.fps = options.fps;
   scene.method = chosen_method(options.method, scene);
+  if (options.score) return score(scene, options, common);
   const bool to_output = options.csv == "-" || is_standard_output(options.csv);
   if (to_output && common.json) {
     throw Misuse(fmt::format("--csv {}: standard output is the JSON's (--json)", options.csv));
@@ -183,6 +210,7 @@ void add_simulate(CLI::App& app, Program& program) {
                   fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv
   taut simulate scenes/rope_swing.toml --csv swing.csv --json
   taut simulate scenes/rope_swing.toml --method springs --step 1e-4 --set stiffness=5000 --json
+  taut simulate scenes/rope_swing.toml --method xpbd --step 1e-4 --score 1e-4
 
 One row per frame: t, every particle of every connector (NAME.0.x,NAME.0.y,NAME.0.z,...), every
 body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz), error_estimate. SI units.
@@ -202,6 +230,11 @@ estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)"
   command.add_option("--fps", options->fps, "Another number of frames per second")
       ->check(CLI::Range(1, 1000));
   add_method_options(command, options->method);
+  command
+      .add_option("--score", options->score,
+                  "No trajectory, but the error against the truth, which is solved for errors from "
+                  "this share of the length up")
+      ->check(CLI::Range(1e-9, 1.0));
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
   add_memory_option(command, options->max_memory);
   command.callback([options, &program] {

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/cli/html_page.h"
 #include "render/cli/json.h"
+#include "render/cli/reproduce.h"
+#include "render/cli/stability_study.h"
+#include "render/html_page.h"
 
 namespace taut::cli {
 namespace {
@@ -56,6 +58,21 @@ Series law_of(const StabilityMap& map, const Contender& contender) {
   return law;
 }
 
+/// A cell that took less than its cap has more of it in the command: another run of it may take
+/// longer.
+std::string command_of(const StabilityStudy& study, const StabilityMap& map,
+                       const Contender& contender, const MapCell& cell) {
+  Candidate candidate = contender.candidate;
+  candidate.settings[std::string(map_height(*contender.method)->name)] = cell.y;
+  if (!map.axis.setting.empty()) candidate.settings[map.axis.setting] = cell.x;
+  const World& world = map.worlds[place(map.axis.values, cell.x)];
+  const bool scored = study.scored && world.connectors.front().particles() <= kMostForTruth;
+  return classify_command({study.scene, study.set},
+                          map.axis.changes ? map.axis.changes(cell.x) : std::vector<SceneChange>(),
+                          contender.label, candidate, study.duration,
+                          cell.over ? study.cap : std::max(study.cap, kTruthCap), scored);
+}
+
 Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std::size_t index) {
   const Contender& contender = study.contenders[index];
   Panel panel;
@@ -80,7 +97,8 @@ Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std::size_t
     const auto x = edges(map.axis.values, place(map.axis.values, cell.x), map.axis.log);
     const auto y = edges(heights, place(heights, cell.y), true);
     panel.cells.push_back({x.first, x.second, y.first, y.second,
-                           static_cast<std::size_t>(cell.classification.motion_class)});
+                           static_cast<std::size_t>(cell.classification.motion_class), cell.x,
+                           cell.y, command_of(study, map, contender, cell)});
   }
   if (contender.method->longest_step && setting->name == "step") {
     panel.series.push_back(law_of(map, contender));
@@ -152,15 +170,20 @@ Chart stability_chart(const StabilityStudy& study, const StabilityMap& map) {
   return chart;
 }
 
-std::string stability_page(const StabilityStudy& study) {
-  std::string body =
-      fmt::format("<p>Scene: {}. {}.</p>\n", escape_html(study.scene), escape_html(machine()));
+std::string stability_section(const StabilityStudy& study) {
+  std::string body;
   for (const StabilityMap& map : study.maps) {
-    body += fmt::format("<h2>{}</h2>\n{}\n", escape_html(map.axis.label),
-                        inline_svg(stability_chart(study, map)));
+    body += fmt::format("<h3>{}</h3>\n{}", escape_html(map.axis.label),
+                        html_chart(stability_chart(study, map)));
   }
-  body += "<h2>Every cell</h2>\n" + to_html(stability_table(study));
-  return html_page(study.title + ": where each method fails", body);
+  return body;
+}
+
+std::string stability_page(const StabilityStudy& study) {
+  return html_page(study.title + ": where each method fails",
+                   fmt::format("<p>Scene: {}. {}.</p>\n{}<h2>Every cell</h2>\n{}",
+                               escape_html(study.scene), escape_html(machine()),
+                               stability_section(study), to_html(stability_table(study))));
 }
 
 std::string stability_json(const StabilityStudy& study) {

@@ -26,9 +26,10 @@ struct StabilityMap {
 
 struct StabilityStudy {
   std::string scene, title;
-  double duration = 0;  // s, of each run
-  double cap = 0;       // s of CPU time, the most that a cell may take
-  bool scored = true;   // there was a truth to tell accurate from plausible
+  std::vector<std::string> set;  // of --set
+  double duration = 0;           // s, of each run
+  double cap = 0;                // s of CPU time, the most that a cell may take
+  bool scored = true;            // there was a truth to tell accurate from plausible
   bool quick = false;
   std::vector<Contender> contenders;
   std::vector<StabilityMap> maps;
@@ -36,6 +37,8 @@ struct StabilityStudy {
 
 Table stability_table(const StabilityStudy& study);
 Chart stability_chart(const StabilityStudy& study, const StabilityMap& map);
+/// What a page says of the study: its maps.
+std::string stability_section(const StabilityStudy& study);
 /// One HTML page that needs no other file.
 std::string stability_page(const StabilityStudy& study);
 std::string stability_json(const StabilityStudy& study);

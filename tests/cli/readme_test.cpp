@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/support/folder.h"
+#include "tests/support/json_schema.h"
 #include "tests/support/program.h"
 
 namespace taut {
@@ -51,7 +52,11 @@ TEST(LongResults, ClaimsStandAsTheyAreMeasured) {
       Child({TAUT_PROGRAM, "claims", "scenes/rope_swing.toml", "--json", "-q"}, TAUT_SOURCE_DIR)
           .wait(std::chrono::seconds(600));
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
-  const auto claims = nlohmann::json::parse(outcome.output).at("claims");
+  const auto result = nlohmann::json::parse(outcome.output);
+  const JsonSchema schema(
+      nlohmann::json::parse(read_file(TAUT_SOURCE_DIR "/render/cli/results.schema.json")));
+  EXPECT_EQ(schema.complaint(result, "claims"), "");
+  const auto claims = result.at("claims");
   ASSERT_EQ(rows.size(), claims.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i].at(0), claims[i].at("claim"));

@@ -117,12 +117,11 @@ TEST(Bench, TimesEveryFrameAndFindsThePapersRatio) {
   EXPECT_EQ(outcome.messages, "");
   const auto json = nlohmann::json::parse(outcome.output);
   ASSERT_EQ(json.at("rows").size(), 4u);
-  for (const auto& row : json.at("rows"))
-    EXPECT_GT(std::stod(row.at("µs per frame").get<std::string>()), 0);
+  for (const auto& row : json.at("rows")) EXPECT_GT(row.at("cpu_us_per_frame"), 0);
   ASSERT_EQ(json.at("paper_ratio").size(), 4u);  // one step a frame, and the default, at both
   for (const auto& row : json.at("paper_ratio")) {
-    EXPECT_GT(std::stod(row.at("springs / impulse").get<std::string>()), 1);
-    EXPECT_GT(std::stod(row.at("springs: stiffness (N/m)").get<std::string>()), 0);
+    EXPECT_GT(row.at("cost_ratio"), 1);
+    EXPECT_GT(row.at("springs_stiffness_n_per_m"), 0);
   }
   const fs::path out = folder.path() / "out/scene";
   const Table frames = from_csv(read_file(out / "bench_frames.csv"));
@@ -167,7 +166,7 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
     EXPECT_TRUE(fs::exists(out / name)) << name;
   }
   const std::string page = read_file(out / "chart.html");
-  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_NE(page.find("class=\"chart\""), std::string::npos);
   EXPECT_EQ(page.find("src="), std::string::npos) << "the page needs another file";
 
   // The direct method follows its tolerance, so it reaches every target.

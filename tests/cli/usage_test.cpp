@@ -32,7 +32,7 @@ start = { direction = [1, 0, 0] }
 
 const std::vector<std::string> kCommands = {
     "render",  "simulate", "export",   "check",          "bench",  "chart", "stability",
-    "compare", "golden",   "classify", "work-precision", "claims", "plan"};
+    "compare", "golden",   "classify", "work-precision", "claims", "plan",  "report"};
 
 class Usage : public testing::Test {
  protected:
@@ -207,9 +207,13 @@ TEST_F(Usage, EveryResultIsAsTheSchemaSays) {
   check("export", {"export", "swing.toml", "--to", "glb"});
   check("export", {"export", "swing.toml", "--to", "csv"});
   check("render", {"render", "swing.toml", "--size", "64x36"});
+  check("score", {"simulate", "swing.toml", "--score", "1e-4"});
   check("compare", {"compare", "swing.toml", "--size", "480x270", "--no-video", "--frames", "0"});
   check("classify", {"classify", "swing.toml"});
   check("work-precision", {"work-precision", "swing.toml", "--quick", "--budget", "1"});
+  check("bench", {"bench", "swing.toml", "--quick", "--budget", "1", "--particles", "4"});
+  const std::string motions = TAUT_SOURCE_DIR "/tests/golden/motions";
+  check("golden_check", {"golden", "check", motions, "--only", "bench_stick"});
   check("chart", {"chart", "swing.toml", "--quick", "--budget", "1"});
   check("stability", {"stability", "swing.toml", "--quick", "--budget", "1"});
 }

@@ -1,0 +1,27 @@
+// One run against the truth: what it costs and how far off it is.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "sim/study/reference.h"
+#include "sim/study/run.h"
+
+namespace taut::cli {
+
+/// An error at a time (s), as a share of the length.
+struct ErrorAt {
+  double time = 0, error = 0;
+};
+
+/// RMS over the particles of each frame, up to the horizon; as far as the run came.
+std::vector<ErrorAt> errors_over_time(const Run& run, const Reference& reference, double length);
+
+/// Scores the scene's own method down to errors of `share` of the length, as `taut chart` does. The
+/// result as JSON: scene, method, settings, horizon_s, self_error, rms_error,
+/// cpu_ms_per_simulated_s, diverged_at_s, errors. Throws Misuse where there is nothing to score.
+nlohmann::ordered_json run_score(const Scene& scene, double share);
+
+}  // namespace taut::cli

@@ -1,0 +1,12 @@
+// The script of a page, in the order in which the page has its parts.
+#pragma once
+
+#include <string_view>
+
+namespace taut {
+
+extern const std::string_view kPageHelpers;
+extern const std::string_view kPanelScript;
+extern const std::string_view kPageScript;
+
+}  // namespace taut
