@@ -65,18 +65,12 @@ void share_mass(World& world, Connector& connector, std::size_t added) {
   }
 }
 
-/// One more mark behind the name of what is cut off: NAME', NAME'', NAME''', NAME'4 and so on.
-void add_mark(std::string& name) {
+/// The name of the k-th part that is cut off: NAME', NAME'', NAME''', NAME'4 and so on.
+void add_mark(std::string& name, std::size_t k) {
   constexpr std::size_t kMarks = 3;
-  const std::size_t mark = std::min(name.find('\''), name.size());
-  std::size_t count = name.size() - mark;
-  if (count > 0 && name.back() != '\'') {
-    std::from_chars(name.data() + mark + 1, name.data() + name.size(), count);
-  }
-  name.resize(mark);
-  if (++count <= kMarks) return void(name.append(count, '\''));
+  if (k <= kMarks) return void(name.append(k, '\''));
   char digits[24];
-  const auto end = std::to_chars(digits, digits + sizeof digits, count).ptr;
+  const auto end = std::to_chars(digits, digits + sizeof digits, k).ptr;
   name += '\'';
   name.append(digits, end);
 }
@@ -104,8 +98,15 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
     share_mass(world, first, at);
   }
   first.particle_mass[at] /= 2;
-  second.name = first.name;
-  add_mark(second.name);
+  while (original_.size() + 1 < world.connectors.size()) {
+    original_.push_back(original_.size());
+    cut_off_.push_back(0);
+  }
+  const std::size_t original = original_[index];
+  original_.push_back(original);
+  cut_off_.push_back(0);
+  second.name = world.connectors[original].name;
+  add_mark(second.name, ++cut_off_[original]);
   second.elasticity = first.elasticity;
   second.model = first.model;
   // The longer part keeps the arrays: many cuts, one behind the other, take no more room.

@@ -226,6 +226,8 @@ void Interventions::reserve(World& world, std::size_t pins, std::size_t cuts) {
   }
   restorer_.reserve(most);
   world.connectors.reserve(world.connectors.size() + cuts);
+  original_.reserve(world.connectors.size() + cuts);
+  cut_off_.reserve(world.connectors.size() + cuts);
   spare_.reserve(cuts);
   while (spare_.size() < cuts) {
     spare_.emplace_back();

@@ -68,7 +68,9 @@ class Interventions {
 
  private:
   LinkRestorer restorer_;
-  std::vector<Connector> spare_;  // for what is cut off
+  std::vector<Connector> spare_;       // for what is cut off
+  std::vector<std::size_t> original_;  // of each connector: the one that it is a part of
+  std::vector<std::size_t> cut_off_;   // parts of each of the originals
 };
 
 /// True where what would hold a particle exists.

@@ -270,5 +270,18 @@ TEST(Interventions, ACutThroughAPinnedLinkKeepsItsPins) {
   EXPECT_NEAR(world.connectors[1].rest.front(), 0.05, 1e-15);
 }
 
+TEST(Interventions, PartsHaveNamesOfTheirOwn) {
+  World world = swinging_rope();
+  Interventions interventions;
+  const std::pair<std::size_t, double> cuts[] = {{0, 0.85}, {0, 0.65}, {1, 0.05}, {0, 0.35}};
+  for (const auto& [connector, along] : cuts) {
+    ASSERT_EQ(interventions.cut(world, connector, along).outcome, Outcome::done);
+  }
+  std::vector<std::string> names;
+  for (const Connector& connector : world.connectors) names.push_back(connector.name);
+  const std::vector<std::string> expected = {"rope", "rope'", "rope''", "rope'''", "rope'4"};
+  EXPECT_EQ(names, expected);
+}
+
 }  // namespace
 }  // namespace taut
