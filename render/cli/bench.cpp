@@ -123,8 +123,8 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_bench(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(app, program, "bench", "What each frame costs each method",
-                                  R"(  taut bench scenes/rope_swing.toml
+  Command command = add_command(app, program, "bench", "What each frame costs each method",
+                                R"(  taut bench scenes/rope_swing.toml
   taut bench scenes/rope_swing.toml --quick --methods impulse,springs,direct
   taut bench scenes/rope_swing.toml --particles 21 --against xpbd --methods impulse,xpbd)");
   const auto options = std::make_shared<Options>();
@@ -134,8 +134,8 @@ void add_bench(CLI::App& app, Program& program) {
       .add_option("--particles", options->particles,
                   "Numbers of particles of the first connector, with commas; default: 11,21,41,81, "
                   "and 11,21 for --quick")
-      ->delimiter(',')
-      ->check(CLI::Range(2, 100000));
+      .delimiter(',')
+      .range(2, 100000);
   command.add_option("--against", options->against,
                      "The method that others are compared with; default: springs, or the first");
   command.callback([options, &program] {

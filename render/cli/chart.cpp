@@ -120,8 +120,8 @@ int run(const StudyOptions& options, bool markdown, const Common& common) {
 }  // namespace
 
 void add_chart(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(app, program, "chart", "Speed against accuracy of every method",
-                                  R"(  taut chart scenes/rope_swing.toml
+  Command command = add_command(app, program, "chart", "Speed against accuracy of every method",
+                                R"(  taut chart scenes/rope_swing.toml
   taut chart scenes/rope_swing.toml --quick
   taut chart scenes/rope_swing.toml --methods springs,xpbd,direct --budget 60
   taut chart scenes/rope_swing.toml --part 3/100

@@ -277,15 +277,14 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_check(CLI::App& app, Program& program) {
-  CLI::App& command =
+  Command command =
       add_command(app, program, "check", "What is wrong with a scene, and what it would do",
                   R"(  taut check scenes/nunchaku.toml
   taut check scenes/nunchaku.toml --json
   taut check --plans scenes/*.toml                 their plans, as a table in Markdown
   taut check --schema > scenes/scene.schema.json   the JSON Schema, for editors)");
   const auto options = std::make_shared<Options>();
-  add_scene_options(command, options->inputs);
-  command.get_option("scenes")->required(false);
+  add_scene_options(command, options->inputs).required(false);
   command.add_option("--plans", options->plans, "Write a table of these scenes' plans instead");
   command.add_flag("--schema", options->schema, "Write the JSON Schema of scene files instead");
   command.callback([options, &program] {

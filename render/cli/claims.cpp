@@ -200,8 +200,8 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_claims(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(app, program, "claims", "What of the paper reproduces, measured",
-                                  R"(  taut claims scenes/rope_swing.toml
+  Command command = add_command(app, program, "claims", "What of the paper reproduces, measured",
+                                R"(  taut claims scenes/rope_swing.toml
   taut claims scenes/rope_swing.toml --markdown)");
   const auto options = std::make_shared<Options>();
   add_scene_options(command, options->study.inputs);

@@ -182,7 +182,7 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_classify(CLI::App& app, Program& program) {
-  CLI::App& command =
+  Command command =
       add_command(app, program, "classify", "The class of the motion of each method in each scene",
                   R"(  taut classify scenes/hard/*.toml
   taut classify scenes/hard/whip.toml --methods xpbd,direct
@@ -199,9 +199,9 @@ they take that.)");
   command
       .add_option("--methods", options->study.methods,
                   "Methods to classify, METHOD or METHOD:FORM, with commas; default: all")
-      ->delimiter(',');
+      .delimiter(',');
   command.add_option("--cap", options->cap, "Seconds of CPU time that a run may take; default: 5")
-      ->check(CLI::PositiveNumber);
+      .positive();
   command.add_flag("--no-truth", options->no_truth,
                    "Solve no truth: accurate motion is called plausible, too");
   command.add_flag("--markdown", options->markdown, "The table as Markdown");

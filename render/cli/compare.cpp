@@ -241,7 +241,7 @@ int compare(const Common& common, const Options& options) {
 }  // namespace
 
 void add_compare(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(
+  Command command = add_command(
       app, program, "compare", "Show methods side by side in one clip, scored against the truth",
       "  taut compare scenes/rope_drop.toml\n"
       "  taut compare scenes/rope_swing.toml --methods impulse,impulse:as-printed,direct\n"
@@ -253,15 +253,14 @@ void add_compare(CLI::App& app, Program& program) {
   command
       .add_option("--methods", options->study.methods,
                   "Methods to compare, METHOD or METHOD:FORM, with commas; default: six")
-      ->delimiter(',');
+      .delimiter(',');
   command.add_option("--frames", options->frames, "Frames to make, as A-B,C; default all");
   command.add_option("--size", options->size, "WxH in pixels; default the scene's");
   command.add_option("--fps", options->fps, "Frames per second; default the scene's")
-      ->check(CLI::Range(1, 1000));
-  command.add_option("--samples", options->samples, "Samples per pixel; default 4")
-      ->check(CLI::Range(1, 64));
+      .range(1, 1000);
+  command.add_option("--samples", options->samples, "Samples per pixel; default 4").range(1, 64);
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
-      ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
+      .one_of({"auto", "egl", "osmesa"});
   command.add_flag("--no-video", options->no_video, "Frames only");
   options->study.follows = Follows::pins_and_cuts;
   command.callback([&program, options] {

@@ -32,14 +32,8 @@ fs::path shipped_scene() {
 /// `taut render` of `scene` with these words behind it.
 int render(const Common& common, const fs::path& scene, const fs::path& out,
            std::vector<std::string> words) {
-  CLI::App app;
-  Program program;
-  add_render(app, program);
   words.insert(words.begin(), {"render", scene.string(), "--out", out.string()});
-  std::ranges::reverse(words);  // as CLI11 takes them
-  app.parse(words);
-  program.common = common;
-  return program.run();
+  return run_words(common, add_render, std::move(words));
 }
 
 int demo(const Common& common, const Options& options) {
@@ -57,7 +51,7 @@ int demo(const Common& common, const Options& options) {
 }  // namespace
 
 void add_demo(CLI::App& app, Program& program) {
-  CLI::App& command =
+  Command command =
       add_command(app, program, "demo", "Render the demonstration that taut comes with",
                   "  taut demo               out/nunchaku: a picture and a small clip within "
                   "seconds, then the clip\n"

@@ -152,8 +152,8 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_export(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(app, program, "export", "A scene's motion for other programs",
-                                  R"(  taut export scenes/nunchaku.toml --to glb
+  Command command = add_command(app, program, "export", "A scene's motion for other programs",
+                                R"(  taut export scenes/nunchaku.toml --to glb
   taut export scenes/rope_swing.toml -o swing.npz
   taut export scenes/rope_swing.toml --to csv -o - | head -1
 
@@ -173,14 +173,13 @@ other programs open it.)");
   const auto options = std::make_shared<Options>();
   add_scene_options(command, options->inputs, false);
   command.add_option("--to", options->to, "The format; default the suffix of --out")
-      ->check(CLI::IsMember(format_names()));
+      .one_of(format_names());
   command
       .add_option("--out,-o", options->out,
                   "The file, of several scenes their folder; - for standard output; default "
                   "out/NAME/NAME.FORMAT")
-      ->type_name("FILE");
-  command.add_option("--fps", options->fps, "Another number of frames per second")
-      ->check(CLI::Range(1, 1000));
+      .type_name("FILE");
+  command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
   command.add_flag("--scenery", options->scenery, "With the stage's scenery: glb");
   add_method_options(command, options->method);
   add_memory_option(command, options->max_memory);

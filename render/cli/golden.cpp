@@ -124,9 +124,9 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_golden(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(app, program, "golden",
-                                  "Pictures and motions that are kept, and compared with today's",
-                                  R"(  taut golden check tests/golden/scenes
+  Command command = add_command(app, program, "golden",
+                                "Pictures and motions that are kept, and compared with today's",
+                                R"(  taut golden check tests/golden/scenes
   taut golden accept tests/golden/scenes --only throw
 
 A golden.toml in the folder names pictures and motions:
@@ -148,16 +148,16 @@ report.json, and index.html to look at. `accept` takes over what the frames look
 their kept states; where a scene moves otherwise by more than `within`, from where it is now.)");
   const auto options = std::make_shared<Options>();
   command.add_option("action", options->action, "check or accept")
-      ->required()
-      ->check(CLI::IsMember({"check", "accept"}));
-  command.add_option("folder", options->folder, "The folder with golden.toml")->required();
+      .required()
+      .one_of({"check", "accept"});
+  command.add_option("folder", options->folder, "The folder with golden.toml").required();
   command.add_option("--only", options->only, "Only this picture or motion; may be repeated")
-      ->allow_extra_args(false);
+      .one_value_each();
   command.add_option("--out", options->out, "Where to leave what differs; default out/golden/NAME");
   command.add_flag("--simulate", options->simulate,
                    "accept: from where the scenes are now, however near that is");
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
-      ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
+      .one_of({"auto", "egl", "osmesa"});
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };
   });

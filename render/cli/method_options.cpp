@@ -46,24 +46,27 @@ bool is_of_scene(const std::string& key) {
 
 }  // namespace
 
-void add_method_options(CLI::App& command, MethodOptions& options) {
-  auto* method = command.add_option("--method", options.method,
-                                    "Another method than the scene's, at its own settings");
-  auto* step = command.add_option("--step", options.step, "Longest step of the method, s");
-  auto* tolerance = command.add_option("--tolerance", options.tolerance,
-                                       "Error to keep, m, for methods that control it");
-  step->excludes(tolerance);
-  auto* set =
+void add_method_options(Command& command, MethodOptions& options) {
+  const Option method = command.add_option("--method", options.method,
+                                           "Another method than the scene's, at its own settings");
+  Option step = command.add_option("--step", options.step, "Longest step of the method, s");
+  const Option tolerance = command.add_option("--tolerance", options.tolerance,
+                                              "Error to keep, m, for methods that control it");
+  step.excludes(tolerance);
+  const Option set =
       command
           .add_option("--set", options.set,
                       "A setting of the method, as in stiffness=5000, or a value in place of the "
                       "scene's, as in connectors.rope.length=0.5; may be repeated")
-          ->allow_extra_args(false)
-          ->type_name("KEY=VALUE");
+          .one_value_each()
+          .type_name("KEY=VALUE");
   command
       .add_flag("--planned", options.planned,
                 "The model and the method of the scene's plan, as taut plan --write made it")
-      ->excludes(method, step, tolerance, set);
+      .excludes(method)
+      .excludes(step)
+      .excludes(tolerance)
+      .excludes(set);
 }
 
 Scene load_chosen(const std::filesystem::path& file, bool with_stage,

@@ -1,13 +1,13 @@
 // --method, --step, --tolerance and --set, for every command that simulates.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "render/cli/command.h"
 #include "scenes/scene.h"
 
 namespace taut::cli {
@@ -20,7 +20,7 @@ struct MethodOptions {
   bool planned = false;             // the model and the method of the scene's plan
 };
 
-void add_method_options(CLI::App& command, MethodOptions& options);
+void add_method_options(Command& command, MethodOptions& options);
 
 /// The scene as it is written or, where the options say so, as its plan has it. Throws BadScene.
 Scene load_chosen(const std::filesystem::path& file, bool with_stage, const MethodOptions& options);

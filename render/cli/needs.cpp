@@ -152,13 +152,10 @@ nlohmann::ordered_json needs_json(const Needs& needs) {
           {"time_s", needs.time}};
 }
 
-void add_memory_option(CLI::App& command, double& most) {
-  command
-      .add_option_function<std::uint64_t>(
-          "--max-memory", [&most](const std::uint64_t& bytes) { most = double(bytes); },
-          "Refuse what would take more, as in 8GB; default three quarters of the machine's")
-      ->transform(CLI::AsSizeValue(true))
-      ->type_name("SIZE");
+void add_memory_option(Command& command, double& most) {
+  command.add_size(
+      "--max-memory", most,
+      "Refuse what would take more, as in 8GB; default three quarters of the machine's");
 }
 
 void refuse_beyond(const Needs& needs, const Scene& scene, double most, const fs::path& folder,

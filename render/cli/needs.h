@@ -1,11 +1,11 @@
 // What a run takes of the machine, and the refusal of one that takes more than there is.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "render/cli/command.h"
 #include "scenes/scene.h"
 
 namespace taut::cli {
@@ -34,7 +34,7 @@ std::string needs_text(const Needs& needs);
 nlohmann::ordered_json needs_json(const Needs& needs);
 
 /// --max-memory; 0: three quarters of what the machine, or the group of processes, has.
-void add_memory_option(CLI::App& command, double& most);
+void add_memory_option(Command& command, double& most);
 
 /// Throws BadScene where the memory is more than `most` allows, and CannotWrite where the disk of
 /// `folder` has less room than is needed; `fewer` says what else to change. Unless `quiet`, says on

@@ -30,22 +30,22 @@ bool OutputOptions::is_picture() const {
   return ending_of(file) == kPicture;
 }
 
-void add_output_options(CLI::App& command, OutputOptions& options) {
+void add_output_options(Command& command, OutputOptions& options) {
   command
       .add_option(
           "-o,--output", options.file,
           "The file to make: .mp4, .webm, .mov (ProRes 4444), .gif, .webp or .apng; .png is "
           "one picture, of the clip's middle or of --poster")
-      ->type_name("FILE");
+      .type_name("FILE");
   command.add_option("--quality", options.quality, "Of the video, 0 to 100; default 85")
-      ->check(CLI::Range(0, 100));
+      .range(0, 100);
   command.add_flag("--transparent", options.transparent,
                    "No background but opacity: frames, .png, .webm, .mov, .webp, .apng");
   command
       .add_option("--preset", options.preset,
                   "draft: 640 pixels wide, a sample per pixel; final: the scene's size, 8 samples; "
                   "4k: 3840 wide")
-      ->check(CLI::IsMember({"draft", "final", "4k"}));
+      .one_of({"draft", "final", "4k"});
   command.add_flag("--watch", options.watch,
                    "Make a poster whenever the scene file is saved, until Ctrl-C");
 }

@@ -1,10 +1,10 @@
 // What a clip is written as: kind of file, quality, opacity, and what the file says of itself.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
+#include "render/cli/command.h"
 #include "render/png_file.h"
 #include "render/video.h"
 #include "scenes/clip.h"
@@ -21,7 +21,7 @@ struct OutputOptions {
   bool is_picture() const;
 };
 
-void add_output_options(CLI::App& command, OutputOptions& options);
+void add_output_options(Command& command, OutputOptions& options);
 
 /// Throws Misuse where the file's ending is none that can be written or cannot be transparent, or
 /// several scenes would share a file.

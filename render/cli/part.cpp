@@ -51,27 +51,25 @@ std::vector<fs::path> paths_of(const std::vector<PartPath>& parts) {
 
 }  // namespace
 
-void add_part_options(CLI::App& command, PartOptions& options, const std::string& whole) {
-  CLI::Option* part =
+void add_part_options(Command& command, PartOptions& options, const std::string& whole) {
+  const auto read = [&options](const std::string& text) {
+    std::string_view rest = text;
+    options.number = number_before(rest, "/");
+    options.count = number_before(rest, "");
+    if (options.number == 0 || options.number > options.count || !rest.empty()) {
+      throw Misuse(text + ": expected K/N with K from 1 to N, as in 3/100");
+    }
+  };
+  const Option part =
       command
-          .add_option_function<std::string>(
-              "--part",
-              [&options](const std::string& text) {
-                std::string_view rest = text;
-                options.number = number_before(rest, "/");
-                options.count = number_before(rest, "");
-                if (options.number == 0 || options.number > options.count || !rest.empty()) {
-                  throw CLI::ValidationError(
-                      "--part", text + ": expected K/N with K from 1 to N, as in 3/100");
-                }
-              },
-              fmt::format("Only the K-th of N shares of the {}, for --merge: on any machine",
-                          whole))
-          ->type_name("K/N");
+          .add_text("--part", read,
+                    fmt::format("Only the K-th of N shares of the {}, for --merge: on any machine",
+                                whole))
+          .type_name("K/N");
   command
       .add_flag("--merge", options.merge,
                 fmt::format("The result from the {} that all parts made; does none itself", whole))
-      ->excludes(part);
+      .excludes(part);
 }
 
 std::size_t part_of(std::size_t piece, std::size_t total, std::size_t count, Share share) {

@@ -1,7 +1,6 @@
 // Work that several processes share out, each a part of it, and the merge of what they did.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -20,7 +19,7 @@ struct PartOptions {
 };
 
 /// --part K/N and --merge. `whole` is what there is to share out: "runs".
-void add_part_options(CLI::App& command, PartOptions& options, const std::string& whole);
+void add_part_options(Command& command, PartOptions& options, const std::string& whole);
 
 /// Which pieces of work a part has: neighbours, where those need the same preparation; every n-th,
 /// where their costs differ.

@@ -341,7 +341,7 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_plan(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(
+  Command command = add_command(
       app, program, "plan", "The cheapest model that nobody can tell from the reference solution",
       R"(  taut plan scenes/rope_swing.toml --tolerance 1px
   taut plan scenes/nunchaku.toml --tolerance 0.5mm
@@ -364,7 +364,7 @@ sense, 3 bad scene, 6 the scene file cannot be written, 130 interrupted)");
   command
       .add_option("--tolerance", options->tolerance,
                   "How far any point may be from where it should be: 1px on the picture, or 0.5mm")
-      ->required();
+      .required();
   command.add_flag("--write", options->write, "Write the plan into the scene file");
   command.callback([options, &program] {
     program.run = [options, &program] {

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -20,7 +21,6 @@
 #include "render/error.h"
 #include "render/interrupt.h"
 #include "render/version.h"
-#include "scenes/asset_path.h"
 #include "scenes/error.h"
 #include "scenes/reader/document.h"
 #include "sim/method.h"
@@ -234,25 +234,6 @@ int guarded(const Common& common, const std::function<int()>& work) {
   }
 }
 
-CLI::App& add_command(CLI::App& app, Program& program, const std::string& name,
-                      const std::string& summary, const std::string& examples) {
-  CLI::App& command = *app.add_subcommand(name, summary);
-  command.formatter(help_format());
-  command.add_flag("--quiet,-q", program.common.quiet, "No progress, no notes; errors remain");
-  command.add_flag("--json", program.common.json, "The result on standard output as JSON");
-  command
-      .add_option("--threads", program.common.threads,
-                  "Threads to draw with, at most (simulating takes one); 0, the default: all")
-      ->check(CLI::Range(0, 1024));
-  command
-      .add_option_function<std::string>(
-          "--assets", [](const std::string& folder) { set_asset_folder(folder); },
-          "A folder in which the files that a scene names are looked for first")
-      ->check(CLI::ExistingDirectory);
-  command.footer("\nExamples:\n" + examples);
-  return command;
-}
-
 void describe_program(CLI::App& app, Program& program, std::span<const AddCommand> commands) {
   app.name("taut");
   app.description("Simulates flexible connectors (ropes, chains, cords) and renders them.");
@@ -261,6 +242,16 @@ void describe_program(CLI::App& app, Program& program, std::span<const AddComman
   app.set_version_flag("--version", fmt::format("taut {}", version()));
   app.footer(std::string("\n") + kExamples);
   for (const AddCommand add : commands) add(app, program);
+}
+
+int run_words(const Common& common, AddCommand add, std::vector<std::string> words) {
+  CLI::App app;
+  Program program;
+  add(app, program);
+  std::ranges::reverse(words);  // as CLI11 takes them
+  app.parse(words);
+  program.common = common;
+  return program.run();
 }
 
 int run_program(int argc, char** argv, std::span<const AddCommand> commands) {

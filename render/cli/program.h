@@ -28,6 +28,10 @@ class BadScenes : public BadScene {
 /// {"error": ...} on standard output. Returns the exit code.
 int guarded(const Common& common, const std::function<int()>& work);
 
+/// Runs a command from within another: its name and what stands behind that. Returns the exit code,
+/// or throws as the command does.
+int run_words(const Common& common, AddCommand add, std::vector<std::string> words);
+
 /// Returns the exit code.
 int run_program(int argc, char** argv, std::span<const AddCommand> commands);
 

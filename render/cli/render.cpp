@@ -62,7 +62,7 @@ int render_or_watch(const Common& common, const RenderOptions& options) {
 }  // namespace
 
 void add_render(CLI::App& app, Program& program) {
-  CLI::App& command =
+  Command command =
       add_command(app, program, "render", "Render a scene's clip",
                   "  taut render scenes/nunchaku.toml\n"
                   "  taut render scenes/nunchaku.toml -o nunchaku.webp --preset draft\n"
@@ -80,28 +80,29 @@ void add_render(CLI::App& app, Program& program) {
   command.add_option("--frames", options->frames, "Frames to make, as A-B,C; default all");
   command.add_option("--size", options->size, "WxH in pixels; default the scene's");
   command.add_option("--fps", options->fps, "Frames per second; default the scene's")
-      ->check(CLI::Range(1, 1000));
+      .range(1, 1000);
   command
       .add_option("--samples", options->samples, "Samples per pixel; default: the preset's, or 4")
-      ->check(CLI::Range(1, 64));
+      .range(1, 64);
   add_method_options(command, options->method);
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
   add_memory_option(command, options->max_memory);
   command.add_flag("--certificate", options->certificate,
                    "A line on the picture says what is proved of the clip, or that nothing is");
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
-      ->check(CLI::IsMember({"auto", "egl", "osmesa"}));
-  command.add_flag("--resume", options->resume,
-                   "Keep finished frames that would come out the same: the default");
+      .one_of({"auto", "egl", "osmesa"});
+  const Option resume =
+      command.add_flag("--resume", options->resume,
+                       "Keep finished frames that would come out the same: the default");
   command.add_flag("--anew", options->anew, "Draw every frame, also those that are there")
-      ->excludes("--resume");
+      .excludes(resume);
   add_part_options(command, options->part, "frames");
   command.add_flag("--contact-sheet", options->stills.contact_sheet,
                    "Only a sheet of the captions' middles, contact_sheet.png");
   command
       .add_option("--every", options->stills.every,
                   "The sheet shows the clip at every so many seconds instead")
-      ->check(CLI::PositiveNumber);
+      .positive();
   command.add_option("--poster", options->stills.poster,
                      "Only the picture at this time of the clip (s), poster.png");
   command.add_flag("--profile", options->profile,
@@ -111,7 +112,7 @@ void add_render(CLI::App& app, Program& program) {
   command
       .add_option("--patience", options->patience,
                   "Seconds after which an FFmpeg that does nothing is given up; default 60")
-      ->check(CLI::PositiveNumber);
+      .positive();
   command.callback([&program, options] {
     program.run = [&program, options] {
       return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {

@@ -126,7 +126,7 @@ int run(const StudyOptions& options, const Common& common) {
 }  // namespace
 
 void add_report(CLI::App& app, Program& program) {
-  CLI::App& command =
+  Command command =
       add_command(app, program, "report", "Everything that is measured of scenes, as one page",
                   R"(  taut report scenes/rope_swing.toml
   taut report scenes/rope_swing.toml scenes/bench_stick.toml --quick

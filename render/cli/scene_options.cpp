@@ -30,17 +30,18 @@ fs::path path_of_results(const std::string& scene) {
 
 }  // namespace
 
-void add_scene_options(CLI::App& command, SceneOptions& options, bool with_set) {
-  command.add_option("scenes", options.scenes, "Scene files; - is standard input")
-      ->required()
-      ->type_name("SCENE");
-  if (!with_set) return;
+Option add_scene_options(Command& command, SceneOptions& options, bool with_set) {
+  Option scenes = command.add_option("scenes", options.scenes, "Scene files; - is standard input")
+                      .required()
+                      .type_name("SCENE");
+  if (!with_set) return scenes;
   command
       .add_option("--set", options.set,
                   "A value in place of the scene's, as in connectors.rope.length=0.5; may be "
                   "repeated")
-      ->allow_extra_args(false)
-      ->type_name("KEY=VALUE");
+      .one_value_each()
+      .type_name("KEY=VALUE");
+  return scenes;
 }
 
 SetPair set_pair(const std::string& text) {

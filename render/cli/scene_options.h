@@ -1,7 +1,6 @@
 // Scenes as commands take them: several at once, from standard input, with values of their own.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -19,8 +18,8 @@ struct SceneOptions {
   bool several() const { return scenes.size() > 1; }
 };
 
-/// SCENE... and, where the command has none of its own, --set.
-void add_scene_options(CLI::App& command, SceneOptions& options, bool with_set = true);
+/// SCENE..., which is returned, and, where the command has none of its own, --set.
+Option add_scene_options(Command& command, SceneOptions& options, bool with_set = true);
 
 /// A pair of --set.
 struct SetPair {

@@ -205,9 +205,8 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_simulate(CLI::App& app, Program& program) {
-  CLI::App& command =
-      add_command(app, program, "simulate", "A scene's trajectory, without pictures",
-                  fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv
+  Command command = add_command(app, program, "simulate", "A scene's trajectory, without pictures",
+                                fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv
   taut simulate scenes/rope_swing.toml --csv swing.csv --json
   taut simulate scenes/rope_swing.toml --method springs --step 1e-4 --set stiffness=5000 --json
   taut simulate scenes/rope_swing.toml --method xpbd --step 1e-4 --score 1e-4
@@ -221,20 +220,19 @@ NAME'.
 It is the last column (inf once the run beside it diverges, nan where the method has no estimate)
 and, with --json, error_estimate_m (its largest and its final value), predictable_until_s and
 estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)",
-                              kEstimateHelp));
+                                            kEstimateHelp));
   const auto options = std::make_shared<Options>();
   add_scene_options(command, options->inputs, false);
   command.add_option("--csv", options->csv,
                      "The trajectory into this file, of several scenes into this folder; - or, "
                      "without --json, nothing: to standard output");
-  command.add_option("--fps", options->fps, "Another number of frames per second")
-      ->check(CLI::Range(1, 1000));
+  command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
   add_method_options(command, options->method);
   command
       .add_option("--score", options->score,
                   "No trajectory, but the error against the truth, which is solved for errors from "
                   "this share of the length up")
-      ->check(CLI::Range(1e-9, 1.0));
+      .range(1e-9, 1.0);
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
   add_memory_option(command, options->max_memory);
   command.callback([options, &program] {

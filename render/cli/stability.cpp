@@ -59,8 +59,8 @@ int run(const StudyOptions& options, const Common& common) {
 }  // namespace
 
 void add_stability(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(app, program, "stability", "Where each method fails, as maps",
-                                  R"(  taut stability scenes/rope_swing.toml
+  Command command = add_command(app, program, "stability", "Where each method fails, as maps",
+                                R"(  taut stability scenes/rope_swing.toml
   taut stability scenes/rope_swing.toml --quick
   taut stability scenes/rope_swing.toml --methods springs,direct --budget 120
   taut stability scenes/rope_swing.toml --part 3/100

@@ -34,7 +34,7 @@ std::vector<Contender> all_contenders() {
 
 }  // namespace
 
-void add_study_options(CLI::App& command, StudyOptions& options, double budget) {
+void add_study_options(Command& command, StudyOptions& options, double budget) {
   options.budget = budget;
   add_scene_options(command, options.inputs);
   command.add_option("--out", options.out,
@@ -42,11 +42,11 @@ void add_study_options(CLI::App& command, StudyOptions& options, double budget) 
   command
       .add_option("--methods", options.methods,
                   "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")
-      ->delimiter(',');
+      .delimiter(',');
   command
       .add_option("--budget", options.budget,
                   fmt::format("Seconds that it may take, about; default: {}", budget))
-      ->check(CLI::PositiveNumber);
+      .positive();
   command.add_flag("--quick", options.quick, "A coarse answer within half a minute");
 }
 

@@ -1,12 +1,12 @@
 // What bench, chart, stability and compare share: which methods, how much time, where to.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "render/chart.h"
+#include "render/cli/command.h"
 #include "render/cli/part.h"
 #include "render/cli/scene_options.h"
 #include "render/table.h"
@@ -30,7 +30,7 @@ struct StudyOptions {
 };
 
 /// SCENE..., --set, --out, --methods, --budget (`budget` seconds unless told) and --quick.
-void add_study_options(CLI::App& command, StudyOptions& options, double budget);
+void add_study_options(Command& command, StudyOptions& options, double budget);
 
 /// A row of a comparison: a method, or a form of it.
 struct Contender {

@@ -300,9 +300,9 @@ int run(Options options, const Common& common) {
 }  // namespace
 
 void add_work_precision(CLI::App& app, Program& program) {
-  CLI::App& command = add_command(app, program, "work-precision",
-                                  "The cost of an error for each method, scene beside scene",
-                                  R"(  taut work-precision scenes/bench_*.toml
+  Command command = add_command(app, program, "work-precision",
+                                "The cost of an error for each method, scene beside scene",
+                                R"(  taut work-precision scenes/bench_*.toml
   taut work-precision scenes/bench_*.toml --errors 0.01,0.001,0.0001 --markdown --out out/bench
 
 CPU milliseconds per simulated second of the cheapest settings whose RMS position error over the
@@ -314,17 +314,17 @@ and times them one after another; --merge makes the tables.)");
   options->study.budget = 120;
   add_scene_options(command, options->study.inputs);
   command.add_option("--errors", options->errors, "m, with commas; default: 0.01,0.001,0.0001")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      .delimiter(',')
+      .positive();
   command.add_option("--out", options->study.out, "Folder for work_precision.csv; default: none");
   command
       .add_option("--methods", options->study.methods,
                   "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")
-      ->delimiter(',');
+      .delimiter(',');
   command
       .add_option("--budget", options->study.budget,
                   "Seconds that each scene may take, about; default: 120")
-      ->check(CLI::PositiveNumber);
+      .positive();
   command.add_flag("--quick", options->study.quick, "Few settings of each method");
   add_part_options(command, options->study.part, "runs");
   command.add_flag("--markdown", options->markdown, "The tables as Markdown");
