@@ -46,7 +46,10 @@ template <class Cell>
 std::string line(const std::vector<std::string>& cells, const char* open, const char* between,
                  const char* close, Cell&& cell) {
   std::string out = open;
-  for (std::size_t i = 0; i < cells.size(); ++i) out += (i ? between : "") + cell(i);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i) out += between;
+    out += cell(i);
+  }
   return out + close;
 }
 
@@ -115,7 +118,8 @@ std::string paragraphs(const Table& table) {
   for (const auto& row : table.rows) {
     Table one{{table.columns.front(), row.front()}, {}};
     for (std::size_t c = 1; c < row.size(); ++c) one.add({table.columns[c], row[c]});
-    text += (text.empty() ? "" : "\n") + to_text(one);
+    if (!text.empty()) text += '\n';
+    text += to_text(one);
   }
   return text;
 }
