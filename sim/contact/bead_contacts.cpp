@@ -20,6 +20,8 @@ double held_back(const Obstacle& obstacle, double slip, double push) {
 void BeadContacts::rebuild(const Mechanism& mechanism, const World& world) {
   obstacles_ = world.obstacles;
   radius_.clear();
+  if (obstacles_.empty()) return;
+  radius_.reserve(mechanism.state_room());  // enough for points that pins add
   for (const Connector& connector : world.connectors) {
     radius_.insert(radius_.end(), connector.particles(), connector.radius);
   }
