@@ -44,18 +44,6 @@ std::string percent(double share) {
   return fmt::format("{}%", rounded(100 * share));
 }
 
-const char* outcome(const AccuracyRow& row) {
-  switch (row.end) {
-    case Run::End::done:
-      return "done";
-    case Run::End::diverged:
-      return "diverged";
-    case Run::End::over_cap:
-      return "over its CPU cap";
-  }
-  return "";
-}
-
 /// The cheapest method at a middling error, in a sentence.
 std::string finding(const AccuracyStudy& study) {
   constexpr double kAsked = 1e-3;
@@ -129,7 +117,7 @@ Table points_table(const AccuracyStudy& study, bool exact) {
       const bool best = std::ranges::find(front, i) != front.end();
       std::vector<std::string> cells{block.contender.label,
                                      describe(row.candidate.settings),
-                                     outcome(row),
+                                     text_of(row.end),
                                      error(row.errors[kShare]),
                                      text(time.median),
                                      text(time.least),

@@ -59,18 +59,6 @@ AccuracyRow score_one(const TruthObject& truth, const std::string& method, doubl
                [&] { signals.look(); });
 }
 
-const char* outcome(const AccuracyRow& row) {
-  switch (row.end) {
-    case Run::End::done:
-      return "done";
-    case Run::End::diverged:
-      return "diverged";
-    case Run::End::over_cap:
-      return "over its CPU cap";
-  }
-  return "";
-}
-
 py::dict all_methods() {
   py::dict all;
   for (const MethodInfo& method : methods()) {
@@ -109,7 +97,9 @@ void add_study(py::module_& module, py::class_<SceneObject>& scene) {
       .def_property_readonly(
           "label", [](const AccuracyRow& row) { return describe(row.candidate.settings); },
           "The settings as chart.csv has them.")
-      .def_property_readonly("outcome", outcome, "\"done\", \"diverged\" or \"over its CPU cap\".")
+      .def_property_readonly(
+          "outcome", [](const AccuracyRow& row) { return text_of(row.end); },
+          "\"done\", \"diverged\" or \"over its CPU cap\".")
       .def_readonly("reason", &AccuracyRow::reason, "Why, where it is not done.")
       .def_property_readonly(
           "error", [](const AccuracyRow& row) { return row.errors.front(); },

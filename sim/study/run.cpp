@@ -82,7 +82,7 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
     for (const double time : problem.times) {
       if (!slices.advance(simulation, time, result.cpu)) {
         result.end = Run::End::over_cap;
-        result.reason = "over its CPU cap";
+        result.reason = text_of(Run::End::over_cap);
         break;
       }
       const double gained = energy(simulation.world()) - at_start;
@@ -133,6 +133,18 @@ double time_run(const Problem& problem, const Candidate& candidate) {
   const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2);
   std::ranges::nth_element(runs, middle);
   return *middle;
+}
+
+const char* text_of(Run::End end) {
+  switch (end) {
+    case Run::End::done:
+      return "done";
+    case Run::End::diverged:
+      return "diverged";
+    case Run::End::over_cap:
+      return "over its CPU cap";
+  }
+  return "";
 }
 
 }  // namespace taut

@@ -39,6 +39,9 @@ struct Run {
   double energy_loss = 0;       // J, the most below it
 };
 
+/// The end as tables call it: done, diverged, over its CPU cap.
+const char* text_of(Run::End end);
+
 /// Runs `candidate` and records what Run holds. Stops once the stepping has taken `cpu_cap` (s).
 /// Settings must be valid: throws std::invalid_argument. Calls `tick`, where there is one, now and
 /// then; it may throw.
