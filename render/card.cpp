@@ -10,8 +10,8 @@ namespace taut {
 namespace {
 
 constexpr double kDarkness = 0.6;  // of the picture behind
-constexpr double kLeading = 1.6;
-constexpr Rgb kPaper{248, 245, 238}, kQuiet{206, 200, 188};
+constexpr double kCardLeading = 1.6;
+constexpr Rgb kCardPaper{248, 245, 238}, kQuiet{206, 200, 188};
 
 std::string with_method(std::string text, std::string_view method) {
   constexpr std::string_view kPlace = "{method}";
@@ -31,11 +31,11 @@ void draw_card(Picture& picture, Font& font, Font& bold, const Card& card, std::
     face.draw(picture, line, x, y, size, color, shown);
   };
   double y = 0.45 * picture.height;
-  centred(bold, card.heading, large, y, kPaper);
+  centred(bold, card.heading, large, y, kCardPaper);
   y += 0.75 * large;
   std::istringstream lines(with_method(card.text, method));
   lines.exceptions(std::ios::badbit);  // or running out of memory would end the text
-  for (std::string line; std::getline(lines, line); y += kLeading * small)
+  for (std::string line; std::getline(lines, line); y += kCardLeading * small)
     centred(font, line, small, y, kQuiet);
 }
 

@@ -1,7 +1,6 @@
 #include "render/render_workers.h"
 
 #include <algorithm>
-#include <atomic>
 #include <exception>
 #include <mutex>
 #include <system_error>
@@ -58,15 +57,17 @@ void RenderWorkers::stop_other() {
   if (other_.joinable()) other_.join();
 }
 
-void RenderWorkers::each(std::size_t count, const std::function<void(Film&, std::size_t)>& work) {
-  std::atomic<std::size_t> next = 0;
+void RenderWorkers::run(const std::function<Work()>& next) {
   std::mutex mutex;
   std::exception_ptr failure;
+  const auto take = [&]() -> Work {
+    const std::lock_guard lock(mutex);
+    return failure ? Work() : next();
+  };
   const auto job = [&](Film& film) {
     try {
-      for (std::size_t i; (i = next++) < count;) work(film, i);
+      while (const Work work = take()) work(film);
     } catch (...) {
-      next = count;
       const std::lock_guard lock(mutex);
       if (!failure) failure = std::current_exception();
     }

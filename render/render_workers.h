@@ -26,9 +26,10 @@ class RenderWorkers {
   Film& film() { return own_->film; }
   const Context& context() const { return own_->context; }
 
-  /// Calls work(film, i) for every i below `count`, begun in rising order, on the threads of the
-  /// films. Throws what the first work that failed threw. May be called once.
-  void each(std::size_t count, const std::function<void(Film&, std::size_t)>& work);
+  using Work = std::function<void(Film&)>;
+  /// Asks `next` for work, one call at a time, until it gives none; the work is done on the threads
+  /// of the films. Throws what the first call or work that failed threw. May be called once.
+  void run(const std::function<Work()>& next);
 
  private:
   struct Worker {
@@ -38,14 +39,12 @@ class RenderWorkers {
     Context context;
     Film film;
   };
-  using Job = std::function<void(Film&)>;
-
   /// Ends the other thread.
   void stop_other();
 
   std::optional<Worker> own_;
   std::jthread other_;
-  std::promise<Job> job_;  // of the other thread: broken, before that is joined, there is none
+  std::promise<Work> job_;  // of the other thread: broken, before that is joined, there is none
 };
 
 }  // namespace taut

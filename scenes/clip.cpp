@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "scenes/exposure.h"
 
@@ -54,39 +53,6 @@ std::vector<double> shown_times(const Scene& scene, const std::vector<ClipFrame>
   std::ranges::sort(times);
   times.erase(std::unique(times.begin(), times.end()), times.end());
   return times;
-}
-
-std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<ClipFrame>& frames,
-                                          const std::vector<int>& wanted,
-                                          const std::function<void()>& tick,
-                                          const std::function<void(const Simulation&)>& watch) {
-  const auto times_of = [&](const ClipFrame& frame) {
-    return exposure_times(scene, frame.time, frame.rate);
-  };
-  // Shots may go back in time, the simulation does not. It stops for every frame of the clip:
-  // methods that choose their steps would go another way without the stops.
-  std::map<double, Snapshot> states;  // wanted ones
-  double last = 0;
-  for (const int k : wanted)
-    for (const double time : times_of(frames[std::size_t(k)])) {
-      states[time];
-      last = std::max(last, time);
-    }
-  Simulation simulation = start(scene);
-  for (const double time : shown_times(scene, frames)) {
-    if (time > last) break;
-    tick();
-    simulation.advance_to(time);
-    if (watch) watch(simulation);
-    if (const auto found = states.find(time); found != states.end())
-      found->second = simulation.state();
-  }
-  std::vector<std::vector<Snapshot>> result;
-  for (const int k : wanted) {
-    auto& shutter = result.emplace_back();
-    for (const double time : times_of(frames[std::size_t(k)])) shutter.push_back(states.at(time));
-  }
-  return result;
 }
 
 }  // namespace taut

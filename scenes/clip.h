@@ -1,7 +1,6 @@
 // What a clip shows: cards and shots, frame by frame.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "scenes/scene.h"
@@ -23,13 +22,5 @@ std::vector<ClipFrame> clip_frames(const Scene& scene);
 
 /// The times (s, rising) of all states that these frames show while their shutters are open.
 std::vector<double> shown_times(const Scene& scene, const std::vector<ClipFrame>& frames);
-
-/// The states that each of the frames in `wanted` (rising) shows while its shutter is open, from
-/// one simulation. It goes the same way whichever frames are wanted. Calls `tick` now and then, and
-/// `watch`, where there is one, with the simulation at each of the times.
-std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<ClipFrame>& frames,
-                                          const std::vector<int>& wanted,
-                                          const std::function<void()>& tick,
-                                          const std::function<void(const Simulation&)>& watch = {});
 
 }  // namespace taut

@@ -63,10 +63,10 @@ std::string without_plan(std::string_view text) {
 std::string two_digits(double value, bool up) {
   if (!(value > 0) || !std::isfinite(value)) return fmt::format("{:g}", value);
   const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
-  constexpr double kRounding = 1e-9;
+  constexpr double kWhole = 1e-9;
   const double units = value / unit;
   return fmt::format("{:.2g}",
-                     unit * (up ? std::ceil(units - kRounding) : std::floor(units + kRounding)));
+                     unit * (up ? std::ceil(units - kWhole) : std::floor(units + kWhole)));
 }
 
 constexpr std::string_view words_of_work[] = {"none", "known", "unknown"};
@@ -134,7 +134,7 @@ std::uint64_t plan_stamp(const std::filesystem::path& scene) {
 }
 
 std::uint64_t method_stamp(const MethodChoice& method) {
-  constexpr double kRounding = 1e-9;  // m
+  constexpr double kSame = 1e-9;  // m
   Hash hash;
   for (const World& world : {small_swing(), small_throw()}) {
     try {
@@ -143,7 +143,7 @@ std::uint64_t method_stamp(const MethodChoice& method) {
         simulation.advance_to(time);
         const Snapshot state = simulation.state();
         for (const Vec3& at : state.connectors[0]) {
-          for (const double x : at) hash.number(std::llround(x / kRounding));
+          for (const double x : at) hash.number(std::llround(x / kSame));
         }
       }
     } catch (const Diverged&) {
@@ -199,9 +199,9 @@ std::string certificate(const Plan& plan) {
   }
   if (const auto& later = plan.afterwards) {
     using Work = Plan::Afterwards::Work;
-    constexpr double kRounding = 1e-8;
+    constexpr double kLeastShown = 1e-8;
     const auto share = [&](double of) {
-      return two_digits(100 * (of > 0 ? std::max(of, kRounding) : 0), true) + "%";
+      return two_digits(100 * (of > 0 ? std::max(of, kLeastShown) : 0), true) + "%";
     };
     text += fmt::format("; {}{}energy{} within {}, stretch within {}, speeds within {}",
                         plan.until > 0 ? "afterwards " : "",

@@ -16,9 +16,10 @@ double mass_of(const World& world, const Connector& connector, std::size_t parti
 }
 
 /// What hangs below the first held particle, from the top down.
-class Hanging {
+class HangingLoad {
  public:
-  Hanging(const World& world, const Connector& connector) : world_(world), connector_(connector) {
+  HangingLoad(const World& world, const Connector& connector)
+      : world_(world), connector_(connector) {
     const auto hold = std::ranges::find_if(
         connector.holds, [&](const Hold& h) { return is_prescribed(world, h.to); });
     if (hold == connector.holds.end()) return;
@@ -53,7 +54,7 @@ struct Chain {
 };
 
 Chain below_hold(const World& world, const Connector& connector) {
-  const Hanging hanging(world, connector);
+  const HangingLoad hanging(world, connector);
   Chain chain;
   for (std::size_t i = 0; i < hanging.size(); ++i) {
     chain.mass.push_back(hanging.mass(i));
@@ -108,7 +109,7 @@ double fastest_swing(const World& world) {
 double heaviest_link(const World& world) {
   double heaviest = 0;
   for (const Connector& connector : world.connectors) {
-    const Hanging chain(world, connector);
+    const HangingLoad chain(world, connector);
     double tension = 0;
     for (std::size_t i = chain.size(); i-- > 0;) {
       tension += chain.mass(i) * world.gravity.norm();

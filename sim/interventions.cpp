@@ -152,12 +152,12 @@ Joined join(const World& world, const Connector& connector, std::size_t added) {
   return gives_way ? Joined::needs_a_body : Joined::bent;
 }
 
-struct Found {
+struct PinnedHold {
   Connector* connector = nullptr;
   std::size_t hold = 0;
 };
 
-Found find_pin(World& world, std::uint64_t pin) {
+PinnedHold find_pin(World& world, std::uint64_t pin) {
   if (pin == 0) return {};
   for (Connector& connector : world.connectors) {
     for (std::size_t h = 0; h < connector.holds.size(); ++h) {

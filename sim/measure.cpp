@@ -56,6 +56,10 @@ double potential_energy(const World& world) {
   return energy;
 }
 
+double energy(const World& world) {
+  return kinetic_energy(world) + potential_energy(world);
+}
+
 Vec3 linear_momentum(const World& world) {
   Vec3 momentum = Vec3::Zero();
   each_free_body(world,

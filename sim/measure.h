@@ -9,6 +9,8 @@ namespace taut {
 double kinetic_energy(const World& world);
 /// Potential energy in the world's gravity, zero at the origin, J.
 double potential_energy(const World& world);
+/// The sum of both, J.
+double energy(const World& world);
 /// Linear momentum of everything that moves freely, kg m/s.
 Vec3 linear_momentum(const World& world);
 /// Angular momentum about `about` of everything that moves freely, kg m^2/s.

@@ -8,7 +8,7 @@ namespace taut {
 namespace {
 
 constexpr int kIterations = 20;
-constexpr double kExact = 1e-14;  // m: rounding of positions of about a metre
+constexpr double kRounding = 1e-14;  // m: rounding of positions of about a metre
 
 }  // namespace
 
@@ -33,7 +33,7 @@ Projection::Left Projection::lengths(Mechanism& mechanism, double time,
         std::ranges::max_element(violation, {}, [](double x) { return std::abs(x); });
     left = {std::abs(*worst), static_cast<std::size_t>(worst - violation.begin())};
     const bool settled = i > 0 && left.violation < kKept && left.violation > before / 2;
-    if (!(left.violation >= kExact) || settled || i == kIterations) return left;
+    if (!(left.violation >= kRounding) || settled || i == kIterations) return left;
     system_.assemble(mechanism);
     system_.solve(violation, multiplier_);
     mechanism.move(multiplier_.data(), state.data());

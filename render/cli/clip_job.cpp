@@ -158,22 +158,23 @@ std::uint64_t frame_inputs(std::uint64_t job, const ClipFrame& frame,
   return Hash().number(job).number(fingerprint(shutter)).number(frame.card_shown).value();
 }
 
-ClipStates record_states(const ClipJob& job, SelfEstimate& estimate) {
-  double estimate_time = 0;
+ClipStates::ClipStates(const ClipJob& job, SelfEstimate& estimate)
+    : simulation_(job.scene, job.clip, job.frames, stop_if_interrupted,
+                  [this, &estimate](const Simulation& simulation) {
+                    const auto begin = Clock::now();
+                    estimate.follow(simulation);
+                    estimate_time_ += seconds_since(begin);
+                  }) {}
+
+ClipSimulation::Shutter ClipStates::next() {
+  const double before = estimate_time_;
   const auto begin = Clock::now();
-  ClipStates states;
-  states.of_frames = record(job.scene, job.clip, job.frames, stop_if_interrupted,
-                            [&](const Simulation& simulation) {
-                              const auto start = Clock::now();
-                              estimate.follow(simulation);
-                              estimate_time += seconds_since(start);
-                            });
-  states.time = seconds_since(begin) - estimate_time;
-  return states;
+  ClipSimulation::Shutter shutter = simulation_.next();
+  time_ += seconds_since(begin) - (estimate_time_ - before);
+  return shutter;
 }
 
-nlohmann::ordered_json clip_report(const ClipJob& job, const ClipStates& states,
-                                   const FramesMade& made) {
+nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made) {
   const Scene& scene = job.scene;
   nlohmann::ordered_json report = {
       {"scene", job.options.scene},
@@ -190,8 +191,8 @@ nlohmann::ordered_json clip_report(const ClipJob& job, const ClipStates& states,
       {"mean_exposures", made.mean_exposures()},
       {"frames_folder", job.frame_path.string()},
       {"seconds_per_frame",
-       {{"simulation", job.frames.empty() ? 0.0 : states.time / double(job.frames.back() + 1)},
-        {"rendering", made.drawn ? made.time / double(made.drawn) : 0.0}}}};
+       {{"simulation", job.frames.empty() ? 0.0 : made.simulating / double(job.frames.back() + 1)},
+        {"rendering", made.drawn ? made.drawing / double(made.drawn) : 0.0}}}};
   if (job.options.method.planned || job.options.certificate) report["certificate"] = job.proof;
   return report;
 }

@@ -17,7 +17,7 @@
 #include "render/context.h"
 #include "render/frame_folder.h"
 #include "render/instant.h"
-#include "scenes/clip.h"
+#include "scenes/clip_simulation.h"
 
 namespace taut::cli {
 
@@ -67,26 +67,37 @@ struct ClipJob {
 std::uint64_t frame_inputs(std::uint64_t job, const ClipFrame& frame,
                            const std::vector<Instant>& shutter);
 
-/// The states that the frames show.
-struct ClipStates {
-  std::vector<std::vector<Snapshot>> of_frames;
-  double time = 0;  // s that simulating took
+/// The states that the frames show, one after another, and what simulating them took.
+class ClipStates {
+ public:
+  /// `job` and `estimate` must outlive it.
+  ClipStates(const ClipJob& job, SelfEstimate& estimate);
+
+  bool done() const { return simulation_.done(); }
+  /// Unless done: the next frame's, by its index in the job's frames.
+  ClipSimulation::Shutter next();
+  /// s, so far.
+  double time() const { return time_; }
+
+ private:
+  double estimate_time_ = 0;  // s
+  ClipSimulation simulation_;
+  double time_ = 0;
 };
-ClipStates record_states(const ClipJob& job, SelfEstimate& estimate);
 
 /// How the frames came about.
 struct FramesMade {
   std::string renderer;
   std::size_t drawn = 0, drawn_again = 0;  // drawn_again: where others were in the way
   double exposures = 0;                    // of all that were drawn
-  double time = 0;                         // s, of drawing
+  double simulating = 0;                   // s
+  double drawing = 0;                      // s
 
   double mean_exposures() const { return drawn ? exposures / double(drawn) : 0; }
 };
 
 /// What clip.json says, without what is said of a video and a profile.
-nlohmann::ordered_json clip_report(const ClipJob& job, const ClipStates& states,
-                                   const FramesMade& made);
+nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made);
 
 /// Makes the video where there is to be one, and writes clip.json. Unless quiet, says what is
 /// proved of the clip and how far it is to be trusted.

@@ -62,7 +62,7 @@ class Profiled {
 };
 
 /// Draws the frames that are not there yet.
-FramesMade draw_frames(const ClipJob& job, const ClipStates& states, RenderWorkers& workers,
+FramesMade draw_frames(const ClipJob& job, ClipStates& states, RenderWorkers& workers,
                        FrameFolder& folder, Profiled* profiled, const Common& common) {
   FramesMade made;
   made.renderer = workers.context().description();
@@ -74,13 +74,13 @@ FramesMade draw_frames(const ClipJob& job, const ClipStates& states, RenderWorke
   Progress progress("rendering", "frames", job.frames.size(), common.quiet);
   std::mutex mutex;  // of everything that counts, and of the font
   std::size_t done = 0;
-  workers.each(job.frames.size(), [&](Film& film, std::size_t i) {
+  const auto draw = [&](Film& film, const ClipSimulation::Shutter& open) {
     stop_if_interrupted();
     film.set_transparent(transparent);
     if (profiled) profiled->start();
-    const int number = job.frames[i];
+    const int number = job.frames[open.index];
     const ClipFrame& frame = job.clip[std::size_t(number)];
-    const std::vector<Instant> shutter = film.shutter(frame, states.of_frames[i]);
+    const std::vector<Instant> shutter = film.shutter(frame, open.states);
     if (profiled) profiled->lap("pose");
     const std::uint64_t inputs = frame_inputs(shared, frame, shutter);
     const bool is_there = folder.has(number, inputs);
@@ -101,10 +101,15 @@ FramesMade draw_frames(const ClipJob& job, const ClipStates& states, RenderWorke
       }
     }
     progress.update(++done);
+  };
+  workers.run([&]() -> RenderWorkers::Work {
+    if (states.done()) return {};
+    return [&draw, open = states.next()](Film& film) { draw(film, open); };
   });
   folder.finish();
-  made.time = std::chrono::duration<double>(Clock::now() - begin).count() -
-              (profiled ? profiled->time() : 0);
+  made.simulating = states.time();
+  made.drawing = std::chrono::duration<double>(Clock::now() - begin).count() - made.simulating -
+                 (profiled ? profiled->time() : 0);
   return made;
 }
 
@@ -118,7 +123,7 @@ DrawnClip draw_clip(const ClipJob& job, const Common& common) {
   std::optional<Profiled> profiled;
   if (options.profile) profiled.emplace(job, workers);
   SelfEstimate estimate(job.scene, !options.no_estimate && !options.part.is_part());
-  const ClipStates states = record_states(job, estimate);
+  ClipStates states(job, estimate);
   const FramesMade made =
       draw_frames(job, states, workers, folder, profiled ? &*profiled : nullptr, common);
   if (!common.quiet && (made.drawn_again > 0 || made.drawn < job.frames.size()))
@@ -128,7 +133,7 @@ DrawnClip draw_clip(const ClipJob& job, const Common& common) {
                                             "other options, and are drawn again",
                                             made.drawn_again)
                               : "");
-  DrawnClip clip{clip_report(job, states, made), ""};
+  DrawnClip clip{clip_report(job, made), ""};
   if (profiled) {
     profiled->measure_floor();
     clip.report["profile"] = profiled->json();

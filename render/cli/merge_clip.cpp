@@ -36,7 +36,7 @@ std::vector<DonePart> done_parts(const ClipJob& job, const std::vector<PartPath>
     done.made.drawn = json.value("frames_drawn", std::size_t(0));
     const double drawn = double(done.made.drawn);
     done.made.exposures = json.value("mean_exposures", 0.0) * drawn;
-    done.made.time =
+    done.made.drawing =
         json.value(nlohmann::json::json_pointer("/seconds_per_frame/rendering"), 0.0) * drawn;
     done.shared = job.fingerprint(done.made.renderer);
     parts.push_back(std::move(done));
@@ -50,29 +50,25 @@ int merge_clip(const ClipJob& job, const Common& common) {
   const std::vector<PartPath> found = found_parts(job.out, kParts);
   const std::vector<DonePart> parts = done_parts(job, found);
   SelfEstimate estimate(job.scene, !job.options.no_estimate && !parts.empty());
-  ClipStates states;
-  if (!parts.empty()) states = record_states(job, estimate);
-  std::vector<const DonePart*> owners;
-  std::vector<std::uint64_t> inputs;
+  std::vector<const DonePart*> owners(job.frames.size());
+  std::vector<std::uint64_t> inputs(job.frames.size());
+  ClipStates states(job, estimate);
+  while (!parts.empty() && !states.done()) {
+    const auto [i, open] = states.next();
+    const ClipFrame& frame = job.clip[std::size_t(job.frames[i])];
+    const std::vector<Instant> shutter = shutter_of(job.scene, frame, open);
+    for (const DonePart& part : parts) {
+      const auto entry = part.frames.find(job.frames[i]);
+      if (owners[i] || entry == part.frames.end()) continue;
+      inputs[i] = frame_inputs(part.shared, frame, shutter);
+      if (entry->second.inputs == inputs[i]) owners[i] = &part;
+    }
+  }
   std::vector<std::size_t> missing;
   std::set<const DonePart*> used;
-  for (std::size_t i = 0; i < job.frames.size(); ++i) {
-    const DonePart* owner = nullptr;
-    std::uint64_t of_owner = 0;
-    if (!parts.empty()) {
-      const ClipFrame& frame = job.clip[std::size_t(job.frames[i])];
-      const std::vector<Instant> shutter = shutter_of(job.scene, frame, states.of_frames[i]);
-      for (const DonePart& part : parts) {
-        const auto entry = part.frames.find(job.frames[i]);
-        if (owner || entry == part.frames.end()) continue;
-        of_owner = frame_inputs(part.shared, frame, shutter);
-        if (entry->second.inputs == of_owner) owner = &part;
-      }
-    }
-    if (!owner) missing.push_back(i);
-    owners.push_back(owner);
-    inputs.push_back(of_owner);
-    used.insert(owner);
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    if (!owners[i]) missing.push_back(i);
+    used.insert(owners[i]);
   }
   require_all(missing, job.frames.size(), Share::neighbours, found, job.out, "frames");
 
@@ -82,7 +78,7 @@ int merge_clip(const ClipJob& job, const Common& common) {
     if (!used.contains(&part)) continue;
     made.drawn += part.made.drawn;
     made.exposures += part.made.exposures;
-    made.time += part.made.time;
+    made.drawing += part.made.drawing;
     if (made.renderer.find(part.made.renderer) != std::string::npos) continue;
     made.renderer += (made.renderer.empty() ? "" : "; ") + part.made.renderer;
   }
@@ -92,7 +88,8 @@ int merge_clip(const ClipJob& job, const Common& common) {
     if (folder.has(frame, inputs[i])) continue;
     folder.take(frame, owners[i]->frames.at(frame), FrameFolder::file(owners[i]->folder, frame));
   }
-  nlohmann::ordered_json report = clip_report(job, states, made);
+  made.simulating = states.time();
+  nlohmann::ordered_json report = clip_report(job, made);
   finish_clip(job, report, estimate, common);
   write_output(result_text(report, common));
   return kDone;

@@ -131,11 +131,11 @@ Needs clip_needs(const Scene& scene, double frames, int samples) {
   const Stage& stage = *scene.stage;
   Needs needs = simulation_needs(scene);
   const double pixels = double(scene.width) * scene.height;
-  // All states of a clip are there before the first is drawn, once by their times and once by
-  // their frames.
+  // The states of a shutter are there twice for each thread that draws.
   const double states = stage.shutter > 0 ? stage.exposures : 1;
-  needs.memory += frames * (kFrame + 2 * states * sizeof(double) * numbers_shown(scene));
-  needs.memory += kRenderer + clip_length(scene) * kFrame + 32.0 * pixels * (samples + 1);
+  needs.memory += 4 * states * sizeof(double) * numbers_shown(scene);
+  needs.memory += kRenderer + clip_length(scene) * (kFrame + sizeof(double) * states) +
+                  frames * kFrame + 32.0 * pixels * (samples + 1);
   needs.disk = frames * pixels * kPixelOnDisk;
   needs.time += frames * pixels * kPixelTime;
   return needs;

@@ -90,7 +90,7 @@ class Rows {
 Report simulate(const Scene& scene, Simulation& simulation, SelfEstimate& estimate, Rows& rows,
                 bool quiet) {
   const World& world = simulation.world();
-  const double start = kinetic_energy(world) + potential_energy(world);
+  const double start = energy(world);
   const int frames = scene.frames();
   Report report;
   report.energy_scale = energy_scale(world);
@@ -107,8 +107,8 @@ Report simulate(const Scene& scene, Simulation& simulation, SelfEstimate& estima
     }
     report.stepping += cpu_seconds() - before;
     estimate.follow(simulation);
-    const double energy = kinetic_energy(world) + potential_energy(world);
-    report.drift = std::max(report.drift, std::abs(energy - start));
+    const double now = energy(world);
+    report.drift = std::max(report.drift, std::abs(now - start));
     report.stretch = std::max(report.stretch, stretch_max(world));
     if (rows.wanted()) rows.write(row(simulation.state(), estimate));
     progress.update(static_cast<std::uint64_t>(frame) + 1);

@@ -12,6 +12,7 @@
 #include "render/contact_sheet.h"
 #include "render/interrupt.h"
 #include "render/paint.h"
+#include "scenes/clip_simulation.h"
 
 namespace taut::cli {
 namespace {

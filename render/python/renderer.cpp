@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "scenes/clip.h"
+#include "scenes/clip_simulation.h"
 #include "scenes/default_stage.h"
 
 namespace taut::python {

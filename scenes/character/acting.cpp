@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/character/soft.h"
+
 namespace taut {
 namespace {
 
@@ -17,9 +19,6 @@ constexpr double foresight = 0.22;                                           // 
 constexpr double breath = 0.27;                                              // Hz
 
 /// Grows like x, but never beyond `limit`.
-double soft(double x, double limit) {
-  return limit * std::tanh(x / limit);
-}
 
 }  // namespace
 

@@ -9,24 +9,17 @@
 #include <vector>
 
 #include "scenes/character/acting.h"
+#include "scenes/character/soft.h"
 
 namespace taut {
 namespace {
 
-constexpr double degree = M_PI / 180;
 constexpr int roll_count = 48, swivel_count = 15;  // roll all round
 constexpr double roll_step = 2 * M_PI / roll_count;
 constexpr double swivel_first = -28 * degree, swivel_step = 8 * degree;
 constexpr int state_count = roll_count * swivel_count;
 constexpr int most_roll = 3, most_swivel = 2;  // steps on the grid from one instant to the next
-constexpr Eigen::Index stride = 2;             // samples of the acting from one instant to the next
-
-double beyond(double value, double limit) {
-  return std::max(0.0, value - limit);
-}
-double squared(double x) {
-  return x * x;
-}
+constexpr Eigen::Index every = 2;              // samples of the acting from one instant to the next
 
 /// Discomfort of an arm in degrees of wrist bend squared, roughly: what lies in a joint's easy
 /// range costs little, what nears its limit a lot.
@@ -99,10 +92,10 @@ void close_the_gap(const Figure& figure, const Path& path, Track& controls) {
 }  // namespace
 
 void plan_arm(const Figure& figure, const Path& path, Track& controls) {
-  const auto instants = static_cast<std::size_t>((controls.count() - 1) / stride + 1);
+  const auto instants = static_cast<std::size_t>((controls.count() - 1) / every + 1);
   std::vector<float> cost(instants * state_count);
   for (std::size_t k = 0; k < instants; ++k) {
-    const Eigen::Index i = static_cast<Eigen::Index>(k) * stride;
+    const Eigen::Index i = static_cast<Eigen::Index>(k) * every;
     const Placement torso = figure.skeleton().place(figure.torso(controls[i]));
     const Vec3 shoulder = figure.right_shoulder(torso);
     const Quat chest = figure.chest_turn(torso);
@@ -118,7 +111,7 @@ void plan_arm(const Figure& figure, const Path& path, Track& controls) {
   const std::vector<int> walk = cheapest_walk(cost, instants);
 
   Track angles(Eigen::MatrixXd(2, static_cast<Eigen::Index>(instants)),
-               controls.rate() / static_cast<double>(stride));
+               controls.rate() / static_cast<double>(every));
   int roll = walk[0] / swivel_count;
   for (std::size_t k = 0; k < instants; ++k) {
     // The nearer way round, so that the roll is continuous.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scenes/character/acting.h"
+#include "scenes/character/soft.h"
 
 namespace taut {
 namespace {
@@ -16,9 +17,6 @@ constexpr double head_lag = 0.088, eye_lag = 0.040;      // s
 constexpr double most_yaw = 0.45, most_lean = 0.35;      // rad, of an eye
 constexpr double blink_every = 2.9, blink_lasts = 0.24;  // s
 
-double soft(double x, double limit) {
-  return limit * std::tanh(x / limit);
-}
 double smoothstep(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
   return t * t * (3 - 2 * t);

@@ -8,11 +8,12 @@
 #include <string>
 
 #include "scenes/character/capsules.h"
+#include "scenes/character/soft.h"
 
 namespace taut {
 namespace {
 
-constexpr double degree = M_PI / 180, mm = 0.001;
+constexpr double mm = 0.001;
 constexpr double skin = 0.7 * mm;  // left between skin and what it touches
 constexpr std::array<const char*, 4> finger_names = {"Index", "Middle", "Ring", "Pinky"};
 
@@ -38,13 +39,6 @@ double descend(std::array<double, n>& x, Cost cost, double stride = 0.3, double 
     if (!better) stride /= 2;
   }
   return least;
-}
-
-double squared(double x) {
-  return x * x;
-}
-double beyond(double value, double limit) {
-  return std::max(0.0, value - limit);
 }
 
 /// What a gap (m) between skin and what it shall touch costs: entering it costs more.

@@ -6,9 +6,9 @@
 namespace taut {
 namespace {
 
-constexpr double settling = 0.33;   // s, over which the hand's place is averaged
-constexpr double foresight = 0.28;  // s: the foot is down again before the hand is there
-constexpr double stays = 0.25;      // s: and stands where the hand will be so much later
+constexpr double settling = 0.33;        // s, over which the hand's place is averaged
+constexpr double step_foresight = 0.28;  // s: the foot is down again before the hand is there
+constexpr double stays = 0.25;           // s: and stands where the hand will be so much later
 constexpr double share_ahead = 1.5, share_aside = 0.3;  // of the hand's way
 constexpr double drawn_up = 0.9;                        // of the way of the foot in front
 constexpr double worth = 0.05;                          // m off, for which a foot takes a step
@@ -37,7 +37,7 @@ struct Foot {
 }  // namespace
 
 Track take_steps(const Track& hand) {
-  const Track settled = hand.smoothed(settling).ahead(foresight + lasts);
+  const Track settled = hand.smoothed(settling).ahead(step_foresight + lasts);
   const auto wanted = [&](double time) -> Vec3 {
     const Vec3 way = settled.at(time) - settled[0];
     return {share_aside * way.x(), 0, share_ahead * way.z()};

@@ -13,10 +13,6 @@ namespace taut {
 
 namespace {
 
-/// How far an end may lie from where its connector ends, as a share of the length: the rounding of
-/// numbers that people type.
-constexpr double kRounding = 1e-6;
-
 /// Of all connectors together; more would fill a machine's memory before anything is simulated.
 constexpr std::size_t kMostParticles = 1000000;
 

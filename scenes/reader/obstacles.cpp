@@ -8,10 +8,6 @@ namespace taut {
 
 namespace {
 
-/// How deep (of the length) a bead may start in an obstacle: the rounding of numbers that people
-/// type. The first step moves it out.
-constexpr double kRounding = 1e-6;
-
 double read_rounding(const Document& document, const Value& kind, double least) {
   const Value* rounding = kind.find("rounding");
   if (!rounding) return 0;

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "scenes/reader/format_keys.h"
 #include "scenes/reader/reader.h"
 #include "scenes/regular_file.h"
 #include "sim/rotation.h"
@@ -47,9 +48,9 @@ Path read_circle(const Document& document, const Value& value) {
   const Circle circle{value.find("centre")->vec3(), value.find("start")->vec3(),
                       direction(document, *value.find("axis")), value.find("frequency")->number,
                       value.find("ramp")->number};
-  constexpr double kRounding = 1e-9;  // of numbers that people type, as a share of the radius
+  constexpr double kOblique = 1e-9;  // of numbers that people type, as a share of the radius
   const Vec3 radius = circle.start - circle.centre;
-  if (!(radius.norm() > 0) || std::abs(radius.dot(circle.axis)) > kRounding * radius.norm()) {
+  if (!(radius.norm() > 0) || std::abs(radius.dot(circle.axis)) > kOblique * radius.norm()) {
     document.mismatch(*value.find("start"),
                       "a point beside the centre, at right angles to the axis");
   }
@@ -73,9 +74,8 @@ bool split(std::string_view line, std::vector<double>& row) {
   }
 }
 
-constexpr std::size_t kMaxBytes = 64 << 20;
+constexpr std::size_t kMaxPathBytes = 64 << 20;
 constexpr std::size_t kMaxLine = 4096;  // bytes
-constexpr double kLongest = 86400;      // s, as of everything in a scene
 
 }  // namespace
 
@@ -83,7 +83,7 @@ Path read_path_csv(const std::filesystem::path& file) {
   const auto fail = [&](std::size_t line, const std::string& message) {
     throw BadAsset(fmt::format("{}:{}: {}", file.string(), line, message));
   };
-  const std::string text = read_regular_file(file, kMaxBytes, "rows of t,x,y,z");
+  const std::string text = read_regular_file(file, kMaxPathBytes, "rows of t,x,y,z");
   std::vector<PathKey> keys;
   std::vector<double> row;
   std::size_t columns = 0, number = 1;
@@ -105,9 +105,9 @@ Path read_path_csv(const std::filesystem::path& file) {
       fail(number, fmt::format("expected {} finite numbers between commas", columns));
     }
     PathKey key{row[0], {row[1], row[2], row[3]}, Quat::Identity(), false};
-    if (!(std::abs(key.time) <= kLongest)) {
+    if (!(std::abs(key.time) <= format_keys::kLongest)) {
       fail(number, fmt::format("found the time {}, expected one from {} to {} s", key.time,
-                               -kLongest, kLongest));
+                               -format_keys::kLongest, format_keys::kLongest));
     }
     if (columns == 8) {
       key.rotation = Quat(row[4], row[5], row[6], row[7]);

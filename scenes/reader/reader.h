@@ -33,6 +33,10 @@ auto with_place(const Document& document, const Value& value, auto&& use) {
   }
 }
 
+/// How far places that should be one may be apart, as a share of a connector's length: the rounding
+/// of numbers that people type.
+inline constexpr double kRounding = 1e-6;
+
 // Members that may be left out.
 double number_or(const Value& table, std::string_view key, double fallback);
 Vec3 vec3_or(const Value& table, std::string_view key, const Vec3& fallback);

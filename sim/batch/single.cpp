@@ -4,19 +4,19 @@
 namespace taut::batch {
 namespace {
 
-constexpr std::size_t kGroups = 4;
+constexpr std::size_t kSingles = 4;
 
 }  // namespace
 
 Kernel<float> single_float() {
-  return {kGroups, [](std::size_t links, void* group, const Steps<float>& steps) {
-            advance_group<float, kGroups>(links, group, steps);
+  return {kSingles, [](std::size_t links, void* group, const Steps<float>& steps) {
+            advance_group<float, kSingles>(links, group, steps);
           }};
 }
 
 Kernel<double> single_double() {
-  return {kGroups, [](std::size_t links, void* group, const Steps<double>& steps) {
-            advance_group<double, kGroups>(links, group, steps);
+  return {kSingles, [](std::size_t links, void* group, const Steps<double>& steps) {
+            advance_group<double, kSingles>(links, group, steps);
           }};
 }
 

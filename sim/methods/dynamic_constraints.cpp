@@ -12,21 +12,21 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kName = "dynamic-constraints";
+constexpr std::string_view kDynamicConstraints = "dynamic-constraints";
 // When the step is left open:
-constexpr double kSafety = 0.5;        // of the stability limit
-constexpr double kLongest = 1e-3;      // s
-constexpr double kMostParts = 1e4;     // that a step is split into
-constexpr double kStepsToReturn = 10;  // time constant in steps, where the settings leave it open
+constexpr double kShareOfStable = 0.5;  // of the stability limit
+constexpr double kLongestStep = 1e-3;   // s
+constexpr double kMostParts = 1e4;      // that a step is split into
+constexpr double kStepsToReturn = 10;   // time constant in steps, where the settings leave it open
 
 class DynamicConstraints final : public SteppedMethod {
  public:
   /// Steps that the settings leave open are `longer` times as long as by default.
   explicit DynamicConstraints(const Settings& settings, double longer = 1)
-      : SteppedMethod(kName, number(settings, "step")),
+      : SteppedMethod(kDynamicConstraints, number(settings, "step")),
         adaptive_(number(settings, "step") == 0),
-        safety_(kSafety * longer),
-        longest_(kLongest * longer),
+        safety_(kShareOfStable * longer),
+        longest_(kLongestStep * longer),
         time_constant_(number(settings, "time_constant")),
         dense_(text(settings, "solver") == "dense"),
         integrator_(integrator_named(text(settings, "integrator"))),
@@ -35,7 +35,7 @@ class DynamicConstraints final : public SteppedMethod {
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
-    refuse_obstacles(kName, world);
+    refuse_obstacles(kDynamicConstraints, world);
     stepper_.prepare(mechanism);
     system_.rebuild(mechanism);
     resize_within(mechanism.row_room(), mechanism.rows().size(), right_);
@@ -122,7 +122,7 @@ class DynamicConstraints final : public SteppedMethod {
 };
 
 /// Sideways a connector under tension moves freely, and its lengths return critically damped.
-double longest_step(const World& world, const Settings& settings) {
+double stable_step(const World& world, const Settings& settings) {
   const Integrator integrator = integrator_named(text(settings, "integrator"));
   const double tau = number(settings, "time_constant");
   const double returning = tau > 0 ? stability_limit(integrator, 1) * tau : 1e300;
@@ -130,7 +130,7 @@ double longest_step(const World& world, const Settings& settings) {
 }
 
 /// Twice as long, steps that are left open would be as long as stability allows.
-CoarseMethod coarse(const MethodInfo& constraints, const Settings& settings) {
+CoarseMethod coarse_constraints(const MethodInfo& constraints, const Settings& settings) {
   const double order = order_of(integrator_named(text(settings, "integrator")));
   if (number(settings, "step") > 0) return with_step_doubled(constraints, settings, order);
   return {.method = std::make_unique<DynamicConstraints>(settings, std::numbers::sqrt2),
@@ -141,7 +141,7 @@ CoarseMethod coarse(const MethodInfo& constraints, const Settings& settings) {
 
 MethodInfo dynamic_constraints_method() {
   return {
-      .name = kName,
+      .name = kDynamicConstraints,
       .summary = "forces from the system of all links, returning critically damped",
       .settings = {step_setting(true, 10),
                    {.name = "time_constant",
@@ -166,9 +166,9 @@ MethodInfo dynamic_constraints_method() {
         return std::make_unique<DynamicConstraints>(settings);
       },
       .forms = {{"dense", {{"solver", std::string("dense")}}}},
-      .longest_step = longest_step,
+      .longest_step = stable_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",
-      .coarse = coarse,
+      .coarse = coarse_constraints,
       .cost = {.memory = 700, .step = 2e-7, .eliminates = true},
   };
 }

@@ -5,14 +5,14 @@
 #include <ranges>
 
 #include "sim/coarse_method.h"
-#include "sim/span.h"
 #include "sim/methods/span_impulse.h"
 #include "sim/room.h"
+#include "sim/span.h"
 
 namespace taut {
 namespace {
 
-constexpr std::string_view kName = "impulse";
+constexpr std::string_view kImpulse = "impulse";
 constexpr int kSettlings = 8;   // times that spans which share a body are gone through at most
 constexpr double kSense = 1e6;  // m; no scene is so wide
 constexpr double kMore = 1e-6;  // rounding of a particle's mass
@@ -67,7 +67,7 @@ class Impulse final : public Method {
 };
 
 void Impulse::prepare(const World& world) {
-  refuse_obstacles(kName, world);
+  refuse_obstacles(kImpulse, world);
   topology_ = world.topology;
   impulses_.prepare(world);
   if (!prepared_) {
@@ -255,7 +255,8 @@ void Impulse::check(const World& world, double time) const {
   for (const Connector& connector : world.connectors) {
     for (std::size_t i = 0; i < connector.particles(); ++i) {
       if (connector.position[i].squaredNorm() < kSense * kSense) continue;  // false for NaN
-      throw Diverged(std::string(kName), time, counters_.steps, connector.name, i > 0 ? i - 1 : 0,
+      throw Diverged(std::string(kImpulse), time, counters_.steps, connector.name,
+                     i > 0 ? i - 1 : 0,
                      connector.position[i].allFinite() ? "a particle is beyond any scene"
                                                        : "a position is not finite");
     }
@@ -266,7 +267,7 @@ void Impulse::check(const World& world, double time) const {
 
 MethodInfo impulse_method() {
   return {
-      .name = kName,
+      .name = kImpulse,
       .summary = "impulses between the ends, particles repositioned",
       .settings = {step_setting(false, 10),
                    {.name = "h",

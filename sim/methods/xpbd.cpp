@@ -11,7 +11,7 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kName = "xpbd";
+constexpr std::string_view kXpbd = "xpbd";
 
 using Map = Eigen::Map<Vec3>;
 using ConstMap = Eigen::Map<const Vec3>;
@@ -23,7 +23,7 @@ Map vector(double* at) {
 class Xpbd final : public SteppedMethod {
  public:
   explicit Xpbd(const Settings& settings)
-      : SteppedMethod(kName, number(settings, "step")),
+      : SteppedMethod(kXpbd, number(settings, "step")),
         compliance_(number(settings, "compliance")),
         iterations_(static_cast<int>(number(settings, "iterations"))) {}
 
@@ -167,7 +167,7 @@ void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double*
 /// At rest a pass gives each link the T dt^2 that gravity and its neighbours took, by which the
 /// next link's turn moves the particle between them: so much, over m, a link stays too long. More
 /// passes share it.
-double longest_step(const World& world, const Settings& settings) {
+double stiff_step(const World& world, const Settings& settings) {
   constexpr double kStretched = 0.01;  // of a link
   return std::sqrt(kStretched * number(settings, "iterations") / heaviest_link(world));
 }
@@ -176,7 +176,7 @@ double longest_step(const World& world, const Settings& settings) {
 
 MethodInfo xpbd_method() {
   return {
-      .name = kName,
+      .name = kXpbd,
       .summary = "extended position-based dynamics with small steps",
       .settings = {step_setting(false, 12),
                    {.name = "compliance",
@@ -194,7 +194,7 @@ MethodInfo xpbd_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Xpbd>(settings);
       },
-      .longest_step = longest_step,
+      .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .touches_obstacles = true,
       .coarse = [](const MethodInfo& xpbd,

@@ -3,14 +3,14 @@
 #include <optional>
 
 #include "sim/coarse_method.h"
-#include "sim/reference/simbody_model.h"
 #include "sim/projection.h"
+#include "sim/reference/simbody_model.h"
 #include "sim/trajectory.h"
 
 namespace taut {
 namespace {
 
-constexpr std::string_view kName = "multibody";
+constexpr std::string_view kMultibody = "multibody";
 
 class Multibody final : public Method {
  public:
@@ -33,7 +33,7 @@ class Multibody final : public Method {
 };
 
 void Multibody::advance(World& world, double until) {
-  refuse_obstacles(kName, world);
+  refuse_obstacles(kMultibody, world);
   try {
     if (!model_ || topology_ != world.topology || left_at_ != state_hash(world)) {
       before_ = counters_;
@@ -50,7 +50,7 @@ void Multibody::advance(World& world, double until) {
   } catch (const std::runtime_error& error) {
     if (model_) count();
     const double time = model_ ? model_->time() : world.time;
-    throw Diverged(std::string(kName), time, counters_.steps,
+    throw Diverged(std::string(kMultibody), time, counters_.steps,
                    world.connectors.empty() ? "" : world.connectors.front().name, 0, error.what());
   }
   left_at_ = state_hash(world);
@@ -69,7 +69,7 @@ void Multibody::count() {
 }  // namespace
 
 MethodInfo multibody_method() {
-  return {.name = kName,
+  return {.name = kMultibody,
           .summary = "joint coordinates with error control, by Simbody",
           .settings = {{.name = "accuracy",
                         .meaning = "Relative error allowed in a step; less is dearer.",

@@ -15,7 +15,7 @@ namespace {
 
 namespace odeint = boost::numeric::odeint;
 
-constexpr std::string_view kName = "truth";
+constexpr std::string_view kTruth = "truth";
 constexpr double kFirstStep = 1e-4;  // s
 constexpr double kShortest = 1e-12;  // s: a step below it says that the motion is not smooth
 
@@ -133,14 +133,14 @@ void Multipliers::project(double time) {
 
 void Multipliers::give_up(double time, std::size_t row, const char* what) const {
   const Row& at = mechanism_.rows()[row];
-  throw Diverged(std::string(kName), time, counters_.steps, world_->connectors[at.connector].name,
+  throw Diverged(std::string(kTruth), time, counters_.steps, world_->connectors[at.connector].name,
                  at.link, what);
 }
 
 }  // namespace
 
 MethodInfo truth_method() {
-  return {.name = kName,
+  return {.name = kTruth,
           .summary = "the converged solution, which the others are scored against",
           .settings = {{"local_error",
                         "Error allowed in a step, in metres and metres per second; less is dearer.",

@@ -21,7 +21,7 @@ using sdfast::Formulation;
 using sdfast::Joints;
 using sdfast::Model;
 
-constexpr std::string_view kName = "sdfast";
+constexpr std::string_view kSdfast = "sdfast";
 
 class SdFast final : public Method {
  public:
@@ -65,13 +65,13 @@ class SdFast final : public Method {
 SdFast* SdFast::user_ = nullptr;
 
 void SdFast::give_up(const World& world, const std::string& what) const {
-  throw Diverged(std::string(kName), world.time, counters_.steps,
+  throw Diverged(std::string(kSdfast), world.time, counters_.steps,
                  world.connectors.empty() ? "" : world.connectors.front().name, 0, what);
 }
 
 /// Finds the model of the world's chain.
 void SdFast::choose(const World& world) {
-  refuse_obstacles(kName, world);
+  refuse_obstacles(kSdfast, world);
   try {
     chain_ = sdfast::find_chain(world);
   } catch (const std::invalid_argument& error) {
@@ -184,7 +184,7 @@ void SdFast::advance(World& world, double until) {
 
 MethodInfo sdfast_method() {
   return {
-      .name = kName,
+      .name = kSdfast,
       .summary =
           "single chains that nothing pins, in joint coordinates, by SD/FAST's generated code",
       .settings = {{.name = "tolerance",

@@ -15,10 +15,6 @@ constexpr double kPlaces[] = {0.06943184420297371, 0.33000947820757187, 0.669990
 constexpr double kWeights[] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
                                0.17392742256872693};
 
-double energy(const World& world) {
-  return kinetic_energy(world) + potential_energy(world);
-}
-
 }  // namespace
 
 EnergyBalance::EnergyBalance(const Timeline& timeline) {

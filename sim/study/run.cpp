@@ -50,10 +50,6 @@ class Slices {
   double count_ = 1;  // steps in a slice
 };
 
-double energy(const World& world) {
-  return kinetic_energy(world) + potential_energy(world);
-}
-
 }  // namespace
 
 std::vector<double> frame_times(double duration, int fps) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "render/film.h"
+#include "scenes/clip_simulation.h"
 #include "tests/support/folder.h"
 
 namespace taut {

@@ -1,14 +1,15 @@
 // What a clip shows: the order of cards and shots, the time of each frame, and what was simulated
 // for it.
-#include "scenes/clip.h"
-
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "render/lighting.h"
 #include "render/sweep.h"
+#include "scenes/clip_simulation.h"
 #include "scenes/error.h"
 #include "tests/physics/worlds.h"
 
@@ -85,6 +86,37 @@ TEST(Clip, SlowMotionShowsStatesOfTheSameMotion) {
                   open * (1 - 1.0 / double(shutter->size())), 1.0 / 2400);
     }
   }
+}
+
+TEST(ClipSimulation, KeepsTheStatesOfOneShutterHoweverLongTheClip) {
+  Scene scene = swinging();
+  scene.world = worlds::chain(2000, 1, Vec3::UnitX());
+  scene.stage->shutter = 0.5;
+  const auto allocated = [] {
+    const struct mallinfo2 heap = mallinfo2();
+    return double(heap.uordblks + heap.hblkhd);
+  };
+  std::size_t shown = 0;
+  const auto most_allocated = [&](double until) {
+    scene.stage->shots = {{.from = 0, .until = until, .camera = {CameraKey{}}},
+                          {.from = 0.05, .until = 0.1, .rate = 0.25, .camera = {CameraKey{}}}};
+    const std::vector<ClipFrame> frames = clip_frames(scene);
+    std::vector<int> wanted(frames.size());
+    std::iota(wanted.begin(), wanted.end(), 0);
+    const double before = allocated();
+    ClipSimulation simulation(scene, frames, wanted, [] {});
+    double most = 0;
+    while (!simulation.done()) {
+      const ClipSimulation::Shutter shutter = simulation.next();
+      shown = shutter.states.size();
+      most = std::max(most, allocated() - before);
+    }
+    return most;
+  };
+  const double few = most_allocated(0.2), many = most_allocated(1);  // 12 frames and 60
+  const double shutter = double(shown * 2001 * sizeof(Vec3));
+  EXPECT_GE(shown, 2u);
+  EXPECT_LT(many - few, shutter);
 }
 
 /// The hose's scene with other shots.
