@@ -14,7 +14,6 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 // Before everything else of the page.
 constexpr const char* kWatch =
@@ -130,7 +129,7 @@ class LongBrowser : public testing::Test {
     GTEST_SKIP() << "no Chromium is installed (Debian: chromium)";
   }
   /// What is seen of a page in a window of that size.
-  json seen(std::string page, int width, int height, bool dark = false) const {
+  nlohmann::json seen(std::string page, int width, int height, bool dark = false) const {
     page.insert(page.find("<title>"), kWatch);
     page.insert(page.rfind("</body>"), kRead);
     const fs::path file = folder_.write("read.html", page);
@@ -147,10 +146,10 @@ class LongBrowser : public testing::Test {
     const std::size_t at = outcome.output.find(mark);
     if (at == std::string::npos) {
       ADD_FAILURE() << outcome.messages << outcome.output.substr(0, 2000);
-      return json::object();
+      return nlohmann::json::object();
     }
     const std::size_t begin = at + mark.size();
-    return json::parse(
+    return nlohmann::json::parse(
         decoded(outcome.output.substr(begin, outcome.output.find('"', begin) - begin)));
   }
 
@@ -158,13 +157,13 @@ class LongBrowser : public testing::Test {
   std::string browser_;
 };
 
-void expect_usable(const json& seen, std::size_t charts, std::size_t clips) {
-  EXPECT_EQ(seen.at("faults"), json::array());
-  EXPECT_EQ(seen.at("fetched"), json::array());
+void expect_usable(const nlohmann::json& seen, std::size_t charts, std::size_t clips) {
+  EXPECT_EQ(seen.at("faults"), nlohmann::json::array());
+  EXPECT_EQ(seen.at("fetched"), nlohmann::json::array());
   EXPECT_LE(seen.at("overflow"), 0) << "the page is wider than its window";
   EXPECT_NE(seen.at("paper"), seen.at("other_paper"));
   ASSERT_EQ(seen.at("charts").size(), charts);
-  for (const json& one : seen.at("charts")) {
+  for (const nlohmann::json& one : seen.at("charts")) {
     EXPECT_GT(one.at("drawn"), 10);
     EXPECT_TRUE(one.at("focused"));
     EXPECT_NE(one.at("said"), "");
@@ -178,7 +177,8 @@ void expect_usable(const json& seen, std::size_t charts, std::size_t clips) {
     EXPECT_EQ(one.at("pressed"), "false");
     EXPECT_GE(one.at("fewer"), 0);
     EXPECT_EQ(one.at("again"), 0);
-    EXPECT_EQ(one.at("new_colors"), json::array()) << "series that stay keep their colours";
+    EXPECT_EQ(one.at("new_colors"), nlohmann::json::array())
+        << "series that stay keep their colours";
     EXPECT_TRUE(one.at("tip_shown"));
     EXPECT_NE(one.at("tip"), "");
     EXPECT_TRUE(one.at("tip_gone"));
@@ -186,7 +186,7 @@ void expect_usable(const json& seen, std::size_t charts, std::size_t clips) {
     EXPECT_EQ(one.at("after"), one.at("whole"));
   }
   ASSERT_EQ(seen.at("clips").size(), clips);
-  for (const json& clip : seen.at("clips")) {
+  for (const nlohmann::json& clip : seen.at("clips")) {
     EXPECT_GE(clip.at("ready"), 2);
     EXPECT_EQ(clip.at("width"), 240);
     EXPECT_GT(clip.at("duration"), 0.1);
@@ -200,12 +200,12 @@ TEST_F(LongBrowser, AReportIsReadFromAPhoneToAWall) {
                                       folder_.path());
   ASSERT_EQ(made.code, 0) << made.messages;
   const std::string page = read_file(folder_.path() / "out/swing/report.html");
-  const json light = seen(page, 1280, 900);
+  const nlohmann::json light = seen(page, 1280, 900);
   const std::size_t charts = light.at("charts").size();
   EXPECT_GE(charts, 4u);
   expect_usable(light, charts, 3);
   EXPECT_EQ(light.at("paper"), "rgb(255, 255, 255)");
-  const json dark = seen(page, 1280, 900, true);
+  const nlohmann::json dark = seen(page, 1280, 900, true);
   expect_usable(dark, charts, 3);
   EXPECT_EQ(dark.at("paper"), light.at("other_paper"));
   expect_usable(seen(page, 500, 800), charts, 3);  // the narrowest window that there is
@@ -214,8 +214,8 @@ TEST_F(LongBrowser, AReportIsReadFromAPhoneToAWall) {
 
 TEST_F(LongBrowser, GoldensAreInTheSameStyle) {
   const GoldenFailure failure{"throw", "differs by <much>", true};
-  const json page = seen(golden_page({&failure, 1}), 500, 800);
-  EXPECT_EQ(page.at("faults"), json::array());
+  const nlohmann::json page = seen(golden_page({&failure, 1}), 500, 800);
+  EXPECT_EQ(page.at("faults"), nlohmann::json::array());
   EXPECT_LE(page.at("overflow"), 0);
   EXPECT_NE(page.at("paper"), page.at("other_paper"));
 }

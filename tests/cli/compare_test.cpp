@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene = R"(duration = 0.2
+constexpr const char* kComparedSwing = R"(duration = 0.2
 fps = 50
 size = [480, 270]
 [method]
@@ -41,7 +41,7 @@ class Compare : public testing::Test {
   }
 
   Folder folder_;
-  fs::path scene_ = folder_.write("swing.toml", kScene);
+  fs::path scene_ = folder_.write("swing.toml", kComparedSwing);
   fs::path out_ = folder_.path() / "compared";
 };
 
@@ -93,7 +93,7 @@ TEST_F(Compare, CellsDifferWhereMethodsDo) {
 
 TEST_F(Compare, AMethodThatStopsLeavesTheOthers) {
   // Explicit Euler with a step beyond every limit.
-  const std::string text = kScene;
+  const std::string text = kComparedSwing;
   std::string broken = text;
   broken.replace(broken.find("\"impulse\"\nstep = 0.001"), 22,
                  "\"springs\"\nintegrator = \"explicit-euler\"\nstep = 0.02\nstiffness = 1e6");
@@ -114,7 +114,7 @@ TEST_F(Compare, RefusesBeforeWorking) {
   EXPECT_EQ(compare({"--size", "63x36"}).code, 2);
   EXPECT_EQ(compare({"--size", "100000x200", "--no-video", "--methods", "direct"}).code, 4);
   out_ = folder_.write("file", "x") / "clip";
-  scene_ = folder_.write("swing.toml", kScene);
+  scene_ = folder_.write("swing.toml", kComparedSwing);
   EXPECT_EQ(compare({}).code, 6);
 }
 

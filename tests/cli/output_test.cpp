@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "render/picture.h"
+#include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -14,39 +15,25 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 // Without a stage.
-constexpr const char* kScene = R"(title = "Swing"
-duration = 0.2
-fps = 20
-size = [96, 54]
-[connectors.rope]
-length = 0.2
-mass = 0.05
-particles = 4
-from = { fixed = [0, 0.6, 0] }
-to = { point_mass = 0.2 }
-start = { direction = [1, 0, 0] }
-)";
-
 class Output : public testing::Test {
  protected:
   ProgramResult render(std::vector<std::string> more) const {
     more.insert(more.begin(), {"render", "swing.toml"});
     return run_taut(more, folder_.path());
   }
-  json probe(const std::string& name) const {
+  nlohmann::json probe(const std::string& name) const {
     const ProgramResult outcome = Child({"ffprobe", "-v", "error", "-count_frames", "-show_streams",
                                          "-show_format", "-of", "json", name},
                                         folder_.path())
                                       .wait();
-    return json::parse(outcome.output);
+    return nlohmann::json::parse(outcome.output);
   }
   Picture picture(const std::string& name) const { return read_png(folder_.path() / name); }
 
   Folder folder_;
-  fs::path scene_ = folder_.write("swing.toml", kScene);
+  fs::path scene_ = folder_.write("swing.toml", kShortSwing);
 };
 
 TEST_F(Output, ASceneWithoutAStageIsSeen) {
@@ -74,7 +61,7 @@ TEST_F(Output, EveryKindOfFile) {
     const ProgramResult outcome = render({"-o", name, "-q"});
     ASSERT_EQ(outcome.code, 0) << outcome.messages;
     EXPECT_EQ(outcome.output, name + "\n");
-    const json stream = probe(name).at("streams").at(0);
+    const nlohmann::json stream = probe(name).at("streams").at(0);
     EXPECT_EQ(stream.at("codec_name"), codec);
     EXPECT_EQ(stream.at("nb_read_frames"), "4") << name;
   }
@@ -142,8 +129,8 @@ TEST_F(Output, FilesSayWhatTheyAreOf) {
   for (const char* word :
        {"iTXtSoftware", "iTXtSource", "swing.toml", "iTXttaut:time", "0.1 s", "iTXttaut:method"})
     EXPECT_NE(png.find(word), std::string::npos) << word;
-  const json tags = probe("out/swing/swing.mp4").at("format").at("tags");
-  EXPECT_EQ(tags.at("title"), "Swing");
+  const nlohmann::json tags = probe("out/swing/swing.mp4").at("format").at("tags");
+  EXPECT_EQ(tags.at("title"), "Short swing");
   const std::string comment = tags.at("comment");
   EXPECT_NE(comment.find("scene swing.toml, method "), std::string::npos) << comment;
   const std::string first = read_file(folder_.path() / "out/swing/swing.mp4");
@@ -163,7 +150,7 @@ TEST_F(Output, WatchingMakesAPosterWheneverTheSceneIsSaved) {
   const std::string first = read_file(poster);
   folder_.write("swing.toml", "duration = -1\n");
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  std::string other = kScene;
+  std::string other = kShortSwing;
   folder_.write("swing.toml", other.replace(other.find("[1, 0, 0]"), 9, "[0, 1, 1]"));
   EXPECT_TRUE(in_time([&] { return read_file(poster) != first; }));
   kill(child.id(), SIGINT);

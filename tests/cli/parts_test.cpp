@@ -17,20 +17,7 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 using Words = std::vector<std::string>;
-
-constexpr const char* kSwing = R"(title = "Short swing"
-duration = 0.2
-fps = 20
-[connectors.rope]
-length = 0.2
-mass = 0.05
-particles = 4
-from = { fixed = [0, 0.6, 0] }
-to = { point_mass = 0.2 }
-start = { direction = [1, 0, 0] }
-)";
 
 Words operator+(Words words, const Words& more) {
   words.insert(words.end(), more.begin(), more.end());
@@ -119,13 +106,13 @@ TEST_F(Parts, OfAClipMakeTheBytesOfOneRun) {
       << again.messages;
   const ProgramResult merged = run(parts + Words{"--merge", "--json", "--backend", "auto"});
   ASSERT_EQ(merged.code, 0) << merged.messages;
-  EXPECT_EQ(json::parse(merged.output).at("frames"), 20);
+  EXPECT_EQ(nlohmann::json::parse(merged.output).at("frames"), 20);
   EXPECT_EQ(files("whole").size(), 21u) << "20 frames and a video";
   expect_same("whole", "parts");
 
   // A run takes up what the merge put there.
   const ProgramResult whole = run(parts + Words{"--json"});
-  EXPECT_EQ(json::parse(whole.output).at("frames_drawn"), 0);
+  EXPECT_EQ(nlohmann::json::parse(whole.output).at("frames_drawn"), 0);
 }
 
 TEST_F(Parts, OfAnotherClipAreNotMerged) {
@@ -151,7 +138,7 @@ TEST_F(Parts, OfAnotherClipAreNotMerged) {
 }
 
 TEST_F(Parts, OfStabilityMapsMakeTheBytesOfOneRun) {
-  folder_.write("swing.toml", kSwing);
+  folder_.write("swing.toml", kShortSwing);
   const Words maps{"stability",       "swing.toml", "--quick", "--methods",
                    "springs,impulse", "--budget",   "20"};
   const Words parts = maps + Words{"--out", "parts"};
@@ -181,7 +168,7 @@ std::vector<Words> untimed(const fs::path& file) {
 }
 
 TEST_F(Parts, OfAChartMakeTheErrorsOfOneRun) {
-  folder_.write("swing.toml", kSwing);
+  folder_.write("swing.toml", kShortSwing);
   const Words chart{"chart",    "swing.toml", "--methods", "impulse,springs,direct",
                     "--budget", "60",         "--quick"};
   must(chart + Words{"--out", "whole"});
@@ -198,15 +185,15 @@ TEST_F(Parts, OfAChartMakeTheErrorsOfOneRun) {
 }
 
 TEST_F(Parts, OfWorkPrecisionMergeToOneTable) {
-  folder_.write("a.toml", kSwing);
-  folder_.write("b.toml", kSwing);
+  folder_.write("a.toml", kShortSwing);
+  folder_.write("b.toml", kShortSwing);
   const Words command{"work-precision", "a.toml",      "b.toml",   "--methods", "impulse,direct",
                       "--errors",       "0.1,0.00001", "--budget", "30",        "--quick",
                       "--out",          "out"};
   for (const char* part : {"1/3", "2/3", "3/3"}) must(command + Words{"--part", part});
   const ProgramResult merged = run(command + Words{"--merge", "--json", "-q"});
   ASSERT_EQ(merged.code, 0) << merged.messages;
-  const auto scenes = json::parse(merged.output).at("scenes");
+  const auto scenes = nlohmann::json::parse(merged.output).at("scenes");
   ASSERT_EQ(scenes.size(), 2u);
   // The two scenes are one, but for the name: so are their errors.
   for (const char* key : {"horizon_s", "title"}) EXPECT_EQ(scenes[0].at(key), scenes[1].at(key));
@@ -222,9 +209,9 @@ TEST_F(Parts, SayWhatTheyDidAsTheSchemaHasIt) {
   const ProgramResult part = run({"render", "swing.toml", "--part", "1/2", "--json", "-q"});
   ASSERT_EQ(part.code, 0) << part.messages;
   const JsonSchema schema(
-      json::parse(read_file(TAUT_SOURCE_DIR "/render/cli/results.schema.json")));
-  EXPECT_EQ(schema.complaint(json::parse(part.output), "part"), "");
-  EXPECT_EQ(json::parse(part.output).at("pieces"), 2);
+      nlohmann::json::parse(read_file(TAUT_SOURCE_DIR "/render/cli/results.schema.json")));
+  EXPECT_EQ(schema.complaint(nlohmann::json::parse(part.output), "part"), "");
+  EXPECT_EQ(nlohmann::json::parse(part.output).at("pieces"), 2);
 }
 
 /// `make` with the installed rules, killed with all its parts in the middle, and again.

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kScene = swing_scene(6.0);
+const std::string kLongSwing = swing_scene(6.0);
 constexpr int kFrames = 300;
 
 class RenderFaults : public testing::Test {
@@ -93,7 +93,7 @@ class RenderFaults : public testing::Test {
   }
 
   Folder folder_;
-  fs::path scene_ = folder_.write("swing.toml", kScene);
+  fs::path scene_ = folder_.write("swing.toml", kLongSwing);
   fs::path out_ = folder_.path() / "clip";
 };
 
@@ -153,7 +153,7 @@ TEST_F(RenderFaults, NoContextIsFour) {
 TEST_F(RenderFaults, AChangedSceneIsDrawnAnew) {
   ASSERT_EQ(render({"--frames", "100", "--no-video"}).code, 0);
   const auto before = finished();
-  std::string text = kScene;
+  std::string text = kLongSwing;
   text.replace(text.find("mass = 0.12"), 11, "mass = 0.02");
   folder_.write("swing.toml", text);
   ASSERT_EQ(render({"--frames", "100", "--no-video", "--resume"}).code, 0);
@@ -182,7 +182,7 @@ TEST_F(RenderFaults, FramesOfAnEarlierRunStayWhereTheyAreTheSame) {
   std::ofstream(changed, std::ios::app) << '\0';
   expect("another program", again(changed, {"--resume"}), kNone);
   expect("another driver", again(changed, {"--resume", "--backend", "osmesa"}), kNone);
-  std::string text = kScene;
+  std::string text = kLongSwing;
   text.replace(text.find("length = 0.30"), 13, "length = 0.25");
   folder_.write("swing.toml", text);
   expect("another scene", again(changed, {"--resume", "--backend", "osmesa"}), kNone);

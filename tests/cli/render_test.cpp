@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kScene = swing_scene(0.2);
+const std::string kStickSwing = swing_scene(0.2);
 
 class Render : public testing::Test {
  protected:
@@ -28,7 +28,7 @@ class Render : public testing::Test {
   }
 
   Folder folder_;
-  fs::path scene_ = folder_.write("swing.toml", kScene);
+  fs::path scene_ = folder_.write("swing.toml", kStickSwing);
   fs::path out_ = folder_.path() / "clip";
 };
 
@@ -152,7 +152,7 @@ TEST_F(Render, Stills) {
   const std::string captions =
       "captions = [{ from = 0, until = 0.1, text = \"swings\" },"
       " { from = 0.1, until = 0.2, text = \"falls\" }]\n";
-  scene_ = folder_.write("stills.toml", kScene + captions);
+  scene_ = folder_.write("stills.toml", kStickSwing + captions);
   ASSERT_EQ(render({"--contact-sheet", "--poster", "0.1", "--size", "96x54"}).code, 0);
   EXPECT_EQ(read_png(out_ / "contact_sheet.png").height, 18);
   EXPECT_EQ(read_png(out_ / "poster.png").width, 96);
@@ -160,7 +160,7 @@ TEST_F(Render, Stills) {
 }
 
 TEST_F(Render, SceneWithoutAStage) {
-  const std::string text = kScene;
+  const std::string text = kStickSwing;
   scene_ = folder_.write("bare.toml", text.substr(0, text.find("[stage]")));
   ASSERT_EQ(render({"--poster", "0.1", "--size", "96x54"}).code, 0);
   EXPECT_EQ(read_png(out_ / "poster.png").width, 96);

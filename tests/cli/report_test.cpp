@@ -15,7 +15,6 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 constexpr const char* kSwing = R"(title = "Short </swing>"
 duration = 0.2
@@ -47,13 +46,14 @@ class Report : public testing::Test {
   static void TearDownTestSuite() { delete folder_; }
 
   /// The charts of the page.
-  static std::vector<json> charts() {
-    std::vector<json> all;
+  static std::vector<nlohmann::json> charts() {
+    std::vector<nlohmann::json> all;
     const std::string mark = "<script type=\"application/json\">";
     for (std::size_t at = page_.find(mark); at != std::string::npos;
          at = page_.find(mark, at + 1)) {
       const std::size_t begin = at + mark.size();
-      all.push_back(json::parse(page_.substr(begin, page_.find("</script>", begin) - begin)));
+      all.push_back(
+          nlohmann::json::parse(page_.substr(begin, page_.find("</script>", begin) - begin)));
     }
     return all;
   }
@@ -75,8 +75,8 @@ class Report : public testing::Test {
 TEST_F(Report, IsOneFileBelowFiveMegabytesAndAsTheSchemaSays) {
   ASSERT_EQ(made_.code, 0) << made_.messages;
   const JsonSchema schema(
-      json::parse(read_file(TAUT_SOURCE_DIR "/render/cli/results.schema.json")));
-  const json result = json::parse(made_.output);
+      nlohmann::json::parse(read_file(TAUT_SOURCE_DIR "/render/cli/results.schema.json")));
+  const nlohmann::json result = nlohmann::json::parse(made_.output);
   EXPECT_EQ(schema.complaint(result, "report"), "");
   EXPECT_EQ(result.at("bytes"), page_.size());
   EXPECT_EQ(result.at("scenes")[0].at("clips"), 3) << "forms of a method have none";
@@ -97,14 +97,14 @@ TEST_F(Report, IsOneFileBelowFiveMegabytesAndAsTheSchemaSays) {
 }
 
 TEST_F(Report, CopiedPointsComeOutTheSame) {
-  const json panel = charts().at(0).at("panels").at(0);
+  const nlohmann::json panel = charts().at(0).at("panels").at(0);
   std::size_t compared = 0;
-  for (const json& series : panel.at("series")) {
+  for (const nlohmann::json& series : panel.at("series")) {
     if (series.at("points").empty() || series.at("faint")) continue;
-    for (const json& point : {series.at("points").front(), series.at("points").back()}) {
+    for (const nlohmann::json& point : {series.at("points").front(), series.at("points").back()}) {
       const ProgramResult again = paste(point.at(6));
       ASSERT_EQ(again.code, 0) << point.at(6) << again.messages;
-      EXPECT_EQ(json::parse(again.output).at("rms_error"), point.at(1)) << point.at(6);
+      EXPECT_EQ(nlohmann::json::parse(again.output).at("rms_error"), point.at(1)) << point.at(6);
       ++compared;
     }
   }
@@ -112,13 +112,13 @@ TEST_F(Report, CopiedPointsComeOutTheSame) {
 }
 
 TEST_F(Report, CopiedErrorsOverTimeComeOutTheSame) {
-  const json panel = charts().at(1).at("panels").at(0);
+  const nlohmann::json panel = charts().at(1).at("panels").at(0);
   ASSERT_EQ(panel.at("series").size(), 3u);
-  for (const json& series : panel.at("series")) {
-    const json& points = series.at("points");
+  for (const nlohmann::json& series : panel.at("series")) {
+    const nlohmann::json& points = series.at("points");
     const ProgramResult again = paste(points.at(0).at(6));
     ASSERT_EQ(again.code, 0) << again.messages;
-    const json errors = json::parse(again.output).at("errors");
+    const nlohmann::json errors = nlohmann::json::parse(again.output).at("errors");
     ASSERT_EQ(errors.size(), points.size());
     for (std::size_t k = 0; k < points.size(); ++k) {
       EXPECT_EQ(errors[k].at("t_s"), points[k][0]);
@@ -129,17 +129,18 @@ TEST_F(Report, CopiedErrorsOverTimeComeOutTheSame) {
 
 TEST_F(Report, CopiedCellsComeOutTheSame) {
   std::size_t compared = 0;
-  for (const json& chart : charts()) {
-    for (const json& panel : chart.at("panels")) {
-      const json& cells = panel.at("cells");
+  for (const nlohmann::json& chart : charts()) {
+    for (const nlohmann::json& panel : chart.at("panels")) {
+      const nlohmann::json& cells = panel.at("cells");
       if (cells.empty()) continue;
-      const json& cell = cells.at(cells.size() / 2);
+      const nlohmann::json& cell = cells.at(cells.size() / 2);
       const std::string kind = chart.at("kinds").at(cell.at(4).get<std::size_t>()).at("name");
       if (kind == "over the CPU cap") continue;  // which is of this machine
       const std::string command = cell.at(7);
       const ProgramResult again = paste(command + " --json -q");
       ASSERT_EQ(again.code, 0) << command << again.messages;
-      EXPECT_EQ(json::parse(again.output).at("scenes")[0].at("methods")[0].at("verdict"), kind)
+      EXPECT_EQ(nlohmann::json::parse(again.output).at("scenes")[0].at("methods")[0].at("verdict"),
+                kind)
           << command;
       ++compared;
     }

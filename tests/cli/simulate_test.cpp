@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Two frames of a swing, a driven body, a hanging one.
-constexpr const char* kScene = R"(duration = 0.1
+constexpr const char* kPushedStick = R"(duration = 0.1
 fps = 50
 [method]
 name = "impulse"
@@ -45,7 +45,7 @@ start = { direction = [0, -1, 0] }
 
 // Hours of simulation, to be interrupted.
 const std::string kLong = [] {
-  std::string scene = kScene;
+  std::string scene = kPushedStick;
   return scene.replace(scene.find("0.1"), 3, "36000");
 }();
 
@@ -68,7 +68,7 @@ TEST(Program, HelpTeaches) {
 
 TEST(Program, MisuseIsTwo) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   for (const std::vector<std::string>& command : {
            std::vector<std::string>{},
            {"simulate"},
@@ -96,7 +96,7 @@ TEST(Program, MisuseIsTwo) {
 
 TEST(Simulate, WritesOneRowPerFrameToOutput) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   const ProgramResult outcome = run_taut({"simulate", "scene.toml"}, folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto rows = lines(outcome.output);
@@ -116,7 +116,7 @@ TEST(Simulate, WritesOneRowPerFrameToOutput) {
 
 TEST(Simulate, SameBitsTwiceAndInAFile) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   const ProgramResult first = run_taut({"simulate", "scene.toml"}, folder.path());
   const ProgramResult second =
       run_taut({"simulate", "scene.toml", "--csv", "new/folder/t.csv", "--quiet"}, folder.path());
@@ -129,7 +129,7 @@ TEST(Simulate, SameBitsTwiceAndInAFile) {
 
 TEST(Simulate, JsonSaysWhatWasDone) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   const ProgramResult outcome =
       run_taut({"simulate", "scene.toml", "--json", "--step", "0.002", "--set", "as_printed=true"},
                folder.path());
@@ -155,7 +155,7 @@ std::vector<std::string> last_column(const std::string& csv) {
 
 TEST(Simulate, EstimatesItsOwnError) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   const auto simulate = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"simulate", "scene.toml", "--method", "xpbd", "--json", "--csv",
                                "t.csv", "--step", "0.0005"});
@@ -190,7 +190,7 @@ TEST(Simulate, EstimatesItsOwnError) {
 
 TEST(Simulate, SaysWhyThereIsNoEstimate) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   const ProgramResult outcome = run_taut({"simulate", "scene.toml", "--json"}, folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto json = nlohmann::json::parse(outcome.output);
@@ -201,7 +201,7 @@ TEST(Simulate, SaysWhyThereIsNoEstimate) {
 
 TEST(Simulate, TheEstimateIsInfiniteOnceTheCoarserRunDiverges) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   // The lightest particle, 0.01 kg / 3, between two links of 1e4 N/m: stable up to 2 / w = 0.82 ms.
   const ProgramResult outcome =
       run_taut({"simulate", "scene.toml", "--method", "springs", "--step", "0.0005", "--set",
@@ -219,7 +219,7 @@ TEST(Simulate, TheEstimateIsInfiniteOnceTheCoarserRunDiverges) {
 
 TEST(Simulate, OutputsThatCannotBeWritten) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   folder.write("file", "kept");
   fs::create_directory(folder.path() / "there");
   for (const char* csv : {"file/t.csv", "there", "/dev/full/t.csv"}) {
@@ -236,7 +236,7 @@ TEST(Simulate, OutputsThatCannotBeWritten) {
 
 TEST(Simulate, StandardOutputHasNamesOfItsOwn) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   const std::string rows = run_taut({"simulate", "scene.toml"}, folder.path()).output;
   for (const std::string name : {"-", "/dev/stdout"}) {
     const std::vector<std::string> command = {"simulate", "scene.toml", "--csv", name};
@@ -258,7 +258,7 @@ TEST(Simulate, StandardOutputHasNamesOfItsOwn) {
 
 TEST(Simulate, FileSizeLimitLeavesTheOldFile) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   folder.write("t.csv", "old");
   const ProgramResult outcome =
       run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path(), [] {
@@ -286,7 +286,7 @@ TEST(Simulate, SignalsLeaveNothingHalfWritten) {
     EXPECT_EQ(fs::exists(part), signal == SIGKILL);
     if (signal != SIGKILL) continue;
     // What was left behind is no obstacle to the next run.
-    folder.write("scene.toml", kScene);
+    folder.write("scene.toml", kPushedStick);
     EXPECT_EQ(run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path()).code, 0);
     EXPECT_EQ(lines(read_file(folder.path() / "t.csv")).size(), 6u);
   }
@@ -295,7 +295,7 @@ TEST(Simulate, SignalsLeaveNothingHalfWritten) {
 TEST(Simulate, TwoRunsDoNotShareAFile) {
   const Folder folder;
   folder.write("long.toml", kLong);
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   Child first({TAUT_PROGRAM, "simulate", "long.toml", "--csv", "t.csv"}, folder.path());
   const auto part = folder.path() / "t.csv.part";
   for (int i = 0; i < 1000 && !(fs::exists(part) && fs::file_size(part) > 0); ++i) {
@@ -319,7 +319,7 @@ TEST(Simulate, EveryMethodFollowsTheSwingAtItsOwnSettings) {
 
 TEST(Simulate, DivergenceIsSevenAndLeavesTheRowsUntilThen) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   const ProgramResult outcome = run_taut({"simulate", "scene.toml", "--method", "springs", "--step",
                                           "0.02", "--set", "stiffness=1e9", "--csv", "t.csv"},
                                          folder.path());
@@ -335,7 +335,7 @@ TEST(Simulate, DivergenceIsSevenAndLeavesTheRowsUntilThen) {
 
 TEST(Check, SaysWhatItWouldDo) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kPushedStick);
   const ProgramResult outcome = run_taut({"check", "scene.toml", "--json"}, folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
   const auto json = nlohmann::json::parse(outcome.output);

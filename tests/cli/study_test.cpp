@@ -17,18 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene = R"(title = "Short swing"
-duration = 0.2
-fps = 20
-[connectors.rope]
-length = 0.2
-mass = 0.05
-particles = 4
-from = { fixed = [0, 0.6, 0] }
-to = { point_mass = 0.2 }
-start = { direction = [1, 0, 0] }
-)";
-
 // Both ends are driven apart beyond the length, which rigid links cannot follow.
 constexpr const char* kTorn = R"(duration = 0.2
 fps = 20
@@ -76,7 +64,7 @@ TEST(Study, HelpHasExamples) {
 
 TEST(Study, MisuseIsTwoAndABadSceneIsThree) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kShortSwing);
   folder.write("empty.toml", "duration = 1\nfps = 10\n");
   for (const std::string command : {"bench", "chart", "stability"}) {
     for (const std::vector<std::string>& rest :
@@ -108,7 +96,7 @@ TEST(Study, MisuseIsTwoAndABadSceneIsThree) {
 
 TEST(Bench, TimesEveryFrameAndFindsThePapersRatio) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kShortSwing);
   const ProgramResult outcome =
       run_taut({"bench", "scene.toml", "--quick", "--budget", "1", "--methods", "impulse,springs",
                 "--particles", "4,8", "--json", "-q"},
@@ -148,7 +136,7 @@ TEST(Bench, ADivergenceIsSaidAndOthersGoOn) {
 
 TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kShortSwing);
   const std::vector<std::string> command{"chart", "scene.toml", "--budget",
                                          "4",     "--methods",  "impulse,springs,xpbd,direct"};
   const fs::path out = folder.path() / "out/scene";
@@ -179,8 +167,8 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
 
 TEST(WorkPrecision, SaysWhatAnErrorCostsSceneBesideScene) {
   const Folder folder;
-  folder.write("a.toml", kScene);
-  folder.write("b.toml", kScene);
+  folder.write("a.toml", kShortSwing);
+  folder.write("b.toml", kShortSwing);
   const ProgramResult outcome =
       run_taut({"work-precision", "a.toml", "b.toml", "--methods", "impulse,direct", "--errors",
                 "0.1,0.00001", "--budget", "2", "--markdown", "--out", "out"},
@@ -205,12 +193,12 @@ TEST(WorkPrecision, SaysWhatAnErrorCostsSceneBesideScene) {
 
 TEST(Chart, AnotherSceneStartsAnew) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kShortSwing);
   const std::vector<std::string> command{"chart", "scene.toml", "--budget",
                                          "3",     "--methods",  "impulse"};
   const fs::path out = folder.path() / "out/scene";
   ASSERT_EQ(stopped(command, folder.path(), out / "chart.unfinished", 300, SIGTERM).code, 143);
-  folder.write("scene.toml", std::string(kScene) + "# changed\n");
+  folder.write("scene.toml", std::string(kShortSwing) + "# changed\n");
   const ProgramResult second = run_taut(command, folder.path());
   EXPECT_EQ(second.code, 0);
   EXPECT_EQ(second.messages.find("going on after"), std::string::npos);
@@ -218,7 +206,7 @@ TEST(Chart, AnotherSceneStartsAnew) {
 
 TEST(Stability, MapsHaveEveryCellAndGoOn) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kShortSwing);
   const std::vector<std::string> command{"stability", "scene.toml", "--quick",        "--budget",
                                          "4",         "--methods",  "springs,impulse"};
   const fs::path out = folder.path() / "out/scene";
@@ -279,7 +267,7 @@ TEST(Plan, MisuseIsTwo) {
 
 TEST(Classify, SaysOneClassPerMethodAndScene) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kShortSwing);
   folder.write("torn.toml", kTorn);
   const ProgramResult outcome = run_taut({"classify", "scene.toml", "torn.toml", "--methods",
                                           "dynamic-constraints,xpbd,direct", "--json", "-q"},
@@ -302,7 +290,7 @@ TEST(Classify, SaysOneClassPerMethodAndScene) {
 
 TEST(Renamed, CommandsWorkUnderTheirFormerNames) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kShortSwing);
   const ProgramResult now =
       run_taut({"classify", "scene.toml", "--methods", "direct"}, folder.path());
   const ProgramResult before =
@@ -352,7 +340,7 @@ TEST(LongStability, FullMapsOfTheRopeSwing) {
 
 TEST(Study, OutputThatCannotBeWrittenIsSix) {
   const Folder folder;
-  folder.write("scene.toml", kScene);
+  folder.write("scene.toml", kShortSwing);
   folder.write("file", "kept");
   for (const std::string command : {"bench", "chart", "stability"}) {
     const ProgramResult outcome = run_taut({command, "scene.toml", "--quick", "--budget", "1",

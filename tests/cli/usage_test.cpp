@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "render/cli/scene_options.h"
+#include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/json_schema.h"
 #include "tests/support/program.h"
@@ -16,19 +17,6 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
-
-constexpr const char* kScene = R"(title = "Swing"
-duration = 0.2
-fps = 20
-[connectors.rope]
-length = 0.2
-mass = 0.05
-particles = 4
-from = { fixed = [0, 0.6, 0] }
-to = { point_mass = 0.2 }
-start = { direction = [1, 0, 0] }
-)";
 
 const std::vector<std::string> kCommands = {
     "render",  "simulate", "export",   "check",          "bench",  "chart", "stability",
@@ -42,7 +30,7 @@ class Usage : public testing::Test {
   }
 
   Folder folder_;
-  fs::path scene_ = folder_.write("swing.toml", kScene);
+  fs::path scene_ = folder_.write("swing.toml", kShortSwing);
 };
 
 TEST_F(Usage, HelpFitsAHundredColumns) {
@@ -81,17 +69,17 @@ TEST_F(Usage, WhatIsMisspeltIsToldApart) {
 }
 
 TEST_F(Usage, ErrorsAreJsonWhereResultsAre) {
-  folder_.write("bad.toml", std::string(kScene) + "look = \"robe\"\ndiametre = 1\n");
+  folder_.write("bad.toml", std::string(kShortSwing) + "look = \"robe\"\ndiametre = 1\n");
   const ProgramResult outcome = run({"check", "bad.toml", "--json"});
   EXPECT_EQ(outcome.code, 3);
-  const json error = json::parse(outcome.output).at("error");
+  const nlohmann::json error = nlohmann::json::parse(outcome.output).at("error");
   EXPECT_EQ(error.at("exit_code"), 3);
   EXPECT_EQ(error.at("cause"), "bad scene or asset");
   ASSERT_EQ(error.at("faults").size(), 2u);
   EXPECT_EQ(error.at("faults")[0].at("key"), "connectors.rope.look");
   EXPECT_EQ(error.at("faults")[0].at("line"), 11);
   EXPECT_EQ(error.at("faults")[1].at("line"), 12);
-  const json usage = json::parse(run({"simulat", "--json"}).output);
+  const nlohmann::json usage = nlohmann::json::parse(run({"simulat", "--json"}).output);
   EXPECT_EQ(usage.at("error").at("exit_code"), 2);
 }
 
@@ -145,11 +133,11 @@ TEST_F(Usage, ASceneComesFromStandardInputAndRowsGoToStandardOutput) {
 }
 
 TEST_F(Usage, SeveralScenesAtOnce) {
-  folder_.write("other.toml", kScene);
+  folder_.write("other.toml", kShortSwing);
   folder_.write("bad.toml", "duration = -1\n");
   const ProgramResult both = run({"simulate", "swing.toml", "bad.toml", "other.toml", "--json"});
   EXPECT_EQ(both.code, 3);
-  const json list = json::parse(both.output);
+  const nlohmann::json list = nlohmann::json::parse(both.output);
   ASSERT_EQ(list.size(), 3u);
   EXPECT_EQ(list[0].at("scene"), "swing.toml");
   EXPECT_EQ(list[1].at("error").at("exit_code"), 3);
@@ -175,9 +163,9 @@ TEST_F(Usage, ReachAndPlansAreJson) {
       run({"work-precision", "swing.toml", "--methods", "impulse,direct", "--errors", "0.1,0.00001",
            "--budget", "2", "--quick", "--json", "-q"});
   ASSERT_EQ(reach.code, 0) << reach.messages;
-  const json scene = json::parse(reach.output).at("scenes").at(0);
+  const nlohmann::json scene = nlohmann::json::parse(reach.output).at("scenes").at(0);
   EXPECT_GT(scene.at("horizon_s"), 0);
-  const json direct = scene.at("methods").at(1).at("reach");
+  const nlohmann::json direct = scene.at("methods").at(1).at("reach");
   EXPECT_GT(direct.at(1).at("cpu_ms_per_simulated_s"), 0);
   EXPECT_LE(direct.at(1).at("rms_error_m"), 1e-5);
   EXPECT_TRUE(scene.at("methods").at(0).at("reach").at(1).at("cpu_ms_per_simulated_s").is_null());
@@ -185,18 +173,19 @@ TEST_F(Usage, ReachAndPlansAreJson) {
   const ProgramResult plans =
       run_taut({"check", "--plans", "scenes/rope_swing.toml", "scenes/hard/whip.toml", "--json"});
   ASSERT_EQ(plans.code, 0) << plans.messages;
-  const json list = json::parse(plans.output).at("scenes");
+  const nlohmann::json list = nlohmann::json::parse(plans.output).at("scenes");
   EXPECT_EQ(list.at(0).at("plan").at("error_unit"), "px");
   EXPECT_GT(list.at(0).at("plan").at("error"), 0);
 }
 
 TEST_F(Usage, EveryResultIsAsTheSchemaSays) {
   const JsonSchema schema(
-      json::parse(read_file(TAUT_SOURCE_DIR "/render/cli/results.schema.json")));
+      nlohmann::json::parse(read_file(TAUT_SOURCE_DIR "/render/cli/results.schema.json")));
   const auto check = [&](const std::string& definition, std::vector<std::string> words) {
     words.insert(words.end(), {"--json", "-q"});
     const ProgramResult outcome = run(words);
-    EXPECT_EQ(schema.complaint(json::parse(outcome.output, nullptr, false), definition), "")
+    EXPECT_EQ(schema.complaint(nlohmann::json::parse(outcome.output, nullptr, false), definition),
+              "")
         << outcome.messages;
   };
   check("error", {"simulate", "nowhere.toml"});
@@ -296,7 +285,7 @@ driven_by = { path = "hand" }
 [stage]
 camera = [{ t = 0, position = [0, 0, 1], target = [0, 0, 0] }]
 )");
-  const json still = json::parse(run({"check", "still.toml", "--json"}).output);
+  const nlohmann::json still = nlohmann::json::parse(run({"check", "still.toml", "--json"}).output);
   ASSERT_EQ(still.at("warnings").size(), 2u) << still;
   EXPECT_NE(still.at("warnings")[0].get<std::string>().find("nothing is simulated"),
             std::string::npos);
@@ -312,17 +301,17 @@ TEST_F(Usage, CheckWarnsOfAHandBeyondTheArm) {
                   "paths.right_hand={keys=[{t=0,position=[-0.27,1.0,0.36]},{t=2,position=[" + x +
                       ",1.0,0.36]}]}"});
     EXPECT_EQ(outcome.code, 0) << outcome.messages;
-    return json::parse(outcome.output).at("warnings").dump();
+    return nlohmann::json::parse(outcome.output).at("warnings").dump();
   };
   EXPECT_NE(warnings("2.2").find("out of the arm's reach"), std::string::npos);
   EXPECT_EQ(warnings("-0.2").find("out of the arm's reach"), std::string::npos);
 }
 
 TEST(Schema, KnowsWhatCheckKnows) {
-  const json schema = json::parse(run_taut({"check", "--schema"}).output);
+  const nlohmann::json schema = nlohmann::json::parse(run_taut({"check", "--schema"}).output);
   EXPECT_FALSE(schema.contains("required")) << "the file that a scene extends may have it";
   EXPECT_NE(schema.at("allOf").dump().find(R"({"required":["extends"]})"), std::string::npos);
-  const json& end = schema.at("properties").at("connectors").at("additionalProperties");
+  const nlohmann::json& end = schema.at("properties").at("connectors").at("additionalProperties");
   EXPECT_EQ(end.at("properties").at("to").at("properties").at("free").at("const"), true);
 }
 

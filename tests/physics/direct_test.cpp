@@ -37,10 +37,6 @@ Attachment on_body(std::size_t body, const Vec3& point) {
   return to;
 }
 
-double energy(const World& world) {
-  return kinetic_energy(world) + potential_energy(world);
-}
-
 // The modes of a hanging chain of n equal beads: w^2 l / g is a zero of the Laguerre polynomial
 // L_n, and the beads' amplitudes, from the fixed end, are L_k at it in reverse order.
 double laguerre(std::size_t n, double x) {

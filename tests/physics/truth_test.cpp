@@ -23,10 +23,6 @@ World after(const World& start, double time, const char* method = "truth",
   return simulation.world();
 }
 
-double energy(const World& world) {
-  return kinetic_energy(world) + potential_energy(world);
-}
-
 std::vector<double> frames(double duration, int fps) {
   std::vector<double> times;
   for (int k = 0; k <= std::lround(duration * fps); ++k) {

@@ -12,7 +12,7 @@
 namespace taut {
 namespace {
 
-constexpr double start = 1, lasts = 0.3, way = 0.15;  // s, s, m
+constexpr double swings_from = 1, swings_for = 0.3, way = 0.15;  // s, s, m
 
 class CharacterTails : public testing::Test {
  protected:
@@ -24,7 +24,7 @@ class CharacterTails : public testing::Test {
   }
   /// Where it is while it goes its way and stays there.
   static double place(double time) {
-    const double u = std::clamp((time - start) / lasts, 0.0, 1.0);
+    const double u = std::clamp((time - swings_from) / swings_for, 0.0, 1.0);
     return way * u * u * (3 - 2 * u);
   }
 
@@ -35,19 +35,19 @@ class CharacterTails : public testing::Test {
 
 TEST_F(CharacterTails, LagSwingOnAndSettle) {
   const Track swing = tails_.swing(6, 120, [&](double t) { return shifted(place(t)); });
-  const Eigen::VectorXd rest = swing.at(start);
+  const Eigen::VectorXd rest = swing.at(swings_from);
   for (const Eigen::Index point : {0, 1, 2, 3}) {  // bend and end of the left tail, of the right
     const auto aside = [&](double t) { return swing.at(t)[3 * point] - rest[3 * point]; };
     double behind = 0, beyond = 0;
-    for (double t = start; t < 6; t += 0.01) {
+    for (double t = swings_from; t < 6; t += 0.01) {
       behind = std::min(behind, aside(t));
       beyond = std::max(beyond, aside(t));
     }
-    EXPECT_LT(aside(start + lasts / 2), -0.02) << point;  // it moves fastest here
+    EXPECT_LT(aside(swings_from + swings_for / 2), -0.02) << point;  // it moves fastest here
     EXPECT_GT(behind, -way) << point;
     EXPECT_GT(beyond, 0.01) << point;
     EXPECT_LT(beyond, way) << point;
-    for (double t = start + 2.5; t < 6; t += 0.1) EXPECT_NEAR(aside(t), 0, 0.003) << point;
+    for (double t = swings_from + 2.5; t < 6; t += 0.1) EXPECT_NEAR(aside(t), 0, 0.003) << point;
   }
 }
 

@@ -14,7 +14,7 @@
 namespace taut {
 namespace {
 
-World rope(std::size_t particles) {
+World rope_of(std::size_t particles) {
   World world;
   Connector rope =
       straight_connector("rope", 1, 0.1, particles, Vec3::Zero(), Vec3(1, -1, 0).normalized());
@@ -76,7 +76,7 @@ void expect_within(const MethodInfo& method, const Settings& settings, const Wor
   };
   const double said = footprint(method, world, full).memory;
   // The pages of the code itself are no part of it.
-  const double taken = taken_by(world) - taken_by(rope(2));
+  const double taken = taken_by(world) - taken_by(rope_of(2));
   EXPECT_LE(taken, said) << method.name;
   // The world alone is a part of it that no method can do without.
   EXPECT_GE(taken, said / 8) << method.name;
@@ -86,7 +86,7 @@ TEST(Footprint, IsWhatAMethodTakes) {
   for (const MethodInfo& method : methods()) {
     // SD/FAST's models are made for a number of particles beforehand.
     if (!method.missing.empty() || method.name == "sdfast") continue;
-    expect_within(method, {}, rope(4000));
+    expect_within(method, {}, rope_of(4000));
   }
 }
 
@@ -98,9 +98,9 @@ TEST(Footprint, GrowsWithTheSquareOfBodiesThatHangFromEachOther) {
 
 TEST(Footprint, OfAWholeMatrixGrowsWithItsSquare) {
   const MethodInfo& method = *find_method("dynamic-constraints");
-  expect_within(method, {{"solver", std::string("dense")}}, rope(1000));
+  expect_within(method, {{"solver", std::string("dense")}}, rope_of(1000));
   const Settings dense = with_defaults(method, {{"solver", std::string("dense")}});
-  EXPECT_GT(footprint(method, rope(100'000), dense).memory, 1.7e11);
+  EXPECT_GT(footprint(method, rope_of(100'000), dense).memory, 1.7e11);
 }
 
 }  // namespace

@@ -10,12 +10,13 @@
 namespace taut {
 namespace {
 
-const std::vector<Vec3> kRope = {{0, 0.4, 0}, {0.02, 0.8, 0.05}, {-0.1, 0.6, -0.05}, {0.1, 0.5, 0}};
+const std::vector<Vec3> kMoves = {
+    {0, 0.4, 0}, {0.02, 0.8, 0.05}, {-0.1, 0.6, -0.05}, {0.1, 0.5, 0}};
 
 /// Where points lie in the picture: 0 to 1 from the left and from below.
 Eigen::AlignedBox2d places(const CameraView& camera, double aspect) {
   Eigen::AlignedBox2d box;
-  for (const Vec3& p : kRope) {
+  for (const Vec3& p : kMoves) {
     const Eigen::Vector4f q = camera_projection(camera, aspect) * p.cast<float>().homogeneous();
     box.extend(
         Eigen::Vector2d(0.5 + 0.5 * double(q.x() / q.w()), 0.5 + 0.5 * double(q.y() / q.w())));
@@ -26,7 +27,7 @@ Eigen::AlignedBox2d places(const CameraView& camera, double aspect) {
 TEST(Framing, WhatMovesFillsThePictureUnderItsHeading) {
   const CameraView camera{Vec3(0.24, 0.7, 1.2), Vec3(0.5, 0.2, 0), 1.2};
   for (const double aspect : {0.3, 1.0, 2.5}) {
-    const Eigen::AlignedBox2d box = places(framed(camera, kRope, aspect, 0.2), aspect);
+    const Eigen::AlignedBox2d box = places(framed(camera, kMoves, aspect, 0.2), aspect);
     EXPECT_GT(box.min().minCoeff(), 0.07) << aspect;
     EXPECT_LT(box.max().x(), 0.93) << aspect;
     EXPECT_LT(box.max().y(), 0.73) << aspect;

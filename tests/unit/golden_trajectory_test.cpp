@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-constexpr const char* kScene = R"(duration = 0.2
+constexpr const char* kSwing = R"(duration = 0.2
 fps = 20
 [connectors.rope]
 length = 0.2
@@ -22,14 +22,14 @@ start = { direction = [1, 0, 0] }
 TEST(GoldenTrajectory, SaysWhatOfTheSceneChanged) {
   const Folder folder;
   GoldenTrajectory golden;
-  golden.scene = folder.write("scene.toml", kScene);
+  golden.scene = folder.write("scene.toml", kSwing);
   golden.last = 3;
   golden.method = {"direct", {}};
   golden.within = 1e-9;
   const TrajectoryRecord before = record_of(golden);
   const auto kept = read_trajectory(folder.write("kept.json", trajectory_text(before)));
   EXPECT_EQ(compare(before, kept, golden.within).failure, "");
-  std::string other = kScene;
+  std::string other = kSwing;
   folder.write("scene.toml", other.replace(other.find("length = 0.2"), 12, "length = 0.3"));
   const std::string failure = compare(record_of(golden), kept, golden.within).failure;
   EXPECT_NE(failure.find("since it was accepted connectors.rope.length was 0.2 and is 0.3"),

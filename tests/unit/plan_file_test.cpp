@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-constexpr const char* kScene = R"(duration = 1.0
+constexpr const char* kPlanned = R"(duration = 1.0
 [connectors.rope]
 length = 0.2
 mass = 0.05
@@ -40,7 +40,7 @@ class PlanFile : public testing::Test {
   }
 
   Folder folder_;
-  std::filesystem::path file_ = folder_.write("scene.toml", kScene);
+  std::filesystem::path file_ = folder_.write("scene.toml", kPlanned);
 };
 
 TEST_F(PlanFile, IsReadAsItWasWritten) {
@@ -84,7 +84,7 @@ TEST_F(PlanFile, ReplacesAnOlderOne) {
 
 /// TOML writes one table in many ways, and what looks like its heading may be text.
 TEST_F(PlanFile, ReplacesAnOlderOneHoweverThatIsWritten) {
-  const std::string scene = kScene, title = "title = \"\"\"\n[plan]\nstamp\"\"\"\n";
+  const std::string scene = kPlanned, title = "title = \"\"\"\n[plan]\nstamp\"\"\"\n";
   plan();
   const std::string once = read_file(file_);
   // What a scene is, and the same with a plan or without one.
@@ -107,8 +107,8 @@ TEST_F(PlanFile, ReplacesAnOlderOneHoweverThatIsWritten) {
 TEST_F(PlanFile, LeavesTheRemarksBehindThePlanItReplaces) {
   const std::string behind = "# The second.\n[connectors.other]\nlength = 1\n";
   const std::string text =
-      with_plan(std::string(kScene) + "[plan]\nuntil = 1\n\n" + behind, a_plan());
-  EXPECT_EQ(text.find(behind), std::string_view(kScene).size());
+      with_plan(std::string(kPlanned) + "[plan]\nuntil = 1\n\n" + behind, a_plan());
+  EXPECT_EQ(text.find(behind), std::string_view(kPlanned).size());
 }
 
 TEST_F(PlanFile, OfASceneThatChangedIsRefused) {
@@ -151,7 +151,7 @@ TEST_F(PlanFile, OfAnotherFormatIsRefusedAlone) {
       {"rope = { particles", "cord = { particles"},  // a connector that has another name now
   };
   for (const auto& [is, was] : faults) {
-    folder_.write("scene.toml", kScene);
+    folder_.write("scene.toml", kPlanned);
     plan();
     std::string text = read_file(file_);
     text.replace(text.find(is), std::string_view(is).size(), was);

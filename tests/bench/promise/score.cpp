@@ -10,7 +10,7 @@
 namespace taut::promise {
 namespace {
 
-double distance(const Vec3& a, const Vec3& b, double) {
+double apart(const Vec3& a, const Vec3& b, double) {
   return (a - b).norm();
 }
 
@@ -18,7 +18,7 @@ double largest(const Run& run, const Reference& reference) {
   if (run.frames.size() < reference.frames.size()) return std::numeric_limits<double>::infinity();
   double error = 0;
   for (std::size_t k = 0; k < reference.frames.size(); ++k) {
-    error = std::max(error, frame_error(run.frames[k], reference.frames[k], distance));
+    error = std::max(error, frame_error(run.frames[k], reference.frames[k], apart));
   }
   return error;
 }
