@@ -77,8 +77,8 @@ TEST_F(Usage, ErrorsAreJsonWhereResultsAre) {
   EXPECT_EQ(error.at("cause"), "bad scene or asset");
   ASSERT_EQ(error.at("faults").size(), 2u);
   EXPECT_EQ(error.at("faults")[0].at("key"), "connectors.rope.look");
-  EXPECT_EQ(error.at("faults")[0].at("line"), 11);
-  EXPECT_EQ(error.at("faults")[1].at("line"), 12);
+  EXPECT_EQ(error.at("faults")[0].at("line"), 12);
+  EXPECT_EQ(error.at("faults")[1].at("line"), 13);
   const nlohmann::json usage = nlohmann::json::parse(run({"simulat", "--json"}).output);
   EXPECT_EQ(usage.at("error").at("exit_code"), 2);
 }
