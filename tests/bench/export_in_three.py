@@ -7,7 +7,7 @@
 Needs Chromium and numpy (Debian: chromium, python3-numpy). A page in headless Chromium loads the file, sets
 its AnimationMixer to every eighth frame and to times between them, and is asked for each particle's node.
 At frames it is compared with the arrays of --to npz; between them with those of as many more frames a second
-as the method's steps allow without another trajectory. Exits with 1 above 1e-5 m and 1e-4 m.
+as the method's steps allow without another trajectory. Exits with 1 above 1e-6 m and 1e-4 m.
 """
 
 import argparse
@@ -109,7 +109,7 @@ def main():
                 worst = max(math.dist(a, b) for a, b in zip(places, expected))
                 errors[part > 0] = max(errors[part > 0], worst)
             print(f"{scene}: {errors[0]:.2g} m at frames, {errors[1]:.2g} m between")
-            failed |= errors[0] > 1e-5 or errors[1] > 1e-4
+            failed |= errors[0] > 1e-6 or errors[1] > 1e-4
     sys.exit(1 if failed else 0)
 
 

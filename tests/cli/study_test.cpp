@@ -1,6 +1,7 @@
 // The commands that compare methods: bench, chart and stability, on grids as small as they come.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <csignal>
 #include <map>
@@ -189,6 +190,20 @@ TEST(WorkPrecision, SaysWhatAnErrorCostsSceneBesideScene) {
   ASSERT_NE(why, std::string::npos) << outcome.output;
   EXPECT_NE(outcome.output.find("| a.toml | impulse | 0.", why), std::string::npos);
   EXPECT_EQ(outcome.output.find("| a.toml | direct |", why), std::string::npos);
+}
+
+TEST(WorkPrecision, KeepsItsBudget) {
+  const Folder folder;
+  // Without a budget it takes eight times as much. The kernel ends what takes twice as much.
+  constexpr rlim_t kBudget = 2;  // s
+  const ProgramResult outcome =
+      run_taut({"work-precision", TAUT_SOURCE_DIR "/scenes/bench_swing.toml", "--quick", "--budget",
+                std::to_string(kBudget)},
+               folder.path(), [] {
+                 const rlimit cpu{2 * kBudget, 2 * kBudget};
+                 setrlimit(RLIMIT_CPU, &cpu);
+               });
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
 }
 
 TEST(Chart, AnotherSceneStartsAnew) {
