@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "scenes/stage.h"
@@ -32,6 +33,10 @@ class ConnectorMesh {
 
   const std::vector<std::uint32_t>& indices() const { return indices_; }
   const std::vector<RestVertex>& rest() const { return rest_; }
+  /// Both, for one who keeps them elsewhere; none are here afterwards.
+  std::pair<std::vector<std::uint32_t>, std::vector<RestVertex>> take_shape() {
+    return {std::move(indices_), std::move(rest_)};
+  }
   /// The vertices for these particles (m, world) and the frames of the bodies.
   virtual void place(std::span<const Vec3> particles, std::span<const Pose> bodies,
                      std::vector<MovingVertex>& vertices) const = 0;

@@ -31,22 +31,28 @@ Surface surface_named(std::string_view material) {
   return Surface::plain;
 }
 
-Drawable::Drawable(const Gl& gl, std::span<const std::uint32_t> indices,
-                   std::span<const RestVertex> rest, const Material& material, Surface surface)
-    : gl_(&gl),
-      moving_(make_buffer(gl)),
-      rest_(make_buffer(gl)),
+RestShape::RestShape(const Gl& gl, std::vector<std::uint32_t> triangles,
+                     std::vector<RestVertex> rest)
+    : triangles_(std::move(triangles)),
+      rest_(std::move(rest)),
+      rest_buffer_(make_buffer(gl)),
       indices_(make_buffer(gl)),
-      some_indices_(make_buffer(gl)),
+      some_indices_(make_buffer(gl)) {
+  upload(gl, indices_, std::span<const std::uint32_t>(triangles_), GL_STATIC_DRAW);
+  upload(gl, rest_buffer_, std::span<const RestVertex>(rest_), GL_STATIC_DRAW);
+}
+
+Drawable::Drawable(const Gl& gl, std::shared_ptr<const RestShape> shape, const Material& material,
+                   Surface surface)
+    : gl_(&gl),
+      shape_(std::move(shape)),
+      moving_(make_buffer(gl)),
       array_(make_vertex_array(gl)),
-      triangles_(indices.begin(), indices.end()),
       material_(material),
       surface_(surface) {
-  upload(gl, indices_, indices, GL_STATIC_DRAW);
-  upload(gl, rest_, rest, GL_STATIC_DRAW);
-  gl.VertexArrayElementBuffer(array_.id(), indices_.id());
+  gl.VertexArrayElementBuffer(array_.id(), shape_->indices_.id());
   gl.VertexArrayVertexBuffer(array_.id(), 0, moving_.id(), 0, sizeof(MovingVertex));
-  gl.VertexArrayVertexBuffer(array_.id(), 1, rest_.id(), 0, sizeof(RestVertex));
+  gl.VertexArrayVertexBuffer(array_.id(), 1, shape_->rest_buffer_.id(), 0, sizeof(RestVertex));
   const std::size_t offsets[] = {offsetof(MovingVertex, position), offsetof(MovingVertex, normal),
                                  offsetof(RestVertex, rest), offsetof(RestVertex, color)};
   for (GLuint i = 0; i < 4; ++i) {
@@ -55,12 +61,13 @@ Drawable::Drawable(const Gl& gl, std::span<const std::uint32_t> indices,
     gl.VertexArrayAttribBinding(array_.id(), i, i / 2);
   }
   Eigen::AlignedBox3f box;
-  for (const RestVertex& v : rest) box.extend(v.rest);
+  for (const RestVertex& v : shape_->rest()) box.extend(v.rest);
   if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.5f ? 5 : 1;
 }
 
 Drawable::Drawable(const Gl& gl, const Mesh& mesh, const Material& material)
-    : Drawable(gl, mesh.indices, rest_of(mesh), material, surface_named(material.name)) {
+    : Drawable(gl, std::make_shared<RestShape>(gl, mesh.indices, rest_of(mesh)), material,
+               surface_named(material.name)) {
   std::vector<MovingVertex> vertices;
   vertices.reserve(mesh.vertices.size());
   for (const Vertex& v : mesh.vertices)
@@ -80,16 +87,16 @@ void Drawable::move(std::span<const MovingVertex> vertices) {
 
 void Drawable::draw(std::span<const std::uint32_t> indices) {
   if (indices.empty()) return;
-  upload(*gl_, some_indices_, indices, GL_STREAM_DRAW);
-  gl_->VertexArrayElementBuffer(array_.id(), some_indices_.id());
+  upload(*gl_, shape_->some_indices_, indices, GL_STREAM_DRAW);
+  gl_->VertexArrayElementBuffer(array_.id(), shape_->some_indices_.id());
   gl_->BindVertexArray(array_.id());
   gl_->DrawElements(GL_TRIANGLES, GLsizei(indices.size()), GL_UNSIGNED_INT, nullptr);
-  gl_->VertexArrayElementBuffer(array_.id(), indices_.id());
+  gl_->VertexArrayElementBuffer(array_.id(), shape_->indices_.id());
 }
 
 void Drawable::draw() const {
   gl_->BindVertexArray(array_.id());
-  gl_->DrawElements(GL_TRIANGLES, GLsizei(triangles_.size()), GL_UNSIGNED_INT, nullptr);
+  gl_->DrawElements(GL_TRIANGLES, GLsizei(triangles().size()), GL_UNSIGNED_INT, nullptr);
 }
 
 }  // namespace taut

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <vector>
 
 #include "render/connector_mesh.h"
@@ -16,12 +17,28 @@ enum class Surface { plain, wood, cloth, skin, rope, paper, count };
 /// The surface that a material's name asks for, such as "dark wood" or "skin".
 Surface surface_named(std::string_view material);
 
-/// Triangles with one material. Positions and normals may be replaced every frame; what the
-/// pattern hangs on (rest position, tint) stays.
+/// What of a mesh never moves: its triangles, as indices of vertices, and what the pattern hangs on
+/// (rest position, tint).
+class RestShape {
+ public:
+  RestShape(const Gl& gl, std::vector<std::uint32_t> triangles, std::vector<RestVertex> rest);
+
+  const std::vector<std::uint32_t>& triangles() const { return triangles_; }
+  const std::vector<RestVertex>& rest() const { return rest_; }
+
+ private:
+  friend class Drawable;
+  std::vector<std::uint32_t> triangles_;
+  std::vector<RestVertex> rest_;
+  GlObject rest_buffer_, indices_, some_indices_;
+};
+
+/// Triangles with one material, whose positions and normals may be replaced every frame. Drawables
+/// of the same shape may share it: the ropes of a curtain do.
 class Drawable {
  public:
-  Drawable(const Gl& gl, std::span<const std::uint32_t> indices, std::span<const RestVertex> rest,
-           const Material& material, Surface surface);
+  Drawable(const Gl& gl, std::shared_ptr<const RestShape> shape, const Material& material,
+           Surface surface);
   /// A model's mesh in its bind pose.
   Drawable(const Gl& gl, const Mesh& mesh, const Material& material);
 
@@ -30,7 +47,7 @@ class Drawable {
   /// Draws some of the triangles, given as indices of vertices.
   void draw(std::span<const std::uint32_t> indices);
 
-  const std::vector<std::uint32_t>& triangles() const { return triangles_; }
+  const std::vector<std::uint32_t>& triangles() const { return shape_->triangles(); }
   /// Where the vertices were last moved.
   const std::vector<Eigen::Vector3f>& positions() const { return positions_; }
   /// Around them.
@@ -45,8 +62,8 @@ class Drawable {
 
  private:
   const Gl* gl_;
-  GlObject moving_, rest_, indices_, some_indices_, array_;
-  std::vector<std::uint32_t> triangles_;
+  std::shared_ptr<const RestShape> shape_;
+  GlObject moving_, array_;
   std::vector<Eigen::Vector3f> positions_;
   Eigen::AlignedBox3f box_;
   Material material_;

@@ -29,6 +29,10 @@ MovingParts::MovingParts(const Gl& gl, const Stage& stage, const World& world) :
   for (const auto& model : stage.body_models)
     bodies_.push_back(model ? drawables(gl, *model) : std::vector<Drawable>());
   for (const auto& model : stage.characters) characters_.push_back(drawables(gl, *model));
+  const auto same = [](const RestVertex& a, const RestVertex& b) {
+    return a.rest == b.rest && a.color == b.color;
+  };
+  std::shared_ptr<const RestShape> shape;  // of the last connector: those of a row are alike
   for (std::size_t i = 0; i < world.connectors.size(); ++i) {
     const ConnectorLook look =
         i < stage.connector_looks.size() ? stage.connector_looks[i] : ConnectorLook();
@@ -38,8 +42,10 @@ MovingParts::MovingParts(const Gl& gl, const Stage& stage, const World& world) :
                             .base_color = {1, 1, 1},
                             .roughness = chain ? 0.35f : 0.9f,
                             .metallic = chain ? 1.0f : 0.0f};
-    connectors_.emplace_back(gl, connector_meshes_[i]->indices(), connector_meshes_[i]->rest(),
-                             material, chain ? Surface::plain : Surface::rope);
+    auto [triangles, rest] = connector_meshes_[i]->take_shape();
+    if (!shape || shape->triangles() != triangles || !std::ranges::equal(shape->rest(), rest, same))
+      shape = std::make_shared<const RestShape>(gl, std::move(triangles), std::move(rest));
+    connectors_.emplace_back(gl, shape, material, chain ? Surface::plain : Surface::rope);
   }
 }
 

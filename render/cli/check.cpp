@@ -54,6 +54,13 @@ std::string held_by(const World& world, const Connector& connector, std::size_t 
   return "nothing";
 }
 
+std::string ends_text(const World& world, const Connector& connector) {
+  const std::string first = held_by(world, connector, 0);
+  const std::string last = held_by(world, connector, connector.particles() - 1);
+  return first == "nothing" && last == "nothing" ? "free"
+                                                 : fmt::format("held by {} and {}", first, last);
+}
+
 std::string_view kind_of(const Obstacle& obstacle) {
   static constexpr std::array<std::string_view, 5> kKinds{"plane", "sphere", "capsule", "cylinder",
                                                           "box"};
@@ -152,10 +159,9 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
                      body.driven() ? "driven" : "free"));
   }
   for (const Connector& connector : world.connectors) {
-    line(fmt::format("connector {}: {} m, {} kg, {} particles, held by {} and {}", connector.name,
+    line(fmt::format("connector {}: {} m, {} kg, {} particles, {}", connector.name,
                      connector.length, connector.mass, connector.particles(),
-                     held_by(world, connector, 0),
-                     held_by(world, connector, connector.particles() - 1)));
+                     ends_text(world, connector)));
   }
   for (const Obstacle& obstacle : world.obstacles) {
     line(fmt::format("obstacle {}: {}{}, friction {}, restitution {}", obstacle.name,
@@ -187,9 +193,10 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
     for (const std::string& warning : warnings) line("warning: " + warning);
     return text;
   }
-  line(fmt::format("stage{}: {}x{}; the clip has {:.0f} frames in {} shots",
+  const std::size_t shots = scene.stage->shots.size();
+  line(fmt::format("stage{}: {}x{}; the clip has {:.0f} frames in {} shot{}",
                    staged ? "" : ", as none is written, taut's own", scene.width, scene.height,
-                   clip_length(scene), scene.stage->shots.size()));
+                   clip_length(scene), shots, shots == 1 ? "" : "s"));
   line(fmt::format("taut render takes {}",
                    needs_text(clip_needs(scene, clip_length(scene), kSamples))));
   for (const auto& [use, model] : models(scene)) {

@@ -17,7 +17,8 @@ using Eigen::Vector3f;
 /// A ribbon of `columns` squares of 10 cm along x, at z = 0, facing the camera on +z.
 struct Ribbon {
   explicit Ribbon(const Gl& gl, std::uint32_t columns)
-      : drawable(gl, indices(columns), rest(columns), Material{}, Surface::plain) {}
+      : drawable(gl, std::make_shared<const RestShape>(gl, indices(columns), rest(columns)),
+                 Material{}, Surface::plain) {}
 
   static std::vector<RestVertex> rest(std::uint32_t columns) {
     std::vector<RestVertex> result;
