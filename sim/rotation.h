@@ -11,6 +11,11 @@ namespace taut {
 /// zero. Compiled once: Eigen's brings a singular value decomposition to every file that names it.
 Quat rotation_between(const Vec3& from, const Vec3& to);
 
+/// How fast the quaternion of a rotation changes at a spin (rad/s, world axes).
+inline Quat quaternion_rate(const Vec3& spin, const Quat& rotation) {
+  return Quat(0, spin.x() / 2, spin.y() / 2, spin.z() / 2) * rotation;
+}
+
 /// Rotates a rigid body with no torque on it, keeping its angular momentum to rounding. Exact for a
 /// symmetric top; second order in the step, without drift of the energy, for any other body.
 class FreeRotation {

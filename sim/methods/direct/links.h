@@ -1,4 +1,4 @@
-// The links of a net as plain arrays, and the loops over all of them.
+// The links of a system as plain arrays, and the loops over all of them.
 #pragma once
 
 #include <cmath>

@@ -62,6 +62,38 @@ void System::add_ends(const double* q) {
   }
 }
 
+void System::couple() {
+  body_ends_.clear();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    bodies_[b].first_end = body_ends_.size();
+    for (std::size_t e = 0; e < ends_.size(); ++e) {
+      if (ends_[e].body == b) body_ends_.push_back(e);
+    }
+  }
+  coupled_.clear();
+  couplings_.clear();
+  const auto row = [&](std::size_t link) {
+    const auto found = std::ranges::find(coupled_, link);
+    if (found == coupled_.end()) {
+      coupled_.push_back(link);
+      return coupled_.size() - 1;
+    }
+    return static_cast<std::size_t>(found - coupled_.begin());
+  };
+  for (const Part& part : bodies_) {
+    for (const std::size_t a : ends_of(part)) {
+      for (const std::size_t b : ends_of(part)) {
+        if (a != b) couplings_.push_back({a, b, row(ends_[a].link), row(ends_[b].link)});
+      }
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(coupled_.size());
+  response_.resize(links_.count() * coupled_.size());
+  dense_.resize(n, n);
+  gain_.resize(n, n);
+  dense_right_.resize(n);
+}
+
 /// Bodies that several links hold add E Q E' to the tridiagonal A, E the columns of the unit
 /// matrix for those links: T = A^-1 r - A^-1 E (1 + Q G)^-1 Q E' A^-1 r, G = E' A^-1 E (Woodbury).
 void System::add_couplings(const double* q) {
