@@ -5,22 +5,22 @@
 namespace taut {
 namespace {
 
-std::vector<Item> all_items(StageParts& parts, const Instant& instant) {
+std::vector<DrawItem> all_items(StageParts& parts, const FrameState& instant) {
   parts.parts.pose(instant);
   return parts.parts.items(instant);
 }
 
-void draw_items(StageParts& parts, std::span<const Item> items, Shade shade) {
+void draw_items(StageParts& parts, std::span<const DrawItem> items, Shade shade) {
   parts.gl.DepthFunc(GL_LESS);
-  for (const Item& item : items) parts.surfaces.draw(item, shade);
+  for (const DrawItem& item : items) parts.surfaces.draw(item, shade);
 }
 
 }  // namespace
 
-void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const Instant& instant,
+void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const FrameState& instant,
                 const Layer& layer) {
   parts.parts.pose(instant);
-  const std::vector<Item> items = parts.parts.items(instant, layer);
+  const std::vector<DrawItem> items = parts.parts.items(instant, layer);
   const bool solid = layer.opacity >= 1;
   parts.surfaces.use(parts.look(instant, viewport).block);
   parts.draw_solid();
@@ -31,26 +31,26 @@ void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const I
     parts.gl.Enable(GL_BLEND);
     parts.gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   }
-  for (const Item& item : items) parts.surfaces.draw(item, Shade::shadowed, layer.opacity);
+  for (const DrawItem& item : items) parts.surfaces.draw(item, Shade::shadowed, layer.opacity);
   if (solid) parts.draw_scenery(Shade::grounded);
 }
 
 void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
-                  std::span<const Instant> shutter, std::span<const Exposures> grades,
-                  const Sweep& sweep) {
-  const Instant& middle = shutter[shutter.size() / 2];
+                  std::span<const FrameState> shutter, std::span<const Exposures> grades,
+                  const MotionExtents& extents) {
+  const FrameState& middle = shutter[shutter.size() / 2];
   const FrameBlock block = parts.look(middle, viewport).block;
   const int samples = canvas.samples(), count = grades.back().count;
   using Chosen = std::function<std::span<const std::uint32_t>(std::size_t)>;
-  const auto chosen = [](std::vector<Item> items, const Chosen& triangles) {
-    for (std::size_t k = 0; Item & item : items) item = {item, triangles(k++)};
+  const auto chosen = [](std::vector<DrawItem> items, const Chosen& triangles) {
+    for (std::size_t k = 0; DrawItem & item : items) item = {item, triangles(k++)};
     return items;
   };
   const auto standing = [&](std::size_t k) -> std::span<const std::uint32_t> {
-    return sweep.standing(k);
+    return extents.standing(k);
   };
   const auto moving = [&](std::size_t k) -> std::span<const std::uint32_t> {
-    return sweep.moving(k);
+    return extents.moving(k);
   };
   const Rect map{0, 0, parts.map.size(), parts.map.size()};
   parts.surfaces.use(block);
@@ -58,14 +58,14 @@ void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
   parts.map.clear();
   parts.map.draw(chosen(all_items(parts, middle), standing));
   parts.map.save(map);
-  const auto show = [&](const std::vector<Item>& items, int grade, Shade shade,
+  const auto show = [&](const std::vector<DrawItem>& items, int grade, Shade shade,
                         const FrameBlock& seen) {
     parts.aim(canvas, viewport);
     parts.surfaces.use(seen);
     draw_items(parts,
                chosen(items,
                       [&](std::size_t k) -> std::span<const std::uint32_t> {
-                        return sweep.shown(k, grade);
+                        return extents.shown(k, grade);
                       }),
                shade);
   };
@@ -75,7 +75,7 @@ void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
     show(all_items(parts, middle), 0, Shade::shadowed, block);
     for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
       const int times = grades[grade - 1].count, at = canvas.exposure_among(times, i, count);
-      const std::vector<Item> items = all_items(parts, shown_at(shutter, at, times));
+      const std::vector<DrawItem> items = all_items(parts, shown_at(shutter, at, times));
       parts.surfaces.use(block);
       parts.draw_solid();
       parts.map.restore(map);
@@ -89,12 +89,12 @@ void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
 }
 
 void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
-                  std::span<const Instant> shutter, int count) {
-  const Instant& middle = shutter[shutter.size() / 2];
+                  std::span<const FrameState> shutter, int count) {
+  const FrameState& middle = shutter[shutter.size() / 2];
   const FrameBlock block = parts.look(middle, viewport).block;
   const int samples = canvas.samples();
   canvas.expose({0, 0, canvas.width(), canvas.height()}, count, [&](int i) {
-    const std::vector<Item> items = all_items(parts, shown_at(shutter, i, count));
+    const std::vector<DrawItem> items = all_items(parts, shown_at(shutter, i, count));
     parts.surfaces.use(block);
     parts.draw_solid();
     parts.map.clear();

@@ -3,22 +3,22 @@
 #pragma once
 
 #include "render/jitter.h"
+#include "render/motion_extents.h"
 #include "render/stage_parts.h"
-#include "render/sweep.h"
 
 namespace taut {
 
 /// What moves, as it is at one instant, and its shadows on the scenery.
-void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const Instant& instant,
+void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const FrameState& instant,
                 const Layer& layer);
 
 /// The same while a shutter is open, each triangle at the exposures of its grades.
 void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
-                  std::span<const Instant> shutter, std::span<const Exposures> grades,
-                  const Sweep& sweep);
+                  std::span<const FrameState> shutter, std::span<const Exposures> grades,
+                  const MotionExtents& extents);
 
 /// The same with everything in each of `count` exposures.
 void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
-                  std::span<const Instant> shutter, int count);
+                  std::span<const FrameState> shutter, int count);
 
 }  // namespace taut

@@ -115,8 +115,8 @@ void ComparisonFilm::draw_scale(Picture& picture) {
   font_.draw(picture, text, left, bottom - 4 * thick - 0.2 * size, size, kInk);
 }
 
-Instant ComparisonFilm::instant(const Snapshot& state, double time) const {
-  Instant instant{state, {}, camera(time)};
+FrameState ComparisonFilm::instant(const Snapshot& state, double time) const {
+  FrameState instant{state, {}, camera(time)};
   for (const auto& performance : scene_.performances)
     instant.bones.push_back(performance->bones_at(time));
   return instant;

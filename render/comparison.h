@@ -50,7 +50,7 @@ class ComparisonFilm {
   void lay_out();
   CameraView camera(double time) const;
   void draw_scale(Picture& picture);
-  Instant instant(const Snapshot& state, double time) const;
+  FrameState instant(const Snapshot& state, double time) const;
   void draw_cell(Picture& picture, std::size_t method, std::size_t frame);
   void draw_charts();
   void draw_table();

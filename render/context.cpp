@@ -201,16 +201,16 @@ Backend backend_named(const std::string& name) {
       fmt::format("unknown backend '{}' (expected auto, egl or osmesa)", name));
 }
 
-Context::Context(Backend backend, int threads, Seat seat) {
+Context::Context(Backend backend, int threads, EglDisplay display) {
   // To llvmpipe, 0 means none of its own.
   if (threads > 0) setenv("LP_NUM_THREADS", std::to_string(threads > 1 ? threads : 0).c_str(), 1);
   using Way = std::pair<const char*, std::function<std::unique_ptr<Platform>()>>;
   std::vector<Way> ways;
-  if (backend != Backend::osmesa && seat != Seat::device)
+  if (backend != Backend::osmesa && display != EglDisplay::device)
     ways.emplace_back("EGL surfaceless", [] { return std::make_unique<EglPlatform>(false); });
-  if (backend != Backend::osmesa && seat != Seat::surfaceless)
+  if (backend != Backend::osmesa && display != EglDisplay::surfaceless)
     ways.emplace_back("EGL device", [] { return std::make_unique<EglPlatform>(true); });
-  if (backend != Backend::egl && seat == Seat::any)
+  if (backend != Backend::egl && display == EglDisplay::any)
     ways.emplace_back("OSMesa", [] { return std::make_unique<OsmesaPlatform>(); });
 
   std::string tried;

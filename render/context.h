@@ -17,7 +17,7 @@ Backend backend_named(const std::string& name);
 /// A software rasteriser draws for all contexts of a display one after another: of two that are to
 /// draw at the same time, each on a thread of its own, one sits at EGL's display without a surface
 /// and the other at a device's.
-enum class Seat { any, surfaceless, device };
+enum class EglDisplay { any, surfaceless, device };
 
 /// A context that is current on the thread that made it, until it is destroyed. EGL and OSMesa are
 /// opened at run time; `automatic` tries EGL without a surface, EGL on a device, then OSMesa.
@@ -25,7 +25,7 @@ class Context {
  public:
   /// Throws NoContext. `threads` > 0 sets on how many threads a software rasteriser draws, if this
   /// is the first context at its display: with 1, on the one that calls it.
-  explicit Context(Backend backend, int threads = 0, Seat seat = Seat::any);
+  explicit Context(Backend backend, int threads = 0, EglDisplay display = EglDisplay::any);
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;

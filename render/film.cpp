@@ -14,16 +14,16 @@ Film::Film(const Context& context, const Scene& scene, int width, int height, in
       canvas_(context, width, height, samples),
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shading) {}
 
-Instant instant_of(const Scene& scene, const Snapshot& state) {
-  Instant instant{state, {}, camera_at(scene.stage->camera, state.time)};
+FrameState instant_of(const Scene& scene, const Snapshot& state) {
+  FrameState instant{state, {}, camera_at(scene.stage->camera, state.time)};
   for (const auto& performance : scene.performances)
     instant.bones.push_back(performance->bones_at(state.time));
   return instant;
 }
 
-std::vector<Instant> shutter_of(const Scene& scene, const ClipFrame& frame,
-                                std::span<const Snapshot> states) {
-  std::vector<Instant> instants;
+std::vector<FrameState> shutter_of(const Scene& scene, const ClipFrame& frame,
+                                   std::span<const Snapshot> states) {
+  std::vector<FrameState> instants;
   for (const Snapshot& state : states) {
     instants.push_back(instant_of(scene, state));
     instants.back().camera = camera_at(frame.shot->camera, frame.time);
@@ -31,13 +31,13 @@ std::vector<Instant> shutter_of(const Scene& scene, const ClipFrame& frame,
   return instants;
 }
 
-Picture Film::draw(const Instant& instant) {
+Picture Film::draw(const FrameState& instant) {
   Picture picture = draw_stage({&instant, 1}).picture;
   draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
   return picture;
 }
 
-Film::Frame Film::draw(const ClipFrame& frame, std::span<const Instant> shutter) {
+Film::Frame Film::draw(const ClipFrame& frame, std::span<const FrameState> shutter) {
   if (!transparent_) return draw_opaque(frame, shutter);
   const auto draw_on = [&](double grey) {
     renderer_.set_background(Vec3::Constant(grey));
@@ -49,7 +49,7 @@ Film::Frame Film::draw(const ClipFrame& frame, std::span<const Instant> shutter)
   return black;
 }
 
-Film::Frame Film::draw_opaque(const ClipFrame& frame, std::span<const Instant> shutter) {
+Film::Frame Film::draw_opaque(const ClipFrame& frame, std::span<const FrameState> shutter) {
   if (!frame.card) {
     Frame drawn = draw_stage(shutter);
     draw_captions(drawn.picture, font_, scene_.stage->captions, frame.time);
@@ -66,7 +66,7 @@ Film::Frame Film::draw_opaque(const ClipFrame& frame, std::span<const Instant> s
   return drawn;
 }
 
-Film::Frame Film::draw_stage(std::span<const Instant> shutter) {
+Film::Frame Film::draw_stage(std::span<const FrameState> shutter) {
   const View view{{0, 0, canvas_.width(), canvas_.height()}, shutter[shutter.size() / 2].camera};
   renderer_.begin(canvas_, {&view, 1});
   const int exposures = renderer_.expose(canvas_, view.viewport, shutter);

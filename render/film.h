@@ -12,10 +12,10 @@
 namespace taut {
 
 /// Everything that moves, in this state, by the scene's camera: characters pose by its time.
-Instant instant_of(const Scene& scene, const Snapshot& state);
+FrameState instant_of(const Scene& scene, const Snapshot& state);
 /// The states that a frame of the clip shows, as it shows them.
-std::vector<Instant> shutter_of(const Scene& scene, const ClipFrame& frame,
-                                std::span<const Snapshot> states);
+std::vector<FrameState> shutter_of(const Scene& scene, const ClipFrame& frame,
+                                   std::span<const Snapshot> states);
 
 /// A frame depends on its own instants alone, never on the frames drawn before.
 class Film {
@@ -25,17 +25,17 @@ class Film {
   Film(const Context& context, const Scene& scene, int width, int height, int samples,
        const Shading& shading = {});
 
-  Instant instant(const Snapshot& state) const { return instant_of(scene_, state); }
-  Picture draw(const Instant& instant);
+  FrameState instant(const Snapshot& state) const { return instant_of(scene_, state); }
+  Picture draw(const FrameState& instant);
 
   struct Frame {
     Picture picture;
     int exposures;  // instants that it shows
   };
-  std::vector<Instant> shutter(const ClipFrame& frame, std::span<const Snapshot> states) const {
+  std::vector<FrameState> shutter(const ClipFrame& frame, std::span<const Snapshot> states) const {
     return shutter_of(scene_, frame, states);
   }
-  Frame draw(const ClipFrame& frame, std::span<const Instant> shutter);
+  Frame draw(const ClipFrame& frame, std::span<const FrameState> shutter);
 
   /// From now on frames have opacity, none where the stage's background would be; their colours are
   /// not multiplied by it. Each takes the time of two.
@@ -45,8 +45,8 @@ class Film {
   void set_profile(Profile* profile);
 
  private:
-  Frame draw_opaque(const ClipFrame& frame, std::span<const Instant> shutter);
-  Frame draw_stage(std::span<const Instant> shutter);
+  Frame draw_opaque(const ClipFrame& frame, std::span<const FrameState> shutter);
+  Frame draw_stage(std::span<const FrameState> shutter);
   void lap(const char* stage) const;
 
   const Context& context_;

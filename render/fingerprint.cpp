@@ -65,9 +65,9 @@ std::uint64_t fingerprint(const Stage& stage) {
   return hash.value();
 }
 
-std::uint64_t fingerprint(std::span<const Instant> shutter) {
+std::uint64_t fingerprint(std::span<const FrameState> shutter) {
   Hash hash;
-  for (const Instant& instant : shutter) {
+  for (const FrameState& instant : shutter) {
     hash.number(instant.state.time);
     for (const auto& particles : instant.state.connectors)
       for (const Vec3& p : particles) add(hash, p);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "render/instant.h"
+#include "render/frame_state.h"
 #include "scenes/stage.h"
 
 namespace taut {
@@ -14,6 +14,6 @@ std::uint64_t program_fingerprint();
 /// Of what never moves: models, lights, looks, captions.
 std::uint64_t fingerprint(const Stage& stage);
 /// Of what moves while the shutter is open, bit for bit.
-std::uint64_t fingerprint(std::span<const Instant> shutter);
+std::uint64_t fingerprint(std::span<const FrameState> shutter);
 
 }  // namespace taut

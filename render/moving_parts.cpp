@@ -49,7 +49,7 @@ MovingParts::MovingParts(const Gl& gl, const Stage& stage, const World& world) :
   }
 }
 
-void MovingParts::pose(const Instant& instant) {
+void MovingParts::pose(const FrameState& instant) {
   for (std::size_t i = 0; i < std::min(characters_.size(), instant.bones.size()); ++i) {
     const Model& model = *stage_.characters[i];
     const std::vector<BoneMatrix> bones = bone_matrices(model, instant.bones[i]);
@@ -64,8 +64,8 @@ void MovingParts::pose(const Instant& instant) {
   }
 }
 
-std::vector<Item> MovingParts::items(const Instant& instant, const Layer& layer) {
-  std::vector<Item> items;
+std::vector<DrawItem> MovingParts::items(const FrameState& instant, const Layer& layer) {
+  std::vector<DrawItem> items;
   if (layer.characters)
     for (auto& character : characters_)
       for (Drawable& part : character) items.emplace_back(part, Matrix4f::Identity());
@@ -77,7 +77,7 @@ std::vector<Item> MovingParts::items(const Instant& instant, const Layer& layer)
   return items;
 }
 
-Eigen::AlignedBox3d extent(const Instant& instant) {
+Eigen::AlignedBox3d extent(const FrameState& instant) {
   Eigen::AlignedBox3d box;
   for (const auto& particles : instant.state.connectors)
     for (const Vec3& p : particles) box.extend(p);

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "render/connector_mesh.h"
-#include "render/instant.h"
-#include "render/item.h"
+#include "render/draw_item.h"
+#include "render/frame_state.h"
 #include "scenes/stage.h"
 #include "sim/world.h"
 
@@ -18,10 +18,10 @@ class MovingParts {
   MovingParts(const Gl& gl, const Stage& stage, const World& world);
 
   /// Moves everything to where it is at that time.
-  void pose(const Instant& instant);
+  void pose(const FrameState& instant);
   /// What the layer shows of the instant last posed: the same items for each instant, in the same
   /// order.
-  std::vector<Item> items(const Instant& instant, const Layer& layer = {});
+  std::vector<DrawItem> items(const FrameState& instant, const Layer& layer = {});
 
  private:
   const Stage& stage_;
@@ -34,6 +34,6 @@ class MovingParts {
 std::vector<Drawable> drawables(const Gl& gl, const Model& model);
 
 /// A box around everything that moves, from bones, particles and bodies, in m.
-Eigen::AlignedBox3d extent(const Instant& instant);
+Eigen::AlignedBox3d extent(const FrameState& instant);
 
 }  // namespace taut

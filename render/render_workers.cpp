@@ -10,8 +10,8 @@ namespace taut {
 RenderWorkers::RenderWorkers(Backend backend, int threads, bool alone, const Scene& scene,
                              int width, int height, int samples) {
   if (threads == 0) threads = std::max(int(std::thread::hardware_concurrency()), 1);
-  const auto paint = [=, &scene](std::optional<Worker>& worker, int share, Seat seat) {
-    worker.emplace(backend, share, seat, scene, width, height, samples);
+  const auto paint = [=, &scene](std::optional<Worker>& worker, int share, EglDisplay display) {
+    worker.emplace(backend, share, display, scene, width, height, samples);
   };
   if (!alone && threads > 1 && backend != Backend::osmesa) {
     std::promise<bool> ready;
@@ -19,7 +19,7 @@ RenderWorkers::RenderWorkers(Backend backend, int threads, bool alone, const Sce
     auto help = [paint, threads, ready = std::move(ready), job = job_.get_future()]() mutable {
       std::optional<Worker> worker;
       try {
-        paint(worker, threads / 2, Seat::device);
+        paint(worker, threads / 2, EglDisplay::device);
       } catch (...) {  // whatever it is, the own worker meets it, too
       }
       const bool helps = worker && worker->context.is_software();
@@ -38,14 +38,14 @@ RenderWorkers::RenderWorkers(Backend backend, int threads, bool alone, const Sce
     }
     try {
       if (helps) {
-        paint(own_, threads / 2, Seat::surfaceless);
+        paint(own_, threads / 2, EglDisplay::surfaceless);
         return;
       }
     } catch (const NoContext&) {
     }
     stop_other();
   }
-  paint(own_, threads, Seat::any);
+  paint(own_, threads, EglDisplay::any);
 }
 
 RenderWorkers::~RenderWorkers() {

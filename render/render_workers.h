@@ -33,9 +33,9 @@ class RenderWorkers {
 
  private:
   struct Worker {
-    Worker(Backend backend, int threads, Seat seat, const Scene& scene, int width, int height,
-           int samples)
-        : context(backend, threads, seat), film(context, scene, width, height, samples) {}
+    Worker(Backend backend, int threads, EglDisplay display, const Scene& scene, int width,
+           int height, int samples)
+        : context(backend, threads, display), film(context, scene, width, height, samples) {}
     Context context;
     Film film;
   };

@@ -25,7 +25,7 @@ void ShadowMap::clear() const {
   gl_.Clear(GL_DEPTH_BUFFER_BIT);
 }
 
-void ShadowMap::draw(std::span<const Item> casters) const {
+void ShadowMap::draw(std::span<const DrawItem> casters) const {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.id());
   gl_.Viewport(0, 0, size_, size_);
   gl_.Enable(GL_SCISSOR_TEST);
@@ -34,7 +34,7 @@ void ShadowMap::draw(std::span<const Item> casters) const {
   gl_.Enable(GL_POLYGON_OFFSET_FILL);
   gl_.PolygonOffset(1.5f, 2.0f);
   depth_program_.use();
-  for (const Item& item : casters) {
+  for (const DrawItem& item : casters) {
     if (item.triangles.empty()) continue;
     depth_program_.set("model", item.model);
     item.draw();

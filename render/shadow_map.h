@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "render/draw_item.h"
 #include "render/gpu.h"
-#include "render/item.h"
 #include "render/rect.h"
 
 namespace taut {
@@ -19,7 +19,7 @@ class ShadowMap {
 
   void clear() const;
   /// Adds casters. A lit rim stays, which stands for everything beyond the map.
-  void draw(std::span<const Item> casters) const;
+  void draw(std::span<const DrawItem> casters) const;
 
   /// Keeps a part of the map as it is, and brings it back.
   void save(const Rect& part);

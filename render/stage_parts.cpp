@@ -28,7 +28,7 @@ StageParts::StageParts(const Context& context, const Stage& s, const World& worl
     for (Drawable& part : drawables(gl, *model)) scenery.push_back(std::move(part));
 }
 
-Look StageParts::look(const Instant& instant, const Rect& viewport) const {
+Look StageParts::look(const FrameState& instant, const Rect& viewport) const {
   Look look{{instant.camera, viewport}, {}};
   const LightMap light = light_map(stage.light.direction, extent(instant), shading.map_size);
   FrameBlock& block = look.block;
@@ -83,7 +83,7 @@ void draw_whole_scenery(StageParts& parts, const View& view) {
   parts.draw_scenery(Shade::lit);
 }
 
-FrameBlock exposed(const FrameBlock& block, const Instant& middle, const Rect& viewport, int i,
+FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const Rect& viewport, int i,
                    bool more_than_samples) {
   FrameBlock moved = block;
   moved.light_projection = moved_light(block.light_projection, extent(middle).center(), i);
@@ -91,7 +91,7 @@ FrameBlock exposed(const FrameBlock& block, const Instant& middle, const Rect& v
   return moved;
 }
 
-const Instant& shown_at(std::span<const Instant> shutter, int i, int count) {
+const FrameState& shown_at(std::span<const FrameState> shutter, int i, int count) {
   const int stride = int(shutter.size()) / count;
   return shutter[std::size_t(stride / 2 + i * stride)];
 }

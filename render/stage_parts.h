@@ -24,7 +24,7 @@ struct StageParts {
   StageParts(const Context& context, const Stage& stage, const World& world,
              const Shading& shading);
 
-  Look look(const Instant& instant, const Rect& viewport) const;
+  Look look(const FrameState& instant, const Rect& viewport) const;
   /// Opaque triangles with depth are drawn from now on, over the whole target.
   void draw_solid() const;
   /// The canvas' viewport is drawn to, and the shadow map can be looked up.
@@ -48,10 +48,10 @@ void draw_whole_scenery(StageParts& parts, const View& view);
 
 /// How exposure `i` of `count` is seen and lit: the light is moved, and the picture where there are
 /// more exposures than samples.
-FrameBlock exposed(const FrameBlock& block, const Instant& middle, const Rect& viewport, int i,
+FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const Rect& viewport, int i,
                    bool more_than_samples);
 /// What exposure `i` of so many shows: states evenly apart.
-const Instant& shown_at(std::span<const Instant> shutter, int i, int count);
+const FrameState& shown_at(std::span<const FrameState> shutter, int i, int count);
 /// How shadows are looked up in one of so many exposures.
 Shade shade_of(int count, int samples);
 

@@ -4,10 +4,10 @@
 
 #include "render/brute_force.h"
 #include "render/jitter.h"
+#include "render/motion_extents.h"
 #include "render/reach.h"
 #include "render/shadow_cover.h"
 #include "render/stage_parts.h"
-#include "render/sweep.h"
 #include "sim/hash.h"
 
 namespace taut {
@@ -78,8 +78,8 @@ struct StageRenderer::Impl : StageParts {
   }
 
   /// Draws things, and the shadows of the casters.
-  void paint(Canvas& canvas, const Rect& viewport, const Look& look, std::span<const Item> things,
-             std::span<const Item> casters, float opacity) {
+  void paint(Canvas& canvas, const Rect& viewport, const Look& look,
+             std::span<const DrawItem> things, std::span<const DrawItem> casters, float opacity) {
     const bool solid = opacity >= 1;
     surfaces.use(look.block);
     draw_solid();
@@ -94,7 +94,7 @@ struct StageRenderer::Impl : StageParts {
       gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     }
     HullPoints reach;
-    for (const Item& item : things) {
+    for (const DrawItem& item : things) {
       surfaces.draw(item, Shade::shadowed, opacity);
       add_box(item.box(), reach);
     }
@@ -104,7 +104,7 @@ struct StageRenderer::Impl : StageParts {
 
     start_cover(look);
     Boxes boxes;
-    for (const Item& item : casters) {
+    for (const DrawItem& item : casters) {
       const Places places = places_of(item);
       cover.add(item.triangles, {&places, 1});
       boxes.push_back(item.box());
@@ -124,12 +124,12 @@ struct StageRenderer::Impl : StageParts {
 
   /// Grades what moves while the shutter is open, and tells the exposures of each grade above 0;
   /// none where nothing moves. The cover then holds what moves.
-  std::vector<Exposures> find_moving(std::span<const Instant> shutter, const Canvas& canvas,
+  std::vector<Exposures> find_moving(std::span<const FrameState> shutter, const Canvas& canvas,
                                      const Look& look, const Rect& viewport);
 
   Profile* profile = nullptr;
   ShadowCover cover;
-  Sweep sweep;
+  MotionExtents extents;
   Reached still_reached, moving_reached;  // by the shadows of what stands, and of what moves
 };
 
@@ -173,26 +173,27 @@ void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
   d.lap("scenery");
 }
 
-void StageRenderer::draw(Canvas& canvas, const Rect& viewport, const Instant& instant,
+void StageRenderer::draw(Canvas& canvas, const Rect& viewport, const FrameState& instant,
                          const Layer& layer) {
   Impl& d = *impl_;
   if (d.shading.savings != Savings::all) return draw_whole(d, canvas, viewport, instant, layer);
   d.parts.pose(instant);
   d.lap("skin");
-  const std::vector<Item> items = d.parts.items(instant, layer);
+  const std::vector<DrawItem> items = d.parts.items(instant, layer);
   d.paint(canvas, viewport, d.look(instant, viewport), items, items, layer.opacity);
 }
 
-std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const Instant> shutter,
+std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameState> shutter,
                                                         const Canvas& canvas, const Look& look,
                                                         const Rect& viewport) {
-  sweep.clear();
-  for (const Instant* instant : {&shutter.front(), &shutter[shutter.size() / 2], &shutter.back()}) {
+  extents.clear();
+  for (const FrameState* instant :
+       {&shutter.front(), &shutter[shutter.size() / 2], &shutter.back()}) {
     parts.pose(*instant);
-    sweep.add(parts.items(*instant), instant->state.time);
+    extents.add(parts.items(*instant), instant->state.time);
   }
-  const Sweep::Travel travel =
-      sweep.find_moving(look.block.view_projection, viewport, shading.still);
+  const MotionExtents::Travel travel =
+      extents.find_moving(look.block.view_projection, viewport, shading.still);
   if (travel.way <= shading.still) return {};
   double longest = 0;  // s from one state to the next
   for (std::size_t i = 1; i < shutter.size(); ++i)
@@ -203,16 +204,17 @@ std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const Instant>
   if (grades.empty()) return {};
   std::vector<double> speeds;
   for (std::size_t i = 0; i + 1 < grades.size(); ++i) speeds.push_back(grades[i].way / open);
-  sweep.grade(speeds);
+  extents.grade(speeds);
   start_cover(look);
-  for (std::size_t grade = grades.size(); grade > 0; --grade) sweep.shade(cover, int(grade));
-  sweep.divide();
+  for (std::size_t grade = grades.size(); grade > 0; --grade) extents.shade(cover, int(grade));
+  extents.divide();
   return grades;
 }
 
-int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const Instant> shutter) {
+int StageRenderer::expose(Canvas& canvas, const Rect& viewport,
+                          std::span<const FrameState> shutter) {
   Impl& d = *impl_;
-  const Instant& middle = shutter[shutter.size() / 2];
+  const FrameState& middle = shutter[shutter.size() / 2];
   const Look look = d.look(middle, viewport);
   const std::vector<Exposures> grades = d.find_moving(shutter, canvas, look, viewport);
   d.lap("sweep");
@@ -222,7 +224,7 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
   }
   const int most = grades.back().count;
   if (d.shading.savings == Savings::exposures) {
-    expose_whole(d, canvas, viewport, shutter, grades, d.sweep);
+    expose_whole(d, canvas, viewport, shutter, grades, d.extents);
     return most;
   }
   if (d.shading.savings == Savings::none) {
@@ -233,14 +235,14 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
   // What of the scenery and of the shadow map changes: the cover holds all that moves.
   d.find_reached({}, d.moving_reached);
   d.parts.pose(middle);
-  const std::vector<Item> items = d.parts.items(middle);
-  std::vector<Item> still, still_casters;
+  const std::vector<DrawItem> items = d.parts.items(middle);
+  std::vector<DrawItem> still, still_casters;
   Boxes casting;
   HullPoints in_map;
   for (std::size_t i = 0; i < items.size(); ++i) {
-    still.emplace_back(items[i], d.sweep.shown(i, 0));
-    still_casters.emplace_back(items[i], d.sweep.standing(i));
-    casting.push_back(d.sweep.moving_box(i));
+    still.emplace_back(items[i], d.extents.shown(i, 0));
+    still_casters.emplace_back(items[i], d.extents.standing(i));
+    casting.push_back(d.extents.moving_box(i));
     add_box(casting.back(), in_map);
   }
   const Rect map_part = pixels(in_map, map_to_clip() * look.block.light_projection,
@@ -254,18 +256,18 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
     const bool fastest = grade == grades.size();  // the scenery takes as many exposures
     HullPoints things;
     for (std::size_t i = 0; i < items.size(); ++i)
-      add_box(d.sweep.box(i, d.sweep.shown(i, int(grade))), things);
+      add_box(d.extents.box(i, d.extents.shown(i, int(grade))), things);
     const Rect part =
         hull(pixels(things, look.block.view_projection, viewport), fastest ? shadow : Rect());
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
     canvas.expose(part, count, [&](int i) {
-      const Instant& instant = shown_at(shutter, i, count);
+      const FrameState& instant = shown_at(shutter, i, count);
       d.parts.pose(instant);
-      std::vector<Item> shown, casters;
-      for (std::size_t k = 0; const Item& item : d.parts.items(instant)) {
-        shown.emplace_back(item, d.sweep.shown(k, int(grade)));
-        casters.emplace_back(item, d.sweep.moving(k));
+      std::vector<DrawItem> shown, casters;
+      for (std::size_t k = 0; const DrawItem& item : d.parts.items(instant)) {
+        shown.emplace_back(item, d.extents.shown(k, int(grade)));
+        casters.emplace_back(item, d.extents.moving(k));
         ++k;
       }
       d.surfaces.use(look.block);
@@ -277,7 +279,7 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport, std::span<const 
       d.surfaces.use(exposed(look.block, middle, viewport, i, count > canvas.samples()));
       d.gl.Enable(GL_SCISSOR_TEST);
       d.gl.Scissor(part.x, part.y, part.width, part.height);
-      for (const Item& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));
+      for (const DrawItem& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));
       d.surfaces.use(look.block);
       if (fastest) d.draw_reached(d.moving_reached);
     });

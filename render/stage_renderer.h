@@ -6,7 +6,7 @@
 #include <span>
 
 #include "render/canvas.h"
-#include "render/instant.h"
+#include "render/frame_state.h"
 #include "render/profile.h"
 #include "scenes/stage.h"
 #include "sim/world.h"
@@ -52,12 +52,13 @@ class StageRenderer {
   /// keeps it for as long as the views stay the same.
   void begin(Canvas& canvas, std::span<const View> views);
   /// Draws what moves into a part of the canvas, and its shadow on the scenery there.
-  void draw(Canvas& canvas, const Rect& viewport, const Instant& instant, const Layer& layer = {});
+  void draw(Canvas& canvas, const Rect& viewport, const FrameState& instant,
+            const Layer& layer = {});
   /// The same while a shutter is open: `shutter` holds instants evenly apart, the frame's own in
   /// the middle (of an even number the later one). What moves less than a pixel is drawn once, at
   /// the frame's own instant; the rest each as often as its own speed asks for (jitter.h). The
   /// camera stands where it is in the middle. Returns how many exposures the fastest point took.
-  int expose(Canvas& canvas, const Rect& viewport, std::span<const Instant> shutter);
+  int expose(Canvas& canvas, const Rect& viewport, std::span<const FrameState> shutter);
 
   /// Where to note the stages' times, each waited for; null: nowhere.
   void set_profile(Profile* profile);

@@ -51,7 +51,7 @@ void Surfaces::use(const FrameBlock& block) const {
   gl_.BindTextureUnit(1, noise_.id());
 }
 
-void Surfaces::draw(const Item& item, Shade shade, float opacity) {
+void Surfaces::draw(const DrawItem& item, Shade shade, float opacity) {
   if (item.triangles.empty()) return;
   const Program& p = program(item.drawable->surface(), shade);
   const Material& material = item.drawable->material();

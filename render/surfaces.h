@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "render/draw_item.h"
 #include "render/gpu.h"
-#include "render/item.h"
 #include "render/rect.h"
 #include "scenes/stage.h"
 
@@ -41,7 +41,7 @@ class Surfaces {
 
   /// What is drawn from now on is seen and lit like this.
   void use(const FrameBlock& block) const;
-  void draw(const Item& item, Shade shade, float opacity = 1);
+  void draw(const DrawItem& item, Shade shade, float opacity = 1);
 
  private:
   const Program& program(Surface surface, Shade shade);

@@ -154,7 +154,7 @@ std::uint64_t ClipJob::fingerprint(const std::string& renderer) const {
 }
 
 std::uint64_t frame_inputs(std::uint64_t job, const ClipFrame& frame,
-                           const std::vector<Instant>& shutter) {
+                           const std::vector<FrameState>& shutter) {
   return Hash().number(job).number(fingerprint(shutter)).number(frame.card_shown).value();
 }
 

@@ -16,7 +16,7 @@
 #include "render/cli/stills.h"
 #include "render/context.h"
 #include "render/frame_folder.h"
-#include "render/instant.h"
+#include "render/frame_state.h"
 #include "scenes/clip_simulation.h"
 
 namespace taut::cli {
@@ -65,7 +65,7 @@ struct ClipJob {
 
 /// Of a frame, from the fingerprint of all.
 std::uint64_t frame_inputs(std::uint64_t job, const ClipFrame& frame,
-                           const std::vector<Instant>& shutter);
+                           const std::vector<FrameState>& shutter);
 
 /// The states that the frames show, one after another, and what simulating them took.
 class ClipStates {

@@ -36,7 +36,7 @@ class Profiled {
 
   void start() { lit_.start(); }
   void lap(const char* stage) { lit_.lap(stage); }
-  void draw_unlit(const ClipFrame& frame, std::span<const Instant> shutter) {
+  void draw_unlit(const ClipFrame& frame, std::span<const FrameState> shutter) {
     const auto start = Clock::now();
     unlit_.start();
     film_.draw(frame, shutter);
@@ -80,7 +80,7 @@ FramesMade draw_frames(const ClipJob& job, ClipStates& states, RenderWorkers& wo
     if (profiled) profiled->start();
     const int number = job.frames[open.index];
     const ClipFrame& frame = job.clip[std::size_t(number)];
-    const std::vector<Instant> shutter = film.shutter(frame, open.states);
+    const std::vector<FrameState> shutter = film.shutter(frame, open.states);
     if (profiled) profiled->lap("pose");
     const std::uint64_t inputs = frame_inputs(shared, frame, shutter);
     const bool is_there = folder.has(number, inputs);

@@ -56,7 +56,7 @@ int merge_clip(const ClipJob& job, const Common& common) {
   while (!parts.empty() && !states.done()) {
     const auto [i, open] = states.next();
     const ClipFrame& frame = job.clip[std::size_t(job.frames[i])];
-    const std::vector<Instant> shutter = shutter_of(job.scene, frame, open);
+    const std::vector<FrameState> shutter = shutter_of(job.scene, frame, open);
     for (const DonePart& part : parts) {
       const auto entry = part.frames.find(job.frames[i]);
       if (owners[i] || entry == part.frames.end()) continue;

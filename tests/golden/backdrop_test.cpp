@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kWidth = 480, kHeight = 270;
 
-Picture draw(StageRenderer& renderer, Canvas& canvas, const Instant& instant) {
+Picture draw(StageRenderer& renderer, Canvas& canvas, const FrameState& instant) {
   const View view{{0, 0, kWidth, kHeight}, instant.camera};
   renderer.begin(canvas, {&view, 1});
   renderer.draw(canvas, view.viewport, instant);
@@ -27,11 +27,11 @@ TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
   // The camera stands for a while, steps aside for one frame, and comes back; by then the hand is
   // where it was not before.
   Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
-  std::vector<Instant> instants;
+  std::vector<FrameState> instants;
   for (int i = 0; i < 7; ++i) {
     const double time = i == 6 ? 2.2 : 0.25 * i;
     simulation.advance_to(time);
-    Instant instant{snapshot(simulation.world()), {}, camera_at(scene.stage->camera, 0)};
+    FrameState instant{snapshot(simulation.world()), {}, camera_at(scene.stage->camera, 0)};
     for (const auto& performance : scene.performances)
       instant.bones.push_back(performance->bones_at(time));
     if (i == 5) instant.camera.position += Vec3(0.5, 0, 0);

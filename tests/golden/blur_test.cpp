@@ -38,8 +38,8 @@ class Blur : public testing::Test {
   Blur() { world_.bodies.resize(2); }
 
   /// The first box at `x` (m).
-  Instant instant(double x, double time = 0) const {
-    Instant result{snapshot(world_), {}, kCamera};
+  FrameState instant(double x, double time = 0) const {
+    FrameState result{snapshot(world_), {}, kCamera};
     result.state.time = time;
     result.state.bodies[0].position = Vec3(x, 0, 0);
     result.state.bodies[1].position = Vec3(-0.6, 0, 0);
@@ -47,18 +47,18 @@ class Blur : public testing::Test {
   }
 
   /// The first box passes `at` (m) in the middle of the shutter, and comes `pixels` meanwhile.
-  std::vector<Instant> shutter(double at, double pixels) const {
-    std::vector<Instant> instants;
+  std::vector<FrameState> shutter(double at, double pixels) const {
+    std::vector<FrameState> instants;
     for (int i = 0; i < kStates; ++i)
       instants.push_back(
           instant(at + (i - kStates / 2) * pixels / kMetre / (kStates - 1), i / 3840.0));
     return instants;
   }
 
-  Picture expose(std::span<const Instant> instants, int* count = nullptr) {
+  Picture expose(std::span<const FrameState> instants, int* count = nullptr) {
     return expose(canvas_, instants, count);
   }
-  Picture expose(Canvas& canvas, std::span<const Instant> instants, int* count = nullptr) {
+  Picture expose(Canvas& canvas, std::span<const FrameState> instants, int* count = nullptr) {
     const View view{{0, 0, kWidth, kHeight}, kCamera};
     renderer_.begin(canvas, {&view, 1});
     const int exposures = renderer_.expose(canvas, view.viewport, instants);
@@ -75,7 +75,7 @@ class Blur : public testing::Test {
 
 TEST_F(Blur, APixelHasTheLightOfTheTimeForWhichItIsCovered) {
   const double kTravel = 120, kSide = 0.2 * kMetre, kAt = 0.2;
-  const std::vector<Instant> instants = shutter(kAt, kTravel);
+  const std::vector<FrameState> instants = shutter(kAt, kTravel);
   int count = 0;
   const Picture picture = expose(instants, &count);
   EXPECT_EQ(count, kStates);
@@ -85,7 +85,7 @@ TEST_F(Blur, APixelHasTheLightOfTheTimeForWhichItIsCovered) {
   int partly = 0;
   for (int x = kWidth / 2 - 50; x < kWidth; ++x) {
     double covered = 0;
-    for (const Instant& i : instants) {
+    for (const FrameState& i : instants) {
       const double left = kWidth / 2 + i.state.bodies[0].position.x() * kMetre - kSide / 2;
       covered += std::clamp(std::min(x + 1.0, left + kSide) - std::max(double(x), left), 0.0, 1.0);
     }
@@ -107,7 +107,7 @@ TEST_F(Blur, MoreWayTakesMoreExposuresUpToTheStates) {
   EXPECT_EQ(slow, 4);
   EXPECT_EQ(fast, 8);
   EXPECT_EQ(still, 1);
-  const Instant alone = instant(0);
+  const FrameState alone = instant(0);
   EXPECT_EQ(picture.pixels, expose({&alone, 1}).pixels);
 }
 
@@ -123,7 +123,7 @@ TEST_F(Blur, ExposuresAreAtMostSixPixelsApartAndNoMoreThanThatTakes) {
 }
 
 TEST_F(Blur, UnevenStatesCountByTheLongestTimeBetweenThem) {
-  std::vector<Instant> instants;
+  std::vector<FrameState> instants;
   for (int i = 0; i < kStates; ++i) {
     const int step = i + (i >= 5);  // one is left out
     instants.push_back(instant(0.1 + step * 0.7 / kMetre, step / 3840.0));
@@ -134,7 +134,7 @@ TEST_F(Blur, UnevenStatesCountByTheLongestTimeBetweenThem) {
 }
 
 TEST_F(Blur, TheFastestThingsLeaveNoStripes) {
-  const std::vector<Instant> instants = shutter(0.1, 180);
+  const std::vector<FrameState> instants = shutter(0.1, 180);
   int count = 0;
   const Picture picture = expose(instants, &count);
   EXPECT_EQ(count, kStates);
@@ -150,7 +150,7 @@ TEST_F(Blur, TheFastestThingsLeaveNoStripes) {
 }
 
 TEST_F(Blur, WhatStandsIsDrawnAsWithoutAShutter) {
-  const std::vector<Instant> instants = shutter(0.1, 60);
+  const std::vector<FrameState> instants = shutter(0.1, 60);
   const Picture blurred = expose(instants), sharp = expose({&instants[kStates / 2], 1});
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth / 2 - 60; ++x)
@@ -160,7 +160,7 @@ TEST_F(Blur, WhatStandsIsDrawnAsWithoutAShutter) {
 
 TEST_F(Blur, AFrameDependsOnItsShutterAlone) {
   for (const double way : {60.0, 0.0, 8.0, 60.0, 20.0, 60.0}) {
-    const std::vector<Instant> instants = shutter(way / 200, way);
+    const std::vector<FrameState> instants = shutter(way / 200, way);
     Canvas alone(context_, kWidth, kHeight, 4);
     EXPECT_EQ(expose(instants).pixels, expose(alone, instants).pixels) << way;
   }

@@ -39,7 +39,7 @@ class LightTest : public testing::Test {
     const View view{{0, 0, kWidth, kHeight}, kCamera};
     renderer.begin(canvas, {&view, 1});
     if (height) {
-      Instant instant{snapshot(world), {}, kCamera};
+      FrameState instant{snapshot(world), {}, kCamera};
       instant.state.bodies[0].position = Vec3(0, *height, 0);
       renderer.draw(canvas, view.viewport, instant);
     }

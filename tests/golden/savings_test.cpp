@@ -90,7 +90,7 @@ void expect_nothing_shows(const std::string& name, int height, int step, double 
   const Context context(Backend::automatic);
   Film saving = clip.film(context, Savings::all), whole = clip.film(context, Savings::exposures);
   clip.each(step, [&](const ClipFrame& frame, const std::vector<Snapshot>& states) {
-    const std::vector<Instant> shutter = saving.shutter(frame, states);
+    const std::vector<FrameState> shutter = saving.shutter(frame, states);
     const Film::Frame a = saving.draw(frame, shutter), b = whole.draw(frame, shutter);
     ASSERT_EQ(a.exposures, b.exposures);
     EXPECT_LE(differing(a.picture, b.picture), 1 + a.picture.width * a.picture.height / kSeldom)
@@ -138,7 +138,7 @@ TEST(SlowThings, LookAsWithMoreExposures) {
   const Context context(Backend::automatic);
   Film saving = clip.film(context, Savings::all), whole = clip.film(context, Savings::none);
   clip.each(80, [&](const ClipFrame& frame, const std::vector<Snapshot>& states) {
-    const std::vector<Instant> shutter = saving.shutter(frame, states);
+    const std::vector<FrameState> shutter = saving.shutter(frame, states);
     EXPECT_LT(
         smooth_difference(saving.draw(frame, shutter).picture, whole.draw(frame, shutter).picture),
         kTorn)
@@ -153,9 +153,9 @@ TEST(PlantedTear, IsSeen) {
   Film film = clip.film(context, Savings::all);
   clip.each(740, [&](const ClipFrame& frame, const std::vector<Snapshot>& states) {
     if (clip.number(frame) != 740) return;
-    std::vector<Instant> shutter = film.shutter(frame, states);
+    std::vector<FrameState> shutter = film.shutter(frame, states);
     const Picture whole = film.draw(frame, shutter).picture;
-    for (Instant& instant : shutter) {  // everybody has left
+    for (FrameState& instant : shutter) {  // everybody has left
       for (auto& bones : instant.bones)
         for (Pose& bone : bones) bone.position.y() += 50;
       for (Pose& body : instant.state.bodies) body.position.y() += 50;

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "render/lighting.h"
-#include "render/sweep.h"
+#include "render/motion_extents.h"
 #include "scenes/clip_simulation.h"
 #include "scenes/error.h"
 #include "tests/physics/worlds.h"
@@ -173,7 +173,7 @@ TEST(Clip, CamerasOfTheDemonstrationMoveLessThanAPixelWhileTheShutterIsOpen) {
           }
     }
   EXPECT_GT(moving, 40);
-  EXPECT_LT(most, float(Sweep::kStill));
+  EXPECT_LT(most, float(MotionExtents::kStill));
 }
 
 }  // namespace

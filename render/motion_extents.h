@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "render/item.h"
+#include "render/draw_item.h"
 #include "render/rect.h"
 #include "render/shadow_cover.h"
 
@@ -18,7 +18,7 @@ using Triangles = std::vector<std::uint32_t>;
 /// The same items at a few times, the frame's own in the middle. Vertices have grades by how far
 /// they move: 0 those that stand still. A triangle belongs to the grades of all its corners and to
 /// those between, so that no crack opens between parts.
-class Sweep {
+class MotionExtents {
  public:
   /// px that a vertex may move and still count as still.
   static constexpr double kStill = 1;
@@ -28,7 +28,7 @@ class Sweep {
     times_.clear();
   }
   /// The items at one more, later time (s).
-  void add(std::span<const Item> items, double time);
+  void add(std::span<const DrawItem> items, double time);
 
   struct Travel {
     double way = 0;    // px that the fastest vertex comes
@@ -74,6 +74,6 @@ class Sweep {
 };
 
 /// Where the vertices of an item are.
-Places places_of(const Item& item);
+Places places_of(const DrawItem& item);
 
 }  // namespace taut

@@ -1,4 +1,4 @@
-#include "render/sweep.h"
+#include "render/motion_extents.h"
 
 #include <algorithm>
 #include <optional>
@@ -8,7 +8,7 @@ namespace taut {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-Places places_of(const Item& item) {
+Places places_of(const DrawItem& item) {
   const Eigen::Matrix3f turn = item.model.topLeftCorner<3, 3>();
   const Vector3f at = item.model.topRightCorner<3, 1>();
   Places places;
@@ -17,7 +17,7 @@ Places places_of(const Item& item) {
   return places;
 }
 
-void Sweep::add(std::span<const Item> items, double time) {
+void MotionExtents::add(std::span<const DrawItem> items, double time) {
   times_.push_back(time);
   items_.resize(items.size());
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -26,8 +26,8 @@ void Sweep::add(std::span<const Item> items, double time) {
   }
 }
 
-Sweep::Travel Sweep::find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport,
-                                 double still) {
+MotionExtents::Travel MotionExtents::find_moving(const Eigen::Matrix4f& view_projection,
+                                                 const Rect& viewport, double still) {
   const Vector2f half(0.5f * float(viewport.width), 0.5f * float(viewport.height));
   const auto seen = [&](const Vector3f& p) -> std::optional<Vector2f> {
     const Eigen::Vector4f q = view_projection * p.homogeneous();
@@ -58,7 +58,7 @@ Sweep::Travel Sweep::find_moving(const Eigen::Matrix4f& view_projection, const R
   return most;
 }
 
-void Sweep::grade(std::span<const double> speeds) {
+void MotionExtents::grade(std::span<const double> speeds) {
   grades_ = int(speeds.size()) + 2;
   for (Entry& entry : items_) {
     entry.moves.clear();
@@ -83,7 +83,7 @@ void append(Triangles& triangles, const std::uint32_t* corner) {
 
 }  // namespace
 
-void Sweep::shade(ShadowCover& cover, int grade) {
+void MotionExtents::shade(ShadowCover& cover, int grade) {
   Triangles some, shaded;
   bool any = false;
   for (const Entry& entry : items_) {
@@ -105,7 +105,7 @@ void Sweep::shade(ShadowCover& cover, int grade) {
   }
 }
 
-void Sweep::divide() {
+void MotionExtents::divide() {
   for (Entry& entry : items_) {
     entry.standing.clear();
     entry.moving.clear();
@@ -122,7 +122,8 @@ void Sweep::divide() {
   }
 }
 
-Eigen::AlignedBox3f Sweep::box(std::size_t item, std::span<const std::uint32_t> triangles) const {
+Eigen::AlignedBox3f MotionExtents::box(std::size_t item,
+                                       std::span<const std::uint32_t> triangles) const {
   const Entry& entry = items_[item];
   Eigen::AlignedBox3f box;
   float chord = 0;

@@ -1,5 +1,5 @@
 // What of a moving mesh is drawn once, and what in every exposure.
-#include "render/sweep.h"
+#include "render/motion_extents.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ struct Ribbon {
   Drawable drawable;
 };
 
-class SweepTest : public testing::Test {
+class MotionExtentsTest : public testing::Test {
  protected:
   static constexpr Rect kView{0, 0, 1000, 1000};
   // A metre at z = 0 is 1000 / (2 * 4 tan 0.25) pixels.
@@ -52,87 +52,87 @@ class SweepTest : public testing::Test {
   const double metre_ = 1000 / (8 * std::tan(0.25));
   Context context_{Backend::automatic};
   Ribbon ribbon_{context_.gl(), 10};
-  Sweep sweep_;
+  MotionExtents extents_;
   double time_ = 0;  // s
 
   template <typename Offset>
   void add(Offset offset) {
     ribbon_.move(10, offset);
-    const Item item(ribbon_.drawable, Matrix4f::Identity());
-    sweep_.add({&item, 1}, time_ += 0.001);
+    const DrawItem item(ribbon_.drawable, Matrix4f::Identity());
+    extents_.add({&item, 1}, time_ += 0.001);
   }
 };
 
-TEST_F(SweepTest, TravelIsTheWayOfTheFastestPoint) {
+TEST_F(MotionExtentsTest, TravelIsTheWayOfTheFastestPoint) {
   // Up and down again: the way counts, not where it ends.
   add([](float) { return Vector3f(Vector3f::Zero()); });
   add([](float x) { return Vector3f(0, 0.05f * x, 0); });
   add([](float) { return Vector3f(Vector3f::Zero()); });
-  const Sweep::Travel travel = sweep_.find_moving(projection_, kView);
+  const MotionExtents::Travel travel = extents_.find_moving(projection_, kView);
   EXPECT_NEAR(travel.way, 2 * 0.05 * metre_, 0.01);
   EXPECT_NEAR(travel.speed, 0.05 * metre_ / 0.001, 10);
 }
 
-TEST_F(SweepTest, TheBorderIsInBothParts) {
+TEST_F(MotionExtentsTest, TheBorderIsInBothParts) {
   const auto bend = [](float by) {
     return [by](float x) { return Vector3f(0, x > 0.65f ? by : 0.0f, 0); };
   };
   add(bend(-0.02f));
   add(bend(0));
   add(bend(0.02f));
-  sweep_.find_moving(projection_, kView);
-  sweep_.grade({});
-  sweep_.divide();
+  extents_.find_moving(projection_, kView);
+  extents_.grade({});
+  extents_.divide();
   // Squares 0 to 5 stand, 7 to 9 move, and 6 has corners of both.
-  EXPECT_EQ(sweep_.standing(0).size(), 7u * 6);
-  EXPECT_EQ(sweep_.moving(0).size(), 4u * 6);
-  EXPECT_EQ(sweep_.moving(0).front(), 12u);
-  const Eigen::AlignedBox3f box = sweep_.moving_box(0);
+  EXPECT_EQ(extents_.standing(0).size(), 7u * 6);
+  EXPECT_EQ(extents_.moving(0).size(), 4u * 6);
+  EXPECT_EQ(extents_.moving(0).front(), 12u);
+  const Eigen::AlignedBox3f box = extents_.moving_box(0);
   EXPECT_LE(box.min().y(), -0.02f);
   EXPECT_GE(box.max().y(), 0.12f);
   EXPECT_GT(box.min().x(), 0.5f);
 }
 
-TEST_F(SweepTest, GradesAreOfSpeed) {
+TEST_F(MotionExtentsTest, GradesAreOfSpeed) {
   const auto bend = [](float by) {
     return [by](float x) { return Vector3f(0, x > 0.85f ? 10 * by : x > 0.45f ? by : 0.0f, 0); };
   };
   for (const float by : {-0.01f, 0.0f, 0.01f}) add(bend(by));
-  sweep_.find_moving(projection_, kView);
+  extents_.find_moving(projection_, kView);
   const double slow = 0.01 * metre_ / 0.001;  // px/s
   const double limits[] = {2 * slow};
-  sweep_.grade(limits);
-  sweep_.divide();
+  extents_.grade(limits);
+  extents_.divide();
   // Squares 0 to 3 stand, 5 to 7 are slow, 9 is fast; 4 and 8 are on borders.
-  EXPECT_EQ(sweep_.shown(0, 0).size(), 5u * 6);
-  EXPECT_EQ(sweep_.shown(0, 1).size(), 5u * 6);
-  EXPECT_EQ(sweep_.shown(0, 2).size(), 2u * 6);
-  EXPECT_GT(sweep_.box(0, sweep_.shown(0, 2)).min().x(), 0.75f);
-  EXPECT_LT(sweep_.moving_box(0).min().x(), 0.45f);
+  EXPECT_EQ(extents_.shown(0, 0).size(), 5u * 6);
+  EXPECT_EQ(extents_.shown(0, 1).size(), 5u * 6);
+  EXPECT_EQ(extents_.shown(0, 2).size(), 2u * 6);
+  EXPECT_GT(extents_.box(0, extents_.shown(0, 2)).min().x(), 0.75f);
+  EXPECT_LT(extents_.moving_box(0).min().x(), 0.45f);
 }
 
-TEST_F(SweepTest, WhatMovesMakesChangeWhereItsShadowFalls) {
+TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
   // A second ribbon stands behind the moving end of the first, as the light sees it.
   Ribbon behind(context_.gl(), 10);
   behind.move(10, [](float) { return Vector3f(0, 0, -0.5f); });
   for (const float by : {-0.02f, 0.0f, 0.02f}) {
     ribbon_.move(10, [by](float x) { return Vector3f(0, x > 0.65f ? by : 0.0f, 0); });
-    const Item items[] = {{ribbon_.drawable, Matrix4f::Identity()},
-                          {behind.drawable, Matrix4f::Identity()}};
-    sweep_.add(items, time_ += 0.001);
+    const DrawItem items[] = {{ribbon_.drawable, Matrix4f::Identity()},
+                              {behind.drawable, Matrix4f::Identity()}};
+    extents_.add(items, time_ += 0.001);
   }
-  sweep_.find_moving(projection_, kView);
+  extents_.find_moving(projection_, kView);
   ShadowCover cover;
   const Eigen::AlignedBox3d casters(Vec3(0, -0.1, -0.6), Vec3(1, 0.2, 0.1));
   cover.start(light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f);
   const double limits[] = {0.001};  // px/s: everything that moves is faster
-  sweep_.grade(limits);
-  sweep_.shade(cover, 2);
-  sweep_.shade(cover, 1);
-  sweep_.divide();
-  EXPECT_TRUE(sweep_.moving(1).empty());
-  EXPECT_FALSE(sweep_.shown(1, 2).empty());
-  const Eigen::AlignedBox3f shaded = sweep_.box(1, sweep_.shown(1, 2));
+  extents_.grade(limits);
+  extents_.shade(cover, 2);
+  extents_.shade(cover, 1);
+  extents_.divide();
+  EXPECT_TRUE(extents_.moving(1).empty());
+  EXPECT_FALSE(extents_.shown(1, 2).empty());
+  const Eigen::AlignedBox3f shaded = extents_.box(1, extents_.shown(1, 2));
   EXPECT_GT(shaded.min().x(), 0.35f);
   EXPECT_GE(shaded.max().x(), 1.0f);
 }

@@ -9,7 +9,7 @@
 namespace taut {
 
 /// Everything that moves, at one time.
-struct Instant {
+struct FrameState {
   Snapshot state;
   std::vector<std::vector<Pose>> bones;  // [character][bone], world space
   CameraView camera;

@@ -10,15 +10,15 @@
 namespace taut {
 
 /// Triangles of a drawable (indices of vertices), and the model matrix that they are drawn with.
-struct Item {
+struct DrawItem {
   Drawable* drawable;
   Eigen::Matrix4f model;
   std::span<const std::uint32_t> triangles;
 
   /// All of a drawable.
-  Item(Drawable& all, const Eigen::Matrix4f& place)
+  DrawItem(Drawable& all, const Eigen::Matrix4f& place)
       : drawable(&all), model(place), triangles(all.triangles()) {}
-  Item(const Item& of, std::span<const std::uint32_t> some)
+  DrawItem(const DrawItem& of, std::span<const std::uint32_t> some)
       : drawable(of.drawable), model(of.model), triangles(some) {}
 
   void draw() const {
