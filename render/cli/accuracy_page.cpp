@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "render/chart/html_page.h"
 #include "render/cli/method_options.h"
 #include "render/cli/reproduce.h"
-#include "render/html_page.h"
 
 namespace taut::cli {
 namespace {

@@ -7,11 +7,11 @@
 #include <memory>
 
 #include "render/atomic_file.h"
+#include "render/chart/gnuplot.h"
 #include "render/cli/bench_results.h"
 #include "render/cli/command.h"
 #include "render/cli/note.h"
 #include "render/cli/terminal.h"
-#include "render/gnuplot.h"
 #include "render/interrupt.h"
 
 namespace taut::cli {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "render/atomic_file.h"
+#include "render/chart/gnuplot.h"
 #include "render/cli/accuracy_page.h"
 #include "render/cli/accuracy_study.h"
 #include "render/cli/command.h"
@@ -15,7 +16,6 @@
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
 #include "render/cli/terminal.h"
-#include "render/gnuplot.h"
 
 namespace taut::cli {
 namespace {

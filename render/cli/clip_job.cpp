@@ -10,10 +10,10 @@
 #include "render/cli/frame_list.h"
 #include "render/cli/needs.h"
 #include "render/cli/note.h"
-#include "render/fingerprint.h"
+#include "render/film/fingerprint.h"
+#include "render/film/video.h"
 #include "render/interrupt.h"
 #include "render/version.h"
-#include "render/video.h"
 #include "scenes/default_stage.h"
 #include "sim/hash.h"
 

@@ -14,9 +14,9 @@
 #include "render/cli/scene_options.h"
 #include "render/cli/self_estimate.h"
 #include "render/cli/stills.h"
-#include "render/context.h"
-#include "render/frame_folder.h"
-#include "render/frame_state.h"
+#include "render/draw/frame_state.h"
+#include "render/film/frame_folder.h"
+#include "render/gl/context.h"
 #include "scenes/clip_simulation.h"
 
 namespace taut::cli {

@@ -6,17 +6,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "render/caption.h"
+#include "render/chart/table.h"
 #include "render/cli/clip_job.h"
 #include "render/cli/note.h"
 #include "render/cli/profile_report.h"
 #include "render/cli/progress.h"
 #include "render/cli/terminal.h"
+#include "render/draw/stage_floor.h"
+#include "render/film/caption.h"
+#include "render/film/render_workers.h"
+#include "render/gl/profile.h"
 #include "render/interrupt.h"
-#include "render/profile.h"
-#include "render/render_workers.h"
-#include "render/stage_floor.h"
-#include "render/table.h"
 
 namespace taut::cli {
 namespace {

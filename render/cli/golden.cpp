@@ -9,7 +9,7 @@
 #include "render/cli/goldens.h"
 #include "render/cli/method_options.h"
 #include "render/cli/progress.h"
-#include "render/golden_page.h"
+#include "render/golden/golden_page.h"
 #include "render/interrupt.h"
 
 namespace taut::cli {

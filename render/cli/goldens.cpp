@@ -7,7 +7,7 @@
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
-#include "render/film.h"
+#include "render/film/film.h"
 #include "render/interrupt.h"
 #include "scenes/error.h"
 #include "sim/simulation.h"

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "render/context.h"
-#include "render/golden.h"
-#include "render/golden_trajectory.h"
+#include "render/gl/context.h"
+#include "render/golden/golden.h"
+#include "render/golden/golden_trajectory.h"
 #include "scenes/golden_suite.h"
 
 namespace taut::cli {

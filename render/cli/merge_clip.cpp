@@ -7,7 +7,7 @@
 
 #include "render/atomic_file.h"
 #include "render/cli/clip_job.h"
-#include "render/film.h"
+#include "render/film/film.h"
 #include "render/interrupt.h"
 #include "scenes/regular_file.h"
 

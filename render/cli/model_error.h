@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "render/chart.h"
+#include "render/chart/chart.h"
+#include "render/chart/table.h"
 #include "render/cli/journal.h"
 #include "render/cli/study_options.h"
-#include "render/table.h"
 
 namespace taut::cli {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "render/cli/command.h"
-#include "render/png_file.h"
-#include "render/video.h"
+#include "render/film/video.h"
+#include "render/picture/png_file.h"
 #include "scenes/clip.h"
 
 namespace taut::cli {

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "render/chart/table.h"
 #include "render/cli/method_options.h"
 #include "render/cli/study_options.h"
-#include "render/table.h"
 #include "sim/bodies_as_links.h"
 #include "sim/methods/direct/direct.h"
 #include "sim/span.h"

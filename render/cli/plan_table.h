@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/table.h"
+#include "render/chart/table.h"
 
 namespace taut::cli {
 

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 
-#include "render/profile.h"
-#include "render/stage_floor.h"
-#include "render/table.h"
+#include "render/chart/table.h"
+#include "render/draw/stage_floor.h"
+#include "render/gl/profile.h"
 
 namespace taut::cli {
 

@@ -9,7 +9,7 @@
 #include "render/cli/command.h"
 #include "render/cli/needs.h"
 #include "render/cli/watch.h"
-#include "render/render_workers.h"
+#include "render/film/render_workers.h"
 #include "scenes/error.h"
 #include "scenes/reader/document.h"
 

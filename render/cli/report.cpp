@@ -13,8 +13,8 @@
 #include "render/cli/report_page.h"
 #include "render/cli/stability_study.h"
 #include "render/error.h"
+#include "render/film/video.h"
 #include "render/interrupt.h"
-#include "render/video.h"
 
 namespace taut::cli {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "render/chart/html_page.h"
 #include "render/cli/reproduce.h"
-#include "render/html_page.h"
 #include "scenes/regular_file.h"
 
 namespace taut::cli {

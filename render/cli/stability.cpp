@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "render/atomic_file.h"
+#include "render/chart/gnuplot.h"
 #include "render/cli/command.h"
 #include "render/cli/note.h"
 #include "render/cli/stability_study.h"
 #include "render/cli/terminal.h"
-#include "render/gnuplot.h"
 
 namespace taut::cli {
 namespace {

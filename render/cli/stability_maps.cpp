@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/chart/html_page.h"
 #include "render/cli/json.h"
 #include "render/cli/reproduce.h"
 #include "render/cli/stability_study.h"
-#include "render/html_page.h"
 
 namespace taut::cli {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
-#include "render/contact_sheet.h"
+#include "render/film/contact_sheet.h"
 #include "render/interrupt.h"
-#include "render/paint.h"
+#include "render/picture/paint.h"
 #include "scenes/clip_simulation.h"
 
 namespace taut::cli {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "render/cli/outputs.h"
-#include "render/film.h"
+#include "render/film/film.h"
 
 namespace taut::cli {
 

@@ -8,7 +8,7 @@
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
-#include "render/fingerprint.h"
+#include "render/film/fingerprint.h"
 #include "scenes/standard_input.h"
 #include "sim/hash.h"
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "render/chart.h"
+#include "render/chart/chart.h"
+#include "render/chart/table.h"
 #include "render/cli/command.h"
 #include "render/cli/part.h"
 #include "render/cli/scene_options.h"
-#include "render/table.h"
 #include "scenes/scene.h"
 #include "sim/study/candidate.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "render/cli/command.h"
+#include "render/draw/lighting.h"
 #include "render/interrupt.h"
-#include "render/lighting.h"
 
 namespace taut::cli {
 

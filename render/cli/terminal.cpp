@@ -9,7 +9,7 @@
 #include <limits>
 #include <string_view>
 
-#include "render/fitted_table.h"
+#include "render/chart/fitted_table.h"
 
 namespace taut::cli {
 namespace {

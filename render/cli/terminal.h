@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "render/table.h"
+#include "render/chart/table.h"
 
 namespace taut::cli {
 

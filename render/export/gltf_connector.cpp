@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/link_frames.h"
+#include "render/mesh/link_frames.h"
 
 namespace taut {
 namespace {

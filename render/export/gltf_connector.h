@@ -1,9 +1,9 @@
 // A connector as nodes of a glTF file: one for each particle, and what is seen of it.
 #pragma once
 
-#include "render/chain_mesh.h"
 #include "render/export/gltf_mesh.h"
 #include "render/export/gltf_motion.h"
+#include "render/mesh/chain_mesh.h"
 #include "scenes/stage.h"
 
 namespace taut {

@@ -3,8 +3,8 @@
 
 #include <map>
 
-#include "render/connector_mesh.h"
 #include "render/export/gltf_file.h"
+#include "render/mesh/connector_mesh.h"
 #include "scenes/model/model.h"
 
 namespace taut {

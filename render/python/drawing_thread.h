@@ -9,7 +9,7 @@
 #include <mutex>
 #include <thread>
 
-#include "render/context.h"
+#include "render/gl/context.h"
 
 namespace taut::python {
 

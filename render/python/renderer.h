@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "render/film.h"
+#include "render/film/film.h"
 #include "render/python/drawing_thread.h"
 #include "scenes/scene.h"
 

@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/picture.h"
-#include "render/table.h"
+#include "render/chart/table.h"
+#include "render/picture/picture.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "render/export/glb.h"
-#include "render/skinning.h"
+#include "render/mesh/skinning.h"
 #include "tests/cli/export_scenes.h"
 #include "tests/cli/kept_states.h"
 #include "tests/support/folder.h"

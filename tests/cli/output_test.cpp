@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "render/picture.h"
+#include "render/picture/picture.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"

@@ -11,7 +11,7 @@
 #include <random>
 #include <thread>
 
-#include "render/picture.h"
+#include "render/picture/picture.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/fault_table.h"
 #include "tests/support/folder.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "render/table.h"
+#include "render/chart/table.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"

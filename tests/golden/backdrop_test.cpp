@@ -1,7 +1,7 @@
 // The backdrop that a canvas keeps saves work and changes no pixel.
 #include <gtest/gtest.h>
 
-#include "render/stage_renderer.h"
+#include "render/draw/stage_renderer.h"
 #include "scenes/scene.h"
 #include "sim/simulation.h"
 

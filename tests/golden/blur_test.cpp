@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "render/stage_renderer.h"
+#include "render/draw/stage_renderer.h"
 #include "scenes/shapes.h"
 
 namespace taut {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <numbers>
 
-#include "render/stage_renderer.h"
+#include "render/draw/stage_renderer.h"
 
 namespace taut {
 namespace {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "render/lighting.h"
-#include "render/stage_renderer.h"
+#include "render/draw/lighting.h"
+#include "render/draw/stage_renderer.h"
 #include "scenes/shapes.h"
 
 namespace taut {

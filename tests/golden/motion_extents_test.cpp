@@ -1,12 +1,12 @@
 // What of a moving mesh is drawn once, and what in every exposure.
-#include "render/motion_extents.h"
+#include "render/draw/motion_extents.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "render/context.h"
-#include "render/lighting.h"
+#include "render/draw/lighting.h"
+#include "render/gl/context.h"
 
 namespace taut {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <functional>
 
-#include "render/film.h"
-#include "render/golden.h"
+#include "render/film/film.h"
+#include "render/golden/golden.h"
 #include "scenes/golden_suite.h"
 
 namespace taut {

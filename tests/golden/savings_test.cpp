@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "render/film.h"
+#include "render/film/film.h"
 #include "scenes/clip_simulation.h"
 #include "tests/support/folder.h"
 

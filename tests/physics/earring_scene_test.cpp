@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/skinning.h"
+#include "render/mesh/skinning.h"
 #include "scenes/scene.h"
 #include "worlds.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "render/skinning.h"
+#include "render/mesh/skinning.h"
 #include "scenes/character/capsules.h"
 #include "scenes/character/grip.h"
 #include "tests/physics/routine.h"

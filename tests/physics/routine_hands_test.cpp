@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-#include "render/skinning.h"
+#include "render/mesh/skinning.h"
 #include "scenes/character/capsules.h"
 #include "scenes/scene.h"
 

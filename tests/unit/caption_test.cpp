@@ -1,11 +1,11 @@
 // Captions and cards: when they show, and how bright they are.
-#include "render/caption.h"
+#include "render/film/caption.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "render/card.h"
+#include "render/film/card.h"
 
 namespace taut {
 namespace {

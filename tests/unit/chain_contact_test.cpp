@@ -1,5 +1,5 @@
 // A chain lies on the ends of the sticks it hangs on.
-#include "render/chain_contact.h"
+#include "render/mesh/chain_contact.h"
 
 #include <gtest/gtest.h>
 

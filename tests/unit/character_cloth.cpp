@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "render/skinning.h"
+#include "render/mesh/skinning.h"
 #include "scenes/character/skeleton.h"
 
 namespace taut {

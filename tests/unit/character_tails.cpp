@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/skinning.h"
+#include "render/mesh/skinning.h"
 #include "scenes/character/character.h"
 #include "scenes/character/tails.h"
 #include "scenes/scene.h"

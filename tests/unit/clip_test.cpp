@@ -7,8 +7,8 @@
 #include <numeric>
 #include <string>
 
-#include "render/lighting.h"
-#include "render/motion_extents.h"
+#include "render/draw/lighting.h"
+#include "render/draw/motion_extents.h"
 #include "scenes/clip_simulation.h"
 #include "scenes/error.h"
 #include "tests/physics/worlds.h"

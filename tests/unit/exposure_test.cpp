@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "render/jitter.h"
-#include "render/lighting.h"
+#include "render/draw/jitter.h"
+#include "render/draw/lighting.h"
 
 namespace taut {
 namespace {

@@ -1,5 +1,5 @@
 // Frames on their way to the disk while the next ones come.
-#include "render/frame_folder.h"
+#include "render/film/frame_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // Cameras that are turned and zoomed to what they show.
-#include "render/framing.h"
+#include "render/film/framing.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "render/lighting.h"
+#include "render/draw/lighting.h"
 
 namespace taut {
 namespace {

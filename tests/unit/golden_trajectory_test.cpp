@@ -1,5 +1,5 @@
 // What is said of a motion that is another one than was accepted.
-#include "render/golden_trajectory.h"
+#include "render/golden/golden_trajectory.h"
 
 #include <gtest/gtest.h>
 

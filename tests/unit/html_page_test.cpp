@@ -1,5 +1,5 @@
 // Pages of one file: what they hold, and that no text of theirs ends a script.
-#include "render/html_page.h"
+#include "render/chart/html_page.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How the links of a chain are placed and turned.
-#include "render/link_frames.h"
+#include "render/mesh/link_frames.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/chain_contact.h"
+#include "render/mesh/chain_contact.h"
 #include "scenes/scene.h"
 #include "sim/simulation.h"
 

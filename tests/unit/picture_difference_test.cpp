@@ -1,4 +1,4 @@
-#include "render/picture_difference.h"
+#include "render/golden/picture_difference.h"
 
 #include <gtest/gtest.h>
 

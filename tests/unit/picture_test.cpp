@@ -1,5 +1,5 @@
 // PNG files of our own making, read back by libpng.
-#include "render/picture.h"
+#include "render/picture/picture.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // Which pixels can be touched: rectangles, hulls and shadows computed by hand.
-#include "render/reach.h"
+#include "render/draw/reach.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "render/lighting.h"
+#include "render/draw/lighting.h"
 
 namespace taut {
 namespace {

@@ -1,10 +1,10 @@
-#include "render/table.h"
+#include "render/chart/table.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-#include "render/fitted_table.h"
+#include "render/chart/fitted_table.h"
 
 namespace taut {
 namespace {

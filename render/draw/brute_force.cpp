@@ -1,0 +1,110 @@
+#include "render/draw/brute_force.h"
+
+#include <functional>
+
+namespace taut {
+namespace {
+
+std::vector<DrawItem> all_items(StageParts& parts, const FrameState& instant) {
+  parts.parts.pose(instant);
+  return parts.parts.items(instant);
+}
+
+void draw_items(StageParts& parts, std::span<const DrawItem> items, Shade shade) {
+  parts.gl.DepthFunc(GL_LESS);
+  for (const DrawItem& item : items) parts.surfaces.draw(item, shade);
+}
+
+}  // namespace
+
+void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const FrameState& instant,
+                const Layer& layer) {
+  parts.parts.pose(instant);
+  const std::vector<DrawItem> items = parts.parts.items(instant, layer);
+  const bool solid = layer.opacity >= 1;
+  parts.surfaces.use(parts.look(instant, viewport).block);
+  parts.draw_solid();
+  parts.map.clear();
+  if (solid) parts.map.draw(items);
+  parts.aim(canvas, viewport);
+  if (!solid) {
+    parts.gl.Enable(GL_BLEND);
+    parts.gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  }
+  for (const DrawItem& item : items) parts.surfaces.draw(item, Shade::shadowed, layer.opacity);
+  if (solid) parts.draw_scenery(Shade::grounded);
+}
+
+void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
+                  std::span<const FrameState> shutter, std::span<const Exposures> grades,
+                  const MotionExtents& extents) {
+  const FrameState& middle = shutter[shutter.size() / 2];
+  const FrameBlock block = parts.look(middle, viewport).block;
+  const int samples = canvas.samples(), count = grades.back().count;
+  using Chosen = std::function<std::span<const std::uint32_t>(std::size_t)>;
+  const auto chosen = [](std::vector<DrawItem> items, const Chosen& triangles) {
+    for (std::size_t k = 0; DrawItem & item : items) item = {item, triangles(k++)};
+    return items;
+  };
+  const auto standing = [&](std::size_t k) -> std::span<const std::uint32_t> {
+    return extents.standing(k);
+  };
+  const auto moving = [&](std::size_t k) -> std::span<const std::uint32_t> {
+    return extents.moving(k);
+  };
+  const Rect map{0, 0, parts.map.size(), parts.map.size()};
+  parts.surfaces.use(block);
+  parts.draw_solid();
+  parts.map.clear();
+  parts.map.draw(chosen(all_items(parts, middle), standing));
+  parts.map.save(map);
+  const auto show = [&](const std::vector<DrawItem>& items, int grade, Shade shade,
+                        const FrameBlock& seen) {
+    parts.aim(canvas, viewport);
+    parts.surfaces.use(seen);
+    draw_items(parts,
+               chosen(items,
+                      [&](std::size_t k) -> std::span<const std::uint32_t> {
+                        return extents.shown(k, grade);
+                      }),
+               shade);
+  };
+  canvas.expose({0, 0, canvas.width(), canvas.height()}, count, [&](int i) {
+    parts.draw_solid();
+    parts.map.restore(map);
+    show(all_items(parts, middle), 0, Shade::shadowed, block);
+    for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
+      const int times = grades[grade - 1].count, at = canvas.exposure_among(times, i, count);
+      const std::vector<DrawItem> items = all_items(parts, shown_at(shutter, at, times));
+      parts.surfaces.use(block);
+      parts.draw_solid();
+      parts.map.restore(map);
+      parts.map.draw(chosen(items, moving));
+      show(items, int(grade), shade_of(times, samples),
+           exposed(block, middle, viewport, at, times > samples));
+    }
+    parts.surfaces.use(block);
+    parts.draw_scenery(Shade::grounded);
+  });
+}
+
+void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
+                  std::span<const FrameState> shutter, int count) {
+  const FrameState& middle = shutter[shutter.size() / 2];
+  const FrameBlock block = parts.look(middle, viewport).block;
+  const int samples = canvas.samples();
+  canvas.expose({0, 0, canvas.width(), canvas.height()}, count, [&](int i) {
+    const std::vector<DrawItem> items = all_items(parts, shown_at(shutter, i, count));
+    parts.surfaces.use(block);
+    parts.draw_solid();
+    parts.map.clear();
+    parts.map.draw(items);
+    parts.aim(canvas, viewport);
+    parts.surfaces.use(exposed(block, middle, viewport, i, count > samples));
+    draw_items(parts, items, shade_of(count, samples));
+    parts.surfaces.use(block);
+    parts.draw_scenery(Shade::grounded);
+  });
+}
+
+}  // namespace taut

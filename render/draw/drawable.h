@@ -1,0 +1,75 @@
+// A mesh on the graphics side.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <vector>
+
+#include "render/gl/gpu.h"
+#include "render/mesh/connector_mesh.h"
+#include "scenes/model/model.h"
+
+namespace taut {
+
+/// How a material's pattern is computed; the numbers are the surface shader's SURFACE.
+enum class Surface { plain, wood, cloth, skin, rope, paper, count };
+
+/// The surface that a material's name asks for, such as "dark wood" or "skin".
+Surface surface_named(std::string_view material);
+
+/// What of a mesh never moves: its triangles, as indices of vertices, and what the pattern hangs on
+/// (rest position, tint).
+class RestShape {
+ public:
+  RestShape(const Gl& gl, std::vector<std::uint32_t> triangles, std::vector<RestVertex> rest);
+
+  const std::vector<std::uint32_t>& triangles() const { return triangles_; }
+  const std::vector<RestVertex>& rest() const { return rest_; }
+
+ private:
+  friend class Drawable;
+  std::vector<std::uint32_t> triangles_;
+  std::vector<RestVertex> rest_;
+  GlObject rest_buffer_, indices_, some_indices_;
+};
+
+/// Triangles with one material, whose positions and normals may be replaced every frame. Drawables
+/// of the same shape may share it: the ropes of a curtain do.
+class Drawable {
+ public:
+  Drawable(const Gl& gl, std::shared_ptr<const RestShape> shape, const Material& material,
+           Surface surface);
+  /// A model's mesh in its bind pose.
+  Drawable(const Gl& gl, const Mesh& mesh, const Material& material);
+
+  void move(std::span<const MovingVertex> vertices);
+  void draw() const;
+  /// Draws some of the triangles, given as indices of vertices.
+  void draw(std::span<const std::uint32_t> indices);
+
+  const std::vector<std::uint32_t>& triangles() const { return shape_->triangles(); }
+  /// Where the vertices were last moved.
+  const std::vector<Eigen::Vector3f>& positions() const { return positions_; }
+  /// Around them.
+  const Eigen::AlignedBox3f& box() const { return box_; }
+
+  const Material& material() const { return material_; }
+  Surface surface() const { return surface_; }
+  /// The axis (0 x, 1 y, 2 z) along which the mesh is longest: wood's grain.
+  int grain_axis() const { return grain_axis_; }
+  /// How many times finer the grain is than that of a beam: small things are made of fine wood.
+  float grain_scale() const { return grain_scale_; }
+
+ private:
+  const Gl* gl_;
+  std::shared_ptr<const RestShape> shape_;
+  GlObject moving_, array_;
+  std::vector<Eigen::Vector3f> positions_;
+  Eigen::AlignedBox3f box_;
+  Material material_;
+  Surface surface_;
+  int grain_axis_ = 1;
+  float grain_scale_ = 1;
+};
+
+}  // namespace taut

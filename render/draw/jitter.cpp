@@ -1,0 +1,60 @@
+#include "render/draw/jitter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace taut {
+namespace {
+
+constexpr double kSeenTwice = 2;  // px: farther apart, two exposures look like two things
+constexpr float kSun = 0.0047f;   // rad, the radius of its disc
+
+/// The i-th point of a sequence that fills the unit square evenly however far it goes: multiples of
+/// the reciprocals of the plastic number (Roberts 2018).
+Eigen::Vector2f point(int i) {
+  constexpr double kPlastic = 1.32471795724474602596;
+  const auto part = [&](double step) {
+    const double x = 0.5 + step * i;
+    return float(x - std::floor(x));
+  };
+  return {part(1 / kPlastic), part(1 / (kPlastic * kPlastic))};
+}
+
+}  // namespace
+
+std::vector<Exposures> exposures(double way, int samples, int states, double apart) {
+  std::vector<Exposures> result;
+  const auto enough = [&] { return !result.empty() && result.back().way >= way; };
+  if (const int count = samples / 2; count > 1 && count <= states)
+    result.push_back({count, count * std::min(apart, kSeenTwice)});
+  if (samples > 1 && samples <= states && !enough()) result.push_back({samples, samples * apart});
+  int most = samples;
+  while (most * apart < way && 2 * most <= states) most *= 2;
+  if (most > samples) result.push_back({most, most * apart});
+  return result;
+}
+
+Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const Rect& viewport, int i) {
+  const Eigen::Vector2f pixels = 0.25f * (point(i).array() - 0.5f);
+  Eigen::Matrix4f moved = view_projection;
+  moved.row(0) += 2 * pixels.x() / float(viewport.width) * view_projection.row(3);
+  moved.row(1) += 2 * pixels.y() / float(viewport.height) * view_projection.row(3);
+  return moved;
+}
+
+Eigen::Matrix4f moved_light(const Eigen::Matrix4f& light_projection, const Vec3& casters, int i) {
+  const Eigen::Vector2f p = point(i);
+  const float turn = 2 * std::numbers::pi_v<float> * p.x(), out = kSun * std::sqrt(p.y());
+  const float depth = light_projection.row(2).dot(casters.cast<float>().homogeneous());
+  Eigen::RowVector4f beyond = light_projection.row(2);  // of a point, in depths of the map
+  beyond.w() -= depth;
+  beyond /= light_projection.row(2).head<3>().norm();  // in m
+  Eigen::Matrix4f moved = light_projection;
+  for (int k = 0; k < 2; ++k)
+    moved.row(k) += out * (k ? std::sin(turn) : std::cos(turn)) *
+                    light_projection.row(k).head<3>().norm() * beyond;
+  return moved;
+}
+
+}  // namespace taut

@@ -1,0 +1,36 @@
+// Where the exposures of one frame differ, so that together they smooth what each shows hard:
+// edges by moving the picture within a pixel, shadows by moving the light within the sun's disc.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "render/picture/rect.h"
+#include "scenes/stage.h"
+#include "sim/types.h"
+
+namespace taut {
+
+/// Things that come up to `way` px while the shutter is open take so many exposures.
+struct Exposures {
+  int count;
+  double way;
+};
+
+/// The exposures that a frame takes, those of its slowest things first; `way` px is how far its
+/// fastest come. From one to the next things come no farther than `apart` px, as long as there are
+/// as many states. The fewest are half as many as there are `samples`, no farther than 2 px apart,
+/// or a thing would seem to be two. Empty: nothing needs more than one.
+std::vector<Exposures> exposures(double way, int samples, int states,
+                                 double apart = Stage().exposures_apart);
+
+/// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as
+/// brings samples that the exposures share apart.
+Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const Rect& viewport, int i);
+
+/// The projection by which surfaces look shadows up in exposure `i`, if the light comes from
+/// another point of its disc. Casters count as being as far along the light as `casters`: so one
+/// map does for all, and shadows grow softer with their distance from there.
+Eigen::Matrix4f moved_light(const Eigen::Matrix4f& light_projection, const Vec3& casters, int i);
+
+}  // namespace taut

@@ -1,0 +1,92 @@
+#include "render/draw/moving_parts.h"
+
+#include <algorithm>
+
+#include "render/mesh/skinning.h"
+
+namespace taut {
+namespace {
+
+using Eigen::Matrix4f;
+
+Matrix4f matrix(const Pose& pose) {
+  Matrix4f m = Matrix4f::Identity();
+  m.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix().cast<float>();
+  m.topRightCorner<3, 1>() = pose.position.cast<float>();
+  return m;
+}
+
+}  // namespace
+
+std::vector<Drawable> drawables(const Gl& gl, const Model& model) {
+  std::vector<Drawable> result;
+  for (const Mesh& mesh : model.meshes)
+    result.emplace_back(gl, mesh, model.materials[mesh.material]);
+  return result;
+}
+
+MovingParts::MovingParts(const Gl& gl, const Stage& stage, const World& world) : stage_(stage) {
+  for (const auto& model : stage.body_models)
+    bodies_.push_back(model ? drawables(gl, *model) : std::vector<Drawable>());
+  for (const auto& model : stage.characters) characters_.push_back(drawables(gl, *model));
+  const auto same = [](const RestVertex& a, const RestVertex& b) {
+    return a.rest == b.rest && a.color == b.color;
+  };
+  std::shared_ptr<const RestShape> shape;  // of the last connector: those of a row are alike
+  for (std::size_t i = 0; i < world.connectors.size(); ++i) {
+    const ConnectorLook look =
+        i < stage.connector_looks.size() ? stage.connector_looks[i] : ConnectorLook();
+    connector_meshes_.push_back(make_connector_mesh(world.connectors[i], look, stage.body_models));
+    const bool chain = look.kind == ConnectorLook::Kind::chain;
+    const Material material{.name = chain ? "steel" : "rope",
+                            .base_color = {1, 1, 1},
+                            .roughness = chain ? 0.35f : 0.9f,
+                            .metallic = chain ? 1.0f : 0.0f};
+    auto [triangles, rest] = connector_meshes_[i]->take_shape();
+    if (!shape || shape->triangles() != triangles || !std::ranges::equal(shape->rest(), rest, same))
+      shape = std::make_shared<const RestShape>(gl, std::move(triangles), std::move(rest));
+    connectors_.emplace_back(gl, shape, material, chain ? Surface::plain : Surface::rope);
+  }
+}
+
+void MovingParts::pose(const FrameState& instant) {
+  for (std::size_t i = 0; i < std::min(characters_.size(), instant.bones.size()); ++i) {
+    const Model& model = *stage_.characters[i];
+    const std::vector<BoneMatrix> bones = bone_matrices(model, instant.bones[i]);
+    for (std::size_t k = 0; k < model.meshes.size(); ++k) {
+      skin(model.meshes[k], bones, vertices_);
+      characters_[i][k].move(vertices_);
+    }
+  }
+  for (std::size_t i = 0; i < connectors_.size(); ++i) {
+    connector_meshes_[i]->place(instant.state.connectors[i], instant.state.bodies, vertices_);
+    connectors_[i].move(vertices_);
+  }
+}
+
+std::vector<DrawItem> MovingParts::items(const FrameState& instant, const Layer& layer) {
+  std::vector<DrawItem> items;
+  if (layer.characters)
+    for (auto& character : characters_)
+      for (Drawable& part : character) items.emplace_back(part, Matrix4f::Identity());
+  if (layer.bodies)
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      for (Drawable& part : bodies_[i]) items.emplace_back(part, matrix(instant.state.bodies[i]));
+  if (layer.connectors)
+    for (Drawable& connector : connectors_) items.emplace_back(connector, Matrix4f::Identity());
+  return items;
+}
+
+Eigen::AlignedBox3d extent(const FrameState& instant) {
+  Eigen::AlignedBox3d box;
+  for (const auto& particles : instant.state.connectors)
+    for (const Vec3& p : particles) box.extend(p);
+  for (const Pose& body : instant.state.bodies) box.extend(body.position);
+  for (const auto& bones : instant.bones)
+    for (const Pose& bone : bones) box.extend(bone.position);
+  if (box.isEmpty()) box.extend(Vec3::Zero());
+  const Vec3 margin = Vec3::Constant(0.35);  // flesh around bones, sticks beyond their middles
+  return {box.min() - margin, box.max() + margin};
+}
+
+}  // namespace taut

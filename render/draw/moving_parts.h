@@ -1,0 +1,39 @@
+// What moves on a stage: characters, bodies and connectors, on the graphics side.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "render/draw/draw_item.h"
+#include "render/draw/frame_state.h"
+#include "render/mesh/connector_mesh.h"
+#include "scenes/stage.h"
+#include "sim/world.h"
+
+namespace taut {
+
+class MovingParts {
+ public:
+  /// `world` tells what connectors hang on; its state does not matter. The stage must outlive this.
+  MovingParts(const Gl& gl, const Stage& stage, const World& world);
+
+  /// Moves everything to where it is at that time.
+  void pose(const FrameState& instant);
+  /// What the layer shows of the instant last posed: the same items for each instant, in the same
+  /// order.
+  std::vector<DrawItem> items(const FrameState& instant, const Layer& layer = {});
+
+ private:
+  const Stage& stage_;
+  std::vector<std::vector<Drawable>> bodies_, characters_;  // [body or character][mesh]
+  std::vector<std::unique_ptr<ConnectorMesh>> connector_meshes_;
+  std::vector<Drawable> connectors_;
+  std::vector<MovingVertex> vertices_;
+};
+
+std::vector<Drawable> drawables(const Gl& gl, const Model& model);
+
+/// A box around everything that moves, from bones, particles and bodies, in m.
+Eigen::AlignedBox3d extent(const FrameState& instant);
+
+}  // namespace taut

@@ -1,0 +1,23 @@
+// Which pixels things and their shadows can touch.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "render/picture/rect.h"
+
+namespace taut {
+
+/// Points in space, whose hull is everything that is meant.
+using HullPoints = std::vector<Eigen::Vector3f>;
+
+void add_box(const Eigen::AlignedBox3f& box, HullPoints& reach);
+
+/// The shadow that a box throws along `direction` on whatever lies inside `receivers`.
+void add_shadow(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& direction,
+                const Eigen::AlignedBox3f& receivers, HullPoints& reach);
+
+/// The pixels of `viewport` that the hull can touch; all of them where it comes behind the eye.
+Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection, const Rect& viewport);
+
+}  // namespace taut

@@ -1,0 +1,37 @@
+// What the key light sees: the depth of the nearest caster.
+#pragma once
+
+#include <span>
+
+#include "render/draw/draw_item.h"
+#include "render/gl/gpu.h"
+#include "render/picture/rect.h"
+
+namespace taut {
+
+/// Its projection is the frame's in use (Surfaces::use).
+class ShadowMap {
+ public:
+  ShadowMap(const Gl& gl, int size);
+
+  int size() const { return size_; }
+  GLuint texture() const { return map_.id(); }
+
+  void clear() const;
+  /// Adds casters. A lit rim stays, which stands for everything beyond the map.
+  void draw(std::span<const DrawItem> casters) const;
+
+  /// Keeps a part of the map as it is, and brings it back.
+  void save(const Rect& part);
+  void restore(const Rect& part) const;
+
+ private:
+  void copy(GLuint from, GLuint to, const Rect& part) const;
+
+  const Gl& gl_;
+  int size_;
+  GlObject map_, target_, saved_;
+  Program depth_program_;
+};
+
+}  // namespace taut

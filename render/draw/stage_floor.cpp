@@ -1,0 +1,44 @@
+#include "render/draw/stage_floor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace taut {
+namespace {
+
+/// B/s, read and written together.
+double copying_speed() {
+  constexpr std::size_t kBytes = std::size_t{1} << 25;  // beyond any cache
+  std::vector<char> from(kBytes, 1), to(kBytes);
+  double best = std::numeric_limits<double>::infinity();
+  for (char round = 0; round < 5; ++round) {
+    from[0] = round;
+    const auto start = std::chrono::steady_clock::now();
+    std::memcpy(to.data(), from.data(), kBytes);
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+    if (to[0] == round) best = std::min(best, time.count());
+  }
+  return 2 * double(kBytes) / best;
+}
+
+}  // namespace
+
+StageFloor::StageFloor(int width, int height, int samples)
+    : pixels_(double(width) * height), samples_(samples), speed_(copying_speed()) {}
+
+std::optional<double> StageFloor::of(std::string_view stage, const Profile& unlit) const {
+  constexpr double kColor = 4, kRgb = 3;  // B
+  if (stage == "resolve and tone map") return pixels_ * (samples_ + 1) * kColor / speed_;
+  if (stage == "read back" || stage == "captions") return pixels_ * 2 * kColor / speed_;
+  if (stage == "PNG") return pixels_ * (kColor + kRgb) / speed_;
+  if (stage != "scenery" && stage != "figures" && stage != "shadows" && stage != "exposures")
+    return std::nullopt;
+  const auto found = std::ranges::find(unlit.stages(), stage, &Profile::Stage::name);
+  if (found == unlit.stages().end()) return std::nullopt;
+  return median(*found).cpu;
+}
+
+}  // namespace taut

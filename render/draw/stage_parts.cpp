@@ -1,0 +1,103 @@
+#include "render/draw/stage_parts.h"
+
+#include <algorithm>
+
+#include "render/draw/contact.h"
+#include "render/draw/jitter.h"
+#include "render/draw/lighting.h"
+
+namespace taut {
+namespace {
+
+Eigen::Vector4f with_w(const Vec3& v, double w) {
+  return {float(v.x()), float(v.y()), float(v.z()), float(w)};
+}
+
+}  // namespace
+
+StageParts::StageParts(const Context& context, const Stage& s, const World& world,
+                       const Shading& options)
+    : gl(context.gl()),
+      stage(s),
+      shading(options),
+      background(s.background),
+      surfaces(gl, s.light, options.map_size, options.lit),
+      map(gl, options.map_size),
+      parts(gl, s, world) {
+  for (const auto& model : stage.scenery)
+    for (Drawable& part : drawables(gl, *model)) scenery.push_back(std::move(part));
+}
+
+Look StageParts::look(const FrameState& instant, const Rect& viewport) const {
+  Look look{{instant.camera, viewport}, {}};
+  const LightMap light = light_map(stage.light.direction, extent(instant), shading.map_size);
+  FrameBlock& block = look.block;
+  block.light_projection = light.projection;
+  block.eye.w() = float(1.5 * light.texel);
+  if (!shading.contact) return look;
+  for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
+    for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
+      const std::size_t i = look.contacts.size();
+      if (i == kCapsules) break;
+      const Vec3 axis = capsule.to - capsule.from;
+      block.capsule_from[i] = with_w(capsule.from, capsule.radius);
+      block.capsule_to[i] = with_w(capsule.to, 1 / std::max(axis.squaredNorm(), 1e-6));
+      look.contacts.push_back(capsule.reach());
+    }
+  block.capsules[0] = int(look.contacts.size());
+  return look;
+}
+
+void StageParts::draw_solid() const {
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_LESS);
+  gl.Enable(GL_CULL_FACE);
+  gl.CullFace(GL_BACK);
+  gl.Disable(GL_BLEND);
+  gl.Disable(GL_SCISSOR_TEST);
+}
+
+void StageParts::aim(const Canvas& canvas, const Rect& viewport) const {
+  canvas.bind();
+  gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
+  gl.BindTextureUnit(0, map.texture());
+}
+
+void StageParts::clear(const Canvas& canvas) const {
+  canvas.bind();
+  // As it is asked for, without the curve that lit surfaces go through.
+  const Vec3 c = background.cwiseMin(1).cwiseSqrt();
+  gl.ClearColor(float(c.x()), float(c.y()), float(c.z()), 1);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+void StageParts::draw_scenery(Shade shade) {
+  gl.DepthFunc(GL_LEQUAL);  // where faces coincide, the last is in front: with its shadows, too
+  for (Drawable& part : scenery) surfaces.draw({part, Eigen::Matrix4f::Identity()}, shade);
+}
+
+void draw_whole_scenery(StageParts& parts, const View& view) {
+  parts.surfaces.use({view.camera, view.viewport});
+  parts.gl.Viewport(view.viewport.x, view.viewport.y, view.viewport.width, view.viewport.height);
+  parts.draw_scenery(Shade::lit);
+}
+
+FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const Rect& viewport, int i,
+                   bool more_than_samples) {
+  FrameBlock moved = block;
+  moved.light_projection = moved_light(block.light_projection, extent(middle).center(), i);
+  if (more_than_samples) moved.view_projection = moved_picture(block.view_projection, viewport, i);
+  return moved;
+}
+
+const FrameState& shown_at(std::span<const FrameState> shutter, int i, int count) {
+  const int stride = int(shutter.size()) / count;
+  return shutter[std::size_t(stride / 2 + i * stride)];
+}
+
+Shade shade_of(int count, int samples) {
+  return count < samples ? Shade::shadowed : Shade::averaged;
+}
+
+}  // namespace taut

@@ -1,0 +1,291 @@
+#include "render/draw/stage_renderer.h"
+
+#include <algorithm>
+
+#include "render/draw/brute_force.h"
+#include "render/draw/jitter.h"
+#include "render/draw/motion_extents.h"
+#include "render/draw/reach.h"
+#include "render/draw/shadow_cover.h"
+#include "render/draw/stage_parts.h"
+#include "sim/hash.h"
+
+namespace taut {
+namespace {
+
+using Eigen::Matrix4f;
+using Eigen::Vector3f;
+
+constexpr float kShadowFilter = 5;  // texels: half the filter, and the offset along the normal
+
+/// The unit cube of the shadow map to clip space.
+Matrix4f map_to_clip() {
+  Matrix4f m = Matrix4f::Identity();
+  m.diagonal().head<3>().setConstant(2);
+  m.topRightCorner<3, 1>().setConstant(-1);
+  return m;
+}
+
+}  // namespace
+
+struct StageRenderer::Impl : StageParts {
+  using StageParts::StageParts;
+
+  void start_cover(const Look& look) {
+    cover.start(look.block.light_projection, kShadowFilter / float(shading.map_size));
+  }
+
+  /// What shadows can reach or feet can darken of one thing of the scenery.
+  struct ReachedPart {
+    Triangles triangles;
+    Eigen::AlignedBox3f box;  // around them
+    Rect pixels;              // where the shadows fall
+  };
+  using Reached = std::vector<ReachedPart>;  // [scenery]
+  void find_reached(const Boxes& contacts, Reached& found) {
+    found.resize(scenery.size());
+    for (std::size_t i = 0; i < scenery.size(); ++i)
+      found[i].box =
+          cover.find(scenery[i].triangles(), scenery[i].positions(), contacts, found[i].triangles);
+  }
+
+  /// Finds the pixels where shadows of those boxes fall, and returns the rectangle around all.
+  Rect find_pixels(const Boxes& casters, const Boxes& contacts, const FrameBlock& block,
+                   const Rect& viewport, Reached& found) const {
+    const Vector3f direction = stage.light.direction.cast<float>();
+    Rect all;
+    for (ReachedPart& part : found) {
+      HullPoints reach;
+      for (const auto& box : casters) add_shadow(box, direction, part.box, reach);
+      for (const auto& box : contacts) add_box(box.intersection(part.box), reach);
+      part.pixels = pixels(reach, block.view_projection, viewport);
+      all = hull(all, part.pixels);
+    }
+    return all;
+  }
+
+  /// The scenery once more, where it still is in front.
+  void draw_reached(const Reached& found) {
+    gl.DepthFunc(GL_LEQUAL);
+    gl.Enable(GL_SCISSOR_TEST);
+    for (std::size_t i = 0; i < scenery.size(); ++i) {
+      const Rect& part = found[i].pixels;
+      if (part.empty()) continue;
+      gl.Scissor(part.x, part.y, part.width, part.height);
+      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, Shade::grounded);
+    }
+    gl.Disable(GL_SCISSOR_TEST);
+  }
+
+  /// Draws things, and the shadows of the casters.
+  void paint(Canvas& canvas, const Rect& viewport, const Look& look,
+             std::span<const DrawItem> things, std::span<const DrawItem> casters, float opacity) {
+    const bool solid = opacity >= 1;
+    surfaces.use(look.block);
+    draw_solid();
+    // Scenery casts no shadow: the key light is a stage's light, and walls would shut it out.
+    map.clear();
+    if (solid) map.draw(casters);
+    lap("shadow map");
+
+    aim(canvas, viewport);
+    if (!solid) {
+      gl.Enable(GL_BLEND);
+      gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    }
+    HullPoints reach;
+    for (const DrawItem& item : things) {
+      surfaces.draw(item, Shade::shadowed, opacity);
+      add_box(item.box(), reach);
+    }
+    canvas.touch(pixels(reach, look.block.view_projection, viewport));
+    lap("figures");
+    if (!solid) return;
+
+    start_cover(look);
+    Boxes boxes;
+    for (const DrawItem& item : casters) {
+      const Places places = places_of(item);
+      cover.add(item.triangles, {&places, 1});
+      boxes.push_back(item.box());
+    }
+    find_reached(look.contacts, still_reached);
+    find_pixels(boxes, look.contacts, look.block, viewport, still_reached);
+    draw_reached(still_reached);
+    for (const ReachedPart& part : still_reached) canvas.touch(part.pixels);
+    lap("shadows");
+  }
+
+  void lap(const char* name) const {
+    if (!profile) return;
+    gl.Finish();
+    profile->lap(name);
+  }
+
+  /// Grades what moves while the shutter is open, and tells the exposures of each grade above 0;
+  /// none where nothing moves. The cover then holds what moves.
+  std::vector<Exposures> find_moving(std::span<const FrameState> shutter, const Canvas& canvas,
+                                     const Look& look, const Rect& viewport);
+
+  Profile* profile = nullptr;
+  ShadowCover cover;
+  MotionExtents extents;
+  Reached still_reached, moving_reached;  // by the shadows of what stands, and of what moves
+};
+
+StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world,
+                             const Shading& shading)
+    : impl_(std::make_unique<Impl>(context, stage, world, shading)) {}
+
+StageRenderer::~StageRenderer() = default;
+
+void StageRenderer::set_profile(Profile* profile) {
+  impl_->profile = profile;
+}
+
+void StageRenderer::set_background(const Vec3& color) {
+  impl_->background = color;
+}
+
+void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
+  Impl& d = *impl_;
+  if (d.shading.savings != Savings::all) {
+    canvas.restore(0);
+    d.draw_solid();
+    d.clear(canvas);
+    for (const View& view : views) draw_whole_scenery(d, view);
+    return;
+  }
+  Hash name;
+  for (int k = 0; k < 3; ++k) name.number(d.background[k]);
+  for (const auto& [viewport, camera] : views) {
+    for (const int pixels : {viewport.x, viewport.y, viewport.width, viewport.height})
+      name.number(pixels);
+    for (int k = 0; k < 3; ++k) name.number(camera.position[k]).number(camera.target[k]);
+    name.number(camera.field_of_view);
+  }
+  if (canvas.restore(name.value())) return d.lap("backdrop");
+
+  d.draw_solid();
+  d.clear(canvas);
+  for (const View& view : views) draw_whole_scenery(d, view);
+  canvas.keep(name.value());
+  d.lap("scenery");
+}
+
+void StageRenderer::draw(Canvas& canvas, const Rect& viewport, const FrameState& instant,
+                         const Layer& layer) {
+  Impl& d = *impl_;
+  if (d.shading.savings != Savings::all) return draw_whole(d, canvas, viewport, instant, layer);
+  d.parts.pose(instant);
+  d.lap("skin");
+  const std::vector<DrawItem> items = d.parts.items(instant, layer);
+  d.paint(canvas, viewport, d.look(instant, viewport), items, items, layer.opacity);
+}
+
+std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameState> shutter,
+                                                        const Canvas& canvas, const Look& look,
+                                                        const Rect& viewport) {
+  extents.clear();
+  for (const FrameState* instant :
+       {&shutter.front(), &shutter[shutter.size() / 2], &shutter.back()}) {
+    parts.pose(*instant);
+    extents.add(parts.items(*instant), instant->state.time);
+  }
+  const MotionExtents::Travel travel =
+      extents.find_moving(look.block.view_projection, viewport, shading.still);
+  if (travel.way <= shading.still) return {};
+  double longest = 0;  // s from one state to the next
+  for (std::size_t i = 1; i < shutter.size(); ++i)
+    longest = std::max(longest, shutter[i].state.time - shutter[i - 1].state.time);
+  const double open = longest * double(shutter.size());  // s
+  const std::vector<Exposures> grades =
+      exposures(travel.speed * open, canvas.samples(), int(shutter.size()), stage.exposures_apart);
+  if (grades.empty()) return {};
+  std::vector<double> speeds;
+  for (std::size_t i = 0; i + 1 < grades.size(); ++i) speeds.push_back(grades[i].way / open);
+  extents.grade(speeds);
+  start_cover(look);
+  for (std::size_t grade = grades.size(); grade > 0; --grade) extents.shade(cover, int(grade));
+  extents.divide();
+  return grades;
+}
+
+int StageRenderer::expose(Canvas& canvas, const Rect& viewport,
+                          std::span<const FrameState> shutter) {
+  Impl& d = *impl_;
+  const FrameState& middle = shutter[shutter.size() / 2];
+  const Look look = d.look(middle, viewport);
+  const std::vector<Exposures> grades = d.find_moving(shutter, canvas, look, viewport);
+  d.lap("sweep");
+  if (grades.empty()) {
+    draw(canvas, viewport, middle);
+    return 1;
+  }
+  const int most = grades.back().count;
+  if (d.shading.savings == Savings::exposures) {
+    expose_whole(d, canvas, viewport, shutter, grades, d.extents);
+    return most;
+  }
+  if (d.shading.savings == Savings::none) {
+    expose_whole(d, canvas, viewport, shutter, most);
+    return most;
+  }
+
+  // What of the scenery and of the shadow map changes: the cover holds all that moves.
+  d.find_reached({}, d.moving_reached);
+  d.parts.pose(middle);
+  const std::vector<DrawItem> items = d.parts.items(middle);
+  std::vector<DrawItem> still, still_casters;
+  Boxes casting;
+  HullPoints in_map;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    still.emplace_back(items[i], d.extents.shown(i, 0));
+    still_casters.emplace_back(items[i], d.extents.standing(i));
+    casting.push_back(d.extents.moving_box(i));
+    add_box(casting.back(), in_map);
+  }
+  const Rect map_part = pixels(in_map, map_to_clip() * look.block.light_projection,
+                               {0, 0, d.map.size(), d.map.size()});
+  const Rect shadow = d.find_pixels(casting, {}, look.block, viewport, d.moving_reached);
+  d.lap("sweep");
+  d.paint(canvas, viewport, look, still, still_casters, 1);
+  d.map.save(map_part);
+
+  for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
+    const bool fastest = grade == grades.size();  // the scenery takes as many exposures
+    HullPoints things;
+    for (std::size_t i = 0; i < items.size(); ++i)
+      add_box(d.extents.box(i, d.extents.shown(i, int(grade))), things);
+    const Rect part =
+        hull(pixels(things, look.block.view_projection, viewport), fastest ? shadow : Rect());
+    if (part.empty()) continue;
+    const int count = grades[grade - 1].count;
+    canvas.expose(part, count, [&](int i) {
+      const FrameState& instant = shown_at(shutter, i, count);
+      d.parts.pose(instant);
+      std::vector<DrawItem> shown, casters;
+      for (std::size_t k = 0; const DrawItem& item : d.parts.items(instant)) {
+        shown.emplace_back(item, d.extents.shown(k, int(grade)));
+        casters.emplace_back(item, d.extents.moving(k));
+        ++k;
+      }
+      d.surfaces.use(look.block);
+      d.draw_solid();
+      d.map.restore(map_part);
+      d.map.draw(casters);
+
+      d.aim(canvas, viewport);
+      d.surfaces.use(exposed(look.block, middle, viewport, i, count > canvas.samples()));
+      d.gl.Enable(GL_SCISSOR_TEST);
+      d.gl.Scissor(part.x, part.y, part.width, part.height);
+      for (const DrawItem& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));
+      d.surfaces.use(look.block);
+      if (fastest) d.draw_reached(d.moving_reached);
+    });
+  }
+  d.lap("exposures");
+  return most;
+}
+
+}  // namespace taut

@@ -1,0 +1,71 @@
+// Draws a stage at one instant or while a shutter is open: what a trajectory and the characters'
+// poses look like.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "render/draw/frame_state.h"
+#include "render/gl/canvas.h"
+#include "render/gl/profile.h"
+#include "scenes/stage.h"
+#include "sim/world.h"
+
+namespace taut {
+
+/// A part of the canvas, and what is seen there.
+struct View {
+  Rect viewport;
+  CameraView camera;
+};
+
+/// What of a picture's work is saved. No saving shows: `all` and `exposures` make the same picture,
+/// within one step of 8 bits where more exposures than samples are added up. `none` shows slow
+/// things at more times, and so smears them more smoothly.
+enum class Savings {
+  all,        // kept backdrops, scissors, and triangles that are skipped or drawn once for all
+  exposures,  // slow things take fewer exposures than fast ones; all is drawn whole in each
+  none,       // everything is drawn whole in as many exposures as the fastest thing takes
+};
+
+/// What costs time and could be left out.
+struct Shading {
+  int map_size = 1536;  // texels a side, of the key light's map
+  bool contact = true;  // feet take ambient light from the floor
+  bool lit = true;      // false: one colour everywhere, what triangles and samples alone cost
+  Savings savings = Savings::all;
+  double still = 1;  // px that a thing may move while the shutter is open, and be drawn once
+};
+
+/// A stage on the graphics side.
+class StageRenderer {
+ public:
+  /// `world` tells what connectors hang on; its state does not matter. The stage must outlive this.
+  StageRenderer(const Context& context, const Stage& stage, const World& world,
+                const Shading& shading = {});
+  ~StageRenderer();
+
+  /// Another background than the stage's from the next frame on.
+  void set_background(const Vec3& color);
+
+  /// Begins a frame: background everywhere, and the scenery in each of the views. The canvas
+  /// keeps it for as long as the views stay the same.
+  void begin(Canvas& canvas, std::span<const View> views);
+  /// Draws what moves into a part of the canvas, and its shadow on the scenery there.
+  void draw(Canvas& canvas, const Rect& viewport, const FrameState& instant,
+            const Layer& layer = {});
+  /// The same while a shutter is open: `shutter` holds instants evenly apart, the frame's own in
+  /// the middle (of an even number the later one). What moves less than a pixel is drawn once, at
+  /// the frame's own instant; the rest each as often as its own speed asks for (jitter.h). The
+  /// camera stands where it is in the middle. Returns how many exposures the fastest point took.
+  int expose(Canvas& canvas, const Rect& viewport, std::span<const FrameState> shutter);
+
+  /// Where to note the stages' times, each waited for; null: nowhere.
+  void set_profile(Profile* profile);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace taut

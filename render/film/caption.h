@@ -1,0 +1,19 @@
+// Captions: quiet lines of text at the lower left that come and go softly. Neighbours of one list
+// stand above each other, the one whose time it is bright among the others.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "render/picture/text.h"
+#include "scenes/stage.h"
+
+namespace taut {
+
+/// Draws the captions that show at `time` (s).
+void draw_captions(Picture& picture, Font& font, std::span<const Caption> captions, double time);
+
+/// Draws a small line at the upper left, as long as it is asked for.
+void draw_note(Picture& picture, Font& font, std::string_view text);
+
+}  // namespace taut

@@ -1,0 +1,42 @@
+#include "render/film/card.h"
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "render/picture/paint.h"
+
+namespace taut {
+namespace {
+
+constexpr double kDarkness = 0.6;  // of the picture behind
+constexpr double kCardLeading = 1.6;
+constexpr Rgb kCardPaper{248, 245, 238}, kQuiet{206, 200, 188};
+
+std::string with_method(std::string text, std::string_view method) {
+  constexpr std::string_view kPlace = "{method}";
+  for (std::size_t at = 0; (at = text.find(kPlace, at)) != std::string::npos; at += method.size())
+    text.replace(at, kPlace.size(), method);
+  return text;
+}
+
+}  // namespace
+
+void draw_card(Picture& picture, Font& font, Font& bold, const Card& card, std::string_view method,
+               double shown) {
+  fill(picture, {0, 0, picture.width, picture.height}, {10, 9, 8}, kDarkness * shown);
+  const double large = 0.11 * picture.height, small = 0.034 * picture.height;
+  const auto centred = [&](Font& face, std::string_view line, double size, double y, Rgb color) {
+    const double x = (picture.width - face.width(line, size)) / 2;
+    face.draw(picture, line, x, y, size, color, shown);
+  };
+  double y = 0.45 * picture.height;
+  centred(bold, card.heading, large, y, kCardPaper);
+  y += 0.75 * large;
+  std::istringstream lines(with_method(card.text, method));
+  lines.exceptions(std::ios::badbit);  // or running out of memory would end the text
+  for (std::string line; std::getline(lines, line); y += kCardLeading * small)
+    centred(font, line, small, y, kQuiet);
+}
+
+}  // namespace taut

@@ -1,0 +1,298 @@
+#include "render/film/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/film/framing.h"
+#include "render/picture/paint.h"
+
+namespace taut {
+namespace {
+
+constexpr Rgb kInk = {32, 34, 38}, kGrey = {110, 112, 116}, kPaper = {255, 255, 255};
+constexpr float kGhost = 0.35f;     // opacity
+constexpr double kCells = 0.63;     // of the picture's height
+constexpr double kHeading = 0.085;  // of the picture's height, over what moves in a cell
+constexpr int kMostColumns = 6;
+constexpr double kCharts = 0.58;         // of the picture's width; the rest is the table's
+constexpr double kLeastDistance = 1e-4;  // mm, of the chart
+constexpr double kLeastStretch = 1e-4;   // %, of the chart
+
+Rgb rgb(std::uint32_t color) {
+  return {std::uint8_t(color >> 16), std::uint8_t(color >> 8), std::uint8_t(color)};
+}
+
+/// Cells in rows of so many, from the upper left.
+std::vector<Rect> cells(std::size_t count, int columns, int width, int height) {
+  const int rows = (int(count) + columns - 1) / columns;
+  std::vector<Rect> result;
+  for (int i = 0; i < int(count); ++i) {
+    const int x = width * (i % columns) / columns, y = height * (i / columns) / rows;
+    result.push_back(
+        {x, y, width * (i % columns + 1) / columns - x, height * (i / columns + 1) / rows - y});
+  }
+  return result;
+}
+
+/// Everything that moves, as the truth has it.
+std::vector<Vec3> moving_points(const Comparison& comparison) {
+  std::vector<Vec3> points;
+  for (const Snapshot& state : comparison.truth) {
+    for (const auto& particles : state.connectors)
+      points.insert(points.end(), particles.begin(), particles.end());
+    for (const Pose& body : state.bodies) points.push_back(body.position);
+  }
+  return points;
+}
+
+/// A millimetre value as short as its size allows.
+std::string millimetres(double metres) {
+  const double mm = 1e3 * metres;
+  return mm >= 1e-3 || mm == 0 ? fmt::format("{:.3g} mm", mm) : fmt::format("{:.0e} mm", mm);
+}
+
+}  // namespace
+
+ComparisonFilm::ComparisonFilm(const Context& context, const Scene& scene,
+                               const Comparison& comparison, int width, int height, int samples)
+    : scene_(scene),
+      comparison_(comparison),
+      width_(width),
+      height_(height),
+      top_(std::max(int(kCells * height), 1)),
+      canvas_(context, width, top_, samples),
+      renderer_(context, *scene.stage, divided(scene.world, scene.timeline)),
+      still_(width, height) {
+  lay_out();
+  draw_charts();
+  draw_table();
+}
+
+void ComparisonFilm::lay_out() {
+  const std::size_t count = comparison_.methods.size();
+  const int usual = count == 4 ? 2 : std::min(int(count), 3);
+  cells_ = cells(count, usual, width_, top_);
+  // People, and cameras that move, are seen as the scene has them.
+  if (!scene_.stage->characters.empty() || scene_.stage->camera.size() != 1) return;
+  const CameraView camera = camera_at(scene_.stage->camera, 0);
+  const std::vector<Vec3> points = moving_points(comparison_);
+  double best = 0;  // px to a metre
+  for (int columns = 1; columns <= std::min(int(count), kMostColumns); ++columns) {
+    std::vector<Rect> tried = cells(count, columns, width_, top_);
+    const Rect& cell = tried.front();
+    if (cell.width < 1 || cell.height < 1) continue;
+    const CameraView view = framed(camera, points, double(cell.width) / cell.height,
+                                   std::min(kHeading * height_ / cell.height, 0.4));
+    const double scale = pixels_per_metre(view, cell.height);
+    if (scale <= best) continue;
+    best = scale;
+    camera_ = view;
+    cells_ = std::move(tried);
+  }
+}
+
+CameraView ComparisonFilm::camera(double time) const {
+  return camera_ ? *camera_ : camera_at(scene_.stage->camera, time);
+}
+
+/// A length in the first cell, as long as it is where the camera looks.
+void ComparisonFilm::draw_scale(Picture& picture) {
+  if (!camera_) return;
+  const Rect& cell = cells_.front();
+  const double metre = pixels_per_metre(*camera_, cell.height);
+  const double length = round_length(0.4 * cell.width / metre), size = 0.0168 * height_;
+  const int wide = std::max(int(std::lround(length * metre)), 1),
+            thick = std::max(height_ / 360, 1);
+  const int left = cell.x + int(size), bottom = cell.top() - int(size);
+  fill(picture, {left, bottom - thick, wide, thick}, kInk);
+  for (const int x : {left, left + wide - thick})
+    fill(picture, {x, bottom - 3 * thick, thick, 3 * thick}, kInk);
+  const std::string text = length >= 1      ? fmt::format("{:g} m", length)
+                           : length >= 0.01 ? fmt::format("{:g} cm", 1e2 * length)
+                                            : fmt::format("{:g} mm", 1e3 * length);
+  font_.draw(picture, text, left, bottom - 4 * thick - 0.2 * size, size, kInk);
+}
+
+FrameState ComparisonFilm::instant(const Snapshot& state, double time) const {
+  FrameState instant{state, {}, camera(time)};
+  for (const auto& performance : scene_.performances)
+    instant.bones.push_back(performance->bones_at(time));
+  return instant;
+}
+
+Picture ComparisonFilm::draw(std::size_t frame) {
+  const double time = comparison_.times[frame];
+  std::vector<View> views;
+  for (const Rect& cell : cells_)
+    views.push_back({{cell.x, top_ - cell.top(), cell.width, cell.height}, camera(time)});
+  renderer_.begin(canvas_, views);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const ComparedMethod& method = comparison_.methods[i];
+    const std::size_t last = std::min(frame + 1, method.frames.size());
+    const Snapshot& state = last ? method.frames[last - 1] : comparison_.truth.front();
+    renderer_.draw(canvas_, views[i].viewport, instant(state, time));
+    if (time <= comparison_.horizon)
+      renderer_.draw(canvas_, views[i].viewport, instant(comparison_.truth[frame], time),
+                     {.characters = false, .opacity = kGhost});
+  }
+  Picture picture = still_;
+  paste(canvas_.finish(), picture, 0, 0);
+  for (std::size_t i = 0; i < cells_.size(); ++i) draw_cell(picture, i, frame);
+  draw_scale(picture);
+  draw_cursor(picture, frame);
+  return picture;
+}
+
+void ComparisonFilm::draw_cell(Picture& picture, std::size_t index, std::size_t frame) {
+  const ComparedMethod& method = comparison_.methods[index];
+  const Rect& cell = cells_[index];
+  const double size = 0.021 * height_, small = 0.8 * size, gap = 0.5 * size;
+  const bool stopped = !method.failure.empty() && frame >= method.frames.size();
+  if (stopped) fill(picture, cell, kPaper, 0.55);
+
+  const int bar = std::max(height_ / 180, 1);
+  fill(picture, {cell.x, cell.y, cell.width, bar}, rgb(method.style.color));
+  for (const int x : {cell.x, cell.right() - 1})
+    fill(picture, {x, cell.y, 1, cell.height}, kPaper, 0.8);
+  const double line = cell.y + bar + gap + size;
+  const auto lines = wrapped(font_, method.settings, small, cell.width - 2 * gap);
+  const double band = bar + 1.8 * gap + size + 1.3 * small * double(lines.size());
+  fill(picture, {cell.x, cell.y + bar, cell.width, int(band) - bar}, kPaper, 0.72);
+  bold_.draw(picture, method.label, cell.x + gap, line, size, kInk);
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    font_.draw(picture, lines[k], cell.x + gap, line + 1.3 * small * double(k + 1), small, kGrey);
+
+  if (stopped) {
+    double y = cell.y + 0.45 * cell.height;
+    const double reached = method.frames.empty() ? 0 : method.frames.back().time;
+    bold_.draw(picture, fmt::format("Stopped after {:.3g} s", reached), cell.x + 2 * gap, y, size,
+               {170, 20, 20});
+    for (const std::string& text : wrapped(font_, method.failure, small, cell.width - 4 * gap))
+      font_.draw(picture, text, cell.x + 2 * gap, y += 1.4 * small, small, kInk);
+  } else if (frame < method.distance.size()) {
+    const std::string text = millimetres(method.distance[frame]);
+    const double wide = font_.width(text, size);
+    // Beside the label where there is room, else under the band.
+    const bool room = bold_.width(method.label, size) + wide + 3 * gap < cell.width;
+    font_.draw(picture, text, cell.right() - gap - wide, room ? line : cell.y + band + 1.3 * size,
+               size, kInk);
+  }
+}
+
+void ComparisonFilm::draw_charts() {
+  Chart chart;
+  chart.columns = 2;
+  const auto points = [&](const std::vector<double>& values, double unit) {
+    std::vector<Point> list;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      list.push_back({comparison_.times[k], values[k] > 0 ? unit * values[k] : kAuto});
+    return list;
+  };
+  const double end = comparison_.times.back();
+  const auto panel_of = [&](const std::string& title, const char* unit, double least) {
+    Panel panel;
+    panel.title = title;
+    panel.x.label = "time (s)";
+    panel.x.minimum = 0;
+    panel.x.maximum = end;
+    panel.y.label = unit;
+    panel.y.log = true;
+    panel.y.minimum = least;
+    return panel;
+  };
+  const auto curve = [](const ComparedMethod& method, std::vector<Point> list) {
+    Series series;
+    series.name = method.label;
+    series.style = method.style;
+    series.markers = false;
+    series.points = std::move(list);
+    return series;
+  };
+  Panel distance =
+      panel_of("Mean distance from " + comparison_.measured_from, "mm", kLeastDistance);
+  Panel stretch = panel_of("Stretch of the worst link", "%", kLeastStretch);
+  for (const ComparedMethod& method : comparison_.methods) {
+    distance.series.push_back(curve(method, points(method.distance, 1e3)));
+    stretch.series.push_back(curve(method, points(method.stretch, 1e2)));
+  }
+  for (Panel* panel : {&distance, &stretch})
+    if (comparison_.horizon < end) panel->rules.push_back({comparison_.horizon, true, "horizon"});
+  chart.panels = {distance, stretch};
+
+  // Charts have type of one size: they are drawn large, and shrunk where the picture is small.
+  const int factor = std::max((1080 + height_ - 1) / height_, 1);
+  chart.width = int(kCharts * width_) * factor;
+  chart.height = (height_ - top_) * factor;
+  const std::string png = draw_chart(chart, ChartFormat::png);
+  paste(shrunk(decode_png({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}), factor),
+        still_, 0, top_);
+  for (std::size_t i = 0; i < chart.panels.size(); ++i) {
+    const PlotArea area = plot_area(chart, i);
+    plots_.push_back({area.left / factor, top_ + area.top / factor, area.right / factor,
+                      top_ + area.bottom / factor});
+  }
+}
+
+void ComparisonFilm::draw_table() {
+  const double size = 0.0165 * height_, row = 1.75 * size;
+  const double left = kCharts * width_ + size, right = width_ - size;
+  const Table& table = comparison_.table;
+  const double first = 0.30 * (right - left);
+  const double other =
+      (right - left - first) / double(std::max(table.columns.size(), std::size_t(2)) - 1);
+  // Words begin at the left of the first column, numbers end at the right of theirs.
+  const auto put = [&](Font& font, const std::string& text, std::size_t column, double y, Rgb ink) {
+    const double end = left + first + other * double(column);
+    font.draw(still_, text, column ? end - font.width(text, size) : left, y, size, ink);
+  };
+  double bottom = top_ + 1.5 * size;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    double y = top_ + 1.6 * size;
+    for (const std::string& line :
+         wrapped(font_, table.columns[c], size, c ? 0.9 * other : first)) {
+      put(font_, line, c, y, kGrey);
+      bottom = std::max(bottom, y);
+      y += 1.25 * size;
+    }
+  }
+  double y = bottom + 0.6 * size;
+  fill(still_, {int(left), int(y), int(right - left), 1}, kGrey);
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    y += row;
+    fill(still_, {int(left - 0.7 * size), int(y - 0.75 * size), int(0.4 * size), int(0.8 * size)},
+         rgb(comparison_.methods[r].style.color));
+    for (std::size_t c = 0; c < table.columns.size(); ++c)
+      put(c ? font_ : bold_, table.rows[r][c], c, y, kInk);
+  }
+  y += 1.2 * row;
+  std::string note =
+      "Distances: means over segments and frames, from the truth up to its horizon. ";
+  if (comparison_.horizon > 0)
+    note += fmt::format("Translucent: the truth, known to {:.0e} m and predictable for {:.3g} s.",
+                        comparison_.self_error, comparison_.horizon);
+  else
+    note += "Here the truth is not predictable for a single frame.";
+  for (const std::string& line : wrapped(font_, note, size, right - left)) {
+    font_.draw(still_, line, left, y, size, kGrey);
+    y += 1.35 * size;
+  }
+}
+
+void ComparisonFilm::draw_cursor(Picture& picture, std::size_t frame) {
+  const double end = std::max(comparison_.times.back(), 1e-9);
+  const int wide = std::max(height_ / 540, 1);
+  for (const PlotArea& plot : plots_) {
+    const double x = std::lerp(plot.left, plot.right, comparison_.times[frame] / end);
+    const int top = int(std::lround(plot.top)), high = int(std::lround(plot.bottom)) - top;
+    // What is still to come is only hinted at.
+    fill(picture, {int(x) + 1, top + 1, int(plot.right) - int(x) - 1, high - 2}, kPaper, 0.82);
+    fill(picture, {int(x), top, wide, high}, kInk, 0.8);
+  }
+  const double size = 0.024 * height_;
+  const std::string text = fmt::format("{:.2f} s", comparison_.times[frame]);
+  bold_.draw(picture, text, kCharts * width_ + 0.7 * size, top_ + 3 * size, size, kInk);
+}
+
+}  // namespace taut

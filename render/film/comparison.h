@@ -1,0 +1,72 @@
+// Methods side by side in one picture: a cell of the scene for each, charts and a table under them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/chart/chart.h"
+#include "render/chart/table.h"
+#include "render/draw/stage_renderer.h"
+#include "render/gl/canvas.h"
+#include "render/picture/text.h"
+#include "scenes/scene.h"
+
+namespace taut {
+
+/// What a method made of the scene.
+struct ComparedMethod {
+  std::string label, settings;
+  Style style;
+  std::vector<Snapshot> frames;  // as far as it came
+  std::string failure;           // why it came no further; empty: it did come to the end
+  std::vector<double> distance;  // m, mean of its segments from those of Comparison::measured_from
+  std::vector<double> stretch;   // of its worst link, as a share, per frame
+};
+
+struct Comparison {
+  std::vector<double> times;    // s, of the frames
+  std::vector<Snapshot> truth;  // at those times
+  double horizon = 0;           // s, up to which the truth is predictable
+  std::string measured_from;    // what the first chart shows distances from
+  double self_error = 0;        // m, of the truth
+  std::vector<ComparedMethod> methods;
+  Table table;  // a row per method
+};
+
+/// The frames of a comparison. In each cell the truth is a translucent ghost, up to its horizon. A
+/// method that stopped early stays where it was, and its cell says why.
+class ComparisonFilm {
+ public:
+  /// The scene has a stage; both outlive this. Throws NoContext where the driver allows no such
+  /// size or number of samples, and CannotWrite where gnuplot is missing.
+  ComparisonFilm(const Context& context, const Scene& scene, const Comparison& comparison,
+                 int width, int height, int samples);
+
+  Picture draw(std::size_t frame);
+
+ private:
+  /// Cells and a camera that show what moves as large as it can be.
+  void lay_out();
+  CameraView camera(double time) const;
+  void draw_scale(Picture& picture);
+  FrameState instant(const Snapshot& state, double time) const;
+  void draw_cell(Picture& picture, std::size_t method, std::size_t frame);
+  void draw_charts();
+  void draw_table();
+  void draw_cursor(Picture& picture, std::size_t frame);
+
+  const Scene& scene_;
+  const Comparison& comparison_;
+  int width_, height_;
+  int top_;                           // px, of the charts
+  std::vector<Rect> cells_;           // from the upper left corner of the picture
+  std::optional<CameraView> camera_;  // none: the scene's
+  Canvas canvas_;
+  StageRenderer renderer_;
+  Font font_, bold_{Font::Weight::bold};
+  Picture still_;  // what is the same in every frame
+  std::vector<PlotArea> plots_;
+};
+
+}  // namespace taut

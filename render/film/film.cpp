@@ -1,0 +1,91 @@
+#include "render/film/film.h"
+
+#include "render/film/caption.h"
+#include "render/film/card.h"
+#include "render/film/fingerprint.h"
+#include "render/film/matte.h"
+
+namespace taut {
+
+Film::Film(const Context& context, const Scene& scene, int width, int height, int samples,
+           const Shading& shading)
+    : context_(context),
+      scene_(scene),
+      canvas_(context, width, height, samples),
+      renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shading) {}
+
+FrameState instant_of(const Scene& scene, const Snapshot& state) {
+  FrameState instant{state, {}, camera_at(scene.stage->camera, state.time)};
+  for (const auto& performance : scene.performances)
+    instant.bones.push_back(performance->bones_at(state.time));
+  return instant;
+}
+
+std::vector<FrameState> shutter_of(const Scene& scene, const ClipFrame& frame,
+                                   std::span<const Snapshot> states) {
+  std::vector<FrameState> instants;
+  for (const Snapshot& state : states) {
+    instants.push_back(instant_of(scene, state));
+    instants.back().camera = camera_at(frame.shot->camera, frame.time);
+  }
+  return instants;
+}
+
+Picture Film::draw(const FrameState& instant) {
+  Picture picture = draw_stage({&instant, 1}).picture;
+  draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
+  return picture;
+}
+
+Film::Frame Film::draw(const ClipFrame& frame, std::span<const FrameState> shutter) {
+  if (!transparent_) return draw_opaque(frame, shutter);
+  const auto draw_on = [&](double grey) {
+    renderer_.set_background(Vec3::Constant(grey));
+    stage_drawn_ = 0;
+    return draw_opaque(frame, shutter);
+  };
+  Frame black = draw_on(0);
+  black.picture = matte(black.picture, draw_on(1).picture);
+  return black;
+}
+
+Film::Frame Film::draw_opaque(const ClipFrame& frame, std::span<const FrameState> shutter) {
+  if (!frame.card) {
+    Frame drawn = draw_stage(shutter);
+    draw_captions(drawn.picture, font_, scene_.stage->captions, frame.time);
+    lap("captions");
+    return drawn;
+  }
+  // Under a card the picture stands still.
+  const std::uint64_t wanted = fingerprint(shutter);
+  if (wanted != stage_drawn_) stage_picture_ = draw_stage(shutter);
+  stage_drawn_ = wanted;
+  Frame drawn = *stage_picture_;
+  draw_card(drawn.picture, font_, bold_, *frame.card, scene_.method.name, frame.card_shown);
+  lap("captions");
+  return drawn;
+}
+
+Film::Frame Film::draw_stage(std::span<const FrameState> shutter) {
+  const View view{{0, 0, canvas_.width(), canvas_.height()}, shutter[shutter.size() / 2].camera};
+  renderer_.begin(canvas_, {&view, 1});
+  const int exposures = renderer_.expose(canvas_, view.viewport, shutter);
+  canvas_.resolve();
+  lap("resolve and tone map");
+  Frame frame{canvas_.read(), exposures};
+  lap("read back");
+  return frame;
+}
+
+void Film::set_profile(Profile* profile) {
+  profile_ = profile;
+  renderer_.set_profile(profile);
+}
+
+void Film::lap(const char* stage) const {
+  if (!profile_) return;
+  context_.gl().Finish();
+  profile_->lap(stage);
+}
+
+}  // namespace taut

@@ -1,0 +1,84 @@
+#include "render/film/fingerprint.h"
+
+#include <string>
+
+#include "scenes/regular_file.h"
+#include "sim/hash.h"
+
+namespace taut {
+namespace {
+
+void add(Hash& hash, const Vec3& v) {
+  hash.number(v.x()).number(v.y()).number(v.z());
+}
+
+void add(Hash& hash, const Pose& pose) {
+  add(hash, pose.position);
+  const Quat& q = pose.rotation;
+  hash.number(q.w()).number(q.x()).number(q.y()).number(q.z());
+}
+
+void add(Hash& hash, const Model& model) {
+  for (const Material& m : model.materials)
+    hash.text(m.name).number(m.base_color).number(m.roughness).number(m.metallic);
+  for (const Mesh& mesh : model.meshes) {
+    hash.number(mesh.material).number(mesh.vertices.size());
+    for (const Vertex& v : mesh.vertices)
+      hash.number(v.position).number(v.normal).number(v.color).number(v.bones).number(v.weights);
+    hash.number(mesh.indices.size())
+        .bytes(mesh.indices.data(), mesh.indices.size() * sizeof mesh.indices[0]);
+  }
+  for (const Bone& bone : model.bones)
+    for (const float entry : bone.inverse_bind.reshaped()) hash.number(entry);
+}
+
+void add(Hash& hash, const std::vector<std::shared_ptr<const Model>>& models) {
+  hash.number(models.size());
+  for (const auto& model : models) {
+    hash.number(model != nullptr);
+    if (model) add(hash, *model);
+  }
+}
+
+}  // namespace
+
+std::uint64_t program_fingerprint() {
+  const std::string bytes = read_bytes("/proc/self/exe");
+  return Hash().bytes(bytes.data(), bytes.size()).value();
+}
+
+std::uint64_t fingerprint(const Stage& stage) {
+  Hash hash;
+  const Light& light = stage.light;
+  for (const Vec3& v : {light.direction, light.color, light.sky, light.ground, stage.background})
+    add(hash, v);
+  add(hash, stage.scenery);
+  add(hash, stage.body_models);
+  add(hash, stage.characters);
+  for (const ConnectorLook& look : stage.connector_looks) {
+    hash.number(look.kind).number(look.diameter);
+    add(hash, look.color);
+  }
+  for (const Caption& caption : stage.captions)
+    hash.number(caption.from).number(caption.until).text(caption.text).text(caption.list);
+  for (const Card& card : {stage.title, stage.end}) hash.text(card.heading).text(card.text);
+  return hash.value();
+}
+
+std::uint64_t fingerprint(std::span<const FrameState> shutter) {
+  Hash hash;
+  for (const FrameState& instant : shutter) {
+    hash.number(instant.state.time);
+    for (const auto& particles : instant.state.connectors)
+      for (const Vec3& p : particles) add(hash, p);
+    for (const Pose& body : instant.state.bodies) add(hash, body);
+    for (const auto& bones : instant.bones)
+      for (const Pose& bone : bones) add(hash, bone);
+    add(hash, instant.camera.position);
+    add(hash, instant.camera.target);
+    hash.number(instant.camera.field_of_view);
+  }
+  return hash.value();
+}
+
+}  // namespace taut

@@ -1,0 +1,201 @@
+#include "render/gl/canvas.h"
+
+#include <fmt/format.h>
+
+#include "render/gl/shaders.h"
+
+namespace taut {
+namespace {
+
+// Ten bits hold the square root of light without visible steps at the size of eight.
+constexpr GLenum kColorFormat = GL_RGB10_A2;
+constexpr GLenum kDepthFormat = GL_DEPTH_COMPONENT24;
+
+int checked_samples(const Context& context, int width, int height, int samples) {
+  if (width < 1 || height < 1 || std::max(width, height) > context.max_size())
+    throw NoContext(fmt::format("pictures of {}x{} are beyond the driver ({} at most)", width,
+                                height, context.max_size()));
+  if (samples < 1 || samples > context.max_samples())
+    throw NoContext(fmt::format("{} samples per pixel are beyond the driver ({} at most)", samples,
+                                context.max_samples()));
+  return samples;
+}
+
+/// The samples (bits) of a share. Patterns of samples are symmetric: opposite ones go together, so
+/// that every share lies round the pixel's centre.
+GLbitfield share_of_samples(int share, int shares, int samples) {
+  GLbitfield mask = 0;
+  for (int s = 0; s < samples; ++s)
+    if ((shares < samples ? std::min(s, samples - 1 - s) : s) % shares == share) mask |= 1u << s;
+  return mask;
+}
+
+std::string sample_count(int samples) {
+  return fmt::format("#define SAMPLES {}\n", samples);
+}
+
+}  // namespace
+
+Canvas::Samples::Samples(const Gl& gl, int width, int height, int samples)
+    : color(make_texture(gl, kColorFormat, width, height, samples)),
+      depth(make_texture(gl, kDepthFormat, width, height, samples)),
+      target(make_framebuffer(gl, color.id(), depth.id())) {}
+
+Canvas::Canvas(const Context& context, int width, int height, int samples)
+    : gl_(context.gl()),
+      width_(width),
+      height_(height),
+      samples_(checked_samples(context, width, height, samples)),
+      drawn_(gl_, width, height, samples),
+      finished_(make_texture(gl_, GL_RGBA8, width, height)),
+      finished_target_(make_framebuffer(gl_, finished_.id(), 0)),
+      no_vertices_(make_vertex_array(gl_)),
+      finish_(gl_, sample_count(samples), shaders::cover_vertex, shaders::finish_fragment),
+      gather_(gl_, sample_count(samples), shaders::cover_vertex, shaders::gather_fragment),
+      finish_gathered_(gl_, sample_count(0), shaders::cover_vertex, shaders::finish_fragment) {
+  finish_.set("height", height);
+  finish_gathered_.set("height", height);
+}
+
+void Canvas::bind() const {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, drawn_.target.id());
+}
+
+bool Canvas::restore(std::uint64_t backdrop) {
+  gathered_ = {};
+  on_backdrop_ = kept_ && kept_ == backdrop;
+  if (!on_backdrop_) return false;
+  if (last_ == backdrop) {
+    for (const Rect& part : touched_) copy(backdrop_->samples, drawn_, part);
+  } else {
+    copy(backdrop_->samples, drawn_, whole());
+  }
+  last_ = backdrop;
+  touched_.clear();
+  return true;
+}
+
+void Canvas::keep(std::uint64_t backdrop) {
+  if (last_ == backdrop) {
+    if (!backdrop_) backdrop_.emplace(Samples(gl_, width_, height_, samples_), Picture());
+    kept_ = 0;
+    on_backdrop_ = false;
+    backdrop_->picture = finish();
+    copy(drawn_, backdrop_->samples, whole());
+    kept_ = backdrop;
+    on_backdrop_ = true;
+    touched_.clear();
+  }
+  last_ = backdrop;
+}
+
+void Canvas::touch(const Rect& part) {
+  if (part.empty()) return;
+  // llvmpipe cuts at a scissor's edge by samples, which lie off the pixels' centres: a pixel more.
+  touched_.add(intersection({part.x - 1, part.y - 1, part.width + 2, part.height + 2}, whole()));
+}
+
+void Canvas::copy(const Samples& from, const Samples& to, const Rect& part) const {
+  for (const auto& [source, target] :
+       {std::pair(from.color.id(), to.color.id()), {from.depth.id(), to.depth.id()}})
+    gl_.CopyImageSubData(source, GL_TEXTURE_2D_MULTISAMPLE, 0, part.x, part.y, 0, target,
+                         GL_TEXTURE_2D_MULTISAMPLE, 0, part.x, part.y, 0, part.width, part.height,
+                         1);
+}
+
+void Canvas::expose(const Rect& part, int count, const std::function<void(int)>& draw) {
+  const int pictures = std::max(count / samples_, 1), shares = std::min(count, samples_);
+  if (pictures > 1) {
+    if (!exposure_) {
+      GlObject light = make_texture(gl_, GL_RGBA16F, width_, height_);
+      GlObject target = make_framebuffer(gl_, light.id(), 0);
+      exposure_.emplace(Samples(gl_, width_, height_, samples_), std::move(light),
+                        std::move(target));
+    }
+    copy(drawn_, exposure_->start, part);
+    gathered_ = part;
+  }
+  for (int picture = 0; picture < pictures; ++picture) {
+    if (picture > 0) copy(exposure_->start, drawn_, part);
+    gl_.Enable(GL_SAMPLE_MASK);
+    for (int share = 0; share < shares; ++share) {
+      gl_.SampleMaski(0, share_of_samples(share, shares, samples_));
+      draw(share * pictures + picture);
+    }
+    gl_.Disable(GL_SAMPLE_MASK);
+    if (pictures > 1) gather(part, picture, pictures);
+  }
+  touch(part);
+}
+
+int Canvas::exposure_among(int fewer, int i, int count) const {
+  if (fewer == count) return i;
+  const int pictures = std::max(count / samples_, 1);
+  const GLbitfield mine = share_of_samples(i / pictures, std::min(count, samples_), samples_);
+  int share = 0;
+  while ((share_of_samples(share, fewer, samples_) & mine) != mine) ++share;
+  return share;
+}
+
+/// Adds a picture's share to the mean light.
+void Canvas::gather(const Rect& part, int picture, int pictures) {
+  gather_.set("share", 1.0f / float(pictures));
+  gl_.Disable(GL_BLEND);
+  if (picture > 0) {
+    gl_.Enable(GL_BLEND);
+    gl_.BlendFunc(GL_ONE, GL_ONE);
+  }
+  gl_.BindTextureUnit(0, drawn_.color.id());
+  cover(part, gather_, exposure_->target.id());
+  gl_.Disable(GL_BLEND);
+}
+
+void Canvas::resolve() {
+  const auto flipped = [this](const Rect& part) {  // finished pictures begin with their top row
+    return Rect{part.x, height_ - part.top(), part.width, part.height};
+  };
+  gl_.Disable(GL_BLEND);
+  gl_.BindTextureUnit(0, drawn_.color.id());
+  if (on_backdrop_) {
+    for (const Rect& part : touched_) cover(flipped(part), finish_, finished_target_.id());
+  } else {
+    cover(whole(), finish_, finished_target_.id());
+  }
+  if (gathered_.empty()) return;
+  gl_.BindTextureUnit(0, exposure_->light.id());
+  cover(flipped(gathered_), finish_gathered_, finished_target_.id());
+}
+
+/// Runs a program for every pixel of a part.
+void Canvas::cover(const Rect& part, const Program& program, GLuint target) const {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target);
+  gl_.Viewport(0, 0, width_, height_);
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Enable(GL_SCISSOR_TEST);
+  gl_.Scissor(part.x, part.y, part.width, part.height);
+  gl_.BindVertexArray(no_vertices_.id());
+  program.use();
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.Disable(GL_SCISSOR_TEST);
+}
+
+Picture Canvas::read() const {
+  if (!on_backdrop_) {
+    Picture picture(width_, height_);
+    read(whole(), picture);
+    return picture;
+  }
+  Picture picture = backdrop_->picture;
+  for (const Rect& part : touched_) read(part, picture);
+  return picture;
+}
+
+void Canvas::read(const Rect& part, Picture& picture) const {
+  const int top = height_ - part.top();  // finished pictures begin with their top row
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, finished_target_.id());
+  gl_.PixelStorei(GL_PACK_ROW_LENGTH, width_);
+  gl_.ReadPixels(part.x, top, part.width, part.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                 picture.at(part.x, top));
+}
+
+}  // namespace taut

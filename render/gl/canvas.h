@@ -1,0 +1,93 @@
+// Where pictures are drawn: multisampled colour and depth, and the passes that finish them.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "render/gl/context.h"
+#include "render/gl/gpu.h"
+#include "render/picture/picture.h"
+#include "render/picture/rect.h"
+
+namespace taut {
+
+/// Colours are stored as the square root of tone-mapped light and averaged as light.
+///
+/// A canvas can keep a backdrop, what has been drawn before anything moved. Frames on the same
+/// backdrop then pay for what they touch alone: elsewhere the picture is the backdrop's own.
+class Canvas {
+ public:
+  /// Throws NoContext where the driver allows no such size or number of samples.
+  Canvas(const Context& context, int width, int height, int samples);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int samples() const { return samples_; }
+
+  /// Makes the canvas the target of drawing.
+  void bind() const;
+
+  /// Begins a frame with the backdrop of that name; false where there is none.
+  bool restore(std::uint64_t backdrop);
+  /// What has been drawn in this frame is a backdrop. It is kept when it comes a second time
+  /// running: behind a moving camera, keeping would be wasted.
+  void keep(std::uint64_t backdrop);
+  /// Something else than the backdrop is drawn here.
+  void touch(const Rect& part);
+
+  /// Draws over what is there so far, inside a part of it, as at many times: `draw(i)` for each i
+  /// below `count`, a divisor or a multiple of samples(). Each drawing takes its share of the
+  /// samples of every pixel, at least one; where there are more drawings than samples, they make
+  /// several pictures, of which the mean is taken. One that follows shows times from all over;
+  /// after drawings of several pictures none may follow.
+  void expose(const Rect& part, int count, const std::function<void(int)>& draw);
+  /// Of `fewer` drawings, the one that has the samples of drawing `i` of `count`. `fewer` is a
+  /// divisor of samples(), or `count`.
+  int exposure_among(int fewer, int i, int count) const;
+
+  /// Finishes what was drawn: samples averaged, sRGB, dithered.
+  void resolve();
+  /// The finished picture.
+  Picture read() const;
+  Picture finish() {
+    resolve();
+    return read();
+  }
+
+ private:
+  /// The multisampled samples of colour and depth.
+  struct Samples {
+    Samples(const Gl& gl, int width, int height, int samples);
+    GlObject color, depth, target;
+  };
+  struct Backdrop {
+    Samples samples;
+    Picture picture;
+  };
+  void copy(const Samples& from, const Samples& to, const Rect& part) const;
+  void gather(const Rect& part, int picture, int pictures);
+  void cover(const Rect& part, const Program& program, GLuint target) const;
+  void read(const Rect& part, Picture& picture) const;
+  Rect whole() const { return {0, 0, width_, height_}; }
+
+  const Gl& gl_;
+  int width_, height_, samples_;
+  Samples drawn_;
+  GlObject finished_, finished_target_;
+  GlObject no_vertices_;
+  Program finish_, gather_, finish_gathered_;
+  /// What pictures of several times begin with, and the mean light of those done.
+  struct Exposure {
+    Samples start;
+    GlObject light, target;
+  };
+  std::optional<Exposure> exposure_;
+  Rect gathered_;  // what of the frame is in Exposure::light
+
+  std::optional<Backdrop> backdrop_;
+  std::uint64_t last_ = 0, kept_ = 0;  // names of backdrops; 0: none
+  bool on_backdrop_ = false;           // in this frame
+  RectSet touched_;
+};
+
+}  // namespace taut

@@ -1,0 +1,111 @@
+#include "render/gl/gpu.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "render/gl/context.h"
+
+namespace taut {
+namespace {
+
+GlObject compile(const Gl& gl, GLenum kind, const std::string& defines, const char* source) {
+  GlObject shader(gl, gl.CreateShader(kind), [](const Gl& g, GLuint id) { g.DeleteShader(id); });
+  const std::string head = "#version 450 core\n" + defines;
+  const char* parts[] = {head.c_str(), source};
+  gl.ShaderSource(shader.id(), 2, parts, nullptr);
+  gl.CompileShader(shader.id());
+  GLint ok = 0;
+  gl.GetShaderiv(shader.id(), GL_COMPILE_STATUS, &ok);
+  if (!ok) {
+    std::string log(4096, '\0');
+    gl.GetShaderInfoLog(shader.id(), GLsizei(log.size()), nullptr, log.data());
+    throw std::logic_error(fmt::format("shader: {}", log.c_str()));
+  }
+  return shader;
+}
+
+}  // namespace
+
+GlObject make_buffer(const Gl& gl) {
+  GLuint id = 0;
+  gl.CreateBuffers(1, &id);
+  return {gl, id, [](const Gl& g, GLuint i) { g.DeleteBuffers(1, &i); }};
+}
+
+GlObject make_vertex_array(const Gl& gl) {
+  GLuint id = 0;
+  gl.CreateVertexArrays(1, &id);
+  return {gl, id, [](const Gl& g, GLuint i) { g.DeleteVertexArrays(1, &i); }};
+}
+
+GlObject make_texture(const Gl& gl, GLenum format, int width, int height, int samples, int levels) {
+  GLuint id = 0;
+  gl.CreateTextures(samples ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D, 1, &id);
+  if (samples) {
+    gl.TextureStorage2DMultisample(id, samples, format, width, height, GL_TRUE);
+  } else {
+    gl.TextureStorage2D(id, levels, format, width, height);
+    gl.TextureParameteri(id, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl.TextureParameteri(id, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl.TextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl.TextureParameteri(id, GL_TEXTURE_MIN_FILTER,
+                         levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
+  }
+  return {gl, id, [](const Gl& g, GLuint i) { g.DeleteTextures(1, &i); }};
+}
+
+GlObject make_framebuffer(const Gl& gl, GLuint color, GLuint depth) {
+  GLuint id = 0;
+  gl.CreateFramebuffers(1, &id);
+  GlObject framebuffer(gl, id, [](const Gl& g, GLuint i) { g.DeleteFramebuffers(1, &i); });
+  if (color) {
+    gl.NamedFramebufferTexture(id, GL_COLOR_ATTACHMENT0, color, 0);
+  } else {
+    gl.NamedFramebufferDrawBuffer(id, GL_NONE);
+    gl.NamedFramebufferReadBuffer(id, GL_NONE);
+  }
+  if (depth) gl.NamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth, 0);
+  const GLenum status = gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE)
+    throw NoContext(fmt::format("the driver cannot draw into this framebuffer ({:#x})", status));
+  return framebuffer;
+}
+
+Program::Program(const Gl& gl, const std::string& defines, const char* vertex, const char* fragment)
+    : gl_(&gl),
+      object_(gl, gl.CreateProgram(), [](const Gl& g, GLuint id) { g.DeleteProgram(id); }) {
+  const GlObject shaders[] = {compile(gl, GL_VERTEX_SHADER, defines, vertex),
+                              compile(gl, GL_FRAGMENT_SHADER, defines, fragment)};
+  for (const GlObject& shader : shaders) gl.AttachShader(object_.id(), shader.id());
+  gl.LinkProgram(object_.id());
+  GLint ok = 0;
+  gl.GetProgramiv(object_.id(), GL_LINK_STATUS, &ok);
+  if (!ok) {
+    std::string log(4096, '\0');
+    gl.GetProgramInfoLog(object_.id(), GLsizei(log.size()), nullptr, log.data());
+    throw std::logic_error(fmt::format("shader program: {}", log.c_str()));
+  }
+}
+
+GLint Program::location(const char* name) const {
+  return gl_->GetUniformLocation(object_.id(), name);
+}
+
+void Program::set(const char* name, int value) const {
+  gl_->ProgramUniform1i(object_.id(), location(name), value);
+}
+void Program::set(const char* name, float value) const {
+  gl_->ProgramUniform1f(object_.id(), location(name), value);
+}
+void Program::set(const char* name, const Eigen::Vector3f& value) const {
+  gl_->ProgramUniform3fv(object_.id(), location(name), 1, value.data());
+}
+void Program::set(const char* name, const Eigen::Vector4f& value) const {
+  gl_->ProgramUniform4fv(object_.id(), location(name), 1, value.data());
+}
+void Program::set(const char* name, const Eigen::Matrix4f& value) const {
+  gl_->ProgramUniformMatrix4fv(object_.id(), location(name), 1, GL_FALSE, value.data());
+}
+
+}  // namespace taut

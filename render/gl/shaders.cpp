@@ -1,0 +1,295 @@
+#include "render/gl/shaders.h"
+
+namespace taut::shaders {
+
+// What every surface needs to know of a frame; FrameBlock in surfaces.h mirrors it.
+const char* const frame_block = R"(
+layout(std140, binding = 0) uniform Frame {
+  mat4 view_projection;
+  mat4 light_projection;   // world to [0,1]^3 of the shadow map
+  vec4 eye;                // xyz; w: offset along the normal before the shadow's look-up, m
+  vec4 capsule_from[6];    // xyz; w: radius
+  vec4 capsule_to[6];      // xyz; w: 1/length^2
+  int capsules;            // how many there are
+};
+)";
+
+const char* const surface_vertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 rest;
+layout(location = 3) in vec3 color;
+uniform mat4 model;
+invariant gl_Position;
+out vec3 world_position, world_normal, rest_position, tint, shadow_position;
+
+void main() {
+  world_position = (model * vec4(position, 1)).xyz;
+  world_normal = mat3(model) * normal;
+  rest_position = rest;
+  tint = color;
+  shadow_position = (light_projection * vec4(world_position + eye.w * world_normal, 1)).xyz;
+  gl_Position = view_projection * vec4(world_position, 1);
+})";
+
+// Cook-Torrance with GGX (Walter et al. 2007), visibility by Schlick's k = a/2, Schlick's Fresnel;
+// the environment's part of the specular by the fit of Karis 2014 ("Physically based shading on
+// mobile"). Ambient light: spherical harmonics of Ramamoorthi and Hanrahan 2001. Capsule contact
+// shadow: the cosine-weighted solid angle of the nearest sphere on each capsule, less what it is
+// where its reach ends.
+const char* const surface_fragment = R"(
+in vec3 world_position, world_normal, rest_position, tint, shadow_position;
+layout(location = 0) out vec4 encoded;
+uniform vec3 base_color;
+uniform float base_roughness, metallic, opacity;
+uniform int grain_axis;
+uniform float grain_scale;
+layout(binding = 0) uniform sampler2DShadow shadow_map;
+layout(binding = 1) uniform sampler2D noise;
+
+// 1 where the key light reaches: 3x3 bilinear comparisons, from four gathers of 2x2 texels. A loop
+// rather than a condition, as software rasterisers skip only loops: nothing is looked up where the
+// surface faces away or lies outside the map.
+float key_visibility(bool needed) {
+#if SHADE == 0
+  return 1;
+#elif SHADE == 3
+  // One bilinear comparison: the mean of the exposures is as smooth.
+  vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
+  vec2 corner = floor(at), f = at - corner, inside = abs(shadow_position.xy - 0.5);
+  float sum = 1;
+  for (int i = needed && max(inside.x, inside.y) < 0.5 ? 0 : 1; i < 1; ++i) {
+    vec4 lit = textureGather(shadow_map, (corner + 1) * (1.0 / SHADOW_SIZE), shadow_position.z);
+    sum = dot(lit, vec4((1 - f.x) * f.y, f.x * f.y, f.x * (1 - f.y), (1 - f.x) * (1 - f.y)));
+  }
+  return sum;
+#else
+  vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
+  vec2 corner = floor(at), f = at - corner;
+  vec4 columns = vec4(1 - f.x, 1, 1, f.x), rows = vec4(1 - f.y, 1, 1, f.y);
+  vec2 inside = abs(shadow_position.xy - 0.5);
+  float sum = 0;
+  int i = needed && max(inside.x, inside.y) < 0.5 ? 0 : 4;
+  if (i == 4) sum = 9;
+  for (; i < 4; ++i) {
+    bool right = (i & 1) != 0, top = i > 1;
+    vec2 texel = corner + vec2(right ? 2 : 0, top ? 2 : 0);
+    vec4 lit = textureGather(shadow_map, texel * (1.0 / SHADOW_SIZE), shadow_position.z);
+    vec2 w = right ? columns.zw : columns.xy, h = top ? rows.zw : rows.xy;
+    sum += dot(lit, vec4(w.x * h.y, w.y * h.y, w.y * h.x, w.x * h.x));
+  }
+  return sum * (1.0 / 9.0);
+#endif
+}
+
+vec3 ambient_light(vec3 n) {
+  return AMBIENT[0] + AMBIENT[1] * n.y + AMBIENT[2] * n.z + AMBIENT[3] * n.x +
+         AMBIENT[4] * (n.x * n.y) + AMBIENT[5] * (n.y * n.z) +
+         AMBIENT[6] * (3.0 * n.z * n.z - 1.0) + AMBIENT[7] * (n.x * n.z) +
+         AMBIENT[8] * (n.x * n.x - n.y * n.y);
+}
+
+// What a mirror of that roughness sees: ground below, sky above, walls in the key light between
+// them; softer where rougher.
+vec3 environment(vec3 r, float roughness) {
+  float blur = 0.15 + 0.85 * roughness;
+  float wall = max(1 - abs(r.y - 0.25) / (0.25 + blur), 0);
+  return mix(GROUND, SKY, smoothstep(-blur, blur, r.y)) + 0.16 * wall * wall * LIGHT_COLOR;
+}
+
+float contact_light(vec3 p, vec3 n) {
+  float light = 1;
+#if SHADE == 2
+  for (int i = 0; i < capsules; ++i) {
+    vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
+    vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
+    float distance2 = dot(d, d);
+    float r2 = capsule_from[i].w * capsule_from[i].w;
+    float sphere = max(r2 / distance2 - 1.0 / (CONTACT_REACH * CONTACT_REACH), 0);
+    light *= 1 - 0.9 * min(max(dot(n, d), 0) * inversesqrt(distance2) * sphere, 1);
+  }
+#endif
+  return light;
+}
+
+// Coordinates across the surface, in the rest position, on the plane that it faces most.
+vec2 facing(vec3 p, vec3 n) {
+  vec3 a = abs(n);
+  return a.x > a.y && a.x > a.z ? p.yz : a.y > a.z ? p.xz : p.xy;
+}
+
+// A wave of that many turns: parabolas, within 6% of the sine and a fifth of its time.
+float wave(float turns) {
+  float x = 2 * (turns - floor(turns)) - 1;
+  return -4 * x * (1 - abs(x));
+}
+
+// By how much a wave rises in one turn.
+float wave_slope(float turns) {
+  return 32 * abs(turns - floor(turns) - 0.5) - 8;
+}
+
+// How the height of the small creases of worn cloth changes along the rest position, m/m: waves
+// along wandering lines.
+vec3 crease_slope(vec3 p) {
+  const vec3 a = vec3(15.1, 6.5, 0), b = vec3(0, 5.9, 4.6), c = vec3(0, 9.7, -13.2),
+             d = vec3(6.8, -4.9, 0);
+  float at_b = dot(p, b), at_d = dot(p, d);
+  float first = dot(p, a) + 0.27 * wave(at_b), second = dot(p, c) + 0.30 * wave(at_d);
+  return 0.0011 * (wave_slope(first) * wave(second) * (a + 0.27 * wave_slope(at_b) * b) +
+                   wave(first) * wave_slope(second) * (c + 0.30 * wave_slope(at_d) * d));
+}
+
+// A normal tilted by heights over the surface (Mikkelsen 2010), given how these change along the
+// rest position: differences of heights between pixels would show the pixels' grid.
+vec3 bumped(vec3 n, vec3 rest_slope) {
+  vec3 x = dFdx(world_position), y = dFdy(world_position);
+  vec3 across = cross(y, n), along = cross(n, x);
+  float area = dot(x, across);
+  vec3 slope = sign(area) * (dot(rest_slope, dFdx(rest_position)) * across +
+                             dot(rest_slope, dFdy(rest_position)) * along);
+  return normalize(abs(area) * n - slope);
+}
+
+// Square root of the tone-mapped light: nearly even steps to the eye, cheap to undo before
+// averaging. The curve has a short toe and a long shoulder (a rational fit, as film curves are).
+vec3 encode(vec3 radiance) {
+  vec3 x = radiance * EXPOSURE;
+  return sqrt(min(x * (2.0 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0));
+}
+
+#if !LIT
+void main() {
+  encoded = vec4(0.5, 0.5, 0.5, opacity);
+}
+#else
+void main() {
+  vec3 n = normalize(world_normal);
+  vec3 albedo = base_color * tint;
+  float roughness = base_roughness;
+  vec3 wrap = vec3(0);   // how far diffuse light reaches round the terminator
+  float sheen = 0;
+
+#if SURFACE == 1  // wood: streaks along the grain
+  vec3 p = grain_axis == 0 ? rest_position.yzx : grain_axis == 1 ? rest_position.zxy : rest_position;
+  p *= grain_scale;
+  vec2 streaks = texture(noise, vec2(p.z * 0.9, (p.x + 0.6 * p.y) * 9.0)).rg;
+  albedo *= 0.70 + 0.42 * streaks.r + 0.18 * streaks.g;
+  roughness += 0.25 * (0.5 - streaks.r);
+#elif SURFACE == 2  // cloth: a weave of 2.4 mm that fades before it aliases, and a soft sheen
+  vec2 threads = facing(rest_position, n) * (1 / 0.0024);
+  vec2 width = fwidth(threads);
+  float fade = clamp(1.25 - 5 * max(width.x, width.y), 0, 1);
+  albedo *= 1 + 0.16 * fade * wave(threads.x) * wave(threads.y);
+  n = bumped(n, crease_slope(rest_position));
+  wrap = vec3(0.15);
+  sheen = 0.12;
+#elif SURFACE == 3  // skin: light that went in comes out redder past the terminator
+  wrap = vec3(0.22, 0.14, 0.11);
+  albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * 6.0).r;
+#elif SURFACE == 4  // rope: three strands; rest_position is (turn, metres along, radius)
+  float strand = abs(sin(3.14159 * (3.0 * rest_position.x + rest_position.y / (7.0 * rest_position.z))));
+  albedo *= 0.45 + 0.55 * sqrt(strand);
+  wrap = vec3(0.1);
+#elif SURFACE == 5  // paper: daylight from behind comes through
+  vec3 through = 0.30 * albedo * LIGHT_COLOR;
+#endif
+
+  vec3 v = normalize(eye.xyz - world_position), l = TO_LIGHT;
+  float nl = dot(n, l), nv = max(dot(n, v), 1e-3);
+  vec3 h = normalize(l + v);
+  float nh = max(dot(n, h), 0), vh = max(dot(v, h), 0);
+  float lit = max(nl, 0);
+
+  float a = roughness * roughness, a2 = a * a, k = 0.5 * a;
+  float d = nh * nh * (a2 - 1) + 1;
+  float lobe = 0.25 * a2 / (d * d * ((lit * (1 - k) + k) * (nv * (1 - k) + k)));
+  vec3 f0 = mix(vec3(0.04), albedo, metallic);
+  float c = 1 - vh, c2 = c * c;
+  vec3 fresnel = f0 + (1 - f0) * (c2 * c2 * c);
+
+  // Units: a white Lambert surface that faces the key light has the radiance LIGHT_COLOR.
+  vec3 diffuse = albedo * (1 - metallic);
+#if SURFACE == 2 || SURFACE == 3 || SURFACE == 4
+  vec3 diffuse_lit = max((nl + wrap) * (1 / ((1 + wrap) * (1 + wrap))), 0);
+#else
+  vec3 diffuse_lit = vec3(lit);
+#endif
+  vec3 key = LIGHT_COLOR * key_visibility(max(diffuse_lit.r, diffuse_lit.b) > 0);
+  vec3 radiance = key * (diffuse * diffuse_lit + lobe * fresnel * lit);
+
+  vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);
+  float grazing = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+  vec2 fit = vec2(-1.04, 1.04) * grazing + r.zw;
+  vec3 ambient_part = diffuse * ambient_light(n) +
+                      (f0 * fit.x + fit.y) * environment(reflect(-v, n), roughness);
+#if SURFACE == 2
+  float rim = 1 - nv;
+  ambient_part += sheen * rim * rim * rim * ambient_light(n);
+#endif
+  radiance += contact_light(world_position, n) * ambient_part;
+#if SURFACE == 5
+  radiance += through;
+#endif
+  encoded = vec4(encode(radiance), opacity);
+}
+#endif
+)";
+
+const char* const depth_vertex = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 model;
+void main() {
+  gl_Position = vec4((light_projection * (model * vec4(position, 1))).xyz * 2 - 1, 1);
+})";
+
+const char* const depth_fragment = "void main() {}";
+
+const char* const cover_vertex = R"(
+void main() {
+  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0, 1);
+})";
+
+const char* const gather_fragment = R"(
+layout(binding = 0) uniform sampler2DMS samples;
+layout(location = 0) out vec4 mean;
+uniform float share;
+void main() {
+  vec3 light = vec3(0);
+  for (int i = 0; i < SAMPLES; ++i) {
+    vec3 s = texelFetch(samples, ivec2(gl_FragCoord.xy), i).rgb;
+    light += s * s;
+  }
+  mean = vec4(light * (share / SAMPLES), 1);
+})";
+
+const char* const finish_fragment = R"(
+#if SAMPLES > 0
+layout(binding = 0) uniform sampler2DMS samples;
+#else
+layout(binding = 0) uniform sampler2D gathered;
+#endif
+layout(location = 0) out vec4 color;
+uniform int height;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.x, height - 1 - int(gl_FragCoord.y));
+#if SAMPLES > 0
+  vec3 light = vec3(0);
+  for (int i = 0; i < SAMPLES; ++i) {
+    vec3 s = texelFetch(samples, pixel, i).rgb;
+    light += s * s;
+  }
+  light *= 1.0 / SAMPLES;
+#else
+  vec3 light = texelFetch(gathered, pixel, 0).rgb;
+#endif
+  // Roots instead of the power of 1/2.4, within a quarter of a step of the 8-bit scale.
+  vec3 root2 = sqrt(light), root4 = sqrt(root2), root8 = sqrt(root4);
+  vec3 power = 0.662002687 * root2 + 0.684122060 * root4 - 0.323583601 * root8 - 0.0225411470 * light;
+  vec3 srgb = mix(12.92 * light, power, step(0.0031308, light));
+  // Interleaved gradient noise (Jimenez 2014), one step of the 8-bit scale wide.
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  color = vec4(srgb + (noise - 0.5) / 255.0, 1);
+})";
+
+}  // namespace taut::shaders

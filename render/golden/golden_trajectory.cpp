@@ -1,0 +1,152 @@
+#include "render/golden/golden_trajectory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "render/golden/golden.h"
+#include "render/golden/snapshot_json.h"
+#include "render/interrupt.h"
+#include "scenes/regular_file.h"
+#include "sim/hash.h"
+#include "sim/simulation.h"
+
+namespace taut {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kStates = 8;  // kept of each trajectory, at most
+
+/// What the motion follows from, for people: the rest of the file would fill pages.
+std::map<std::string, std::string> sources(const Scene& scene, const MethodChoice& method) {
+  std::map<std::string, std::string> list = {{"fps", fmt::to_string(scene.fps)},
+                                             {"method.name", method.name}};
+  const Vec3& g = scene.world.gravity;
+  list["gravity"] = fmt::format("[{}, {}, {}]", g.x(), g.y(), g.z());
+  for (const auto& [name, value] : method.settings)
+    list["method." + name] = std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
+  for (const Connector& connector : scene.world.connectors) {
+    const std::string key = "connectors." + connector.name;
+    list[key + ".length"] = fmt::format("{}", connector.length);
+    list[key + ".mass"] = fmt::format("{}", connector.mass);
+    list[key + ".particles"] = fmt::to_string(connector.particles());
+  }
+  for (const Body& body : scene.world.bodies)
+    list["bodies." + body.name + ".mass"] = fmt::format("{}", body.mass_properties.mass);
+  return list;
+}
+
+/// What of its sources is another one since; empty where nothing is known of it.
+std::string changes_since(const TrajectoryRecord& today, const TrajectoryRecord& kept) {
+  std::string changes;
+  const auto add = [&](const std::string& change) {
+    changes += (changes.empty() ? "" : ", ") + change;
+  };
+  if (kept.made_from.empty()) return {};
+  for (const auto& [key, value] : today.made_from) {
+    const auto was = kept.made_from.find(key);
+    if (was == kept.made_from.end()) {
+      add(key + " is new");
+    } else if (was->second != value) {
+      add(fmt::format("{} was {} and is {}", key, was->second, value));
+    }
+  }
+  for (const auto& [key, value] : kept.made_from)
+    if (!today.made_from.contains(key)) add(key + " is gone");
+  return changes;
+}
+
+}  // namespace
+
+TrajectoryRecord record_of(const GoldenTrajectory& trajectory) {
+  const Scene scene = load_scene(trajectory.scene, false);
+  Simulation simulation = start(scene, trajectory.method);
+  TrajectoryRecord record;
+  record.machine = fmt::format("{}, compiler {}", processor(), __VERSION__);
+  record.made_from = sources(scene, trajectory.method);
+  Hash hash;
+  const int states = std::min(kStates, trajectory.last);
+  for (int k = 1; k <= trajectory.last; ++k) {
+    stop_if_interrupted();
+    simulation.advance_to(double(k) / scene.fps);
+    hash.number(state_hash(simulation.world()));
+    // Of last frames, the states-th parts, each rounded down.
+    if (k * states / trajectory.last != (k - 1) * states / trajectory.last)
+      record.states.push_back(simulation.state());
+  }
+  record.hash = hash.value();
+  return record;
+}
+
+TrajectoryRecord read_trajectory(const std::filesystem::path& file) {
+  std::ifstream in = open_asset(file);
+  try {
+    const Json json = Json::parse(in);
+    TrajectoryRecord record;
+    record.machine = json.at("machine").get<std::string>();
+    record.hash = std::stoull(json.at("hash").get<std::string>(), nullptr, 16);
+    if (json.contains("made_from")) json.at("made_from").get_to(record.made_from);
+    for (const Json& state : json.at("states")) record.states.push_back(snapshot_from(state));
+    return record;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw BadAsset(
+        fmt::format("{}: no record of a golden trajectory: {}", file.string(), error.what()));
+  }
+}
+
+std::string trajectory_text(const TrajectoryRecord& record) {
+  Json states = Json::array();
+  for (const Snapshot& state : record.states) states.push_back(to_json(state));
+  return Json({{"machine", record.machine},
+               {"made_from", record.made_from},
+               {"hash", fmt::format("{:016x}", record.hash)},
+               {"states", std::move(states)}})
+             .dump() +
+         "\n";
+}
+
+TrajectoryComparison compare(const TrajectoryRecord& today, const TrajectoryRecord& kept,
+                             double within) {
+  TrajectoryComparison result;
+  result.exact = today.machine == kept.machine;
+  if (today.states.size() != kept.states.size())
+    result.distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(today.states.size(), kept.states.size()); ++i)
+    result.distance = std::max(result.distance, distance(today.states[i], kept.states[i]));
+  if (result.exact && today.hash != kept.hash) {
+    result.failure = fmt::format(
+        "the machine is the same and the bits are not; kept positions {}",
+        result.distance > 0 ? fmt::format("lie up to {:.3g} m apart", result.distance)
+                            : "are the same, velocities or what lies between them are not");
+  } else if (!result.exact && !(result.distance <= within)) {
+    result.failure = fmt::format("the simulation is {:.3g} m from a kept state, {:.3g} m allowed",
+                                 result.distance, within);
+  }
+  if (const std::string since = changes_since(today, kept);
+      !since.empty() && !result.failure.empty())
+    result.failure += "; since it was accepted " + since;
+  return result;
+}
+
+double distance(const Snapshot& a, const Snapshot& b) {
+  constexpr double kOther = std::numeric_limits<double>::infinity();
+  if (a.connectors.size() != b.connectors.size() || a.bodies.size() != b.bodies.size())
+    return kOther;
+  double largest = 0;
+  for (std::size_t c = 0; c < a.connectors.size(); ++c) {
+    if (a.connectors[c].size() != b.connectors[c].size()) return kOther;
+    for (std::size_t i = 0; i < a.connectors[c].size(); ++i)
+      largest = std::max(largest, (a.connectors[c][i] - b.connectors[c][i]).norm());
+  }
+  for (std::size_t i = 0; i < a.bodies.size(); ++i)
+    largest = std::max(largest, (a.bodies[i].position - b.bodies[i].position).norm());
+  return largest;
+}
+
+}  // namespace taut

@@ -1,0 +1,51 @@
+#include "render/golden/snapshot_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace taut {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Vec3& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Vec3 vec3(const Json& list) {
+  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Snapshot& state) {
+  Json connectors = Json::array(), bodies = Json::array();
+  for (const auto& particles : state.connectors) {
+    Json list = Json::array();
+    for (const Vec3& particle : particles) list.push_back(to_json(particle));
+    connectors.push_back(std::move(list));
+  }
+  for (const Pose& body : state.bodies) {
+    const Quat& q = body.rotation;
+    bodies.push_back(
+        {{"position", to_json(body.position)}, {"rotation", {q.w(), q.x(), q.y(), q.z()}}});
+  }
+  return {{"time", state.time}, {"connectors", connectors}, {"bodies", bodies}};
+}
+
+Snapshot snapshot_from(const nlohmann::ordered_json& json) {
+  Snapshot state;
+  state.time = json.at("time").get<double>();
+  for (const Json& list : json.at("connectors")) {
+    auto& particles = state.connectors.emplace_back();
+    for (const Json& particle : list) particles.push_back(vec3(particle));
+  }
+  for (const Json& body : json.at("bodies")) {
+    const Json& q = body.at("rotation");
+    const auto part = [&](std::size_t i) { return q.at(i).get<double>(); };
+    state.bodies.push_back(
+        {vec3(body.at("position")), Quat(part(0), part(1), part(2), part(3)).normalized()});
+  }
+  return state;
+}
+
+}  // namespace taut

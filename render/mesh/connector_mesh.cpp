@@ -1,0 +1,133 @@
+#include "render/mesh/connector_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "render/mesh/chain_mesh.h"
+#include "render/mesh/link_frames.h"
+#include "render/mesh/pieces.h"
+
+namespace taut {
+namespace {
+
+using Vec3f = Eigen::Vector3f;
+
+/// The ball that a point mass at a particle is drawn as: as large as steel of that mass. No ball
+/// where the particle is held or has only its share of the connector.
+std::optional<Piece> weight_piece(const Connector& connector, std::size_t particle) {
+  const double own = connector.mass / double(connector.particles());
+  const double extra = connector.particle_mass[particle] - own;
+  if (extra <= 1e-6 * own + 1e-12) return {};
+  for (const Hold& hold : connector.holds)
+    if (hold.particle == particle) return {};
+  constexpr double kSteel = 7850;  // kg/m3
+  const auto radius = float(std::cbrt(3 * extra / (4 * std::numbers::pi * kSteel)));
+  constexpr int kRows = 16;
+  std::vector<std::array<float, 4>> profile;
+  for (int i = 0; i <= kRows; ++i) {
+    const float angle = std::numbers::pi_v<float> * (float(i) / kRows - 0.5f);
+    const float out = std::cos(angle), up = std::sin(angle);
+    profile.push_back({radius * out, radius * up, out, up});
+  }
+  return turned_piece(profile, 32);
+}
+
+/// A tube through the particles: a Catmull-Rom curve with parallel-transport frames.
+class TubeMesh final : public ConnectorMesh {
+ public:
+  TubeMesh(const Connector& connector, const ConnectorLook& look)
+      : radius_(float(look.diameter / 2)),
+        spans_(connector.particles() - 1),
+        steps_(std::clamp<std::size_t>(120 / spans_, 1, 6)),
+        rings_(spans_ * steps_ + 1) {
+    const Vec3f color = look.color.cast<float>();
+    for (std::size_t i = 0; i < rings_ + 2; ++i) {
+      const double share = std::clamp(double(i) - 1, 0.0, double(rings_ - 1)) / double(rings_ - 1);
+      for (std::uint32_t j = 0; j < kSides; ++j)
+        rest_.push_back(
+            {Vec3f(float(j) / kSides, float(share * connector.length), radius_), color});
+    }
+    add_grid(0, std::uint32_t(rings_ + 2), kSides, false, indices_);
+    for (const std::size_t particle : {std::size_t(0), connector.particles() - 1}) {
+      const std::optional<Piece> weight = weight_piece(connector, particle);
+      if (!weight) continue;
+      const auto first = std::uint32_t(rest_.size());
+      for (const std::uint32_t i : weight->indices) indices_.push_back(first + i);
+      // On the crest of a strand everywhere: the rope's pattern leaves the ball plain.
+      rest_.resize(rest_.size() + weight->vertices.size(), {Vec3f(1 / 6.0f, 0, 1), kIron});
+      weights_.push_back({particle, *weight});
+    }
+  }
+
+  void place(std::span<const Vec3> particles, std::span<const Pose>,
+             std::vector<MovingVertex>& vertices) const override {
+    vertices.clear();
+    Vec3 axis = Vec3::UnitY(), side = Vec3::UnitX();
+    for (std::size_t i = 0; i < rings_; ++i) {
+      const auto [point, slope] = curve(particles, i);
+      const double speed = slope.norm();
+      const Vec3 next = speed > 1e-12 ? Vec3(slope / speed) : axis;
+      side = transport(side, axis, next);
+      axis = next;
+      // The ends are closed by rings shrunk to a point.
+      if (i == 0) ring(point, side, axis, 0, -axis, vertices);
+      ring(point, side, axis, radius_, Vec3::Zero(), vertices);
+      if (i + 1 == rings_) ring(point, side, axis, 0, axis, vertices);
+    }
+    for (const auto& [particle, weight] : weights_) {
+      const Vec3f at = particles[particle].cast<float>();
+      for (const MovingVertex& v : weight.vertices) vertices.push_back({at + v.position, v.normal});
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kSides = 10;
+  inline static const Vec3f kIron{0.05f, 0.055f, 0.065f};
+
+  std::pair<Vec3, Vec3> curve(std::span<const Vec3> p, std::size_t ring) const {
+    const std::size_t i = std::min(ring / steps_, spans_ - 1);
+    const double u = double(ring - i * steps_) / double(steps_);
+    const Vec3 &b = p[i], &c = p[i + 1];
+    const Vec3 a = i > 0 ? p[i - 1] : Vec3(2 * b - c),
+               d = i + 2 < p.size() ? p[i + 2] : Vec3(2 * c - b);
+    const Vec3 m = (c - a) / 2, n = (d - b) / 2;
+    const double u2 = u * u, u3 = u2 * u;
+    return {
+        (2 * u3 - 3 * u2 + 1) * b + (u3 - 2 * u2 + u) * m + (3 * u2 - 2 * u3) * c + (u3 - u2) * n,
+        (6 * u2 - 6 * u) * (b - c) + (3 * u2 - 4 * u + 1) * m + (3 * u2 - 2 * u) * n};
+  }
+
+  static void ring(const Vec3& point, const Vec3& side, const Vec3& axis, float radius,
+                   const Vec3& cap, std::vector<MovingVertex>& vertices) {
+    const Vec3f x = side.cast<float>(), y = axis.cross(side).cast<float>();
+    const Vec3f at = point.cast<float>(), end = cap.cast<float>();
+    for (std::uint32_t j = 0; j < kSides; ++j) {
+      const float angle = kTurn * float(j) / float(kSides);
+      const Vec3f normal = std::cos(angle) * x + std::sin(angle) * y;
+      vertices.push_back({at + radius * normal, radius > 0 ? normal : end});
+    }
+  }
+
+  struct Weight {
+    std::size_t particle;
+    Piece piece;
+  };
+
+  float radius_;
+  std::vector<Weight> weights_;
+  std::size_t spans_, steps_, rings_;
+};
+
+}  // namespace
+
+std::unique_ptr<ConnectorMesh> make_connector_mesh(
+    const Connector& connector, const ConnectorLook& look,
+    std::span<const std::shared_ptr<const Model>> bodies) {
+  if (look.kind == ConnectorLook::Kind::chain)
+    return std::make_unique<ChainMesh>(connector, look, bodies);
+  return std::make_unique<TubeMesh>(connector, look);
+}
+
+}  // namespace taut

@@ -1,0 +1,28 @@
+// Flat shapes and lines of text on finished pictures.
+#pragma once
+
+#include <string>
+
+#include "render/picture/picture.h"
+#include "render/picture/rect.h"
+#include "render/picture/text.h"
+
+namespace taut {
+
+/// Blends a colour over a rectangle (from the upper left corner), as far as it lies inside.
+void fill(Picture& picture, const Rect& rect, Rgb color, double opacity = 1);
+
+/// Blends a colour over a rectangle with soft edges: from all of `opacity` inside to nothing
+/// `feather` pixels outside it.
+void fill_softly(Picture& picture, const Rect& rect, Rgb color, double opacity, double feather);
+
+/// Copies a picture into another, its upper left corner at (x, y); it must fit.
+void paste(const Picture& from, Picture& to, int x, int y);
+
+/// Each `factor` x `factor` pixels averaged into one.
+Picture shrunk(const Picture& picture, int factor);
+
+/// Text broken into lines no wider than `width` pixels where its words allow.
+std::vector<std::string> wrapped(Font& font, const std::string& text, double size, double width);
+
+}  // namespace taut

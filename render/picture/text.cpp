@@ -1,0 +1,114 @@
+#include "render/picture/text.h"
+
+#include <fmt/format.h>
+#include <ft2build.h>
+#include FT_FREETYPE_H
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+#include <vector>
+
+namespace taut {
+namespace {
+
+constexpr const char* kFolder = "/usr/share/fonts/truetype/dejavu/";
+
+/// UTF-8 to code points; a malformed byte becomes U+FFFD.
+std::vector<char32_t> code_points(std::string_view text) {
+  std::vector<char32_t> points;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lead < 0x80       ? 1
+                               : lead >> 5 == 6  ? 2
+                               : lead >> 4 == 14 ? 3
+                               : lead >> 3 == 30 ? 4
+                                                 : 0;
+    char32_t point = length == 1 ? lead : lead & (0xffu >> (length + 1));
+    bool whole = length > 0 && i + length <= text.size();
+    for (std::size_t k = 1; whole && k < length; ++k) {
+      const auto next = static_cast<unsigned char>(text[i + k]);
+      whole = next >> 6 == 2;
+      point = point << 6 | (next & 0x3f);
+    }
+    points.push_back(whole ? point : U'\ufffd');
+    i += whole ? length : 1;
+  }
+  return points;
+}
+
+}  // namespace
+
+struct Font::Face {
+  FT_Library library = nullptr;
+  FT_Face face = nullptr;
+
+  /// Calls `use(glyph slot, x of its origin)` for each character of a line that starts at `x`
+  /// (pixels), and returns where the line ends.
+  template <typename Use>
+  double lay_out(std::string_view text, double size, double x, FT_Int32 flags, Use use) {
+    FT_Set_Char_Size(face, 0, FT_F26Dot6(std::lround(size * 64)), 72, 72);
+    FT_UInt previous = 0;
+    for (const char32_t point : code_points(text)) {
+      const FT_UInt glyph = FT_Get_Char_Index(face, point);
+      FT_Vector kern{};
+      if (previous && glyph) FT_Get_Kerning(face, previous, glyph, FT_KERNING_UNFITTED, &kern);
+      x += double(kern.x) / 64;
+      previous = glyph;
+      // The origin's fraction of a pixel goes into the outline, so that moving text does not jump.
+      FT_Vector shift{FT_Pos((x - std::floor(x)) * 64), 0};
+      FT_Set_Transform(face, nullptr, &shift);
+      const FT_Error error = FT_Load_Glyph(face, glyph, flags);
+      if (error == FT_Err_Out_Of_Memory) throw std::bad_alloc();
+      if (error != 0) continue;
+      use(*face->glyph, int(std::floor(x)));
+      x += double(face->glyph->linearHoriAdvance) / 65536;
+    }
+    return x;
+  }
+};
+
+Font::Font(Weight weight) : face_(std::make_unique<Face>()) {
+  const std::string file =
+      fmt::format("{}DejaVuSans{}.ttf", kFolder, weight == Weight::bold ? "-Bold" : "");
+  if (FT_Init_FreeType(&face_->library) != 0) throw std::bad_alloc();
+  if (const FT_Error error = FT_New_Face(face_->library, file.c_str(), 0, &face_->face)) {
+    FT_Done_FreeType(face_->library);
+    if (error == FT_Err_Out_Of_Memory) throw std::bad_alloc();
+    throw std::runtime_error(fmt::format("{}: missing (package fonts-dejavu-core)", file));
+  }
+}
+
+Font::~Font() {
+  FT_Done_Face(face_->face);
+  FT_Done_FreeType(face_->library);
+}
+
+double Font::width(std::string_view text, double size) {
+  return face_->lay_out(text, size, 0, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP,
+                        [](const FT_GlyphSlotRec&, int) {});
+}
+
+void Font::draw(Picture& picture, std::string_view text, double x, double y, double size, Rgb color,
+                double opacity) {
+  const int line = int(std::lround(y));
+  face_->lay_out(text, size, x, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP | FT_LOAD_RENDER,
+                 [&](const FT_GlyphSlotRec& glyph, int origin) {
+                   const int left = origin + glyph.bitmap_left, top = line - glyph.bitmap_top;
+                   for (int row = 0; row < int(glyph.bitmap.rows); ++row)
+                     for (int column = 0; column < int(glyph.bitmap.width); ++column) {
+                       const int px = left + column, py = top + row;
+                       if (px < 0 || py < 0 || px >= picture.width || py >= picture.height)
+                         continue;
+                       const double cover =
+                           opacity * glyph.bitmap.buffer[row * glyph.bitmap.pitch + column] / 255;
+                       std::uint8_t* pixel = picture.at(px, py);
+                       for (std::size_t k = 0; k < 3; ++k)
+                         pixel[k] = std::uint8_t(
+                             std::lround(pixel[k] + cover * (double(color[k]) - pixel[k])));
+                     }
+                 });
+}
+
+}  // namespace taut

@@ -1,0 +1,37 @@
+// Lines of text on a picture, with a real font.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "render/picture/picture.h"
+
+namespace taut {
+
+using Rgb = std::array<std::uint8_t, 3>;  // sRGB
+
+/// A typeface. Text is UTF-8; characters that the font lacks become its box.
+class Font {
+ public:
+  enum class Weight { regular, bold };
+  /// Opens DejaVu Sans where Debian keeps it. Throws std::runtime_error where it is missing.
+  explicit Font(Weight weight = Weight::regular);
+  ~Font();
+  Font(const Font&) = delete;
+  Font& operator=(const Font&) = delete;
+
+  /// How wide a line of `text` is in letters of `size` pixels.
+  double width(std::string_view text, double size);
+  /// Blends a line over the picture, its base line starting at (x, y) pixels from the upper left;
+  /// `opacity` from 0 to 1. What falls outside is left out.
+  void draw(Picture& picture, std::string_view text, double x, double y, double size, Rgb color,
+            double opacity = 1);
+
+ private:
+  struct Face;
+  std::unique_ptr<Face> face_;
+};
+
+}  // namespace taut
