@@ -7,7 +7,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <iterator>
 #include <new>
 
 #include "scenes/standard_input.h"
@@ -80,20 +79,8 @@ std::string read_standard_input(std::size_t limit, std::string_view expected) {
   return read_all(STDIN_FILENO, "standard input", limit, expected);
 }
 
-std::ifstream open_asset(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (in) return in;
-  if (errno == ENOMEM) throw std::bad_alloc();
-  throw bad_asset(file, fmt::format("cannot be opened: {}", std::strerror(errno)));
-}
-
 std::string read_bytes(const std::filesystem::path& file) {
-  std::ifstream in = open_asset(file);
-  try {
-    return {std::istreambuf_iterator<char>(in), {}};
-  } catch (const std::ios_base::failure& error) {
-    throw bad_asset(file, fmt::format("cannot be read: {}", error.code().message()));
-  }
+  return read_regular_file(file, std::size_t{1} << 30, "a regular file");
 }
 
 }  // namespace taut

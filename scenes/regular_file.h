@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -19,10 +18,7 @@ BadAsset bad_asset(const std::filesystem::path& file, const std::string& cause);
 std::string read_regular_file(const std::filesystem::path& file, std::size_t limit,
                               std::string_view expected);
 
-/// Opens any file to be read. Throws BadAsset.
-std::ifstream open_asset(const std::filesystem::path& file);
-
-/// The bytes of any file. Throws BadAsset.
+/// The same of anything up to 1 GiB.
 std::string read_bytes(const std::filesystem::path& file);
 
 }  // namespace taut

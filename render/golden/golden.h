@@ -36,6 +36,7 @@ std::uint64_t pixel_hash(const Picture& picture);
 
 /// Reads NAME.json. Throws BadAsset that names the file and what is wrong with it.
 GoldenRecord read_golden(const std::filesystem::path& file);
+GoldenRecord golden_from(const std::string& text, const std::filesystem::path& file);
 std::string golden_text(const GoldenRecord& record);
 
 /// How alike pictures must be: bits on the same driver and processor, otherwise by tolerance.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t kMaxBytes = 64u << 20;
 constexpr int kStates = 8;  // kept of each trajectory, at most
 
 /// What the motion follows from, for people: the rest of the file would fill pages.
@@ -83,14 +83,18 @@ TrajectoryRecord record_of(const GoldenTrajectory& trajectory) {
 }
 
 TrajectoryRecord read_trajectory(const std::filesystem::path& file) {
-  std::ifstream in = open_asset(file);
+  return trajectory_from(read_regular_file(file, kMaxBytes, "a record of a golden trajectory"),
+                         file);
+}
+
+TrajectoryRecord trajectory_from(const std::string& text, const std::filesystem::path& file) {
   try {
-    const Json json = Json::parse(in);
+    const nlohmann::json json = nlohmann::json::parse(text);
     TrajectoryRecord record;
     record.machine = json.at("machine").get<std::string>();
     record.hash = std::stoull(json.at("hash").get<std::string>(), nullptr, 16);
     if (json.contains("made_from")) json.at("made_from").get_to(record.made_from);
-    for (const Json& state : json.at("states")) record.states.push_back(snapshot_from(state));
+    for (const auto& state : json.at("states")) record.states.push_back(snapshot_from(state));
     return record;
   } catch (const std::bad_alloc&) {
     throw;

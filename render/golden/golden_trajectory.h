@@ -25,6 +25,7 @@ TrajectoryRecord record_of(const GoldenTrajectory& trajectory);
 
 /// Reads a kept record. Throws BadAsset that names the file and what is wrong with it.
 TrajectoryRecord read_trajectory(const std::filesystem::path& file);
+TrajectoryRecord trajectory_from(const std::string& text, const std::filesystem::path& file);
 std::string trajectory_text(const TrajectoryRecord& record);
 
 struct TrajectoryComparison {

@@ -11,7 +11,7 @@ Json to_json(const Vec3& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
-Vec3 vec3(const Json& list) {
+Vec3 vec3(const nlohmann::json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
@@ -32,15 +32,15 @@ nlohmann::ordered_json to_json(const Snapshot& state) {
   return {{"time", state.time}, {"connectors", connectors}, {"bodies", bodies}};
 }
 
-Snapshot snapshot_from(const nlohmann::ordered_json& json) {
+Snapshot snapshot_from(const nlohmann::json& json) {
   Snapshot state;
   state.time = json.at("time").get<double>();
-  for (const Json& list : json.at("connectors")) {
+  for (const auto& list : json.at("connectors")) {
     auto& particles = state.connectors.emplace_back();
-    for (const Json& particle : list) particles.push_back(vec3(particle));
+    for (const auto& particle : list) particles.push_back(vec3(particle));
   }
-  for (const Json& body : json.at("bodies")) {
-    const Json& q = body.at("rotation");
+  for (const auto& body : json.at("bodies")) {
+    const auto& q = body.at("rotation");
     const auto part = [&](std::size_t i) { return q.at(i).get<double>(); };
     state.bodies.push_back(
         {vec3(body.at("position")), Quat(part(0), part(1), part(2), part(3)).normalized()});

@@ -10,6 +10,6 @@ namespace taut {
 nlohmann::ordered_json to_json(const Snapshot& state);
 
 /// Throws nlohmann::json::exception where `json` is no state.
-Snapshot snapshot_from(const nlohmann::ordered_json& json);
+Snapshot snapshot_from(const nlohmann::json& json);
 
 }  // namespace taut

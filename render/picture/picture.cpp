@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "render/picture/png_file.h"
+#include "scenes/regular_file.h"
 
 namespace taut {
 namespace {
@@ -97,15 +98,22 @@ std::vector<std::uint8_t> encode_png(const Picture& picture, const PngExtras& ex
 
 namespace {
 
+constexpr png_uint_32 kLargest = 16384;  // pixels, as of a scene's pictures
+
 /// Ends the reading that `begun` tells the success of.
 Picture finish_reading(png_image& image, int begun, const std::string& source) {
   const auto check = [&](int ok) {
     if (ok) return;
     const std::string why = image.message;
     png_image_free(&image);
-    throw std::runtime_error(fmt::format("{}: {}", source, why));
+    throw bad_asset(source, why);
   };
   check(begun);
+  if (image.width > kLargest || image.height > kLargest) {
+    png_image_free(&image);
+    throw bad_asset(source, fmt::format("{} by {} pixels, expected at most {} by {}", image.width,
+                                        image.height, kLargest, kLargest));
+  }
   image.format = PNG_FORMAT_RGBA;
   Picture picture(int(image.width), int(image.height));
   check(png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr));
@@ -115,16 +123,16 @@ Picture finish_reading(png_image& image, int begun, const std::string& source) {
 }  // namespace
 
 Picture read_png(const std::filesystem::path& file) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  return finish_reading(image, png_image_begin_read_from_file(&image, file.c_str()), file.string());
+  const std::string bytes = read_bytes(file);
+  return decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
+                    file.string());
 }
 
-Picture decode_png(std::span<const std::uint8_t> bytes) {
+Picture decode_png(std::span<const std::uint8_t> bytes, const std::string& source) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   return finish_reading(image, png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()),
-                        "a PNG picture");
+                        source);
 }
 
 }  // namespace taut

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace taut {
@@ -25,9 +26,10 @@ struct Picture {
 /// The picture as a PNG file's bytes, RGB; packed for speed rather than size.
 std::vector<std::uint8_t> encode_png(const Picture& picture);
 
-/// Reads back a PNG file. Throws std::runtime_error that names the file.
+/// Reads back a PNG file. Throws BadAsset.
 Picture read_png(const std::filesystem::path& file);
-/// The same from a PNG file's bytes.
-Picture decode_png(std::span<const std::uint8_t> bytes);
+/// The same from a PNG file's bytes, which messages call `source`.
+Picture decode_png(std::span<const std::uint8_t> bytes,
+                   const std::string& source = "a PNG picture");
 
 }  // namespace taut

@@ -12,5 +12,8 @@ constexpr std::size_t depth = 128;  // of the tree of nodes
 constexpr std::size_t bones = 256;
 constexpr std::size_t vertices = 4u << 20;  // over all pieces, also those that share data
 constexpr std::size_t indices = 24u << 20;
+// Of the process that reads it. The largest of the above take about half of it.
+constexpr std::size_t memory = 2048u << 20;
+constexpr std::size_t reply = 640u << 20;  // of that process: 8 million vertices with their indices
 
 }  // namespace taut::model_limits

@@ -1,22 +1,58 @@
 #include "scenes/model/model.h"
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
-#include <cctype>
+#include <new>
+#include <system_error>
 
-#include "scenes/model/gltf.h"
-#include "scenes/model/imported.h"
+#include "scenes/model/import.h"
 #include "scenes/model/limits.h"
-#include "scenes/model/obj.h"
-#include "scenes/model/obj_files.h"
+#include "scenes/model/model_bytes.h"
+#include "scenes/model/sandbox.h"
 #include "scenes/regular_file.h"
 
 namespace taut {
+namespace {
+
+constexpr char kModel = 'm', kRefused = 'r', kFailed = 'f';  // what a reply starts with
+
+/// The importers do some 10 MB a second; a small file gets 5 s.
+SandboxLimits limits_for(std::size_t bytes) {
+  const double cpu_time = 5 + static_cast<double>(bytes >> 20);
+  return {model_limits::memory, model_limits::reply, cpu_time, 4 * cpu_time};
+}
+
+std::string reply_to(const std::filesystem::path& file, const std::string& content) {
+  try {
+    return kModel + to_bytes(import_model(file, content));
+  } catch (const BadAsset& error) {
+    return kRefused + std::string(error.what());
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    return kFailed + std::string(error.what());
+  }
+}
+
+/// Why there is no model, where the process that should read it gave no answer.
+std::string cause_of(const SandboxResult& result, const SandboxLimits& limits) {
+  using End = SandboxResult::End;
+  switch (result.end) {
+    case End::no_memory:
+      return fmt::format("takes more than {} MiB of memory to be read", limits.memory >> 20);
+    case End::no_time:
+      return fmt::format("takes longer than {} s to be read", limits.cpu_time);
+    case End::forbidden:
+      return "its reader asked the system for more than to read files, and was stopped";
+    default:
+      return result.status > 128
+                 ? fmt::format("its reader was ended by signal {}", result.status - 128)
+                 : fmt::format("its reader ended with status {}", result.status);
+  }
+}
+
+}  // namespace
 
 int Model::bone(std::string_view bone_name) const {
   const auto found = std::find_if(bones.begin(), bones.end(),
@@ -25,32 +61,23 @@ int Model::bone(std::string_view bone_name) const {
 }
 
 Model load_model(const std::filesystem::path& file) {
-  std::string kind = file.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const bool gltf = kind == ".glb" || kind == ".gltf";
-  if (!gltf && kind != ".obj")
-    throw bad_asset(file, fmt::format("is a \"{}\" file, expected .glb, .gltf or .obj", kind));
   const std::string content = read_regular_file(file, model_limits::bytes, "a model");
-  if (content.empty()) throw bad_asset(file, "empty file");
-
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
-                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  unsigned steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
-  const aiScene* scene = nullptr;
-  if (gltf) {
-    const std::string glb = checked_glb(file, content);
-    scene = importer.ReadFileFromMemory(glb.data(), glb.size(), steps, "glb");
-  } else {
-    check_obj(file, content);
-    steps |= aiProcess_JoinIdenticalVertices;  // so that faces without normals shade smoothly
-    importer.SetIOHandler(new ObjFiles(file, content));  // which it deletes
-    scene = importer.ReadFile(file.string(), steps);
+  const SandboxLimits limits = limits_for(content.size());
+  SandboxResult result;
+  try {
+    result = run_in_sandbox(limits, [&] { return reply_to(file, content); });
+  } catch (const std::system_error& error) {
+    throw bad_asset(file, fmt::format("cannot be read: {}", error.what()));
   }
-  if (!scene || !scene->mRootNode || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE))
-    throw bad_asset(file, fmt::format("cannot be imported: {}", importer.GetErrorString()));
-  return from_imported(file, *scene);
+  if (result.end != SandboxResult::End::replied) throw bad_asset(file, cause_of(result, limits));
+  const std::string_view reply = result.reply;
+  if (reply.starts_with(kRefused)) throw BadAsset(result.reply.substr(1));
+  if (reply.starts_with(kModel)) {
+    if (std::optional<Model> model = model_of_bytes(reply.substr(1))) return std::move(*model);
+  }
+  throw bad_asset(file, reply.starts_with(kFailed)
+                            ? fmt::format("its reader failed: {}", reply.substr(1))
+                            : std::string("its reader gave no model"));
 }
 
 }  // namespace taut

@@ -207,6 +207,13 @@ class Layout {
                      fmt::format("the ends are {:.6g} m apart, expected at most the length, {} m",
                                  apart, connector.length));
     }
+    if (connector.model == ConnectorModel::links && connector.links() == 1 &&
+        apart < connector.length * (1 - kRounding)) {
+      document_.fail(hanging ? *hanging : value,
+                     fmt::format("the ends are {:.6g} m apart, expected the length of the only "
+                                 "link, {} m",
+                                 apart, connector.length));
+    }
     try {
       return hanging_points(connector, origin, end, world_.gravity);
     } catch (const std::invalid_argument& error) {

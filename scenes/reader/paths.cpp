@@ -80,10 +80,13 @@ constexpr std::size_t kMaxLine = 4096;  // bytes
 }  // namespace
 
 Path read_path_csv(const std::filesystem::path& file) {
+  return path_from_csv(read_regular_file(file, kMaxPathBytes, "rows of t,x,y,z"), file);
+}
+
+Path path_from_csv(const std::string& text, const std::filesystem::path& file) {
   const auto fail = [&](std::size_t line, const std::string& message) {
     throw BadAsset(fmt::format("{}:{}: {}", file.string(), line, message));
   };
-  const std::string text = read_regular_file(file, kMaxPathBytes, "rows of t,x,y,z");
   std::vector<PathKey> keys;
   std::vector<double> row;
   std::size_t columns = 0, number = 1;

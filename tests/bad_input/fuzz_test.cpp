@@ -1,14 +1,22 @@
 // The fuzzers' corpus again, and mutations of it: nothing but the errors that are meant.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
-#include <functional>
+#include <iostream>
 #include <random>
 #include <vector>
 
+#include "render/golden/golden.h"
+#include "render/golden/golden_trajectory.h"
+#include "render/picture/picture.h"
+#include "sim/study/run.h"
 #include "tests/fuzz/targets.h"
 #include "tests/support/folder.h"
+#include "tests/unit/model_files.h"
 
 namespace taut {
 namespace {
@@ -59,15 +67,6 @@ std::string mutated(std::string bytes, const std::vector<std::string>& others,
   return bytes;
 }
 
-void run(const std::function<void(std::string_view)>& target,
-         const std::vector<std::string>& inputs, int mutations) {
-  ASSERT_FALSE(inputs.empty());
-  for (const std::string& input : inputs) target(input);
-  std::mt19937 chance(1);
-  for (int i = 0; i < mutations; ++i)
-    target(mutated(inputs[chance() % inputs.size()], inputs, chance));
-}
-
 std::vector<std::string> scenes() {
   std::vector<std::string> inputs = files_in(TAUT_SOURCE_DIR "/scenes", ".toml");
   std::ranges::copy(files_in(TAUT_SOURCE_DIR "/tests/fuzz/corpus/scene"),
@@ -75,22 +74,170 @@ std::vector<std::string> scenes() {
   return inputs;
 }
 
-std::vector<std::string> meshes() {
-  return files_in(TAUT_SOURCE_DIR "/tests/fuzz/corpus/mesh");
+std::string base64(const std::string& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  unsigned value = 0, bits = 0;
+  for (const char c : bytes) {
+    value = value << 8 | static_cast<unsigned char>(c);
+    for (bits += 8; bits >= 6; bits -= 6) text += kDigits[value >> (bits - 6) & 63];
+  }
+  if (bits > 0) text += kDigits[value << (6 - bits) & 63];
+  while (text.size() % 4 != 0) text += '=';
+  return text;
 }
 
-TEST(Fuzz, Scenes) {
-  run(fuzz_scene, scenes(), 10'000);
+/// And the corpus of meshes, whose first bytes say another format.
+std::vector<std::string> with_corpus(std::vector<std::string> inputs) {
+  for (const std::string& input : files_in(TAUT_SOURCE_DIR "/tests/fuzz/corpus/mesh"))
+    inputs.push_back(input.substr(1));
+  return inputs;
 }
-TEST(Fuzz, Meshes) {
-  run(fuzz_mesh, meshes(), 10'000);
+
+std::vector<std::string> glbs() {
+  return with_corpus({skinned().bytes(), triangle().bytes()});
 }
-TEST(LongFuzz, Scenes) {
-  run(fuzz_scene, scenes(), 1'000'000);
+
+std::vector<std::string> gltfs() {
+  std::vector<std::string> inputs;
+  for (Gltf g : {skinned(), triangle()}) {
+    g.json["buffers"][0] = {{"uri", "data:application/octet-stream;base64," + base64(g.binary)},
+                            {"byteLength", g.binary.size()}};
+    inputs.push_back(g.json.dump());
+  }
+  return with_corpus(inputs);
 }
-TEST(LongFuzz, Meshes) {
-  run(fuzz_mesh, meshes(), 1'000'000);
+
+std::vector<std::string> objs() {
+  return with_corpus({"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n",
+                      "o a\ng b\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nusemtl m\ns 1\n"
+                      "f 1/1 2/1 4/1 3/1\nf -1 -2 -3\n"});
 }
+
+std::vector<std::string> paths() {
+  return {"t,x,y,z\n0,0,0.6,0\n0.05,0.01,0.6,0\n0.1,0.01,0.62,0\n",
+          "t,x,y,z,qw,qx,qy,qz\r\n-1,0,1e-3,0,1,0,0,0\r\n0.5, 1, 2, 3, 0.5, 0.5, -0.5, 0.5\r\n"};
+}
+
+Snapshot state() {
+  return {0.5, {{Vec3(0, 1, 0), Vec3(0.1, -0.25, 1e-7)}}, {{Vec3(1, 2, 3), Quat(0, 1, 0, 0)}}};
+}
+
+std::vector<std::string> goldens() {
+  return {golden_text({{"driver", "processor"}, 12345, state()})};
+}
+
+std::vector<std::string> trajectories() {
+  return {trajectory_text({"machine", {{"fps", "60"}}, 678, {state(), state()}})};
+}
+
+std::vector<std::string> pictures() {
+  std::vector<std::string> inputs;
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {32, 18}}) {
+    const auto bytes = encode_png(Picture(width, height));
+    inputs.emplace_back(bytes.begin(), bytes.end());
+  }
+  return inputs;
+}
+
+/// What the program reads of others, each in this process and from memory.
+struct Reader {
+  const char* name;
+  std::vector<std::string> (*inputs)();
+  void (*read)(std::string_view);
+};
+
+void PrintTo(const Reader& reader, std::ostream* out) {
+  *out << reader.name;
+}
+
+template <typename Read>
+void with_meant_errors(const Read& read) {
+  try {
+    read();
+  } catch (const BadAsset&) {
+  }
+}
+
+const Reader kReaders[] = {
+    {"Scene", scenes, fuzz_scene},
+    {"Glb", glbs, [](std::string_view bytes) { fuzz_model("fuzz.glb", bytes); }},
+    {"Gltf", gltfs, [](std::string_view bytes) { fuzz_model("fuzz.gltf", bytes); }},
+    {"Obj", objs, [](std::string_view bytes) { fuzz_model("fuzz.obj", bytes); }},
+    {"PathCsv", paths, fuzz_path},
+    {"GoldenRecord", goldens,
+     [](std::string_view bytes) {
+       with_meant_errors([&] { golden_from(std::string(bytes), "f"); });
+     }},
+    {"GoldenTrajectory", trajectories,
+     [](std::string_view bytes) {
+       with_meant_errors([&] { trajectory_from(std::string(bytes), "f"); });
+     }},
+    {"Png", pictures, [](std::string_view bytes) {
+       with_meant_errors([&] {
+         decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+       });
+     }}};
+
+constexpr double kPatience = 5;              // s of CPU time for one input
+constexpr double kMemory = 1024.0 * 1024.0;  // kB
+
+double peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss);
+}
+
+class Fuzz : public testing::TestWithParam<Reader> {
+ protected:
+  /// The inputs themselves, and so many mutations of them.
+  void run(long mutations, unsigned seed) {
+    const std::vector<std::string> inputs = GetParam().inputs();
+    ASSERT_FALSE(inputs.empty());
+    const double start = thread_seconds();
+    for (const std::string& input : inputs) read(input);
+    std::mt19937 chance(seed);
+    for (long i = 0; i < mutations && !HasFatalFailure(); ++i)
+      read(mutated(inputs[chance() % inputs.size()], inputs, chance));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    EXPECT_LT(peak_memory(), kMemory);
+#endif
+    rate_ = static_cast<double>(mutations) / (thread_seconds() - start);
+  }
+
+  double rate_ = 0;  // inputs per second of CPU time
+
+ private:
+  void read(const std::string& input) {
+    const double start = thread_seconds();
+    GetParam().read(input);
+    ASSERT_LT(thread_seconds() - start, kPatience) << input;
+  }
+};
+using LongFuzz = Fuzz;
+
+TEST_P(Fuzz, OnlyMeantErrors) {
+  run(5'000, 1);
+}
+
+/// TAUT_INPUTS and TAUT_SEED in the environment choose others.
+TEST_P(LongFuzz, OnlyMeantErrors) {
+  const auto chosen = [](const char* name, long fallback) {
+    const char* text = std::getenv(name);
+    return text ? std::atol(text) : fallback;
+  };
+  const long inputs = chosen("TAUT_INPUTS", 1'000'000);
+  run(inputs, static_cast<unsigned>(chosen("TAUT_SEED", 2)));
+  std::cout << GetParam().name << ": " << inputs << " inputs, " << std::lround(rate_)
+            << " a second, peak " << std::lround(peak_memory() / 1000) << " MB\n";
+}
+
+std::string name_of(const testing::TestParamInfo<Reader>& info) {
+  return info.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Readers, Fuzz, testing::ValuesIn(kReaders), name_of);
+INSTANTIATE_TEST_SUITE_P(Long, LongFuzz, testing::ValuesIn(kReaders), name_of);
 
 }  // namespace
 }  // namespace taut

@@ -1,15 +1,11 @@
 // What is fuzzed: bytes in, nothing out; only the errors that are meant may be thrown.
 #pragma once
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 
 #include "scenes/error.h"
-#include "scenes/model/model.h"
+#include "scenes/model/import.h"
 #include "scenes/reader/document.h"
 #include "scenes/reader/reader.h"
 
@@ -23,22 +19,27 @@ inline void fuzz_scene(std::string_view bytes) {
   }
 }
 
-/// As a model; the first byte chooses the format. The importer takes files, so it goes through one,
-/// in memory where the system has such a place.
-inline void fuzz_mesh(std::string_view bytes) {
-  static const std::filesystem::path folder = std::filesystem::exists("/dev/shm")
-                                                  ? std::filesystem::path("/dev/shm")
-                                                  : std::filesystem::temp_directory_path();
-  static const std::string stem = folder / ("taut_fuzz_" + std::to_string(getpid()));
-  if (bytes.empty()) return;
-  constexpr const char* kFormats[] = {".glb", ".gltf", ".obj"};
-  const std::string file = stem + kFormats[static_cast<unsigned char>(bytes[0]) % 3];
-  std::ofstream(file, std::ios::binary) << bytes.substr(1);
+/// As a model, read in this process, so that a fault of the importer's is seen where it happens.
+inline void fuzz_model(const char* name, std::string_view bytes) {
   try {
-    load_model(file);
+    import_model(name, std::string(bytes));
   } catch (const BadAsset&) {
   }
-  std::filesystem::remove(file);
+}
+
+/// The same; the first byte chooses the format.
+inline void fuzz_mesh(std::string_view bytes) {
+  if (bytes.empty()) return;
+  constexpr const char* kFormats[] = {"fuzz.glb", "fuzz.gltf", "fuzz.obj"};
+  fuzz_model(kFormats[static_cast<unsigned char>(bytes[0]) % 3], bytes.substr(1));
+}
+
+/// As a path's CSV file.
+inline void fuzz_path(std::string_view bytes) {
+  try {
+    path_from_csv(std::string(bytes), "fuzz.csv");
+  } catch (const BadAsset&) {
+  }
 }
 
 }  // namespace taut

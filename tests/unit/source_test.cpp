@@ -76,7 +76,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"scenes/model", {"sim", "scenes"}},
     {"scenes/reader", {"sim", "scenes", "scenes/character"}},
     {"render", {}},
-    {"render/picture", {}},
+    {"render/picture", {"scenes"}},
     {"render/chart", {"render"}},
     {"render/gl", {"render", "render/picture"}},
     {"render/mesh", {"sim", "scenes", "scenes/model"}},

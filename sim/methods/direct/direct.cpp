@@ -5,6 +5,7 @@
 
 #include "sim/coarse_method.h"
 #include "sim/methods/direct/contacts.h"
+#include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/projection.h"
@@ -36,10 +37,12 @@ class Direct : public Method {
         integrators_[k]->advance(world, until, counters_);
       } catch (const Integrator::StepTooSmall& stop) {
         const Component& part = integrators_[k]->component();
+        const std::string why = direct::full_length(world, part, stop.time);
         throw Diverged("direct", stop.time, counters_.steps,
                        part.spans.empty() ? world.bodies[part.bodies[0]].name
                                           : world.connectors[part.spans[0].connector].name,
-                       0, "no step is small enough for the tolerance");
+                       part.spans.empty() ? 0 : part.spans[0].first,
+                       why.empty() ? "no step is small enough for the tolerance" : why);
       }
     }
     place_prescribed(world, until);

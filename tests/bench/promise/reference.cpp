@@ -39,16 +39,23 @@ World twin(World world, double distance, bool rough) {
 }  // namespace
 
 Reference make_reference(const Drawn& drawn, double cap) {
-  const double nudge = kNudge * drawn.length;
-  const Settings settings{{"local_error", std::max(kFinest, kLocalError * drawn.length)}};
-  Simulation truth(drawn.world, make_method("truth", settings));
-  Simulation smooth(twin(drawn.world, nudge, false), make_method("truth", settings));
-  Simulation rough(twin(drawn.world, nudge, true), make_method("truth", settings));
+  return make_reference({drawn.world, frame_times(kDuration, kFps)}, drawn.length, cap);
+}
+
+Reference make_reference(const Problem& problem, double length, double cap) {
+  const double nudge = kNudge * length;
+  const Settings settings{{"local_error", std::max(kFinest, kLocalError * length)}};
+  const auto made = [&](World world) {
+    return Simulation(std::move(world), make_method("truth", settings), problem.timeline);
+  };
+  Simulation truth = made(problem.world);
+  Simulation smooth = made(twin(problem.world, nudge, false));
+  Simulation rough = made(twin(problem.world, nudge, true));
   Reference reference;
   const double start = thread_seconds();
   double before = 0;
   try {
-    for (const double time : frame_times(kDuration, kFps)) {
+    for (const double time : problem.times) {
       for (int slice = 1; slice <= kSlices; ++slice) {
         const double until = slice == kSlices ? time : before + (time - before) * slice / kSlices;
         for (Simulation* simulation : {&truth, &smooth, &rough}) simulation->advance_to(until);
@@ -69,6 +76,8 @@ Reference make_reference(const Drawn& drawn, double cap) {
       reference.growth = parted;
     }
   } catch (const Diverged&) {
+    reference.end = Reference::End::failed;
+  } catch (const BadIntervention&) {
     reference.end = Reference::End::failed;
   }
   return reference;

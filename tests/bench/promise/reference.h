@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "sim/study/run.h"
 #include "sim/trajectory.h"
 #include "tests/bench/promise/draw.h"
 
@@ -35,6 +36,8 @@ struct Reference {
 /// turns to one side and the other: upright chains amplify that far more. Free bodies
 /// are turned in the one and moved in the other.
 Reference make_reference(const Drawn& drawn, double cap);
+/// Of any problem whose largest connector has that length (m).
+Reference make_reference(const Problem& problem, double length, double cap);
 
 /// References kept in a folder, one file each.
 class Cache {

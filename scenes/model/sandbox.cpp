@@ -1,0 +1,193 @@
+#include "scenes/model/sandbox.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <new>
+#include <optional>
+#include <system_error>
+
+#include "scenes/model/system_calls.h"
+
+namespace taut {
+namespace {
+
+constexpr int kReplyFile = 3;  // after the standard streams
+constexpr int kNoMemory = 2;   // exit codes of the child
+constexpr int kCrashed = 3;
+
+[[noreturn]] void fail(const char* what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// Bytes of address space that the process has now; 0 where the system does not tell.
+rlim_t address_space() {
+  const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  char text[64] = {};
+  const ssize_t count = file < 0 ? 0 : read(file, text, sizeof text - 1);
+  if (file >= 0) close(file);
+  unsigned long long pages = 0;
+  if (count <= 0 || std::sscanf(text, "%llu", &pages) != 1) return 0;
+  return static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+void limit(int resource, rlim_t soft, rlim_t hard) {
+  rlimit now{};
+  getrlimit(static_cast<__rlimit_resource_t>(resource), &now);
+  const rlimit least{std::min(soft, now.rlim_max), std::min(hard, now.rlim_max)};
+  setrlimit(static_cast<__rlimit_resource_t>(resource), &least);
+}
+
+void take_away(const SandboxLimits& limits) {
+  const auto seconds = static_cast<rlim_t>(std::ceil(limits.cpu_time));
+  limit(RLIMIT_CPU, seconds, seconds + 1);
+  limit(RLIMIT_FSIZE, 0, 0);
+  limit(RLIMIT_CORE, 0, 0);
+  limit(RLIMIT_NPROC, 0, 0);
+  if (const rlim_t now = address_space(); now > 0) {
+    limit(RLIMIT_AS, now + limits.memory, now + limits.memory);
+  }
+  allow_few_calls();
+}
+
+/// The child has the handlers of its parent, which may do more than end it.
+void end_by_faults() {
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU, SIGSYS}) {
+    std::signal(signal, SIG_DFL);
+  }
+  std::signal(SIGXFSZ, SIG_IGN);  // what is said on standard error may go to a file
+  std::set_new_handler([] { _exit(kNoMemory); });
+}
+
+[[noreturn]] void be_child(const SandboxLimits& limits, int reply_file, pid_t parent,
+                           const std::function<std::string()>& work) noexcept {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(kCrashed);  // it ended before that
+  dup2(reply_file, kReplyFile);
+  close(STDIN_FILENO);
+  close(STDOUT_FILENO);
+  close_range(kReplyFile + 1, ~0u, 0);
+  end_by_faults();
+  take_away(limits);
+  std::string reply;
+  try {
+    reply = work();
+  } catch (const std::bad_alloc&) {
+    _exit(kNoMemory);
+  }
+  for (std::size_t done = 0; done < reply.size();) {
+    const ssize_t n = write(kReplyFile, reply.data() + done, reply.size() - done);
+    if (n < 0 && errno != EINTR) _exit(kCrashed);
+    if (n > 0) done += static_cast<std::size_t>(n);
+  }
+  _exit(0);
+}
+
+/// All that comes until the child closes its end; how it ended where it takes or says too much.
+std::optional<SandboxResult::End> read_reply(int file, const SandboxLimits& limits,
+                                             std::string& reply) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(limits.wall_time);
+  char block[1 << 16];
+  while (reply.size() <= limits.reply) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    if (left.count() <= 0) return SandboxResult::End::no_time;
+    pollfd ready{file, POLLIN, 0};
+    if (poll(&ready, 1, static_cast<int>(std::min<std::int64_t>(left.count(), 60'000))) <= 0) {
+      continue;
+    }
+    const ssize_t n = read(file, block, sizeof block);
+    if (n == 0) return {};
+    if (n > 0) reply.append(block, static_cast<std::size_t>(n));
+  }
+  return SandboxResult::End::no_memory;
+}
+
+SandboxResult::End end_of(int status) {
+  using End = SandboxResult::End;
+  switch (status) {
+    case 0:
+      return End::replied;
+    case kNoMemory:
+      return End::no_memory;
+    case 128 + SIGXCPU:
+    case 128 + SIGKILL:  // the hard limit of CPU time
+      return End::no_time;
+    case 128 + SIGSYS:
+      return End::forbidden;
+    default:
+      return End::crashed;
+  }
+}
+
+/// A child, killed at the latest by the end of this.
+class Forked {
+ public:
+  explicit Forked(pid_t id) : id_(id) {}
+  ~Forked() {
+    if (id_ > 0) end();
+  }
+  Forked(const Forked&) = delete;
+  Forked& operator=(const Forked&) = delete;
+
+  /// Its exit code. One that has ended keeps it; one that has closed its end and works on is over.
+  int end() {
+    kill(id_, SIGKILL);
+    int status = 0;
+    pid_t ended = 0;
+    do {
+      ended = waitpid(id_, &status, 0);
+    } while (ended < 0 && errno == EINTR);
+    id_ = 0;
+    if (ended < 0) return 0;  // nobody may wait for children here: the reply alone tells
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  pid_t id_;
+};
+
+struct Pipe {
+  int ends[2] = {-1, -1};
+  Pipe() {
+    if (pipe2(ends, O_CLOEXEC) != 0) fail("cannot make a pipe");
+  }
+  ~Pipe() {
+    for (const int end : ends) {
+      if (end >= 0) close(end);
+    }
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+};
+
+}  // namespace
+
+SandboxResult run_in_sandbox(const SandboxLimits& limits,
+                             const std::function<std::string()>& work) {
+  Pipe pipe;
+  const pid_t parent = getpid();
+  const pid_t id = fork();
+  if (id < 0) fail("cannot start a process");
+  if (id == 0) be_child(limits, pipe.ends[1], parent, work);
+  Forked child(id);
+  close(pipe.ends[1]);
+  pipe.ends[1] = -1;
+  SandboxResult result;
+  const auto beyond = read_reply(pipe.ends[0], limits, result.reply);
+  result.status = child.end();
+  result.end = beyond ? *beyond : end_of(result.status);
+  return result;
+}
+
+}  // namespace taut

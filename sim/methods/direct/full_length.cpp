@@ -1,0 +1,47 @@
+#include "sim/methods/direct/full_length.h"
+
+#include <numeric>
+#include <sstream>
+
+namespace taut::direct {
+namespace {
+
+/// The share of the length below which slack is none: links turn by its root, and their waves are
+/// as much quicker.
+constexpr double kNone = 1e-3;
+
+double length_of(const Connector& connector, std::size_t first, std::size_t last) {
+  const auto at = [&](std::size_t i) {
+    return connector.rest.begin() + static_cast<std::ptrdiff_t>(i);
+  };
+  return std::accumulate(at(first), at(last), 0.0);
+}
+
+}  // namespace
+
+std::string full_length(const World& world, const Component& part, double time) {
+  for (const SpanRange& span : part.spans) {
+    const Connector& connector = world.connectors[span.connector];
+    const Hold* from = find_hold(connector, span.first);
+    const Hold* to = find_hold(connector, span.last);
+    if (!from || !to || !is_prescribed(world, from->to) || !is_prescribed(world, to->to)) continue;
+    const double length = length_of(connector, span.first, span.last);
+    const PointMotion a = hold_motion(world, from->to, time), b = hold_motion(world, to->to, time);
+    const Vec3 apart = b.position - a.position;
+    if (!(apart.norm() > (1 - kNone) * length)) continue;
+    const double parting = (b.velocity - a.velocity).dot(apart.normalized());  // m/s
+    const double begin = length_of(connector, 0, span.first);
+    std::ostringstream line;
+    line << "the " << length << " m of it from " << begin << " m on are at full length between "
+         << "two places that are held, " << apart.norm() << " m apart";
+    if (parting > 0) {
+      line << " and parting at " << parting << " m/s: no motion keeps the length";
+    } else {
+      line << ": they stop there by an impulse that links without stretch leave open";
+    }
+    return line.str();
+  }
+  return {};
+}
+
+}  // namespace taut::direct

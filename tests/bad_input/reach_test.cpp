@@ -1,0 +1,57 @@
+// What holds a connector leads it where its links do not reach: known before the start, or when its
+// time comes.
+#include <gtest/gtest.h>
+
+#include "tests/support/fault_table.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+/// A rope of 0.2 m that nothing pulls, and a hand that leaves for a while.
+std::string scene(const std::string& fps, const std::string& particles, const std::string& to,
+                  const std::string& start, const std::string& more) {
+  return "duration = 2.0\nfps = " + fps + R"(
+gravity = [0, 0, 0]
+[paths.hand]
+keys = [{ t = 0.2, position = [0, 0, 0], ease = true }, { t = 0.6, position = [0.3, 0, 0] }, { t = 0.9, position = [0, 0, 0], ease = true }]
+[connectors.rope]
+length = 0.2
+mass = 0.1
+particles = )" +
+         particles + "\nfrom = { path = \"hand\" }\nto = " + to + '\n' + start + '\n' + more;
+}
+
+constexpr const char* kFolded = "start = { points = [[0, 0, 0], [0, -0.05, 0], [0.01, 0.2, 0]] }";
+constexpr const char* kPin = "[[pins]]\nconnector = \"rope\"\nat = 0.09\nfrom = 0.1\n";
+
+TEST(OutOfReach, IsNamed) {
+  const Folder folder;
+  FaultTable table("Out of reach", folder.path());
+  const auto expect = [&](const char* name, const std::string& text, int code, const char* says) {
+    SCOPED_TRACE(name);
+    folder.write("scene.toml", text);
+    const ProgramResult outcome = run_taut({"simulate", "scene.toml"}, folder.path());
+    EXPECT_EQ(outcome.code, code);
+    EXPECT_NE(outcome.messages.find(says), std::string::npos) << outcome.messages;
+    table.add(name, outcome);
+  };
+  const std::string near = "{ fixed = [0, -0.1, 0] }", free = "{ free = true }";
+  expect("a single link between nearer ends", scene("60", "2", near, "", ""), 3,
+         "scene.toml:6:1: connectors.rope: the ends are 0.1 m apart");
+  expect("an end that is led away", scene("60", "21", near, "", ""), 3,
+         "scene.toml:6:1: connectors.rope: at 0.4");
+  expect("an end that is led away from a pin", scene("60", "21", free, kFolded, kPin), 3,
+         "scene.toml:13:1: pin 1, at 0.3");
+  expect("the same, between two frames", scene("1", "21", free, kFolded, kPin), 7,
+         "are at full length between two places that are held");
+  // A cut comes first.
+  folder.write("scene.toml", scene("60", "21", near, "",
+                                   "[[cuts]]\nconnector = \"rope\"\nat = 0.105\nt = 0.2\n"));
+  EXPECT_EQ(run_taut({"simulate", "scene.toml"}, folder.path()).code, 0);
+  EXPECT_TRUE(table.is_as_accepted());
+}
+
+}  // namespace
+}  // namespace taut
