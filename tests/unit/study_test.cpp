@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-World swing(std::size_t particles) {
+World swinging_rope(std::size_t particles) {
   World world;
   world.connectors = {
       straight_connector("rope", 0.2, 0.05, particles, Vec3::Zero(), Vec3(1, 0, 0))};
@@ -126,7 +126,7 @@ TEST(Accuracy, RefusesAnotherWorld) {
 }
 
 TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
-  const Problem problem{swing(11), frame_times(0.5, 60)};
+  const Problem problem{swinging_rope(11), frame_times(0.5, 60)};
   const Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
   const auto result = run(problem, candidate, 10);
   ASSERT_EQ(result.end, ::taut::Run::End::done);
@@ -139,7 +139,7 @@ TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
 }
 
 TEST(StudyRun, FollowsPinsAndCuts) {
-  Problem problem{swing(11), frame_times(0.5, 60)};
+  Problem problem{swinging_rope(11), frame_times(0.5, 60)};
   problem.timeline.pins = {{0, 0.113, 0.1, 0.3, {}}};
   problem.timeline.cuts = {{0, 0.15, 0.4}};
   const Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
@@ -155,7 +155,7 @@ TEST(StudyRun, FollowsPinsAndCuts) {
 }
 
 TEST(StudyRun, StopsAtItsCap) {
-  const Problem problem{swing(101), frame_times(100, 1)};
+  const Problem problem{swinging_rope(101), frame_times(100, 1)};
   const auto result = run(problem, {"impulse", {{"step", 1e-5}}}, 0.05);
   EXPECT_EQ(result.end, ::taut::Run::End::over_cap);
   EXPECT_LT(result.cpu, 0.5);
