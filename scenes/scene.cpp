@@ -93,7 +93,6 @@ Scene read_scene(Document document, bool with_stage) {
   finish(scene.world);
   check_obstacles(document, scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
-  check_reach(document, scene.world, scene.timeline, scene.duration);
   if (plan) try_plan(document, *plan, scene);
   if (with_stage && root.find("stage")) read_stage(document, motions, scene);
   return scene;

@@ -7,7 +7,6 @@
 #include <set>
 #include <sstream>
 #include <tuple>
-#include <utility>
 
 #include "sim/places.h"
 
@@ -303,28 +302,6 @@ std::string why_out_of_reach(const World& world, std::size_t index, double along
                                     ruler.range(along, there), kSamePlace * connector.length);
     if (what.empty()) continue;
     return what + (on_body(to) ? ", expected a point of the body that is within reach" : "");
-  }
-  return {};
-}
-
-std::optional<Parted> find_parted(const World& world, double time) {
-  for (const Connector& connector : world.connectors) {
-    std::optional<Ruler> ruler;
-    const Hold* before = nullptr;
-    for (const Hold& hold : connector.holds) {
-      if (!is_prescribed(world, hold.to)) continue;
-      const Hold* other = std::exchange(before, &hold);
-      if (!other || std::max(other->pin.number, hold.pin.number) == 0) continue;
-      if (one_frame(other->to, hold.to)) continue;
-      if (!ruler) ruler.emplace(connector);
-      const double from = ruler->along(other->particle), to = ruler->along(hold.particle);
-      const bool later = hold.pin.number > other->pin.number;
-      const Vec3 apart =
-          hold_motion(world, hold.to, time).position - hold_motion(world, other->to, time).position;
-      const std::string what =
-          misfit(apart.norm(), later ? from : to, ruler->range(from, to), 1e-6 * connector.length);
-      if (!what.empty()) return Parted{later ? hold.pin.number : other->pin.number, what};
-    }
   }
   return {};
 }

@@ -15,23 +15,6 @@ World finished(World world) {
   return world;
 }
 
-/// Lets the method take the world to `until`, unless what moves a pin or its neighbour has parted
-/// them by then.
-void step(Method& method, World& world, double until, const Timeline& timeline,
-          const std::vector<std::uint64_t>& pins) {
-  if (timeline.pins.empty() || !find_parted(world, until)) return method.advance(world, until);
-  constexpr int kHalvings = 30;
-  double together = world.time, parted = until;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = (together + parted) / 2;
-    (find_parted(world, middle) ? parted : together) = middle;
-  }
-  const Parted found = *find_parted(world, parted);
-  const auto index = static_cast<std::size_t>(std::ranges::find(pins, found.pin) - pins.begin());
-  if (index == pins.size()) return method.advance(world, until);  // set by hand
-  throw BadIntervention({false, index, found.what}, parted, timeline.pins[index].source);
-}
-
 }  // namespace
 
 Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline timeline)
@@ -60,10 +43,10 @@ void Simulation::advance_to(double time) {
   method_->clear_events();
   for (; next_ < entries_.size() && entries_[next_].time <= time; ++next_) {
     const Entry& entry = entries_[next_];
-    if (entry.time > world_.time) step(*method_, world_, entry.time, timeline_, pins_);
+    if (entry.time > world_.time) method_->advance(world_, entry.time);
     enact(entry);
   }
-  if (time > world_.time) step(*method_, world_, time, timeline_, pins_);
+  if (time > world_.time) method_->advance(world_, time);
   bodies_as_links_.follow(world_);
 }
 

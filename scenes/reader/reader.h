@@ -107,11 +107,6 @@ Path read_path_csv(const std::filesystem::path& file);
 /// The same from the file's text.
 Path path_from_csv(const std::string& text, const std::filesystem::path& file);
 
-/// Refuses connectors whose two ends are held by what moves, as is known beforehand, out of their
-/// reach before a cut divides them. Throws BadScene.
-void check_reach(const Document& document, const World& world, const Timeline& timeline,
-                 double duration);
-
 /// The method that a table names, with its settings; the default method for null.
 MethodChoice read_method(const Document& document, const Value* table, int fps);
 

@@ -19,7 +19,7 @@ step = 0.001
 [paths.hand]
 keys = [
   { t = 0.0, position = [0.0, 1.0, 0.0], rotation = [1, 0, 0, 0] },
-  { t = 0.5, position = [0.0, 0.98, 0.0], axis = [0, 1, 0], hold = 0.1 },
+  { t = 0.5, position = [0.2, 1.0, 0.0], axis = [0, 1, 0], hold = 0.1 },
 ]
 
 [bodies.held]

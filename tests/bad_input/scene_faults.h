@@ -17,7 +17,7 @@ struct SpoiltScene {
 inline std::vector<SpoiltScene> spoilt_scenes() {
   const std::string keys =
       "keys = [\n  { t = 0.0, position = [0.0, 1.0, 0.0], rotation = [1, 0, 0, 0] },\n  { t = 0.5, "
-      "position = [0.0, 0.98, 0.0], axis = [0, 1, 0], hold = 0.1 },\n]";
+      "position = [0.2, 1.0, 0.0], axis = [0, 1, 0], hold = 0.1 },\n]";
   return {
       {"misspelt key", "mass = 0.12", "^mas = 0.12", "did you mean \"mass\"?"},
       {"misspelt table", "[connectors.chain]", "[^connector.chain]",

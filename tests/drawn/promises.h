@@ -26,7 +26,7 @@ struct Verdict {
 /// continuous: between two frames nothing goes farther than three times the greatest speed.
 /// same: a second run has the same bits.
 /// And of `direct` and `truth`:
-/// follows: no step is too long.
+/// follows: to the end, unless places that are held leave the links between them no motion.
 /// stretch: links keep their length to 1e-6 of it.
 /// energy: a closed scene without pins and cuts gains no more than the error that is claimed lets
 /// in. error (direct): up to where the motion can be foretold, within 3 tolerances of the truth. Of

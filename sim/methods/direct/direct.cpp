@@ -48,6 +48,10 @@ class Direct : public Method {
     place_prescribed(world, until);
     for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->store(world);
     place_carried(world);
+    if (const auto found = direct::led_away(world)) {
+      throw Diverged("direct", until, counters_.steps, world.connectors[found->connector].name,
+                     found->link, found->what);
+    }
     note(world);
   }
 

@@ -1,7 +1,9 @@
 #include "sim/methods/direct/full_length.h"
 
+#include <cmath>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 namespace taut::direct {
 namespace {
@@ -40,6 +42,28 @@ std::string full_length(const World& world, const Component& part, double time) 
       line << ": they stop there by an impulse that links without stretch leave open";
     }
     return line.str();
+  }
+  return {};
+}
+
+std::optional<LedAway> led_away(const World& world) {
+  constexpr double kRounding = 1e-6;  // of the connector's length
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    if (connector.model == ConnectorModel::span) continue;
+    const Hold* before = nullptr;
+    for (const Hold& hold : connector.holds) {
+      const bool known = is_prescribed(world, hold.to);
+      const Hold* other = std::exchange(before, known ? &hold : nullptr);
+      if (!known || !other || hold.particle != other->particle + 1) continue;
+      const std::size_t link = other->particle;
+      const double distance = (connector.position[link + 1] - connector.position[link]).norm();
+      if (std::abs(distance - connector.rest[link]) <= kRounding * connector.length) continue;
+      std::ostringstream line;
+      line << "what holds both its ends leads them " << distance << " m apart, and it is "
+           << connector.rest[link] << " m long";
+      return LedAway{c, link, line.str()};
+    }
   }
   return {};
 }

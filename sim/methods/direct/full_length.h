@@ -1,11 +1,20 @@
 // Links at their full length between two holds.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "sim/components.h"
 
 namespace taut::direct {
+
+/// The link between two places that are held, as is known beforehand, which the world's state
+/// stretches or compresses: says so. Empty where there is none. No part has such a link.
+struct LedAway {
+  std::size_t connector = 0, link = 0;
+  std::string what;
+};
+std::optional<LedAway> led_away(const World& world);
 
 /// Where links of the part have no slack left between two places that are held, as is known
 /// beforehand, and so have nowhere to go: says so. Empty where there is none.
