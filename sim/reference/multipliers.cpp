@@ -9,6 +9,7 @@
 #include "sim/coarse_method.h"
 #include "sim/mechanism.h"
 #include "sim/projection.h"
+#include "sim/reference/event_driven.h"
 
 namespace taut {
 namespace {
@@ -25,7 +26,8 @@ class Multipliers final : public Method {
  public:
   explicit Multipliers(const Settings& settings)
       : stepper_(odeint::make_controlled(number(settings, "local_error"),
-                                         number(settings, "local_error"), Explicit())) {}
+                                         number(settings, "local_error"), Explicit())),
+        among_obstacles_(make_event_driven(number(settings, "local_error"))) {}
 
   void advance(World& world, double until) override;
 
@@ -52,10 +54,10 @@ class Multipliers final : public Method {
   std::vector<double> keys_;  // s, rising: times at which a path is not smooth
   double step_ = kFirstStep;  // s, the next one to try
   State state_, scratch_, right_, tension_;
+  std::unique_ptr<Method> among_obstacles_;
 };
 
 void Multipliers::prepare(const World& world) {
-  refuse_obstacles("truth", world);
   step_ = kFirstStep;
   mechanism_.rebuild(world);
   system_.rebuild(mechanism_);
@@ -80,6 +82,11 @@ void Multipliers::prepare(const World& world) {
 }
 
 void Multipliers::advance(World& world, double until) {
+  if (!world.obstacles.empty()) {
+    among_obstacles_->advance(world, until);
+    counters_ = among_obstacles_->counters();
+    return;
+  }
   const bool fresh = !built_ || world.topology != topology_;
   if (fresh) prepare(world);
   world_ = &world;
@@ -149,6 +156,7 @@ MethodInfo truth_method() {
             return std::make_unique<Multipliers>(settings);
           },
           .reference = true,
+          .touches_obstacles = true,
           .coarse =
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");

@@ -11,6 +11,8 @@ namespace taut {
 /// accepted step positions and velocities are projected onto the links along M^-1 J^T, so that
 /// lengths hold to rounding. Steps end at the keys of paths, where those are only C2.
 ///
+/// Among obstacles it goes from event to event (EventDriven).
+///
 /// Throws Diverged where the links' lengths cannot be kept (ends pulled apart beyond the length).
 MethodInfo truth_method();
 

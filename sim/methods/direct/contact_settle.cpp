@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/contact/damping.h"
 #include "sim/methods/direct/contact_step.h"
-#include "sim/methods/direct/damping.h"
 
 namespace taut::direct {
 namespace {
@@ -127,13 +127,8 @@ bool ContactStep::stop(double stopped, double friction) {
     if (!std::isfinite(worst)) return false;
     // Where states go to and fro within rounding, what is left does no harm.
     if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) return true;
-    system_.assemble(mechanism_, answer_, to_, to_);
-    system_.solve(change_);
-    const double share = damping.next(pattern());
-    for (double& change : change_) change *= share;
-    for (std::size_t r = 0; r < rows.size(); ++r) pull_[r] += change_[r];
+    improve(damping, to_, 1, free_);
     kick(change_, to_, 1);
-    ++solves_;
   }
   return false;
 }

@@ -1,12 +1,8 @@
 #include "sim/methods/direct/contact_step.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-
-#include "sim/hash.h"
-#include "sim/methods/direct/damping.h"
 
 namespace taut::direct {
 namespace {
@@ -45,12 +41,14 @@ void ContactStep::rebuild(const World& world) {
   }
   touching_ = kTouching * (longest > 0 ? longest : 1);
   const std::size_t points = mechanism_.points(), rows = mechanism_.rows().size();
-  for (auto* array : {&mean_, &middle_, &free_, &acceleration_, &last_acceleration_}) {
+  for (auto* array : {&mean_, &middle_, &free_, &bare_, &acceleration_, &last_acceleration_}) {
     array->assign(points, Vec3::Zero());
   }
   for (auto* array : {&from_, &along_, &to_}) array->assign(rows, Vec3::Zero());
   for (auto* array : {&pull_, &rest_, &change_, &tension_, &last_tension_}) array->assign(rows, 0);
   answer_.assign(points, Mat3::Zero());
+  is_carried_.assign(points, false);
+  for (const auto& carried : mechanism_.body_points()) is_carried_[carried.point] = true;
   arm_.resize(mechanism_.body_points().size());
   inverse_.resize(mechanism_.bodies().size());
   touches_.clear();
@@ -203,49 +201,6 @@ double ContactStep::aim(double h) {
   return worst;
 }
 
-/// Adds to velocities what a `share` of the rows' impulses makes of them.
-void ContactStep::spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
-                         std::span<Vec3> velocity) const {
-  const auto& rows = mechanism_.rows();
-  const auto& mobile = mechanism_.inverse_mass();
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const Vec3 pull = share * impulse[r] * along[r];
-    velocity[rows[r].a] += mobile[rows[r].a] * pull;
-    velocity[rows[r].b] -= mobile[rows[r].b] * pull;
-  }
-}
-
-/// Lets each bead answer to its touches, and notes how it does.
-void ContactStep::respond_all(std::span<Vec3> velocity) {
-  const auto& mobile = mechanism_.inverse_mass();
-  for (std::size_t p = 0; p < answer_.size(); ++p) answer_[p] = mobile[p] * Mat3::Identity();
-  std::array<Touch, 3> touches;
-  for (std::size_t i = 0; i < touches_.size();) {
-    const std::size_t point = touches_[i].point;
-    std::size_t count = 0;
-    while (i + count < touches_.size() && touches_[i + count].point == point) {
-      touches[count] = touches_[i + count].touch;
-      ++count;
-    }
-    const Response answer = respond(velocity[point], std::span(touches).first(count));
-    velocity[point] = answer.velocity;
-    answer_[point] = mobile[point] * answer.derivative;
-    for (std::size_t k = 0; k < count; ++k) touches_[i + k].touch = touches[k];
-    i += count;
-  }
-}
-
-/// What the touches do, as one number.
-std::uint64_t ContactStep::pattern() const {
-  Hash hash;
-  for (const BeadTouch& at : touches_) {
-    hash.word(std::uint64_t(at.point))
-        .word(std::uint64_t(at.obstacle))
-        .word(static_cast<std::uint64_t>(at.touch.state));
-  }
-  return hash.value();
-}
-
 /// Moves everything by the pulls as they are.
 void ContactStep::move(double time, double h) {
   const Vec3 gain = h / 2 * mechanism_.gravity();
@@ -335,13 +290,8 @@ bool ContactStep::glide(double time, double h, double friction) {
       before = worst;
       halvings = 0;
       if (i > 0) {
-        for (std::size_t r = 0; r < rest_.size(); ++r) change_[r] = 2 / h * rest_[r];
-        system_.assemble(mechanism_, answer_, to_, along_);
-        system_.solve(change_);
-        const double share = damping.next(pattern());
-        for (double& change : change_) change *= share;
-        for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r];
-        ++solves_;
+        for (std::size_t r = 0; r < rest_.size(); ++r) change_[r] = rest_[r] / h;
+        improve(damping, along_, 0.5, mean_);
       }
     }
     move(time, h);

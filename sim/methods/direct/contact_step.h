@@ -5,10 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "sim/contact/damping.h"
 #include "sim/contact/obstacle.h"
+#include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
 #include "sim/mechanism.h"
-#include "sim/methods/direct/row_system.h"
 
 namespace taut::direct {
 
@@ -77,6 +78,11 @@ class ContactStep {
   void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
               std::span<Vec3> velocity) const;
   void respond_all(std::span<Vec3> velocity);
+  std::span<const BeadTouch> touches_of(std::size_t point) const;
+  void improve(Damping& damping, std::span<const Vec3> along, double share,
+               std::span<const Vec3> velocity);
+  void relax(std::span<const Vec3> along, double share, std::span<const Vec3> velocity);
+  void relax_row(std::size_t row, const Vec3& along, double share);
   std::uint64_t pattern() const;
   Vec3 position(const std::vector<double>& state, std::size_t point) const;
 
@@ -90,6 +96,8 @@ class ContactStep {
   std::vector<FrameMotion> start_, end_;       // of the obstacles
   std::vector<Hit> found_;
   std::vector<Vec3> mean_, middle_, free_;  // per point: m/s
+  std::vector<Vec3> bare_;                  // per point, m/s: without touches
+  std::vector<char> is_carried_;            // per point: a free body has it
   std::vector<Vec3> from_, along_, to_;     // per row: directions at the start, mean, at the end
   std::vector<Vec3> acceleration_, last_acceleration_;  // per point, m/s^2
   std::vector<Vec3> arm_;                               // per body point, m, at the start

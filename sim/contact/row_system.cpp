@@ -1,13 +1,18 @@
-#include "sim/methods/direct/row_system.h"
+#include "sim/contact/row_system.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace taut::direct {
+namespace taut {
 namespace {
 
-/// A pivot below this share of the row's own mobility is rounding.
+/// A pivot below this share of the row's own mobility is rounding, and so is a mobility below this
+/// share of what the particle would have without surfaces.
 constexpr double kSingular = 1e-12;
+
+double or_nothing(double mobility, double without_surfaces) {
+  return std::abs(mobility) > kSingular * without_surfaces ? mobility : 0;
+}
 
 }  // namespace
 
@@ -44,8 +49,10 @@ void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answe
     const Row& row = rows[r];
     const Vec3 from_a = answer[row.a].transpose() * left[r];
     const Vec3 from_b = answer[row.b].transpose() * left[r];
-    scale_[r] = mobile[row.a] + mobile[row.b];
-    diagonal_[r] = (from_a + from_b).dot(right[r]);
+    const double at_a = or_nothing(from_a.dot(right[r]), mobile[row.a]);
+    const double at_b = or_nothing(from_b.dot(right[r]), mobile[row.b]);
+    scale_[r] = std::abs(at_a) + std::abs(at_b);
+    diagonal_[r] = at_a + at_b;
     // Neighbours share a particle that the one's b and the other's a is.
     lower_[r] = r > 0 && rows[r - 1].b == row.a ? -from_a.dot(right[r - 1]) : 0;
     const bool followed = r + 1 < rows.size() && rows[r + 1].a == row.b;
@@ -134,4 +141,4 @@ void RowSystem::solve(std::span<double> x) const {
   }
 }
 
-}  // namespace taut::direct
+}  // namespace taut

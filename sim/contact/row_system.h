@@ -7,7 +7,7 @@
 
 #include "sim/mechanism.h"
 
-namespace taut::direct {
+namespace taut {
 
 /// A x = b over the rows of a mechanism, where A(r, s) says by how much row r stays shorter under a
 /// pull along row s. Particle p moves by answer[p] times what pulls it (1/kg): a multiple of the
@@ -33,7 +33,7 @@ class RowSystem {
   void sweep(std::span<double> x) const;
 
   std::vector<double> diagonal_, lower_, upper_, inverse_pivot_;  // 1/kg, kg
-  std::vector<double> scale_;                                     // 1/kg, of the row's free ends
+  std::vector<double> scale_;                      // 1/kg, of the row's ends as they answer
   std::vector<std::size_t> border_, border_rows_;  // ends of rows at bodies that have several
   std::vector<double> columns_;  // what a pull along each of those rows would take, A without them
   Eigen::MatrixXd coupling_;
@@ -41,4 +41,4 @@ class RowSystem {
   mutable Eigen::VectorXd share_;
 };
 
-}  // namespace taut::direct
+}  // namespace taut

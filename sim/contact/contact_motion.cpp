@@ -1,0 +1,249 @@
+#include "sim/contact/contact_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+using Map = Eigen::Map<Vec3>;
+using ConstMap = Eigen::Map<const Vec3>;
+
+constexpr double kTouching = 1e-11;  // of the longest connector
+constexpr double kSpare = 1e-9;      // of forces per mass: no event yet
+constexpr int kProjections = 20;
+
+/// The change of a unit normal per second, at a point that moves by `velocity` (m/s): a difference
+/// of fourth order, over a thousandth of the sharpest curve.
+Vec3 normal_rate(const Shape& shape, const Vec3& at, const Vec3& velocity) {
+  const double speed = velocity.norm();
+  if (shape.kind == Shape::Kind::plane || speed == 0) return Vec3::Zero();
+  const double curve = shape.kind == Shape::Kind::cylinder ? shape.radius : shape.sharpest();
+  const double step = 1e-3 * std::max(curve, 1e-3);
+  const Vec3 way = step / speed * velocity;
+  const auto normal = [&](double ways) { return shape.from(at + ways * way).normal; };
+  return speed / (12 * step) * (8 * (normal(1) - normal(-1)) - (normal(2) - normal(-2)));
+}
+
+}  // namespace
+
+void ContactMotion::rebuild(const World& world, double slowest) {
+  obstacles_ = world.obstacles;
+  slowest_ = slowest;
+  mechanism_.rebuild(world);
+  system_.rebuild(mechanism_);
+  radius_.clear();
+  double longest = 0;
+  for (const Connector& connector : world.connectors) {
+    longest = std::max(longest, connector.length);
+    radius_.insert(radius_.end(), connector.particles(), connector.radius);
+  }
+  for (std::size_t p = 0; p < radius_.size(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) radius_[p] = -1;
+  }
+  touching_ = kTouching * longest;
+  const std::size_t points = mechanism_.points(), rows = mechanism_.rows().size();
+  beads_.assign(points, {});
+  for (auto* array : {&free_, &pulled_, &added_}) array->assign(points, Vec3::Zero());
+  for (auto* array : {&tension_, &change_, &start_}) array->assign(rows, 0);
+  answer_.assign(points, Mat3::Zero());
+  frames_.resize(obstacles_.size());
+}
+
+Vec3 ContactMotion::place(const State& state, std::size_t point) const {
+  return ConstMap(&state[mechanism_.position(point)]);
+}
+
+Vec3 ContactMotion::velocity(const State& state, std::size_t point) const {
+  return ConstMap(&state[mechanism_.velocity(point)]);
+}
+
+void ContactMotion::move_obstacles(double time) {
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) frames_[o] = obstacles_[o].frame(time);
+}
+
+/// The motion of the obstacle's material at a place.
+PointMotion ContactMotion::surface(const Bead& bead, const Vec3& at) const {
+  const FrameMotion& frame = frames_[bead.obstacle];
+  return frame.point(frame.rotation.conjugate() * (at - frame.position));
+}
+
+/// The acceleration along the normal with which a bead stays on the surface: the second derivative
+/// of its distance is zero.
+double ContactMotion::least_acceleration(const Bead& bead, const Vec3& at,
+                                         const Vec3& velocity) const {
+  const FrameMotion& frame = frames_[bead.obstacle];
+  const PointMotion carried = surface(bead, at);
+  const Vec3 passing = velocity - carried.velocity;
+  const Quat back = frame.rotation.conjugate();
+  const Vec3 local = back * passing;
+  const Vec3 turning =
+      normal_rate(obstacles_[bead.obstacle].shape, back * (at - frame.position), local);
+  return bead.touch.normal.dot(carried.acceleration + 2 * frame.spin.cross(passing)) -
+         turning.dot(local);
+}
+
+/// Under the active set: what everything is accelerated by.
+void ContactMotion::accelerate(double time, const State& state) {
+  scratch_ = state;
+  mechanism_.update(time, scratch_.data());
+  move_obstacles(time);
+  const auto& mobile = mechanism_.inverse_mass();
+  const auto& rows = mechanism_.rows();
+  const auto& along = mechanism_.direction();
+  for (std::size_t p = 0; p < beads_.size(); ++p) {
+    Bead& bead = beads_[p];
+    free_[p] = mechanism_.gravity();
+    pulled_[p].setZero();
+    if (bead.mode == Mode::open) continue;
+    const Vec3 at = place(scratch_, p), moves = velocity(scratch_, p);
+    const Obstacle& obstacle = obstacles_[bead.obstacle];
+    const Pose pose = frames_[bead.obstacle].pose();
+    bead.touch.normal = gap(obstacle, pose, at, radius_[p]).normal;
+    if (bead.mode == Mode::sticks) {
+      bead.touch.surface = frames_[bead.obstacle].point(bead.anchor).acceleration;
+      continue;
+    }
+    bead.touch.least = least_acceleration(bead, at, moves);
+    const Vec3 slip = moves - surface(bead, at).velocity;
+    const Vec3 across = slip - bead.touch.normal.dot(slip) * bead.touch.normal;
+    const double speed = across.norm();
+    bead.touch.slid = bead.ahead;
+    if (speed > kStill) bead.touch.slid = heading(across, bead.ahead);
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    pulled_[rows[r].a] += mobile[rows[r].a] * tension_[r] * along[r];
+    pulled_[rows[r].b] -= mobile[rows[r].b] * tension_[r] * along[r];
+  }
+  const auto answer_all = [&] {
+    for (std::size_t p = 0; p < beads_.size(); ++p) {
+      Bead& bead = beads_[p];
+      Touch& touch = bead.touch;
+      const Vec3 bare = free_[p] + pulled_[p];
+      answer_[p] = mobile[p] * Mat3::Identity();
+      added_[p] = pulled_[p];
+      if (bead.mode == Mode::slides) {
+        touch.push = touch.least - touch.normal.dot(bare);
+        const Vec3 force = touch.normal - touch.slide * touch.slid;
+        touch.rub = -touch.slide * touch.push * touch.slid;
+        added_[p] += touch.push * force;
+        answer_[p] -= mobile[p] * force * touch.normal.transpose();
+      } else if (bead.mode == Mode::sticks) {
+        const Vec3 given = touch.surface - bare;
+        touch.push = touch.normal.dot(given);
+        touch.rub = given - touch.push * touch.normal;
+        added_[p] += given;
+        answer_[p].setZero();
+      }
+    }
+  };
+  // Where links and what sticks leave a tension open, it is what it was.
+  answer_all();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    change_[r] =
+        mechanism_.free_acceleration(r) + along[r].dot(added_[rows[r].b] - added_[rows[r].a]);
+  }
+  system_.assemble(mechanism_, answer_, along, along);
+  system_.solve(change_);
+  ++solves_;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    pulled_[rows[r].a] += mobile[rows[r].a] * change_[r] * along[r];
+    pulled_[rows[r].b] -= mobile[rows[r].b] * change_[r] * along[r];
+    change_[r] += tension_[r];
+  }
+  answer_all();
+}
+
+void ContactMotion::differentiate(double time, const State& state, State& derivative) {
+  accelerate(time, state);
+  mechanism_.differentiate(scratch_.data(), change_.data(), derivative.data());
+  for (std::size_t p = 0; p < beads_.size(); ++p) {
+    if (beads_[p].mode == Mode::open) continue;
+    double* rate = &derivative[mechanism_.velocity(p)];
+    Map{rate} = free_[p] + added_[p];
+  }
+}
+
+double ContactMotion::project(double time, State& state) {
+  move_obstacles(time);
+  const auto& mobile = mechanism_.inverse_mass();
+  const auto& rows = mechanism_.rows();
+  const auto& along = mechanism_.direction();
+  double worst = 0;
+  const auto shift = [&](std::size_t offset) {  // along the surfaces
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const Vec3 pull = change_[r] * along[r];
+      Map(&state[offset + 3 * rows[r].a]) += answer_[rows[r].a] * pull;
+      Map(&state[offset + 3 * rows[r].b]) -= answer_[rows[r].b] * pull;
+    }
+  };
+  for (int i = 0; i < kProjections; ++i) {
+    worst = 0;
+    for (std::size_t p = 0; p < beads_.size(); ++p) {
+      const Bead& bead = beads_[p];
+      answer_[p] = mobile[p] * Mat3::Identity();
+      if (bead.mode == Mode::open) continue;
+      Map at(&state[mechanism_.position(p)]);
+      Map moves(&state[mechanism_.velocity(p)]);
+      const FrameMotion& frame = frames_[bead.obstacle];
+      if (bead.mode == Mode::sticks) {
+        const PointMotion anchor = frame.point(bead.anchor);
+        at = anchor.position;
+        moves = anchor.velocity;
+        answer_[p].setZero();
+        continue;
+      }
+      const SurfaceDistance near = gap(obstacles_[bead.obstacle], frame.pose(), at, radius_[p]);
+      worst = std::max(worst, std::abs(near.distance));
+      at -= near.distance * near.normal;
+      moves += near.normal.dot(surface(bead, at).velocity - moves) * near.normal;
+      answer_[p] -= mobile[p] * near.normal * near.normal.transpose();
+    }
+    mechanism_.update(time, state.data());
+    for (const double violation : mechanism_.violation()) {
+      worst = std::max(worst, std::abs(violation));
+    }
+    system_.assemble(mechanism_, answer_, along, along);
+    ++solves_;
+    std::ranges::copy(mechanism_.rate(), change_.begin());
+    system_.solve(change_);
+    shift(mechanism_.velocity(0));
+    if (worst < 1e-3 * touching_) break;
+    std::ranges::copy(mechanism_.violation(), change_.begin());
+    system_.solve(change_);
+    shift(mechanism_.position(0));
+  }
+  return worst;
+}
+
+void ContactMotion::events(double time, const State& state, std::vector<double>& values) {
+  values.clear();
+  accelerate(time, state);
+  for (std::size_t p = 0; p < beads_.size(); ++p) {
+    if (radius_[p] < 0) continue;
+    const Bead& bead = beads_[p];
+    const Vec3 at = place(scratch_, p);
+    for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+      if (bead.mode != Mode::open && bead.obstacle == o) continue;
+      const SurfaceDistance near = gap(obstacles_[o], frames_[o].pose(), at, radius_[p]);
+      const Bead there{.obstacle = static_cast<std::uint32_t>(o), .touch = {}};
+      const double parts =
+          near.normal.dot(velocity(scratch_, p) - surface(there, at).velocity);  // m/s
+      const double value = near.distance + touching_ / 2;
+      values.push_back(value < 0 && parts >= -kStill ? touching_ : value);
+    }
+    if (bead.mode == Mode::open) continue;
+    const Touch& touch = bead.touch;
+    const double spare = kSpare * (free_[p].norm() + pulled_[p].norm() + touch.push);
+    values.push_back(touch.push + spare);
+    if (touch.stick == 0) continue;
+    if (bead.mode == Mode::sticks) {
+      values.push_back(touch.stick * touch.push - touch.rub.norm() + spare);
+    } else {
+      const Vec3 slip = velocity(scratch_, p) - surface(bead, at).velocity;
+      values.push_back(slip.dot(bead.ahead) + kStill / 2);
+    }
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,100 @@
+// The smooth motion of links whose beads touch obstacles, and the events that end it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/contact/obstacle.h"
+#include "sim/contact/row_system.h"
+#include "sim/contact/touch.h"
+#include "sim/mechanism.h"
+
+namespace taut {
+
+/// Between events the set of closed touches stays, and each of them slides or sticks: then links
+/// and touches are equations, and accelerations follow from one linear system. Events are: a bead
+/// arrives, a touch would have to pull, friction is exhausted, sliding ends. resolve() finds the
+/// velocities and the active set that follow, by the laws of Signorini, Coulomb and Newton.
+///
+/// No free bodies; no bead may touch two obstacles at once.
+class ContactMotion {
+ public:
+  using State = std::vector<double>;  // as Mechanism has it
+
+  /// A state that has no solution, or none that is found.
+  struct Unresolved {
+    std::size_t row = 0;
+    const char* what = "";
+  };
+
+  /// Call when the topology is new. Bounces slower than `slowest` (m/s) are not followed.
+  void rebuild(const World& world, double slowest);
+  void load(const World& world, State& state) { mechanism_.load(world, state); }
+  void store(const State& state, double time, World& world) const {
+    mechanism_.store(state, time, world);
+  }
+
+  /// The derivative of a state under the active set.
+  void differentiate(double time, const State& state, State& derivative);
+  /// Back to lengths, surfaces and what sticks; returns the largest violation (m) that is left.
+  double project(double time, State& state);
+  /// Functions of the state that are positive until an event.
+  void events(double time, const State& state, std::vector<double>& values);
+  /// The jump of the velocities, where beads arrive, and the active set from now on. Throws
+  /// Unresolved.
+  void resolve(double time, State& state);
+
+  const Mechanism& mechanism() const { return mechanism_; }
+  std::uint64_t solves() const { return solves_; }
+
+ private:
+  static constexpr double kStill = 1e-10;  // m/s: slower is no sliding
+
+  enum class Mode { open, slides, sticks };
+  struct Bead {
+    Mode mode = Mode::open;
+    std::uint32_t obstacle = 0;
+    Vec3 anchor = Vec3::Zero();  // m, where it sticks, in the obstacle's frame
+    Vec3 ahead = Vec3::Zero();   // the way in which it slid when that began
+    Touch touch;                 // of velocities or accelerations, as asked last
+  };
+
+  Vec3 place(const State& state, std::size_t point) const;
+  Vec3 velocity(const State& state, std::size_t point) const;
+  void move_obstacles(double time);
+  PointMotion surface(const Bead& bead, const Vec3& at) const;
+  double least_acceleration(const Bead& bead, const Vec3& at, const Vec3& velocity) const;
+  void accelerate(double time, const State& state);
+  Vec3 plane_of(const State& state) const;
+  Vec3 heading(const Vec3& across, const Vec3& ahead) const;
+  Response answer(Bead& bead, const Vec3& bare) const;
+  void find_touches(const State& state);
+  bool arrive(double time, State& state);
+  void choose(double time, const State& state);
+  double margin(std::size_t point, const Vec3& more) const;
+  void centre();
+  void balance(std::span<const double> start);
+  double measure(std::span<const double> start);
+  void relax(std::span<const double> start);
+  void relax_row(std::size_t row, double start);
+
+  std::vector<Obstacle> obstacles_;
+  Mechanism mechanism_;
+  RowSystem system_;
+  double slowest_ = 0, touching_ = 0;  // m/s, m
+  std::vector<double> radius_;         // per point, m; negative: it touches nothing
+  std::vector<Bead> beads_;            // per point
+  std::vector<FrameMotion> frames_;    // of the obstacles
+  Vec3 aside_ = Vec3::Zero();          // out of the plane of the motion, where there is one
+  State scratch_;
+  // Per point, of velocities or accelerations: without links, what links add, what links and
+  // touches add.
+  std::vector<Vec3> free_, pulled_, added_;
+  std::vector<Mat3> answer_;              // per point, 1/kg
+  std::vector<double> tension_, change_;  // per row
+  std::vector<double> start_;             // per row, of what is asked
+  std::uint64_t solves_ = 0;
+};
+
+}  // namespace taut

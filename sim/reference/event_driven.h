@@ -1,0 +1,15 @@
+// The truth among obstacles: smooth motion from event to event.
+#pragma once
+
+#include <memory>
+
+#include "sim/method.h"
+
+namespace taut {
+
+/// Runge-Kutta-Fehlberg 7(8) on ContactMotion, `local_error` in a step (m, m/s). Where a step
+/// passes an event it is taken again, to end there. For worlds with obstacles and without free
+/// bodies.
+std::unique_ptr<Method> make_event_driven(double local_error);
+
+}  // namespace taut
