@@ -77,7 +77,7 @@ bool ContactStep::settle(double time, double h, double lowest) {
   std::ranges::fill(pull_, 0.0);
   const double stopped = kStopped * (1 + std::sqrt(speed));
   if (!stop(stopped, 1)) {
-    // With friction let in by and by, as much as there is a solution with.
+    // With friction raised in shares, as much as there is a solution with.
     std::ranges::fill(pull_, 0.0);
     double found = -1;
     for (const double share : kShares) {

@@ -238,8 +238,8 @@ void ContactStep::move(double time, double h) {
   mechanism_.place(time + h, next_.data());
 }
 
-/// With friction let in by and by, from no pulls at all. In the shortest steps as much as there is
-/// a solution with.
+/// With friction raised in shares (a homotopy), from no pulls at all. In the shortest steps as much
+/// as there is a solution with.
 bool ContactStep::glide_by_parts(double time, double h) {
   std::ranges::fill(pull_, 0.0);
   double found = -1;
