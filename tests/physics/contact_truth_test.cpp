@@ -7,6 +7,7 @@
 
 #include "contact_worlds.h"
 #include "sim/measure.h"
+#include "sim/truth/truth.h"
 
 namespace taut {
 namespace {
@@ -93,6 +94,17 @@ TEST(ContactTruth, TwoSolversAgree) {
     }
     EXPECT_LT(before, 1e-5);
   }
+}
+
+// The chain meets the post after 0.3 s; what is scored is known well beyond that, by both solvers.
+TEST(ContactTruth, StatesHowFarItIsKnown) {
+  std::vector<double> times;
+  for (int frame = 0; frame <= 18; ++frame) times.push_back(frame / 30.0);
+  const TruthOptions options;
+  const Truth truth = solve_truth(against_a_post(0.3), times, options);
+  EXPECT_GE(truth.horizon, 0.4);
+  EXPECT_GT(truth.self_error, 0);
+  EXPECT_LE(truth.self_error, options.scored_error / 100);
 }
 
 }  // namespace
