@@ -13,14 +13,14 @@ namespace {
 
 namespace odeint = boost::numeric::odeint;
 
-constexpr double kFirstStep = 1e-5;     // s
-constexpr double kShortest = 1e-12;     // s: a step below it says that the motion is not smooth
-constexpr double kLongest = 1.0 / 480;  // s: events come in order, and none is passed unseen
-constexpr double kSlowest = 1e-4;       // m/s, of bounces: they rise by half a nanometre
-constexpr double kLocated = 1e-14;      // s
-constexpr int kTrials = 60;             // to locate an event
-constexpr int kMost = 3000;             // events in so short a time: they follow no more
-constexpr double kBrief = 0.01;         // s
+constexpr double kStepAfterEvent = 1e-5;  // s
+constexpr double kShortestStep = 1e-12;   // s: a step below it says that the motion is not smooth
+constexpr double kLongest = 1.0 / 480;    // s: events come in order, and none is passed unseen
+constexpr double kSlowest = 1e-4;         // m/s, of bounces: they rise by half a nanometre
+constexpr double kLocated = 1e-14;        // s
+constexpr int kTrials = 60;               // to locate an event
+constexpr int kMost = 3000;               // events in so short a time: they follow no more
+constexpr double kBrief = 0.01;           // s
 
 using State = std::vector<double>;
 
@@ -52,7 +52,7 @@ class EventDriven final : public Method {
   bool built_ = false;
   std::uint64_t topology_ = 0;
   std::vector<double> keys_;  // s, rising: times at which a path is not smooth
-  double time_ = 0, step_ = kFirstStep;
+  double time_ = 0, step_ = kStepAfterEvent;
   double brief_ = 0;  // s, from which on events are counted
   int located_ = 0;
   State state_, next_;
@@ -65,7 +65,7 @@ void EventDriven::prepare(const World& world) {
     throw Diverged("truth", world.time, 0, body.name, 0,
                    "knows contact only without free bodies, and there is one");
   }
-  step_ = kFirstStep;
+  step_ = kStepAfterEvent;
   motion_.rebuild(world, kSlowest);
   built_ = true;
   topology_ = world.topology;
@@ -114,7 +114,7 @@ void EventDriven::step(double until) {
   if (stepper_.try_step(system, next_, end, taken) == odeint::fail) {
     ++counters_.rejected;
     step_ = taken;  // now shorter
-    if (!(step_ > kShortest)) give_up(0, "the motion is not smooth");
+    if (!(step_ > kShortestStep)) give_up(0, "the motion is not smooth");
     return;
   }
   if (!std::isfinite(motion_.project(time_ + h, next_))) give_up(0, "not finite");
@@ -183,7 +183,7 @@ void EventDriven::locate(double h) {
   state_.swap(next_);
   ++counters_.steps;
   motion_.resolve(time_, state_);
-  step_ = std::max(after, kFirstStep);
+  step_ = std::max(after, kStepAfterEvent);
 }
 
 void EventDriven::slope(const State& state, State& derivative, double time) {
