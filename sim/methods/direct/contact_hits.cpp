@@ -116,14 +116,11 @@ double ContactStep::error() const {
 
 double ContactStep::wave_frequency() const {
   double squared = 0;
-  const auto mobility = [&](std::size_t point) {
-    const auto sticks = [](const BeadTouch& at) { return at.touch.state == Touch::State::sticks; };
-    return std::ranges::any_of(touches_of(point), sticks) ? 0 : mechanism_.inverse_mass()[point];
-  };
+  const auto& mobile = mechanism_.inverse_mass();
   for (std::size_t r = 0; r < tension_.size(); ++r) {
     const Row& row = mechanism_.rows()[r];
     if (row.axis != Row::kAlongLink) continue;
-    squared = std::max(squared, 2 * (mobility(row.a) + mobility(row.b)) * tension_[r] / row.rest);
+    squared = std::max(squared, 2 * (mobile[row.a] + mobile[row.b]) * tension_[r] / row.rest);
   }
   return hits_ ? 0 : std::sqrt(squared);
 }
