@@ -34,6 +34,7 @@ Span make_span(const World& world, std::size_t c, std::size_t index, const SpanE
                                            : static_cast<double>(span.links()) /
                                                  static_cast<double>(connector.links());
   span.mass = connector.mass * part;
+  span.folds = span.links() > 1 || connector.model == ConnectorModel::span;
   const auto same = std::ranges::find_if(before, [&](const Span& old) {
     return old.connector == c && old.a.pin == from.pin && old.b.pin == to.pin &&
            old.length == span.length;

@@ -29,6 +29,7 @@ struct Span {
   double length = 0;  // m, the sum of the rest lengths
   double mass = 0;    // kg, its share of the connector's
   bool taut = false;
+  bool folds = false;  // its ends may come nearer to each other: it is no single rigid link
 
   std::size_t links() const { return b.particle - a.particle; }
 };

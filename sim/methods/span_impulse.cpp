@@ -90,13 +90,13 @@ void exchange(const Side& a, const Vec3& arm_a, const Side& b, const Vec3& arm_b
   b.shift(impulse_time, arm_b);
 }
 
-/// The distances between which a span's ends are left alone, m. A span of several links folds.
+/// The distances between which a span's ends are left alone, m.
 struct Reach {
   double shortest, longest;
   double exact;  // so near a limit is at it
 
   Reach(const Span& span, const LinkLimits& limits)
-      : shortest(span.links() == 1 ? limits.shortest * span.length : 0),
+      : shortest(span.folds ? 0 : limits.shortest * span.length),
         longest(limits.longest * span.length),
         exact(kExact * span.length) {}
 };
