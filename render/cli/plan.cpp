@@ -267,10 +267,7 @@ int run(const Options& options, const Common& common) {
     throw Misuse(fmt::format("{}: has no connector to plan for", options.scene));
   }
   if (!scene.world.obstacles.empty()) {
-    throw Misuse(
-        fmt::format("{}: has obstacles, and the truth that plans are judged by knows no "
-                    "contact",
-                    options.scene));
+    throw Misuse(fmt::format("{}: has obstacles, which plans do not follow yet", options.scene));
   }
   Asked asked = asked_for(options.tolerance, scene);
   const std::uint64_t stamp = plan_stamp(scene.file);

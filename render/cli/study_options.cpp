@@ -106,10 +106,7 @@ Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& c
     throw Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
   if (!scene.world.obstacles.empty()) {
-    throw Misuse(
-        fmt::format("{}: has obstacles, and the truth that methods are judged by knows no "
-                    "contact",
-                    options.scene));
+    throw Misuse(fmt::format("{}: has obstacles, which no study follows yet", options.scene));
   }
   if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
     throw Misuse(
