@@ -15,11 +15,11 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kInProportion = 0.1;   // of the motion: differences up to it
 constexpr std::uint64_t kFewSteps = 4;  // from one comparison to the next: so few can be halved
 
-CoarseMethod companion_of(std::string_view name, const Settings& settings) {
+Companion companion_of(std::string_view name, const Settings& settings) {
   make_method(name, settings);  // throws what there is to say of them
   const MethodInfo& method = *find_method(name);
-  if (!method.coarse) return {.none = "does not say how its error depends on its settings"};
-  return method.coarse(method, with_defaults(method, settings));
+  if (!method.companion) return {.none = "does not say how its error depends on its settings"};
+  return method.companion(method, with_defaults(method, settings));
 }
 
 /// RMS of the distances of as many points.

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/simulation.h"
 
 namespace taut {
 
 /// Runs the same world and timeline a second time beside it by the same method, finer or coarser
-/// (MethodInfo::coarse), and takes the error from the difference by Richardson's extrapolation:
+/// (MethodInfo::companion), and takes the error from the difference by Richardson's extrapolation:
 /// |difference| / |r - 1|, where the other's error is r times as large. The errors are in
 /// proportion while the difference is below a tenth of length_scale() and of how far the motion has
 /// gone; above, the difference itself is the estimate.
@@ -67,7 +67,7 @@ class ErrorEstimate {
   void note(double time, double error);
 
   std::string none_, diverged_;
-  CoarseMethod companion_;          // without its method
+  Companion companion_;             // without its method
   Method* other_method_ = nullptr;  // that
   double length_ = 0;               // m, as length_scale() has it
   double limit_ = 0;

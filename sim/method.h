@@ -43,7 +43,7 @@ struct Counters {
   /// What all that takes of a processor, in cycles, as the operations in the loops add up: two
   /// additions or multiplications a cycle where none waits for another, four cycles each where they
   /// do; five and fifteen for a division or a root.
-  double work = 0;
+  double cycles = 0;
 };
 
 /// Something that an observer can see in a span.
@@ -96,7 +96,7 @@ struct MethodForm {
   Settings settings;      // what it sets
 };
 
-struct CoarseMethod;
+struct Companion;
 
 /// What a method takes for each particle, beside the world; measured on ropes of 20,000 particles,
 /// in a single span. The default is that of the hungriest.
@@ -127,9 +127,9 @@ struct MethodInfo {
   bool follows_spans = false;
   /// Beads touch what is in World::obstacles; others throw Diverged where there is anything.
   bool touches_obstacles = false;
-  /// The method with a full set of settings made coarser, by which ErrorEstimate tells the error;
-  /// null: nothing is known of how the error depends on the settings.
-  CoarseMethod (*coarse)(const MethodInfo& method, const Settings& settings) = nullptr;
+  /// What runs beside a run with a full set of settings, coarser or finer, so that ErrorEstimate
+  /// tells its error; null: nothing is known of how the error depends on the settings.
+  Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
   ParticleCost cost = {};
 };
 

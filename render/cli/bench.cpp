@@ -130,6 +130,7 @@ void add_bench(CLI::App& app, Program& program) {
   const auto options = std::make_shared<Options>();
   add_study_options(command, options->study, 120);
   options->study.follows = Follows::pins;
+  options->study.among_obstacles = true;
   command
       .add_option("--particles", options->particles,
                   "Numbers of particles of the first connector, with commas; default: 11,21,41,81, "

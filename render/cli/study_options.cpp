@@ -105,8 +105,9 @@ Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& c
   if (scene.world.connectors.empty()) {
     throw Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
-  if (!scene.world.obstacles.empty()) {
-    throw Misuse(fmt::format("{}: has obstacles, which no study follows yet", options.scene));
+  if (!scene.world.obstacles.empty() && !options.among_obstacles) {
+    throw Misuse(fmt::format("{}: has obstacles, which bench follows, and this command does not",
+                             options.scene));
   }
   if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
     throw Misuse(

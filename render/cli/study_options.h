@@ -27,6 +27,7 @@ struct StudyOptions {
   bool quick = false;
   PartOptions part;  // of chart and stability
   Follows follows = Follows::nothing;
+  bool among_obstacles = false;  // whether the study takes scenes with obstacles
 };
 
 /// SCENE..., --set, --out, --methods, --budget (`budget` seconds unless told) and --quick.
@@ -58,8 +59,8 @@ int for_each_study(const StudyOptions& options, const Common& common,
 /// The folder that results go to.
 std::filesystem::path study_folder(const StudyOptions& options);
 
-/// The scene, without its stage unless asked for. Throws Misuse where it has no connector, or pins
-/// or cuts that the study does not follow.
+/// The scene, without its stage unless asked for. Throws Misuse where it has no connector, or
+/// obstacles, pins or cuts that the study does not follow.
 Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes = {},
                   bool with_stage = false);
 /// The scene with another number of particles in its first connector.

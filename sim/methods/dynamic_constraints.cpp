@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/tension.h"
@@ -72,15 +72,15 @@ class DynamicConstraints final : public SteppedMethod {
                 at.free_acceleration(r) + (2 * at.rate()[r] + at.violation()[r] / tau) / tau;
           }
           ++counters_.solves;
-          counters_.work += at.work();
+          counters_.cycles += at.work();
           if (dense_) {
             system_.solve_dense(right_, tension);
-            counters_.work += system_.dense_work();
+            counters_.cycles += system_.dense_work();
           } else {
-            counters_.work += system_.work();
+            counters_.cycles += system_.work();
             if (!system_.solve(right_, tension)) {
               ++counters_.handed_over;
-              counters_.work += system_.dense_work();
+              counters_.cycles += system_.dense_work();
             }
           }
           if (adaptive_) {
@@ -130,7 +130,7 @@ double stable_step(const World& world, const Settings& settings) {
 }
 
 /// Twice as long, steps that are left open would be as long as stability allows.
-CoarseMethod coarse_constraints(const MethodInfo& constraints, const Settings& settings) {
+Companion companion_of_constraints(const MethodInfo& constraints, const Settings& settings) {
   const double order = order_of(integrator_named(text(settings, "integrator")));
   if (number(settings, "step") > 0) return with_step_doubled(constraints, settings, order);
   return {.method = std::make_unique<DynamicConstraints>(settings, std::numbers::sqrt2),
@@ -168,7 +168,7 @@ MethodInfo dynamic_constraints_method() {
       .forms = {{"dense", {{"solver", std::string("dense")}}}},
       .longest_step = stable_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",
-      .coarse = coarse_constraints,
+      .companion = companion_of_constraints,
       .cost = {.memory = 700, .step = 2e-7, .eliminates = true},
   };
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <ranges>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/methods/span_impulse.h"
 #include "sim/room.h"
 #include "sim/span.h"
@@ -161,7 +161,7 @@ void Impulse::step(World& world, double time, double dt) {
   }
   ++counters_.steps;
   counters_.solves += static_cast<std::uint64_t>(passes_);
-  counters_.work += step_work_ + passes_ * pass_work_;
+  counters_.cycles += step_work_ + passes_ * pass_work_;
   check(world, time);
 }
 
@@ -308,9 +308,9 @@ MethodInfo impulse_method() {
       },
       .forms = {{"as-printed", {{"as_printed", true}}}},
       .follows_spans = true,
-      .coarse =
+      .companion =
           [](const MethodInfo&, const Settings&) {
-            return CoarseMethod{.none = "does not converge to the exact motion, whatever its step"};
+            return Companion{.none = "does not converge to the exact motion, whatever its step"};
           },
       .cost = {.memory = 100, .step = 2e-8},
   };

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/contact/bead_contacts.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
@@ -60,7 +60,7 @@ class Springs : public SteppedMethod {
                       tension[r] = stiffness_ * at.violation()[r] + damper_ * at.rate()[r];
                     }
                     ++counters_.solves;
-                    counters_.work += at.work();
+                    counters_.cycles += at.work();
                   });
     if (contacts_.any()) contacts_.stop(mechanism, time + dt, dt, state);
   }
@@ -80,7 +80,7 @@ double longest_step(const World& world, const Settings& settings) {
          fastest_stretch(world, number(settings, "stiffness"));
 }
 
-CoarseMethod coarse(const MethodInfo& springs, const Settings& settings) {
+Companion companion_of_springs(const MethodInfo& springs, const Settings& settings) {
   if (number(settings, "step") == 0) {
     return {.none = "takes nearly the longest stable step by itself, so that no coarser one is"};
   }
@@ -120,7 +120,7 @@ MethodInfo springs_method() {
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
       .touches_obstacles = true,
-      .coarse = coarse,
+      .companion = companion_of_springs,
       .cost = {.memory = 350, .step = 1e-8},
   };
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/contact/bead_contacts.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
@@ -84,7 +84,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
   for (int i = 0; i < iterations_; ++i) pass(mechanism, compliance_ / (dt * dt), state.data());
   if (contacts_.any()) contacts_.move_out(mechanism, time + dt, dt, started_, state);
   counters_.solves += static_cast<std::uint64_t>(iterations_);
-  counters_.work += step_work_ + iterations_ * pass_work_;
+  counters_.cycles += step_work_ + iterations_ * pass_work_;
 
   const std::size_t velocities = mechanism.velocity(0);
   for (std::size_t i = 0; i < 3 * mechanism.points(); ++i) {
@@ -197,8 +197,8 @@ MethodInfo xpbd_method() {
       .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .touches_obstacles = true,
-      .coarse = [](const MethodInfo& xpbd,
-                   const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
+      .companion = [](const MethodInfo& xpbd,
+                      const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .cost = {.memory = 250, .step = 3e-8},
   };
 }

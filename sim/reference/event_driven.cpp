@@ -189,7 +189,7 @@ void EventDriven::locate(double h) {
 void EventDriven::slope(const State& state, State& derivative, double time) {
   motion_.differentiate(time, state, derivative);
   counters_.solves = motion_.solves();
-  counters_.work += 2 * motion_.mechanism().work();
+  counters_.cycles += 2 * motion_.mechanism().work();
 }
 
 void EventDriven::give_up(std::size_t row, const char* what) const {

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/projection.h"
 #include "sim/reference/simbody_model.h"
 #include "sim/trajectory.h"
@@ -62,7 +62,7 @@ void Multibody::count() {
   const auto tally = [](int number) { return static_cast<std::uint64_t>(number); };
   counters_.steps = before_.steps + tally(model_->steps());
   counters_.solves = before_.solves + tally(model_->realizations());
-  counters_.work = before_.work + cycles_ * model_->realizations();
+  counters_.cycles = before_.cycles + cycles_ * model_->realizations();
   counters_.rejected = before_.rejected + tally(model_->attempts() - model_->steps());
 }
 
@@ -88,7 +88,7 @@ MethodInfo multibody_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Multibody>(settings);
           },
-          .coarse =
+          .companion =
               [](const MethodInfo& multibody, const Settings& settings) {
                 return with_tolerance_raised(multibody, settings, "accuracy");
               },

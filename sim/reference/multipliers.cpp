@@ -6,7 +6,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cmath>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/mechanism.h"
 #include "sim/projection.h"
 #include "sim/reference/event_driven.h"
@@ -127,7 +127,7 @@ void Multipliers::slope(const State& state, State& derivative, double time) {
   system_.assemble(mechanism_);
   system_.solve(right_, tension_);
   ++counters_.solves;
-  counters_.work += mechanism_.work() + system_.work();
+  counters_.cycles += mechanism_.work() + system_.work();
   mechanism_.differentiate(scratch_.data(), tension_.data(), derivative.data());
 }
 
@@ -157,7 +157,7 @@ MethodInfo truth_method() {
           },
           .reference = true,
           .touches_obstacles = true,
-          .coarse =
+          .companion =
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");
               },

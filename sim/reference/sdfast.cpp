@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/projection.h"
 #include "sim/reference/sdfast/ball.h"
 #include "sim/reference/sdfast/chain.h"
@@ -134,7 +134,7 @@ void SdFast::store(World& world, double until) {
 void SdFast::look(double time) {
   SdFast& user = *user_;
   ++user.counters_.solves;
-  user.counters_.work += 3000 + 600 * static_cast<double>(user.chain_.links);
+  user.counters_.cycles += 3000 + 600 * static_cast<double>(user.chain_.links);
   if (!user.chain_.held || user.chain_.held->kind == Attachment::Kind::fixed) return;
   const PointMotion base = hold_motion(*user.moving_, *user.chain_.held, time);
   sdfast::drag_balls(*user.model_, *user.moving_, user.chain_, base.acceleration);
@@ -212,10 +212,9 @@ MethodInfo sdfast_method() {
       .missing = sdfast::models().empty() ? "not installed" : "",
       .forms = {{"kane", {{"formulation", std::string("kane")}}},
                 {"ball", {{"joints", std::string("ball")}}}},
-      .coarse =
+      .companion =
           [](const MethodInfo&, const Settings&) {
-            return CoarseMethod{.none =
-                                    "keeps the state of one run at a time in its generated code"};
+            return Companion{.none = "keeps the state of one run at a time in its generated code"};
           },
       .cost = {.memory = 8000, .step = 2e-6}};
 }

@@ -59,7 +59,7 @@ Difference ComparedRun::later() const {
 }
 
 double ComparedRun::work() const {
-  return simulation_.method().counters().work;
+  return simulation_.method().counters().cycles;
 }
 
 }  // namespace taut

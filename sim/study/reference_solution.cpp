@@ -179,7 +179,7 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
                     [&](const Motion& so_far, const Simulation& now) {
                       look(so_far, now);
                       return so_far.points.size() < reference.known &&
-                             now.method().counters().work < most_work;
+                             now.method().counters().cycles < most_work;
                     });
     } catch (const Diverged&) {
       // Left to the direct method.

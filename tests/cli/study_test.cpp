@@ -135,6 +135,23 @@ TEST(Bench, ADivergenceIsSaidAndOthersGoOn) {
   EXPECT_GT(std::stod(times.at(2)), 0);
 }
 
+TEST(Bench, AmongObstaclesItTimesTheMethodsThatKnowContact) {
+  const Folder folder;
+  folder.write("floor.toml", std::string(kShortSwing) +
+                                 "[obstacles.floor]\nshape = { plane = { size = 2.0 } }\n");
+  const ProgramResult outcome =
+      run_taut({"bench", "floor.toml", "--quick", "--budget", "1", "--methods", "impulse,xpbd",
+                "--particles", "4", "--against", "xpbd"},
+               folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const Table table = from_csv(read_file(folder.path() / "out/floor/bench.csv"));
+  EXPECT_NE(cells(table, "remark").at(0), "");
+  EXPECT_GT(std::stod(cells(table, "µs per frame").at(1)), 0);
+  const ProgramResult chart = run_taut({"chart", "floor.toml"}, folder.path());
+  EXPECT_EQ(chart.code, 2);
+  EXPECT_NE(chart.messages.find("has obstacles, which bench follows"), std::string::npos);
+}
+
 TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   const Folder folder;
   folder.write("scene.toml", kShortSwing);

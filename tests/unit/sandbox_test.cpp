@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/filters.h"
 #include "tests/support/folder.h"
 
 namespace taut {
@@ -28,12 +29,6 @@ constexpr SandboxLimits kLimits = {
 
 SandboxResult run(const std::function<std::string()>& work, const SandboxLimits& limits = kLimits) {
   return run_in_sandbox(limits, work);
-}
-
-/// Whether this machine's kernel takes filters; a container may forbid them.
-bool has_filters() {
-  return run([] { return std::string(1, socket(AF_INET, SOCK_STREAM, 0) < 0 ? 'n' : 'y'); }).end ==
-         End::forbidden;
 }
 
 std::size_t open_files() {

@@ -204,8 +204,8 @@ void Contacts::step_through(Group& group, double until) {
     const double gone = step.attempt(time, h, group.located < kLocated, lowest);
     ++counters_.steps;
     counters_.solves += step.solves() - before;
-    counters_.work += static_cast<double>(step.solves() - before) *
-                      (200 * static_cast<double>(step.mechanism().rows().size()) + 500);
+    counters_.cycles += static_cast<double>(step.solves() - before) *
+                        (200 * static_cast<double>(step.mechanism().rows().size()) + 500);
     const bool judged = options_.step == 0 && h > kFinest * group.first;
     const double error = judged ? step.error() : 0;
     const bool fails =
@@ -252,7 +252,7 @@ Counters Contacts::counters() const {
     sum.solves += links.solves;
     sum.rejected += links.rejected;
     sum.handed_over += links.handed_over;
-    sum.work += links.work;
+    sum.cycles += links.cycles;
   }
   return sum;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 #include "sim/methods/direct/contacts.h"
 #include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/integrator.h"
@@ -180,7 +180,7 @@ class Direct : public Method {
 /// One whose steps are shorter by a fifth. The errors of the three schemes fall by 1.25^8, 1.25^4
 /// and 1.25^3, so that the difference is 0.83, 0.59 and 0.49 of the error; two thirds are near to
 /// each. Where it took another scheme than the run, its own error could be the larger one.
-CoarseMethod with_finer_steps(double tolerance) {
+Companion with_finer_steps(double tolerance) {
   constexpr int kFrames = 4;
   direct::StepOptions options;
   options.tolerance = tolerance;
@@ -237,7 +237,7 @@ MethodInfo direct_method() {
       },
       .follows_spans = true,
       .touches_obstacles = true,
-      .coarse =
+      .companion =
           [](const MethodInfo& direct, const Settings& settings) {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)
                                                 : with_finer_steps(number(settings, "tolerance"));

@@ -114,7 +114,7 @@ void Integrator::refresh(Counters& counters) {
   motion_->acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
   waves_ = motion_->wave_frequency();
   counters.solves += 1;
-  counters.work += motion_->work();
+  counters.cycles += motion_->work();
   fresh_ = true;
 }
 
@@ -122,7 +122,7 @@ void Integrator::refresh(Counters& counters) {
 double Integrator::attempt(Scheme scheme, double h, Counters& counters) {
   const double *q = q_.data(), *rate = rate_.data(), *first = acceleration_.data();
   refresh(counters);
-  counters.work += (cost_[scheme] - 1) * motion_->work();
+  counters.cycles += (cost_[scheme] - 1) * motion_->work();
   if (scheme == dop853) {
     counters.solves += kStages - 1;
     return dop853_.attempt(*motion_, time_, h, q, rate, first);
@@ -216,7 +216,7 @@ void Integrator::start_adams(double time, Counters& counters) {
     interpolate(at, first, latest);
     motion_->acceleration(at, q_between_.data(), rate_between_.data(), out);
     counters.solves += 1;
-    counters.work += motion_->work();
+    counters.cycles += motion_->work();
   }
   fresh_ = false;  // the last tensions are others
 }
@@ -234,7 +234,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
   int& rest = rests_[rosenbrock].steps;
   while (time_ < until) {
     counters.solves += 1;
-    counters.work += cost_[adams] * motion_->work();
+    counters.cycles += cost_[adams] * motion_->work();
     error = adams_.attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * allowed) / allowed;
     if (motion_->left_plane()) return error;
     if (!(error <= 1)) {

@@ -141,14 +141,14 @@ void Spans::look() {
     part.system.load(inner_, inner_.time, q, rate);
     part.system.acceleration(inner_.time, q, rate, part.acceleration.data());
     looks_.solves += 1;
-    looks_.work += part.system.work();
+    looks_.cycles += part.system.work();
   }
 }
 
 Counters Spans::counters() const {
   Counters sum = links_->counters();
   sum.solves += looks_.solves;
-  sum.work += looks_.work;
+  sum.cycles += looks_.cycles;
   return sum;
 }
 

@@ -6,7 +6,7 @@
 namespace taut {
 
 /// What runs beside a method so that the difference tells the error: see ErrorEstimate.
-struct CoarseMethod {
+struct Companion {
   std::unique_ptr<Method> method = nullptr;  // null: there is none
   /// How many times as large its error is (less than once where it is the finer one) or, where that
   /// is zero, the power of how many times as long its steps are.
@@ -22,11 +22,11 @@ struct CoarseMethod {
 
 /// With the tolerance of this name 4 times as large, or as large as it can be, and an error in
 /// proportion. None where it cannot be even twice as large. A tolerance in metres is what is asked.
-CoarseMethod with_tolerance_raised(const MethodInfo& method, Settings settings,
-                                   std::string_view tolerance);
+Companion with_tolerance_raised(const MethodInfo& method, Settings settings,
+                                std::string_view tolerance);
 
 /// With steps twice as long, for methods of equal steps of the setting `step` and an error in
 /// proportion to its power `order`.
-CoarseMethod with_step_doubled(const MethodInfo& method, Settings settings, double order);
+Companion with_step_doubled(const MethodInfo& method, Settings settings, double order);
 
 }  // namespace taut

@@ -1,4 +1,4 @@
-#include "sim/coarse_method.h"
+#include "sim/companion.h"
 
 #include <algorithm>
 
@@ -19,15 +19,15 @@ double raise(const MethodInfo& method, Settings& settings, std::string_view name
 
 }  // namespace
 
-CoarseMethod with_tolerance_raised(const MethodInfo& method, Settings settings,
-                                   std::string_view tolerance) {
+Companion with_tolerance_raised(const MethodInfo& method, Settings settings,
+                                std::string_view tolerance) {
   const double asked = info_of(method, tolerance).unit == "m" ? number(settings, tolerance) : 0;
   const double ratio = raise(method, settings, tolerance, 4);
   if (ratio < 2) return {.asked = asked, .none = "has no tolerance twice as large"};
   return {.method = method.make(settings), .ratio = ratio, .asked = asked};
 }
 
-CoarseMethod with_step_doubled(const MethodInfo& method, Settings settings, double order) {
+Companion with_step_doubled(const MethodInfo& method, Settings settings, double order) {
   raise(method, settings, "step", 2);
   return {.method = method.make(settings), .order = order};
 }
