@@ -40,10 +40,6 @@ Spread drawn_spread(const AccuracyStudy& study, const AccuracyRow& row) {
   return time;
 }
 
-std::string percent(double share) {
-  return fmt::format("{}%", rounded(100 * share));
-}
-
 /// The cheapest method at a middling error, in a sentence.
 std::string finding(const AccuracyStudy& study) {
   constexpr double kAsked = 1e-3;

@@ -46,10 +46,6 @@ std::string micro(double seconds) {
   return rounded(1e6 * seconds) + " µs";
 }
 
-std::string percent(double share) {
-  return rounded(100 * share) + "%";
-}
-
 // Experiment 1: cost.
 void add_costs(const Evidence& e, std::vector<Claim>& claims) {
   const double frame = e.real_time();

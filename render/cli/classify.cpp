@@ -26,10 +26,6 @@ struct Options {
   bool markdown = false, no_truth = false;
 };
 
-std::string percent(double share) {
-  return rounded(100 * share) + "%";
-}
-
 /// The class, and the number that it was found by.
 std::string words(const Run& run, const Classification& found) {
   switch (found.motion_class) {

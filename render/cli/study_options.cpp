@@ -166,6 +166,11 @@ std::string rounded(double value) {
   return fmt::format("{:.0f}", std::round(value / unit) * unit);
 }
 
+std::string percent(double share) {
+  const double value = 100 * share;
+  return (std::abs(value) < 1 ? fmt::format("{:.3g}", value) : rounded(value)) + "%";
+}
+
 void write_csv(const Table& table, const std::filesystem::path& base) {
   std::filesystem::path file = base;
   file += ".csv";

@@ -77,6 +77,8 @@ std::string machine();
 
 /// A number with three significant digits.
 std::string rounded(double value);
+/// A share in percent, so: 0.0001%.
+std::string percent(double share);
 
 /// Writes BASE.csv; says so on standard error.
 void write_csv(const Table& table, const std::filesystem::path& base);
