@@ -1,17 +1,13 @@
 #include "sim/reference/event_driven.h"
 
 #include <algorithm>
-#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
-#include <boost/numeric/odeint/stepper/generation.hpp>
-#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cmath>
 
 #include "sim/contact/contact_motion.h"
+#include "sim/reference/runge_kutta.h"
 
 namespace taut {
 namespace {
-
-namespace odeint = boost::numeric::odeint;
 
 constexpr double kStepAfterEvent = 1e-5;  // s
 constexpr double kShortestStep = 1e-12;   // s: a step below it says that the motion is not smooth
@@ -22,31 +18,25 @@ constexpr int kTrials = 60;               // to locate an event
 constexpr int kMost = 3000;               // events in so short a time: they follow no more
 constexpr double kBrief = 0.01;           // s
 
-using State = std::vector<double>;
-
 class EventDriven final : public Method {
  public:
   explicit EventDriven(double local_error)
-      : stepper_(odeint::make_controlled(local_error, local_error, Explicit())) {}
+      : stepper_(
+            reference::odeint::make_controlled(local_error, local_error, reference::Explicit())) {}
 
   void advance(World& world, double until) override;
 
  private:
-  using Explicit = odeint::runge_kutta_fehlberg78<
-      State, double, State, double, odeint::algebra_dispatcher<State>::algebra_type,
-      odeint::operations_dispatcher<State>::operations_type, odeint::always_resizer>;
-  using Stepper = odeint::controlled_runge_kutta<Explicit>;
-
   void prepare(const World& world);
   void step(double until);
   void locate(double h);
   double attempt(double h);
   std::size_t first_event(double h, double& share) const;
-  void slope(const State& state, State& derivative, double time);
+  void slope(const reference::State& state, reference::State& derivative, double time);
   [[noreturn]] void give_up(std::size_t row, const char* what) const;
 
-  Stepper stepper_;
-  Explicit explicit_;
+  reference::Stepper stepper_;
+  reference::Explicit explicit_;
   ContactMotion motion_;
   const World* world_ = nullptr;
   bool built_ = false;
@@ -55,7 +45,7 @@ class EventDriven final : public Method {
   double time_ = 0, step_ = kStepAfterEvent;
   double brief_ = 0;  // s, from which on events are counted
   int located_ = 0;
-  State state_, next_;
+  reference::State state_, next_;
   std::vector<double> values_, next_values_;  // of the events' functions, here and after the step
 };
 
@@ -110,8 +100,10 @@ void EventDriven::step(double until) {
   double taken = last ? until - time_ : wanted, end = time_;
   const double h = taken;
   next_ = state_;
-  const auto system = [this](const State& x, State& dxdt, double t) { slope(x, dxdt, t); };
-  if (stepper_.try_step(system, next_, end, taken) == odeint::fail) {
+  const auto system = [this](const reference::State& x, reference::State& dxdt, double t) {
+    slope(x, dxdt, t);
+  };
+  if (stepper_.try_step(system, next_, end, taken) == reference::odeint::fail) {
     ++counters_.rejected;
     step_ = taken;  // now shorter
     if (!(step_ > kShortestStep)) give_up(0, "the motion is not smooth");
@@ -132,7 +124,9 @@ void EventDriven::step(double until) {
 
 /// The state after a step of h (s), and the functions of events there.
 double EventDriven::attempt(double h) {
-  const auto system = [this](const State& x, State& dxdt, double t) { slope(x, dxdt, t); };
+  const auto system = [this](const reference::State& x, reference::State& dxdt, double t) {
+    slope(x, dxdt, t);
+  };
   explicit_.do_step(system, state_, time_, next_, h);
   motion_.project(time_ + h, next_);
   motion_.events(time_ + h, next_, next_values_);
@@ -186,7 +180,7 @@ void EventDriven::locate(double h) {
   step_ = std::max(after, kStepAfterEvent);
 }
 
-void EventDriven::slope(const State& state, State& derivative, double time) {
+void EventDriven::slope(const reference::State& state, reference::State& derivative, double time) {
   motion_.differentiate(time, state, derivative);
   counters_.solves = motion_.solves();
   counters_.cycles += 2 * motion_.mechanism().work();

@@ -1,50 +1,39 @@
 #include "sim/reference/multipliers.h"
 
 #include <algorithm>
-#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
-#include <boost/numeric/odeint/stepper/generation.hpp>
-#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cmath>
 
 #include "sim/companion.h"
 #include "sim/mechanism.h"
 #include "sim/projection.h"
 #include "sim/reference/event_driven.h"
+#include "sim/reference/runge_kutta.h"
 
 namespace taut {
 namespace {
-
-namespace odeint = boost::numeric::odeint;
 
 constexpr std::string_view kTruth = "truth";
 constexpr double kFirstStep = 1e-4;  // s
 constexpr double kShortest = 1e-12;  // s: a step below it says that the motion is not smooth
 
-using State = std::vector<double>;
-
 class Multipliers final : public Method {
  public:
   explicit Multipliers(const Settings& settings)
-      : stepper_(odeint::make_controlled(number(settings, "local_error"),
-                                         number(settings, "local_error"), Explicit())),
+      : stepper_(reference::odeint::make_controlled(number(settings, "local_error"),
+                                                    number(settings, "local_error"),
+                                                    reference::Explicit())),
         among_obstacles_(make_event_driven(number(settings, "local_error"))) {}
 
   void advance(World& world, double until) override;
 
  private:
-  // Workspaces follow the state's size, which interventions change.
-  using Explicit = odeint::runge_kutta_fehlberg78<
-      State, double, State, double, odeint::algebra_dispatcher<State>::algebra_type,
-      odeint::operations_dispatcher<State>::operations_type, odeint::always_resizer>;
-  using Stepper = odeint::controlled_runge_kutta<Explicit>;
-
   void prepare(const World& world);
   void step(double& time, double until);
-  void slope(const State& state, State& derivative, double time);
+  void slope(const reference::State& state, reference::State& derivative, double time);
   void project(double time);
   [[noreturn]] void give_up(double time, std::size_t row, const char* what) const;
 
-  Stepper stepper_;
+  reference::Stepper stepper_;
   Mechanism mechanism_;
   TensionSystem system_;
   Projection projection_;
@@ -53,7 +42,7 @@ class Multipliers final : public Method {
   std::uint64_t topology_ = 0;
   std::vector<double> keys_;  // s, rising: times at which a path is not smooth
   double step_ = kFirstStep;  // s, the next one to try
-  State state_, scratch_, right_, tension_;
+  reference::State state_, scratch_, right_, tension_;
   std::unique_ptr<Method> among_obstacles_;
 };
 
@@ -62,9 +51,9 @@ void Multipliers::prepare(const World& world) {
   mechanism_.rebuild(world);
   system_.rebuild(mechanism_);
   projection_.rebuild(mechanism_);
-  for (State* state : {&state_, &scratch_}) state->reserve(mechanism_.state_room());
-  for (State* rows : {&right_, &tension_}) rows->reserve(mechanism_.row_room());
-  if (!built_) stepper_.adjust_size(State(mechanism_.state_room()));
+  for (reference::State* state : {&state_, &scratch_}) state->reserve(mechanism_.state_room());
+  for (reference::State* rows : {&right_, &tension_}) rows->reserve(mechanism_.row_room());
+  if (!built_) stepper_.adjust_size(reference::State(mechanism_.state_room()));
   built_ = true;
   topology_ = world.topology;
   right_.resize(mechanism_.rows().size());
@@ -102,11 +91,13 @@ void Multipliers::advance(World& world, double until) {
 
 /// One accepted step, not beyond `until`.
 void Multipliers::step(double& time, double until) {
-  const auto system = [this](const State& x, State& dxdt, double t) { slope(x, dxdt, t); };
+  const auto system = [this](const reference::State& x, reference::State& dxdt, double t) {
+    slope(x, dxdt, t);
+  };
   const double wanted = step_;
   const bool last = time + wanted * (1 + 1e-9) >= until;
   double taken = last ? until - time : wanted;
-  if (stepper_.try_step(system, state_, time, taken) == odeint::fail) {
+  if (stepper_.try_step(system, state_, time, taken) == reference::odeint::fail) {
     ++counters_.rejected;
     step_ = taken;  // now shorter
     if (!(step_ > kShortest)) give_up(time, 0, "the motion is not smooth");
@@ -118,7 +109,7 @@ void Multipliers::step(double& time, double until) {
   project(time);
 }
 
-void Multipliers::slope(const State& state, State& derivative, double time) {
+void Multipliers::slope(const reference::State& state, reference::State& derivative, double time) {
   scratch_ = state;
   mechanism_.update(time, scratch_.data());
   for (std::size_t r = 0; r < right_.size(); ++r) {

@@ -22,7 +22,7 @@ const fs::path kKept = TAUT_SOURCE_DIR "/tests/drawn/kept";
 
 std::string small(const std::string& scene, const Broken& broken) {
   return shrunk(scene, [&](const std::string& smaller) {
-    return std::ranges::any_of(judge(smaller, broken.method).broken, [&](const Broken& b) {
+    return std::ranges::any_of(check_promises(smaller, broken.method).broken, [&](const Broken& b) {
       return b.promise == broken.promise && b.method == broken.method;
     });
   });
@@ -47,11 +47,11 @@ struct Sums {
   int scenes = 0, refused = 0, runs = 0, diverged = 0, compared = 0, broken = 0;
 };
 
-Sums judge_seeds(unsigned first, unsigned count) {
+Sums check_seeds(unsigned first, unsigned count) {
   Sums sums;
   for (unsigned seed = first; seed < first + count; ++seed) {
     const std::string scene = scene_text(seed);
-    const Verdict verdict = judge(scene);
+    const Verdict verdict = check_promises(scene);
     ++sums.scenes;
     sums.refused += verdict.refusal.empty() ? 0 : 1;
     sums.runs += verdict.runs;
@@ -73,21 +73,21 @@ void expect_worth(const Sums& sums) {
 }
 
 TEST(Drawn, ScenesKeepEveryPromise) {
-  expect_worth(judge_seeds(0, 15));
+  expect_worth(check_seeds(0, 15));
 }
 
 // TAUT_SEED and TAUT_SCENES in the environment choose others.
 TEST(LongDrawn, TenThousandScenesKeepEveryPromise) {
   const char* first = std::getenv("TAUT_SEED");
   const char* count = std::getenv("TAUT_SCENES");
-  expect_worth(judge_seeds(first ? static_cast<unsigned>(std::atoi(first)) : 0,
+  expect_worth(check_seeds(first ? static_cast<unsigned>(std::atoi(first)) : 0,
                            count ? static_cast<unsigned>(std::atoi(count)) : 10'000));
 }
 
 TEST(Drawn, KeptScenesKeepEveryPromise) {
   for (const auto& file : fs::directory_iterator(kKept)) {
     if (file.path().extension() != ".toml") continue;
-    const Verdict verdict = judge(read_file(file.path()));
+    const Verdict verdict = check_promises(read_file(file.path()));
     EXPECT_EQ(verdict.refusal, "");
     for (const Broken& broken : verdict.broken) {
       ADD_FAILURE() << file.path() << ": " << broken.method << ": " << broken.promise << ": "

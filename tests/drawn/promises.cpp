@@ -81,9 +81,7 @@ class Watch {
   }
 
  private:
-  double energy() const {
-    return taut::energy(simulation_.world());
-  }
+  double energy() const { return taut::energy(simulation_.world()); }
 
   bool is_finite(const Snapshot& frame) const {
     const auto finite = [](const std::vector<Vec3>& places) {
@@ -258,7 +256,7 @@ std::vector<Broken> apart(const std::string& method, double cpu_time,
 
 }  // namespace
 
-Verdict judge(const std::string& text, const std::string& only) {
+Verdict check_promises(const std::string& text, const std::string& only) {
   Verdict verdict;
   std::optional<Scene> scene;
   try {

@@ -31,6 +31,6 @@ struct Verdict {
 /// energy: a closed scene without pins and cuts gains no more than the error that is claimed lets
 /// in. error (direct): up to where the motion can be foretold, within 3 tolerances of the truth. Of
 /// one method alone where it is named.
-Verdict judge(const std::string& scene, const std::string& only = {});
+Verdict check_promises(const std::string& scene, const std::string& only = {});
 
 }  // namespace taut::drawn
