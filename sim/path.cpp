@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-using Row = Eigen::Matrix<double, 7, 1>;
+using KeyValues = Eigen::Matrix<double, 7, 1>;
 
 bool rests(const std::vector<PathKey>& keys, std::size_t i) {
   return i == 0 || i + 1 == keys.size() || keys[i].ease;
@@ -16,15 +16,15 @@ bool rests(const std::vector<PathKey>& keys, std::size_t i) {
 
 /// Rates at the keys first..last of the cubic spline that rests at both; Thomas's algorithm on
 /// the conditions that the second derivative is continuous at every key between them.
-void section_rates(const std::vector<PathKey>& keys, const std::vector<Row>& value,
-                   std::size_t first, std::size_t last, std::vector<Row>& rate) {
+void section_rates(const std::vector<PathKey>& keys, const std::vector<KeyValues>& value,
+                   std::size_t first, std::size_t last, std::vector<KeyValues>& rate) {
   std::vector<double> above(last - first + 1, 0.0);
   const auto upper = [&](std::size_t i) -> double& { return above[i - first]; };
   for (std::size_t i = first + 1; i < last; ++i) {
     const double before = keys[i].time - keys[i - 1].time;
     const double after = keys[i + 1].time - keys[i].time;
-    const Row right = 3 * ((value[i] - value[i - 1]) / (before * before) +
-                           (value[i + 1] - value[i]) / (after * after));
+    const KeyValues right = 3 * ((value[i] - value[i - 1]) / (before * before) +
+                                 (value[i + 1] - value[i]) / (after * after));
     const double pivot = 2 / before + 2 / after - upper(i - 1) / before;
     upper(i) = 1 / (after * pivot);
     rate[i] = (right - rate[i - 1] / before) / pivot;

@@ -2,15 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 
 namespace taut {
 
 inline constexpr int kIterations = 80;  // of Newton's method, at most
-
-/// Shares of all friction, for problems that have to be approached.
-inline constexpr std::array kShares{0.0, 0.3, 0.6, 0.8, 1.0};
 
 /// How much of Newton's changes is taken: all as long as touches stay as they are. Those that
 /// change their state to and fro, between sticking and sliding say, need less. Where a change of

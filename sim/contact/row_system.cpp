@@ -6,12 +6,11 @@
 namespace taut {
 namespace {
 
-/// A pivot below this share of the row's own mobility is rounding, and so is a mobility below this
-/// share of what the particle would have without surfaces.
-constexpr double kSingular = 1e-12;
+constexpr double kSingular = 1e-12;    // of a row's own mobility: a pivot below is rounding
+constexpr double kNoMobility = 1e-12;  // of a particle's largest mobility: it has none
 
-double or_nothing(double mobility, double without_surfaces) {
-  return std::abs(mobility) > kSingular * without_surfaces ? mobility : 0;
+double or_nothing(double mobility, const Mat3& answer) {
+  return std::abs(mobility) > kNoMobility * answer.lpNorm<Eigen::Infinity>() ? mobility : 0;
 }
 
 }  // namespace
@@ -44,13 +43,12 @@ void RowSystem::rebuild(const Mechanism& mechanism) {
 void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answer,
                          std::span<const Vec3> left, std::span<const Vec3> right) {
   const auto& rows = mechanism.rows();
-  const auto& mobile = mechanism.inverse_mass();
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const Row& row = rows[r];
     const Vec3 from_a = answer[row.a].transpose() * left[r];
     const Vec3 from_b = answer[row.b].transpose() * left[r];
-    const double at_a = or_nothing(from_a.dot(right[r]), mobile[row.a]);
-    const double at_b = or_nothing(from_b.dot(right[r]), mobile[row.b]);
+    const double at_a = or_nothing(from_a.dot(right[r]), answer[row.a]);
+    const double at_b = or_nothing(from_b.dot(right[r]), answer[row.b]);
     scale_[r] = std::abs(at_a) + std::abs(at_b);
     diagonal_[r] = at_a + at_b;
     // Neighbours share a particle that the one's b and the other's a is.

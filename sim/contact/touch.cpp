@@ -33,7 +33,7 @@ double holding(const Touch& touch, const Vec3& slip) {
 }
 
 /// The one touch closes; none where it would have to pull.
-std::optional<Response> close_one(const Vec3& free, Touch& touch) {
+std::optional<Response> close_one(const Vec3& free, Touch& touch, double creep) {
   const Vec3& n = touch.normal;
   const Vec3 rubless = free - touch.rubbed;
   const double push = n.dot(touch.pushed) + touch.least - n.dot(rubless);
@@ -43,10 +43,11 @@ std::optional<Response> close_one(const Vec3& free, Touch& touch) {
   const Vec3 slip = across * (rubless - touch.surface);
   const double speed = slip.norm();
   const Vec3 carried = touch.least * n + across * touch.surface;
-  if (speed <= holding(touch, slip) * push) {
+  if (speed <= (1 + creep) * holding(touch, slip) * push) {
     touch.state = Touch::State::sticks;
-    touch.rub = -slip;
-    return Response{carried, Mat3::Zero()};
+    touch.rub = -slip / (1 + creep);
+    const double left = creep / (1 + creep);
+    return Response{carried + left * slip, left * across};
   }
   touch.state = Touch::State::slides;
   const Vec3 ahead = slip / speed;
@@ -63,7 +64,7 @@ std::optional<Response> close_one(const Vec3& free, Touch& touch) {
 }
 
 /// Two touches close: the bead can only slide along the line that both surfaces share.
-std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b) {
+std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b, double creep) {
   const Vec3 line = a.normal.cross(b.normal);
   const double sine = line.norm();
   if (!(sine > kParallel)) return std::nullopt;
@@ -83,14 +84,15 @@ std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b) {
   const double slip = along.dot(rubless) - carried;
   const double hold_a = holding(a, slip * along) * a.push;
   const double most = hold_a + holding(b, slip * along) * b.push;
-  if (std::abs(slip) <= most) {
+  if (std::abs(slip) <= (1 + creep) * most) {
     for (Touch* touch : {&a, &b}) {
       touch->state = Touch::State::sticks;
       const double own = touch == &a ? hold_a : most - hold_a;
       const double share = most > 0 ? own / most : 0;
-      touch->rub = -share * slip * along;
+      touch->rub = -share * slip / (1 + creep) * along;
     }
-    return Response{held + carried * along, Mat3::Zero()};
+    const double left = creep / (1 + creep);
+    return Response{held + (carried + left * slip) * along, left * along * along.transpose()};
   }
   const double way = slip > 0 ? 1 : -1;
   const Eigen::Vector2d slide(a.slide, b.slide);
@@ -139,7 +141,8 @@ double broken(const Vec3& velocity, std::span<const Touch> touches) {
 }
 
 /// With only the touches closed whose bit is set.
-std::optional<Found> closed(const Vec3& free, std::span<const Touch> touches, unsigned which) {
+std::optional<Found> closed(const Vec3& free, std::span<const Touch> touches, unsigned which,
+                            double creep) {
   Found found;
   Vec3 velocity = free;
   std::array<std::size_t, 3> shut{};
@@ -157,9 +160,9 @@ std::optional<Found> closed(const Vec3& free, std::span<const Touch> touches, un
   if (count == 0) {
     response = Response{velocity, Mat3::Identity()};
   } else if (count == 1) {
-    response = close_one(velocity, found.touches[shut[0]]);
+    response = close_one(velocity, found.touches[shut[0]], creep);
   } else if (count == 2) {
-    response = close_two(velocity, found.touches[shut[0]], found.touches[shut[1]]);
+    response = close_two(velocity, found.touches[shut[0]], found.touches[shut[1]], creep);
   } else {
     response = close_three(velocity, std::span(found.touches));
   }
@@ -170,7 +173,7 @@ std::optional<Found> closed(const Vec3& free, std::span<const Touch> touches, un
 
 }  // namespace
 
-Response respond(const Vec3& free, std::span<Touch> touches) {
+Response respond(const Vec3& free, std::span<Touch> touches, double creep) {
   // From few that are closed to many: the first that breaks no touch is it.
   static constexpr std::array<unsigned, 8> kOrder{0, 1, 2, 4, 3, 5, 6, 7};
   double least = std::numeric_limits<double>::infinity();
@@ -178,7 +181,7 @@ Response respond(const Vec3& free, std::span<Touch> touches) {
   best.response.velocity = free;
   for (const unsigned which : kOrder) {
     if (which >> touches.size()) continue;
-    const std::optional<Found> found = closed(free, touches, which);
+    const std::optional<Found> found = closed(free, touches, which, creep);
     if (!found) continue;
     const double wrong = broken(found->response.velocity, touches);
     if (wrong < least) {
@@ -189,6 +192,24 @@ Response respond(const Vec3& free, std::span<Touch> touches) {
   }
   for (std::size_t i = 0; i < touches.size(); ++i) touches[i] = best.touches[i];
   return best.response;
+}
+
+Mat3 response_to_turning(const Vec3& free, const Touch& touch, const Mat3& normal,
+                         const Vec3& least, double creep) {
+  const Vec3& n = touch.normal;
+  const Vec3 past = without(free, touch) - touch.surface;
+  const Vec3 slip = past - n * n.dot(past);
+  const Mat3 slips = -normal * n.dot(past) - n * (past.transpose() * normal);
+  const Mat3 carried = n * least.transpose() + normal * (touch.least - n.dot(touch.surface)) -
+                       n * (touch.surface.transpose() * normal);
+  if (touch.state == Touch::State::open) return Mat3::Zero();
+  if (touch.state == Touch::State::sticks) return carried + creep / (1 + creep) * slips;
+  const double speed = slip.norm();
+  const Vec3 ahead = slip / speed;
+  if (!(touch.slide * touch.push < speed)) return carried;
+  const Vec3 pushes = least - normal.transpose() * without(free, touch);
+  const Mat3 turns = (Mat3::Identity() - ahead * ahead.transpose()) * slips / speed;
+  return carried + slips - touch.slide * (ahead * pushes.transpose() + touch.push * turns);
 }
 
 }  // namespace taut

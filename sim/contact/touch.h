@@ -41,6 +41,14 @@ struct Response {
 /// within Coulomb's cone and, where the bead slides, against its sliding (kinetic). Where two
 /// surfaces hold a bead, friction acts along their common line alone: of many solutions this one
 /// needs no friction across it.
-Response respond(const Vec3& free, std::span<Touch> touches);
+///
+/// What sticks creeps: friction takes 1/(1 + creep) of its slip, so that pulls which differ always
+/// move it differently, be it by rounding alone.
+Response respond(const Vec3& free, std::span<Touch> touches, double creep = 0);
+
+/// How the velocity of a bead changes as the normal and the least velocity of its one closed touch
+/// do; `normal` and `least` are their derivatives by anything in three dimensions.
+Mat3 response_to_turning(const Vec3& free, const Touch& touch, const Mat3& normal,
+                         const Vec3& least, double creep);
 
 }  // namespace taut

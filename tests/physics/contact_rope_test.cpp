@@ -70,6 +70,34 @@ TEST(ContactRope, ACapstanHoldsAsMuchAsItMust) {
   }
 }
 
+// Ten turns and a half: a ratio of 5e8 between the loads, weights of the chain included.
+TEST(ContactRope, TenTurnsHoldAsMuchAsTheyMust) {
+  constexpr std::size_t arc = 24, turns = 10, left = 2, right = 2;
+  constexpr double mu = 0.3, bead = 0.02, time = 0.01;
+  constexpr std::size_t chords = (2 * turns + 1) * arc;
+  constexpr double mass = bead * (left + chords + right + 1);
+  World world = over_post(arc, turns, left, right, 0.02, mass, mu);
+  Connector& chain = world.connectors[0];
+  chain.particle_mass.front() += 0.5;
+  const double most = heaviest(world, left, arc, chords, mu);
+  const double bare = chain.particle_mass.back();
+  for (const double more : {-1e-2, 1e-2}) {
+    chain.particle_mass.back() = bare + most * (1 + more) / kGravity - bead * right;
+    finish(world);
+    Simulation simulation = by_direct(world);
+    simulation.advance_to(time);
+    const double sunk =
+        chain.position.back().y() - simulation.world().connectors[0].position.back().y();
+    const double free = more * most / chain.particle_mass.back() * time * time / 2;
+    if (more < 0) {
+      EXPECT_NEAR(sunk, 0, 1e-4 * -free);
+    } else {
+      EXPECT_GT(sunk, 0.3 * free);
+      EXPECT_LT(sunk, free);
+    }
+  }
+}
+
 // x'' = 2 g x / L without friction, whatever the post's radius: the error falls with the links.
 TEST(ContactRope, AChainSlidesOffAPeg) {
   double error[3];

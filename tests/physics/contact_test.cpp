@@ -47,6 +47,9 @@ TEST(Contact, BouncesEnd) {
   EXPECT_EQ(fastest(simulation.world()), 0);
 }
 
+// What sticks creeps with a share of 1e-14 of what it would gain in a step, of 1/60 s at most.
+constexpr double kCrept = 1e-14 * kGravity / 60;
+
 // x = g t^2 (sin a - mu cos a)/2 where tan a > mu, else nothing.
 TEST(Contact, ABeadOnAnInclineSlidesOrSticks) {
   const double angle = std::atan(0.5);
@@ -60,7 +63,7 @@ TEST(Contact, ABeadOnAnInclineSlidesOrSticks) {
                 kRounding)
         << mu;
     if (mu > 0.5) {
-      EXPECT_EQ(fastest(simulation.world()), 0);
+      EXPECT_LT(fastest(simulation.world()), kCrept);
     }
   }
 }
@@ -79,7 +82,7 @@ TEST(Contact, ABeadStopsWhereItMust) {
   const double way = simulation.world().connectors[0].position[0].dot(up);
   EXPECT_NEAR(way, speed * speed / (2 * slowing),
               1e-4);  // the tolerance: its last step is too long
-  EXPECT_EQ(fastest(simulation.world()), 0);
+  EXPECT_LT(fastest(simulation.world()), kCrept);
 }
 
 // A belt takes it along: mu g t, as long as it is slower than the belt; then it sticks.

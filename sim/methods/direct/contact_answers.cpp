@@ -1,30 +1,43 @@
-// How beads answer to the pulls of their links, and how those pulls get better.
+// How beads answer to the pulls of their links.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "sim/contact/creep.h"
 #include "sim/hash.h"
 #include "sim/methods/direct/contact_step.h"
 
 namespace taut::direct {
 namespace {
 
+constexpr double kRounding = 4e-16;  // of what is summed
 constexpr int kTrials = 8;           // for the pull of one row
-constexpr double kImmobile = 1e-12;  // of the mobility of free beads
+constexpr double kImmobile = 1e-15;  // of the mobility of free beads
 constexpr double kRelaxed = 1e-14;   // of the speeds
 
 }  // namespace
 
 /// Adds to velocities what a `share` of the rows' impulses makes of them.
 void ContactStep::spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
-                         std::span<Vec3> velocity) const {
+                         std::span<Vec3> velocity) {
   const auto& rows = mechanism_.rows();
   const auto& mobile = mechanism_.inverse_mass();
+  for (std::size_t p = 0; p < noise_.size(); ++p) {
+    noise_[p] = kRounding * velocity[p].lpNorm<1>();
+  }
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const Vec3 pull = share * impulse[r] * along[r];
+    const double noise = kRounding * std::abs(share * impulse[r]);
     velocity[rows[r].a] += mobile[rows[r].a] * pull;
     velocity[rows[r].b] -= mobile[rows[r].b] * pull;
+    noise_[rows[r].a] += mobile[rows[r].a] * noise;
+    noise_[rows[r].b] += mobile[rows[r].b] * noise;
   }
+  for (const BeadTouch& at : touches_) {
+    noise_[at.point] += kRounding * (at.touch.pushed.lpNorm<1>() + at.touch.rubbed.lpNorm<1>());
+  }
+  // Where pulls are so large that roundings could be seen, the step is too long.
+  for (double& noise : noise_) noise = std::min(noise, touching_ / h_);
 }
 
 /// Lets each bead answer to its touches, and notes how it does.
@@ -40,12 +53,21 @@ void ContactStep::respond_all(std::span<Vec3> velocity) {
       touches[count] = touches_[i + count].touch;
       ++count;
     }
-    const Response answer = respond(velocity[point], std::span(touches).first(count));
+    const Response answer = respond(velocity[point], std::span(touches).first(count), creep_);
     velocity[point] = answer.velocity;
     answer_[point] = mobile[point] * answer.derivative;
     for (std::size_t k = 0; k < count; ++k) touches_[i + k].touch = touches[k];
     i += count;
   }
+}
+
+/// Whether no bead that sticks creeps so far in the step that one could see it. Between surfaces
+/// that carry its ends apart, or toward each other, a link may have no other solution.
+bool ContactStep::sticks() const {
+  return creep_ > kCreep || std::ranges::all_of(touches_, [&](const BeadTouch& at) {
+           return at.touch.state != Touch::State::sticks ||
+                  h_ * creep_ * at.touch.rub.norm() <= touching_;
+         });
 }
 
 /// What the touches do, as one number.
@@ -59,21 +81,6 @@ std::uint64_t ContactStep::pattern() const {
   return hash.value();
 }
 
-/// A change of the pulls that takes away `change_`, the speeds (m/s) at which rows grow too long;
-/// `velocity` is what the present pulls make of the beads. Newton's method; where touches still
-/// change their states, now and then a relaxation instead: Newton's active set travels by one bead
-/// an iteration, the relaxation takes it along the whole connector.
-void ContactStep::improve(Damping& damping, std::span<const Vec3> along, double share,
-                          std::span<const Vec3> velocity) {
-  ++solves_;
-  if (damping.relaxes(pattern())) return relax(along, share, velocity);
-  for (double& change : change_) change /= share;
-  system_.assemble(mechanism_, answer_, to_, along);
-  system_.solve(change_);
-  const double taken = damping.share();
-  for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r] *= taken;
-}
-
 std::span<const ContactStep::BeadTouch> ContactStep::touches_of(std::size_t point) const {
   const auto found = std::ranges::equal_range(touches_, point, {}, &BeadTouch::point);
   return {found.begin(), found.end()};
@@ -83,13 +90,13 @@ std::span<const ContactStep::BeadTouch> ContactStep::touches_of(std::size_t poin
 /// which its ends, as they answer, part as they should (Jean 1999, section 5). Rows at bodies stay.
 void ContactStep::relax(std::span<const Vec3> along, double share, std::span<const Vec3> velocity) {
   const auto& rows = mechanism_.rows();
-  rest_.assign(pull_.begin(), pull_.end());
+  before_pull_.assign(pull_.begin(), pull_.end());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     change_[r] = to_[r].dot(velocity[rows[r].b] - velocity[rows[r].a]) - change_[r];  // as wanted
   }
   for (std::size_t r = 0; r < rows.size(); ++r) relax_row(r, along[r], share);
   for (std::size_t r = rows.size(); r-- > 0;) relax_row(r, along[r], share);
-  for (std::size_t r = 0; r < rows.size(); ++r) change_[r] = pull_[r] - rest_[r];
+  for (std::size_t r = 0; r < rows.size(); ++r) change_[r] = pull_[r] - before_pull_[r];
 }
 
 /// Newton's method on the pull of one row, whose ends are to part at `change_`.
@@ -102,7 +109,7 @@ void ContactStep::relax_row(std::size_t row, const Vec3& along, double share) {
     std::array<Touch, 3> touches;
     std::size_t count = 0;
     for (const BeadTouch& at : touches_of(point)) touches[count++] = at.touch;
-    return respond(velocity, std::span(touches).first(count));
+    return respond(velocity, std::span(touches).first(count), creep_);
   };
   const auto mobility = [&](double mobile, const Response& found) {
     const double answers = to_[row].dot(found.derivative * along);

@@ -114,15 +114,4 @@ double ContactStep::error() const {
   return h_ * h_ * h_ / (6 * (h_ + last_h_)) * std::sqrt(sum / static_cast<double>(count));
 }
 
-double ContactStep::wave_frequency() const {
-  double squared = 0;
-  const auto& mobile = mechanism_.inverse_mass();
-  for (std::size_t r = 0; r < tension_.size(); ++r) {
-    const Row& row = mechanism_.rows()[r];
-    if (row.axis != Row::kAlongLink) continue;
-    squared = std::max(squared, 2 * (mobile[row.a] + mobile[row.b]) * tension_[r] / row.rest);
-  }
-  return hits_ ? 0 : std::sqrt(squared);
-}
-
 }  // namespace taut::direct

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/contact/creep.h"
 #include "sim/contact/damping.h"
 #include "sim/methods/direct/contact_step.h"
 
@@ -17,6 +18,7 @@ Eigen::Map<Vec3> vector(double* at) {
 constexpr double kShortOf = 100;    // times touching(): a hit that was located is this near
 constexpr double kStopped = 1e-13;  // of the speeds
 constexpr double kLeftOver = 1e4;   // times that, at most
+constexpr int kIterations = 40;
 
 }  // namespace
 
@@ -55,7 +57,6 @@ void ContactStep::aim_velocities(double least) {
 }
 
 bool ContactStep::settle(double time, double h, double lowest) {
-  h_ = h;
   double speed = 0;
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);
@@ -74,24 +75,8 @@ bool ContactStep::settle(double time, double h, double lowest) {
   aim_velocities(std::sqrt(2 * mechanism_.gravity().norm() * lowest));
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
-  std::ranges::fill(pull_, 0.0);
   const double stopped = kStopped * (1 + std::sqrt(speed));
-  if (!stop(stopped, 1)) {
-    // With friction raised in shares, as much as there is a solution with.
-    std::ranges::fill(pull_, 0.0);
-    double found = -1;
-    for (const double share : kShares) {
-      kept_ = pull_;
-      if (stop(stopped, share)) {
-        found = share;
-        continue;
-      }
-      if (found < 0) return false;
-      pull_ = kept_;
-      if (!stop(stopped, found)) return false;
-      break;
-    }
-  }
+  if (!stop(stopped)) return false;
   for (std::size_t p = 0; p < free_.size(); ++p) {
     vector(&next_[mechanism_.velocity(p)]) = free_[p];
   }
@@ -99,17 +84,50 @@ bool ContactStep::settle(double time, double h, double lowest) {
   return true;
 }
 
-/// Finds the second stage's impulses, from those that there are, with so much of all friction.
-bool ContactStep::stop(double stopped, double friction) {
+/// Finds the second stage's impulses; friction creeps as in glide().
+bool ContactStep::stop(double stopped) {
+  rub(1);
+  std::ranges::fill(pull_, 0.0);
+  if (stop_creeping(stopped, kCreep)) return true;
+  if (touches_.empty()) return false;
+  std::ranges::fill(pull_, 0.0);
+  const double creep = approach_friction([&](double to) { return stop_creeping(stopped, to); },
+                                         [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
+  return creep <= kCreep || with_less_friction([&] { return stop_creeping(stopped, kCreep); });
+}
+
+/// All touches have that share of their friction.
+void ContactStep::rub(double share) {
+  for (BeadTouch& at : touches_) {
+    at.touch.stick = share * (*obstacles_)[at.obstacle].static_friction;
+    at.touch.slide = share * (*obstacles_)[at.obstacle].kinetic_friction;
+  }
+}
+
+/// With friction raised in shares from none, as much as there is a solution with.
+bool ContactStep::with_less_friction(const std::function<bool()>& solve) {
+  std::ranges::fill(pull_, 0.0);
+  double most = -1;
+  for (const double share : {0.0, 0.3, 0.6, 0.8}) {
+    kept_pull_ = pull_;
+    rub(share);
+    if (!solve()) break;
+    most = share;
+  }
+  if (most < 0) return false;
+  pull_ = kept_pull_;
+  rub(most);
+  return solve();
+}
+
+/// Newton's method on the impulses, from those that there are.
+bool ContactStep::stop_creeping(double stopped, double creep) {
   std::copy(glided_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)), glided_.end(),
             next_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)));
   kick(pull_, to_, 1);
-  for (BeadTouch& at : touches_) {
-    at.touch.stick = friction * (*obstacles_)[at.obstacle].static_friction;
-    at.touch.slide = friction * (*obstacles_)[at.obstacle].kinetic_friction;
-  }
-  const std::vector<Row>& rows = mechanism_.rows();
+  creep_ = creep;
   Damping damping;
+  const std::vector<Row>& rows = mechanism_.rows();
   for (int i = 0; i < kIterations; ++i) {
     free_ = middle_;
     spread(pull_, to_, 1, free_);
@@ -122,12 +140,20 @@ bool ContactStep::stop(double stopped, double friction) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const Vec3 parting = free_[rows[r].b] - free_[rows[r].a];
       change_[r] = to_[r].dot(parting);
-      worst = std::max(worst, std::abs(change_[r]));
+      const double noise = noise_[rows[r].a] + noise_[rows[r].b];
+      worst = std::max(worst, std::abs(change_[r]) - noise);
     }
     if (!std::isfinite(worst)) return false;
     // Where states go to and fro within rounding, what is left does no harm.
-    if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) return true;
-    improve(damping, to_, 1, free_);
+    if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) return sticks();
+    ++solves_;
+    if (damping.relaxes(pattern())) {
+      relax(to_, 1, free_);
+    } else {
+      system_.assemble(mechanism_, answer_, to_, to_);
+      system_.solve(change_);
+      for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r] *= damping.share();
+    }
     kick(change_, to_, 1);
   }
   return false;

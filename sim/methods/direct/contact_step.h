@@ -2,14 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
-#include "sim/contact/damping.h"
 #include "sim/contact/obstacle.h"
 #include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
 #include "sim/mechanism.h"
+#include "sim/methods/direct/glide_system.h"
 
 namespace taut::direct {
 
@@ -19,7 +20,7 @@ namespace taut::direct {
 /// obstacle, whatever that takes. In the second, velocities settle: impulses along the links and at
 /// the touches stop what would stretch a link or enter an obstacle, by Newton's law of impact. Both
 /// have Signorini's condition and Coulomb's law for the sum of the step, and are solved by Newton's
-/// method on the links' impulses, in which each bead answers for itself (see respond()).
+/// method, in which each bead answers for itself (see respond()).
 class ContactStep {
  public:
   /// Call when the topology is new.
@@ -40,7 +41,6 @@ class ContactStep {
   bool has_hits() const { return hits_; }
   double turn() const { return turn_; }           // rad, the most that a link turned
   double error() const;                           // m, RMS, of the first stage; 0: not known
-  double wave_frequency() const;                  // rad/s, the highest under the links' pulls
   std::size_t solves() const { return solves_; }  // since rebuild()
   const Mechanism& mechanism() const { return mechanism_; }
   const std::vector<double>& state() const { return state_; }
@@ -66,45 +66,59 @@ class ContactStep {
   void add_touch(const Hit& hit);
   bool find_hits(double time, double h);
   Hit sweep(double time, double h, std::uint32_t point, std::uint32_t obstacle) const;
-  bool glide(double time, double h, double friction);
-  bool glide_by_parts(double time, double h);
-  void move(double time, double h);
-  double aim(double h);
+  bool glide(double time, double h);
+  bool pull(double time, double h);
+  bool pull_creeping(double time, double h, double creep);
+  void answer(double time, double h);
+  double residual(double h) const;
+  void measure();
+  void aim(double h);
+  void aim(BeadTouch& at, const Vec3& to, double h) const;
+  void bend(double h);
+  void stiffen(double h);
+  void move_bodies(double time, double h);
   bool settle(double time, double h, double lowest);
   void aim_velocities(double least);
-  bool stop(double stopped, double friction);
+  bool stop(double stopped);
+  bool stop_creeping(double stopped, double creep);
+  void rub(double share);
+  bool with_less_friction(const std::function<bool()>& solve);
   void kick(std::span<const double> impulse, std::span<const Vec3> along, double share);
-  double measure();
   void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
-              std::span<Vec3> velocity) const;
+              std::span<Vec3> velocity);
   void respond_all(std::span<Vec3> velocity);
   std::span<const BeadTouch> touches_of(std::size_t point) const;
-  void improve(Damping& damping, std::span<const Vec3> along, double share,
-               std::span<const Vec3> velocity);
   void relax(std::span<const Vec3> along, double share, std::span<const Vec3> velocity);
   void relax_row(std::size_t row, const Vec3& along, double share);
+  bool sticks() const;
   std::uint64_t pattern() const;
   Vec3 position(const std::vector<double>& state, std::size_t point) const;
 
   const std::vector<Obstacle>* obstacles_ = nullptr;
   Mechanism mechanism_;
   RowSystem system_;
+  GlideSystem glide_system_;
   double touching_ = 0;
-  std::vector<double> radius_;                 // per point, m; negative: it touches nothing
-  std::vector<double> state_, next_, glided_;  // as Mechanism has them; glided_: after that stage
-  std::vector<BeadTouch> touches_, before_;    // in order of points; before_: of the step before
-  std::vector<FrameMotion> start_, end_;       // of the obstacles
+  std::vector<double> radius_;          // per point, m; negative: it touches nothing
+  std::vector<double> state_, next_;    // as Mechanism has them
+  std::vector<double> aimed_, glided_;  // next_ of the last iteration, and after the first stage
+  std::vector<BeadTouch> touches_, before_;  // in order of points; before_: of the step before
+  std::vector<FrameMotion> start_, end_;     // of the obstacles
   std::vector<Hit> found_;
   std::vector<Vec3> mean_, middle_, free_;  // per point: m/s
-  std::vector<Vec3> bare_;                  // per point, m/s: without touches
-  std::vector<char> is_carried_;            // per point: a free body has it
+  std::vector<Vec3> bare_, behind_;         // per point, m/s: without touches; short of the answer
+  std::vector<double> noise_;               // per point, m/s: roundings
   std::vector<Vec3> from_, along_, to_;     // per row: directions at the start, mean, at the end
   std::vector<Vec3> acceleration_, last_acceleration_;  // per point, m/s^2
   std::vector<Vec3> arm_;                               // per body point, m, at the start
-  std::vector<Mat3> inverse_, answer_;                  // per body at the start, per point
+  std::vector<Mat3> inverse_;                           // per body at the start
+  std::vector<Mat3> answer_, bend_, stiffness_;         // per point, per point, per row
   std::vector<double> pull_, rest_, change_;            // per row: N s, m, m/s
+  std::vector<double> before_pull_;                     // a relaxation
+  std::vector<char> is_carried_;                        // per point: a free body has it
+  std::vector<double> kept_pull_;                       // of a solution with more creep
   std::vector<double> tension_, last_tension_;          // per row, N; last_: of the step before
-  std::vector<double> kept_;                            // pulls of a solution with less friction
+  double creep_ = 0;                                    // of the last solution
   double h_ = 0, last_h_ = 0, turn_ = 0;
   bool hits_ = false, last_hits_ = true;  // last_: there is no step before to compare with
   std::uint64_t last_pattern_ = 0;

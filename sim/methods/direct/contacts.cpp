@@ -14,11 +14,10 @@ constexpr double kShortest = 1e-8;     // s, below which a step cannot converge
 constexpr double kFirst = 0.3;         // of the time in which gravity moves by the tolerance
 constexpr double kFinest = 0.02;       // of that first step: errors force none that is shorter
 constexpr double kTurn = 0.3;          // rad, of a link or an obstacle in a step
-constexpr double kWaves = 0.7;   // rad, of the fastest wave in a step: the iteration converges
-constexpr double kShare = 0.3;   // of the tolerance, for what a second's steps err together
-constexpr double kGrowth = 1.3;  // of a step, at most
-constexpr double kLowest = 0.1;  // of the tolerance: bounces that are not followed
-constexpr int kLocated = 8;      // hits located in a row, before a step takes what it hits
+constexpr double kShare = 0.3;         // of the tolerance, for what a second's steps err together
+constexpr double kGrowth = 1.3;        // of a step, at most
+constexpr double kLowest = 0.1;        // of the tolerance: bounces that are not followed
+constexpr int kLocated = 8;            // hits located in a row, before a step takes what it hits
 
 /// The node that stands for all that are joined with this one.
 std::size_t find(std::vector<std::size_t>& parent, std::size_t node) {
@@ -240,8 +239,7 @@ double Contacts::adapted(const Group& group, double gone, double wish) const {
     }
     next = std::min(std::max(next, kFinest * group.first), kLongest);
   }
-  const double waves = step.wave_frequency();
-  return waves > 0 ? std::min(next, kWaves / waves) : next;
+  return next;
 }
 
 Counters Contacts::counters() const {
