@@ -48,6 +48,37 @@ void refuse_obstacles(const Document& document, const MethodInfo& method) {
                                    method.name, fmt::join(able, ", ")));
 }
 
+/// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
+const Value* material_key(const Value& connector) {
+  for (const std::string_view key :
+       {"axial_stiffness", "bending_stiffness", "bending_damping", "material", "drag"}) {
+    if (const Value* found = connector.find(key)) return found;
+  }
+  return nullptr;
+}
+
+void refuse_materials(const Document& document, const MethodInfo& method) {
+  const Value* connectors = document.root.find("connectors");
+  const Value* obstacles = document.root.find("obstacles");
+  if (!connectors) return;
+  for (const Value& connector : connectors->children) {
+    const Value* key = material_key(connector);
+    if (!key) continue;
+    if (obstacles && !obstacles->children.empty()) {
+      document.fail_at_key(*key,
+                           "stands in a scene with obstacles, where links are rigid, bend "
+                           "freely and meet no air");
+    }
+    if (method.follows_materials) continue;
+    std::vector<std::string_view> able;
+    for (const MethodInfo& info : methods()) {
+      if (info.follows_materials) able.push_back(info.name);
+    }
+    document.fail_at_key(*key, fmt::format("is unknown to the method {}, expected one of: {}",
+                                           method.name, fmt::join(able, ", ")));
+  }
+}
+
 /// A plan is the program's own: one of another version's format spoils no scene.
 std::optional<Value> take_plan(Document& document) {
   std::vector<Value>& all = document.root.children;
@@ -84,12 +115,14 @@ Scene read_scene(Document document, bool with_stage) {
   }
   scene.method = read_method(document, root.find("method"), scene.fps);
   scene.world.gravity = vec3_or(root, "gravity", scene.world.gravity);
+  scene.world.air = read_air(document);
   Motions motions(document);
   scene.world.bodies = read_bodies(document, motions);
   read_connectors(document, motions, scene.world);
   read_obstacles(document, motions, scene.world);
   refuse_spans(document, *find_method(scene.method.name));
   refuse_obstacles(document, *find_method(scene.method.name));
+  refuse_materials(document, *find_method(scene.method.name));
   finish(scene.world);
   check_obstacles(document, scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);

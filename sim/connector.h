@@ -1,8 +1,10 @@
 // A connector: particles joined by links, held at its ends and wherever a pin holds it.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,6 +43,20 @@ struct PinRecord {
   Vec3 body_spin = Vec3::Zero();
 };
 
+/// What a link is made of that stretches or bends; sim/material has the equations.
+struct Section {
+  double axial_stiffness = std::numeric_limits<double>::infinity();  // EA, N; infinite: rigid
+  double axial_damping = 0;      // N s: tension per rate of strain
+  double bending_stiffness = 0;  // EI, N m^2
+  double bending_damping = 0;    // N m^2 s: moment per rate of curvature
+  double diameter = 0;           // m, that the air meets
+};
+
+/// Coefficients of the air's drag, for flow across and along a link.
+struct Drag {
+  double across = 0, along = 0;
+};
+
 /// A particle that is held. A connector's ends are holds on its first and last particle; a pin is a
 /// hold on any particle. A free end or a point-mass end is no hold at all: its particle just moves
 /// (with the point mass added to its own).
@@ -48,6 +64,9 @@ struct Hold {
   std::size_t particle = 0;
   Attachment to;
   PinRecord pin = {};
+  /// Where a connector that resists bending is clamped: its direction there, from its first
+  /// particle to its last, in the frame of `to` (the world's for a fixed point). Zero: hinged.
+  Vec3 clamp = Vec3::Zero();
 };
 
 enum class ConnectorModel {
@@ -71,8 +90,15 @@ struct Connector {
   std::vector<Vec3> position;         // m
   std::vector<Vec3> velocity;         // m/s
 
+  std::vector<Section> sections;  // of each link; none: rigid links that bend freely, without air
+  Drag drag;                      // with `sections` alone
+
   std::size_t particles() const { return position.size(); }
   std::size_t links() const { return rest.size(); }
+  /// Links stretch: all of a connector's do, or none.
+  bool stretches() const {
+    return !sections.empty() && std::isfinite(sections.front().axial_stiffness);
+  }
 };
 
 /// A connector of `particles` equal particles in a straight line from `start` along `direction`,

@@ -123,6 +123,9 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
     }
   };
   move_tail(first.rest, second.rest, at);
+  second.radius = first.radius;
+  second.drag = first.drag;
+  if (!first.sections.empty()) move_tail(first.sections, second.sections, at);
   move_tail(first.position, second.position, at);
   move_tail(first.velocity, second.velocity, at);
   move_tail(first.particle_mass, second.particle_mass, at);

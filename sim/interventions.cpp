@@ -57,6 +57,7 @@ Outcome allowed(const World& world, const Connector& connector, const Hold& hold
 /// links, from the place to either end.
 Outcome reachable(const World& world, const Connector& connector, const Place& place,
                   const Vec3& target, bool drawn) {
+  if (connector.stretches()) return Outcome::done;
   const auto [particle, fraction] = place;
   const Move move{between(connector.position, place), target, drawn, kSamePlace * connector.length};
   double length = 0, longest = 0;
@@ -208,6 +209,7 @@ void Interventions::reserve(World& world, std::size_t pins, std::size_t cuts) {
     connector.velocity.reserve(particles);
     connector.particle_mass.reserve(particles);
     connector.rest.reserve(particles);
+    if (!connector.sections.empty()) connector.sections.reserve(particles);
     connector.holds.reserve(holds);
   };
   std::size_t particles = 0;
@@ -232,6 +234,7 @@ void Interventions::reserve(World& world, std::size_t pins, std::size_t cuts) {
   while (spare_.size() < cuts) {
     spare_.emplace_back();
     make_room(spare_.back(), most, holds);
+    if (has_materials(world)) spare_.back().sections.reserve(most);
     spare_.back().name.reserve(longest_name + cuts);
   }
 }
@@ -312,8 +315,9 @@ Outcome Interventions::release(World& world, std::uint64_t pin) {
   const bool at_once = record.since == world.time;
   const bool last = record.topology == world.topology;
   const bool was_added = record.fraction > 0;
-  const Joined span =
-      was_added && !at_once ? join(world, *connector, hold.particle) : Joined::straightens;
+  const Joined span = was_added && !at_once && !connector->stretches()
+                          ? join(world, *connector, hold.particle)
+                          : Joined::straightens;
   if (span == Joined::bent) return Outcome::too_near;
   connector->holds.erase(connector->holds.begin() + static_cast<std::ptrdiff_t>(h));
   reweigh_holder(world, hold.to);
@@ -330,7 +334,7 @@ Outcome Interventions::release(World& world, std::uint64_t pin) {
   if (was_added) remove_particle(*connector, hold.particle, record.link_rest);
   if (span == Joined::needs_a_body) {
     restore_lengths(world);
-  } else if (was_added && !at_once) {
+  } else if (was_added && !at_once && !connector->stretches()) {
     restorer_.restore(*connector, hold.particle - 1);
   }
   world.topology = structure(world);

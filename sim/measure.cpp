@@ -31,6 +31,16 @@ void each_free_body(const World& world, Visit visit) {
   }
 }
 
+bool dissipates(const World& world) {
+  return std::ranges::any_of(world.connectors, [&](const Connector& connector) {
+    const bool drags = connector.drag.across > 0 || connector.drag.along > 0;
+    return (world.air.density > 0 && drags && !connector.sections.empty()) ||
+           std::ranges::any_of(connector.sections, [](const Section& section) {
+             return section.axial_damping > 0 || section.bending_damping > 0;
+           });
+  });
+}
+
 }  // namespace
 
 double kinetic_energy(const World& world) {
@@ -57,7 +67,8 @@ double potential_energy(const World& world) {
 }
 
 double energy(const World& world) {
-  return kinetic_energy(world) + potential_energy(world);
+  const double rigid = kinetic_energy(world) + potential_energy(world);
+  return has_materials(world) ? rigid + elastic_energy(world) : rigid;
 }
 
 Vec3 linear_momentum(const World& world) {
@@ -130,7 +141,8 @@ bool is_closed(const World& world) {
   const auto rests = [](const Path& path) { return path.keys().size() == 1; };
   const bool bodies = std::ranges::all_of(
       world.bodies, [&](const Body& body) { return !body.driven() || rests(*body.path); });
-  return bodies && std::ranges::all_of(world.connectors, [&](const Connector& connector) {
+  return bodies && !dissipates(world) &&
+         std::ranges::all_of(world.connectors, [&](const Connector& connector) {
            return std::ranges::all_of(connector.holds, [&](const Hold& hold) {
              return hold.to.kind != Attachment::Kind::path || rests(*hold.to.path);
            });

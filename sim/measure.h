@@ -9,7 +9,9 @@ namespace taut {
 double kinetic_energy(const World& world);
 /// Potential energy in the world's gravity, zero at the origin, J.
 double potential_energy(const World& world);
-/// The sum of both, J.
+/// What links that stretch or bend have taken up, J.
+double elastic_energy(const World& world);
+/// The sum of all three, J.
 double energy(const World& world);
 /// Linear momentum of everything that moves freely, kg m/s.
 Vec3 linear_momentum(const World& world);
@@ -26,8 +28,8 @@ double length_scale(const World& world);
 /// An energy to compare changes with: that of lifting everything that moves freely by the length
 /// scale, and its present motion, J.
 double energy_scale(const World& world);
-/// True where no path moves a body or a hold, so that nothing does work on what moves freely:
-/// energy_scale() then tells how much a change of energy is.
+/// True where no path moves a body or a hold, no link is damped and no air resists, so that what
+/// moves freely keeps its energy: energy_scale() then tells how much a change of it is.
 bool is_closed(const World& world);
 
 }  // namespace taut

@@ -61,6 +61,12 @@ void Mechanism::rebuild(const World& world) {
   twists_ = velocities_ + 3 * points();
   add_rows(world);
   add_row_ends();
+  material_.rebuild(world, room_);
+  if (material_.any()) {
+    force_.reserve(room_);
+    force_.resize(points());
+    body_push_.resize(bodies_.size());
+  }
   point_acceleration_.assign(points(), gravity_);
   direction_.resize(rows_.size());
   violation_.resize(rows_.size());
@@ -143,7 +149,8 @@ void Mechanism::add_rows(const World& world) {
   std::size_t first = 0;
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
-    for (std::size_t k = 0; k < connector.links(); ++k) {
+    const std::size_t rows = connector.stretches() ? 0 : connector.links();
+    for (std::size_t k = 0; k < rows; ++k) {
       const double rest = connector.rest[k];
       const int axes = rest > 0 ? 1 : 3;
       for (int axis = 0; axis < axes; ++axis) {
@@ -215,6 +222,7 @@ void Mechanism::store(const std::vector<double>& state, double time, World& worl
 
 void Mechanism::update(double time, double* state) {
   place(time, state);
+  if (material_.any()) add_material(state);
   measure(state);
 }
 
@@ -225,6 +233,7 @@ void Mechanism::place(double time, double* state) {
     vector(state + velocity(point)) = motion.velocity;
     point_acceleration_[point] = motion.acceleration;
   }
+  if (material_.any()) material_.place(*world_, time);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     FreeBody& body = bodies_[b];
     const Mat3 turn = quaternion(state + pose(b) + 3).normalized().toRotationMatrix();
@@ -243,6 +252,26 @@ void Mechanism::place(double time, double* state) {
     point_acceleration_[carried.point] = gravity_ +
                                          bodies_[carried.body].gyration.cross(carried.arm) +
                                          spin.cross(spin.cross(carried.arm));
+  }
+}
+
+/// After place(): adds what the material's forces do to points and bodies.
+void Mechanism::add_material(const double* state) {
+  std::ranges::fill(force_, Vec3::Zero());
+  material_.add(state, state + velocities_, force_);
+  for (std::size_t i = 0; i < points(); ++i) {
+    if (inverse_mass_[i] != 0) point_acceleration_[i] = gravity_ + inverse_mass_[i] * force_[i];
+  }
+  std::ranges::fill(body_push_, BodyPush());
+  for (const BodyPoint& carried : body_points_) {
+    const FreeBody& body = bodies_[carried.body];
+    const Vec3& force = force_[carried.point];
+    body_push_[carried.body].linear += body.inverse_mass * force;
+    body_push_[carried.body].angular += body.world_inverse * carried.arm.cross(force);
+  }
+  for (const BodyPoint& carried : body_points_) {
+    const BodyPush& push = body_push_[carried.body];
+    point_acceleration_[carried.point] += push.linear + push.angular.cross(carried.arm);
   }
 }
 
@@ -283,6 +312,13 @@ void Mechanism::differentiate(const double* state, const double* tension,
     set_quaternion(turning, pose_rate + 3);
     vector(derivative + twist(b)) = gravity_;
     vector(derivative + twist(b) + 3) = bodies_[b].gyration;
+  }
+  if (material_.any()) {
+    for (std::size_t i = 0; i < p; ++i) vector(acceleration + 3 * i) = point_acceleration_[i];
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      vector(derivative + twist(b)) += body_push_[b].linear;
+      vector(derivative + twist(b) + 3) += body_push_[b].angular;
+    }
   }
   push(tension, derivative);
   const auto rest = [&](std::size_t point) {
@@ -328,13 +364,17 @@ void Mechanism::move(const double* shift, double* state) const {
   }
 }
 
-std::optional<std::size_t> Mechanism::broken_row(const double* state) const {
+std::optional<Mechanism::Link> Mechanism::broken_link(const double* state) const {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
     const double squared = (vector(state + 3 * row.b) - vector(state + 3 * row.a)).squaredNorm();
     const double longest = kBeyondSense * row.rest;
     const double bound = row.rest > 0 ? longest * longest : std::numeric_limits<double>::max();
-    if (!(squared <= bound)) return r;  // not finite fails too
+    if (!(squared <= bound)) return Link{row.connector, row.link};  // not finite fails too
+  }
+  for (const StretchElement& link : material_.stretches()) {
+    const double squared = (vector(state + 3 * link.b) - vector(state + 3 * link.a)).squaredNorm();
+    if (!std::isfinite(squared)) return Link{link.connector, link.link};
   }
   return std::nullopt;
 }

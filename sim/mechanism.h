@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/material/forces.h"
 #include "sim/rotation.h"
 #include "sim/world.h"
 
@@ -22,6 +23,8 @@ struct Row {
   std::uint32_t connector = 0, link = 0;
 };
 
+/// A link that stretches is no row but a force (MaterialForces).
+///
 /// The points (all particles, connector by connector), free bodies and rows of a world, as flat
 /// arrays. The state vector of P points and B free bodies is
 ///   [ P positions | B poses: centre of mass, quaternion w x y z | P velocities | B twists:
@@ -71,6 +74,8 @@ class Mechanism {
   /// 1/kg per point; zero for held points, carried ones included.
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }
   const Vec3& gravity() const { return gravity_; }
+  /// The forces of what stretches, bends and meets the air; place() turns its clamps.
+  const MaterialForces& material() const { return material_; }
 
   // Offsets into the state.
   std::size_t position(std::size_t point) const { return 3 * point; }
@@ -113,12 +118,16 @@ class Mechanism {
   /// makes of it: of a row some 85 additions and multiplications, two divisions and a root; of a
   /// body three products of matrices and what turns it.
   double work() const {
-    return 250 + 58 * static_cast<double>(rows_.size()) + 550 * static_cast<double>(bodies_.size());
+    return 250 + material_.work() + 58 * static_cast<double>(rows_.size()) +
+           550 * static_cast<double>(bodies_.size());
   }
 
-  /// The first row whose points are not finite or beyond any sense (a link stretched a
+  struct Link {
+    std::size_t connector = 0, link = 0;
+  };
+  /// The first link whose points are not finite or beyond any sense (a rigid one stretched a
   /// hundredfold).
-  std::optional<std::size_t> broken_row(const double* state) const;
+  std::optional<Link> broken_link(const double* state) const;
 
  private:
   void reserve(const World& world);
@@ -126,7 +135,13 @@ class Mechanism {
   void add_points(const World& world);
   void add_rows(const World& world);
   void add_row_ends();
+  void add_material(const double* state);
   void measure(const double* state);
+
+  /// What a material's forces at its points give a free body: m/s^2 and rad/s^2.
+  struct BodyPush {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  };
 
   const World* world_ = nullptr;  // between load() and store()
   std::size_t room_ = 0;          // points
@@ -144,6 +159,9 @@ class Mechanism {
   std::vector<Vec3> direction_;
   std::vector<Vec3> point_acceleration_;  // per point, m/s^2: its acceleration without tensions
   std::vector<double> violation_, rate_, velocity_term_;
+  MaterialForces material_;
+  std::vector<Vec3> force_;  // N, per point, of the material
+  std::vector<BodyPush> body_push_;
 };
 
 // The quaternion w x y z at `q`.

@@ -125,6 +125,24 @@ void refuse_obstacles(std::string_view method, const World& world) {
                  "knows no contact, and there is the obstacle " + world.obstacles.front().name);
 }
 
+void refuse_materials(std::string_view method, const World& world) {
+  const auto found = std::ranges::find_if(
+      world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
+  if (found == world.connectors.end()) return;
+  throw Diverged(std::string(method), world.time, 0, found->name, 0,
+                 "knows neither stretch nor bending nor air");
+}
+
+void refuse_laden_materials(std::string_view method, const World& world) {
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      if (connector.sections.empty() || is_prescribed(world, hold.to)) continue;
+      throw Diverged(std::string(method), world.time, 0, connector.name, 0,
+                     "follows no free body on a connector that stretches, bends or meets the air");
+    }
+  }
+}
+
 Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number,
                    std::string connector_name, std::size_t link_index, std::string what)
     : std::runtime_error([&] {

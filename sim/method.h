@@ -127,6 +127,9 @@ struct MethodInfo {
   bool follows_spans = false;
   /// Beads touch what is in World::obstacles; others throw Diverged where there is anything.
   bool touches_obstacles = false;
+  /// Connectors stretch, resist bending and meet the air as sim/material says; others throw
+  /// Diverged where a world has such a one.
+  bool follows_materials = false;
   /// What runs beside a run with a full set of settings, coarser or finer, so that ErrorEstimate
   /// tells its error; null: nothing is known of how the error depends on the settings.
   Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
@@ -151,6 +154,11 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
 
 /// For methods whose beads touch nothing: throws Diverged where the world has obstacles.
 void refuse_obstacles(std::string_view method, const World& world);
+
+/// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
+void refuse_materials(std::string_view method, const World& world);
+/// For methods that follow no free body on such a connector.
+void refuse_laden_materials(std::string_view method, const World& world);
 
 // Typed access for the methods' own code; the setting must exist.
 double number(const Settings& settings, std::string_view name);

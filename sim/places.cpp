@@ -95,6 +95,9 @@ PinRecord add_particle(Connector& connector, const Place& place) {
   insert_at(connector.particle_mass, added, 0.0);
   connector.rest[k] = (record.fraction - low) * record.link_rest;
   insert_at(connector.rest, added, (high - record.fraction) * record.link_rest);
+  if (!connector.sections.empty()) {
+    insert_at(connector.sections, added, Section(connector.sections[k]));
+  }
   for (Hold& hold : connector.holds) hold.particle += hold.particle > k;
   return record;
 }
@@ -102,6 +105,7 @@ PinRecord add_particle(Connector& connector, const Place& place) {
 void fit(Connector& connector) {
   connector.holds.shrink_to_fit();
   connector.rest.shrink_to_fit();
+  connector.sections.shrink_to_fit();
   connector.particle_mass.shrink_to_fit();
   connector.position.shrink_to_fit();
   connector.velocity.shrink_to_fit();
@@ -113,6 +117,7 @@ void remove_particle(Connector& connector, std::size_t particle, double link_res
   const double low = before ? before->fraction : 0, high = after ? after->fraction : 1;
   connector.rest[particle - 1] = (high - low) * link_rest;
   erase_at(connector.rest, particle);
+  if (!connector.sections.empty()) erase_at(connector.sections, particle);
   erase_at(connector.position, particle);
   erase_at(connector.velocity, particle);
   erase_at(connector.particle_mass, particle);

@@ -18,6 +18,23 @@ void approach(const Attachment::Approach& approach, double time, PointMotion& mo
   motion.acceleration -= 60 * u * (1 - u) * (1 - 2 * u) / (span * span) * approach.lag;
 }
 
+void add_materials(const World& world, Hash& hash) {
+  const auto add = [&](const Vec3& vector) {
+    for (const double c : vector) hash.word(c);
+  };
+  hash.word(world.air.density);
+  add(world.air.wind);
+  for (const Connector& connector : world.connectors) {
+    hash.word(connector.sections.size());
+    hash.word(connector.drag.across).word(connector.drag.along);
+    for (const Hold& hold : connector.holds) add(hold.clamp);
+    for (const Section& section : connector.sections) {
+      hash.word(section.axial_stiffness).word(section.axial_damping);
+      hash.word(section.bending_stiffness).word(section.bending_damping).word(section.diameter);
+    }
+  }
+}
+
 }  // namespace
 
 MassProperties laden(const World& world, std::size_t body) {
@@ -54,6 +71,11 @@ void finish(World& world) {
   world.topology = structure(world);
 }
 
+bool has_materials(const World& world) {
+  return std::ranges::any_of(
+      world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
+}
+
 std::uint64_t structure(const World& world) {
   Hash hash;
   const auto add = [&](const Vec3& vector) {
@@ -87,6 +109,7 @@ std::uint64_t structure(const World& world) {
       hash.word(to.approach.since).word(to.approach.arrival);
     }
   }
+  if (has_materials(world)) add_materials(world, hash);
   if (world.obstacles.empty()) return hash.value();
   for (const Connector& connector : world.connectors) hash.word(connector.radius);
   for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
@@ -108,6 +131,23 @@ PointMotion hold_motion(const World& world, const Attachment& to, double time) {
 
 bool is_prescribed(const World& world, const Attachment& to) {
   return to.kind != Attachment::Kind::body || world.bodies[to.body].driven();
+}
+
+ClampMotion clamp_motion(const World& world, const Hold& hold, double time) {
+  if (hold.clamp.isZero(0)) return {};
+  const Vec3 own = hold.clamp.normalized();
+  const Attachment& to = hold.to;
+  if (to.kind == Attachment::Kind::fixed) return {own, Vec3::Zero()};
+  if (to.kind == Attachment::Kind::body && !world.bodies[to.body].driven()) {
+    const Body& body = world.bodies[to.body];
+    const Vec3 direction = body.rotation * own;
+    return {direction, body.spin.cross(direction)};
+  }
+  const FrameMotion frame = to.kind == Attachment::Kind::path
+                                ? to.path->at(time)
+                                : driven_frame(world.bodies[to.body], time);
+  const Vec3 direction = frame.rotation * own;
+  return {direction, frame.spin.cross(direction)};
 }
 
 void place_held(World& world, double time) {

@@ -125,6 +125,10 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
     throw Misuse(fmt::format("--method: {} knows no contact, and the scene has the obstacle {}",
                              choice.name, scene.world.obstacles.front().name));
   }
+  if (has_materials(scene.world) && !method->follows_materials) {
+    throw Misuse(
+        fmt::format("--method: {} knows neither stretch nor bending nor air", choice.name));
+  }
   if (choice.name != scene.method.name) choice.settings.clear();
   if (options.step) {
     choice.settings.erase("tolerance");

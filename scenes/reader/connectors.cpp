@@ -72,7 +72,8 @@ class Layout {
 
  private:
   void add(const Value& value) {
-    const double length = value.find("length")->number, mass = value.find("mass")->number;
+    const double length = value.find("length")->number;
+    const double mass = mass_of(value, length);
     const auto particles = static_cast<std::size_t>(value.find("particles")->number);
     if (length == 0 && particles > 2) {
       document_.mismatch(*value.find("length"),
@@ -91,6 +92,7 @@ class Layout {
     connector.elasticity = number_or(value, "elasticity", 0);
     connector.radius =
         number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
+    read_sections(document_, value, connector);
     add_end(value, "from", 0, connector);
     add_end(value, "to", particles - 1, connector);
     const bool all_held = connector.holds.size() == particles;
@@ -139,6 +141,13 @@ class Layout {
     const End end = read_end(*value.find(key));
     connector.particle_mass[particle] += end.point_mass;
     if (end.to) connector.holds.push_back({particle, *end.to});
+    if (const Value* clamp = value.find(key)->find("clamp")) {
+      if (!end.to) document_.fail_at_key(*clamp, "needs an end that is held");
+      if (!is_prescribed(world_, *end.to)) {
+        document_.fail_at_key(*clamp, "needs an end that is fixed or driven, not a free body's");
+      }
+      connector.holds.back().clamp = direction(document_, *clamp);
+    }
     if (end.hanging) waiting_[end.to->body].push_back(world_.connectors.size());
   }
 

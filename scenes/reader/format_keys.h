@@ -60,6 +60,9 @@ namespace taut {
 
 const TableFormat& path_format();
 const TableFormat& obstacle_format();
+const TableFormat& material_format();
+const TableFormat& drag_format();
+const TableFormat& air_format();
 const TableFormat& stage_format();
 const TableFormat& plan_format();
 

@@ -114,6 +114,13 @@ MethodChoice read_method(const Document& document, const Value* table, int fps);
 std::vector<Body> read_bodies(const Document& document, Motions& motions);
 /// Connectors with their shapes; places the bodies that hang.
 void read_connectors(const Document& document, Motions& motions, World& world);
+/// The mass (kg) that a connector of this length has by its mass or its material.
+double mass_of(const Value& connector, double length);
+/// What the connector's links are made of, and the air's drag on them; changes its masses where
+/// they follow the links.
+void read_sections(const Document& document, const Value& value, Connector& connector);
+/// The air of a scene.
+Air read_air(const Document& document);
 /// Obstacles, behind the connectors. Those on paths come with a driven body, by which they are
 /// seen.
 void read_obstacles(const Document& document, Motions& motions, World& world);

@@ -102,7 +102,11 @@ const TableFormat& end_format() {
        {.name = "free",
         .type = Type::flag,
         .meaning = "true: nothing holds the end.",
-        .minimum = 1}},
+        .minimum = 1},
+       vector("clamp",
+              "The connector's direction there, from its first end to its last, is held as well; "
+              "in the frame of what holds it.",
+              "")},
       {{{"body", "fixed", "path", "bone", "point_mass", "free"}}}};
   return format;
 }
@@ -137,7 +141,10 @@ const TableFormat& repeat_format() {
 const TableFormat& connector_format() {
   static const TableFormat format{
       {needed(not_negative("length", "Of all links together; 0: a joint of two particles.", "m")),
-       needed(not_negative("mass", "Shared evenly by the particles, ends included.", "kg")),
+       not_negative("mass",
+                    "Shared evenly by the particles, ends included; with a taper by the links, "
+                    "whose ends have half each.",
+                    "kg"),
        needed({.name = "particles",
                .meaning = "How many; one more than links.",
                .unit = "",
@@ -170,7 +177,25 @@ const TableFormat& connector_format() {
            "as drawn.",
            "m"),
        positive("diameter", "As drawn: of the rope or cord, or across a link of the chain.", "m"),
-       color("color", "Linear colour.")}};
+       color("color", "Linear colour."),
+       positive("axial_stiffness", "EA: tension per strain; default: links are rigid.", "N"),
+       not_negative("axial_damping", "Tension per rate of strain, of links that stretch.", "N s"),
+       not_negative("bending_stiffness", "EI: moment per curvature; default: it bends freely.",
+                    "N m^2"),
+       not_negative("bending_damping", "Moment per rate of curvature.", "N m^2 s"),
+       table("material", "Gives mass, EA and EI of a solid round rod instead.", material_format()),
+       {.name = "taper",
+        .type = Type::numbers,
+        .meaning = "Diameters along it, evenly spaced and linear between, as shares of its "
+                   "diameter: stiffness goes with the fourth power in bending and the second in "
+                   "stretch, mass with the second.",
+        .minimum = 0,
+        .above = true,
+        .least = 2},
+       table("drag", "Coefficients of the air's drag on it, of its diameter.", drag_format())},
+      {{{"mass", "material"}},
+       {{"axial_stiffness", "material"}, false},
+       {{"bending_stiffness", "material"}, false}}};
   return format;
 }
 
@@ -266,6 +291,7 @@ const TableFormat& scene_format() {
        .least = 2,
        .most = 2},
       vector("gravity", "Default: [0, -9.81, 0].", "m/s^2"),
+      table("air", "What connectors with drag move through.", air_format()),
       {.name = "method", .type = Type::method, .meaning = "How the world is advanced."},
       table("paths", "Motions that are given.", path_format(), Type::named),
       table("characters", "People who hold bodies.", character_format(), Type::named),

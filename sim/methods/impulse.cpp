@@ -68,6 +68,7 @@ class Impulse final : public Method {
 
 void Impulse::prepare(const World& world) {
   refuse_obstacles(kImpulse, world);
+  refuse_materials(kImpulse, world);
   topology_ = world.topology;
   impulses_.prepare(world);
   if (!prepared_) {

@@ -19,8 +19,9 @@ constexpr double kLongest = 1e-2;   // s, when nothing limits the step
 constexpr double kShortest = 1e-5;  // s, when no step is stable
 constexpr double kGrowth = 1;       // 1/s, of the fastest swing under explicit Euler
 
-/// A bound on the frequency (rad/s) of the fastest way in which links of `stiffness` (N/m) stretch,
-/// whatever the shape, by the mobility of their rows; 2 sqrt(k/m) for a chain of equal particles.
+/// A bound on the frequency (rad/s) of the fastest way in which rigid links of `stiffness` (N/m)
+/// stretch, whatever the shape, by the mobility of their rows; 2 sqrt(k/m) for a chain of equal
+/// particles.
 double fastest_wave(const std::vector<double>& mobility, double stiffness) {
   // Gershgorin on J M^-1 J^T: a row's own mobility, and once more what it shares at either end.
   double most = 0;
@@ -45,12 +46,23 @@ class Springs : public SteppedMethod {
     row_mobility(mechanism, mobility_);
     const double fastest = fastest_wave(mobility_, stiffness_);
     damper_ = fastest > 0 ? 2 * damping_ * stiffness_ / fastest : 0;
-    if (!(limit_ > 0)) return kShortest;
-    const double stable = std::min(kLongest, kSafety * limit_ / fastest);
+    const double stable = stable_step(mechanism, fastest);
+    if (!(stable > 0)) return kShortest;
     if (integrator_ != Integrator::explicit_euler) return stable;
     // No damper brakes a swing of frequency w, which explicit Euler makes grow at the rate w^2
     // dt/2.
     return std::min(stable, 2 * kGrowth / std::pow(fastest_swing(world), 2));
+  }
+
+  /// With what stretches and bends by itself; zero where no step is stable.
+  double stable_step(const Mechanism& mechanism, double fastest) const {
+    const double stable = std::min(kLongest, kSafety * limit_ / fastest);
+    if (!mechanism.material().any()) return limit_ > 0 ? stable : 0;
+    const auto [frequency, damping_ratio] = mechanism.material().fastest(mechanism.inverse_mass());
+    const double all = std::hypot(fastest, frequency);
+    const double share = (damping_ * fastest + damping_ratio * frequency) / all;
+    const double limit = stability_limit(integrator_, share);
+    return limit > 0 ? std::min(kLongest, kSafety * limit / all) : 0;
   }
 
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override {
@@ -120,6 +132,7 @@ MethodInfo springs_method() {
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
       .touches_obstacles = true,
+      .follows_materials = true,
       .companion = companion_of_springs,
       .cost = {.memory = 350, .step = 1e-8},
   };

@@ -30,10 +30,10 @@ void SteppedMethod::advance(World& world, double until) {
   for (std::uint64_t i = 0; i < times.count; ++i) {
     step(mechanism_, times.at(i), times.dt, state_);
     ++counters_.steps;
-    if (const auto broken = mechanism_.broken_row(state_.data())) {
-      const Row& row = mechanism_.rows()[*broken];
-      throw Diverged(name_, times.at(i + 1), counters_.steps, world.connectors[row.connector].name,
-                     row.link, "diverged (a link is not finite or a hundred times too long)");
+    if (const auto broken = mechanism_.broken_link(state_.data())) {
+      throw Diverged(name_, times.at(i + 1), counters_.steps,
+                     world.connectors[broken->connector].name, broken->link,
+                     "diverged (a link is not finite or a hundred times too long)");
     }
   }
   mechanism_.store(state_, until, world);

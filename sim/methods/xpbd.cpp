@@ -7,6 +7,7 @@
 #include "sim/contact/bead_contacts.h"
 #include "sim/frequency.h"
 #include "sim/methods/stepped.h"
+#include "sim/methods/xpbd_material.h"
 
 namespace taut {
 namespace {
@@ -48,10 +49,13 @@ class Xpbd final : public SteppedMethod {
   std::vector<double> multiplier_, flown_;  // kg m per row; the state after free motion
   std::vector<double> started_;             // the state before it
   BeadContacts contacts_;
+  XpbdMaterial material_;
 };
 
 double Xpbd::prepare(Mechanism& mechanism, const World& world) {
   contacts_.rebuild(mechanism, world);
+  refuse_laden_materials(kXpbd, world);
+  material_.rebuild(mechanism);
   resize_within(mechanism.row_room(), mechanism.rows().size(), multiplier_);
   flown_.reserve(mechanism.state_room());
   carriers_.reserve(mechanism.row_room());
@@ -64,12 +68,17 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
   // one after another. A end turns its body.
   const auto count = [](std::size_t number) { return static_cast<double>(number); };
   pass_work_ = 20 + 80 * count(mechanism.rows().size()) + 450 * count(mechanism.row_ends().size());
+  pass_work_ += mechanism.material().work();
   step_work_ = 150 + 20 * count(mechanism.points()) + 700 * count(mechanism.bodies().size());
   return 0;
 }
 
 void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) {
   if (contacts_.any()) started_ = state;
+  if (material_.any()) {
+    material_.begin(state);
+    material_.blow(mechanism, dt, state);
+  }
   const Vec3 gain = dt * mechanism.gravity();
   for (std::size_t p = 0; p < mechanism.points(); ++p)
     vector(&state[mechanism.velocity(p)]) += gain;
@@ -81,7 +90,10 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
   flown_ = state;
 
   std::ranges::fill(multiplier_, 0.0);
-  for (int i = 0; i < iterations_; ++i) pass(mechanism, compliance_ / (dt * dt), state.data());
+  for (int i = 0; i < iterations_; ++i) {
+    pass(mechanism, compliance_ / (dt * dt), state.data());
+    if (material_.any()) material_.pass(mechanism, dt, state.data());
+  }
   if (contacts_.any()) contacts_.move_out(mechanism, time + dt, dt, started_, state);
   counters_.solves += static_cast<std::uint64_t>(iterations_);
   counters_.cycles += step_work_ + iterations_ * pass_work_;
@@ -197,6 +209,7 @@ MethodInfo xpbd_method() {
       .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .touches_obstacles = true,
+      .follows_materials = true,
       .companion = [](const MethodInfo& xpbd,
                       const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .cost = {.memory = 250, .step = 3e-8},

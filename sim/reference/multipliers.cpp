@@ -72,6 +72,7 @@ void Multipliers::prepare(const World& world) {
 
 void Multipliers::advance(World& world, double until) {
   if (!world.obstacles.empty()) {
+    refuse_materials("truth among obstacles", world);
     among_obstacles_->advance(world, until);
     counters_ = among_obstacles_->counters();
     return;
@@ -130,9 +131,11 @@ void Multipliers::project(double time) {
 }
 
 void Multipliers::give_up(double time, std::size_t row, const char* what) const {
-  const Row& at = mechanism_.rows()[row];
-  throw Diverged(std::string(kTruth), time, counters_.steps, world_->connectors[at.connector].name,
-                 at.link, what);
+  const auto& rows = mechanism_.rows();
+  const Row at = row < rows.size() ? rows[row] : Row();  // where all links stretch there is none
+  throw Diverged(std::string(kTruth), time, counters_.steps,
+                 world_->connectors.empty() ? "" : world_->connectors[at.connector].name, at.link,
+                 what);
 }
 
 }  // namespace
@@ -148,6 +151,7 @@ MethodInfo truth_method() {
           },
           .reference = true,
           .touches_obstacles = true,
+          .follows_materials = true,
           .companion =
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");

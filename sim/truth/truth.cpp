@@ -15,6 +15,9 @@ constexpr double kCloser = 1e-2;  // of the scored error: how far apart solution
 // of a metre off by about 0.01 m per second of step.
 constexpr double kContactStep = 0.2;
 
+// The tolerance of the second solver where connectors stretch, bend or meet the air.
+constexpr double kMaterialTolerance = 1e-3;  // of the scored error
+
 using Frames = std::vector<Snapshot>;
 
 /// Frames up to the first that `enough` says no to, or that the method cannot reach.
@@ -83,11 +86,17 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
     const World start = nudged(world, kNudge * options.scored_error, rough);
     predictable = run(start, "truth", first, timeline, times.subspan(0, predictable), close).size();
   }
-  const bool touches = !world.obstacles.empty();
-  const Frames checked =
-      touches ? run(world, "direct", {{"step", kContactStep * options.scored_error}}, timeline,
-                    times.subspan(0, predictable), close)
-              : run(world, "multibody", second, timeline, times.subspan(0, predictable), close);
+  const std::span<const double> until = times.subspan(0, predictable);
+  Frames checked;
+  if (!world.obstacles.empty()) {
+    const Settings steps{{"step", kContactStep * options.scored_error}};
+    checked = run(world, "direct", steps, timeline, until, close);
+  } else if (has_materials(world)) {
+    const Settings finer{{"tolerance", kMaterialTolerance * options.scored_error}};
+    checked = run(world, "direct", finer, timeline, until, close);
+  } else {
+    checked = run(world, "multibody", second, timeline, until, close);
+  }
   if (!checked.empty()) truth.horizon = times[checked.size() - 1];
   for (std::size_t i = 0; i < checked.size(); ++i) {
     truth.self_error = std::max(truth.self_error, largest_distance(checked[i], truth.frames[i]));

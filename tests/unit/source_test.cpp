@@ -60,11 +60,12 @@ TEST(SourceTree, NoProgramHasTwoTypesOfOneName) {
 
 /// The rooms that each room may look into, beside its own files.
 const std::map<std::string, std::set<std::string>> kSees = {
-    {"sim", {"sim/batch", "sim/contact"}},
+    {"sim", {"sim/batch", "sim/contact", "sim/material"}},
     {"sim/batch", {}},
     {"sim/contact", {"sim"}},
+    {"sim/material", {"sim"}},
     {"sim/methods", {"sim", "sim/contact", "sim/methods/direct"}},
-    {"sim/methods/direct", {"sim", "sim/contact"}},
+    {"sim/methods/direct", {"sim", "sim/contact", "sim/material"}},
     {"sim/options", {"sim"}},
     {"sim/reference", {"sim", "sim/contact", "sim/reference/sdfast"}},
     {"sim/reference/sdfast", {"sim"}},

@@ -5,6 +5,7 @@
 
 #include "sim/companion.h"
 #include "sim/methods/direct/contacts.h"
+#include "sim/methods/direct/elastic.h"
 #include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/spans.h"
@@ -23,6 +24,7 @@ class Direct : public Method {
   explicit Direct(const direct::StepOptions& options) : options_(options) {}
 
   void advance(World& world, double until) override {
+    if (has_materials(world)) return advance_materials(world, until);
     if (!world.obstacles.empty()) return advance_contacts(world, until);
     if (has_spans(world)) return advance_spans(world, until);
     if (!built_ || topology_ != world.topology) rebuild(world);
@@ -81,6 +83,20 @@ class Direct : public Method {
     }
     contacts_->advance(world, until);
     counters_ = contacts_->counters();
+  }
+
+  void advance_materials(World& world, double until) {
+    if (!elastic_) {
+      elastic_ = std::make_unique<direct::Elastic>(
+          options_, [options = options_] { return std::make_unique<Direct>(options); });
+    }
+    if (!built_ || topology_ != world.topology) {
+      built_ = true;
+      topology_ = world.topology;
+      elastic_->prepare(world);
+    }
+    elastic_->advance(world, until);
+    counters_ = elastic_->counters();
   }
 
   void advance_spans(World& world, double until) {
@@ -174,6 +190,7 @@ class Direct : public Method {
   VelocityProjection velocity_projection_;
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
   std::unique_ptr<direct::Contacts> contacts_;  // where it has obstacles
+  std::unique_ptr<direct::Elastic> elastic_;    // where connectors stretch, bend or meet the air
   std::vector<double> noted_;                   // the world as advance() left it
 };
 
@@ -237,6 +254,7 @@ MethodInfo direct_method() {
       },
       .follows_spans = true,
       .touches_obstacles = true,
+      .follows_materials = true,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)

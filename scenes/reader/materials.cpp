@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/reader/reader.h"
+
+namespace taut {
+
+namespace {
+
+constexpr double kAirDensity = 1.225;  // kg/m^3, at sea level and 15 degrees
+
+double area(double diameter) {
+  return std::numbers::pi * diameter * diameter / 4;
+}
+
+/// The share of its diameter that a connector has at the middle of a link.
+double taper_at(const Value* taper, double share) {
+  if (!taper) return 1;
+  const double place = share * static_cast<double>(taper->children.size() - 1);
+  const std::size_t before = std::min(static_cast<std::size_t>(place), taper->children.size() - 2);
+  const double ahead = place - static_cast<double>(before);
+  return (1 - ahead) * taper->children[before].number + ahead * taper->children[before + 1].number;
+}
+
+/// Half of each link's mass at either end; links are as heavy as `weight` says, together as before.
+void weigh_by_links(const std::vector<double>& weight, Connector& connector) {
+  double sum = 0;
+  for (const double link : weight) sum += link;
+  std::ranges::fill(connector.particle_mass, 0.0);
+  for (std::size_t k = 0; k < weight.size(); ++k) {
+    const double half = connector.mass * weight[k] / sum / 2;
+    connector.particle_mass[k] += half;
+    connector.particle_mass[k + 1] += half;
+  }
+}
+
+void check(const Document& document, const Value& value, const Connector& connector,
+           const Value& key) {
+  if (connector.model == ConnectorModel::span) {
+    document.fail_at_key(key, "needs model = \"links\", a massless span has none");
+  }
+  if (connector.length == 0) {
+    document.fail_at_key(key, "needs links that have a length, a joint has none");
+  }
+  if (key.name == "drag" && !document.root.find("air")) {
+    document.fail_at_key(key, "needs a table air");
+  }
+  const auto needs = [&](std::string_view one, std::string_view other) {
+    const Value* found = value.find(one);
+    if (found && !value.find(other) && !value.find("material")) {
+      document.fail_at_key(*found, fmt::format("needs {} or material", other));
+    }
+  };
+  needs("axial_damping", "axial_stiffness");
+}
+
+}  // namespace
+
+double mass_of(const Value& connector, double length) {
+  const Value* material = connector.find("material");
+  if (!material) return connector.find("mass")->number;
+  return material->find("density")->number * area(material->find("diameter")->number) * length;
+}
+
+void read_sections(const Document& document, const Value& value, Connector& connector) {
+  const Value* taper = value.find("taper");
+  const Value* first = nullptr;
+  for (const std::string_view key : {"axial_stiffness", "axial_damping", "bending_stiffness",
+                                     "bending_damping", "material", "drag", "taper"}) {
+    if (!first) first = value.find(key);
+  }
+  for (const char* end : {"from", "to"}) {
+    const Value* clamp = value.find(end)->find("clamp");
+    if (clamp && !value.find("bending_stiffness") && !value.find("material")) {
+      document.fail_at_key(*clamp,
+                           "needs bending_stiffness or material: what bends freely has no "
+                           "direction at its end");
+    }
+  }
+  if (!first) return;
+  check(document, value, connector, *first);
+  Section section;
+  section.axial_stiffness = number_or(value, "axial_stiffness", section.axial_stiffness);
+  section.axial_damping = number_or(value, "axial_damping", 0);
+  section.bending_stiffness = number_or(value, "bending_stiffness", 0);
+  section.bending_damping = number_or(value, "bending_damping", 0);
+  section.diameter = 2 * connector.radius;
+  if (const Value* material = value.find("material")) {
+    const double modulus = material->find("youngs_modulus")->number;
+    section.diameter = material->find("diameter")->number;
+    section.axial_stiffness = modulus * area(section.diameter);
+    section.bending_stiffness =
+        section.axial_stiffness * section.diameter * section.diameter / 16;  // pi d^4 / 64
+  }
+  connector.sections.assign(connector.links(), section);
+  std::vector<double> weight;
+  for (std::size_t k = 0; k < connector.links(); ++k) {
+    const double middle = (static_cast<double>(k) + 0.5) / static_cast<double>(connector.links());
+    const double thick = taper_at(taper, middle), squared = thick * thick;
+    Section& own = connector.sections[k];
+    own.axial_stiffness *= squared;
+    own.axial_damping *= squared;
+    own.bending_stiffness *= squared * squared;
+    own.bending_damping *= squared * squared;
+    own.diameter *= thick;
+    weight.push_back(squared);
+  }
+  if (taper || value.find("material")) weigh_by_links(weight, connector);
+  if (const Value* drag = value.find("drag")) {
+    connector.drag = {number_or(*drag, "across", 0), number_or(*drag, "along", 0)};
+  }
+}
+
+Air read_air(const Document& document) {
+  const Value* air = document.root.find("air");
+  if (!air) return {};
+  return {number_or(*air, "density", kAirDensity), vec3_or(*air, "wind", Vec3::Zero())};
+}
+
+}  // namespace taut

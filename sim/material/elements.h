@@ -1,0 +1,56 @@
+// What a bend, a stretched link and a link in moving air give: energies, forces and their
+// derivatives, one element at a time.
+#pragma once
+
+#include "sim/types.h"
+
+namespace taut {
+
+/// The bend between two edges (m) in a row, in the discrete curvature of Bergou and others,
+/// Discrete elastic rods, SIGGRAPH 2008: with t0, t1 the edges' directions and a the angle between
+/// them, C = 2 tan(a/2) and the energy is stiffness C^2 / 2. `stiffness` (N m) is EI over the
+/// length of rope that bends there.
+class Bend {
+ public:
+  Bend(const Vec3& e0, const Vec3& e1);
+
+  double energy(double stiffness) const;  // J
+  /// The derivatives of that energy by the two edges, N.
+  void slope(double stiffness, Vec3& by_e0, Vec3& by_e1) const;
+  /// Those of half the power that damping takes, by the edges' rates (m/s): damping |C'|^2 / 2, C
+  /// as a vector along t1 - t0 and its rate past a frame that turns with t0 + t1 but not about it.
+  /// `damping` in N m s.
+  void resistance(double damping, const Vec3& e0_rate, const Vec3& e1_rate, Vec3& by_e0,
+                  Vec3& by_e1) const;
+  /// The second derivatives of the energy.
+  struct Stiffness {
+    Mat3 e0_e0, e0_e1, e1_e1;  // N/m
+  };
+  Stiffness stiffness(double stiffness) const;
+  /// Those of that half power by the edges' rates, N s/m.
+  Stiffness damping(double damping) const;
+
+ private:
+  /// The derivatives of that rate by the edges' rates.
+  void rate_slope(Mat3& by_e0, Mat3& by_e1) const;
+  Vec3 turn0() const;  // t1 - c t0, c the cosine of a
+  Vec3 turn1() const;  // t0 - c t1
+
+  double inverse0_, inverse1_;  // 1/m
+  Vec3 t0_, t1_;
+  double straight_;  // |t0 + t1|^2 / 4, the square of cos(a/2)
+  Vec3 apart_;       // t1 - t0
+  double cosine_;
+};
+
+/// Drag on a link along `edge` that moves past the air at `speed` (m/s):
+///   -1/2 density length diameter (across |v_n| v_n + along |v_t| v_t), N,
+/// v_n the speed across the edge and v_t along it; `density_area` (kg/m) is the first three factors
+/// without the half.
+Vec3 drag_force(const Vec3& edge, const Vec3& speed, double density_area, double across,
+                double along);
+/// Its negative derivative by the speed, N s/m.
+Mat3 drag_slope(const Vec3& edge, const Vec3& speed, double density_area, double across,
+                double along);
+
+}  // namespace taut

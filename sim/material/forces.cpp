@@ -1,0 +1,296 @@
+#include "sim/material/forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/material/elements.h"
+#include "sim/measure.h"
+
+namespace taut {
+namespace {
+
+Eigen::Map<const Vec3> point(const double* values, std::size_t index) {
+  return Eigen::Map<const Vec3>(values + 3 * index);
+}
+
+bool is_clamped(const Hold& hold) {
+  return !hold.clamp.isZero(0);
+}
+
+/// EI or its damping of the rope that bends at a particle, half of either link's, over its length.
+double over_length(const Connector& connector, std::size_t particle, double Section::*value) {
+  double sum = 0, length = 0;
+  for (const std::size_t link : {particle - 1, particle}) {
+    if (link >= connector.links()) continue;  // beyond either end
+    sum += connector.rest[link] * connector.sections[link].*value;
+    length += connector.rest[link];
+  }
+  return 2 * sum / (length * length);
+}
+
+/// The same of one link's half beside a clamp.
+double over_half(const Connector& connector, std::size_t link, double Section::*value) {
+  return 2 * connector.sections[link].*value / connector.rest[link];
+}
+
+void check_sections(const Connector& connector) {
+  if (connector.sections.empty()) return;
+  const auto fails = [&](const char* what) {
+    throw std::invalid_argument("connector " + connector.name + what);
+  };
+  if (connector.sections.size() != connector.links()) fails(" needs a section for each link");
+  for (std::size_t k = 0; k < connector.links(); ++k) {
+    if (!(connector.rest[k] > 0)) fails(" has sections and a link without length");
+    if (std::isfinite(connector.sections[k].axial_stiffness) != connector.stretches()) {
+      fails(" has links that stretch and links that do not");
+    }
+  }
+}
+
+bool bends(const Connector& connector) {
+  return std::ranges::any_of(connector.sections, [](const Section& section) {
+    return section.bending_stiffness > 0 || section.bending_damping > 0;
+  });
+}
+
+}  // namespace
+
+void add_stretches(const Connector& connector, std::uint32_t index, std::uint32_t first,
+                   std::vector<StretchElement>& elements) {
+  if (!connector.stretches()) return;
+  for (std::uint32_t k = 0; k < connector.links(); ++k) {
+    const Section& section = connector.sections[k];
+    elements.push_back({.a = first + k,
+                        .b = first + k + 1,
+                        .rest = connector.rest[k],
+                        .stiffness = section.axial_stiffness / connector.rest[k],
+                        .damping = section.axial_damping / connector.rest[k],
+                        .connector = index,
+                        .link = k});
+  }
+}
+
+std::uint32_t add_bends(const Connector& connector, std::uint32_t clamps, std::uint32_t first,
+                        std::vector<BendElement>& elements) {
+  if (!bends(connector)) return 0;
+  constexpr auto kStiffness = &Section::bending_stiffness, kDamping = &Section::bending_damping;
+  std::uint32_t clamp = clamps;
+  auto hold = connector.holds.begin();
+  for (std::uint32_t i = 0; i < connector.particles(); ++i) {
+    const std::uint32_t at = first + i;
+    while (hold != connector.holds.end() && hold->particle < i) ++hold;
+    const bool clamped = hold != connector.holds.end() && hold->particle == i && is_clamped(*hold);
+    if (clamped) {
+      if (i > 0) {
+        elements.push_back({at - 1, at, at, over_half(connector, i - 1, kStiffness),
+                            over_half(connector, i - 1, kDamping), clamp});
+      }
+      if (i < connector.links()) {
+        elements.push_back({at, at, at + 1, over_half(connector, i, kStiffness),
+                            over_half(connector, i, kDamping), clamp});
+      }
+      ++clamp;
+    } else if (i > 0 && i < connector.links()) {
+      elements.push_back({at - 1, at, at + 1, over_length(connector, i, kStiffness),
+                          over_length(connector, i, kDamping), BendElement::kNone});
+    }
+  }
+  return clamp - clamps;
+}
+
+void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
+               std::vector<DragElement>& elements) {
+  const Drag& drag = connector.drag;
+  if (connector.sections.empty() || air.density == 0 || (drag.across == 0 && drag.along == 0)) {
+    return;
+  }
+  for (std::uint32_t k = 0; k < connector.links(); ++k) {
+    elements.push_back(
+        {.a = first + k,
+         .b = first + k + 1,
+         .density_area = air.density * connector.rest[k] * connector.sections[k].diameter,
+         .across = drag.across,
+         .along = drag.along});
+  }
+}
+
+void MaterialForces::rebuild(const World& world, std::size_t room) {
+  any_ = has_materials(world);
+  stretches_.clear();
+  bends_.clear();
+  drags_.clear();
+  clamps_.clear();
+  rest_.clear();
+  if (!any_) return;
+  stretches_.reserve(room);
+  bends_.reserve(room);
+  drags_.reserve(room);
+  rest_.reserve(room);
+  wind_ = world.air.wind;
+  std::uint32_t first = 0;
+  for (std::uint32_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    check_sections(connector);
+    rest_.insert(rest_.end(), connector.rest.begin(), connector.rest.end());
+    rest_.push_back(0);
+    add_stretches(connector, c, first, stretches_);
+    add_drags(connector, world.air, first, drags_);
+    const auto before = static_cast<std::uint32_t>(clamps_.size());
+    const std::uint32_t clamps = taut::add_bends(connector, before, first, bends_);
+    for (std::size_t h = 0; h < connector.holds.size() && clamps > 0; ++h) {
+      if (!is_clamped(connector.holds[h])) continue;
+      if (!is_prescribed(world, connector.holds[h].to)) {
+        throw std::invalid_argument("connector " + connector.name +
+                                    " is clamped to a free body, which is not known");
+      }
+      clamps_.push_back({c, h, {}});
+    }
+    first += static_cast<std::uint32_t>(connector.particles());
+  }
+}
+
+void MaterialForces::place(const World& world, double time) {
+  for (Clamp& clamp : clamps_) {
+    clamp.motion = clamp_motion(world, world.connectors[clamp.connector].holds[clamp.hold], time);
+  }
+}
+
+void MaterialForces::edges(const BendElement& bend, const double* positions, Vec3& e0,
+                           Vec3& e1) const {
+  if (bend.clamped_before()) {
+    e0 = clamps_[bend.clamp].motion.direction;
+  } else {
+    e0 = point(positions, bend.b) - point(positions, bend.a);
+  }
+  if (bend.clamped_behind()) {
+    e1 = clamps_[bend.clamp].motion.direction;
+  } else {
+    e1 = point(positions, bend.c) - point(positions, bend.b);
+  }
+}
+
+void MaterialForces::edge_rates(const BendElement& bend, const double* velocities, Vec3& e0,
+                                Vec3& e1) const {
+  if (bend.clamped_before()) {
+    e0 = clamps_[bend.clamp].motion.rate;
+  } else {
+    e0 = point(velocities, bend.b) - point(velocities, bend.a);
+  }
+  if (bend.clamped_behind()) {
+    e1 = clamps_[bend.clamp].motion.rate;
+  } else {
+    e1 = point(velocities, bend.c) - point(velocities, bend.b);
+  }
+}
+
+void MaterialForces::add(const double* positions, const double* velocities,
+                         std::vector<Vec3>& force) const {
+  for (const StretchElement& link : stretches_) {
+    const Vec3 gap = point(positions, link.b) - point(positions, link.a);
+    const Vec3 gap_rate = point(velocities, link.b) - point(velocities, link.a);
+    const double length = gap.norm();
+    if (length == 0) continue;
+    const Vec3 unit = gap / length;
+    const double tension =
+        link.stiffness * (length - link.rest) + link.damping * unit.dot(gap_rate);
+    force[link.a] += tension * unit;
+    force[link.b] -= tension * unit;
+  }
+  add_bends(positions, velocities, force);
+  add_drag(positions, velocities, force);
+}
+
+void MaterialForces::add_bends(const double* positions, const double* velocities,
+                               std::vector<Vec3>& force) const {
+  Vec3 e0, e1, by_e0, by_e1;
+  for (const BendElement& bend : bends_) {
+    edges(bend, positions, e0, e1);
+    const Bend shape(e0, e1);
+    shape.slope(bend.stiffness, by_e0, by_e1);
+    if (bend.damping > 0) {
+      Vec3 damped0, damped1, rate0, rate1;
+      edge_rates(bend, velocities, rate0, rate1);
+      shape.resistance(bend.damping, rate0, rate1, damped0, damped1);
+      by_e0 += damped0;
+      by_e1 += damped1;
+    }
+    if (!bend.clamped_before()) {
+      force[bend.a] += by_e0;
+      force[bend.b] -= by_e0;
+    }
+    if (!bend.clamped_behind()) {
+      force[bend.b] += by_e1;
+      force[bend.c] -= by_e1;
+    }
+  }
+}
+
+void MaterialForces::add_drag(const double* positions, const double* velocities,
+                              std::vector<Vec3>& force) const {
+  for (const DragElement& link : drags_) {
+    const Vec3 edge = point(positions, link.b) - point(positions, link.a);
+    const Vec3 speed = (point(velocities, link.a) + point(velocities, link.b)) / 2 - wind_;
+    const Vec3 half = drag_force(edge, speed, link.density_area, link.across, link.along) / 2;
+    force[link.a] += half;
+    force[link.b] += half;
+  }
+}
+
+// Of each element the matrix is stiffness d d^T, d how it changes with its points along the way in
+// which it does: 1, -1 for a stretch; 1/l0, -(1/l0 + 1/l1), 1/l1 for a bend.
+MaterialForces::Fastest MaterialForces::fastest(const std::vector<double>& inverse_mass) const {
+  std::vector<double> rows(inverse_mass.size());
+  double ratio = 0;  // s: the largest damping over stiffness
+  const auto add = [&](double stiffness, double damping,
+                       std::initializer_list<std::uint32_t> points,
+                       std::initializer_list<double> changes) {
+    double sum = 0;
+    for (const double change : changes) sum += change;
+    auto change = changes.begin();
+    for (const std::uint32_t p : points) {
+      rows[p] += stiffness * *change++ * sum;
+    }
+    if (stiffness > 0) ratio = std::max(ratio, damping / stiffness);
+  };
+  for (const StretchElement& link : stretches_) {
+    add(link.stiffness, link.damping, {link.a, link.b}, {1, 1});
+  }
+  for (const BendElement& bend : bends_) {
+    const double l0 = bend.clamped_before() ? 0 : 1 / rest_[bend.a];
+    const double l1 = bend.clamped_behind() ? 0 : 1 / rest_[bend.b];
+    add(bend.stiffness, bend.damping, {bend.a, bend.b, bend.c}, {l0, l0 + l1, l1});
+  }
+  double most = 0;
+  for (std::size_t p = 0; p < rows.size(); ++p) most = std::max(most, inverse_mass[p] * rows[p]);
+  const double frequency = std::sqrt(most);
+  return {frequency, ratio * frequency / 2};
+}
+
+double MaterialForces::work() const {
+  const auto count = [](const auto& list) { return static_cast<double>(list.size()); };
+  return 45 * count(stretches_) + 130 * count(bends_) + 60 * count(drags_);
+}
+
+double elastic_energy(const World& world) {
+  MaterialForces material;
+  material.rebuild(world, 0);
+  material.place(world, world.time);
+  std::vector<Vec3> position;
+  for (const Connector& connector : world.connectors) {
+    position.insert(position.end(), connector.position.begin(), connector.position.end());
+  }
+  double energy = 0;
+  for (const StretchElement& link : material.stretches()) {
+    const double longer = (position[link.b] - position[link.a]).norm() - link.rest;
+    energy += link.stiffness * longer * longer / 2;
+  }
+  Vec3 e0, e1;
+  for (const BendElement& bend : material.bends()) {
+    material.edges(bend, position.data()->data(), e0, e1);
+    energy += Bend(e0, e1).energy(bend.stiffness);
+  }
+  return energy;
+}
+
+}  // namespace taut

@@ -1,0 +1,99 @@
+// The forces on particles that stretch, bend and meet the air, as lists of elements of a world.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/world.h"
+
+namespace taut {
+
+/// A link that stretches: it pulls with stiffness (length - rest) + damping d(length)/dt.
+struct StretchElement {
+  std::uint32_t a = 0, b = 0;  // points
+  double rest = 0;             // m
+  double stiffness = 0;        // N/m: EA over the rest length
+  double damping = 0;          // N s/m
+  std::uint32_t connector = 0, link = 0;
+};
+
+/// Two links in a row that resist bending; or a link at a clamp, whose direction is one of the two
+/// edges. Its three points are a, b, c; at a clamp `a` and `b` or `b` and `c` are the same.
+struct BendElement {
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  std::uint32_t a = 0, b = 0, c = 0;
+  double stiffness = 0;         // N m: EI over the length that bends
+  double damping = 0;           // N m s
+  std::uint32_t clamp = kNone;  // index of the clamp
+
+  bool clamped_before() const { return clamp != kNone && a == b; }
+  bool clamped_behind() const { return clamp != kNone && b == c; }
+};
+
+/// A link that meets the air.
+struct DragElement {
+  std::uint32_t a = 0, b = 0;
+  double density_area = 0;  // kg/m, see drag_force()
+  double across = 0, along = 0;
+};
+
+/// The elements of one connector whose first particle is the point `first`, appended.
+void add_stretches(const Connector& connector, std::uint32_t index, std::uint32_t first,
+                   std::vector<StretchElement>& elements);
+/// `clamps` is the number of the first clamp; returns how many there are.
+std::uint32_t add_bends(const Connector& connector, std::uint32_t clamps, std::uint32_t first,
+                        std::vector<BendElement>& elements);
+void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
+               std::vector<DragElement>& elements);
+
+/// All elements of a world. Points are all particles, connector by connector.
+class MaterialForces {
+ public:
+  /// Lays the world's elements out, with room for so many points. Throws std::invalid_argument
+  /// where a free body clamps a connector.
+  void rebuild(const World& world, std::size_t room);
+
+  bool any() const { return any_; }
+  const std::vector<StretchElement>& stretches() const { return stretches_; }
+  const std::vector<BendElement>& bends() const { return bends_; }
+  const std::vector<DragElement>& drags() const { return drags_; }
+  const Vec3& wind() const { return wind_; }
+
+  /// Turns the clamps to where they are at `time`.
+  void place(const World& world, double time);
+  /// The two edges that an element bends, and their rates.
+  void edges(const BendElement& bend, const double* positions, Vec3& e0, Vec3& e1) const;
+  void edge_rates(const BendElement& bend, const double* velocities, Vec3& e0, Vec3& e1) const;
+  /// Adds the forces (N) at each point.
+  void add(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
+  /// Those of bends, and those of the air, alone.
+  void add_bends(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
+  void add_drag(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
+
+  /// A bound on the frequency (rad/s) of the fastest way in which it stretches and bends, by the
+  /// points' inverse masses (1/kg): Gershgorin's on M^-1 K of the straight connector. And on the
+  /// share of critical damping of that way.
+  struct Fastest {
+    double frequency = 0, damping_ratio = 0;
+  };
+  Fastest fastest(const std::vector<double>& inverse_mass) const;
+
+  /// The cycles of add().
+  double work() const;
+
+ private:
+  struct Clamp {
+    std::size_t connector = 0, hold = 0;
+    ClampMotion motion;
+  };
+
+  bool any_ = false;
+  Vec3 wind_ = Vec3::Zero();
+  std::vector<StretchElement> stretches_;
+  std::vector<BendElement> bends_;
+  std::vector<DragElement> drags_;
+  std::vector<Clamp> clamps_;
+  std::vector<double> rest_;  // m, per point: of the link behind it, where it bends
+};
+
+}  // namespace taut

@@ -1,0 +1,88 @@
+#include "sim/methods/xpbd_material.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/material/elements.h"
+
+namespace taut {
+
+void XpbdMaterial::rebuild(const Mechanism& mechanism) {
+  const MaterialForces& material = mechanism.material();
+  any_ = material.any();
+  if (!any_) return;
+  multiplier_.reserve(2 * (mechanism.state_room() / 6));
+  multiplier_.assign(material.stretches().size() + material.bends().size(), 0.0);
+  started_.reserve(mechanism.state_room());
+  force_.reserve(mechanism.state_room() / 6);
+  force_.resize(mechanism.points());
+}
+
+void XpbdMaterial::blow(const Mechanism& mechanism, double dt, std::vector<double>& state) {
+  if (mechanism.material().drags().empty()) return;
+  std::ranges::fill(force_, Vec3::Zero());
+  mechanism.material().add_drag(state.data(), &state[mechanism.velocity(0)], force_);
+  for (std::size_t p = 0; p < mechanism.points(); ++p) {
+    Eigen::Map<Vec3> velocity(&state[mechanism.velocity(p)]);
+    velocity += dt * mechanism.inverse_mass()[p] * force_[p];
+  }
+}
+
+void XpbdMaterial::begin(const std::vector<double>& started) {
+  started_ = started;
+  std::ranges::fill(multiplier_, 0.0);
+}
+
+template <std::size_t N>
+void XpbdMaterial::project(const Mechanism& mechanism, double dt, double stiffness, double damping,
+                           double value, const Change (&changes)[N], double& multiplier,
+                           double* state) {
+  double mobility = 0, since = 0;  // of C: 1/kg, and how it has changed in the step
+  for (const Change& change : changes) {
+    mobility += mechanism.inverse_mass()[change.point] * change.gradient.squaredNorm();
+    const std::size_t at = mechanism.position(change.point);
+    since += change.gradient.dot(Eigen::Map<const Vec3>(state + at) -
+                                 Eigen::Map<const Vec3>(&started_[at]));
+  }
+  const double hard = stiffness * dt * dt, slow = damping * dt;  // kg
+  const double more = -(hard * value + multiplier + slow * since) / (1 + (hard + slow) * mobility);
+  multiplier += more;
+  for (const Change& change : changes) {
+    Eigen::Map<Vec3> position(state + mechanism.position(change.point));
+    position += more * mechanism.inverse_mass()[change.point] * change.gradient;
+  }
+}
+
+void XpbdMaterial::pass(const Mechanism& mechanism, double dt, double* state) {
+  const MaterialForces& material = mechanism.material();
+  double* multiplier = multiplier_.data();
+  for (const StretchElement& link : material.stretches()) {
+    const Vec3 gap = Eigen::Map<const Vec3>(state + mechanism.position(link.b)) -
+                     Eigen::Map<const Vec3>(state + mechanism.position(link.a));
+    const double length = gap.norm();
+    if (length > 0) {
+      const Vec3 unit = gap / length;
+      project<2>(mechanism, dt, link.stiffness, link.damping, length - link.rest,
+                 {{link.a, -unit}, {link.b, unit}}, *multiplier, state);
+    }
+    ++multiplier;
+  }
+  Vec3 e0, e1, by_e0, by_e1;
+  for (const BendElement& bend : material.bends()) {
+    material.edges(bend, state, e0, e1);
+    const Bend shape(e0, e1);
+    // The gradient of C is that of C^2 / 2 over C.
+    const double value = std::sqrt(2 * shape.energy(1));
+    if (value > 0) {
+      shape.slope(1 / value, by_e0, by_e1);
+      if (bend.clamped_before()) by_e0.setZero();
+      if (bend.clamped_behind()) by_e1.setZero();
+      const Vec3 middle = by_e0 - by_e1;
+      project<3>(mechanism, dt, bend.stiffness, bend.damping, value,
+                 {{bend.a, -by_e0}, {bend.b, middle}, {bend.c, by_e1}}, *multiplier, state);
+    }
+    ++multiplier;
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,39 @@
+// Stretch, bending and air as games do them: compliant constraints, projected one after another.
+#pragma once
+
+#include <vector>
+
+#include "sim/mechanism.h"
+
+namespace taut {
+
+/// Macklin, Mueller and Chentanez, XPBD, 2016: a constraint C of energy k C^2 / 2 has a multiplier
+/// (kg m) of its own, and damping c acts on what C has changed by since the step began.
+class XpbdMaterial {
+ public:
+  void rebuild(const Mechanism& mechanism);
+  bool any() const { return any_; }
+
+  /// The air's push in a step of `dt` (s), before particles fly.
+  void blow(const Mechanism& mechanism, double dt, std::vector<double>& state);
+  /// Forgets the multipliers, as a step begins from `started`.
+  void begin(const std::vector<double>& started);
+  /// Goes through all elements once.
+  void pass(const Mechanism& mechanism, double dt, double* state);
+
+ private:
+  struct Change {  // of a constraint with a point
+    std::uint32_t point = 0;
+    Vec3 gradient = Vec3::Zero();
+  };
+  template <std::size_t N>
+  void project(const Mechanism& mechanism, double dt, double stiffness, double damping,
+               double value, const Change (&changes)[N], double& multiplier, double* state);
+
+  bool any_ = false;
+  std::vector<double> multiplier_;  // of stretches, then of bends
+  std::vector<double> started_;
+  std::vector<Vec3> force_;
+};
+
+}  // namespace taut
