@@ -61,6 +61,31 @@ std::string ends_text(const World& world, const Connector& connector) {
                                                  : fmt::format("held by {} and {}", first, last);
 }
 
+/// What it is made of, as far as that is more than rigid links: at its first link, where it tapers.
+std::string material_text(const Connector& connector) {
+  if (connector.sections.empty()) return "";
+  const Section& first = connector.sections.front();
+  std::string text;
+  if (connector.stretches()) text += fmt::format(", EA {:.6g} N", first.axial_stiffness);
+  if (first.bending_stiffness > 0)
+    text += fmt::format(", EI {:.6g} N m^2", first.bending_stiffness);
+  if (connector.drag.across > 0 || connector.drag.along > 0) {
+    text +=
+        fmt::format(", drag {} across and {} along", connector.drag.across, connector.drag.along);
+  }
+  return text;
+}
+
+Json material_json(const Connector& connector) {
+  if (connector.sections.empty()) return nullptr;
+  const Section& first = connector.sections.front();
+  Json json;
+  json["axial_stiffness_n"] = connector.stretches() ? Json(first.axial_stiffness) : Json();
+  json["bending_stiffness_n_m2"] = first.bending_stiffness;
+  json["drag"] = {{"across", connector.drag.across}, {"along", connector.drag.along}};
+  return json;
+}
+
 std::string_view kind_of(const Obstacle& obstacle) {
   static constexpr std::array<std::string_view, 5> kKinds{"plane", "sphere", "capsule", "cylinder",
                                                           "box"};
@@ -115,7 +140,8 @@ Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& wa
     append(json["connectors"], connector.name,
            {{"length_m", connector.length},
             {"mass_kg", connector.mass},
-            {"particles", connector.particles()}});
+            {"particles", connector.particles()},
+            {"material", material_json(connector)}});
   }
   json["obstacles"] = Json::object();
   for (const Obstacle& obstacle : scene.world.obstacles) {
@@ -159,9 +185,9 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
                      body.driven() ? "driven" : "free"));
   }
   for (const Connector& connector : world.connectors) {
-    line(fmt::format("connector {}: {} m, {} kg, {} particles, {}", connector.name,
+    line(fmt::format("connector {}: {} m, {:.6g} kg, {} particles{}, {}", connector.name,
                      connector.length, connector.mass, connector.particles(),
-                     ends_text(world, connector)));
+                     material_text(connector), ends_text(world, connector)));
   }
   for (const Obstacle& obstacle : world.obstacles) {
     line(fmt::format("obstacle {}: {}{}, friction {}, restitution {}", obstacle.name,

@@ -140,7 +140,7 @@ std::string json_text(const Scene& scene, const Simulation& simulation, const Re
   }
   json["energy_drift_is"] =
       "largest change of the mechanical energy at any frame, as a share of energy_scale; null "
-      "where something driven does work";
+      "where something driven does work, or dampers or the air take it";
   json["energy_scale"] = report.energy_scale;
   estimate.add_to(json);
   json["state_hash"] = fmt::format("{:016x}", state_hash(simulation.world()));

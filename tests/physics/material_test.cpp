@@ -66,7 +66,7 @@ double growth(double share_of_critical) {
   const double critical = std::numbers::pi * std::numbers::pi / 4;  // of EI = 1, by Euler
   Section made = section(kRigid, 1);
   made.bending_damping = 1;
-  World world = rope(100, 1e-6, made, true);
+  World world = rope(100, 1e-9, made, true);
   Connector& column = world.connectors[0];
   column.holds[0].clamp = Vec3::UnitY();
   for (std::size_t k = 0; k < column.links(); ++k) {
@@ -77,8 +77,11 @@ double growth(double share_of_critical) {
   world.gravity = Vec3(0, -1e4, 0);
   column.particle_mass.back() = share_of_critical * critical / 1e4;
   finish(world);
-  const World early = after(world, 1, 1e-11), late = after(early, 2, 1e-11);
-  return std::log(late.connectors[0].position.back().x() / early.connectors[0].position.back().x());
+  // What is not in that bow has died away by then, at rates near 1/s.
+  const World early = after(world, 8, 1e-8), late = after(early, 12, 1e-8);
+  const double grown =
+      late.connectors[0].position.back().x() / early.connectors[0].position.back().x();
+  return std::log(grown) / 4;
 }
 
 // (EI + damping s) k^2 = P for a bow that goes as exp(s t): s = P / P_critical - 1 here.
@@ -113,10 +116,11 @@ TEST(Air, RopesFallAtTheirTerminalSpeed) {
   EXPECT_NEAR(terminal_speed(-Vec3::UnitY(), {1.2, 0.1}) / along, 1, 1e-6);
 }
 
-// A drag across alone lets wind press on a rope until tan(angle) balances it: with a light rope and
-// a heavy end, the angle of the whole is that of half the wind's force against the weight.
+// Wind presses on a light rope with a heavy end, half of it on the end: the whole rests where that
+// half balances the weight, and swings there from the vertical to twice that angle. What the rope
+// weighs, and its speed against the wind's, are below 1% of it each.
 TEST(Air, WindLeansARope) {
-  World world = rope(20, 1e-6, section(kRigid, 0), false);
+  World world = rope(20, 0.01, section(kRigid, 0), false);
   Connector& hangs = world.connectors[0];
   for (std::size_t i = 0; i < hangs.particles(); ++i) {
     hangs.position[i] = -static_cast<double>(i) / 20 * Vec3::UnitY();
@@ -125,10 +129,8 @@ TEST(Air, WindLeansARope) {
   hangs.drag = {1.2, 0};
   world.air = {1.2, Vec3(3, 0, 0)};
   finish(world);
-  // It swings about there: the mean of the extremes, half a period of the pendulum apart, is where
-  // it would rest, but for what its motion adds to the wind.
   const double period = 2 * std::numbers::pi / std::sqrt(worlds::kGravity);
-  const World out = after(world, period / 2, 1e-8);
+  const World out = after(world, period / 2, 1e-6);
   const double force = 1.2 * 1 * 0.01 / 2 * 1.2 * 9;
   EXPECT_NEAR(out.connectors[0].position.back().x() / (force / worlds::kGravity), 1, 0.02);
 }

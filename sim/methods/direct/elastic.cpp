@@ -11,7 +11,7 @@ constexpr double kShare = 0.3;        // tolerances that a step may err
 constexpr double kSolved = 1e-2;      // of that error: where Newton's method ends
 constexpr double kExactly = 1e-13;    // of the length: the same with a fixed step
 constexpr double kSwing = 0.15;       // of sqrt(L/g): how long an error of velocities goes on
-constexpr double kRoundings = 1e-14;  // of the length: no estimate says anything of less
+constexpr double kRoundings = 1e-13;  // of the length: no estimate says anything of less
 constexpr double kSafety = 0.9, kMostChange = 5;
 constexpr double kKept = 1.2;         // a step that could be longer by less stays
 constexpr double kShortest = 1e-13;   // s
