@@ -135,6 +135,34 @@ TEST(Allocations, DirectDoesNotAllocateWhileSpansStayTaut) {
   EXPECT_TRUE(method->events().empty());
 }
 
+TEST(Allocations, SteppingMaterialsDoesNotAllocateAfterTheFirstCall) {
+  World start;
+  Connector rope = straight_connector("rope", 1, 0.2, 21, Vec3::Zero(), Vec3(1, -1, 0));
+  Section section;
+  section.axial_stiffness = 300;
+  section.axial_damping = 0.1;
+  section.bending_stiffness = 0.01;
+  section.bending_damping = 1e-4;
+  section.diameter = 0.01;
+  rope.sections.assign(rope.links(), section);
+  rope.drag = {1.2, 0.1};
+  Hold hold;
+  hold.clamp = Vec3(1, -1, 0);
+  rope.holds = {hold};
+  start.air = {1.2, Vec3(1, 0, 0)};
+  start.connectors = {rope};
+  finish(start);
+  for (const MethodInfo& method : methods()) {
+    if (!method.follows_materials || method.reference) continue;
+    World world = start;
+    const auto stepper = make_method(method.name, {});
+    stepper->advance(world, 0.05);
+    const std::size_t before = allocations;
+    stepper->advance(world, 0.3);
+    EXPECT_EQ(allocations, before) << method.name;
+  }
+}
+
 TEST(Allocations, DirectDoesNotAllocateAtCoarseTolerances) {
   for (const double tolerance : {0.01, 0.03, 0.06, 0.1, 0.3}) {
     World world = spiral();
