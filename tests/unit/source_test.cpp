@@ -64,7 +64,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/batch", {}},
     {"sim/contact", {"sim"}},
     {"sim/material", {"sim"}},
-    {"sim/methods", {"sim", "sim/contact", "sim/methods/direct"}},
+    {"sim/methods", {"sim", "sim/contact", "sim/material", "sim/methods/direct"}},
     {"sim/methods/direct", {"sim", "sim/contact", "sim/material"}},
     {"sim/options", {"sim"}},
     {"sim/reference", {"sim", "sim/contact", "sim/reference/sdfast"}},
