@@ -77,7 +77,6 @@ std::string material_text(const Connector& connector) {
 }
 
 Json material_json(const Connector& connector) {
-  if (connector.sections.empty()) return nullptr;
   const Section& first = connector.sections.front();
   Json json;
   json["axial_stiffness_n"] = connector.stretches() ? Json(first.axial_stiffness) : Json();
@@ -137,11 +136,11 @@ Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& wa
   }
   json["connectors"] = Json::object();
   for (const Connector& connector : scene.world.connectors) {
-    append(json["connectors"], connector.name,
-           {{"length_m", connector.length},
-            {"mass_kg", connector.mass},
-            {"particles", connector.particles()},
-            {"material", material_json(connector)}});
+    Json one = {{"length_m", connector.length},
+                {"mass_kg", connector.mass},
+                {"particles", connector.particles()}};
+    if (!connector.sections.empty()) one["material"] = material_json(connector);
+    append(json["connectors"], connector.name, std::move(one));
   }
   json["obstacles"] = Json::object();
   for (const Obstacle& obstacle : scene.world.obstacles) {

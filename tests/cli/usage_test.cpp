@@ -191,6 +191,7 @@ TEST_F(Usage, EveryResultIsAsTheSchemaSays) {
   check("error", {"simulate", "nowhere.toml"});
   check("error", {"check", "swing.toml", "--set", "fps=-1"});
   check("check", {"check", TAUT_SOURCE_DIR "/scenes/hose.toml"});
+  check("check", {"check", TAUT_SOURCE_DIR "/scenes/materials/bungee.toml"});
   check("plans", {"check", "--plans", TAUT_SOURCE_DIR "/scenes/rope_swing.toml", "swing.toml"});
   check("simulate", {"simulate", "swing.toml"});
   check("export", {"export", "swing.toml", "--to", "glb"});
