@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-using KeyValues = Eigen::Matrix<double, 7, 1>;
+using KeyRow = Eigen::Matrix<double, 7, 1>;
 
 bool rests(const std::vector<PathKey>& keys, std::size_t i) {
   return i == 0 || i + 1 == keys.size() || keys[i].ease;
@@ -16,15 +16,15 @@ bool rests(const std::vector<PathKey>& keys, std::size_t i) {
 
 /// Rates at the keys first..last of the cubic spline that rests at both; Thomas's algorithm on
 /// the conditions that the second derivative is continuous at every key between them.
-void section_rates(const std::vector<PathKey>& keys, const std::vector<KeyValues>& value,
-                   std::size_t first, std::size_t last, std::vector<KeyValues>& rate) {
+void section_rates(const std::vector<PathKey>& keys, const std::vector<KeyRow>& value,
+                   std::size_t first, std::size_t last, std::vector<KeyRow>& rate) {
   std::vector<double> above(last - first + 1, 0.0);
   const auto upper = [&](std::size_t i) -> double& { return above[i - first]; };
   for (std::size_t i = first + 1; i < last; ++i) {
     const double before = keys[i].time - keys[i - 1].time;
     const double after = keys[i + 1].time - keys[i].time;
-    const KeyValues right = 3 * ((value[i] - value[i - 1]) / (before * before) +
-                                 (value[i + 1] - value[i]) / (after * after));
+    const KeyRow right = 3 * ((value[i] - value[i - 1]) / (before * before) +
+                              (value[i + 1] - value[i]) / (after * after));
     const double pivot = 2 / before + 2 / after - upper(i - 1) / before;
     upper(i) = 1 / (after * pivot);
     rate[i] = (right - rate[i - 1] / before) / pivot;
@@ -84,8 +84,8 @@ Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
     if (i > 0 && q.dot(value_[i - 1].tail<4>()) < 0) q = -q;
     value_[i] << keys_[i].position, q;
   }
-  rate_.assign(n, Row::Zero());
-  rate2_.assign(n, Row::Zero());
+  rate_.assign(n, KeyRow::Zero());
+  rate2_.assign(n, KeyRow::Zero());
   for (std::size_t first = 0, i = 1; i < n; ++i) {
     if (!rests(keys_, i)) continue;
     section_rates(keys_, value_, first, i, rate_);
@@ -95,7 +95,7 @@ Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
     }
     first = i;
   }
-  for (const Row& row : value_) {
+  for (const KeyRow& row : value_) {
     const Eigen::Vector4d q = row.tail<4>() / row.tail<4>().norm();
     rotation_.emplace_back(q[0], q[1], q[2], q[3]);
   }
@@ -113,10 +113,10 @@ Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
 Path::Section Path::section(std::size_t first) const {
   const std::size_t a = first, b = first + 1;
   const double h = keys_[b].time - keys_[a].time;
-  const Row d = value_[b] - value_[a] - h * rate_[a] - h * h / 2 * rate2_[a];
-  const Row e = h * (rate_[b] - rate_[a]) - h * h * rate2_[a];
-  const Row f = h * h * (rate2_[b] - rate2_[a]);
-  const auto moves = [](const Row& row) { return !row.tail<4>().isZero(0); };
+  const KeyRow d = value_[b] - value_[a] - h * rate_[a] - h * h / 2 * rate2_[a];
+  const KeyRow e = h * (rate_[b] - rate_[a]) - h * h * rate2_[a];
+  const KeyRow f = h * h * (rate2_[b] - rate2_[a]);
+  const auto moves = [](const KeyRow& row) { return !row.tail<4>().isZero(0); };
   return {10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2,
           moves(value_[b] - value_[a]) || moves(rate_[a]) || moves(rate_[b]) || moves(rate2_[a]) ||
               moves(rate2_[b])};
@@ -155,9 +155,10 @@ FrameMotion Path::at(double time) const {
     return quintic(part(value_[a]), part(rate_[a]), part(rate2_[a]), part(s.c3), part(s.c4),
                    part(s.c5), h, u);
   };
-  const Jet<3> place = rows([](const Row& row) -> Vec3 { return row.head<3>(); });
+  const Jet<3> place = rows([](const KeyRow& row) -> Vec3 { return row.head<3>(); });
   if (!s.turns) return {place.value, place.rate, place.rate2, rotation_[a]};
-  return frame_motion(place, rows([](const Row& row) -> Eigen::Vector4d { return row.tail<4>(); }));
+  return frame_motion(place,
+                      rows([](const KeyRow& row) -> Eigen::Vector4d { return row.tail<4>(); }));
 }
 
 }  // namespace taut
