@@ -16,9 +16,7 @@
 namespace taut {
 namespace {
 
-constexpr double kNudge = 1e-4;       // of the scored error
-constexpr double kCloser = 1e-2;      // of it: how far apart solutions may be
-constexpr double kFiner = 1e-5;       // of it: the tolerance of what is compared with
+constexpr double kFiner = 1e-5;       // of the scored error: the tolerance of what is compared with
 constexpr double kEvenFiner = 1e-6;   // and of what checks it
 constexpr double kTruthFiner = 1e-6;  // the same for the truth, which counts by the step
 constexpr double kFinest = 1e-12;     // what doubles allow

@@ -9,8 +9,6 @@
 namespace taut {
 namespace {
 
-constexpr double kNudge = 1e-4;   // of the scored error
-constexpr double kCloser = 1e-2;  // of the scored error: how far apart solutions may be
 // s/m, the second solver's step among obstacles over the scored error: of first order, and on ropes
 // of a metre off by about 0.01 m per second of step.
 constexpr double kContactStep = 0.2;
