@@ -174,6 +174,15 @@ std::optional<Found> closed(const Vec3& free, std::span<const Touch> touches, un
 }  // namespace
 
 Response respond(const Vec3& free, std::span<Touch> touches, double creep) {
+  if (touches.size() == 1) {
+    Touch& touch = touches[0];
+    const Vec3 away = without(free, touch);
+    if (touch.least - touch.normal.dot(away) > kSlack * (1 + free.norm())) {
+      if (const auto closes = close_one(free, touch, creep)) return *closes;
+    }
+    open(touch);
+    return {away, Mat3::Identity()};
+  }
   // From few that are closed to many: the first that breaks no touch is it.
   static constexpr std::array<unsigned, 8> kOrder{0, 1, 2, 4, 3, 5, 6, 7};
   double least = std::numeric_limits<double>::infinity();

@@ -49,10 +49,8 @@ void ContactStep::respond_all(std::span<Vec3> velocity) {
   for (std::size_t i = 0; i < touches_.size();) {
     const std::size_t point = touches_[i].point;
     std::size_t count = 0;
-    while (i + count < touches_.size() && touches_[i + count].point == point) {
-      touches[count] = touches_[i + count].touch;
-      ++count;
-    }
+    while (i + count < touches_.size() && touches_[i + count].point == point) ++count;
+    for (std::size_t k = 0; k < count; ++k) touches[k] = touches_[i + k].touch;
     const Response answer = respond(velocity[point], std::span(touches).first(count), creep_);
     velocity[point] = answer.velocity;
     answer_[point] = mobile[point] * answer.derivative;
@@ -106,9 +104,15 @@ void ContactStep::relax_row(std::size_t row, const Vec3& along, double share) {
   const double mobile_b = share * mechanism_.inverse_mass()[b];
   if (is_carried_[a] || is_carried_[b] || mobile_a + mobile_b == 0) return;
   const auto answer = [&](std::size_t point, const Vec3& velocity) {
+    const std::span<const BeadTouch> near = touches_of(point);
+    if (near.empty()) return Response{velocity};
+    if (near.size() == 1) {
+      Touch touch = near[0].touch;
+      return respond(velocity, std::span(&touch, 1), creep_);
+    }
     std::array<Touch, 3> touches;
     std::size_t count = 0;
-    for (const BeadTouch& at : touches_of(point)) touches[count++] = at.touch;
+    for (const BeadTouch& at : near) touches[count++] = at.touch;
     return respond(velocity, std::span(touches).first(count), creep_);
   };
   const auto mobility = [&](double mobile, const Response& found) {
