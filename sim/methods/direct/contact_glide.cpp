@@ -17,6 +17,7 @@ Eigen::Map<Vec3> vector(double* at) {
 }
 
 constexpr int kIterations = 40;       // of Newton's method, at most
+constexpr double kWave = 0.5;         // rad^2: faster ones turn links within a step
 constexpr double kSlow = 0.1;         // of an error, from one iteration to the next
 constexpr double kExact = 1e-14;      // m: rounding of positions of about a metre
 constexpr double kNudge = 100;        // times touching(): to see how surfaces curve
@@ -52,15 +53,14 @@ bool ContactStep::glide(double time, double h) {
       move_bodies(time, h);
       return true;
     }
-    const bool crawls = worst > kSlow * before;
+    turns = turns || worst > kSlow * before || wave_turn(h) > kWave;
     before = worst;
-    if (!turns && !crawls) {  // where links hardly turn, the mean velocities are enough
+    if (!turns) {  // where links hardly turn, the mean velocities are enough
       for (std::size_t p = 0; p < mean_.size(); ++p) {
         vector(&next_[mechanism_.position(p)]) = position(state_, p) + h * mean_[p];
       }
       continue;
     }
-    turns = true;
     ++solves_;
     bend(h);
     stiffen(h);
@@ -74,6 +74,18 @@ bool ContactStep::glide(double time, double h) {
     for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r];
   }
   return false;
+}
+
+/// The square of the angle (rad) by which the fastest wave along the rows advances in the step.
+double ContactStep::wave_turn(double h) const {
+  double most = 0;
+  const auto& mobile = mechanism_.inverse_mass();
+  for (std::size_t r = 0; r < pull_.size(); ++r) {
+    const Row& row = mechanism_.rows()[r];
+    if (row.axis != Row::kAlongLink) continue;
+    most = std::max(most, (mobile[row.a] + mobile[row.b]) * std::abs(pull_[r]) / row.rest);
+  }
+  return 2 * h * most;
 }
 
 /// The pulls with which rows get their lengths, as directions and normals are. From those that

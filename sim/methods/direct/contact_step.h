@@ -71,6 +71,7 @@ class ContactStep {
   bool pull_creeping(double time, double h, double creep);
   void answer(double time, double h);
   double residual(double h) const;
+  double wave_turn(double h) const;
   void measure();
   void aim(double h);
   void aim(BeadTouch& at, const Vec3& to, double h) const;

@@ -12,8 +12,8 @@ namespace {
 using MapVec = Eigen::Map<Vec3>;
 using ConstMapVec = Eigen::Map<const Vec3>;
 
-constexpr int kProjections = 8;      // Newton steps back to the lengths, at most
-constexpr double kRounding = 4e-15;  // of the length: what is left of a violation
+constexpr int kProjections = 8;        // Newton steps back to the lengths, at most
+constexpr double kRoundedOff = 4e-15;  // of the length: what is left of a violation
 
 ConstMapVec at(const double* values, std::size_t particle) {
   return ConstMapVec(values + 3 * particle);
@@ -270,7 +270,7 @@ bool ElasticSystem::restore_lengths(double h, const double* tensions, double* x)
       impulse_[k] = led_[k] ? (at(x, k + 1) - at(x, k)).norm() - length : 0;
       worst = std::max(worst, std::abs(impulse_[k]));
     }
-    if (worst <= kRounding * length_) return true;
+    if (worst <= kRoundedOff * length_) return true;
     if (!(worst < length_)) return false;
     solve_links(impulse_.data());
     for (std::size_t k = 0; k < rest_.size(); ++k) {
