@@ -45,6 +45,8 @@ TEST(OutOfReach, IsNamed) {
   expect("the same, between two frames", scene("1", "21", free, kFolded, kPin), 7, kFull);
   expect("the same, of a single link", scene("60", "3", free, kFolded, kPin), 7,
          "what holds both its ends leads them");
+  expect("the same, of a massless span", scene("60", "2", near, "model = \"span\"", ""), 7,
+         "what holds both its ends leads them");
   EXPECT_TRUE(table.is_as_accepted());
 }
 

@@ -15,22 +15,30 @@ struct Verdict {
   std::string refusal;  // by the reader; empty: it took the scene
   std::vector<Broken> broken;
   int runs = 0;      // of methods
+  int ended = 0;     // of them, that came to the end of the scene
   int diverged = 0;  // of them, that ended with a message
   int compared = 0;  // with the truth
+  int missed = 0;    // of them, by more than three tolerances
 };
 
-/// Each run has a process of its own, so that one that crashes or does not end is told of as well.
-/// The promises, with their names:
-/// ends: within 5 s of CPU time and 1 GB, with no fault and by no error but Diverged.
+/// Runs are apart from this process, so that one that crashes or does not end is told of as well.
+/// Each has 0.05 s of CPU time; what it has reached by then is judged. The promises, with their
+/// names:
+/// ends: within its time or else with no slice of 1 ms of the scene that takes more than 5 s;
+/// within 1 GB, with no fault and by no error but Diverged.
 /// finite: every place and velocity of every frame.
-/// continuous: between two frames nothing goes farther than three times the greatest speed.
+/// continuous: between two frames nothing goes farther than at three times its greatest speed,
+/// unless a pin is released between them, which lays links straight.
 /// same: a second run has the same bits.
 /// And of `direct` and `truth`:
-/// follows: to the end, unless places that are held leave the links between them no motion.
+/// follows: to the end.
 /// stretch: links keep their length to 1e-6 of it.
 /// energy: a closed scene without pins and cuts gains no more than the error that is claimed lets
-/// in. error (direct): up to where the motion can be foretold, within 3 tolerances of the truth. Of
-/// one method alone where it is named.
+/// in.
+/// error (direct, without obstacles): up to where the motion can be foretold, within 10 tolerances
+/// of the truth; Verdict::missed counts those beyond 3.
+/// Where places that are held leave the links between them no motion, none is promised to follow or
+/// to be continuous. Of one method alone where it is named.
 Verdict check_promises(const std::string& scene, const std::string& only = {});
 
 }  // namespace taut::drawn

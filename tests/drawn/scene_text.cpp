@@ -20,7 +20,7 @@ class Scene {
   explicit Scene(unsigned seed) : dice_(seed) {}
 
   std::string drawn() {
-    constexpr int kRates[] = {1, 5, 24, 30, 60, 60, 120, 240};
+    constexpr int kRates[] = {1, 5, 24, 24, 30, 30, 60, 60, 60, 120, 120, 240};
     const bool falls = chance(0.9);
     const Vec3 gravity =
         chance(0.8) ? Vec3(0, -9.81, 0) : dice_.scale(0.1, 100) * dice_.direction();
@@ -30,6 +30,7 @@ class Scene {
                     kRates[dice_.pick(std::size(kRates))], text(falls ? gravity : Vec3::Zero()));
     text_ += fmt::format("tolerance = {}\n", length_ * dice_.scale(1e-6, 1e-1));
     const bool spans = chance(0.15);
+    most_ = chance(0.1) ? 40 : 10;
     const int connectors = 1 + dice_.pick(3);
     for (int i = 0; i < connectors; ++i) add_connector(i, spans && chance(0.7));
     if (!spans) {
@@ -163,7 +164,7 @@ class Scene {
       line("model = \"span\"\nparticles = 2\nmass = 0\nelasticity = {}", dice_.between(0, 1));
     } else {
       line("mass = {}", dice_.scale(1e-3, 1));
-      line("particles = {}", static_cast<int>(dice_.scale(straight ? 2 : 4, 40)));
+      line("particles = {}", static_cast<int>(dice_.scale(straight ? 2 : 4, most_)));
     }
     line("from = {}\nto = {}", from, to);
     // Without a start it hangs between its ends, or straight down from the one that has a place.
@@ -227,6 +228,7 @@ class Scene {
   std::string text_;
   double length_ = 1;  // m, which all sizes go by
   double lengths_[3] = {};
+  double most_ = 0;  // particles: few find as much as many, and take less time
   int paths_ = 0, bodies_ = 0;
 };
 

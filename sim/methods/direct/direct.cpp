@@ -50,10 +50,7 @@ class Direct : public Method {
     place_prescribed(world, until);
     for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->store(world);
     place_carried(world);
-    if (const auto found = direct::led_away(world)) {
-      throw Diverged("direct", until, counters_.steps, world.connectors[found->connector].name,
-                     found->link, found->what);
-    }
+    refuse_led_away(world);
     note(world);
   }
 
@@ -108,6 +105,14 @@ class Direct : public Method {
     }
     spans_->advance(world, until, events_);
     counters_ = spans_->counters();
+    refuse_led_away(world);
+  }
+
+  void refuse_led_away(const World& world) const {
+    const auto found = direct::led_away(world);
+    if (!found) return;
+    throw Diverged("direct", world.time, counters_.steps, world.connectors[found->connector].name,
+                   found->link, found->what);
   }
 
   void rebuild(const World& world) {

@@ -50,18 +50,21 @@ std::optional<LedAway> led_away(const World& world) {
   constexpr double kRounding = 1e-6;  // of the connector's length
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
-    if (connector.model == ConnectorModel::span) continue;
+    const bool may_be_slack = connector.model == ConnectorModel::span;
     const Hold* before = nullptr;
     for (const Hold& hold : connector.holds) {
       const bool known = is_prescribed(world, hold.to);
       const Hold* other = std::exchange(before, known ? &hold : nullptr);
-      if (!known || !other || hold.particle != other->particle + 1) continue;
+      if (!known || !other) continue;
+      if (!may_be_slack && hold.particle != other->particle + 1) continue;
       const std::size_t link = other->particle;
-      const double distance = (connector.position[link + 1] - connector.position[link]).norm();
-      if (std::abs(distance - connector.rest[link]) <= kRounding * connector.length) continue;
+      const double length = length_of(connector, link, hold.particle);
+      const double distance = (connector.position[hold.particle] - connector.position[link]).norm();
+      const double off = may_be_slack ? distance - length : std::abs(distance - length);
+      if (off <= kRounding * connector.length) continue;
       std::ostringstream line;
-      line << "what holds both its ends leads them " << distance << " m apart, and it is "
-           << connector.rest[link] << " m long";
+      line << "what holds both its ends leads them " << distance << " m apart, and it is " << length
+           << " m long";
       return LedAway{c, link, line.str()};
     }
   }

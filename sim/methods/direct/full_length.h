@@ -8,8 +8,9 @@
 
 namespace taut::direct {
 
-/// The link between two places that are held, as is known beforehand, which the world's state
-/// stretches or compresses: says so. Empty where there is none. No part has such a link.
+/// The link, or massless span, between two places that are held, as is known beforehand, which the
+/// world's state stretches or, a link, compresses: says so. Empty where there is none. No part has
+/// such a link.
 struct LedAway {
   std::size_t connector = 0, link = 0;
   std::string what;
