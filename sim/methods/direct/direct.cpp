@@ -142,8 +142,7 @@ class Direct : public Method {
     if (!changes_) pins = 0;  // nothing is meant to be added
     while (integrators_.size() < parts.size() + pins) {
       integrators_.push_back(std::make_unique<Integrator>(options_));
-      if (changes_)
-        integrators_.back()->reserve(largest + spare, 2 * (pins + 2), world.bodies.size());
+      if (changes_) integrators_.back()->reserve(largest + spare, 2 * (pins + 2));
     }
     noted_.reserve(15 * world.bodies.size() + 6 * room(world).particles + 1);
   }

@@ -34,10 +34,10 @@ Integrator::Integrator(const StepOptions& options)
   tries_.fill(options.finer == 1);
 }
 
-void Integrator::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
+void Integrator::reserve(std::size_t links, std::size_t ends) {
   planes_.reserve(links);
   chain_.reserve(links);
-  system_.reserve(links, ends, bodies);
+  system_.reserve(links, ends);
   const std::size_t size = 3 * (links + kLanes) + 4 * ends + 2 * Links::kPad;
   arena_.reserve(kArrays, size);
 }

@@ -37,9 +37,8 @@ class Integrator {
   explicit Integrator(const StepOptions& options);
   Integrator(const Integrator&) = delete;
 
-  /// Room for a component of so many links with so many ends of spans, in a world of so many
-  /// bodies.
-  void reserve(std::size_t links, std::size_t ends, std::size_t bodies);
+  /// Room for a component of so many links with so many ends of spans.
+  void reserve(std::size_t links, std::size_t ends);
   /// Follows the component, which must stay, once it is loaded.
   void follow(const Component& component) { component_ = component; }
   /// Reads the state from the world.

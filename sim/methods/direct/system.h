@@ -29,8 +29,8 @@ namespace taut::direct {
 /// In a plane directions have two components, and bodies that hang by one point are links.
 class System : public Motion {
  public:
-  /// Room for so many links, and spans with so many ends, in a world of so many bodies.
-  void reserve(std::size_t links, std::size_t ends, std::size_t bodies);
+  /// Room for so many links, and spans with so many ends.
+  void reserve(std::size_t links, std::size_t ends);
   /// In `plane`, which must suit the world's present state (see PlaneFinder), or in space.
   void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane);
 
@@ -161,13 +161,17 @@ class System : public Motion {
     *y += plane_ ? v.dot(plane_->y) : v.y();
     if (!plane_) y[links_.stride()] += v.z();
   }
+  // Where a body of the world stands in bodies_ or, in a plane, in bars_.
+  std::size_t member(std::size_t body) const;
+  std::size_t part_of(std::size_t body) const { return plane_ ? kNone : member(body); }
+  std::size_t bar_of(std::size_t body) const { return plane_ ? member(body) : kNone; }
   std::size_t quaternion(std::size_t body) const { return links_.end() + 4 * body; }
 
   const World* world_ = nullptr;
   std::optional<Plane> plane_;
   std::optional<Vec3> left_plane_;
-  std::vector<std::size_t> part_of_, bar_of_;  // by World::bodies: bodies_, bars_
-  std::vector<Span> spans_;                    // each one's first end is placed by those before it
+  std::vector<std::size_t> members_;  // indices into World::bodies, rising
+  std::vector<Span> spans_;           // each one's first end is placed by those before it
   std::vector<End> ends_;
   std::vector<Bar> bars_;
   std::vector<Part> bodies_;

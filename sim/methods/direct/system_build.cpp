@@ -88,7 +88,7 @@ std::optional<Plane> PlaneFinder::find(const World& world, const Component& comp
   return plane;
 }
 
-void System::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
+void System::reserve(std::size_t links, std::size_t ends) {
   links_.reserve(links);
   measured_.reserve(links);
   point_mass_.reserve(links + ends);
@@ -98,8 +98,7 @@ void System::reserve(std::size_t links, std::size_t ends, std::size_t bodies) {
   gaps_.reserve(ends);
   ends_.reserve(ends);
   body_ends_.reserve(ends);
-  part_of_.reserve(bodies);
-  bar_of_.reserve(bodies);
+  members_.reserve(ends);
   placed_.reserve(ends);
   done_.reserve(ends);
   bars_.reserve(ends);
@@ -113,8 +112,7 @@ void System::rebuild(const World& world, const Component& component,
   world_ = &world;
   plane_ = plane;
   left_plane_.reset();
-  part_of_.assign(world.bodies.size(), kNone);
-  bar_of_.assign(world.bodies.size(), kNone);
+  members_.assign(component.bodies.begin(), component.bodies.end());
   spans_.clear();
   ends_.clear();
   bars_.clear();
@@ -124,13 +122,11 @@ void System::rebuild(const World& world, const Component& component,
     const MassProperties& m = world.bodies[b].mass_properties;
     mass_ += m.mass;
     if (plane) {
-      bar_of_[b] = bars_.size();
       Bar bar;
       bar.body = b;
       bar.arm = hanging(world, component, b).arm.norm();
       bars_.push_back(bar);
     } else {
-      part_of_[b] = bodies_.size();
       Part part;
       part.body = b;
       part.mass = m.mass;
@@ -145,6 +141,10 @@ void System::rebuild(const World& world, const Component& component,
   work_ = measure_work();
 }
 
+std::size_t System::member(std::size_t body) const {
+  return static_cast<std::size_t>(std::ranges::lower_bound(members_, body) - members_.begin());
+}
+
 void System::add_span(const World& world, const SpanRange& range, bool reversed) {
   const Connector& connector = world.connectors[range.connector];
   Span span;
@@ -154,7 +154,7 @@ void System::add_span(const World& world, const SpanRange& range, bool reversed)
   span.links = range.last - range.first;
   const auto bar_at = [&](std::size_t particle) {
     const Hold* hold = find_hold(connector, particle);
-    return hold && !is_prescribed(world, hold->to) ? bar_of_[hold->to.body] : kNone;
+    return hold && !is_prescribed(world, hold->to) ? bar_of(hold->to.body) : kNone;
   };
   span.first_bar = bar_at(span.particle(0));
   span.last_bar = bar_at(span.particle(range.last - range.first));
@@ -176,7 +176,7 @@ void System::add_span(const World& world, const SpanRange& range, bool reversed)
     made.pull = pull;
     made.to = hold->to;
     if (!is_prescribed(world, hold->to)) {
-      made.body = part_of_[hold->to.body];
+      made.body = part_of(hold->to.body);
       made.local_arm = hold->to.point - world.bodies[hold->to.body].mass_properties.centre;
       ++bodies_[made.body].ends;
     }
@@ -199,7 +199,7 @@ void System::order_spans(const World& world, std::span<const SpanRange> ranges) 
     const Hold* hold = find_hold(world.connectors[range.connector], particle);
     if (!hold) return Place::free;
     if (is_prescribed(world, hold->to)) return Place::known;
-    const std::size_t body = part_of_[hold->to.body];
+    const std::size_t body = part_of(hold->to.body);
     if (body == kNone) return Place::free;  // a bar
     return placed[body] ? Place::known : Place::unknown;
   };

@@ -55,13 +55,10 @@ void System::load(const World& world, double time, double* q, double* rate) {
   if (!floats_) return;
 
   centre_ = {};
-  for (const auto* list : {&part_of_, &bar_of_}) {
-    for (std::size_t b = 0; b < list->size(); ++b) {
-      if ((*list)[b] == kNone) continue;
-      const Body& body = world.bodies[b];
-      centre_.position += body.mass_properties.mass / mass_ * body.position;
-      centre_.velocity += body.mass_properties.mass / mass_ * body.velocity;
-    }
+  for (const std::size_t b : members_) {
+    const Body& body = world.bodies[b];
+    centre_.position += body.mass_properties.mass / mass_ * body.position;
+    centre_.velocity += body.mass_properties.mass / mass_ * body.velocity;
   }
   for (const Span& span : spans_) {
     const Connector& connector = world.connectors[span.range.connector];
@@ -162,13 +159,18 @@ void System::store(World& world, const double* q, const double* rate) {
   for (const Span& span : spans_) {
     Connector& connector = world.connectors[span.range.connector];
     const std::size_t first = p + (span.first_bar != kNone ? 1 : 0);
-    for (std::size_t k = 0; k < span.particles(); ++k) {
+    // What is prescribed has been placed; links lead there but for rounding.
+    const auto is_placed = [&](std::size_t end) {
+      return end != kNone && ends_[end].body == kNone;
+    };
+    const std::size_t begin = is_placed(span.first) ? 1 : 0;
+    const std::size_t end = span.particles() - (is_placed(span.last) ? 1 : 0);
+    for (std::size_t k = begin; k < end; ++k) {
       connector.position[span.particle(k)] = points_[first + k].position;
       connector.velocity[span.particle(k)] = points_[first + k].velocity;
     }
     p += span.links + 1;
   }
-  place_prescribed(world, world.time);  // where links lead there, but for rounding
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = world.bodies[bodies_[b].body];
     const double* r = q + quaternion(b);
