@@ -78,7 +78,7 @@ class Watch {
   }
 
   /// Whether two places that are held are as far apart at that time as the links between them
-  /// reach, or a single link does not fit: then no motion may exist.
+  /// reach, as near as they fold, or a single link does not fit: then no motion may exist.
   bool is_at_full_length(double time) const {
     constexpr double kNear = 1e-3;  // of the length
     const World& world = simulation_.world();
@@ -87,12 +87,16 @@ class Watch {
       for (const Hold& hold : c.holds) {
         if (!is_prescribed(world, hold.to)) continue;
         if (const Hold* other = std::exchange(before, &hold)) {
-          double length = 0;
-          for (std::size_t i = other->particle; i < hold.particle; ++i) length += c.rest[i];
+          double length = 0, longest = 0;
+          for (std::size_t i = other->particle; i < hold.particle; ++i) {
+            length += c.rest[i];
+            longest = std::max(longest, c.rest[i]);
+          }
           const double apart = (hold_motion(world, hold.to, time).position -
                                 hold_motion(world, other->to, time).position)
                                    .norm();
-          if (apart > (1 - kNear) * length || hold.particle == other->particle + 1) return true;
+          const bool folded = apart < 2 * longest - length + kNear * length;
+          if (apart > (1 - kNear) * length || folded) return true;
         }
       }
     }
@@ -137,12 +141,14 @@ class Watch {
     return speed;
   }
 
-  /// A pin that stood on a link lets the link go straight, and what stretched comes back.
+  /// A pin that stood on a link lets the link go straight, and what a method had stretched comes
+  /// back, also by a cut.
   bool is_released(int frame) const {
     const auto is_in = [&](double time) {
       return time * scene_.fps > frame - 1 && time * scene_.fps <= frame;
     };
-    return std::ranges::any_of(scene_.timeline.pins, is_in, &TimedPin::until);
+    return std::ranges::any_of(scene_.timeline.pins, is_in, &TimedPin::until) ||
+           (!claims_ && std::ranges::any_of(scene_.timeline.cuts, is_in, &TimedCut::time));
   }
 
   /// Whips and impacts have their speed between frames that are far apart, and what swings quickly
@@ -185,8 +191,9 @@ class Watch {
   void look_at_claims(int frame) {
     if (!claims_) return;
     const World& world = simulation_.world();
-    if (const double most = stretch(world); !(most < kStretch)) {
-      tell("stretch", frame, most, kStretch);
+    const double most_stretched = stretch(world);
+    if (!(most_stretched < kStretch) && !is_at_full_length(world.time)) {
+      tell("stretch", frame, most_stretched, kStretch);
     }
     if (!closed_) return;
     for (const Connector& c : world.connectors) {

@@ -28,7 +28,8 @@ struct Verdict {
 /// within 1 GB, with no fault and by no error but Diverged.
 /// finite: every place and velocity of every frame.
 /// continuous: between two frames nothing goes farther than at three times its greatest speed,
-/// unless a pin is released between them, which lays links straight.
+/// unless a pin is released between them, which lays links straight, or a connector is cut that the
+/// method stretches.
 /// same: a second run has the same bits.
 /// And of `direct` and `truth`:
 /// follows: to the end.
@@ -37,8 +38,8 @@ struct Verdict {
 /// in.
 /// error (direct, without obstacles): up to where the motion can be foretold, within 10 tolerances
 /// of the truth; Verdict::missed counts those beyond 3.
-/// Where places that are held leave the links between them no motion, none is promised to follow or
-/// to be continuous. Of one method alone where it is named.
+/// Where places that are held leave the links between them no motion, at full length or folded,
+/// none of follows, stretch and continuous is promised. Of one method alone where it is named.
 Verdict check_promises(const std::string& scene, const std::string& only = {});
 
 }  // namespace taut::drawn

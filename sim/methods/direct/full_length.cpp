@@ -1,5 +1,6 @@
 #include "sim/methods/direct/full_length.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <sstream>
@@ -8,9 +9,20 @@
 namespace taut::direct {
 namespace {
 
-/// The share of the length below which slack is none: links turn by its root, and their waves are
-/// as much quicker.
+/// The share of the length below which slack, or what a fold leaves, is none: links turn by its
+/// root, and their waves are as much quicker.
 constexpr double kNone = 1e-3;
+
+/// The least distance between two places on the connector: one link may be longer than all others
+/// between them together.
+double folded_length(const Connector& connector, std::size_t first, std::size_t last) {
+  double length = 0, longest = 0;
+  for (std::size_t i = first; i < last; ++i) {
+    length += connector.rest[i];
+    longest = std::max(longest, connector.rest[i]);
+  }
+  return 2 * longest - length;
+}
 
 double length_of(const Connector& connector, std::size_t first, std::size_t last) {
   const auto at = [&](std::size_t i) {
@@ -30,14 +42,19 @@ std::string full_length(const World& world, const Component& part, double time) 
     const double length = length_of(connector, span.first, span.last);
     const PointMotion a = hold_motion(world, from->to, time), b = hold_motion(world, to->to, time);
     const Vec3 apart = b.position - a.position;
-    if (!(apart.norm() > (1 - kNone) * length)) continue;
+    const bool full = apart.norm() > (1 - kNone) * length;
+    const bool folded =
+        apart.norm() < folded_length(connector, span.first, span.last) + kNone * length;
+    if (!full && !folded) continue;
     const double parting = (b.velocity - a.velocity).dot(apart.normalized());  // m/s
     const double begin = length_of(connector, 0, span.first);
     std::ostringstream line;
-    line << "the " << length << " m of it from " << begin << " m on are at full length between "
-         << "two places that are held, " << apart.norm() << " m apart";
-    if (parting > 0) {
-      line << " and parting at " << parting << " m/s: no motion keeps the length";
+    line << "the " << length << " m of it from " << begin << " m on are "
+         << (full ? "at full length" : "folded") << " between two places that are held, "
+         << apart.norm() << " m apart";
+    if (full ? parting > 0 : parting < 0) {
+      line << " and " << (full ? "parting" : "nearing") << " at " << std::abs(parting)
+           << " m/s: no motion keeps the length";
     } else {
       line << ": they stop there by an impulse that links without stretch leave open";
     }

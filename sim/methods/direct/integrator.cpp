@@ -96,10 +96,14 @@ double Integrator::first_step() const {
 void Integrator::advance(World& world, double until, Counters& counters) {
   motion_->attach(world);
   if (time_ < until && options_.step > 0) return advance_by_step(world, until, counters);
-  // Sums of steps miss a time by roundings, which no step can make up for.
+  advance_by_tolerance(world, until, counters);
+}
+
+/// Sums of steps miss a time by roundings, which no step can make up for.
+bool Integrator::is_before(double until) {
   constexpr double kRoundings = 4 * std::numeric_limits<double>::epsilon();
   if (std::abs(time_ - until) <= kRoundings * std::abs(until)) time_ = until;
-  if (time_ < until) advance_by_tolerance(world, until, counters);
+  return time_ < until;
 }
 
 void Integrator::store(World& world) {
@@ -161,7 +165,7 @@ bool Integrator::leave_plane(World& world) {
 }
 
 void Integrator::advance_by_tolerance(World& world, double until, Counters& counters) {
-  while (time_ < until) {
+  while (is_before(until)) {
     if (step_ == 0) {
       refresh(counters);
       step_ = first_step();
@@ -232,7 +236,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
   const double h = adams_.spacing(), allowed = allowed_error(adams, h);
   double error = 0;
   int& rest = rests_[rosenbrock].steps;
-  while (time_ < until) {
+  while (is_before(until)) {
     counters.solves += 1;
     counters.cycles += cost_[adams] * motion_->work();
     error = adams_.attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * allowed) / allowed;

@@ -73,6 +73,7 @@ class Integrator {
   void begin();
   void advance_by_tolerance(World& world, double until, Counters& counters);
   void advance_by_step(World& world, double until, Counters& counters);
+  bool is_before(double until);
   double first_step() const;
   void refresh(Counters& counters);
   double attempt(Scheme scheme, double h, Counters& counters);

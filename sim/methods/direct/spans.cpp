@@ -212,14 +212,17 @@ void Spans::lay(Connector& connector, const Span& span, const Vec3& gravity) {
   }
 }
 
-/// True where the state that was looked at last is not one that the tie can be in.
+/// True where the state that was looked at last is not one that the tie can be in: ends that were
+/// too far apart before may come nearer.
 bool Spans::breaks(const Tie& tie) const {
+  const double length = spans_[tie.span].length;
   if (spans_[tie.span].taut) {
     return tie.system != kNone && systems_[tie.system].system.tension(tie.link) < 0;
   }
+  if (is_prescribed(inner_, tie.a) && is_prescribed(inner_, tie.b)) return false;
   const Ends ends = ends_of(inner_, tie.a, tie.b);
-  const bool gives = !is_prescribed(inner_, tie.a) || !is_prescribed(inner_, tie.b);
-  return gives && ends.distance > spans_[tie.span].length * (1 + kTooLong) && ends.parting > 0;
+  return ends.distance > length * (1 + kTooLong) &&
+         (ends.parting > 0 || ends.distance > tie.longest);
 }
 
 bool Spans::breaks() {
@@ -230,6 +233,7 @@ bool Spans::breaks() {
 /// Goes on to `until`, or to where the first tie has just broken.
 void Spans::advance_to_break(double until) {
   before_ = inner_;
+  for (Tie& tie : ties_) tie.longest = ends_of(inner_, tie.a, tie.b).distance;
   links_->advance(inner_, until);
   if (!breaks()) return;
   double whole = before_.time, broken = until;

@@ -43,6 +43,7 @@ class Spans {
     std::size_t span = 0;  // index into spans_
     Attachment a, b;       // in the inner world
     double elasticity = 0;
+    double longest = 0;          // m: a slack one goes taut beyond it
     std::size_t system = kNone;  // index into systems_, while it is taut and something can move
     std::size_t link = 0;        // of that system
     double thrown_back = -std::numeric_limits<double>::infinity();  // s, when its ends last were
