@@ -17,6 +17,7 @@
 #include "render/cli/command.h"
 #include "render/cli/help.h"
 #include "render/cli/note.h"
+#include "render/cli/progress.h"
 #include "render/cli/terminal.h"
 #include "render/error.h"
 #include "render/interrupt.h"
@@ -226,7 +227,9 @@ int guarded(const Common& common, const std::function<int()>& work) {
   } catch (const Diverged& error) {
     return complain(common, kDiverged, error.what());
   } catch (const Interrupted& error) {
-    return complain(common, error.signal == SIGINT ? kInterrupted : kTerminated, error.what());
+    const std::string far = left_off().empty() ? "" : "; " + left_off();
+    return complain(common, error.signal == SIGINT ? kInterrupted : kTerminated,
+                    error.what() + far);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {

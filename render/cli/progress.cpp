@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <new>
 
 #include "render/cli/note.h"
+#include "render/interrupt.h"
 
 namespace taut::cli {
 
@@ -14,6 +16,11 @@ namespace {
 
 constexpr std::chrono::milliseconds kLive{100};
 constexpr std::chrono::seconds kPlain{10};
+
+std::string& left_off_text() {
+  static std::string text;
+  return text;
+}
 
 }  // namespace
 
@@ -27,10 +34,22 @@ Progress::Progress(std::string what, std::string unit, std::uint64_t total, bool
       last_(start_) {}
 
 Progress::~Progress() {
+  std::string& text = left_off_text();
+  if (pending_interrupt() && text.empty() && std::uncaught_exceptions() > exceptions_) try {
+      text = unit_ == "%" ? fmt::format("{}: {}%", what_, done_)
+                          : fmt::format("{}: {} of {} {}", what_, done_, total_, unit_);
+    } catch (const std::bad_alloc&) {
+      text.clear();  // that it was interrupted is told in any case
+    }
   if (terminal_ && shown_) note("\r\033[K");
 }
 
+const std::string& left_off() {
+  return left_off_text();
+}
+
 void Progress::update(std::uint64_t done) {
+  done_ = done;
   if (quiet_) return;
   const auto now = Clock::now();
   if (now - last_ < (terminal_ ? Clock::duration(kLive) : Clock::duration(kPlain))) return;

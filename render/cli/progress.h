@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <string>
 
 namespace taut::cli {
@@ -12,7 +13,7 @@ class Progress {
  public:
   /// `what` as in "rendering", `unit` as in "frames". Silent when `quiet`.
   Progress(std::string what, std::string unit, std::uint64_t total, bool quiet);
-  /// Clears the live line.
+  /// Clears the live line. Where an interruption ends the work, left_off() tells of it.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -24,11 +25,16 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   std::string what_, unit_;
-  std::uint64_t total_;
+  std::uint64_t total_, done_ = 0;
+  int exceptions_ = std::uncaught_exceptions();
   bool quiet_, terminal_;
   bool shown_ = false;
   Clock::time_point start_, last_;
 };
+
+/// How far the innermost work was that an interruption ended: "simulating: 3 of 60 frames". Empty
+/// where none was.
+const std::string& left_off();
 
 /// A duration as h:mm:ss or m:ss.
 std::string clock_text(double seconds);

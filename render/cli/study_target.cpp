@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/cli/command.h"
+#include "render/cli/progress.h"
 #include "render/draw/lighting.h"
 #include "render/interrupt.h"
 
@@ -14,8 +15,13 @@ namespace taut::cli {
 
 Target target_of(const Scene& scene, double duration, const TruthOptions& options) {
   Target target{{scene.world, frame_times(duration, scene.fps), scene.timeline}, {}};
-  Truth truth =
-      solve_truth(scene.world, target.problem.times, options, scene.timeline, stop_if_interrupted);
+  // Two solvers, the first of them three times: no more than so many frames.
+  Progress progress("solving the truth", "frames", 4 * target.problem.times.size(), true);
+  std::uint64_t done = 0;
+  Truth truth = solve_truth(scene.world, target.problem.times, options, scene.timeline, [&] {
+    stop_if_interrupted();
+    progress.update(++done);
+  });
   target.reference = {std::move(truth.frames), truth.horizon, truth.self_error};
   std::erase_if(target.problem.times, [&](double time) { return time > truth.horizon; });
   target.reference.frames.resize(target.problem.times.size());

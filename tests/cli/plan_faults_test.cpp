@@ -40,6 +40,8 @@ TEST_F(PlanFaults, StoppedItLeavesNothingBehind) {
     kill(child.id(), signal);
     const ProgramResult outcome = child.wait();
     EXPECT_EQ(outcome.code, code) << outcome.messages;
+    EXPECT_NE(outcome.messages.find("; solving the reference: "), std::string::npos)
+        << outcome.messages;
     EXPECT_EQ(outcome.output, "");
     EXPECT_EQ(read_file(scene_), before);
     EXPECT_EQ(files(), 1);

@@ -281,7 +281,10 @@ TEST(Simulate, SignalsLeaveNothingHalfWritten) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     kill(child.id(), signal);
-    EXPECT_EQ(child.wait().code, code);
+    const ProgramResult stopped = child.wait();
+    EXPECT_EQ(stopped.code, code);
+    EXPECT_EQ(stopped.messages.find("; simulating: ") != std::string::npos, signal != SIGKILL)
+        << stopped.messages;
     EXPECT_FALSE(fs::exists(folder.path() / "t.csv"));
     EXPECT_EQ(fs::exists(part), signal == SIGKILL);
     if (signal != SIGKILL) continue;

@@ -161,6 +161,8 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   const ProgramResult first =
       stopped(command, folder.path(), out / "chart.unfinished", 500, SIGINT);
   ASSERT_EQ(first.code, 130) << first.messages;
+  EXPECT_NE(first.messages.find("taut: interrupted; scoring: "), std::string::npos)
+      << first.messages;
   EXPECT_FALSE(fs::exists(out / "chart.csv"));
   EXPECT_TRUE(fs::exists(out / "chart.unfinished"));
 
