@@ -8,6 +8,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <mutex>
 
 #include "render/error.h"
 
@@ -51,9 +52,20 @@ bool is_standard_output(const std::filesystem::path& name) {
   return same_file(STDOUT_FILENO, name);
 }
 
+namespace {
+
+std::mutex list_mutex;
+AtomicFile* list = nullptr;
+
+}  // namespace
+
 AtomicFile::AtomicFile(std::filesystem::path name, Unopened)
     : name_(std::move(name)), part_(name_) {
   part_ += ".part";
+  const std::lock_guard lock(list_mutex);
+  next_ = list;
+  if (next_) next_->before_ = this;
+  list = this;
 }
 
 // The destructor also runs where this body throws.
@@ -86,9 +98,21 @@ AtomicFile::AtomicFile(std::filesystem::path name) : AtomicFile(std::move(name),
 }
 
 AtomicFile::~AtomicFile() {
+  {
+    const std::lock_guard lock(list_mutex);
+    (before_ ? before_->next_ : list) = next_;
+    if (next_) next_->before_ = before_;
+  }
   if (file_ < 0) return;
   if (!in_place_) unlink(part_.c_str());
   close(file_);
+}
+
+void AtomicFile::remove_all() noexcept {
+  const std::lock_guard lock(list_mutex);
+  for (const AtomicFile* file = list; file; file = file->next_) {
+    if (file->file_ >= 0 && !file->in_place_) unlink(file->part_.c_str());
+  }
 }
 
 void AtomicFile::write(std::string_view bytes) {

@@ -57,6 +57,7 @@ void terminate_for_memory() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
   } catch (const std::bad_alloc&) {
+    AtomicFile::remove_all();
     _exit(say_out_of_memory());
   } catch (...) {  // a defect
   }

@@ -4,13 +4,18 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <regex>
+#include <thread>
 
 #include "render/cli/exit_code.h"
 #include "tests/faults/subject.h"
 #include "tests/faults/trial.h"
+#include "tests/support/dice.h"
 #include "tests/support/fault_table.h"
 #include "tests/support/folder.h"
 
@@ -56,7 +61,10 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
       for (const How how : {How::fail, How::fail_from_there_on, How::kill}) {
         for (int kind = 0; kind < kKinds; ++kind) {
           // How other programs take failures is theirs; that they can fail is enough.
-          if (in_children && kind != kOpen && kind != kWrite) continue;
+          if (in_children && kind != kOpen && kind != kWrite &&
+              !(subject_.own_child && kind == kMemory)) {
+            continue;
+          }
           const std::uint64_t calls = trial.calls[kind];
           const std::uint64_t apart =
               kind == kMemory ? std::max<std::uint64_t>(calls / subject_.allocations, 1) : 1;
@@ -72,6 +80,37 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
   void disturb(std::size_t apart) {
     const std::vector<Fault> all = faults();
     for (std::size_t i = apart / 2; i < all.size(); i += apart) disturb(all[i]);
+  }
+
+  /// Kills it at so many moments, at any time of its run.
+  void kill_at_moments(int count) {
+    using Clock = std::chrono::steady_clock;
+    Dice dice(1);
+    Clock::duration whole{};
+    {
+      const Folder folder;
+      prepare(folder);
+      const auto start = Clock::now();
+      run_undisturbed(subject_, folder.path());
+      whole = Clock::now() - start;
+    }
+    for (int i = 0; i < count; ++i) {
+      const Folder folder;
+      prepare(folder);
+      std::vector<std::string> command = subject_.arguments;
+      command.insert(command.begin(), TAUT_PROGRAM);
+      Child child(command, folder.path());
+      const double share = dice.between(0, 1);
+      std::this_thread::sleep_for(share * whole);
+      kill(child.id(), SIGKILL);
+      const int code = child.wait().code;
+      SCOPED_TRACE(fmt::format("killed after {:.0f}% of its time: {}", 100 * share, code));
+      EXPECT_TRUE(code == 0 || code == 128 + SIGKILL);
+      expect_whole_files({.how = How::kill}, code, folder);
+      const ProgramResult next = run_undisturbed(subject_, folder.path());
+      EXPECT_EQ(next.code, 0) << next.messages;
+      expect_undisturbed(folder);
+    }
   }
 
   void expect_accepted(bool all) {
@@ -210,10 +249,19 @@ TEST_P(LongFaultPlaces, AllOfThem) {
   expect_accepted(true);
 }
 
+TEST_P(FaultPlaces, KilledAtSomeMoments) {
+  kill_at_moments(3);
+}
+
+// Six commands: more than a thousand kills.
+TEST_P(LongFaultPlaces, KilledAtHundredsOfMoments) {
+  kill_at_moments(170);
+}
+
 /// A closed stream's number is not given to an output, which would get the program's words.
 TEST(ClosedStreams, AreNoOutputs) {
   const Folder folder;
-  const Subject& render = subjects()[1];
+  const Subject& render = *std::ranges::find(subjects(), "render", &Subject::name);
   for (const auto& [name, bytes] : render.before) folder.write(name, bytes);
   std::vector<std::string> arguments = render.arguments;
   arguments.push_back("--no-video");

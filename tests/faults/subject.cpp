@@ -35,6 +35,15 @@ start = { direction = [1, 0, 0] }
 )";
 }
 
+/// The stick of a swing, as a model that a child process reads.
+constexpr const char* kStick =
+    "v 0 -0.15 0\nv 0.014 -0.15 0\nv 0 0.15 0\nv 0 0 0.014\nf 1 2 3\nf 1 3 4\n";
+
+std::string with_mesh(std::string scene) {
+  const std::string body = "[bodies.free]\n";
+  return scene.insert(scene.find(body) + body.size(), "mesh = \"stick.obj\"\n");
+}
+
 constexpr const char* kHand = "t,x,y,z\n0,0,0.6,0\n0.05,0.01,0.6,0\n0.1,0.01,0.62,0\n";
 
 }  // namespace
@@ -47,8 +56,17 @@ const std::vector<Subject>& subjects() {
        {{"rope.toml", rope("{ path = \"hand\" }")}, {"hand.csv", kHand}},
        {},
        0,
+       false,
        300,
        10},
+      {"export",
+       {"export", "swing.toml", "-o", "swing.glb"},
+       {{"swing.toml", with_mesh(scene)}, {"stick.obj", kStick}, {"swing.glb", "old"}},
+       {},
+       cli::kBadScene,
+       true,
+       100,
+       20},
       {"render",
        {"render", "swing.toml", "--out", "clip", "--size", "32x18", "--threads", "2", "--quiet"},
        {{"swing.toml", scene},
@@ -57,6 +75,7 @@ const std::vector<Subject>& subjects() {
         {"clip/frames/000007.png", "old"}},
        {"clip/frames/journal", "clip/frames/lock"},
        cli::kEncoder,
+       false,
        30,
        40},
       {"plan",
@@ -64,6 +83,7 @@ const std::vector<Subject>& subjects() {
        {{"swing.toml", scene}},
        {},
        0,
+       false,
        30,
        10},
       {"golden",
@@ -71,6 +91,7 @@ const std::vector<Subject>& subjects() {
        {{"CMakePresets.json", "{}"}, {"swing.toml", scene}, {"kept/golden.toml", kGoldens}},
        {},
        0,
+       false,
        60,
        10},
       {"chart",
@@ -79,6 +100,7 @@ const std::vector<Subject>& subjects() {
        {{"rope.toml", rope("{ fixed = [0, 0.6, 0] }")}, {"hand.csv", kHand}},
        {"study/chart.unfinished"},
        cli::kCannotWrite,
+       false,
        30,
        20}};
   return all;

@@ -18,6 +18,7 @@ struct Subject {
   Files before;               // what lies in the folder when it starts
   std::set<std::string> own;  // journals and locks: only for the program's next run
   int child_code = 0;         // exit code where a child process fails
+  bool own_child = false;     // which is a copy of the program: memory fails there, too
   std::uint64_t allocations;  // how many of them fail, evenly chosen; there are thousands
   std::size_t apart;          // the default tests take every so-manieth place, by what a run costs
 };
