@@ -15,25 +15,28 @@ double or_nothing(double mobility, const Mat3& answer) {
 
 }  // namespace
 
+std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism) {
+  const auto& ends = mechanism.row_ends();
+  const auto body = [&](const Mechanism::RowEnd& end) {
+    return mechanism.body_points()[end.body_point].body;
+  };
+  std::vector<std::size_t> count(mechanism.bodies().size()), found;
+  for (const auto& end : ends) ++count[body(end)];
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    if (count[body(ends[e])] > 1) found.push_back(e);
+  }
+  return found;
+}
+
 void RowSystem::rebuild(const Mechanism& mechanism) {
   const std::size_t rows = mechanism.rows().size();
   for (auto* array : {&diagonal_, &lower_, &upper_, &inverse_pivot_, &scale_}) {
     array->reserve(mechanism.row_room());
     array->assign(rows, 0);
   }
-  border_.clear();
+  border_ = ends_that_meet(mechanism);
   border_rows_.clear();
-  const auto& ends = mechanism.row_ends();
-  const auto body = [&](std::size_t end) {
-    return mechanism.body_points()[ends[end].body_point].body;
-  };
-  for (std::size_t e = 0; e < ends.size(); ++e) {
-    std::size_t same = 0;
-    for (std::size_t f = 0; f < ends.size(); ++f) same += body(f) == body(e);
-    if (same == 1) continue;
-    border_.push_back(e);
-    border_rows_.push_back(ends[e].row);
-  }
+  for (const std::size_t end : border_) border_rows_.push_back(mechanism.row_ends()[end].row);
   const auto size = static_cast<Eigen::Index>(border_.size());
   columns_.assign(rows * border_.size(), 0);
   coupling_.resize(size, size);

@@ -9,6 +9,9 @@
 
 namespace taut {
 
+/// The ends of rows at free bodies that rows meet in several points; indices into row_ends().
+std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism);
+
 /// A x = b over the rows of a mechanism, where A(r, s) says by how much row r stays shorter under a
 /// pull along row s. Particle p moves by answer[p] times what pulls it (1/kg): a multiple of the
 /// identity where it is free; less across a surface; not symmetric where it slides with friction.

@@ -149,6 +149,22 @@ TEST(Contact, ARopeThatFallsComesToRest) {
   }
 }
 
+// Roundings of places grow with a rope's length; where they were taken for errors, each step took a
+// hundred systems.
+TEST(Contact, ALongRopeLandsInFewSystems) {
+  World world;
+  Connector rope = straight_connector("rope", 200, 1, 2001, Vec3(0, 1.1e-3, 0), Vec3::UnitX());
+  rope.radius = 1e-3;
+  world.connectors = {rope};
+  world.obstacles = {obstacle(plane_shape(), 0.5)};
+  finish(world);
+  Simulation simulation = by_direct(world, 1e-3);
+  simulation.advance_to(0.1);
+  const Counters& counters = simulation.method().counters();
+  EXPECT_LE(counters.solves, 2 * counters.steps);
+  EXPECT_LE(penetration(simulation.world()), 2e-7);  // 1e-9 of its length
+}
+
 TEST(Contact, EnergyNeverRises) {
   for (const double mu : {0.0, 0.3, 1.0, 2.0}) {
     const World world = falling_rope(31, obstacle(plane_shape(), mu));

@@ -19,7 +19,6 @@ Eigen::Map<Vec3> vector(double* at) {
 constexpr int kIterations = 40;       // of Newton's method, at most
 constexpr double kWave = 0.5;         // rad^2: faster ones turn links within a step
 constexpr double kSlow = 0.1;         // of an error, from one iteration to the next
-constexpr double kExact = 1e-14;      // m: rounding of positions of about a metre
 constexpr double kNudge = 100;        // times touching(): to see how surfaces curve
 constexpr double kLastResort = 1e-6;  // s, of steps that may go with more creep
 
@@ -46,7 +45,7 @@ bool ContactStep::glide(double time, double h) {
     const double worst = residual(h);
     if (!std::isfinite(worst)) return false;
     const bool settled = worst < touching_ && worst > before / 2;
-    if (worst <= kExact || (i > 0 && settled)) {
+    if (worst <= exact_ || (i > 0 && settled)) {
       for (std::size_t p = 0; p < mean_.size(); ++p) {
         vector(&next_[mechanism_.position(p)]) = position(state_, p) + h * mean_[p];
       }
@@ -118,7 +117,7 @@ bool ContactStep::pull_creeping(double time, double h, double creep) {
     }
     if (!std::isfinite(worst)) return false;
     // Rows that others determine already keep what roundings left of their errors.
-    if (worst * h <= kExact || (worst * h < touching_ && worst > before / 2)) return sticks();
+    if (worst * h <= exact_ || (worst * h < touching_ && worst > before / 2)) return sticks();
     before = worst;
     ++solves_;
     if (damping.relaxes(pattern())) {

@@ -10,6 +10,7 @@ namespace {
 using ConstMap = Eigen::Map<const Vec3>;
 
 constexpr double kTouching = 1e-9;  // of the longest connector
+constexpr double kExact = 1e-14;    // of it, or of a metre
 constexpr double kShortest = 1e-7;  // s: nothing is located more precisely
 constexpr int kRounds = 12;         // of finding what is hit in a step
 
@@ -32,6 +33,7 @@ void ContactStep::rebuild(const World& world) {
     if (mechanism_.inverse_mass()[p] == 0) radius_[p] = -1;
   }
   touching_ = kTouching * (longest > 0 ? longest : 1);
+  exact_ = kExact * std::max(longest, 1.0);
   const std::size_t points = mechanism_.points(), rows = mechanism_.rows().size();
   for (auto* array :
        {&mean_, &middle_, &free_, &bare_, &behind_, &acceleration_, &last_acceleration_}) {
@@ -80,19 +82,26 @@ void ContactStep::find_touches() {
       if (near.normal.dot(velocity - surface) > touching_) continue;
       add_touch({.point = p,
                  .obstacle = o,
-                 .anchor = start_[o].rotation.conjugate() * (at - start_[o].position)});
+                 .anchor = start_[o].rotation.conjugate() * (at - start_[o].position)},
+                touches_.size());
       touches_.back().hits = false;
     }
   }
 }
 
-void ContactStep::add_touch(const Hit& hit) {
-  const auto same = [&](const BeadTouch& touch) {
-    return touch.point == hit.point && touch.obstacle == hit.obstacle;
+/// Adds a touch at the end, unless there is that one or three of the bead's already. Those of the
+/// bead before `sorted` are in order of points, later ones in that of the calls.
+void ContactStep::add_touch(const Hit& hit, std::size_t sorted) {
+  const auto of = [&](const std::vector<BeadTouch>& touches, std::size_t count) {
+    return std::ranges::equal_range(std::span(touches).first(count), hit.point, {},
+                                    &BeadTouch::point);
   };
-  if (std::ranges::any_of(touches_, same)) return;
-  const auto at = std::ranges::upper_bound(touches_, hit.point, {}, &BeadTouch::point);
-  if (std::ranges::count(touches_, hit.point, &BeadTouch::point) == 3) return;
+  const auto same = [&](const BeadTouch& touch) { return touch.obstacle == hit.obstacle; };
+  const auto known = of(touches_, sorted);
+  if (std::ranges::any_of(known, same)) return;
+  std::size_t count = known.size();
+  for (std::size_t i = touches_.size(); i-- > sorted && touches_[i].point == hit.point;) ++count;
+  if (count == 3) return;
   const Obstacle& obstacle = (*obstacles_)[hit.obstacle];
   BeadTouch made{.point = hit.point,
                  .obstacle = hit.obstacle,
@@ -102,15 +111,16 @@ void ContactStep::add_touch(const Hit& hit) {
                  .touch = {}};
   made.touch.stick = obstacle.static_friction;
   made.touch.slide = obstacle.kinetic_friction;
-  const auto was = std::ranges::find_if(before_, same);
-  const bool stuck = was != before_.end() && was->touch.state == Touch::State::sticks;
+  const auto before = of(before_, before_.size());
+  const auto was = std::ranges::find_if(before, same);
+  const bool stuck = was != before.end() && was->touch.state == Touch::State::sticks;
   if (!stuck) {
     const FrameMotion& start = start_[hit.obstacle];
     const Vec3 from = position(state_, hit.point) - start.position;
     made.touch.slid =
         ConstMap(&state_[mechanism_.velocity(hit.point)]) - start.velocity - start.spin.cross(from);
   }
-  touches_.insert(at, made);
+  touches_.push_back(made);
 }
 
 double ContactStep::attempt(double time, double h, bool locates, double lowest) {
@@ -136,9 +146,12 @@ double ContactStep::attempt(double time, double h, bool locates, double lowest) 
       if (locates || hit.passes) first = std::min(first, hit.share);
     }
     const bool shortens = first < 1 - 1e-6 && first * h > kShortest;
+    const std::size_t sorted = touches_.size();
     for (const Hit& hit : found_) {
-      if (!shortens || hit.share <= first * (1 + 1e-6)) add_touch(hit);
+      if (!shortens || hit.share <= first * (1 + 1e-6)) add_touch(hit, sorted);
     }
+    std::ranges::inplace_merge(touches_, touches_.begin() + static_cast<std::ptrdiff_t>(sorted), {},
+                               &BeadTouch::point);
     if (shortens) h *= first;
   }
   return 0;

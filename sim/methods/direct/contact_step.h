@@ -63,7 +63,7 @@ class ContactStep {
   using TouchRange = std::span<BeadTouch>;
 
   void find_touches();
-  void add_touch(const Hit& hit);
+  void add_touch(const Hit& hit, std::size_t sorted);
   bool find_hits(double time, double h);
   Hit sweep(double time, double h, std::uint32_t point, std::uint32_t obstacle) const;
   bool glide(double time, double h);
@@ -100,6 +100,7 @@ class ContactStep {
   RowSystem system_;
   GlideSystem glide_system_;
   double touching_ = 0;
+  double exact_ = 0;  // m: roundings of positions
   std::vector<double> radius_;          // per point, m; negative: it touches nothing
   std::vector<double> state_, next_;    // as Mechanism has them
   std::vector<double> aimed_, glided_;  // next_ of the last iteration, and after the first stage

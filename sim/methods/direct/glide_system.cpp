@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/contact/row_system.h"
+
 namespace taut::direct {
 namespace {
 
@@ -39,19 +41,9 @@ void GlideSystem::rebuild(const Mechanism& mechanism) {
   }
   // Neighbours' velocities couple.
   for (const Row& row : rows) half_ = std::max(half_, first_[row.b] + 2 - first_[row.a]);
-  border_.clear();
+  border_ = ends_that_meet(mechanism);
   border_rows_.clear();
-  const auto& ends = mechanism.row_ends();
-  const auto body = [&](std::size_t end) {
-    return mechanism.body_points()[ends[end].body_point].body;
-  };
-  for (std::size_t e = 0; e < ends.size(); ++e) {
-    std::size_t same = 0;
-    for (std::size_t f = 0; f < ends.size(); ++f) same += body(f) == body(e);
-    if (same == 1) continue;
-    border_.push_back(e);
-    border_rows_.push_back(ends[e].row);
-  }
+  for (const std::size_t end : border_) border_rows_.push_back(mechanism.row_ends()[end].row);
 }
 
 void GlideSystem::assemble(const Mechanism& mechanism, const Terms& terms) {
