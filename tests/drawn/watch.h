@@ -1,0 +1,227 @@
+// One run of a drawn scene, frame by frame, and the promises that it breaks.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "sim/measure.h"
+#include "sim/study/accuracy.h"
+#include "sim/study/run.h"
+
+namespace taut::drawn {
+
+inline constexpr double kShare = 0.05;       // s of CPU time of a run: it goes no farther
+inline constexpr double kSlice = 1e-3;       // s of the scene
+inline constexpr double kTolerances = 3;     // that an error may have, but for one in a thousand
+inline constexpr double kTruthError = 1e-6;  // of the length: what the truth is taken to claim
+inline constexpr double kStretch = 1e-6;     // of a link's length
+
+/// One run, frame by frame.
+class Watch {
+ public:
+  Watch(const Scene& scene, const MethodChoice& method)
+      : scene_(scene),
+        method_(method),
+        simulation_(start(scene, method)),
+        closed_(is_closed(scene.world) && scene.timeline.empty()),
+        claims_(method.name == "direct" || method.name == "truth"),
+        error_(kTolerances * (method.name == "direct" ? number(method.settings, "tolerance")
+                                                      : kTruthError * length_scale(scene.world))),
+        mass_(moving_mass(scene.world)),
+        at_start_(energy()) {}
+
+  /// The promises that it breaks, a line each, until its share of CPU time or `most` frames are
+  /// done.
+  std::string look(int most) {
+    Snapshot before = simulation_.state();
+    double speed = fastest();
+    const double start = thread_seconds();
+    for (int frame = 1; frame <= most && thread_seconds() - start < kShare; ++frame) {
+      simulation_.advance_to(frame / static_cast<double>(scene_.fps));
+      const Snapshot now = simulation_.state();
+      if (!is_finite(now)) return fmt::format("finite\tframe {}\n", frame);
+      const double next = fastest();
+      look_at_jump(before, now, std::max(speed, next), frame);
+      look_at_claims(frame);
+      before = now;
+      speed = next;
+      hashes_.push_back(state_hash(simulation_.world()));
+    }
+    return broken_;
+  }
+
+  const std::vector<std::uint64_t>& hashes() const { return hashes_; }  // of the frames
+
+  /// Goes in slices instead; whether to the end.
+  bool slice() {
+    const double start = thread_seconds();
+    for (double time = kSlice; time < scene_.duration; time += kSlice) {
+      if (thread_seconds() - start > kShare) return false;
+      simulation_.advance_to(time);
+    }
+    return true;
+  }
+
+  /// Whether two places that are held are as far apart at that time as the links between them
+  /// reach, as near as they fold, or a single link does not fit: then no motion may exist.
+  bool is_at_full_length(double time) const {
+    constexpr double kNear = 1e-3;  // of the length
+    const World& world = simulation_.world();
+    for (const Connector& c : world.connectors) {
+      const Hold* before = nullptr;
+      for (const Hold& hold : c.holds) {
+        if (!is_prescribed(world, hold.to)) continue;
+        if (const Hold* other = std::exchange(before, &hold)) {
+          double length = 0, longest = 0;
+          for (std::size_t i = other->particle; i < hold.particle; ++i) {
+            length += c.rest[i];
+            longest = std::max(longest, c.rest[i]);
+          }
+          const double apart = (hold_motion(world, hold.to, time).position -
+                                hold_motion(world, other->to, time).position)
+                                   .norm();
+          const bool folded = apart < 2 * longest - length + kNear * length;
+          if (apart > (1 - kNear) * length || folded) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  double energy() const { return taut::energy(simulation_.world()); }
+
+  bool is_finite(const Snapshot& frame) const {
+    const auto finite = [](const std::vector<Vec3>& places) {
+      return std::ranges::all_of(places, [](const Vec3& v) { return v.allFinite(); });
+    };
+    const World& world = simulation_.world();
+    return std::ranges::all_of(frame.connectors, finite) &&
+           std::ranges::all_of(frame.bodies,
+                               [](const Pose& p) {
+                                 return p.position.allFinite() && p.rotation.coeffs().allFinite();
+                               }) &&
+           std::ranges::all_of(world.connectors, finite, &Connector::velocity);
+  }
+
+  /// A span may be as short as it likes.
+  static double stretch(const World& world) {
+    World links;
+    double longest = 0;
+    for (const Connector& c : world.connectors) {
+      if (c.model == ConnectorModel::links) {
+        links.connectors.push_back(c);
+      } else {
+        longest = std::max(longest, (c.position[1] - c.position[0]).norm() / c.length - 1);
+      }
+    }
+    return std::max(longest, stretch_max(links));
+  }
+
+  double fastest() const {
+    double speed = 0;
+    for (const Connector& connector : simulation_.world().connectors) {
+      for (const Vec3& v : connector.velocity) speed = std::max(speed, v.norm());
+    }
+    return speed;
+  }
+
+  /// A pin that stood on a link lets the link go straight, and what a method had stretched comes
+  /// back, also by a cut.
+  bool is_released(int frame) const {
+    const auto is_in = [&](double time) {
+      return time * scene_.fps > frame - 1 && time * scene_.fps <= frame;
+    };
+    return std::ranges::any_of(scene_.timeline.pins, is_in, &TimedPin::until) ||
+           (!claims_ && std::ranges::any_of(scene_.timeline.cuts, is_in, &TimedCut::time));
+  }
+
+  /// Whips and impacts have their speed between frames that are far apart, and what swings quickly
+  /// its greatest: where the speeds at two frames do not account for the way between them, those of
+  /// a run in parts of the frame must.
+  void look_at_jump(const Snapshot& before, const Snapshot& now, double speed, int frame) {
+    const double time = 1.0 / scene_.fps;
+    const double near = error_ + 1e-3 * length_scale(scene_.world);
+    const auto most = [&](double fastest, double during) {
+      return during * (3 * fastest + scene_.world.gravity.norm() * during);
+    };
+    const double way = farthest(before, now);
+    if (scene_.fps < 60 || way <= most(speed, time) + near) return;
+    if (is_released(frame) || is_at_full_length(frame * time)) return;
+    constexpr int kParts = 64;
+    Watch finer(scene_, method_);
+    finer.simulation_.advance_to((frame - 1) * time);
+    double accounted = near, last = finer.fastest();
+    for (int part = 1; part <= kParts; ++part) {
+      finer.simulation_.advance_to((frame - 1 + part / double(kParts)) * time);
+      const double next = finer.fastest();
+      accounted += most(std::max(last, next), time / kParts);
+      last = next;
+    }
+    if (way > accounted) tell("continuous", frame, way, accounted);
+  }
+
+  static double farthest(const Snapshot& a, const Snapshot& b) {
+    double way = 0;
+    for (std::size_t c = 0; c < a.connectors.size(); ++c) {
+      for (std::size_t i = 0; i < a.connectors[c].size(); ++i) {
+        way = std::max(way, (b.connectors[c][i] - a.connectors[c][i]).norm());
+      }
+    }
+    return way;
+  }
+
+  /// Places that are off by the error change the potential energy by mass and gravity; velocities
+  /// are off by the error times how fast links and bodies turn.
+  void look_at_claims(int frame) {
+    if (!claims_) return;
+    const World& world = simulation_.world();
+    const double most_stretched = stretch(world);
+    if (!(most_stretched < kStretch) && !is_at_full_length(world.time)) {
+      tell("stretch", frame, most_stretched, kStretch);
+    }
+    if (!closed_) return;
+    for (const Connector& c : world.connectors) {
+      for (std::size_t i = 0; i < c.links(); ++i) {
+        if (c.rest[i] > 0) {
+          rate_ = std::max(rate_, (c.velocity[i + 1] - c.velocity[i]).norm() / c.rest[i]);
+        }
+      }
+    }
+    for (const Body& body : world.bodies) rate_ = std::max(rate_, body.spin.norm());
+    const double velocity = error_ * rate_;
+    const double rounding = 1e-14 * length_scale(world);  // m in a second
+    momentum_ = std::max(momentum_, std::sqrt(2 * mass_ * kinetic_energy(world)));
+    const double most = mass_ * world.gravity.norm() * error_ + momentum_ * velocity +
+                        mass_ * velocity * velocity / 2 + 1e-9 * energy_scale(scene_.world) +
+                        mass_ * rounding * rounding;
+    const double gained = energy() - at_start_;
+    if (!(gained <= most)) tell("energy", frame, gained, most);
+  }
+
+  void tell(const char* promise, int frame, double found, double expected) {
+    const std::string start = std::string(promise) + '\t';
+    if (broken_.find(start) != broken_.npos) return;
+    broken_ +=
+        fmt::format("{}frame {}: {:.3g}, expected at most {:.3g}\n", start, frame, found, expected);
+  }
+
+  const Scene& scene_;
+  const MethodChoice& method_;
+  Simulation simulation_;
+  bool closed_, claims_;
+  double error_;  // m
+  double mass_;   // kg
+  double at_start_;
+  double rate_ = 0, momentum_ = 0;  // the greatest so far, rad/s and kg m/s
+  std::vector<std::uint64_t> hashes_;
+  std::string broken_;
+};
+
+}  // namespace taut::drawn
