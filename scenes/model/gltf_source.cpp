@@ -1,5 +1,6 @@
 #include "scenes/model/gltf_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -31,6 +32,24 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at, std::size_
   for (std::size_t i = size; i-- > 0;)
     value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
   return value;
+}
+
+/// How deep lists and objects of a JSON text lie in each other.
+int nesting(const std::string& text) {
+  int depth = 0, most = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') quoted = !quoted;
+    if (quoted) {
+      if (c == '\\') ++i;
+    } else if (c == '{' || c == '[') {
+      most = std::max(most, ++depth);
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return most;
 }
 
 }  // namespace
@@ -74,12 +93,9 @@ void GltfSource::read_container(const std::string& content) {
     fail("not a GLB file: it does not start with \"glTF\"");
   }
   // A parser that recurses, as the importer's does, would run out of stack on deeply nested text.
-  const auto shallow = [this](int depth, Json::parse_event_t, Json&) {
-    if (depth > nesting_limit) fail("JSON nested more than {} deep", nesting_limit);
-    return true;
-  };
+  if (nesting(text) > nesting_limit) fail("JSON nested more than {} deep", nesting_limit);
   try {
-    json_ = Json::parse(text, shallow);
+    json_ = Json::parse(text);
   } catch (const Json::exception& error) {
     fail("broken JSON: {}", error.what());
   }

@@ -16,6 +16,7 @@ Eigen::Map<Vec3> vector(double* at) {
   return Eigen::Map<Vec3>(at);
 }
 
+constexpr int kTrial = 8;             // iterations from the pulls of the step before
 constexpr int kIterations = 40;       // of Newton's method, at most
 constexpr double kWave = 0.5;         // rad^2: faster ones turn links within a step
 constexpr double kSlow = 0.1;         // of an error, from one iteration to the next
@@ -91,7 +92,7 @@ double ContactStep::wave_turn(double h) const {
 /// there are or, where that leads nowhere, with friction that first is viscous.
 bool ContactStep::pull(double time, double h) {
   kept_pull_ = pull_;
-  if (pull_creeping(time, h, kCreep)) return true;
+  if (pull_creeping(time, h, kCreep, true)) return true;
   pull_ = kept_pull_;
   const double creep = approach_friction([&](double to) { return pull_creeping(time, h, to); },
                                          [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
@@ -99,12 +100,14 @@ bool ContactStep::pull(double time, double h) {
   return h <= kLastResort && with_less_friction([&] { return pull_creeping(time, h, kCreep); });
 }
 
-bool ContactStep::pull_creeping(double time, double h, double creep) {
+/// Where it is a trial, few iterations have to do.
+bool ContactStep::pull_creeping(double time, double h, double creep, bool trial) {
   Damping damping;
   double before = std::numeric_limits<double>::infinity();
   creep_ = creep;
   const auto& rows = mechanism_.rows();
-  for (int i = 0; i < kIterations; ++i) {
+  const int most = trial ? kTrial : kIterations;
+  for (int i = 0; i < most; ++i) {
     answer(time, h);
     double worst = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {

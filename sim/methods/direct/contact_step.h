@@ -68,7 +68,7 @@ class ContactStep {
   Hit sweep(double time, double h, std::uint32_t point, std::uint32_t obstacle) const;
   bool glide(double time, double h);
   bool pull(double time, double h);
-  bool pull_creeping(double time, double h, double creep);
+  bool pull_creeping(double time, double h, double creep, bool trial = false);
   void answer(double time, double h);
   double residual(double h) const;
   double wave_turn(double h) const;
