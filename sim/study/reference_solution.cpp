@@ -146,8 +146,8 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
       problem.world,
       Simulation(problem.world, make_method("direct", {}), problem.timeline).state());
   const World starts[] = {problem.world,
-                          nudged_with_bodies(problem.world, kNudge * scored_error, false),
-                          nudged_with_bodies(problem.world, kNudge * scored_error, true)};
+                          nudged_with_bodies(problem.world, kTruthNudge * scored_error, false),
+                          nudged_with_bodies(problem.world, kTruthNudge * scored_error, true)};
   Motion motions[std::size(starts)];
   side_by_side(std::size(starts), [&](std::size_t i) {
     motions[i] = solve(problem, starts[i], sample_points, direct(kFiner), look);
@@ -162,7 +162,7 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
   own.times.resize(motion.points.size());
 
   // How long it is predictable.
-  const double apart = kCloser * scored_error;
+  const double apart = kTruthAgreement * scored_error;
   double ignored = 0;
   reference.known = motion.points.size();
   for (const Motion& other : others) {

@@ -74,14 +74,14 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
     truth.frames.push_back(simulation.state());
     if (tick) tick();
   }
-  const double apart = kCloser * options.scored_error;
+  const double apart = kTruthAgreement * options.scored_error;
   const auto close = [&](std::size_t frame, const Snapshot& other) {
     if (tick) tick();
     return largest_distance(other, truth.frames[frame]) <= apart;
   };
   std::size_t predictable = times.size();
   for (const bool rough : {false, true}) {
-    const World start = nudged(world, kNudge * options.scored_error, rough);
+    const World start = nudged(world, kTruthNudge * options.scored_error, rough);
     predictable = run(start, "truth", first, timeline, times.subspan(0, predictable), close).size();
   }
   const std::span<const double> until = times.subspan(0, predictable);

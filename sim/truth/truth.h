@@ -12,7 +12,7 @@
 namespace taut {
 
 /// Of the scored error: how far a start is nudged, and how far apart solutions may be.
-inline constexpr double kNudge = 1e-4, kCloser = 1e-2;
+inline constexpr double kTruthNudge = 1e-4, kTruthAgreement = 1e-2;
 
 struct TruthOptions {
   /// The least error (m) that will be scored; it sets the nudge and the horizon.
