@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -162,9 +163,12 @@ class Layout {
     const End from = read_end(*value.find("from")), to = read_end(*value.find("to"));
     const Value* start = value.find("start");
     const Value* points = start ? start->find("points") : nullptr;
+    const Value* over = start ? start->find("over") : nullptr;
     const auto first = place(from), last = place(to);
     if (points) {
       connector.position = on_points(*points, connector);
+    } else if (over) {
+      connector.position = on_obstacle(*over, connector);
     } else if (first) {
       connector.position = shape(value, connector, *first, last);
     } else if (last) {
@@ -188,11 +192,37 @@ class Layout {
   std::vector<Vec3> on_points(const Value& points, const Connector& connector) const {
     std::vector<Vec3> corners;
     for (const Value& corner : points.children) corners.push_back(corner.vec3());
+    return on_line(points, corners, connector);
+  }
+
+  std::vector<Vec3> on_obstacle(const Value& over, const Connector& connector) const {
+    const Value& name = *over.find("obstacle");
+    const Value* table = document_.root.find("obstacles");
+    const Names names(table);
+    const Value& value = table->children[names.index_of(document_, name, "round obstacle")];
+    const Obstacle around = read_obstacle(document_, value, motions_);
+    const bool round =
+        around.shape.kind == Shape::Kind::cylinder || around.shape.kind == Shape::Kind::capsule;
+    if (!round || around.path) {
+      document_.mismatch(name, "a cylinder or capsule that stands still");
+    }
+    const Winding winding{number_or(over, "turns", 0.5), over.find("before")->number,
+                          connector.length};
+    const double wound =
+        winding.turns * 2 * std::numbers::pi * (around.shape.radius + connector.radius);
+    if (winding.before + wound > connector.length) {
+      document_.fail(over, fmt::format("takes {:.6g} m, expected at most the length, {} m",
+                                       winding.before + wound, connector.length));
+    }
+    return on_line(over, wound_line(around, connector.radius, world_.gravity, winding), connector);
+  }
+
+  std::vector<Vec3> on_line(const Value& said, const std::vector<Vec3>& corners,
+                            const Connector& connector) const {
     auto line = along_line(corners, connector.particles(), connector.rest.front());
     if (line.size() < connector.particles()) {
-      document_.fail(points,
-                     fmt::format("the line has room for {} of {} links of {} m", line.size() - 1,
-                                 connector.links(), connector.rest.front()));
+      document_.fail(said, fmt::format("the line has room for {} of {} links of {} m",
+                                       line.size() - 1, connector.links(), connector.rest.front()));
     }
     return line;
   }

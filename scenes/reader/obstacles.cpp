@@ -33,25 +33,6 @@ Shape read_surface(const Document& document, const Value& shape) {
                         read_rounding(document, kind, std::min(diameter, length)));
 }
 
-Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions) {
-  Obstacle made;
-  made.name = value.name;
-  made.shape = read_surface(document, *value.find("shape"));
-  made.place.position = vec3_or(value, "position", Vec3::Zero());
-  if (const Value* turned = value.find("rotation")) {
-    made.place.rotation = rotation(document, *turned);
-  }
-  if (const Value* path = value.find("path")) made.path = motions.path(*path);
-  made.kinetic_friction = number_or(value, "friction", 0);
-  made.static_friction = number_or(value, "static_friction", made.kinetic_friction);
-  if (made.static_friction < made.kinetic_friction) {
-    document.mismatch(*value.find("static_friction"),
-                      fmt::format("at least friction, {}", made.kinetic_friction));
-  }
-  made.restitution = number_or(value, "restitution", 0);
-  return made;
-}
-
 /// No held particle may be inside of an obstacle, and no bead reach into one.
 void check_start(const Document& document, const Value& value, const Obstacle& obstacle,
                  const World& world) {
@@ -80,6 +61,25 @@ void check_start(const Document& document, const Value& value, const Obstacle& o
 }
 
 }  // namespace
+
+Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions) {
+  Obstacle made;
+  made.name = value.name;
+  made.shape = read_surface(document, *value.find("shape"));
+  made.place.position = vec3_or(value, "position", Vec3::Zero());
+  if (const Value* turned = value.find("rotation")) {
+    made.place.rotation = rotation(document, *turned);
+  }
+  if (const Value* path = value.find("path")) made.path = motions.path(*path);
+  made.kinetic_friction = number_or(value, "friction", 0);
+  made.static_friction = number_or(value, "static_friction", made.kinetic_friction);
+  if (made.static_friction < made.kinetic_friction) {
+    document.mismatch(*value.find("static_friction"),
+                      fmt::format("at least friction, {}", made.kinetic_friction));
+  }
+  made.restitution = number_or(value, "restitution", 0);
+  return made;
+}
 
 void read_obstacles(const Document& document, Motions& motions, World& world) {
   const Value* table = document.root.find("obstacles");

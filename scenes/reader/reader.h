@@ -124,6 +124,8 @@ Air read_air(const Document& document);
 /// Obstacles, behind the connectors. Those on paths come with a driven body, by which they are
 /// seen.
 void read_obstacles(const Document& document, Motions& motions, World& world);
+/// One of them.
+Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions);
 /// What stands where an obstacle is at the start; of a world that is finished.
 void check_obstacles(const Document& document, const World& world);
 /// Pins and cuts, of a world that is finished.
@@ -147,5 +149,16 @@ void check_models(const Document& document);
 /// Particles a link apart along straight pieces through `corners`, from the first on. Fewer than
 /// `particles` when the line is too short.
 std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t particles, double link);
+
+/// How a rope lies on a round obstacle.
+struct Winding {
+  double turns = 0.5;            // about the obstacle's y axis, right-handed
+  double before = 0, after = 0;  // m, of the straight pieces on either side
+};
+
+/// Corners of the line of beads of `radius` (m): straight up to a round obstacle, about it, and
+/// straight on. Turns lie side by side, in the middle of the obstacle.
+std::vector<Vec3> wound_line(const Obstacle& around, double radius, const Vec3& gravity,
+                             const Winding& winding);
 
 }  // namespace taut

@@ -111,6 +111,18 @@ const TableFormat& end_format() {
   return format;
 }
 
+const TableFormat& winding_format() {
+  static const TableFormat format{
+      {needed(text("obstacle", "Name of a cylinder or capsule that stands still.")),
+       {.name = "turns",
+        .meaning = "How many, right-handed about its y axis, side by side; default: 0.5, over it.",
+        .unit = "1",
+        .minimum = 0,
+        .maximum = 1000},
+       needed(not_negative("before", "Length of the straight piece to the first end.", "m"))}};
+  return format;
+}
+
 const TableFormat& start_format() {
   static const TableFormat format{
       {vector("direction", "Straight from the first end.", ""),
@@ -121,8 +133,9 @@ const TableFormat& start_format() {
         .unit = "m",
         .least = 2},
        vector("hanging_to", "At rest between the first end and this point."),
+       table("over", "On a round obstacle, both ends hanging from it.", winding_format()),
        vector("spin", "Turns as one stiff piece about the first particle.", "rad/s")},
-      {{{"direction", "points", "hanging_to"}, false}}};
+      {{{"direction", "points", "hanging_to", "over"}, false}}};
   return format;
 }
 

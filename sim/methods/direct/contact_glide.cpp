@@ -17,6 +17,7 @@ Eigen::Map<Vec3> vector(double* at) {
 }
 
 constexpr int kTrial = 8;             // iterations from the pulls of the step before
+constexpr double kDiverges = 10;      // times the first error: a trial that is given up
 constexpr int kIterations = 40;       // of Newton's method, at most
 constexpr double kWave = 0.5;         // rad^2: faster ones turn links within a step
 constexpr double kSlow = 0.1;         // of an error, from one iteration to the next
@@ -100,10 +101,10 @@ bool ContactStep::pull(double time, double h) {
   return h <= kLastResort && with_less_friction([&] { return pull_creeping(time, h, kCreep); });
 }
 
-/// Where it is a trial, few iterations have to do.
+/// Where it is a trial, few iterations have to do, and none may lead far away.
 bool ContactStep::pull_creeping(double time, double h, double creep, bool trial) {
   Damping damping;
-  double before = std::numeric_limits<double>::infinity();
+  double first = 0, before = std::numeric_limits<double>::infinity();
   creep_ = creep;
   const auto& rows = mechanism_.rows();
   const int most = trial ? kTrial : kIterations;
@@ -121,6 +122,8 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
     if (!std::isfinite(worst)) return false;
     // Rows that others determine already keep what roundings left of their errors.
     if (worst * h <= exact_ || (worst * h < touching_ && worst > before / 2)) return sticks();
+    if (i == 0) first = worst;
+    if (trial && worst > kDiverges * first) return false;
     before = worst;
     ++solves_;
     if (damping.relaxes(pattern())) {

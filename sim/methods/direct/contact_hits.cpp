@@ -7,6 +7,8 @@
 namespace taut::direct {
 namespace {
 
+constexpr double kSteady = 1.0 / 60;  // s: what changes faster is a wave
+
 using ConstMap = Eigen::Map<const Vec3>;
 
 constexpr int kHalvings = 60;
@@ -93,25 +95,42 @@ void ContactStep::accept() {
   last_hits_ = hits_;
   last_pattern_ = pattern();
   last_h_ = h_;
+  if (!hits_) {
+    const double share = watched_ > 0 ? std::min(1.0, h_ / kSteady) : 1;
+    for (std::size_t p = 0; p < steady_.size(); ++p) {
+      steady_[p] += share * (acceleration_[p] - steady_[p]);
+    }
+    watched_ += h_;
+  }
   last_acceleration_.swap(acceleration_);
   if (!hits_) last_tension_.swap(tension_);
 }
 
 /// The midpoint rule errs by h^3/12 times the third derivative, which the change of the
-/// accelerations from the step before tells, as long as the same beads touch.
-double ContactStep::error() const {
+/// accelerations from the step before tells, as long as the same beads touch. It keeps the energy
+/// of waves, whatever their phases. Where all that changes are waves too low to be seen, only what
+/// is left of the change after many of them counts.
+double ContactStep::error(double lowest) const {
   if (hits_ || last_hits_ || pattern() != last_pattern_) return 0;
-  double sum = 0;
+  double change = 0, wave = 0;
   std::size_t count = 0, touching = 0;
   for (std::size_t p = 0; p < radius_.size(); ++p) {
     if (mechanism_.inverse_mass()[p] == 0) continue;
     ++count;
     while (touching < touches_.size() && touches_[touching].point < p) ++touching;
     if (touching < touches_.size() && touches_[touching].point == p) continue;
-    sum += (acceleration_[p] - last_acceleration_[p]).squaredNorm();
+    change += (acceleration_[p] - last_acceleration_[p]).squaredNorm();
+    wave += ((acceleration_[p] + last_acceleration_[p]) / 2 - steady_[p]).squaredNorm();
   }
   if (count == 0) return 0;
-  return h_ * h_ * h_ / (6 * (h_ + last_h_)) * std::sqrt(sum / static_cast<double>(count));
+  change = std::sqrt(change / static_cast<double>(count));
+  wave = std::sqrt(wave / static_cast<double>(count));
+  const double apart = (h_ + last_h_) / 2;
+  const double followed = h_ * h_ * h_ / 12 * change / apart;
+  // Of waves of frequency w, x'' = -w^2 x.
+  const double height = wave * wave * wave * apart * apart / (change * change);
+  if (watched_ < kSteady || !(height < lowest)) return followed;
+  return std::min(followed, h_ * h_ * h_ / 12 * wave / kSteady);
 }
 
 }  // namespace taut::direct

@@ -35,8 +35,8 @@ void ContactStep::rebuild(const World& world) {
   touching_ = kTouching * (longest > 0 ? longest : 1);
   exact_ = kExact * std::max(longest, 1.0);
   const std::size_t points = mechanism_.points(), rows = mechanism_.rows().size();
-  for (auto* array :
-       {&mean_, &middle_, &free_, &bare_, &behind_, &acceleration_, &last_acceleration_}) {
+  for (auto* array : {&mean_, &middle_, &free_, &bare_, &behind_, &acceleration_,
+                      &last_acceleration_, &steady_}) {
     array->assign(points, Vec3::Zero());
   }
   for (auto* array : {&from_, &along_, &to_}) array->assign(rows, Vec3::Zero());
@@ -52,6 +52,7 @@ void ContactStep::rebuild(const World& world) {
   touches_.clear();
   before_.clear();
   last_hits_ = true;
+  watched_ = 0;
   solves_ = 0;
 }
 
@@ -60,6 +61,7 @@ void ContactStep::load(const World& world, const std::vector<Obstacle>& obstacle
   mechanism_.load(world, state_);
   next_ = state_;
   last_hits_ = true;
+  watched_ = 0;
 }
 
 Vec3 ContactStep::position(const std::vector<double>& state, std::size_t point) const {

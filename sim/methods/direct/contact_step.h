@@ -39,8 +39,9 @@ class ContactStep {
 
   // Of the last attempt.
   bool has_hits() const { return hits_; }
-  double turn() const { return turn_; }           // rad, the most that a link turned
-  double error() const;                           // m, RMS, of the first stage; 0: not known
+  double turn() const { return turn_; }  // rad, the most that a link turned
+  /// m, RMS, of the first stage; 0: not known. Waves lower than `lowest` (m) need not be followed.
+  double error(double lowest) const;
   std::size_t solves() const { return solves_; }  // since rebuild()
   const Mechanism& mechanism() const { return mechanism_; }
   const std::vector<double>& state() const { return state_; }
@@ -100,7 +101,7 @@ class ContactStep {
   RowSystem system_;
   GlideSystem glide_system_;
   double touching_ = 0;
-  double exact_ = 0;  // m: roundings of positions
+  double exact_ = 0;                    // m: roundings of positions
   std::vector<double> radius_;          // per point, m; negative: it touches nothing
   std::vector<double> state_, next_;    // as Mechanism has them
   std::vector<double> aimed_, glided_;  // next_ of the last iteration, and after the first stage
@@ -112,6 +113,7 @@ class ContactStep {
   std::vector<double> noise_;               // per point, m/s: roundings
   std::vector<Vec3> from_, along_, to_;     // per row: directions at the start, mean, at the end
   std::vector<Vec3> acceleration_, last_acceleration_;  // per point, m/s^2
+  std::vector<Vec3> steady_;                            // per point, m/s^2: without waves
   std::vector<Vec3> arm_;                               // per body point, m, at the start
   std::vector<Mat3> inverse_;                           // per body at the start
   std::vector<Mat3> answer_, bend_, stiffness_;         // per point, per point, per row
@@ -122,6 +124,7 @@ class ContactStep {
   std::vector<double> tension_, last_tension_;          // per row, N; last_: of the step before
   double creep_ = 0;                                    // of the last solution
   double h_ = 0, last_h_ = 0, turn_ = 0;
+  double watched_ = 0;                    // s, for which steady_ has been told apart
   bool hits_ = false, last_hits_ = true;  // last_: there is no step before to compare with
   std::uint64_t last_pattern_ = 0;
   std::size_t solves_ = 0;

@@ -16,7 +16,7 @@ constexpr double kFinest = 0.02;       // of that first step: errors force none 
 constexpr double kTurn = 0.3;          // rad, of a link or an obstacle in a step
 constexpr double kShare = 0.3;         // of the tolerance, for what a second's steps err together
 constexpr double kGrowth = 1.3;        // of a step, at most
-constexpr double kLowest = 0.1;        // of the tolerance: bounces that are not followed
+constexpr double kLowest = 0.1;        // of the tolerance: bounces and waves that are not followed
 constexpr int kLocated = 8;            // hits located in a row, before a step takes what it hits
 
 /// The node that stands for all that are joined with this one.
@@ -206,7 +206,7 @@ void Contacts::step_through(Group& group, double until) {
     counters_.cycles += static_cast<double>(step.solves() - before) *
                         (200 * static_cast<double>(step.mechanism().rows().size()) + 500);
     const bool judged = options_.step == 0 && h > kFinest * group.first;
-    const double error = judged ? step.error() : 0;
+    const double error = judged ? step.error(lowest) : 0;
     const bool fails =
         gone == 0 || step.turn() > kTurn || error > 8 * kShare * options_.tolerance * gone;
     if (fails) {
@@ -231,7 +231,7 @@ double Contacts::adapted(const Group& group, double gone, double wish) const {
   const ContactStep& step = group.step;
   double next = options_.step;
   if (next == 0) {
-    const double error = step.error();
+    const double error = step.error(kLowest * options_.tolerance);
     next = kGrowth * wish;
     if (error > 0) {
       next = std::min(next, 0.9 * gone * std::sqrt(kShare * options_.tolerance * gone / error));
