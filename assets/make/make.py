@@ -13,6 +13,7 @@ import martial_artist
 import peg
 import skeleton
 import stick
+import studio
 from materials import MATERIALS
 
 MODELS = {
@@ -22,6 +23,7 @@ MODELS = {
     "earring": lambda: (earring.drop(), None),
     "peg": lambda: (peg.build(), None),
     "dojo": lambda: (dojo.build(), None),
+    "studio": lambda: (studio.build(), None),
     "cube": lambda: (cube.build(), None),
     "bracket": lambda: (cube.bracket(), None),
 }

@@ -59,7 +59,10 @@ const TableFormat& obstacle_format() {
         .unit = "1",
         .minimum = 0,
         .maximum = 1},
-       color("color", "Linear colour.")}};
+       color("color", "Linear colour."),
+       {.name = "shown",
+        .type = Type::flag,
+        .meaning = "false: pictures show it by their scenery, if at all; default: true."}}};
   return format;
 }
 

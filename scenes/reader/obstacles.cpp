@@ -71,6 +71,10 @@ Obstacle read_obstacle(const Document& document, const Value& value, Motions& mo
     made.place.rotation = rotation(document, *turned);
   }
   if (const Value* path = value.find("path")) made.path = motions.path(*path);
+  if (made.path && !flag_or(value, "shown", true)) {
+    document.mismatch(*value.find("shown"),
+                      "true: an obstacle on a path is a body, which is shown");
+  }
   made.kinetic_friction = number_or(value, "friction", 0);
   made.static_friction = number_or(value, "static_friction", made.kinetic_friction);
   if (made.static_friction < made.kinetic_friction) {

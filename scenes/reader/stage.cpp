@@ -168,6 +168,7 @@ void show_obstacles(const Value* table, const World& world, Stage& stage) {
   for (std::size_t i = 0; i < world.obstacles.size(); ++i) {
     const Obstacle& obstacle = world.obstacles[i];
     const Value& value = table->children[i];
+    if (!flag_or(value, "shown", true) && !obstacle.path) continue;
     const double size = number_or(value.find("shape")->children.front(), "size", kPlane);
     auto model = std::make_shared<const Model>(
         obstacle_model(obstacle.shape, size, obstacle.place, vec3_or(value, "color", grey)));

@@ -7,7 +7,7 @@ namespace taut {
 
 namespace {
 
-constexpr int kCorners = 720;      // of a turn, as a polygon around the circle
+constexpr int kCorners = 720;    // of a turn, as a polygon around the circle
 constexpr double kApart = 1.05;  // of the rope's thickness, from one turn to the next
 
 }  // namespace
