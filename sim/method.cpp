@@ -4,7 +4,16 @@
 #include <cmath>
 #include <sstream>
 
+#include "sim/span.h"
+#include "sim/world.h"
+
 namespace taut {
+
+bool follows(const MethodInfo& method, const World& world) {
+  return (method.follows_spans || !has_spans(world)) &&
+         (method.touches_obstacles || world.obstacles.empty()) &&
+         (method.follows_materials || !has_materials(world));
+}
 
 const MethodInfo* find_method(std::string_view name) {
   const auto list = methods();

@@ -136,6 +136,9 @@ struct MethodInfo {
   ParticleCost cost = {};
 };
 
+/// Whether the method knows all that is in `world`; else its advance() throws Diverged.
+bool follows(const MethodInfo& method, const World& world);
+
 /// Every method, in the order in which tables show them.
 std::span<const MethodInfo> methods();
 

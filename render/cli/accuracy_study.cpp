@@ -50,7 +50,7 @@ AccuracyStudy accuracy_study(const StudyOptions& options, const Scene& scene) {
   study.particles = scene.world.connectors.front().particles();
   study.targets.assign(std::begin(kTargets), std::end(kTargets));
   study.in_pixels = pixels_of(scene).has_value();
-  for (const Contender& contender : chosen_contenders(options)) {
+  for (const Contender& contender : contenders_on(options, scene.world)) {
     study.blocks.push_back({contender, {}});
   }
   return study;

@@ -135,6 +135,7 @@ one run may take.)");
   add_study_options(command, *options, 240);
   add_part_options(command, options->part, "runs");
   options->follows = Follows::pins;
+  options->among_obstacles = true;
   command.add_flag("--markdown", *markdown, "The tables as Markdown");
   command.callback([options, markdown, &program] {
     program.run = [options, markdown, &program] {

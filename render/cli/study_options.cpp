@@ -68,6 +68,19 @@ std::vector<Contender> chosen_contenders(const StudyOptions& options) {
   return chosen;
 }
 
+std::vector<Contender> contenders_on(const StudyOptions& options, const World& world) {
+  std::vector<Contender> all = chosen_contenders(options);
+  const auto unable = std::ranges::stable_partition(
+      all, [&](const Contender& one) { return follows(*one.method, world); });
+  if (!options.methods.empty() && !unable.empty()) {
+    throw Misuse(fmt::format("--methods: {} does not follow all that is in {}",
+                             unable.front().label, options.scene));
+  }
+  all.erase(unable.begin(), unable.end());
+  if (all.empty()) throw Misuse(fmt::format("{}: no method follows all of it", options.scene));
+  return all;
+}
+
 std::string legend_name(const Contender& contender) {
   const std::string missing(contender.method->missing);
   return missing.empty() ? contender.label : contender.label + " (" + missing + ")";
@@ -106,8 +119,10 @@ Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& c
     throw Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
   if (!scene.world.obstacles.empty() && !options.among_obstacles) {
-    throw Misuse(fmt::format("{}: has obstacles, which bench follows, and this command does not",
-                             options.scene));
+    throw Misuse(
+        fmt::format("{}: has obstacles, which bench, chart and compare follow, and "
+                    "this command does not",
+                    options.scene));
   }
   if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
     throw Misuse(

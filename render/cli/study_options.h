@@ -45,6 +45,10 @@ struct Contender {
 /// lacks too. Throws Misuse.
 std::vector<Contender> chosen_contenders(const StudyOptions& options);
 
+/// Those of them that follow what is in `world`. Throws Misuse where one is asked for that does
+/// not, or none does.
+std::vector<Contender> contenders_on(const StudyOptions& options, const World& world);
+
 /// Its name in legends: the label and, where this build lacks it, why.
 std::string legend_name(const Contender& contender);
 

@@ -36,13 +36,23 @@ std::vector<Rect> cells(std::size_t count, int columns, int width, int height) {
   return result;
 }
 
-/// Everything that moves, as the truth has it.
+/// Everything that moves: as the truth has it, and behind its end as the first method does that
+/// goes on.
 std::vector<Vec3> moving_points(const Comparison& comparison) {
   std::vector<Vec3> points;
-  for (const Snapshot& state : comparison.truth) {
-    for (const auto& particles : state.connectors)
-      points.insert(points.end(), particles.begin(), particles.end());
-    for (const Pose& body : state.bodies) points.push_back(body.position);
+  const auto add = [&](std::span<const Snapshot> states) {
+    for (const Snapshot& state : states) {
+      for (const auto& particles : state.connectors)
+        points.insert(points.end(), particles.begin(), particles.end());
+      for (const Pose& body : state.bodies) points.push_back(body.position);
+    }
+  };
+  add(comparison.truth);
+  const std::size_t known = comparison.truth.size();
+  for (const ComparedMethod& method : comparison.methods) {
+    if (known == comparison.times.size() || method.frames.size() <= known) continue;
+    add(std::span(method.frames).subspan(known));
+    break;
   }
   return points;
 }

@@ -69,17 +69,21 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
   const Settings second{{"accuracy", options.second_accuracy}};
   Truth truth;
   Simulation simulation(world, make_method("truth", first), timeline);
-  for (const double time : times) {
-    simulation.advance_to(time);
-    truth.frames.push_back(simulation.state());
-    if (tick) tick();
+  try {
+    for (const double time : times) {
+      simulation.advance_to(time);
+      truth.frames.push_back(simulation.state());
+      if (tick) tick();
+    }
+  } catch (const Diverged&) {
+    if (truth.frames.size() < 2) throw;
   }
   const double apart = kTruthAgreement * options.scored_error;
   const auto close = [&](std::size_t frame, const Snapshot& other) {
     if (tick) tick();
     return largest_distance(other, truth.frames[frame]) <= apart;
   };
-  std::size_t predictable = times.size();
+  std::size_t predictable = truth.frames.size();
   for (const bool rough : {false, true}) {
     const World start = nudged(world, kTruthNudge * options.scored_error, rough);
     predictable = run(start, "truth", first, timeline, times.subspan(0, predictable), close).size();

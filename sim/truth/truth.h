@@ -37,9 +37,10 @@ struct Truth {
 /// Runge-Kutta-Fehlberg 7(8); joint coordinates under Simbody's Runge-Kutta-Merson; among obstacles
 /// the first from event to event, and the time stepping of `direct`; with materials the implicit
 /// scheme of `direct`) and once more from a nudged
-/// start. `times` (s) rise from the world's own on. Where one of the two comparisons
-/// ends early the horizon does too. Calls `tick`, where there is one, after each frame of each
-/// solution; it may throw. Throws Diverged where the first solver finds no solution.
+/// start. `times` (s) rise from the world's own on. Where one of the two comparisons ends early the
+/// horizon does too; where the first solver does, the frames do. Calls `tick`, where there is one,
+/// after each frame of each solution; it may throw. Throws Diverged where the first solver gets
+/// nowhere.
 Truth solve_truth(const World& world, std::span<const double> times,
                   const TruthOptions& options = {}, const Timeline& timeline = {},
                   const std::function<void()>& tick = {});

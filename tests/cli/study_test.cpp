@@ -147,9 +147,21 @@ TEST(Bench, AmongObstaclesItTimesTheMethodsThatKnowContact) {
   const Table table = from_csv(read_file(folder.path() / "out/floor/bench.csv"));
   EXPECT_NE(cells(table, "remark").at(0), "");
   EXPECT_GT(std::stod(cells(table, "µs per frame").at(1)), 0);
-  const ProgramResult chart = run_taut({"chart", "floor.toml"}, folder.path());
-  EXPECT_EQ(chart.code, 2);
-  EXPECT_NE(chart.messages.find("has obstacles, which bench follows"), std::string::npos);
+  const ProgramResult stability = run_taut({"stability", "floor.toml"}, folder.path());
+  EXPECT_EQ(stability.code, 2);
+  EXPECT_NE(stability.messages.find("has obstacles, which bench, chart"), std::string::npos);
+  const ProgramResult unable =
+      run_taut({"chart", "floor.toml", "--methods", "impulse"}, folder.path());
+  EXPECT_EQ(unable.code, 2);
+  EXPECT_NE(unable.messages.find("impulse does not follow all"), std::string::npos);
+  const ProgramResult compared =
+      run_taut({"compare", "floor.toml", "--frames", "0-1", "--no-video", "--json"}, folder.path());
+  ASSERT_EQ(compared.code, 0) << compared.messages;
+  const auto all = nlohmann::json::parse(compared.output);
+  std::vector<std::string> names;
+  for (const auto& method : all["methods"]) names.push_back(method["method"]);
+  EXPECT_NE(std::ranges::find(names, "direct"), names.end());
+  EXPECT_EQ(std::ranges::find(names, "impulse"), names.end());
 }
 
 TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
