@@ -32,7 +32,7 @@ struct Verdict {
 /// method stretches.
 /// same: a second run has the same bits.
 /// And of `direct` and `truth`:
-/// follows: to the end.
+/// follows: to the end, unless what holds an end, a body for instance, gets into an obstacle.
 /// stretch: links keep their length to 1e-6 of it.
 /// energy: a closed scene without pins and cuts gains no more than the error that is claimed lets
 /// in.

@@ -175,6 +175,25 @@ void Contacts::follow(Group& group, double until) {
   step_through(group, until);
 }
 
+/// Says why no step is possible. Bodies touch nothing: they may carry an end, or leave what is cut
+/// off behind, inside of an obstacle, farther than a link is long.
+void Contacts::give_up(const World& part) const {
+  for (const Obstacle& obstacle : obstacles_) {
+    const Pose frame = obstacle.frame(part.time).pose();
+    for (const Connector& connector : part.connectors) {
+      for (const Hold& hold : connector.holds) {
+        const double apart = gap(obstacle, frame, connector.position[hold.particle], 0).distance;
+        if (apart >= 0) continue;
+        throw Diverged("direct", part.time, counters_.steps, connector.name, hold.particle,
+                       "an end is inside of obstacle " + obstacle.name);
+      }
+    }
+  }
+  const std::string name = part.connectors.empty() ? part.bodies[0].name : part.connectors[0].name;
+  throw Diverged("direct", part.time, counters_.steps, name, 0,
+                 "no step at an obstacle is small enough");
+}
+
 void Contacts::step_through(Group& group, double until) {
   ContactStep& step = group.step;
   World& part = group.part;
@@ -213,10 +232,8 @@ void Contacts::step_through(Group& group, double until) {
       ++counters_.rejected;
       group.h = h / 2;
       if (group.h >= kShortest) continue;
-      const std::string name =
-          part.connectors.empty() ? part.bodies[0].name : part.connectors[0].name;
-      throw Diverged("direct", time, counters_.steps, name, 0,
-                     "no step at an obstacle is small enough");
+      step.store(part, time);
+      give_up(part);
     }
     step.accept();
     group.located = gone < h ? group.located + 1 : 0;

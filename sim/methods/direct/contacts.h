@@ -44,6 +44,7 @@ class Contacts {
   bool is_near(const World& part, double within) const;
   void follow(Group& group, double until);
   void step_through(Group& group, double until);
+  [[noreturn]] void give_up(const World& part) const;
   double adapted(const Group& group, double gone, double wish) const;
 
   StepOptions options_;
