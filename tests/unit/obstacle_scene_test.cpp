@@ -164,6 +164,45 @@ TEST_F(ObstacleScene, FaultsAreNamed) {
          "the method impulse knows no contact, expected one of: springs, xpbd, direct, truth");
 }
 
+// The beads touch the post at equal angles, and both ends hang.
+TEST_F(ObstacleScene, ARopeLiesOverAPost) {
+  const std::string head = "duration = 1.0\n[method]\nname = \"direct\"\n";
+  const std::string rope =
+      "[connectors.rope]\nlength = 2.0\nmass = 0.1\nparticles = 201\nradius = 0.01\n"
+      "from = { free = true }\nto = { free = true }\n";
+  const std::string post =
+      "[obstacles.post]\nshape = { cylinder = { length = 1.0, diameter = 0.1 } }\n"
+      "position = [0, 2, 0]\nrotation = [1, 1, 0, 0]\n";
+  for (const double turns : {0.5, 2.5}) {
+    const std::string start =
+        "start = { over = { obstacle = \"post\", before = 0.4, turns = " + std::to_string(turns) +
+        " } }\n";
+    const Scene scene = read(head + rope + start + post);
+    const Connector& laid = scene.world.connectors[0];
+    std::size_t touching = 0;
+    for (std::size_t i = 0; i < laid.particles(); ++i) {
+      const double apart =
+          gap(scene.world.obstacles[0], scene.world.obstacles[0].place, laid.position[i], 0.01)
+              .distance;
+      EXPECT_GE(apart, -1e-9) << i;
+      touching += apart < 2e-6;  // a polygon of 720 sides about the circle
+      if (i > 0) EXPECT_NEAR((laid.position[i] - laid.position[i - 1]).norm(), 0.01, 1e-8);
+    }
+    EXPECT_NEAR(static_cast<double>(touching), turns * 2 * 3.14159 * 0.06 / 0.01, 2) << turns;
+    EXPECT_NEAR(laid.position.front().y(), 1.6, 1e-3);
+    EXPECT_NEAR(laid.position.front().x(), 0.06, 1e-3);
+    EXPECT_NEAR(laid.position.back().x(), -0.06, 1e-3);
+    EXPECT_LT(laid.position.back().y(), 2);
+  }
+  const std::string often = "start = { over = { obstacle = \"post\", before = 0.4, turns = 9 } }\n";
+  EXPECT_NE(said(often + post, head + rope).find("expected at most the length, 2 m"),
+            std::string::npos);
+  const std::string other = "start = { over = { obstacle = \"floor\", before = 0.4 } }\n";
+  EXPECT_NE(said(other + "[obstacles.floor]\nshape = { plane = {} }\n", head + rope)
+                .find("expected a cylinder or capsule that stands still"),
+            std::string::npos);
+}
+
 TEST_F(ObstacleScene, MassesSpansTouchNothing) {
   std::string scene = kScene;
   scene.insert(scene.find("radius"), "model = \"span\"\n");
