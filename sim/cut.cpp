@@ -85,6 +85,9 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   if (place.fraction == 0 && holds(world.connectors[index], place.particle)) {
     return {Outcome::held_there, 0};
   }
+  if (place.fraction == 0 && find_joint(world, index, place.particle)) {
+    return {Outcome::joined_there, 0};
+  }
   const bool has_room = !spare_.empty();
   if (!has_room) spare_.emplace_back();
   world.connectors.push_back(std::move(spare_.back()));
@@ -95,6 +98,7 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   if (place.fraction > 0) {
     at = place.particle + 1;
     rebase_pins(first, at, add_particle(first, place));
+    particle_added(world, index, place.particle);
     share_mass(world, first, at);
   }
   first.particle_mass[at] /= 2;
@@ -136,6 +140,7 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   second.holds.assign(tail, first.holds.end());
   first.holds.erase(tail, first.holds.end());
   for (Hold& hold : second.holds) hold.particle -= at;
+  connector_divided(world, index, at, world.connectors.size() - 1);
   second.length = first.length - along;
   second.mass = first.mass * second.length / first.length;
   first.mass -= second.mass;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/measure.h"
+
 namespace taut {
 namespace {
 
@@ -92,9 +94,76 @@ double fastest(const World& world, Stiffness k_of) {
   return std::sqrt(squared);
 }
 
+/// The weight (N) of all that moves, where something holds it.
+double whole_weight(const World& world) {
+  const bool hangs = std::ranges::any_of(world.connectors, [&](const Connector& connector) {
+    return std::ranges::any_of(connector.holds,
+                               [&](const Hold& hold) { return is_prescribed(world, hold.to); });
+  });
+  return hangs ? moving_mass(world) * world.gravity.norm() : 0;
+}
+
+/// Calls visit(link, ends' points) for all links of joined connectors that have a length, by the
+/// points that stand for theirs.
+template <class Visit>
+void each_joined_link(const World& world, Visit visit) {
+  std::vector<std::uint32_t> leaders;
+  find_leaders(world, leaders);
+  std::size_t first = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t k = 0; k < connector.links(); ++k) {
+      if (connector.rest[k] > 0) {
+        visit(connector.rest[k], leaders[first + k], leaders[first + k + 1]);
+      }
+    }
+    first += connector.particles();
+  }
+}
+
+/// 1/kg, by the points that stand for particles; a free body as the point mass that it is at least.
+std::vector<double> joined_mobility(const World& world) {
+  std::vector<std::uint32_t> leaders;
+  find_leaders(world, leaders);
+  std::vector<double> mass(leaders.size());
+  std::size_t point = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t i = 0; i < connector.particles(); ++i, ++point) {
+      mass[leaders[point]] += connector.particle_mass[i];
+    }
+  }
+  point = 0;
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      mass[point + hold.particle] =
+          is_prescribed(world, hold.to) ? INFINITY : mass_of(world, connector, hold.particle);
+    }
+    point += connector.particles();
+  }
+  for (double& each : mass) each = each > 0 ? 1 / each : 0;
+  return mass;
+}
+
+/// Gershgorin's bound on the frequency of links of stiffness k(rest), N/m.
+template <class Stiffness>
+double fastest_joined(const World& world, Stiffness k) {
+  const std::vector<double> mobility = joined_mobility(world);
+  std::vector<double> sum(mobility.size());
+  each_joined_link(world, [&](double rest, std::size_t a, std::size_t b) {
+    sum[a] += 2 * k(rest);
+    sum[b] += 2 * k(rest);
+  });
+  double squared = 0;
+  for (std::size_t p = 0; p < sum.size(); ++p) squared = std::max(squared, mobility[p] * sum[p]);
+  return std::sqrt(squared);
+}
+
 }  // namespace
 
 double fastest_swing(const World& world) {
+  if (!world.joints.empty()) {
+    const double weight = whole_weight(world);
+    return fastest_joined(world, [&](double rest) { return weight / rest; });
+  }
   return fastest(world, [&](const Chain& chain) {
     std::vector<double> k(chain.rest.size());  // T_i / l_i, T_i the weight below link i
     double tension = 0;
@@ -107,6 +176,15 @@ double fastest_swing(const World& world) {
 }
 
 double heaviest_link(const World& world) {
+  if (!world.joints.empty()) {
+    const double weight = whole_weight(world);
+    const std::vector<double> mobility = joined_mobility(world);
+    double most = 0;
+    each_joined_link(world, [&](double rest, std::size_t a, std::size_t b) {
+      most = std::max(most, weight * std::max(mobility[a], mobility[b]) / rest);
+    });
+    return most;
+  }
   double heaviest = 0;
   for (const Connector& connector : world.connectors) {
     const HangingLoad chain(world, connector);
@@ -121,6 +199,9 @@ double heaviest_link(const World& world) {
 }
 
 double fastest_stretch(const World& world, double stiffness) {
+  if (!world.joints.empty()) {
+    return fastest_joined(world, [&](double) { return whole_weight(world) > 0 ? stiffness : 0; });
+  }
   return fastest(
       world, [&](const Chain& chain) { return std::vector<double>(chain.rest.size(), stiffness); });
 }

@@ -6,7 +6,8 @@
 namespace taut {
 
 // Each connector hangs straight down from its first held particle, with a free body at its end as a
-// point. Both are zero where nothing hangs.
+// point. All are zero where nothing hangs. Where connectors are joined they are bounds, since
+// nobody knows what hangs on which link: as if all that moves hung on each.
 
 /// The highest frequency (rad/s) at which the connectors of `world` swing sideways. For n equal
 /// beads below a fixed point its square is the largest zero of the Laguerre polynomial L_n times

@@ -114,7 +114,8 @@ void attach(World& world, Connector& connector, Hold& hold, const Attachment& to
   hold.to = to;
   hold.to.approach = {};
   if (on_free_body(world, to)) {
-    const double mass = connector.particle_mass[hold.particle];
+    const auto index = static_cast<std::size_t>(&connector - world.connectors.data());
+    const double mass = joined_mass(world, index, hold.particle);
     if (mass > 0) load(world, to.body, mass, position, velocity);
   } else if (over > 0) {
     hold.to.approach = {position - hold_motion(world, to, world.time).position, world.time,
@@ -123,6 +124,7 @@ void attach(World& world, Connector& connector, Hold& hold, const Attachment& to
   const PointMotion motion = hold_motion(world, hold.to, world.time);
   position = motion.position;
   velocity = motion.velocity;
+  place_joined(world);
 }
 
 /// How far the span around a particle that was added can go once the links beside it are one.
@@ -158,6 +160,11 @@ struct PinnedHold {
   std::size_t hold = 0;
 };
 
+bool is_held(const World& world, const Joint& joint) {
+  const Joint::Particle& leads = leader(world, joint);
+  return holds(world.connectors[leads.connector], leads.particle);
+}
+
 PinnedHold find_pin(World& world, std::uint64_t pin) {
   if (pin == 0) return {};
   for (Connector& connector : world.connectors) {
@@ -188,6 +195,8 @@ std::string_view words(Outcome outcome) {
       return "what should hold it does not exist";
     case Outcome::held_there:
       return "the connector is held there already";
+    case Outcome::joined_there:
+      return "the connector is joined there, expected a place beside the joint";
     case Outcome::out_of_reach:
       return "it is farther from another hold than the connector is long between them";
     case Outcome::too_near:
@@ -259,6 +268,8 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
     if (there != connector.holds.end() && there->particle == place.particle) {
       return {Outcome::held_there, 0};
     }
+    const Joint* joint = find_joint(world, index, place.particle);
+    if (joint && is_held(world, *joint)) return {Outcome::held_there, 0};
   }
   const Vec3 target = goal(world, to, world.time + over);
   const Outcome outcome = reachable(world, connector, place, target, over > 0);
@@ -268,6 +279,7 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
   hold.particle = place.particle;
   if (place.fraction > 0) {
     hold.pin = add_particle(connector, place);
+    particle_added(world, index, hold.particle);
     ++hold.particle;
   }
   hold.pin.number = ++world.pins;
@@ -331,8 +343,14 @@ Outcome Interventions::release(World& world, std::uint64_t pin) {
       body.spin = record.body_spin;
     }
   }
-  if (was_added) remove_particle(*connector, hold.particle, record.link_rest);
-  if (span == Joined::needs_a_body) {
+  if (was_added) {
+    remove_particle(*connector, hold.particle, record.link_rest);
+    particle_removed(world, static_cast<std::size_t>(connector - world.connectors.data()),
+                     hold.particle);
+  }
+  place_joined(world);
+  const bool joined = was_added && !at_once && !world.joints.empty() && !connector->stretches();
+  if (span == Joined::needs_a_body || joined) {
     restore_lengths(world);
   } else if (was_added && !at_once && !connector->stretches()) {
     restorer_.restore(*connector, hold.particle - 1);

@@ -15,6 +15,7 @@ enum class Outcome {
   outside,       // not a place along the connector
   no_target,     // no such body or path, or a point that is not finite
   held_there,    // something holds the connector at that place already
+  joined_there,  // the connector is joined there, which no cut divides
   out_of_reach,  // farther from another hold than the connector is long between them
   too_near,      // nearer to another hold than the links between them can fold
   no_pin,        // never set, or released already
@@ -42,10 +43,11 @@ class Interventions {
   /// take hundreds of megabytes. They work without room, too. A copy of the world has none.
   void reserve(World& world, std::size_t pins, std::size_t cuts);
 
-  /// Holds the connector at `along` (m). A particle is added where none is: it takes its part of
-  /// the link's length and no mass, since a held particle's never acts; so that the others keep
-  /// theirs, and their momentum. The particle is at its new place at once, or is drawn there
-  /// within `over` (s); a free body takes it at once, and its momentum with it.
+  /// Holds the connector at `along` (m), and what is joined to it there. A particle is added where
+  /// none is: it takes its part of the link's length and no mass, since a held particle's never
+  /// acts; so that the others keep theirs, and their momentum. The particle is at its new place at
+  /// once, or is drawn there within `over` (s); a free body takes it at once, and its momentum with
+  /// it.
   Pinned pin(World& world, std::size_t connector, double along, const Attachment& to,
              double over = 0);
 
@@ -63,7 +65,8 @@ class Interventions {
   Outcome release(World& world, std::uint64_t pin);
 
   /// Divides a connector for good. The second part becomes a connector of its own; a particle at
-  /// the cut is shared by both, and where none is its mass comes from its neighbours.
+  /// the cut is shared by both, and where none is its mass comes from its neighbours. A joint
+  /// cannot be cut.
   Divided cut(World& world, std::size_t connector, double along);
 
  private:

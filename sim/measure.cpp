@@ -2,21 +2,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
+
+#include "sim/places.h"
 
 namespace taut {
 namespace {
+
+/// Sorted: the particles, as connector and number, that are joined with one that is held.
+std::vector<std::pair<std::size_t, std::size_t>> held_by_others(const World& world) {
+  std::vector<std::pair<std::size_t, std::size_t>> found;
+  for (const Joint& joint : world.joints) {
+    const Joint::Particle& leads = leader(world, joint);
+    if (!holds(world.connectors[leads.connector], leads.particle)) continue;
+    for (const auto& [connector, particle] : joint.particles) {
+      found.emplace_back(connector, particle);
+    }
+  }
+  std::ranges::sort(found);
+  return found;
+}
 
 /// Calls `visit(mass, position, velocity)` for every particle that no hold carries. The particles
 /// between the ends of a massless span only follow, so they carry nothing.
 template <typename Visit>
 void each_free_particle(const World& world, Visit visit) {
-  for (const Connector& connector : world.connectors) {
+  const auto joined = held_by_others(world);
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
     auto hold = connector.holds.begin();
     for (std::size_t i = 0; i < connector.particles(); ++i) {
       if (hold != connector.holds.end() && hold->particle == i) {
         ++hold;
         continue;
       }
+      if (!joined.empty() && std::ranges::binary_search(joined, std::pair(c, i))) continue;
       const bool end = i == 0 || i + 1 == connector.particles();
       if (connector.model == ConnectorModel::span && !end) continue;
       visit(connector.particle_mass[i], connector.position[i], connector.velocity[i]);

@@ -118,6 +118,10 @@ void Mechanism::place(double time, double* state) {
                                          bodies_[carried.body].gyration.cross(carried.arm) +
                                          spin.cross(spin.cross(carried.arm));
   }
+  for (const auto& [point, leads] : joined_) {
+    vector(state + position(point)) = vector(state + position(leads));
+    vector(state + velocity(point)) = vector(state + velocity(leads));
+  }
 }
 
 /// After place(): adds what the material's forces do to points and bodies.
@@ -192,6 +196,7 @@ void Mechanism::differentiate(const double* state, const double* tension,
   };
   for (const auto& held : prescribed_) rest(held.first);
   for (const BodyPoint& carried : body_points_) rest(carried.point);
+  for (const auto& joined : joined_) rest(joined.first);
 }
 
 void Mechanism::push(const double* impulse, double* state) const {

@@ -30,7 +30,8 @@ struct Row {
 ///   [ P positions | B poses: centre of mass, quaternion w x y z | P velocities | B twists:
 ///   velocity of the centre of mass, spin in the world's axes ],
 /// 6 P + 13 B numbers in SI units. Held points stand in it too: update() puts them where their
-/// holds are, and their derivatives are zero.
+/// holds are, and their derivatives are zero. So do joined particles but the one that stands for
+/// them, which rows and forces name.
 class Mechanism {
  public:
   /// A point that a free body carries; `arm` (m) from its centre of mass, world axes at the instant
@@ -71,7 +72,10 @@ class Mechanism {
   const std::vector<FreeBody>& bodies() const { return bodies_; }
   const std::vector<BodyPoint>& body_points() const { return body_points_; }
   const std::vector<RowEnd>& row_ends() const { return row_ends_; }
-  /// 1/kg per point; zero for held points, carried ones included.
+  /// Whether connectors are joined, so that more than two rows of a kind may meet at a point.
+  bool is_joined() const { return !joined_.empty(); }
+  /// 1/kg per point; zero for held points, carried ones included, and for those that others stand
+  /// for.
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }
   const Vec3& gravity() const { return gravity_; }
   /// The forces of what stretches, bends and meets the air; place() turns its clamps.
@@ -133,6 +137,7 @@ class Mechanism {
   void reserve(const World& world);
   void add_bodies(const World& world);
   void add_points(const World& world);
+  void join_points(const World& world);
   void add_rows(const World& world);
   void add_row_ends();
   void add_material(const double* state);
@@ -154,7 +159,10 @@ class Mechanism {
   std::vector<BodyPoint> body_points_;
   std::vector<RowEnd> row_ends_;
   std::vector<std::pair<std::uint32_t, Attachment>> prescribed_;  // point, hold
-  std::size_t velocities_ = 0, twists_ = 0;                       // offsets
+  std::vector<std::uint32_t> leaders_;  // per point: the one that stands for it; none: no joints
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      joined_;                               // point, the one that stands for it
+  std::size_t velocities_ = 0, twists_ = 0;  // offsets
 
   std::vector<Vec3> direction_;
   std::vector<Vec3> point_acceleration_;  // per point, m/s^2: its acceleration without tensions

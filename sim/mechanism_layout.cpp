@@ -25,7 +25,7 @@ void Mechanism::rebuild(const World& world) {
   twists_ = velocities_ + 3 * points();
   add_rows(world);
   add_row_ends();
-  material_.rebuild(world, room_);
+  material_.rebuild(world, room_, leaders_);
   if (material_.any()) {
     force_.reserve(room_);
     force_.resize(points());
@@ -103,8 +103,28 @@ void Mechanism::add_points(const World& world) {
       }
     }
   }
+  join_points(world);
   if (std::ranges::find(inverse_mass_, kMassless) != inverse_mass_.end()) {
     throw std::invalid_argument("a particle that nothing holds needs a mass");
+  }
+}
+
+void Mechanism::join_points(const World& world) {
+  joined_.clear();
+  leaders_.clear();
+  if (world.joints.empty()) return;
+  find_leaders(world, leaders_);
+  std::vector<double> mass;
+  for (const Connector& connector : world.connectors) {
+    mass.insert(mass.end(), connector.particle_mass.begin(), connector.particle_mass.end());
+  }
+  for (std::uint32_t p = 0; p < points(); ++p) {
+    const std::uint32_t leads = leaders_[p];
+    if (leads == p) continue;
+    joined_.emplace_back(p, leads);
+    inverse_mass_[p] = 0;
+    mass[leads] += mass[p];
+    if (inverse_mass_[leads] != 0) inverse_mass_[leads] = 1 / mass[leads];
   }
 }
 
@@ -127,6 +147,11 @@ void Mechanism::add_rows(const World& world) {
       }
     }
     first += connector.particles();
+  }
+  if (!is_joined()) return;
+  for (Row& row : rows_) {
+    row.a = leaders_[row.a];
+    row.b = leaders_[row.b];
   }
 }
 

@@ -142,6 +142,13 @@ void refuse_materials(std::string_view method, const World& world) {
                  "knows neither stretch nor bending nor air");
 }
 
+void refuse_joints(std::string_view method, const World& world) {
+  if (world.joints.empty()) return;
+  const Joint::Particle& at = world.joints.front().particles.front();
+  throw Diverged(std::string(method), world.time, 0, world.connectors[at.connector].name,
+                 at.particle, "follows no connectors that are joined");
+}
+
 void refuse_laden_materials(std::string_view method, const World& world) {
   for (const Connector& connector : world.connectors) {
     for (const Hold& hold : connector.holds) {

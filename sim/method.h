@@ -130,6 +130,8 @@ struct MethodInfo {
   /// Connectors stretch, resist bending and meet the air as sim/material says; others throw
   /// Diverged where a world has such a one.
   bool follows_materials = false;
+  /// Connectors may be joined (World::joints); others throw Diverged where some are.
+  bool follows_joints = false;
   /// What runs beside a run with a full set of settings, coarser or finer, so that ErrorEstimate
   /// tells its error; null: nothing is known of how the error depends on the settings.
   Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
@@ -160,6 +162,8 @@ void refuse_obstacles(std::string_view method, const World& world);
 
 /// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
 void refuse_materials(std::string_view method, const World& world);
+/// For methods to which particles are of one connector: throws Diverged where some are joined.
+void refuse_joints(std::string_view method, const World& world);
 /// For methods that follow no free body on such a connector.
 void refuse_laden_materials(std::string_view method, const World& world);
 

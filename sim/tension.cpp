@@ -22,6 +22,8 @@ bool neighbours(const std::vector<Row>& rows, std::size_t row) {
 
 void TensionSystem::rebuild(const Mechanism& mechanism) {
   rows_ = mechanism.rows().size();
+  is_joined_ = mechanism.is_joined();
+  if (is_joined_) return joined_.rebuild(mechanism);
   const std::size_t room = mechanism.row_room();
   values_.reserve(2 * room);
   border_index_.reserve(room);
@@ -103,6 +105,7 @@ void TensionSystem::find_border() {
 }
 
 void TensionSystem::assemble(const Mechanism& mechanism) {
+  if (is_joined_) return joined_.assemble(mechanism);
   const auto& rows = mechanism.rows();
   const auto& w = mechanism.inverse_mass();
   const auto& direction = mechanism.direction();
@@ -223,6 +226,7 @@ void TensionSystem::solve_dense(const std::vector<double>& right, std::vector<do
 }
 
 bool TensionSystem::solve(const std::vector<double>& right, std::vector<double>& x) {
+  if (is_joined_) return joined_.solve(right, x);
   if (solve_banded(right, x)) return true;
   solve_dense(right, x);
   return false;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/joined_tension.h"
 #include "sim/mechanism.h"
 
 namespace taut {
@@ -15,7 +16,8 @@ namespace taut {
 /// without tensions) - A T.
 ///
 /// Rows of a connector couple with their neighbours alone, so A is tridiagonal, but for a border:
-/// joints, and the rows at a free body that carries more than one point.
+/// links without length, and the rows at a free body that carries more than one point. Where
+/// connectors are joined, A is sparse (JoinedTension).
 class TensionSystem {
  public:
   TensionSystem() = default;
@@ -34,13 +36,15 @@ class TensionSystem {
   /// time. Where A is singular: the x of least norm among those that come closest.
   void solve_dense(const std::vector<double>& right, std::vector<double>& x);
 
-  /// solve_banded(), or solve_dense() where that cannot. True where solve_banded() solved it.
+  /// solve_banded(), or solve_dense() where that cannot. True where solve_banded() solved it. Of
+  /// joined connectors JoinedTension solves all.
   bool solve(const std::vector<double>& right, std::vector<double>& x);
 
   /// The cycles (see Counters::work) of assemble(), a right side and solve(), in linear time: a row
   /// takes 25 additions and multiplications, two divisions, and in the elimination a division and
   /// seven operations that wait for each other; a border row sweeps a column of its own.
   double work() const {
+    if (is_joined_) return joined_.work();
     const auto rows = static_cast<double>(rows_), border = static_cast<double>(border_.size());
     return 63 * rows + border * (20 * rows + 50) + border * border * border / 3;
   }
@@ -78,6 +82,8 @@ class TensionSystem {
   double next(std::size_t row) const;  // A(row, row + 1), zero at the border
 
   std::size_t rows_ = 0;
+  bool is_joined_ = false;
+  JoinedTension joined_;
   std::vector<double> values_;  // [ diagonal | A(r, r+1) | entries ], 1/kg
   std::vector<Entry> entries_;
   std::vector<PointTerm> point_terms_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <stdexcept>
 
 #include "sim/hash.h"
 
@@ -39,11 +40,11 @@ void add_materials(const World& world, Hash& hash) {
 
 MassProperties laden(const World& world, std::size_t body) {
   MassProperties properties = world.bodies[body].bare;
-  for (const Connector& connector : world.connectors) {
-    for (const Hold& hold : connector.holds) {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    for (const Hold& hold : world.connectors[c].holds) {
       if (hold.to.kind != Attachment::Kind::body || hold.to.body != body) continue;
-      properties =
-          with_point_mass(properties, connector.particle_mass[hold.particle], hold.to.point);
+      const double mass = joined_mass(world, c, hold.particle);
+      properties = with_point_mass(properties, mass, hold.to.point);
     }
   }
   return properties;
@@ -54,14 +55,15 @@ void reweigh_holder(World& world, const Attachment& by) {
 }
 
 void finish(World& world) {
+  if (const std::string flaw = joint_flaw(world); !flaw.empty()) throw std::invalid_argument(flaw);
   std::vector<MassProperties> laden;  // of every body, as laden() adds them up
   for (Body& body : world.bodies) laden.push_back(body.bare = body.mass_properties);
-  for (const Connector& connector : world.connectors) {
-    for (const Hold& hold : connector.holds) {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    for (const Hold& hold : world.connectors[c].holds) {
       if (hold.to.kind != Attachment::Kind::body) continue;
       MassProperties& properties = laden[hold.to.body];
-      properties =
-          with_point_mass(properties, connector.particle_mass[hold.particle], hold.to.point);
+      const double mass = joined_mass(world, c, hold.particle);
+      properties = with_point_mass(properties, mass, hold.to.point);
     }
   }
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
@@ -110,6 +112,10 @@ std::uint64_t structure(const World& world) {
     }
   }
   if (has_materials(world)) add_materials(world, hash);
+  for (const Joint& joint : world.joints) {
+    hash.word(joint.particles.size());
+    for (const Joint::Particle& at : joint.particles) hash.word(at.connector).word(at.particle);
+  }
   if (world.obstacles.empty()) return hash.value();
   for (const Connector& connector : world.connectors) hash.word(connector.radius);
   for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
@@ -153,6 +159,7 @@ ClampMotion clamp_motion(const World& world, const Hold& hold, double time) {
 void place_held(World& world, double time) {
   place_prescribed(world, time);
   place_carried(world);
+  place_joined(world);
 }
 
 void place_prescribed(World& world, double time) {

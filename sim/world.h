@@ -7,6 +7,7 @@
 #include "sim/body.h"
 #include "sim/connector.h"
 #include "sim/contact/obstacle.h"
+#include "sim/joint.h"
 #include "sim/types.h"
 
 namespace taut {
@@ -24,6 +25,7 @@ struct World {
   Air air;
   std::vector<Body> bodies;
   std::vector<Connector> connectors;
+  std::vector<Joint> joints;        // what joins connectors to each other and to themselves
   std::vector<Obstacle> obstacles;  // what the connectors' beads touch
   std::uint64_t topology = 0;       // another one whenever what structure() tells changes
   std::uint64_t pins = 0;           // how many there ever were
@@ -31,15 +33,15 @@ struct World {
 
 /// Joins the masses of particles held by free bodies to those bodies, sets every held particle and
 /// driven body to its place at `world.time`, and numbers the topology. Call once, after building a
-/// world.
+/// world. Throws std::invalid_argument where joint_flaw() finds one.
 void finish(World& world);
 
 /// Whether some connector stretches, resists bending or meets the air (Connector::sections).
 bool has_materials(const World& world);
 
 /// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
-/// them, bodies with their mass properties, paths, obstacles. Methods build on it, so
-/// World::topology is this number; whoever changes any of it by hand numbers it again.
+/// them and joins them, bodies with their mass properties, paths, obstacles. Methods build on it,
+/// so World::topology is this number; whoever changes any of it by hand numbers it again.
 std::uint64_t structure(const World& world);
 
 /// The mass properties of a free body with the particles that it holds.
@@ -63,7 +65,7 @@ struct ClampMotion {
 ClampMotion clamp_motion(const World& world, const Hold& hold, double time);
 
 /// Sets the time, and with it driven bodies and the particles held by anything, free bodies
-/// included, to their places and velocities.
+/// included, and those that are joined, to their places and velocities.
 void place_held(World& world, double time);
 
 /// The same of all but the particles held by free bodies, and of these alone.

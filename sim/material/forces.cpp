@@ -115,7 +115,8 @@ void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
   }
 }
 
-void MaterialForces::rebuild(const World& world, std::size_t room) {
+void MaterialForces::rebuild(const World& world, std::size_t room,
+                             std::span<const std::uint32_t> leaders) {
   any_ = has_materials(world);
   stretches_.clear();
   bends_.clear();
@@ -147,6 +148,28 @@ void MaterialForces::rebuild(const World& world, std::size_t room) {
       clamps_.push_back({c, h, {}});
     }
     first += static_cast<std::uint32_t>(connector.particles());
+  }
+  lengths_.clear();
+  lengths_.reserve(bends_.capacity());
+  for (const BendElement& bend : bends_) lengths_.push_back({rest_[bend.a], rest_[bend.b]});
+  if (!leaders.empty()) lead(leaders);
+}
+
+/// Lets elements end at the points that stand for theirs.
+void MaterialForces::lead(std::span<const std::uint32_t> leaders) {
+  const auto change = [&](std::uint32_t& point) { point = leaders[point]; };
+  for (StretchElement& link : stretches_) {
+    change(link.a);
+    change(link.b);
+  }
+  for (BendElement& bend : bends_) {
+    change(bend.a);
+    change(bend.b);
+    change(bend.c);
+  }
+  for (DragElement& link : drags_) {
+    change(link.a);
+    change(link.b);
   }
 }
 
@@ -256,9 +279,10 @@ MaterialForces::Fastest MaterialForces::fastest(const std::vector<double>& inver
   for (const StretchElement& link : stretches_) {
     add(link.stiffness, link.damping, {link.a, link.b}, {1, 1});
   }
-  for (const BendElement& bend : bends_) {
-    const double l0 = bend.clamped_before() ? 0 : 1 / rest_[bend.a];
-    const double l1 = bend.clamped_behind() ? 0 : 1 / rest_[bend.b];
+  for (std::size_t i = 0; i < bends_.size(); ++i) {
+    const BendElement& bend = bends_[i];
+    const double l0 = bend.clamped_before() ? 0 : 1 / lengths_[i].before;
+    const double l1 = bend.clamped_behind() ? 0 : 1 / lengths_[i].behind;
     add(bend.stiffness, bend.damping, {bend.a, bend.b, bend.c}, {l0, l0 + l1, l1});
   }
   double most = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim/world.h"
@@ -49,9 +50,10 @@ void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
 /// All elements of a world. Points are all particles, connector by connector.
 class MaterialForces {
  public:
-  /// Lays the world's elements out, with room for so many points. Throws std::invalid_argument
-  /// where a free body clamps a connector.
-  void rebuild(const World& world, std::size_t room);
+  /// Lays the world's elements out, with room for so many points; where connectors are joined,
+  /// between the points of find_leaders(). Throws std::invalid_argument where a free body clamps a
+  /// connector.
+  void rebuild(const World& world, std::size_t room, std::span<const std::uint32_t> leaders = {});
 
   bool any() const { return any_; }
   const std::vector<StretchElement>& stretches() const { return stretches_; }
@@ -82,6 +84,7 @@ class MaterialForces {
   double work() const;
 
  private:
+  void lead(std::span<const std::uint32_t> leaders);
   struct Clamp {
     std::size_t connector = 0, hold = 0;
     ClampMotion motion;
@@ -93,7 +96,11 @@ class MaterialForces {
   std::vector<BendElement> bends_;
   std::vector<DragElement> drags_;
   std::vector<Clamp> clamps_;
-  std::vector<double> rest_;  // m, per point: of the link behind it, where it bends
+  struct Lengths {
+    double before = 0, behind = 0;  // m, at rest
+  };
+  std::vector<double> rest_;      // m, per point: of the link behind it
+  std::vector<Lengths> lengths_;  // of the edges of each bend
 };
 
 }  // namespace taut

@@ -37,6 +37,7 @@ class DynamicConstraints final : public SteppedMethod {
   double prepare(Mechanism& mechanism, const World& world) override {
     refuse_obstacles(kDynamicConstraints, world);
     refuse_materials(kDynamicConstraints, world);
+    refuse_joints(kDynamicConstraints, world);
     stepper_.prepare(mechanism);
     system_.rebuild(mechanism);
     resize_within(mechanism.row_room(), mechanism.rows().size(), right_);

@@ -69,6 +69,7 @@ class Impulse final : public Method {
 void Impulse::prepare(const World& world) {
   refuse_obstacles(kImpulse, world);
   refuse_materials(kImpulse, world);
+  refuse_joints(kImpulse, world);
   topology_ = world.topology;
   impulses_.prepare(world);
   if (!prepared_) {

@@ -29,6 +29,26 @@ double fastest_wave(const std::vector<double>& mobility, double stiffness) {
   return std::sqrt(stiffness * 2 * most);
 }
 
+/// The same where more than two rows may meet in a point or a body: Gershgorin once more.
+double fastest_joined_wave(const Mechanism& mechanism, const std::vector<double>& mobility,
+                           double stiffness) {
+  const auto& rows = mechanism.rows();
+  std::vector<double> at(mechanism.points()), on(mechanism.bodies().size()), near(rows.size(), 2);
+  for (const Row& row : rows) {
+    ++at[row.a];
+    ++at[row.b];
+  }
+  const auto body = [&](const auto& end) { return mechanism.body_points()[end.body_point].body; };
+  for (const auto& end : mechanism.row_ends()) ++on[body(end)];
+  for (const auto& end : mechanism.row_ends())
+    near[end.row] = std::max(near[end.row], on[body(end)]);
+  double most = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    most = std::max(most, mobility[r] * std::max({near[r], at[rows[r].a], at[rows[r].b]}));
+  }
+  return std::sqrt(stiffness * most);
+}
+
 class Springs : public SteppedMethod {
  public:
   explicit Springs(const Settings& settings)
@@ -44,7 +64,9 @@ class Springs : public SteppedMethod {
     stepper_.prepare(mechanism);
     contacts_.rebuild(mechanism, world);
     row_mobility(mechanism, mobility_);
-    const double fastest = fastest_wave(mobility_, stiffness_);
+    const double fastest = mechanism.is_joined()
+                               ? fastest_joined_wave(mechanism, mobility_, stiffness_)
+                               : fastest_wave(mobility_, stiffness_);
     damper_ = fastest > 0 ? 2 * damping_ * stiffness_ / fastest : 0;
     const double stable = stable_step(mechanism, fastest);
     if (!(stable > 0)) return kShortest;
@@ -133,6 +155,7 @@ MethodInfo springs_method() {
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
       .touches_obstacles = true,
       .follows_materials = true,
+      .follows_joints = true,
       .companion = companion_of_springs,
       .cost = {.memory = 350, .step = 1e-8},
   };

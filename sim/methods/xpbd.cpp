@@ -210,6 +210,7 @@ MethodInfo xpbd_method() {
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .touches_obstacles = true,
       .follows_materials = true,
+      .follows_joints = true,
       .companion = [](const MethodInfo& xpbd,
                       const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .cost = {.memory = 250, .step = 3e-8},

@@ -73,6 +73,7 @@ void Multipliers::prepare(const World& world) {
 void Multipliers::advance(World& world, double until) {
   if (!world.obstacles.empty()) {
     refuse_materials("truth among obstacles", world);
+    refuse_joints("truth among obstacles", world);
     among_obstacles_->advance(world, until);
     counters_ = among_obstacles_->counters();
     return;
@@ -152,6 +153,7 @@ MethodInfo truth_method() {
           .reference = true,
           .touches_obstacles = true,
           .follows_materials = true,
+          .follows_joints = true,
           .companion =
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");

@@ -73,6 +73,7 @@ void SdFast::give_up(const World& world, const std::string& what) const {
 void SdFast::choose(const World& world) {
   refuse_obstacles(kSdfast, world);
   refuse_materials(kSdfast, world);
+  refuse_joints(kSdfast, world);
   try {
     chain_ = sdfast::find_chain(world);
   } catch (const std::invalid_argument& error) {

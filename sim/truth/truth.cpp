@@ -13,7 +13,7 @@ namespace {
 // of a metre off by about 0.01 m per second of step.
 constexpr double kContactStep = 0.2;
 
-// The tolerance of the second solver where connectors stretch, bend or meet the air.
+// The tolerance of the second solver where connectors stretch, bend, meet the air or are joined.
 constexpr double kMaterialTolerance = 1e-3;  // of the scored error
 
 using Frames = std::vector<Snapshot>;
@@ -93,7 +93,7 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
   if (!world.obstacles.empty()) {
     const Settings steps{{"step", kContactStep * options.scored_error}};
     checked = run(world, "direct", steps, timeline, until, close);
-  } else if (has_materials(world)) {
+  } else if (has_materials(world) || !world.joints.empty()) {
     const Settings finer{{"tolerance", kMaterialTolerance * options.scored_error}};
     checked = run(world, "direct", finer, timeline, until, close);
   } else {

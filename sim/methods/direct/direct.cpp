@@ -8,6 +8,7 @@
 #include "sim/methods/direct/elastic.h"
 #include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/integrator.h"
+#include "sim/methods/direct/joined.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/projection.h"
 #include "sim/room.h"
@@ -24,6 +25,7 @@ class Direct : public Method {
   explicit Direct(const direct::StepOptions& options) : options_(options) {}
 
   void advance(World& world, double until) override {
+    if (!world.joints.empty()) return advance_joined(world, until);
     if (has_materials(world)) return advance_materials(world, until);
     if (!world.obstacles.empty()) return advance_contacts(world, until);
     if (has_spans(world)) return advance_spans(world, until);
@@ -94,6 +96,12 @@ class Direct : public Method {
     }
     elastic_->advance(world, until);
     counters_ = elastic_->counters();
+  }
+
+  void advance_joined(World& world, double until) {
+    if (!joined_) joined_ = std::make_unique<direct::Joined>(options_);
+    joined_->advance(world, until);
+    counters_ = joined_->counters();
   }
 
   void advance_spans(World& world, double until) {
@@ -195,6 +203,7 @@ class Direct : public Method {
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
   std::unique_ptr<direct::Contacts> contacts_;  // where it has obstacles
   std::unique_ptr<direct::Elastic> elastic_;    // where connectors stretch, bend or meet the air
+  std::unique_ptr<direct::Joined> joined_;      // where connectors are joined
   std::vector<double> noted_;                   // the world as advance() left it
 };
 
@@ -259,6 +268,7 @@ MethodInfo direct_method() {
       .follows_spans = true,
       .touches_obstacles = true,
       .follows_materials = true,
+      .follows_joints = true,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)

@@ -1,0 +1,201 @@
+#include "sim/methods/direct/joined.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/measure.h"
+#include "sim/methods/direct/scales.h"
+#include "sim/span.h"
+
+namespace taut::direct {
+namespace {
+
+constexpr double kStable = 5.2;      // over the highest frequency: the longest step (Dop853Step)
+constexpr double kErrorOrder = 8;    // of its estimate, see Dop853Step
+constexpr double kFirst = 0.1;       // of the shortest link's swing: the first step
+constexpr double kShortest = 1e-12;  // s
+
+Eigen::Map<const Vec3> part(const std::vector<double>& state, std::size_t at) {
+  return Eigen::Map<const Vec3>(&state[at]);
+}
+
+/// sum_k weights[k] slopes[k] of the first `count` stages, times h, on top of `from`.
+void add_up(const std::array<double, kStages>& weights, int count, double h,
+            const std::array<std::vector<double>, kStages>& slopes, std::vector<double>& to) {
+  for (int k = 0; k < count; ++k) {
+    const double weight = h * weights[static_cast<std::size_t>(k)];
+    if (weight == 0) continue;
+    const std::vector<double>& slope = slopes[static_cast<std::size_t>(k)];
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += weight * slope[i];
+  }
+}
+
+}  // namespace
+
+void Joined::rebuild(const World& world) {
+  if (!world.obstacles.empty()) refuse_joints("direct among obstacles", world);
+  if (has_spans(world)) refuse_joints("direct beside a massless span", world);
+  built_ = true;
+  topology_ = world.topology;
+  mechanism_.rebuild(world);
+  system_.rebuild(mechanism_);
+  projection_.rebuild(mechanism_);
+  const std::size_t size = mechanism_.state_size(), rows = mechanism_.rows().size();
+  for (State* state : {&state_, &loaded_, &next_, &scratch_, &error_}) state->assign(size, 0.0);
+  for (State& state : slope_) state.assign(size, 0.0);
+  for (State* state : {&right_, &tension_}) state->assign(rows, 0.0);
+  length_ = length_scale(world);
+  shortest_ = length_;
+  driven_ = false;
+  for (const Connector& connector : world.connectors) {
+    for (const double rest : connector.rest) {
+      if (rest > 0) shortest_ = std::min(shortest_, rest);
+    }
+    for (const Hold& hold : connector.holds) {
+      driven_ = driven_ || (is_prescribed(world, hold.to) && !rests(hold.to, world.time));
+    }
+  }
+  const auto& easy = mechanism_.inverse_mass();
+  carried_ = static_cast<double>(mechanism_.body_points().size());
+  for (const double inverse_mass : easy) carried_ += inverse_mass > 0 ? 1 : 0;
+  material_waves_ = 0;
+  if (!mechanism_.material().any()) return;
+  const auto [frequency, damping_ratio] = mechanism_.material().fastest(easy);
+  material_waves_ = frequency * std::max(1.0, 2 * damping_ratio);
+}
+
+void Joined::find_slope(double time, const State& state, State& slope) {
+  scratch_ = state;
+  mechanism_.update(time, scratch_.data());
+  for (std::size_t r = 0; r < right_.size(); ++r) right_[r] = mechanism_.free_acceleration(r);
+  system_.assemble(mechanism_);
+  system_.solve(right_, tension_);
+  mechanism_.differentiate(scratch_.data(), tension_.data(), slope.data());
+  ++counters_.solves;
+  counters_.cycles += mechanism_.work() + system_.work() + 12 * static_cast<double>(slope.size());
+}
+
+/// A bound on the frequency (rad/s) of the waves under the last tensions: Gershgorin's on M^-1 K, K
+/// the links' tensions over their lengths.
+double Joined::wave_frequency() {
+  const auto& rows = mechanism_.rows();
+  const auto& easy = mechanism_.inverse_mass();
+  State& stiff = error_;  // of no use between two attempts
+  std::ranges::fill(stiff, 0.0);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows[r].axis != Row::kAlongLink) continue;
+    const double k = 2 * std::abs(tension_[r]) / rows[r].rest;
+    stiff[rows[r].a] += k;
+    stiff[rows[r].b] += k;
+  }
+  double most = 0;
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) most = std::max(most, easy[p] * stiff[p]);
+  return std::hypot(std::sqrt(most), material_waves_);
+}
+
+double Joined::longest_step(double waves) const {
+  const double longest = driven_ ? kConstants.longest_driven : kConstants.longest;
+  return std::min(longest, kStable / std::max(waves, kStable / longest)) / options_.finer;
+}
+
+/// The error (m) that a step of h may make: as any step of this method (Integrator).
+double Joined::allowed_error(double h) const {
+  const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
+  const double share = std::min(kConstants.rate * options_.finer * h, kConstants.share);
+  const double rough = kConstants.roughness * shortest_ / kConstants.share;
+  return share * std::min(tolerance, rough) / std::pow(options_.finer, kErrorOrder) +
+         kConstants.roundings * std::numeric_limits<double>::epsilon() * length_;
+}
+
+/// The error (m) of positions that those of a state amount to, RMS over all that moves freely.
+double Joined::size(const State& error) const {
+  const double time = velocity_time_of(length_);
+  double sum = 0;
+  for (std::size_t p = 0; p < mechanism_.points(); ++p) {
+    sum += part(error, mechanism_.position(p)).squaredNorm() +
+           time * time * part(error, mechanism_.velocity(p)).squaredNorm();
+  }
+  for (const Mechanism::BodyPoint& point : mechanism_.body_points()) {
+    const std::size_t pose = mechanism_.pose(point.body), twist = mechanism_.twist(point.body);
+    const double arm = point.local.norm();
+    const double turn = 2 * Eigen::Map<const Eigen::Vector4d>(&error[pose + 3]).norm();
+    const double place = part(error, pose).norm() + arm * turn;
+    const double speed = part(error, twist).norm() + arm * part(error, twist + 3).norm();
+    sum += place * place + time * time * speed * speed;
+  }
+  return std::sqrt(sum / std::max(carried_, 1.0));
+}
+
+/// A step from state_, whose slope is the first, to next_; the estimate of its error (m).
+double Joined::attempt(double time, double h) {
+  for (int s = 1; s < kStages; ++s) {
+    const auto stage = static_cast<std::size_t>(s);
+    next_ = state_;
+    add_up(kDop853.stage[stage], s, h, slope_, next_);
+    find_slope(time + kDop853.node[stage] * h, next_, slope_[stage]);
+  }
+  next_ = state_;
+  add_up(kDop853.weight, kStages, h, slope_, next_);
+  const auto estimate = [&](const std::array<double, kStages>& weights) {
+    std::ranges::fill(error_, 0.0);
+    add_up(weights, kStages, h, slope_, error_);
+    return size(error_);
+  };
+  const double error5 = estimate(kDop853.error5), error3 = estimate(kDop853.error3);
+  const double blend = std::hypot(error5, 0.1 * error3);  // Hairer's, of order 8
+  return blend > 0 ? error5 * error5 / blend : blend;
+}
+
+bool Joined::project(double time, State& state) {
+  if (!(projection_.lengths(mechanism_, time, state).violation <= Projection::kKept)) return false;
+  projection_.rates(mechanism_, time, state);
+  return true;
+}
+
+void Joined::advance(World& world, double until) {
+  const bool fresh = !built_ || topology_ != world.topology;
+  if (fresh) rebuild(world);
+  mechanism_.load(world, loaded_);
+  if (fresh || loaded_ != state_) {
+    state_ = loaded_;
+    if (!project(world.time, state_)) give_up(world, world.time);
+  }
+  double time = world.time;
+  const double first = kFirst * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
+  if (step_ == 0) step_ = first;
+  while (time < until) {
+    find_slope(time, state_, slope_[0]);
+    const double stable = longest_step(wave_frequency());
+    for (bool taken = false; !taken;) {
+      const double wish = std::min(options_.step > 0 ? options_.step : step_, stable);
+      const double count = std::max(1.0, std::ceil((until - time) / wish * (1 - 1e-9)));
+      const double h = (until - time) / count;
+      const double error = attempt(time, h), limit = allowed_error(h);
+      taken = error <= limit && project(time + h, next_);
+      const double ratio = kConstants.safety * std::pow(limit / error, 1 / kErrorOrder);
+      ++counters_.steps;
+      if (taken) {
+        std::swap(state_, next_);
+        time = count == 1 ? until : time + h;
+        // A step that was cut to end at `until` says nothing against the longer one.
+        const double next = h * std::min(ratio, kConstants.most_change);
+        if (ratio < 1 || next > step_) step_ = next;
+      } else {
+        ++counters_.rejected;
+        step_ = h * (error <= limit || !(ratio > 0) ? 0.25 : std::clamp(ratio, 0.1, 0.9));
+        if (step_ < kShortest) give_up(world, time);
+      }
+    }
+  }
+  mechanism_.store(state_, until, world);
+  mechanism_.load(world, state_);
+}
+
+void Joined::give_up(const World& world, double time) const {
+  throw Diverged("direct", time, counters_.steps, world.connectors.front().name, 0,
+                 "no step is small enough for the tolerance: joined links may be at their full "
+                 "length between what holds them");
+}
+
+}  // namespace taut::direct

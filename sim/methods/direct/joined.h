@@ -1,0 +1,56 @@
+// Worlds whose connectors are joined: trees, loops and nets.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sim/mechanism.h"
+#include "sim/method.h"
+#include "sim/methods/direct/dop853_table.h"
+#include "sim/methods/direct/integrator.h"
+#include "sim/projection.h"
+#include "sim/tension.h"
+
+namespace taut::direct {
+
+/// Follows a world as a whole by DOP853 on the places of its points, under the tensions of all
+/// links at once (JoinedTension), with projection onto the links after each step. Explicit: steps
+/// are never longer than what the waves under the tensions, and of what stretches and bends, allow.
+class Joined {
+ public:
+  explicit Joined(const StepOptions& options) : options_(options) {}
+
+  /// Throws Diverged, also where there are obstacles or massless spans.
+  void advance(World& world, double until);
+  const Counters& counters() const { return counters_; }
+
+ private:
+  using State = std::vector<double>;
+
+  void rebuild(const World& world);
+  void find_slope(double time, const State& state, State& slope);
+  double wave_frequency();
+  double longest_step(double waves) const;
+  double allowed_error(double h) const;
+  double attempt(double time, double h);
+  double size(const State& error) const;
+  bool project(double time, State& state);
+  [[noreturn]] void give_up(const World& world, double time) const;
+
+  StepOptions options_;
+  Counters counters_;
+  bool built_ = false;
+  std::uint64_t topology_ = 0;
+  Mechanism mechanism_;
+  TensionSystem system_;
+  Projection projection_;
+  State state_, loaded_, next_, scratch_, error_, right_, tension_;
+  std::array<State, kStages> slope_;  // of the stages
+  double length_ = 0, shortest_ = 0;  // m: the scale of the world, and its shortest link
+  double material_waves_ = 0;         // rad/s
+  double carried_ = 0;                // particles that nothing prescribes
+  bool driven_ = false;
+  double step_ = 0;  // s, what the error allows; zero: not known yet
+};
+
+}  // namespace taut::direct
