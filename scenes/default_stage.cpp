@@ -203,13 +203,15 @@ double thickness_of(const Connector& connector, ConnectorLook::Kind kind, double
 /// what they come from.
 void find_looks(const Document& document, Scene& scene, double size) {
   using Kind = ConnectorLook::Kind;
-  const Value* connectors = document.root.find("connectors");
-  if (!connectors) return;
+  const Value *connectors = document.root.find("connectors"), *nets = document.root.find("nets");
+  const auto find = [&](const std::string& name) {
+    const Value* written = connectors ? connectors->find(name) : nullptr;
+    return written || !nets ? written : nets->find(name);
+  };
   const World world = divided(scene.world, scene.timeline);
   for (std::size_t i = 0; i < scene.stage->connector_looks.size(); ++i) {
     const Connector& connector = world.connectors.at(i);
-    const Value* written =
-        connectors->find(connector.name.substr(0, connector.name.find_first_of("#'")));
+    const Value* written = find(connector.name.substr(0, connector.name.find_first_of("#'")));
     if (!written) continue;
     ConnectorLook& look = scene.stage->connector_looks[i];
     const double line = connector.length > 0 ? connector.mass / connector.length : 0;

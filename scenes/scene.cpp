@@ -79,6 +79,36 @@ void refuse_materials(const Document& document, const MethodInfo& method) {
   }
 }
 
+/// What joins an end to a connector, or makes a net; null: nothing.
+const Value* joining_key(const Value& root) {
+  const Value* nets = root.find("nets");
+  if (nets && !nets->children.empty()) return &nets->children.front();
+  const Value* connectors = root.find("connectors");
+  for (std::size_t i = 0; connectors && i < connectors->children.size(); ++i) {
+    for (const char* end : {"from", "to"}) {
+      if (const Value* key = connectors->children[i].find(end)->find("connector")) return key;
+    }
+  }
+  return nullptr;
+}
+
+void refuse_joints(const Document& document, const MethodInfo& method) {
+  const Value* key = joining_key(document.root);
+  if (!key) return;
+  const Value* obstacles = document.root.find("obstacles");
+  if (obstacles && !obstacles->children.empty()) {
+    document.fail_at_key(*key, "stands in a scene with obstacles, where connectors are not joined");
+  }
+  if (method.follows_joints) return;
+  std::vector<std::string_view> able;
+  for (const MethodInfo& info : methods()) {
+    if (info.follows_joints) able.push_back(info.name);
+  }
+  document.fail_at_key(*key, fmt::format("the method {} follows no connectors that are joined, "
+                                         "expected one of: {}",
+                                         method.name, fmt::join(able, ", ")));
+}
+
 /// A plan is the program's own: one of another version's format spoils no scene.
 std::optional<Value> take_plan(Document& document) {
   std::vector<Value>& all = document.root.children;
@@ -119,10 +149,12 @@ Scene read_scene(Document document, bool with_stage) {
   Motions motions(document);
   scene.world.bodies = read_bodies(document, motions);
   read_connectors(document, motions, scene.world);
+  read_nets(document, scene.world);
   read_obstacles(document, motions, scene.world);
   refuse_spans(document, *find_method(scene.method.name));
   refuse_obstacles(document, *find_method(scene.method.name));
   refuse_materials(document, *find_method(scene.method.name));
+  refuse_joints(document, *find_method(scene.method.name));
   finish(scene.world);
   check_obstacles(document, scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);

@@ -1,5 +1,6 @@
 #include "sim/footprint.h"
 
+#include <cmath>
 #include <vector>
 
 namespace taut {
@@ -24,6 +25,9 @@ constexpr double kDenseMemory = 18, kDenseStep = 1.6e-10;
 
 /// Of a particle at obstacles, by `direct`: measured on a rope of 20,001 on a floor.
 constexpr double kContactMemory = 1600, kContactStep = 6e-7;  // bytes, s
+
+/// The elimination of n joints, of nets rather than trees: memory by n, twelve solves of n^1.5.
+constexpr double kJointMemory = 2000, kJointStep = 1.5e-7;  // bytes, s
 
 bool is_dense(const Settings& settings) {
   const auto solver = settings.find("solver");
@@ -52,6 +56,9 @@ Footprint footprint(const MethodInfo& method, const World& world, const Settings
     sum.memory += kContactMemory * particles;
     sum.step += kContactStep * particles;
   }
+  const auto joints = double(world.joints.size());
+  sum.memory += kJointMemory * joints;
+  sum.step += kJointStep * joints * std::sqrt(joints);
   if (method.cost.eliminates) {
     const double columns = meeting(world);
     sum.memory += sizeof(double) * columns * (links + 2 * columns);

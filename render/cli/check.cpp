@@ -5,6 +5,8 @@
 #include <array>
 #include <chrono>
 #include <memory>
+#include <set>
+#include <utility>
 
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
@@ -54,9 +56,23 @@ std::string held_by(const World& world, const Connector& connector, std::size_t 
   return "nothing";
 }
 
-std::string ends_text(const World& world, const Connector& connector) {
-  const std::string first = held_by(world, connector, 0);
-  const std::string last = held_by(world, connector, connector.particles() - 1);
+/// The particles that are joined with others, as connector and number.
+std::set<std::pair<std::size_t, std::size_t>> joined_particles(const World& world) {
+  std::set<std::pair<std::size_t, std::size_t>> found;
+  for (const Joint& joint : world.joints) {
+    for (const auto& [connector, particle] : joint.particles) found.emplace(connector, particle);
+  }
+  return found;
+}
+
+std::string ends_text(const World& world, std::size_t index,
+                      const std::set<std::pair<std::size_t, std::size_t>>& joined) {
+  const Connector& connector = world.connectors[index];
+  const auto end = [&](std::size_t particle) -> std::string {
+    const std::string holder = held_by(world, connector, particle);
+    return holder == "nothing" && joined.contains({index, particle}) ? "a joint" : holder;
+  };
+  const std::string first = end(0), last = end(connector.particles() - 1);
   return first == "nothing" && last == "nothing" ? "free"
                                                  : fmt::format("held by {} and {}", first, last);
 }
@@ -142,6 +158,7 @@ Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& wa
     if (!connector.sections.empty()) one["material"] = material_json(connector);
     append(json["connectors"], connector.name, std::move(one));
   }
+  json["joints"] = scene.world.joints.size();
   json["obstacles"] = Json::object();
   for (const Obstacle& obstacle : scene.world.obstacles) {
     append(json["obstacles"], obstacle.name,
@@ -183,11 +200,14 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
     line(fmt::format("body {}: {:.6g} kg, {}", body.name, body.mass_properties.mass,
                      body.driven() ? "driven" : "free"));
   }
-  for (const Connector& connector : world.connectors) {
+  const auto joined = joined_particles(world);
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
     line(fmt::format("connector {}: {} m, {:.6g} kg, {} particles{}, {}", connector.name,
                      connector.length, connector.mass, connector.particles(),
-                     material_text(connector), ends_text(world, connector)));
+                     material_text(connector), ends_text(world, c, joined)));
   }
+  if (!world.joints.empty()) line(fmt::format("joints: {}", world.joints.size()));
   for (const Obstacle& obstacle : world.obstacles) {
     line(fmt::format("obstacle {}: {}{}, friction {}, restitution {}", obstacle.name,
                      kind_of(obstacle), obstacle.path ? " on a path" : "",

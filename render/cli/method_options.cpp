@@ -129,6 +129,9 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
     throw Misuse(
         fmt::format("--method: {} knows neither stretch nor bending nor air", choice.name));
   }
+  if (!scene.world.joints.empty() && !method->follows_joints) {
+    throw Misuse(fmt::format("--method: {} follows no connectors that are joined", choice.name));
+  }
   if (choice.name != scene.method.name) choice.settings.clear();
   if (options.step) {
     choice.settings.erase("tolerance");

@@ -107,8 +107,9 @@ PaperRatio paper_ratio(const StudyOptions& options, const std::vector<Contender>
   PaperRatio result;
   if (!impulse || !springs) return result;
   const Scene scene = study_scene(options, particles);
-  // The paper's method follows neither.
+  // The paper's method follows none of these.
   if (!scene.world.obstacles.empty() || has_materials(scene.world)) return result;
+  if (!scene.world.joints.empty()) return result;
   const double length = scene.world.connectors.front().length;
   TruthOptions truth;  // errors of a hundredth of the length are asked for, and not less
   truth.scored_error = 0.01 * length;

@@ -269,6 +269,9 @@ int run(const Options& options, const Common& common) {
   if (!scene.world.obstacles.empty()) {
     throw Misuse(fmt::format("{}: has obstacles, which plans do not follow yet", options.scene));
   }
+  if (!scene.world.joints.empty()) {
+    throw Misuse(fmt::format("{}: joins connectors, which plans do not follow yet", options.scene));
+  }
   Asked asked = asked_for(options.tolerance, scene);
   const std::uint64_t stamp = plan_stamp(scene.file);
   std::optional<PlanFile> file;

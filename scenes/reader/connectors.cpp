@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <set>
 #include <stdexcept>
 
+#include "scenes/reader/joints.h"
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
 #include "sim/rotation.h"
@@ -20,8 +22,9 @@ constexpr std::size_t kMostParticles = 1000000;
 /// One end of a connector as the file describes it.
 struct End {
   const Value* value;
-  std::optional<Attachment> to;    // none: nothing holds it
-  double point_mass = 0;           // kg
+  std::optional<Attachment> to;  // none: nothing holds it
+  double point_mass = 0;         // kg
+  std::optional<Joint::Particle> joined = {};
   const Value* hanging = nullptr;  // `hangs` of the body that holds it and has no place yet
 };
 
@@ -42,7 +45,9 @@ class Layout {
     const Value* table = document_.root.find("connectors");
     if (table) {
       for (const Value& value : table->children) add(value);
-      std::vector<bool> laid(table->children.size());
+      joined_.emplace(document_, table, world_);
+      std::vector<bool>& laid = laid_;
+      laid.resize(table->children.size());
       std::set<std::pair<std::size_t, std::size_t>> next;  // round, connector
       for (std::size_t i = 0; i < laid.size(); ++i) next.emplace(0, i);
       while (!next.empty()) {
@@ -54,6 +59,9 @@ class Layout {
         for (const std::size_t body : placed_) {
           for (const std::size_t waits : waiting_[body]) next.emplace(round + (waits < i), waits);
         }
+        for (const std::size_t waits : joined_->joined_to(i)) {
+          if (!laid[waits]) next.emplace(round + (waits < i), waits);
+        }
       }
       for (std::size_t i = 0; i < laid.size(); ++i) {
         if (!laid[i]) {
@@ -64,6 +72,7 @@ class Layout {
       }
     }
     if (table) {
+      joined_->join(world_);
       for (std::size_t i = 0; i < table->children.size(); ++i) repeat(table->children[i], i);
     }
     for (const Value* hangs : unplaced_) {
@@ -113,7 +122,7 @@ class Layout {
       const Value& end = *value.find(key);
       const Value* path = end.find("path");
       const bool circle = path && motions_.path_value(*path).find("circle");
-      if (circle || end.find("body") || end.find("bone")) {
+      if (circle || end.find("body") || end.find("bone") || end.find("connector")) {
         document_.fail_at_key(*list, "needs ends that are free, fixed, or on a path of keys");
       }
     }
@@ -131,7 +140,7 @@ class Layout {
     }
     if (const Value* mass = value.find("point_mass")) {
       end.point_mass = mass->number;
-    } else if (!value.find("free")) {
+    } else if (!value.find("free") && !value.find("connector")) {
       end.to = read_attachment(document_, value, "fixed", motions_);
       if (end.to->kind == Attachment::Kind::body) end.hanging = unplaced_[end.to->body];
     }
@@ -153,6 +162,9 @@ class Layout {
   }
 
   std::optional<Vec3> place(const End& end) const {
+    if (end.joined && laid_[end.joined->connector]) {
+      return world_.connectors[end.joined->connector].position[end.joined->particle];
+    }
     if (!end.to || end.hanging) return {};
     return hold_motion(world_, *end.to, 0).position;
   }
@@ -160,15 +172,32 @@ class Layout {
   /// Gives the connector its shape, and what hangs from it its place. False while neither end is
   /// known.
   bool lay(const Value& value, Connector& connector) {
-    const End from = read_end(*value.find("from")), to = read_end(*value.find("to"));
+    const auto index = static_cast<std::size_t>(&connector - world_.connectors.data());
+    End from = read_end(*value.find("from")), to = read_end(*value.find("to"));
+    from.joined = joined_->target(index, 0);
+    to.joined = joined_->target(index, connector.particles() - 1);
     const Value* start = value.find("start");
     const Value* points = start ? start->find("points") : nullptr;
     const Value* over = start ? start->find("over") : nullptr;
+    const Value* circle = start ? start->find("circle") : nullptr;
     const auto first = place(from), last = place(to);
+    const bool loop = joined_->is_loop(index, connector.particles() - 1);
+    if (loop && !points && !circle) {
+      document_.fail(value, "is a closed loop, expected start = { circle = ... } or points");
+    }
     if (points) {
       connector.position = on_points(*points, connector);
     } else if (over) {
       connector.position = on_obstacle(*over, connector);
+    } else if (circle) {
+      if (!loop) {
+        document_.fail_at_key(*circle,
+                              "needs an end that is joined to the connector's first "
+                              "particle, at = 0 of itself");
+      }
+      connector.position = on_circle(*circle, connector, first);
+    } else if ((from.joined && !first) || (to.joined && !last && !start)) {
+      return false;  // what it is joined to has no place yet
     } else if (first) {
       connector.position = shape(value, connector, *first, last);
     } else if (last) {
@@ -178,10 +207,12 @@ class Layout {
       return false;
     }
     if (const Value* spin = start ? start->find("spin") : nullptr) {
-      if (to.to) document_.fail_at_key(*spin, "needs a last particle that nothing holds");
+      if (to.to || (to.joined && !circle)) {
+        document_.fail_at_key(*spin, "needs a last particle that nothing holds");
+      }
+      const Vec3 about = circle ? circle->find("centre")->vec3() : connector.position.front();
       for (std::size_t i = 0; i < connector.particles(); ++i) {
-        connector.velocity[i] =
-            spin->vec3().cross(connector.position[i] - connector.position.front());
+        connector.velocity[i] = spin->vec3().cross(connector.position[i] - about);
       }
     }
     meet(value, connector, from, first, connector.position.front());
@@ -225,6 +256,24 @@ class Layout {
                                        line.size() - 1, connector.links(), connector.rest.front()));
     }
     return line;
+  }
+
+  /// A regular polygon whose links have their length; from `first` on, or from anywhere.
+  std::vector<Vec3> on_circle(const Value& circle, const Connector& connector,
+                              const std::optional<Vec3>& first) const {
+    const double corners = static_cast<double>(connector.links());
+    const Vec3 axis = direction(document_, *circle.find("axis"));
+    const Vec3 centre = circle.find("centre")->vec3();
+    const double radius = connector.rest.front() / (2 * std::sin(std::numbers::pi / corners));
+    const Vec3 towards = first ? Vec3(*first - centre) : axis.unitOrthogonal();
+    const Vec3 x = (towards - axis.dot(towards) * axis).stableNormalized(), y = axis.cross(x);
+    std::vector<Vec3> places;
+    for (std::size_t i = 0; i < connector.links(); ++i) {
+      const double turn = 2 * std::numbers::pi * static_cast<double>(i) / corners;
+      places.push_back(centre + radius * (std::cos(turn) * x + std::sin(turn) * y));
+    }
+    places.push_back(places.front());
+    return places;
   }
 
   /// The shape that starts at `origin`, which is a known end's place; `far` is the other's.
@@ -303,6 +352,8 @@ class Layout {
   const Document& document_;
   Motions& motions_;
   World& world_;
+  std::optional<JoinedEnds> joined_;
+  std::vector<bool> laid_;              // [connector] it has its shape
   std::size_t particles_ = 0;           // of all connectors so far
   std::vector<const Value*> unplaced_;  // [body] its `hangs` while it has no place
   std::vector<std::vector<std::size_t>>

@@ -63,6 +63,7 @@ const TableFormat& obstacle_format();
 const TableFormat& material_format();
 const TableFormat& drag_format();
 const TableFormat& air_format();
+const TableFormat& net_format();
 const TableFormat& stage_format();
 const TableFormat& plan_format();
 

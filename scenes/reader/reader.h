@@ -114,6 +114,10 @@ MethodChoice read_method(const Document& document, const Value* table, int fps);
 std::vector<Body> read_bodies(const Document& document, Motions& motions);
 /// Connectors with their shapes; places the bodies that hang.
 void read_connectors(const Document& document, Motions& motions, World& world);
+/// Nets, whose cords become connectors behind all others.
+void read_nets(const Document& document, World& world);
+/// How many connectors a net is.
+std::size_t cord_count(const Value& net);
 /// The mass (kg) that a connector of this length has by its mass or its material.
 double mass_of(const Value& connector, double length);
 /// What the connector's links are made of, and the air's drag on them; changes its masses where

@@ -98,6 +98,10 @@ const TableFormat& end_format() {
        text("path", "Name of the path that carries the end."),
        text("bone", "Name of the bone that carries the end, of a character."),
        text("character", "Name of that character."),
+       text("connector",
+            "Name of the connector that the end is joined to: the two particles are one. Of the "
+            "connector itself: it is a closed loop."),
+       not_negative("at", "Where along that connector: the place of one of its particles.", "m"),
        positive("point_mass", "Mass of a point that the end carries.", "kg"),
        {.name = "free",
         .type = Type::flag,
@@ -107,7 +111,7 @@ const TableFormat& end_format() {
               "The connector's direction there, from its first end to its last, is held as well; "
               "in the frame of what holds it.",
               "")},
-      {{{"body", "fixed", "path", "bone", "point_mass", "free"}}}};
+      {{{"body", "fixed", "path", "bone", "connector", "point_mass", "free"}}}};
   return format;
 }
 
@@ -124,6 +128,8 @@ const TableFormat& winding_format() {
 }
 
 const TableFormat& start_format() {
+  static const TableFormat circle{{needed(vector("centre", "Of the circle.")),
+                                   needed(vector("axis", "Across which it stands.", ""))}};
   static const TableFormat format{
       {vector("direction", "Straight from the first end.", ""),
        {.name = "points",
@@ -134,8 +140,14 @@ const TableFormat& start_format() {
         .least = 2},
        vector("hanging_to", "At rest between the first end and this point."),
        table("over", "On a round obstacle, both ends hanging from it.", winding_format()),
-       vector("spin", "Turns as one stiff piece about the first particle.", "rad/s")},
-      {{{"direction", "points", "hanging_to", "over"}, false}}};
+       table("circle",
+             "A closed loop: a polygon whose sides are the links; the last particle is joined to "
+             "the first.",
+             circle),
+       vector("spin",
+              "Turns as one stiff piece about the first particle, or about the circle's centre.",
+              "rad/s")},
+      {{{"direction", "points", "hanging_to", "over", "circle"}, false}}};
   return format;
 }
 
@@ -310,6 +322,8 @@ const TableFormat& scene_format() {
       table("characters", "People who hold bodies.", character_format(), Type::named),
       table("bodies", "Rigid bodies.", body_format(), Type::named),
       table("connectors", "Ropes, chains and cords.", connector_format(), Type::named),
+      table("nets", "Nets, rope ladders and webs; their cords are connectors NAME#1 and so on.",
+            net_format(), Type::named),
       table("obstacles", "Solids that beads of connectors touch.", obstacle_format(), Type::named),
       table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
       table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),

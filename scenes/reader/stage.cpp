@@ -216,6 +216,9 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
     stage.connector_looks.insert(stage.connector_looks.end(),
                                  repeat_count(connectors->children[i]) - 1, look);
   }
+  for_each(root.find("nets"), [&](const Value& net) {
+    stage.connector_looks.insert(stage.connector_looks.end(), cord_count(net), read_look(net));
+  });
   for (const TimedCut& cut : in_order_of_time(scene.timeline.cuts)) {  // as divided() adds them
     stage.connector_looks.push_back(ConnectorLook(stage.connector_looks[cut.connector]));
   }

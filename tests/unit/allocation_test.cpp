@@ -163,6 +163,26 @@ TEST(Allocations, SteppingMaterialsDoesNotAllocateAfterTheFirstCall) {
   }
 }
 
+TEST(Allocations, SteppingJoinedConnectorsDoesNotAllocateAfterTheFirstCall) {
+  World start;
+  Connector trunk = straight_connector("trunk", 1, 0.2, 11, Vec3::Zero(), Vec3(1, -1, 0));
+  trunk.holds = {{}};
+  const Connector branch =
+      straight_connector("branch", 0.5, 0.1, 6, trunk.position[4], Vec3(1, 0, 1));
+  start.connectors = {trunk, branch};
+  start.joints = {{{{0, 4}, {1, 0}}}};
+  finish(start);
+  for (const MethodInfo& method : methods()) {
+    if (!method.follows_joints || method.reference) continue;
+    World world = start;
+    const auto stepper = make_method(method.name, {});
+    stepper->advance(world, 0.05);
+    const std::size_t before = allocations;
+    stepper->advance(world, 0.3);
+    EXPECT_EQ(allocations, before) << method.name;
+  }
+}
+
 TEST(Allocations, DirectDoesNotAllocateAtCoarseTolerances) {
   for (const double tolerance : {0.01, 0.03, 0.06, 0.1, 0.3}) {
     World world = spiral();
