@@ -101,7 +101,7 @@ inline std::vector<SpoiltScene> spoilt_scenes() {
       {"driven body thrown", "driven_by = { path = \"hand\" }",
        "driven_by = { path = \"hand\" }\n^velocity = [1, 0, 0]", "needs a free body"},
       {"end held twice", "to = { body = \"free\",", "to = { body = \"free\", ^fixed = [0, 0, 0],",
-       "only one of: body, fixed, path, bone, point_mass, free"},
+       "only one of: body, fixed, path, bone, connector, point_mass, free"},
       {"bone of nobody", "to = { body = \"free\", point = [0.0, 0.15, 0.0] }",
        "to = { ^bone = \"Head\" }", "needs character"},
       {"bone of a character that is not there",
@@ -146,7 +146,7 @@ inline std::vector<SpoiltScene> spoilt_scenes() {
       {"joined to its neighbour", "to = { body = \"free\", point = [0.0, 0.15, 0.0] }",
        "to = { ^connector = \"chain\", at = 0.108 }", "itself with 1 links between"},
       {"net for a method without", "[[pins]]",
-       "[^nets.n]\nkind = \"net\"\norigin = [0, 1, 0]\nacross = [1, 0, 0]\ndown = [0, -1, 0]\n"
+       "[nets.^n]\nkind = \"net\"\norigin = [0, 1, 0]\nacross = [1, 0, 0]\ndown = [0, -1, 0]\n"
        "size = [1.0, 1.0]\nmass = 1.0\ncells = [4, 4]\nheld = \"upper edge\"\n[[pins]]",
        "the method impulse follows no connectors that are joined, expected one of: springs"},
       {"net without room to move", "[[pins]]",
@@ -156,7 +156,7 @@ inline std::vector<SpoiltScene> spoilt_scenes() {
       {"net that nothing is said to hold", "[[pins]]",
        "[nets.n]\nkind = \"net\"\norigin = [0, 1, 0]\nacross = [1, 0, 0]\ndown = [0, -1, 0]\n"
        "size = [1.0, 1.0]\nmass = 1.0\ncells = [4, 4]\n[[pins]]",
-       "held is missing, expected one of: nothing, upper corners", "34:1"},
+       "held is missing, expected one of: nothing, upper corners", "36:1"},
       {"drag without air", "mass = 0.012", "mass = 0.012\n^drag = { across = 1.2 }",
        "needs a table air"},
       {"pin outside of the connector", "at = 0.06", "at = ^0.2", "at most the length"},
