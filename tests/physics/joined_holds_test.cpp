@@ -101,6 +101,31 @@ TEST(JoinedHolds, ADrivenJoint) {
   EXPECT_LT(apart(after(world, 0.3, 1e-6), truth), 1e-6);
 }
 
+// The beads of joined connectors come to rest on a floor, a radius above it; methods without
+// contact beside joints refuse it.
+TEST(JoinedHolds, BeadsOfJointsTouch) {
+  World world = branch(kParticles);
+  world.connectors[0].holds.clear();
+  for (Connector& connector : world.connectors) connector.radius = 0.01;
+  Obstacle floor;  // a plane
+  floor.name = "floor";
+  floor.place.position = Vec3(0, -0.8, 0);
+  world.obstacles = {floor};
+  finish(world);
+  for (const char* method : {"springs", "xpbd"}) {
+    const World end = after(world, 1.5, method, {});
+    double lowest = 0;
+    for (const Connector& connector : end.connectors) {
+      for (const Vec3& place : connector.position) lowest = std::min(lowest, place.y());
+    }
+    EXPECT_NEAR(lowest, -0.79, 1e-9) << method;
+    EXPECT_EQ(open(end), 0) << method;
+  }
+  for (const char* method : {"direct", "truth"}) {
+    EXPECT_THROW(after(world, 0.1, method, {}), Diverged) << method;
+  }
+}
+
 TEST(JoinedHolds, WorldsThatCannotBeAreRefused) {
   const auto says = [](const auto& spoil) -> std::string {
     World world = branch(kParticles);
