@@ -12,7 +12,8 @@ namespace taut {
 bool follows(const MethodInfo& method, const World& world) {
   return (method.follows_spans || !has_spans(world)) &&
          (method.touches_obstacles || world.obstacles.empty()) &&
-         (method.follows_materials || !has_materials(world));
+         (method.follows_materials || !has_materials(world)) &&
+         (method.follows_joints || world.joints.empty());
 }
 
 const MethodInfo* find_method(std::string_view name) {
