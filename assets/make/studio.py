@@ -6,7 +6,7 @@ import numpy as np
 
 from mesh import Part
 
-_WIDE, _FRONT, _BACK, _TOP, _BEND = 7.0, 5.0, -2.4, 6.0, 1.5  # m
+_WIDE, _FRONT, _BACK, _TOP, _BEND = 10.0, 5.0, -2.4, 6.0, 1.5  # m
 
 
 def _profile():
@@ -22,7 +22,7 @@ def _profile():
 
 def build():
     y, z, up, forward = _profile()
-    x = np.linspace(-_WIDE, _WIDE, 57)
+    x = np.linspace(-_WIDE, _WIDE, 81)
     rows, columns = len(y), len(x)
     points = np.stack([np.tile(x, rows), np.repeat(y, columns), np.repeat(z, columns)], axis=1)
     normals = np.stack([np.zeros(rows * columns), np.repeat(up, columns), np.repeat(forward, columns)], axis=1)
