@@ -62,6 +62,7 @@ TEST(SourceTree, NoProgramHasTwoTypesOfOneName) {
 const std::map<std::string, std::set<std::string>> kSees = {
     {"sim", {"sim/batch", "sim/contact", "sim/material"}},
     {"sim/batch", {}},
+    {"sim/choreography", {"sim"}},
     {"sim/contact", {"sim"}},
     {"sim/material", {"sim"}},
     {"sim/methods", {"sim", "sim/contact", "sim/material", "sim/methods/direct"}},

@@ -1,0 +1,107 @@
+#include "sim/choreography/choreography.h"
+
+#include <algorithm>
+
+#include "sim/choreography/flat_fit.h"
+#include "sim/method.h"
+#include "sim/simulation.h"
+
+namespace taut {
+
+World with_hand_path(const World& world, std::size_t body, const std::vector<PathKey>& keys) {
+  const std::shared_ptr<const Path> old = hand_path(world, body);
+  const auto found = std::make_shared<const Path>(keys);
+  World other = world;
+  for (Body& each : other.bodies) {
+    if (each.path == old) each.path = found;
+  }
+  for (Connector& connector : other.connectors) {
+    for (Hold& hold : connector.holds) {
+      if (hold.to.path == old) hold.to.path = found;
+    }
+  }
+  other.topology = structure(other);
+  return other;
+}
+
+namespace {
+
+/// Where the body's point is minus where it should be, at each waypoint.
+std::vector<Vec3> deviations(const Choreography& problem, const std::vector<PathKey>& keys,
+                             double tolerance) {
+  Simulation simulation(with_hand_path(problem.world, problem.body, keys),
+                        make_method("direct", {{"tolerance", tolerance}}), problem.timeline);
+  std::vector<Vec3> off;
+  for (const Waypoint& waypoint : problem.waypoints) {
+    simulation.advance_to(waypoint.time);
+    const Pose frame = simulation.state().bodies[problem.body];
+    off.push_back(frame.to_world(problem.point) - waypoint.position);
+  }
+  return off;
+}
+
+std::vector<double> lengths(const std::vector<Vec3>& vectors) {
+  std::vector<double> list;
+  for (const Vec3& vector : vectors) list.push_back(vector.norm());
+  return list;
+}
+
+void measure_hand(const Choreography& problem, double from, HandPath& found) {
+  const Path path(found.keys);
+  constexpr int kBetween = 4;
+  for (std::size_t k = 1; k < found.keys.size(); ++k) {
+    const double begin = found.keys[k - 1].time, end = found.keys[k].time;
+    if (begin < from) continue;
+    for (int i = 0; i <= kBetween; ++i) {
+      const FrameMotion hand = path.at(begin + (end - begin) * i / kBetween);
+      found.reach = std::max(found.reach, (hand.position - problem.limits.shoulder).norm());
+      found.speed = std::max(found.speed, hand.velocity.norm());
+      found.acceleration = std::max(found.acceleration, hand.acceleration.norm());
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<double> misses(const Choreography& problem, const std::vector<PathKey>& keys,
+                           double tolerance) {
+  return lengths(deviations(problem, keys, tolerance));
+}
+
+HandPath choreograph(const Choreography& problem, double within,
+                     const std::function<void(double)>& watch) {
+  const std::vector<PathKey> before = hand_path(problem.world, problem.body)->keys();
+  const double from = before.back().time;
+  FlatFit fit(problem, from);
+  std::vector<Vec3> aims;
+  for (const Waypoint& waypoint : problem.waypoints) aims.push_back(waypoint.position);
+
+  HandPath best;
+  double best_miss = std::numeric_limits<double>::infinity();
+  constexpr int kRounds = 12;
+  constexpr double kWorthwhile = 0.9;  // of the miss before
+  constexpr double kAstray = 0.2;      // m: what aims beside the points do not mend
+  constexpr double kFinely = 0.01;     // of what is asked: how finely it is simulated
+  for (int round = 0; round < kRounds && best_miss > within; ++round) {
+    fit.solve(aims);
+    HandPath found{before, {}};
+    found.keys.back().ease = true;
+    for (const PathKey& key : fit.keys()) found.keys.push_back(key);
+    const std::vector<Vec3> off = deviations(problem, found.keys, kFinely * within);
+    found.miss = lengths(off);
+    const double miss = *std::ranges::max_element(found.miss);
+    if (watch) watch(miss);
+    const bool improves = miss < kWorthwhile * best_miss;
+    if (miss < best_miss) {
+      found.tension = fit.least_tension();
+      measure_hand(problem, from, found);
+      best = std::move(found);
+      best_miss = miss;
+    }
+    if (!improves || miss > kAstray) break;
+    for (std::size_t k = 0; k < aims.size(); ++k) aims[k] -= off[k];
+  }
+  return best;
+}
+
+}  // namespace taut

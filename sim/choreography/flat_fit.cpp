@@ -1,0 +1,217 @@
+#include "sim/choreography/flat_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unsupported/Eigen/NonLinearOptimization>
+
+namespace taut {
+namespace {
+
+constexpr std::size_t kNoWaypoint = static_cast<std::size_t>(-1);
+constexpr Eigen::Index kHandColumns = 4;  // of the hand's series: to its third derivative
+constexpr Eigen::Index kTerms = 7;        // residuals of an instant of the hand
+constexpr int kInstants = 2, kKeys = 8;   // of the hand, for each Gaussian
+// Of the chain. Each takes two more derivatives; what more links would change, the simulation
+// shows.
+constexpr std::size_t kLinks = 4;
+
+// What residuals are 1 at, or how they grow.
+constexpr double kNear = 1e-3;      // m, of a waypoint
+constexpr double kJerk = 0.1;       // of a jerk of g in the time constant of the pendulum
+constexpr double kFullUse = 0.97;   // share of a limit up to which it costs nothing
+constexpr double kBeyond = 30;      // per share of a limit beyond
+constexpr double kLeastPull = 0.5;  // of the body's weight, below which
+constexpr double kSlackening = 3;   // the logarithm keeps the chain taut
+
+// The continuation in gravity: from how many of it, in which steps of the logarithm.
+constexpr double kGravities = 8, kFirstStep = 0.4, kLastStep = 0.004;
+constexpr double kSmallJump = 2;                   // of the cost: the step is taken
+constexpr double kRoughly = 1e-3, kFinely = 1e-4;  // relative changes at which fits end
+constexpr int kMostTrials = 60;
+
+constexpr double kNudge = 1e-6;  // m, of a coefficient, for differences
+
+double beyond_limit(double value, double limit) {
+  return kBeyond * std::max(0.0, value / limit - kFullUse);
+}
+
+/// Gaussians as near as the shortest time between waypoints, and the body's own swing, ask for.
+double spacing_of(const Choreography& problem, double length) {
+  double spacing = 2 * std::numbers::pi * std::sqrt(length / problem.world.gravity.norm()) / 8;
+  for (std::size_t k = 1; k < problem.waypoints.size(); ++k) {
+    spacing = std::min(spacing, (problem.waypoints[k].time - problem.waypoints[k - 1].time) / 2);
+  }
+  return spacing;
+}
+
+double total(const std::vector<double>& numbers) {
+  double sum = 0;
+  for (const double number : numbers) sum += number;
+  return sum;
+}
+
+}  // namespace
+
+FlatFit::FlatFit(const Choreography& problem, double from)
+    : problem_(problem),
+      chain_(coarser(flat_chain(problem.world, problem.body), kLinks)),
+      last_{chain_.gravity, {chain_.mass[0]}, {chain_.length[0]}},
+      hand_(problem.world, problem.body, problem.pivot),
+      from_(from) {
+  const double length = total(chain_.length), gravity = chain_.gravity.norm();
+  const Body& body = problem.world.bodies[problem.body];
+  const Vec3 hangs = hanging_hold(problem.world, problem.body).to.point;
+  rest_ = hand_.rest() + length / gravity * chain_.gravity;
+  along_ = (problem.point - hangs).dot((body.bare.centre - hangs).normalized()) / chain_.length[0];
+  weight_ = chain_.mass[0] * gravity;
+  jerk_ = gravity / std::sqrt(length / gravity);
+
+  curve_ = GaussianSum::between(from, problem.until, spacing_of(problem, length));
+  coefficients_ = Eigen::VectorXd::Zero(3 * curve_.count);
+  Eigen::Index row = 0;
+  for (std::size_t k = 0; k < problem.waypoints.size(); ++k, row += 3) {
+    const double time = problem.waypoints[k].time;
+    instants_.push_back({time, curve_.at(time, last_.columns(1)), row, k});
+  }
+  const int steps = steps_of(curve_.spacing / kInstants);
+  for (int k = 1; k < steps; ++k, row += kTerms) {
+    const double time = from + (problem.until - from) * k / steps;
+    instants_.push_back({time, curve_.at(time, chain_.columns(kHandColumns)), row, kNoWaypoint});
+  }
+  start();
+}
+
+int FlatFit::steps_of(double longest) const {
+  return static_cast<int>(std::ceil((problem_.until - from_) / longest));
+}
+
+void FlatFit::start() {
+  const auto points = static_cast<Eigen::Index>(problem_.waypoints.size());
+  const auto rows = static_cast<Eigen::Index>(instants_.size());
+  Eigen::MatrixXd curve = Eigen::MatrixXd::Zero(rows, curve_.count);
+  Eigen::MatrixX3d values = Eigen::MatrixX3d::Zero(rows, 3);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const GaussianSum::Local& basis = instants_[static_cast<std::size_t>(row)].basis;
+    const bool passes = row < points;
+    curve.row(row).segment(basis.begin, basis.series.rows()) =
+        (passes ? 1 / kNear : 6 * kJerk / jerk_) * basis.series.col(passes ? 0 : 3);
+    if (!passes) continue;
+    const Vec3& at = problem_.waypoints[static_cast<std::size_t>(row)].position;
+    const Vec3 out = (at - hand_.rest()).normalized();
+    values.row(row) = (at - (along_ - 1) * chain_.length[0] * out - rest_) / kNear;
+  }
+  const Eigen::MatrixX3d fitted = curve.colPivHouseholderQr().solve(values);
+  for (Eigen::Index k = 0; k < curve_.count; ++k) {
+    coefficients_.segment<3>(3 * k) = fitted.row(k);
+  }
+}
+
+int FlatFit::values() const {
+  const Instant& last = instants_.back();
+  return static_cast<int>(last.row + (last.waypoint == kNoWaypoint ? kTerms : 3));
+}
+
+TaylorSeries FlatFit::free_end(const GaussianSum::Local& basis,
+                               const Eigen::VectorXd& coefficients) const {
+  const Eigen::Map<const TaylorSeries> of_gaussians(coefficients.data(), 3, curve_.count);
+  TaylorSeries series = of_gaussians.middleCols(basis.begin, basis.series.rows()) * basis.series;
+  series.col(0) += rest_;
+  return series;
+}
+
+Eigen::VectorXd FlatFit::residuals(const Instant& instant, const TaylorSeries& free_end) const {
+  if (instant.waypoint != kNoWaypoint) {
+    const FlatMotion motion = flat_motion(last_, free_end);
+    const Vec3 hangs = motion.particles[1].col(0), end = motion.particles[0].col(0);
+    return (hangs + along_ * (end - hangs) - aims_[instant.waypoint]) / kNear;
+  }
+  const FlatMotion motion = flat_motion(chain_, free_end);
+  const TaylorSeries hand = hand_.origin(motion.particles.back());
+  const HandLimits& limits = problem_.limits;
+  Eigen::VectorXd terms(kTerms);
+  terms << kJerk / jerk_ * 6 * hand.col(3),
+      beyond_limit((hand.col(0) - limits.shoulder).norm(), limits.reach),
+      beyond_limit(hand.col(1).norm(), limits.speed),
+      beyond_limit(2 * hand.col(2).norm(), limits.acceleration),
+      kSlackening * std::max(0.0, std::log(kLeastPull * weight_ / motion.tension[0]));
+  return terms;
+}
+
+int FlatFit::operator()(const Eigen::VectorXd& coefficients, Eigen::VectorXd& all) const {
+  for (const Instant& instant : instants_) {
+    const Eigen::VectorXd some = residuals(instant, free_end(instant.basis, coefficients));
+    all.segment(instant.row, some.size()) = some;
+  }
+  return all.allFinite() ? 0 : -1;
+}
+
+int FlatFit::df(const Eigen::VectorXd& coefficients, Eigen::MatrixXd& jacobian) const {
+  jacobian.setZero();
+  for (const Instant& instant : instants_) {
+    const TaylorSeries series = free_end(instant.basis, coefficients);
+    const Eigen::VectorXd here = residuals(instant, series);
+    for (Eigen::Index i = 0; i < instant.basis.series.rows(); ++i) {
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        TaylorSeries nudged = series;
+        nudged.row(axis) += kNudge * instant.basis.series.row(i);
+        jacobian.col(3 * (instant.basis.begin + i) + axis).segment(instant.row, here.size()) =
+            (residuals(instant, nudged) - here) / kNudge;
+      }
+    }
+  }
+  return 0;
+}
+
+double FlatFit::fit(double gravities, double fine) {
+  chain_.gravity = last_.gravity = gravities * problem_.world.gravity;
+  Eigen::LevenbergMarquardt<FlatFit> method(*this);
+  method.parameters.xtol = method.parameters.ftol = fine;
+  method.parameters.maxfev = kMostTrials;
+  method.minimize(coefficients_);
+  return method.fnorm;
+}
+
+void FlatFit::solve(const std::vector<Vec3>& aims) {
+  aims_ = aims;
+  double gravities = fitted_ ? 1 : kGravities, step = kFirstStep;
+  for (double cost = fitted_ ? 0 : fit(gravities, kRoughly); gravities > 1 && step > kLastStep;) {
+    const double next = std::max(1.0, gravities * std::exp(-step));
+    const Eigen::VectorXd kept = coefficients_;
+    const double now = fit(next, kRoughly);
+    if (now < kSmallJump * (cost + 1)) {
+      gravities = next;
+      cost = now;
+      step *= 1.5;
+    } else {
+      coefficients_ = kept;
+      step /= 2;
+    }
+  }
+  fitted_ = true;
+  fit(1, kFinely);
+}
+
+std::vector<PathKey> FlatFit::keys() const {
+  const int steps = steps_of(curve_.spacing / kKeys);
+  std::vector<PathKey> keys;
+  for (int k = 1; k < steps; ++k) {
+    const double time = from_ + (problem_.until - from_) * k / steps;
+    const FlatMotion motion =
+        flat_motion(chain_, free_end(curve_.at(time, chain_.columns(1)), coefficients_));
+    const TaylorSeries& end = motion.particles.back();
+    keys.push_back({time, hand_.origin(end).col(0), hand_.rotation(end.col(0))});
+  }
+  keys.push_back({problem_.until, hand_.origin(hand_.rest()), hand_.rotation(hand_.rest())});
+  return keys;
+}
+
+double FlatFit::least_tension() const {
+  double least = weight_;
+  for (const Instant& instant : instants_) {
+    least = std::min(least, flat_motion(last_, free_end(instant.basis, coefficients_)).tension[0]);
+  }
+  return least;
+}
+
+}  // namespace taut

@@ -1,0 +1,65 @@
+// The smoothest motion of a hand, within its limits, that leads what hangs by a flat chain through
+// given points.
+#pragma once
+
+#include <functional>
+
+#include "sim/choreography/choreography.h"
+#include "sim/choreography/gaussian_sum.h"
+#include "sim/choreography/hand_frame.h"
+
+namespace taut {
+
+/// Least squares over the coefficients of the free end's curve: how far the waypoints are missed,
+/// by how much limits are exceeded, and the hand's jerk, which people's hands keep low (Flash and
+/// Hogan, "The coordination of arm movements", Journal of Neuroscience 5, 1985).
+class FlatFit {
+ public:
+  FlatFit(const Choreography& problem, double from);
+
+  /// The fit by Levenberg and Marquardt's method, from the last one. The first one begins under a
+  /// gravity so large that the body hangs, and follows the fit down to the world's: so the chain
+  /// stays taut all the way, where a fit at once would stop at motions that it cannot follow.
+  void solve(const std::vector<Vec3>& aims);
+
+  /// The hand's keys after `from`, at rest at the last.
+  std::vector<PathKey> keys() const;
+  /// The least tension of the body's link (N).
+  double least_tension() const;
+
+  // What Eigen's LevenbergMarquardt asks of a function.
+  int inputs() const { return static_cast<int>(coefficients_.size()); }
+  int values() const;
+  int operator()(const Eigen::VectorXd& coefficients, Eigen::VectorXd& residuals) const;
+  int df(const Eigen::VectorXd& coefficients, Eigen::MatrixXd& jacobian) const;
+
+ private:
+  /// An instant at which the motion counts.
+  struct Instant {
+    double time = 0;  // s
+    GaussianSum::Local basis;
+    Eigen::Index row = 0;      // of its residuals
+    std::size_t waypoint = 0;  // of it, or none: of the hand's motion
+  };
+  /// A smooth curve with the hand still, and the body pointing away from it at each waypoint.
+  void start();
+  double fit(double gravities, double fine);
+  int steps_of(double longest) const;
+  TaylorSeries free_end(const GaussianSum::Local& basis, const Eigen::VectorXd& coefficients) const;
+  Eigen::VectorXd residuals(const Instant& instant, const TaylorSeries& free_end) const;
+
+  const Choreography& problem_;
+  FlatChain chain_, last_;  // the whole, and the body's link alone
+  HandFrame hand_;
+  double from_;                   // s
+  Vec3 rest_ = Vec3::Zero();      // m, of the free end
+  double along_ = 1;              // of the point, as a share of the body's link
+  double weight_ = 0, jerk_ = 0;  // N, of the body; m/s^3
+  GaussianSum curve_;
+  std::vector<Instant> instants_;
+  std::vector<Vec3> aims_;
+  Eigen::VectorXd coefficients_;
+  bool fitted_ = false;
+};
+
+}  // namespace taut
