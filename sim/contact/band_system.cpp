@@ -7,7 +7,7 @@
 namespace taut {
 namespace {
 
-constexpr double kSingular = 1e-13;  // of a column's largest entry: a pivot below is rounding
+constexpr double kBandSingular = 1e-13;  // of a column's largest entry: a pivot below is rounding
 
 }  // namespace
 
@@ -37,7 +37,7 @@ void BandSystem::factor() {
       if (std::abs(own[i]) > std::abs(own[best])) best = i;
     }
     pivot_[j] = best;
-    if (!(std::abs(own[best]) > kSingular)) {
+    if (!(std::abs(own[best]) > kBandSingular)) {
       scale_[j] = 0;
       std::fill_n(own, below + 1, 0.0);
       continue;
