@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scenes/model/model.h"
-#include "sim/contact/shape.h"
+#include "sim/world/shape.h"
 
 namespace taut {
 

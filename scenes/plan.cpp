@@ -9,8 +9,8 @@
 #include "scenes/reader/reader.h"
 #include "scenes/regular_file.h"
 #include "scenes/standard_input.h"
-#include "sim/hash.h"
-#include "sim/simulation.h"
+#include "sim/motion/hash.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

@@ -9,7 +9,7 @@
 #include "scenes/reader/format.h"
 #include "scenes/reader/reader.h"
 #include "scenes/standard_input.h"
-#include "sim/coarser.h"
+#include "sim/run/coarser.h"
 
 namespace taut {
 

@@ -11,9 +11,9 @@
 #include "scenes/method_choice.h"
 #include "scenes/plan.h"
 #include "scenes/stage.h"
-#include "sim/simulation.h"
-#include "sim/trajectory.h"
-#include "sim/world.h"
+#include "sim/run/simulation.h"
+#include "sim/run/trajectory.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scenes/model/model.h"
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scenes/model/model.h"
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

@@ -15,7 +15,7 @@
 #include "render/interrupt.h"
 #include "render/version.h"
 #include "scenes/default_stage.h"
-#include "sim/hash.h"
+#include "sim/motion/hash.h"
 
 namespace taut::cli {
 namespace {

@@ -21,7 +21,7 @@
 #include "render/interrupt.h"
 #include "scenes/default_stage.h"
 #include "scenes/error.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 #include "sim/truth/truth.h"

@@ -10,7 +10,7 @@
 #include "render/film/film.h"
 #include "render/interrupt.h"
 #include "scenes/error.h"
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include "render/cli/command.h"
 #include "render/cli/scene_options.h"
 #include "scenes/scene_keys.h"
-#include "sim/span.h"
+#include "sim/world/span.h"
 
 namespace taut::cli {
 

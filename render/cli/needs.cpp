@@ -11,7 +11,7 @@
 #include "render/cli/note.h"
 #include "render/error.h"
 #include "scenes/error.h"
-#include "sim/footprint.h"
+#include "sim/run/footprint.h"
 
 namespace taut::cli {
 namespace {

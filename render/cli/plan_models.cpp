@@ -8,10 +8,10 @@
 
 #include "render/cli/study_options.h"
 #include "scenes/error.h"
-#include "sim/bodies_as_links.h"
-#include "sim/coarser.h"
-#include "sim/span.h"
+#include "sim/run/bodies_as_links.h"
+#include "sim/run/coarser.h"
 #include "sim/study/refined.h"
+#include "sim/world/span.h"
 
 namespace taut::cli {
 namespace {

@@ -9,9 +9,9 @@
 #include "render/chart/table.h"
 #include "render/cli/method_options.h"
 #include "render/cli/study_options.h"
-#include "sim/bodies_as_links.h"
 #include "sim/methods/direct/direct.h"
-#include "sim/span.h"
+#include "sim/run/bodies_as_links.h"
+#include "sim/world/span.h"
 
 namespace taut::cli {
 namespace {

@@ -24,8 +24,8 @@
 #include "render/version.h"
 #include "scenes/error.h"
 #include "scenes/reader/document.h"
-#include "sim/method.h"
-#include "sim/timeline.h"
+#include "sim/interventions/timeline.h"
+#include "sim/run/method.h"
 
 namespace taut::cli {
 

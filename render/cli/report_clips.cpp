@@ -9,7 +9,7 @@
 #include "render/cli/progress.h"
 #include "render/cli/reproduce.h"
 #include "render/interrupt.h"
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "scenes/scene.h"
-#include "sim/error_estimate.h"
+#include "sim/run/error_estimate.h"
 
 namespace taut::cli {
 

@@ -23,8 +23,8 @@
 #include "render/export/csv.h"
 #include "render/interrupt.h"
 #include "scenes/scene.h"
-#include "sim/measure.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 
 namespace taut::cli {
 

@@ -10,7 +10,7 @@
 #include "render/cli/command.h"
 #include "render/film/fingerprint.h"
 #include "scenes/standard_input.h"
-#include "sim/hash.h"
+#include "sim/motion/hash.h"
 
 namespace taut::cli {
 namespace {

@@ -18,7 +18,7 @@
 #include "render/cli/study_options.h"
 #include "render/cli/study_target.h"
 #include "render/cli/terminal.h"
-#include "sim/hash.h"
+#include "sim/motion/hash.h"
 
 namespace taut::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/stage.h"
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

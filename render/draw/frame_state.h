@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "scenes/stage.h"
-#include "sim/trajectory.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 

@@ -7,7 +7,7 @@
 
 #include "render/picture/rect.h"
 #include "scenes/stage.h"
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

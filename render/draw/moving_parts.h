@@ -8,7 +8,7 @@
 #include "render/draw/frame_state.h"
 #include "render/mesh/connector_mesh.h"
 #include "scenes/stage.h"
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

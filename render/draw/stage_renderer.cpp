@@ -8,7 +8,7 @@
 #include "render/draw/reach.h"
 #include "render/draw/shadow_cover.h"
 #include "render/draw/stage_parts.h"
-#include "sim/hash.h"
+#include "sim/motion/hash.h"
 
 namespace taut {
 namespace {

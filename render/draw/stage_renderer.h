@@ -9,7 +9,7 @@
 #include "render/gl/canvas.h"
 #include "render/gl/profile.h"
 #include "scenes/stage.h"
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

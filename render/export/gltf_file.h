@@ -8,7 +8,7 @@
 #include <string>
 
 #include "render/export/frame_writer.h"
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

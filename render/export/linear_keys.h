@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "sim/trajectory.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 

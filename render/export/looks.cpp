@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "render/export/frame_writer.h"
 #include "scenes/exposure.h"
-#include "sim/shown_velocities.h"
+#include "sim/run/shown_velocities.h"
 
 namespace taut {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "scenes/regular_file.h"
-#include "sim/hash.h"
+#include "sim/motion/hash.h"
 
 namespace taut {
 namespace {

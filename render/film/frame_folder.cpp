@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "render/error.h"
-#include "sim/hash.h"
+#include "sim/motion/hash.h"
 
 namespace taut {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "render/golden/snapshot_json.h"
 #include "scenes/regular_file.h"
-#include "sim/hash.h"
+#include "sim/motion/hash.h"
 
 namespace taut {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "render/golden/picture_difference.h"
 #include "render/picture/picture.h"
-#include "sim/trajectory.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 

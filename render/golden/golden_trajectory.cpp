@@ -10,8 +10,8 @@
 #include "render/golden/snapshot_json.h"
 #include "render/interrupt.h"
 #include "scenes/regular_file.h"
-#include "sim/hash.h"
-#include "sim/simulation.h"
+#include "sim/motion/hash.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

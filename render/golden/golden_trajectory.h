@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "scenes/golden_suite.h"
-#include "sim/trajectory.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 

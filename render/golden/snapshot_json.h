@@ -3,7 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "sim/trajectory.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "scenes/stage.h"
-#include "sim/connector.h"
-#include "sim/types.h"
+#include "sim/motion/types.h"
+#include "sim/world/connector.h"
 
 namespace taut {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {

@@ -1,7 +1,7 @@
 #include "render/package/described.h"
 
 #include "render/cli/help.h"
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut::package {
 namespace {

@@ -22,7 +22,6 @@ struct DescribedCommand {
   std::string summary, footer;
   std::vector<DescribedOption> options;
   std::vector<std::string> commands;  // names of those below it
-
 };
 
 /// The program first, each command before those below it.

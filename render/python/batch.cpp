@@ -1,5 +1,5 @@
 // Thousands of connectors at once.
-#include "sim/batch.h"
+#include "sim/batch/batch.h"
 
 #include <fmt/format.h>
 

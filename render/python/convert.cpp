@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/span.h"
+#include "sim/world/span.h"
 
 namespace taut::python {
 

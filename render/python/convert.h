@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut::python {
 

@@ -6,8 +6,8 @@
 
 #include "render/error.h"
 #include "scenes/fault.h"
-#include "sim/method.h"
-#include "sim/timeline.h"
+#include "sim/interventions/timeline.h"
+#include "sim/run/method.h"
 
 namespace taut::python {
 namespace {

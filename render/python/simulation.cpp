@@ -10,7 +10,7 @@
 
 #include "render/python/errors.h"
 #include "render/python/world.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 
 namespace taut::python {
 namespace {

@@ -6,7 +6,7 @@
 #include "render/python/convert.h"
 #include "render/python/signals.h"
 #include "render/python/windows.h"
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut::python {
 

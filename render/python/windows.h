@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut::python {
 

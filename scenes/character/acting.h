@@ -4,7 +4,7 @@
 
 #include "scenes/character/figure.h"
 #include "scenes/character/track.h"
-#include "sim/path.h"
+#include "sim/motion/path.h"
 
 namespace taut {
 

@@ -6,7 +6,7 @@
 
 #include "scenes/character/performance.h"
 #include "scenes/model/model.h"
-#include "sim/path.h"
+#include "sim/motion/path.h"
 
 namespace taut {
 

@@ -1,7 +1,7 @@
 // Arms and legs: two bones that reach a point.
 #pragma once
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {

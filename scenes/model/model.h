@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

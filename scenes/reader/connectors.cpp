@@ -10,7 +10,7 @@
 #include "scenes/reader/joints.h"
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 

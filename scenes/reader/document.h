@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

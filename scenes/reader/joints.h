@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "scenes/reader/reader.h"
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

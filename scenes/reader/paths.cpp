@@ -6,7 +6,7 @@
 #include "scenes/reader/format_keys.h"
 #include "scenes/reader/reader.h"
 #include "scenes/regular_file.h"
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/reader/document.h"
-#include "sim/connector.h"
+#include "sim/world/connector.h"
 
 namespace taut {
 

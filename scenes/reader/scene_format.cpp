@@ -4,7 +4,7 @@
 
 #include "scenes/reader/format_keys.h"
 #include "scenes/scene_keys.h"
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "sim/choreography/flat_fit.h"
-#include "sim/method.h"
-#include "sim/simulation.h"
+#include "sim/run/method.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "sim/path.h"
-#include "sim/timeline.h"
-#include "sim/world.h"
+#include "sim/interventions/timeline.h"
+#include "sim/motion/path.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

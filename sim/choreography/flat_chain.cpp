@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/bodies_as_links.h"
+#include "sim/run/bodies_as_links.h"
 
 namespace taut {
 namespace {

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/timeline.h"
-#include "sim/world.h"
+#include "sim/interventions/timeline.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

@@ -1,6 +1,6 @@
 #include "sim/choreography/hand_frame.h"
 
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {

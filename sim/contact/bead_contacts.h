@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sim/mechanism.h"
-#include "sim/world.h"
+#include "sim/links/mechanism.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

@@ -5,7 +5,7 @@
 
 #include "sim/contact/contact_motion.h"
 #include "sim/contact/damping.h"
-#include "sim/hash.h"
+#include "sim/motion/hash.h"
 
 namespace taut {
 namespace {

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sim/contact/obstacle.h"
 #include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
-#include "sim/mechanism.h"
+#include "sim/links/mechanism.h"
+#include "sim/world/obstacle.h"
 
 namespace taut {
 

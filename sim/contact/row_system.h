@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/mechanism.h"
+#include "sim/links/mechanism.h"
 
 namespace taut {
 

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

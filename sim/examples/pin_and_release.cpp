@@ -1,7 +1,7 @@
 // A rope with a weight swings; its middle is held where it is for half a second, and let go again.
-#include <taut/sim/measure.h>
+#include <taut/sim/measure/measure.h>
 #include <taut/sim/options.h>
-#include <taut/sim/simulation.h>
+#include <taut/sim/run/simulation.h>
 
 #include <cstdio>
 

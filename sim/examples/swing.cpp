@@ -1,6 +1,6 @@
 // A rope swings from the horizontal. Prints where its free end is, sixty times a second.
 #include <taut/sim/options.h>
-#include <taut/sim/simulation.h>
+#include <taut/sim/run/simulation.h>
 
 #include <cstdio>
 

@@ -1,6 +1,6 @@
 // Ten thousand ropes of 16 particles swing for a second, in steps of a millisecond, on all cores.
-#include <taut/sim/batch.h>
-#include <taut/sim/measure.h>
+#include <taut/sim/batch/batch.h>
+#include <taut/sim/measure/measure.h>
 
 #include <chrono>
 #include <cstdio>

@@ -2,7 +2,7 @@
 // derivatives, one element at a time.
 #pragma once
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

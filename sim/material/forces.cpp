@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "sim/material/elements.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 
 namespace taut {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

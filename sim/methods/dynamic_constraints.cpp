@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/companion.h"
-#include "sim/frequency.h"
+#include "sim/links/tension.h"
+#include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
-#include "sim/tension.h"
+#include "sim/run/companion.h"
 
 namespace taut {
 namespace {

@@ -1,7 +1,7 @@
 // Dynamic constraints (Barzel and Barr 1988): forces that keep every link at its length.
 #pragma once
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <ranges>
 
-#include "sim/companion.h"
 #include "sim/methods/span_impulse.h"
-#include "sim/room.h"
-#include "sim/span.h"
+#include "sim/run/companion.h"
+#include "sim/world/room.h"
+#include "sim/world/span.h"
 
 namespace taut {
 namespace {

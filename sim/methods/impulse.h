@@ -2,7 +2,7 @@
 // Connectors", sections IV.A to IV.C.
 #pragma once
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

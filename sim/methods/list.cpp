@@ -1,12 +1,12 @@
 // The methods there are, in the order in which they are listed.
 #include <algorithm>
 
-#include "sim/add_method.h"
 #include "sim/methods/direct/direct.h"
 #include "sim/methods/dynamic_constraints.h"
 #include "sim/methods/impulse.h"
 #include "sim/methods/springs.h"
 #include "sim/methods/xpbd.h"
+#include "sim/run/add_method.h"
 
 namespace taut {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "sim/method.h"
-#include "sim/span.h"
-#include "sim/rotation.h"
+#include "sim/run/method.h"
+#include "sim/world/rotation.h"
+#include "sim/world/span.h"
 
 namespace taut {
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/companion.h"
 #include "sim/contact/bead_contacts.h"
-#include "sim/frequency.h"
+#include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
+#include "sim/run/companion.h"
 
 namespace taut {
 namespace {

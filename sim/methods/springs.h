@@ -1,7 +1,7 @@
 // The particle system: a hard spring and damper per link.
 #pragma once
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/mechanism.h"
-#include "sim/method.h"
-#include "sim/projection.h"
+#include "sim/links/mechanism.h"
+#include "sim/links/projection.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/companion.h"
 #include "sim/contact/bead_contacts.h"
-#include "sim/frequency.h"
+#include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/methods/xpbd_material.h"
+#include "sim/run/companion.h"
 
 namespace taut {
 namespace {

@@ -1,7 +1,7 @@
 // Extended position-based dynamics with small steps (Macklin et al. 2016 and 2019).
 #pragma once
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sim/mechanism.h"
+#include "sim/links/mechanism.h"
 
 namespace taut {
 

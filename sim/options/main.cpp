@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace {
 
@@ -112,7 +112,7 @@ constexpr const char* kHead =
 #include <string>
 #include <string_view>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

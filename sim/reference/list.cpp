@@ -1,8 +1,8 @@
 // The methods that stand on other libraries join the list when the program starts.
-#include "sim/add_method.h"
 #include "sim/reference/multibody.h"
 #include "sim/reference/multipliers.h"
 #include "sim/reference/sdfast.h"
+#include "sim/run/add_method.h"
 
 /// What links against this library asks for this name, which takes this file out of the archive.
 extern "C" const bool taut_reference_methods = [] {

@@ -2,10 +2,10 @@
 
 #include <optional>
 
-#include "sim/companion.h"
-#include "sim/projection.h"
+#include "sim/links/projection.h"
 #include "sim/reference/simbody_model.h"
-#include "sim/trajectory.h"
+#include "sim/run/companion.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 namespace {

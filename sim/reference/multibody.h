@@ -1,7 +1,7 @@
 // A general multibody package with joint coordinates: Simbody, the open successor of SD/FAST.
 #pragma once
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/companion.h"
-#include "sim/mechanism.h"
-#include "sim/projection.h"
+#include "sim/links/mechanism.h"
+#include "sim/links/projection.h"
 #include "sim/reference/event_driven.h"
 #include "sim/reference/runge_kutta.h"
+#include "sim/run/companion.h"
 
 namespace taut {
 namespace {

@@ -2,7 +2,7 @@
 // order that controls its error.
 #pragma once
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -5,13 +5,13 @@
 #include <optional>
 #include <stdexcept>
 
-#include "sim/companion.h"
-#include "sim/projection.h"
+#include "sim/links/projection.h"
 #include "sim/reference/sdfast/ball.h"
 #include "sim/reference/sdfast/chain.h"
 #include "sim/reference/sdfast/model.h"
 #include "sim/reference/sdfast/pin.h"
-#include "sim/trajectory.h"
+#include "sim/run/companion.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 namespace {

@@ -1,7 +1,7 @@
 // SD/FAST, the multibody package that the paper compares with.
 #pragma once
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

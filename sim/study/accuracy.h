@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "sim/trajectory.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/measure.h"
-#include "sim/span.h"
+#include "sim/measure/measure.h"
+#include "sim/world/span.h"
 
 namespace taut {
 namespace {

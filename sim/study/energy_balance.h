@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "sim/components.h"
-#include "sim/timeline.h"
-#include "sim/world.h"
+#include "sim/interventions/timeline.h"
+#include "sim/world/components.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sim/trajectory.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 

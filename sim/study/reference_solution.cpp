@@ -6,12 +6,12 @@
 #include <mutex>
 #include <span>
 
-#include "sim/measure.h"
-#include "sim/span.h"
+#include "sim/measure/measure.h"
 #include "sim/study/energy_balance.h"
 #include "sim/study/side_by_side.h"
 #include "sim/study/statistics.h"
 #include "sim/truth/truth.h"
+#include "sim/world/span.h"
 
 namespace taut {
 namespace {

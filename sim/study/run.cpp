@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 
 namespace taut {
 namespace {

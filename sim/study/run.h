@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 #include "sim/study/candidate.h"
 
 namespace taut {

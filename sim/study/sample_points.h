@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sim/trajectory.h"
-#include "sim/world.h"
+#include "sim/run/trajectory.h"
+#include "sim/world/world.h"
 
 namespace taut {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

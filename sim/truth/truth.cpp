@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

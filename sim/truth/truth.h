@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sim/method.h"
-#include "sim/timeline.h"
-#include "sim/trajectory.h"
+#include "sim/interventions/timeline.h"
+#include "sim/run/method.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 

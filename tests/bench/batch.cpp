@@ -1,6 +1,6 @@
 // Many ropes at once: nanoseconds per particle and step, beside the least that this processor could
 // take for as many operations, and how much faster than real time 10,000 ropes are.
-#include "sim/batch.h"
+#include "sim/batch/batch.h"
 
 #include <benchmark/benchmark.h>
 

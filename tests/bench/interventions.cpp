@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 #include "sim/study/run.h"
 
 namespace taut {

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <thread>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 

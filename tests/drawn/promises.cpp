@@ -10,7 +10,7 @@
 #include "scenes/reader/document.h"
 #include "scenes/reader/reader.h"
 #include "scenes/scene.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 #include "tests/bench/promise/reference.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 

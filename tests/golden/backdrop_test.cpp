@@ -3,7 +3,7 @@
 
 #include "render/draw/stage_renderer.h"
 #include "scenes/scene.h"
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

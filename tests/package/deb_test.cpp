@@ -52,7 +52,7 @@ TEST(DebianPackages, HoldWhatTheirNamesSayAndSatisfyLintian) {
     EXPECT_NE(listing(packages["taut"]).find(file), std::string::npos) << file;
   }
   EXPECT_NE(listing(packages["libtaut0"]).find("/libtaut_sim.so.0 -> "), std::string::npos);
-  for (const char* file : {"/include/taut/sim/world.h\n", "/include/taut/sim/options.h\n",
+  for (const char* file : {"/include/taut/sim/world/world.h\n", "/include/taut/sim/options.h\n",
                            "/tautConfig.cmake\n", "/pkgconfig/taut.pc\n", "/libtaut_sim.so -> "}) {
     EXPECT_NE(listing(packages["libtaut-dev"]).find(file), std::string::npos) << file;
   }

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

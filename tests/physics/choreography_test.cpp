@@ -9,8 +9,8 @@
 #include "sim/choreography/flat_chain.h"
 #include "sim/choreography/gaussian_sum.h"
 #include "sim/choreography/hand_frame.h"
-#include "sim/method.h"
-#include "sim/simulation.h"
+#include "sim/run/method.h"
+#include "sim/run/simulation.h"
 #include "worlds.h"
 
 namespace taut {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "contact_worlds.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 
 namespace taut {
 namespace {

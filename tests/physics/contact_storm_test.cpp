@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "contact_worlds.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "tests/support/dice.h"
 
 namespace taut {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "contact_worlds.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/truth/truth.h"
 
 namespace taut {

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
-#include "sim/contact/obstacle.h"
-#include "sim/rotation.h"
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
+#include "sim/world/obstacle.h"
+#include "sim/world/rotation.h"
 #include "worlds.h"
 
 namespace taut::contact_worlds {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut::contract {
 

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "sim/measure.h"
-#include "sim/method.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/method.h"
+#include "sim/run/simulation.h"
 #include "worlds.h"
 
 namespace taut {

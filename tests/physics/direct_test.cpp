@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/measure.h"
-#include "sim/method.h"
-#include "sim/simulation.h"
-#include "sim/trajectory.h"
+#include "sim/measure/measure.h"
+#include "sim/run/method.h"
+#include "sim/run/simulation.h"
+#include "sim/run/trajectory.h"
 #include "worlds.h"
 
 namespace taut {

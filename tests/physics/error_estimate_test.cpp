@@ -1,5 +1,5 @@
 // Error estimates against errors: of motions with known answers, and against the truth.
-#include "sim/error_estimate.h"
+#include "sim/run/error_estimate.h"
 
 #include <gtest/gtest.h>
 

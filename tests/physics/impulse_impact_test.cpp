@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/measure.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 #include "tests/physics/impulse_worlds.h"
 
 namespace taut {

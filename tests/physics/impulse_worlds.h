@@ -1,8 +1,8 @@
 // Small worlds for the tests of the impulse method: sticks, cords, a pendulum.
 #pragma once
 
-#include "sim/measure.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "scenes/scene.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "worlds.h"
 
 namespace taut {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "joined_worlds.h"
-#include "sim/joined_tension.h"
+#include "sim/links/joined_tension.h"
 
 namespace taut {
 namespace {

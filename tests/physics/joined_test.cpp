@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "joined_worlds.h"
-#include "sim/mechanism.h"
-#include "sim/tension.h"
+#include "sim/links/mechanism.h"
+#include "sim/links/tension.h"
 #include "sim/truth/truth.h"
 
 namespace taut {

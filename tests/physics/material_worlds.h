@@ -6,8 +6,8 @@
 #include <numbers>
 #include <utility>
 
-#include "sim/measure.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 #include "worlds.h"
 
 namespace taut::material_worlds {

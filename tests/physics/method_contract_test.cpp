@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "contract.h"
-#include "sim/measure.h"
-#include "sim/simulation.h"
-#include "sim/trajectory.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
+#include "sim/run/trajectory.h"
 #include "worlds.h"
 
 namespace taut {
@@ -255,8 +255,8 @@ TEST_P(MethodContract, APinThatIsDrawnAway) {
   expect_convergence("a pin that is drawn away", rope);
 }
 
-// Swings down onto a floor with friction: no bead ends a step below it, and what comes to lie stays.
-// Methods that know no contact say so.
+// Swings down onto a floor with friction: no bead ends a step below it, and what comes to lie
+// stays. Methods that know no contact say so.
 TEST_P(MethodContract, AFloor) {
   World world = worlds::chain(6, 0.5, Vec3::UnitX());
   Obstacle floor;

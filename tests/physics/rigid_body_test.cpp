@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "sim/measure.h"
-#include "sim/rotation.h"
+#include "sim/measure/measure.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

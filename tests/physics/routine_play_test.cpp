@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "sim/simulation.h"
-#include "sim/trajectory.h"
+#include "sim/run/simulation.h"
+#include "sim/run/trajectory.h"
 #include "tests/physics/routine.h"
 
 namespace taut {

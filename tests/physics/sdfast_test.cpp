@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 #include "worlds.h"
 
 namespace taut {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/measure.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 #include "worlds.h"
 
 namespace taut {

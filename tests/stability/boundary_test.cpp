@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "../physics/worlds.h"
-#include "sim/measure.h"
-#include "sim/method.h"
+#include "sim/measure/measure.h"
 #include "sim/methods/stepped.h"
-#include "sim/simulation.h"
+#include "sim/run/method.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <span>
 
-#include "sim/circle.h"
-#include "sim/measure.h"
-#include "sim/method.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/motion/circle.h"
+#include "sim/run/method.h"
+#include "sim/run/simulation.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 #include "tests/support/dice.h"

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/measure.h"
-#include "sim/method.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/method.h"
+#include "sim/run/simulation.h"
 #include "sim/study/energy_balance.h"
 #include "sim/study/run.h"
 

@@ -4,10 +4,10 @@
 #include <Eigen/Eigenvalues>
 
 #include "../physics/worlds.h"
-#include "sim/measure.h"
-#include "sim/mechanism.h"
-#include "sim/simulation.h"
-#include "sim/tension.h"
+#include "sim/links/mechanism.h"
+#include "sim/links/tension.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

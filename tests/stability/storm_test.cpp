@@ -9,10 +9,10 @@
 #include <random>
 
 #include "../physics/worlds.h"
-#include "sim/measure.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
+#include "sim/run/trajectory.h"
 #include "sim/study/run.h"
-#include "sim/trajectory.h"
 
 namespace taut {
 namespace {

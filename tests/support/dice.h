@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 

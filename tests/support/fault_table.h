@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 

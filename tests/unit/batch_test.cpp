@@ -1,14 +1,14 @@
 // Many connectors at once: the bits of each alone, and the motion that every method has to find.
-#include "sim/batch.h"
+#include "sim/batch/batch.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "sim/measure.h"
-#include "sim/method.h"
-#include "sim/trajectory.h"
+#include "sim/measure/measure.h"
+#include "sim/run/method.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 namespace {

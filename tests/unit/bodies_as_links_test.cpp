@@ -1,9 +1,9 @@
-#include "sim/bodies_as_links.h"
+#include "sim/run/bodies_as_links.h"
 
 #include <gtest/gtest.h>
 
-#include "sim/measure.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

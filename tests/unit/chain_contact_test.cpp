@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "scenes/scene.h"
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "scenes/character/acting.h"
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {

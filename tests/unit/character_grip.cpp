@@ -7,7 +7,7 @@
 #include "scenes/character/character.h"
 #include "scenes/character/figure.h"
 #include "scenes/error.h"
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {

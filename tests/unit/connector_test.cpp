@@ -1,4 +1,4 @@
-#include "sim/connector.h"
+#include "sim/world/connector.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/contact/obstacle.h"
 #include "sim/contact/touch.h"
+#include "sim/world/obstacle.h"
 #include "tests/support/dice.h"
 
 namespace taut {

@@ -1,5 +1,5 @@
 // What an error estimate does to a simulation (nothing), and what it says where it cannot tell.
-#include "sim/error_estimate.h"
+#include "sim/run/error_estimate.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a simulation is said to take, against what the kernel says it took.
-#include "sim/footprint.h"
+#include "sim/run/footprint.h"
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -9,7 +9,7 @@
 
 #include <functional>
 
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/interventions.h"
+#include "sim/interventions/interventions.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <numeric>
 #include <random>
 
-#include "sim/measure.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "scenes/error.h"
 #include "scenes/scene.h"
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "tests/support/folder.h"
 
 namespace taut {

@@ -9,7 +9,7 @@
 
 #include "render/mesh/chain_contact.h"
 #include "scenes/scene.h"
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

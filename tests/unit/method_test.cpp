@@ -1,10 +1,10 @@
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 
 namespace taut {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/path.h"
+#include "sim/motion/path.h"
 
 #include <gtest/gtest.h>
 

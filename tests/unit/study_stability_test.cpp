@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/study/bench.h"
 #include "sim/study/speed_accuracy.h"
 #include "sim/study/stability.h"

@@ -1,4 +1,4 @@
-#include "sim/timeline.h"
+#include "sim/interventions/timeline.h"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <random>
 
-#include "sim/measure.h"
-#include "sim/parts.h"
-#include "sim/places.h"
-#include "sim/simulation.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
+#include "sim/world/parts.h"
+#include "sim/world/places.h"
 
 namespace taut {
 namespace {

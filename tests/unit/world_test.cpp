@@ -1,9 +1,9 @@
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 #include <gtest/gtest.h>
 
-#include "sim/measure.h"
-#include "sim/trajectory.h"
+#include "sim/measure/measure.h"
+#include "sim/run/trajectory.h"
 
 namespace taut {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "sim/contact/creep.h"
-#include "sim/hash.h"
 #include "sim/methods/direct/contact_step.h"
+#include "sim/motion/hash.h"
 
 namespace taut::direct {
 namespace {

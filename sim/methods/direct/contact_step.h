@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "sim/contact/obstacle.h"
 #include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
-#include "sim/mechanism.h"
+#include "sim/links/mechanism.h"
 #include "sim/methods/direct/glide_system.h"
+#include "sim/world/obstacle.h"
 
 namespace taut::direct {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "sim/method.h"
 #include "sim/methods/direct/contact_step.h"
 #include "sim/methods/direct/integrator.h"
+#include "sim/run/method.h"
 
 namespace taut::direct {
 

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sim/companion.h"
+#include "sim/links/projection.h"
 #include "sim/methods/direct/contacts.h"
 #include "sim/methods/direct/elastic.h"
 #include "sim/methods/direct/full_length.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/joined.h"
 #include "sim/methods/direct/spans.h"
-#include "sim/projection.h"
-#include "sim/room.h"
+#include "sim/run/companion.h"
+#include "sim/world/room.h"
 
 namespace taut {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 
 namespace taut {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "sim/method.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/radau_step.h"
+#include "sim/run/method.h"
 
 namespace taut::direct {
 

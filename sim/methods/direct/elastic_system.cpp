@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/components.h"
 #include "sim/material/elements.h"
+#include "sim/world/components.h"
 
 namespace taut::direct {
 namespace {

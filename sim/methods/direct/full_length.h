@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/components.h"
+#include "sim/world/components.h"
 
 namespace taut::direct {
 

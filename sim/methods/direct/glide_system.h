@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/contact/band_system.h"
-#include "sim/mechanism.h"
+#include "sim/links/mechanism.h"
 
 namespace taut::direct {
 

@@ -4,8 +4,6 @@
 #include <array>
 #include <optional>
 
-#include "sim/components.h"
-#include "sim/method.h"
 #include "sim/methods/direct/adams.h"
 #include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/constants.h"
@@ -13,7 +11,9 @@
 #include "sim/methods/direct/planar_chain.h"
 #include "sim/methods/direct/rosenbrock.h"
 #include "sim/methods/direct/system.h"
-#include "sim/plane.h"
+#include "sim/motion/plane.h"
+#include "sim/run/method.h"
+#include "sim/world/components.h"
 
 namespace taut::direct {
 

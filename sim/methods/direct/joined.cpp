@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/methods/direct/scales.h"
-#include "sim/span.h"
+#include "sim/world/span.h"
 
 namespace taut::direct {
 namespace {

@@ -4,12 +4,12 @@
 #include <array>
 #include <vector>
 
-#include "sim/mechanism.h"
-#include "sim/method.h"
+#include "sim/links/mechanism.h"
+#include "sim/links/projection.h"
+#include "sim/links/tension.h"
 #include "sim/methods/direct/dop853_table.h"
 #include "sim/methods/direct/integrator.h"
-#include "sim/projection.h"
-#include "sim/tension.h"
+#include "sim/run/method.h"
 
 namespace taut::direct {
 

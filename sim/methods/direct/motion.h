@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "sim/methods/direct/vector.h"
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut::direct {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/links/stick.h"
 #include "sim/methods/direct/scales.h"
 #include "sim/methods/direct/sincos.h"
 #include "sim/methods/direct/tridiagonal.h"
 #include "sim/methods/direct/vector.h"
-#include "sim/stick.h"
 
 namespace taut::direct {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "sim/components.h"
 #include "sim/methods/direct/motion.h"
-#include "sim/plane.h"
+#include "sim/motion/plane.h"
+#include "sim/world/components.h"
 
 namespace taut::direct {
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "sim/types.h"
+#include "sim/motion/types.h"
 
 namespace taut::direct {
 

@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "sim/components.h"
-#include "sim/method.h"
 #include "sim/methods/direct/system.h"
-#include "sim/span.h"
+#include "sim/run/method.h"
+#include "sim/world/components.h"
+#include "sim/world/span.h"
 
 namespace taut::direct {
 

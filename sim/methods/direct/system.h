@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sim/components.h"
 #include "sim/methods/direct/links.h"
 #include "sim/methods/direct/motion.h"
-#include "sim/plane.h"
-#include "sim/world.h"
+#include "sim/motion/plane.h"
+#include "sim/world/components.h"
+#include "sim/world/world.h"
 
 namespace taut::direct {
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/links/stick.h"
 #include "sim/methods/direct/scales.h"
 #include "sim/methods/direct/system.h"
-#include "sim/stick.h"
 
 namespace taut::direct {
 namespace {

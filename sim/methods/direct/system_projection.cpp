@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sim/methods/direct/system.h"
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut::direct {
 namespace {
@@ -98,7 +98,7 @@ void System::spread(const double* q, Vec3 Point::*gap, double* array) {
 
 /// Closes the loops that an integrator's error has opened. Each round leaves the square of the gap.
 void System::close(double time, double* q, double* rate) {
-  constexpr int kRounds = 12;  // the first ones of wide gaps leave more
+  constexpr int kRounds = 12;        // the first ones of wide gaps leave more
   constexpr double kClosed = 1e-14;  // of the system's length
   for (int round = 0; round < kRounds; ++round) {
     if (measure_gaps(time, q, rate) <= kClosed * length_) break;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "sim/methods/direct/system.h"
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut::direct {
 namespace {

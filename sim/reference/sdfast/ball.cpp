@@ -1,6 +1,6 @@
 #include "sim/reference/sdfast/ball.h"
 
-#include "sim/rotation.h"
+#include "sim/world/rotation.h"
 
 namespace taut::sdfast {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut::sdfast {
 

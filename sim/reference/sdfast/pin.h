@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/plane.h"
+#include "sim/motion/plane.h"
 #include "sim/reference/sdfast/chain.h"
 #include "sim/reference/sdfast/model.h"
 

@@ -4,7 +4,7 @@
 #include <exception>
 #include <optional>
 
-#include "sim/method.h"
+#include "sim/run/method.h"
 #include "tests/bench/engines/rods.h"
 
 namespace taut::engines {

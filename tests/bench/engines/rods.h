@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut::engines {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "sim/world.h"
+#include "sim/world/world.h"
 
 namespace taut::promise {
 

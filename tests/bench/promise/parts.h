@@ -1,7 +1,7 @@
 // What all kinds of scenes are made of.
 #pragma once
 
-#include "sim/world.h"
+#include "sim/world/world.h"
 #include "tests/bench/promise/shapes.h"
 #include "tests/physics/worlds.h"
 #include "tests/support/dice.h"

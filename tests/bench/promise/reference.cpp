@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/simulation.h"
+#include "sim/run/simulation.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 #include "sim/truth/truth.h"

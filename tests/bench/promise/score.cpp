@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "sim/error_estimate.h"
+#include "sim/run/error_estimate.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 

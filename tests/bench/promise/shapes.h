@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sim/connector.h"
+#include "sim/world/connector.h"
 
 namespace taut::promise {
 

@@ -1,0 +1,156 @@
+// Cutting a connector in two.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "sim/interventions/interventions.h"
+#include "sim/world/places.h"
+
+namespace taut {
+namespace {
+
+/// Where a link ends at the particle `end` that was added to cut it there, pins that stand on its
+/// parts stand on links of their own now. `cut` is what a pin at the cut would have recorded.
+void rebase_pins(Connector& connector, std::size_t end, const PinRecord& cut) {
+  for (std::size_t i = end; i-- > 0;) {
+    PinRecord* pin = added_for(connector, i);
+    if (pin == nullptr) break;
+    pin->fraction /= cut.fraction;
+    pin->link_rest *= cut.fraction;
+  }
+  for (std::size_t i = end + 1; i < connector.particles(); ++i) {
+    PinRecord* pin = added_for(connector, i);
+    if (pin == nullptr) break;
+    pin->fraction = (pin->fraction - cut.fraction) / (1 - cut.fraction);
+    pin->link_rest *= 1 - cut.fraction;
+  }
+}
+
+/// The particle nearest to `start` that has mass, going by `way` (1 or -1); `start` where none has.
+std::size_t massive(const Connector& connector, std::size_t start, std::ptrdiff_t way) {
+  const auto count = static_cast<std::ptrdiff_t>(connector.particles());
+  for (auto i = static_cast<std::ptrdiff_t>(start); i >= 0 && i < count; i += way) {
+    const auto particle = static_cast<std::size_t>(i);
+    if (connector.particle_mass[particle] > 0) return particle;
+  }
+  return start;
+}
+
+/// Gives a particle that was added without mass a part of its neighbours', at most half of it: as
+/// much from either as keeps their centre. It takes their velocity with it, so that momentum stays.
+/// Pins that were added have no mass to give: then a neighbour that has gives alone, as one that is
+/// free does beside one that is held.
+void share_mass(World& world, Connector& connector, std::size_t added) {
+  const std::size_t before = massive(connector, added - 1, -1);
+  const std::size_t after = massive(connector, added + 1, 1);
+  const bool near_before = before + 1 == added, near_after = after == added + 1;
+  const bool free_before = !holds(connector, before), free_after = !holds(connector, after);
+  double part = connector.rest[added - 1] / (connector.rest[added - 1] + connector.rest[added]);
+  if (near_before != near_after) {
+    part = near_after ? 1 : 0;
+  } else if (free_before != free_after) {
+    part = free_after ? 1 : 0;
+  }
+  std::vector<double>& mass = connector.particle_mass;
+  double most = INFINITY;
+  if (part < 1) most = std::min(most, mass[before]);
+  if (part > 0) most = std::min(most, mass[after]);
+  mass[added] = most / 2;
+  mass[before] -= (1 - part) * mass[added];
+  mass[after] -= part * mass[added];
+  connector.velocity[added] = (1 - part) * connector.velocity[before];
+  connector.velocity[added] += part * connector.velocity[after];
+  for (const Hold& hold : connector.holds) {
+    if (hold.particle == before || hold.particle == after) reweigh_holder(world, hold.to);
+  }
+}
+
+/// The name of the k-th part that is cut off: NAME', NAME'', NAME''', NAME'4 and so on.
+void add_mark(std::string& name, std::size_t k) {
+  constexpr std::size_t kMarks = 3;
+  if (k <= kMarks) return void(name.append(k, '\''));
+  char digits[24];
+  const auto end = std::to_chars(digits, digits + sizeof digits, k).ptr;
+  name += '\'';
+  name.append(digits, end);
+}
+
+}  // namespace
+
+Divided Interventions::cut(World& world, std::size_t index, double along) {
+  if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
+  const double end = kSamePlace * world.connectors[index].length;
+  if (!(along > end && along < world.connectors[index].length - end)) return {Outcome::outside, 0};
+  const Place place = locate(world.connectors[index], along);
+  if (place.fraction == 0 && holds(world.connectors[index], place.particle)) {
+    return {Outcome::held_there, 0};
+  }
+  if (place.fraction == 0 && find_joint(world, index, place.particle)) {
+    return {Outcome::joined_there, 0};
+  }
+  const bool has_room = !spare_.empty();
+  if (!has_room) spare_.emplace_back();
+  world.connectors.push_back(std::move(spare_.back()));
+  spare_.pop_back();
+  Connector& first = world.connectors[index];
+  Connector& second = world.connectors.back();
+  std::size_t at = place.particle;
+  if (place.fraction > 0) {
+    at = place.particle + 1;
+    rebase_pins(first, at, add_particle(first, place));
+    particle_added(world, index, place.particle);
+    share_mass(world, first, at);
+  }
+  first.particle_mass[at] /= 2;
+  while (original_.size() + 1 < world.connectors.size()) {
+    original_.push_back(original_.size());
+    cut_off_.push_back(0);
+  }
+  const std::size_t original = original_[index];
+  original_.push_back(original);
+  cut_off_.push_back(0);
+  second.name = world.connectors[original].name;
+  add_mark(second.name, ++cut_off_[original]);
+  second.elasticity = first.elasticity;
+  second.model = first.model;
+  // The longer part keeps the arrays: many cuts, one behind the other, take no more room.
+  const bool head_is_shorter = 2 * at < first.particles();
+  const auto move_tail = [&](auto& from, auto& to, std::size_t start) {
+    const auto middle = from.begin() + static_cast<std::ptrdiff_t>(start);
+    if (head_is_shorter && to.capacity() < from.size()) {
+      to.assign(from.begin(), middle);
+      from.erase(from.begin(), middle);
+      std::swap(from, to);
+    } else {
+      to.assign(middle, from.end());
+      from.resize(start);
+    }
+  };
+  move_tail(first.rest, second.rest, at);
+  second.radius = first.radius;
+  second.drag = first.drag;
+  if (!first.sections.empty()) move_tail(first.sections, second.sections, at);
+  move_tail(first.position, second.position, at);
+  move_tail(first.velocity, second.velocity, at);
+  move_tail(first.particle_mass, second.particle_mass, at);
+  first.position.push_back(second.position.front());
+  first.velocity.push_back(second.velocity.front());
+  first.particle_mass.push_back(second.particle_mass.front());
+  const auto tail = hold_at(first, at);
+  second.holds.assign(tail, first.holds.end());
+  first.holds.erase(tail, first.holds.end());
+  for (Hold& hold : second.holds) hold.particle -= at;
+  connector_divided(world, index, at, world.connectors.size() - 1);
+  second.length = first.length - along;
+  second.mass = first.mass * second.length / first.length;
+  first.mass -= second.mass;
+  first.length = along;
+  if (!has_room) {
+    fit(first);
+    fit(second);
+  }
+  world.topology = structure(world);
+  return {Outcome::done, world.connectors.size() - 1};
+}
+
+}  // namespace taut

@@ -1,0 +1,85 @@
+// Interventions: what nobody foresaw, done to a world between two steps.
+#pragma once
+
+#include <string_view>
+
+#include "sim/world/restore.h"
+#include "sim/world/world.h"
+
+namespace taut {
+
+/// What came of an intervention. Whatever is not `done` has changed nothing.
+enum class Outcome {
+  done,
+  no_connector,  // the world has no such connector
+  outside,       // not a place along the connector
+  no_target,     // no such body or path, or a point that is not finite
+  held_there,    // something holds the connector at that place already
+  joined_there,  // the connector is joined there, which no cut divides
+  out_of_reach,  // farther from another hold than the connector is long between them
+  too_near,      // nearer to another hold than the links between them can fold
+  no_pin,        // never set, or released already
+};
+
+/// Says it in words that end a sentence about the intervention.
+std::string_view words(Outcome outcome);
+
+struct Pinned {
+  Outcome outcome = Outcome::done;
+  std::uint64_t pin = 0;  // the number by which to move and to release it
+};
+
+struct Divided {
+  Outcome outcome = Outcome::done;
+  std::size_t connector = 0;  // the index of the new one
+};
+
+/// Holds, releases and cuts connectors of a world, as section IV.C of the paper divides them.
+/// Places along a connector are metres of its length from its first particle, whatever its shape.
+class Interventions {
+ public:
+  /// Makes room in `world` for so many pins on each connector at a time and so many cuts, so that
+  /// neither interventions nor what methods make anew for them allocate; none where so many would
+  /// take hundreds of megabytes. They work without room, too. A copy of the world has none.
+  void reserve(World& world, std::size_t pins, std::size_t cuts);
+
+  /// Holds the connector at `along` (m), and what is joined to it there. A particle is added where
+  /// none is: it takes its part of the link's length and no mass, since a held particle's never
+  /// acts; so that the others keep theirs, and their momentum. The particle is at its new place at
+  /// once, or is drawn there within `over` (s); a free body takes it at once, and its momentum with
+  /// it.
+  Pinned pin(World& world, std::size_t connector, double along, const Attachment& to,
+             double over = 0);
+
+  /// Holds it where it is.
+  Pinned pin(World& world, std::size_t connector, double along);
+
+  /// Lets another thing hold what the pin holds.
+  Outcome move(World& world, std::uint64_t pin, const Attachment& to, double over = 0);
+
+  /// Joins the spans that the pin divides; a particle that was added for it goes, and the others
+  /// of its span move as little as restores their links, all masses counted; a free body where
+  /// its span is bent more than particles alone can undo, which allocates. At the time of the pin
+  /// itself everything is as it was before it, bit by bit. Refused (`too_near`) while its span is
+  /// bent between holds that cannot give way.
+  Outcome release(World& world, std::uint64_t pin);
+
+  /// Divides a connector for good. The second part becomes a connector of its own; a particle at
+  /// the cut is shared by both, and where none is its mass comes from its neighbours. A joint
+  /// cannot be cut.
+  Divided cut(World& world, std::size_t connector, double along);
+
+ private:
+  LinkRestorer restorer_;
+  std::vector<Connector> spare_;       // for what is cut off
+  std::vector<std::size_t> original_;  // of each connector: the one that it is a part of
+  std::vector<std::size_t> cut_off_;   // parts of each of the originals
+};
+
+/// True where what would hold a particle exists.
+bool exists(const World& world, const Attachment& to);
+
+/// Where the material point at `along` (m) of the connector is, and how it moves.
+PointMotion material_point(const Connector& connector, double along);
+
+}  // namespace taut

@@ -1,0 +1,183 @@
+// A world as an integrator sees it: one flat state vector, and the rows that links put on it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/material/forces.h"
+#include "sim/world/rotation.h"
+#include "sim/world/world.h"
+
+namespace taut {
+
+/// One scalar condition between two points. A link is one row, along itself; a link of rest length
+/// zero (a joint) is three rows, along the world's axes. Its tension (N) pulls the points together
+/// where it is positive: `a` along the row's direction, `b` against it.
+struct Row {
+  static constexpr int kAlongLink = -1;
+  std::uint32_t a = 0, b = 0;  // points
+  double rest = 0;             // m
+  int axis = kAlongLink;       // of a joint's row: 0, 1, 2
+  std::uint32_t connector = 0, link = 0;
+};
+
+/// A link that stretches is no row but a force (MaterialForces).
+///
+/// The points (all particles, connector by connector), free bodies and rows of a world, as flat
+/// arrays. The state vector of P points and B free bodies is
+///   [ P positions | B poses: centre of mass, quaternion w x y z | P velocities | B twists:
+///   velocity of the centre of mass, spin in the world's axes ],
+/// 6 P + 13 B numbers in SI units. Held points stand in it too: update() puts them where their
+/// holds are, and their derivatives are zero. So do joined particles but the one that stands for
+/// them, which rows and forces name.
+class Mechanism {
+ public:
+  /// A point that a free body carries; `arm` (m) from its centre of mass, world axes at the instant
+  /// of the last update.
+  struct BodyPoint {
+    std::uint32_t point = 0, body = 0;
+    Vec3 local = Vec3::Zero();  // m from the centre of mass, body axes
+    Vec3 arm = Vec3::Zero();
+  };
+  /// An end of a row at a carried point. `sign` is +1 for the row's `a`, -1 for its `b`.
+  struct RowEnd {
+    std::uint32_t row = 0, body_point = 0;
+    double sign = 0;
+  };
+  struct FreeBody {
+    double inverse_mass = 0;      // 1/kg
+    Mat3 inertia = Mat3::Zero();  // kg m^2, body axes
+    FreeRotation rotation = FreeRotation(Mat3::Zero());
+    Mat3 inverse_inertia = Mat3::Zero();  // 1/(kg m^2), body axes
+    Mat3 world_inverse = Mat3::Zero();    // world axes at the instant of the last update
+    Vec3 gyration = Vec3::Zero();         // rad/s^2: spin rate without torque, at that instant
+  };
+
+  Mechanism() = default;
+  explicit Mechanism(const World& world) { rebuild(world); }
+
+  /// Lays `world` out; good for as long as its topology number stays. Massless spans are laid out
+  /// as links. Throws std::invalid_argument where a particle that nothing holds has no mass. Makes
+  /// as much room as the world has, so that a later call does not allocate.
+  void rebuild(const World& world);
+
+  std::size_t state_size() const { return twists_ + 6 * bodies_.size(); }
+  std::size_t points() const { return inverse_mass_.size(); }
+  /// The sizes of a state and of arrays of rows that there is room for.
+  std::size_t state_room() const { return state_size() + 6 * (room_ - points()); }
+  std::size_t row_room() const { return rows_.capacity(); }
+  const std::vector<Row>& rows() const { return rows_; }
+  const std::vector<FreeBody>& bodies() const { return bodies_; }
+  const std::vector<BodyPoint>& body_points() const { return body_points_; }
+  const std::vector<RowEnd>& row_ends() const { return row_ends_; }
+  /// Whether connectors are joined, so that more than two rows of a kind may meet at a point.
+  bool is_joined() const { return !joined_.empty(); }
+  /// 1/kg per point; zero for held points, carried ones included, and for those that others stand
+  /// for.
+  const std::vector<double>& inverse_mass() const { return inverse_mass_; }
+  const Vec3& gravity() const { return gravity_; }
+  /// The forces of what stretches, bends and meets the air; place() turns its clamps.
+  const MaterialForces& material() const { return material_; }
+
+  // Offsets into the state.
+  std::size_t position(std::size_t point) const { return 3 * point; }
+  std::size_t velocity(std::size_t point) const { return velocities_ + 3 * point; }
+  std::size_t pose(std::size_t body) const { return 3 * points() + 7 * body; }
+  std::size_t twist(std::size_t body) const { return twists_ + 6 * body; }
+
+  /// Reads the state of `world`, which must stay until the state is stored again.
+  void load(const World& world, std::vector<double>& state);
+  /// Writes the state, at `time`, to `world`.
+  void store(const std::vector<double>& state, double time, World& world) const;
+
+  /// Puts held points at their places.
+  void place(double time, double* state);
+  /// place(), and measures the rows; everything below speaks of the instant of the last update.
+  void update(double time, double* state);
+
+  /// Per row: direction from a to b (zero where they coincide), how far it is too long (m), the
+  /// rate of that (m/s), and the part of its second derivative that velocities alone make (m/s^2).
+  const std::vector<Vec3>& direction() const { return direction_; }
+  const std::vector<double>& violation() const { return violation_; }
+  const std::vector<double>& rate() const { return rate_; }
+  const std::vector<double>& velocity_term() const { return velocity_term_; }
+
+  /// The derivative of the state under the rows' `tension` (N).
+  void differentiate(const double* state, const double* tension, double* derivative) const;
+  /// Changes velocities by the rows' `impulse` (N s).
+  void push(const double* impulse, double* state) const;
+  /// Moves points and bodies as push() changes velocities: by M^-1 J^T `shift` (kg m).
+  void move(const double* shift, double* state) const;
+
+  /// The second derivative of a row's violation without tensions, m/s^2.
+  double free_acceleration(std::size_t row) const {
+    return direction_[row].dot(point_acceleration_[rows_[row].b] -
+                               point_acceleration_[rows_[row].a]) +
+           velocity_term_[row];
+  }
+
+  /// The cycles (see Counters::work) of update(), differentiate() and the sums that an integrator
+  /// makes of it: of a row some 85 additions and multiplications, two divisions and a root; of a
+  /// body three products of matrices and what turns it.
+  double work() const {
+    return 250 + material_.work() + 58 * static_cast<double>(rows_.size()) +
+           550 * static_cast<double>(bodies_.size());
+  }
+
+  struct Link {
+    std::size_t connector = 0, link = 0;
+  };
+  /// The first link whose points are not finite or beyond any sense (a rigid one stretched a
+  /// hundredfold).
+  std::optional<Link> broken_link(const double* state) const;
+
+ private:
+  void reserve(const World& world);
+  void add_bodies(const World& world);
+  void add_points(const World& world);
+  void join_points(const World& world);
+  void add_rows(const World& world);
+  void add_row_ends();
+  void add_material(const double* state);
+  void measure(const double* state);
+
+  /// What a material's forces at its points give a free body: m/s^2 and rad/s^2.
+  struct BodyPush {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  };
+
+  const World* world_ = nullptr;  // between load() and store()
+  std::size_t room_ = 0;          // points
+  Vec3 gravity_ = Vec3::Zero();
+  std::vector<double> inverse_mass_;
+  std::vector<Row> rows_;
+  std::vector<FreeBody> bodies_;
+  std::vector<std::size_t> body_index_;  // into World::bodies
+  std::vector<std::size_t> free_index_;  // of World::bodies into bodies_; driven ones: anything
+  std::vector<BodyPoint> body_points_;
+  std::vector<RowEnd> row_ends_;
+  std::vector<std::pair<std::uint32_t, Attachment>> prescribed_;  // point, hold
+  std::vector<std::uint32_t> leaders_;  // per point: the one that stands for it; none: no joints
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      joined_;                               // point, the one that stands for it
+  std::size_t velocities_ = 0, twists_ = 0;  // offsets
+
+  std::vector<Vec3> direction_;
+  std::vector<Vec3> point_acceleration_;  // per point, m/s^2: its acceleration without tensions
+  std::vector<double> violation_, rate_, velocity_term_;
+  MaterialForces material_;
+  std::vector<Vec3> force_;  // N, per point, of the material
+  std::vector<BodyPush> body_push_;
+};
+
+// The quaternion w x y z at `q`.
+Quat quaternion(const double* q);
+void set_quaternion(const Quat& rotation, double* q);
+/// Turns it by `angle` (rad, world axes).
+void rotate(const Vec3& angle, double* q);
+/// The angle (rad) and axis of a rotation; at most half a turn.
+Vec3 angle(const Quat& rotation);
+
+}  // namespace taut

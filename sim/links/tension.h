@@ -1,0 +1,105 @@
+// The linear system whose solution is the tensions of all rows at once.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <cstdint>
+#include <vector>
+
+#include "sim/links/joined_tension.h"
+#include "sim/links/mechanism.h"
+
+namespace taut {
+
+/// A = J M^-1 J^T over the rows of a mechanism, at the instant that the mechanism was updated to
+/// last. Under tensions T (N) the second derivatives of the rows' violation are (their value
+/// without tensions) - A T.
+///
+/// Rows of a connector couple with their neighbours alone, so A is tridiagonal, but for a border:
+/// links without length, and the rows at a free body that carries more than one point. Where
+/// connectors are joined, A is sparse (JoinedTension).
+class TensionSystem {
+ public:
+  TensionSystem() = default;
+  explicit TensionSystem(const Mechanism& mechanism) { rebuild(mechanism); }
+
+  /// Finds out how the rows of `mechanism` couple; makes as much room as that has.
+  void rebuild(const Mechanism& mechanism);
+
+  void assemble(const Mechanism& mechanism);
+
+  /// Solves A x = `right` in linear time: elimination along the connectors (Thomas), then a dense
+  /// system of the border's rows. False where a pivot vanishes: A is singular and x unusable.
+  bool solve_banded(const std::vector<double>& right, std::vector<double>& x);
+
+  /// Solves A x = `right` through a rank-revealing decomposition of the whole matrix, in cubic
+  /// time. Where A is singular: the x of least norm among those that come closest.
+  void solve_dense(const std::vector<double>& right, std::vector<double>& x);
+
+  /// solve_banded(), or solve_dense() where that cannot. True where solve_banded() solved it. Of
+  /// joined connectors JoinedTension solves all.
+  bool solve(const std::vector<double>& right, std::vector<double>& x);
+
+  /// The cycles (see Counters::work) of assemble(), a right side and solve(), in linear time: a row
+  /// takes 25 additions and multiplications, two divisions, and in the elimination a division and
+  /// seven operations that wait for each other; a border row sweeps a column of its own.
+  double work() const {
+    if (is_joined_) return joined_.work();
+    const auto rows = static_cast<double>(rows_), border = static_cast<double>(border_.size());
+    return 63 * rows + border * (20 * rows + 50) + border * border * border / 3;
+  }
+  /// Of solve_dense() in place of solve(): 4/3 n^3 additions and multiplications in the
+  /// decomposition, whose columns change places.
+  double dense_work() const {
+    const auto rows = static_cast<double>(rows_);
+    return rows * (450 + 1.5 * rows * rows);
+  }
+
+  /// A as a full matrix, 1/kg.
+  const Eigen::MatrixXd& dense();
+
+ private:
+  /// An entry of A off its diagonals; `value` indexes values_.
+  struct Entry {
+    std::uint32_t row = 0, other = 0, value = 0;
+  };
+  /// What two row ends that share a particle or a free body add to values_[value].
+  struct PointTerm {
+    std::uint32_t row = 0, other = 0, value = 0;
+    double weight = 0;  // 1/kg, signed
+  };
+  struct BodyTerm {
+    std::uint32_t end = 0, other = 0, value = 0;
+    double times = 1;
+  };
+
+  std::uint32_t entry(const Mechanism& mechanism, std::size_t row, std::size_t other);
+  void find_terms(const Mechanism& mechanism);
+  void find_border();
+  bool eliminate();
+  template <class Vector>
+  void sweep(Vector&& x) const;
+  double next(std::size_t row) const;  // A(row, row + 1), zero at the border
+
+  std::size_t rows_ = 0;
+  bool is_joined_ = false;
+  JoinedTension joined_;
+  std::vector<double> values_;  // [ diagonal | A(r, r+1) | entries ], 1/kg
+  std::vector<Entry> entries_;
+  std::vector<PointTerm> point_terms_;
+  std::vector<BodyTerm> body_terms_;
+
+  static constexpr std::uint32_t kInside = 0xffffffff;
+  std::vector<std::uint32_t> border_index_;  // per row: its place in the border, or kInside
+  std::vector<std::uint32_t> border_;        // rows
+  std::vector<Entry> border_entries_;        // every entry of a border row: {row, other, value}
+
+  std::vector<double> inverse_pivot_, factor_;
+  std::vector<double> columns_;  // one of rows_ numbers per border row
+  Eigen::MatrixXd schur_, dense_;
+  Eigen::VectorXd border_x_, dense_right_;
+  Eigen::LDLT<Eigen::MatrixXd> border_solver_;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> dense_solver_;
+};
+
+}  // namespace taut

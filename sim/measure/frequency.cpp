@@ -1,0 +1,209 @@
+#include "sim/measure/frequency.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/measure/measure.h"
+
+namespace taut {
+namespace {
+
+double mass_of(const World& world, const Connector& connector, std::size_t particle) {
+  for (const Hold& hold : connector.holds) {
+    if (hold.particle != particle || is_prescribed(world, hold.to)) continue;
+    return world.bodies[hold.to.body].mass_properties.mass;
+  }
+  return connector.particle_mass[particle];
+}
+
+/// What hangs below the first held particle, from the top down.
+class HangingLoad {
+ public:
+  HangingLoad(const World& world, const Connector& connector)
+      : world_(world), connector_(connector) {
+    const auto hold = std::ranges::find_if(
+        connector.holds, [&](const Hold& h) { return is_prescribed(world, h.to); });
+    if (hold == connector.holds.end()) return;
+    backwards_ = hold->particle > 0;  // hangs from its last particle, or from a pin
+    size_ = backwards_ ? hold->particle : connector.particles() - 1;
+  }
+
+  std::size_t size() const { return size_; }
+  double mass(std::size_t i) const { return mass_of(world_, connector_, particle(i)); }  // kg
+  /// How freely it moves (1/kg); not at all where something else holds it.
+  double mobility(std::size_t i) const {
+    const bool held = std::ranges::any_of(connector_.holds, [&](const Hold& h) {
+      return h.particle == particle(i) && is_prescribed(world_, h.to);
+    });
+    return held ? 0 : 1 / mass(i);
+  }
+  /// Of the link above (m).
+  double rest(std::size_t i) const { return connector_.rest[backwards_ ? particle(i) : i]; }
+
+ private:
+  std::size_t particle(std::size_t i) const { return backwards_ ? size_ - 1 - i : i + 1; }
+
+  const World& world_;
+  const Connector& connector_;
+  bool backwards_ = false;
+  std::size_t size_ = 0;
+};
+
+/// The same as arrays: masses, mobilities and links.
+struct Chain {
+  std::vector<double> mass, mobility, rest;
+};
+
+Chain below_hold(const World& world, const Connector& connector) {
+  const HangingLoad hanging(world, connector);
+  Chain chain;
+  for (std::size_t i = 0; i < hanging.size(); ++i) {
+    chain.mass.push_back(hanging.mass(i));
+    chain.mobility.push_back(hanging.mobility(i));
+    chain.rest.push_back(hanging.rest(i));
+  }
+  return chain;
+}
+
+/// The square of the fastest motion of m_i x_i'' = k_i (x_{i-1} - x_i) + k_{i+1} (x_{i+1} - x_i),
+/// particle 0 fixed; k (N/m) per link.
+double fastest_squared(const std::vector<double>& mobility, const std::vector<double>& k) {
+  const auto n = static_cast<Eigen::Index>(mobility.size());
+  if (n == 0) return 0;
+  Eigen::VectorXd diagonal(n), beside(n - 1);
+  for (Eigen::Index row = 0; row < n; ++row) {
+    const auto i = static_cast<std::size_t>(row);
+    const double below = i + 1 < k.size() ? k[i + 1] : 0;
+    diagonal[row] = (k[i] + below) * mobility[i];
+    if (row + 1 < n) beside[row] = -below * std::sqrt(mobility[i] * mobility[i + 1]);
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  solver.computeFromTridiagonal(diagonal, beside, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().maxCoeff();
+}
+
+/// The fastest of all connectors, with the stiffnesses that `k_of` makes of a chain.
+template <class Stiffness>
+double fastest(const World& world, Stiffness k_of) {
+  double squared = 0;
+  for (const Connector& connector : world.connectors) {
+    const Chain chain = below_hold(world, connector);
+    squared = std::max(squared, fastest_squared(chain.mobility, k_of(chain)));
+  }
+  return std::sqrt(squared);
+}
+
+/// The weight (N) of all that moves, where something holds it.
+double whole_weight(const World& world) {
+  const bool hangs = std::ranges::any_of(world.connectors, [&](const Connector& connector) {
+    return std::ranges::any_of(connector.holds,
+                               [&](const Hold& hold) { return is_prescribed(world, hold.to); });
+  });
+  return hangs ? moving_mass(world) * world.gravity.norm() : 0;
+}
+
+/// Calls visit(link, ends' points) for all links of joined connectors that have a length, by the
+/// points that stand for theirs.
+template <class Visit>
+void each_joined_link(const World& world, Visit visit) {
+  std::vector<std::uint32_t> leaders;
+  find_leaders(world, leaders);
+  std::size_t first = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t k = 0; k < connector.links(); ++k) {
+      if (connector.rest[k] > 0) {
+        visit(connector.rest[k], leaders[first + k], leaders[first + k + 1]);
+      }
+    }
+    first += connector.particles();
+  }
+}
+
+/// 1/kg, by the points that stand for particles; a free body as the point mass that it is at least.
+std::vector<double> joined_mobility(const World& world) {
+  std::vector<std::uint32_t> leaders;
+  find_leaders(world, leaders);
+  std::vector<double> mass(leaders.size());
+  std::size_t point = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t i = 0; i < connector.particles(); ++i, ++point) {
+      mass[leaders[point]] += connector.particle_mass[i];
+    }
+  }
+  point = 0;
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      mass[point + hold.particle] =
+          is_prescribed(world, hold.to) ? INFINITY : mass_of(world, connector, hold.particle);
+    }
+    point += connector.particles();
+  }
+  for (double& each : mass) each = each > 0 ? 1 / each : 0;
+  return mass;
+}
+
+/// Gershgorin's bound on the frequency of links of stiffness k(rest), N/m.
+template <class Stiffness>
+double fastest_joined(const World& world, Stiffness k) {
+  const std::vector<double> mobility = joined_mobility(world);
+  std::vector<double> sum(mobility.size());
+  each_joined_link(world, [&](double rest, std::size_t a, std::size_t b) {
+    sum[a] += 2 * k(rest);
+    sum[b] += 2 * k(rest);
+  });
+  double squared = 0;
+  for (std::size_t p = 0; p < sum.size(); ++p) squared = std::max(squared, mobility[p] * sum[p]);
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+double fastest_swing(const World& world) {
+  if (!world.joints.empty()) {
+    const double weight = whole_weight(world);
+    return fastest_joined(world, [&](double rest) { return weight / rest; });
+  }
+  return fastest(world, [&](const Chain& chain) {
+    std::vector<double> k(chain.rest.size());  // T_i / l_i, T_i the weight below link i
+    double tension = 0;
+    for (std::size_t i = k.size(); i-- > 0;) {
+      tension += chain.mass[i] * world.gravity.norm();
+      k[i] = chain.rest[i] > 0 ? tension / chain.rest[i] : 0;
+    }
+    return k;
+  });
+}
+
+double heaviest_link(const World& world) {
+  if (!world.joints.empty()) {
+    const double weight = whole_weight(world);
+    const std::vector<double> mobility = joined_mobility(world);
+    double most = 0;
+    each_joined_link(world, [&](double rest, std::size_t a, std::size_t b) {
+      most = std::max(most, weight * std::max(mobility[a], mobility[b]) / rest);
+    });
+    return most;
+  }
+  double heaviest = 0;
+  for (const Connector& connector : world.connectors) {
+    const HangingLoad chain(world, connector);
+    double tension = 0;
+    for (std::size_t i = chain.size(); i-- > 0;) {
+      tension += chain.mass(i) * world.gravity.norm();
+      const double mobility = std::max(chain.mobility(i), i > 0 ? chain.mobility(i - 1) : 0);
+      if (chain.rest(i) > 0) heaviest = std::max(heaviest, tension * mobility / chain.rest(i));
+    }
+  }
+  return heaviest;
+}
+
+double fastest_stretch(const World& world, double stiffness) {
+  if (!world.joints.empty()) {
+    return fastest_joined(world, [&](double) { return whole_weight(world) > 0 ? stiffness : 0; });
+  }
+  return fastest(
+      world, [&](const Chain& chain) { return std::vector<double>(chain.rest.size(), stiffness); });
+}
+
+}  // namespace taut

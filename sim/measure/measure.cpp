@@ -1,0 +1,173 @@
+#include "sim/measure/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "sim/world/places.h"
+
+namespace taut {
+namespace {
+
+/// Sorted: the particles, as connector and number, that are joined with one that is held.
+std::vector<std::pair<std::size_t, std::size_t>> held_by_others(const World& world) {
+  std::vector<std::pair<std::size_t, std::size_t>> found;
+  for (const Joint& joint : world.joints) {
+    const Joint::Particle& leads = leader(world, joint);
+    if (!holds(world.connectors[leads.connector], leads.particle)) continue;
+    for (const auto& [connector, particle] : joint.particles) {
+      found.emplace_back(connector, particle);
+    }
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
+/// Calls `visit(mass, position, velocity)` for every particle that no hold carries. The particles
+/// between the ends of a massless span only follow, so they carry nothing.
+template <typename Visit>
+void each_free_particle(const World& world, Visit visit) {
+  const auto joined = held_by_others(world);
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    auto hold = connector.holds.begin();
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      if (hold != connector.holds.end() && hold->particle == i) {
+        ++hold;
+        continue;
+      }
+      if (!joined.empty() && std::ranges::binary_search(joined, std::pair(c, i))) continue;
+      const bool end = i == 0 || i + 1 == connector.particles();
+      if (connector.model == ConnectorModel::span && !end) continue;
+      visit(connector.particle_mass[i], connector.position[i], connector.velocity[i]);
+    }
+  }
+}
+
+template <typename Visit>
+void each_free_body(const World& world, Visit visit) {
+  for (const Body& body : world.bodies) {
+    if (!body.driven()) visit(body);
+  }
+}
+
+bool dissipates(const World& world) {
+  return std::ranges::any_of(world.connectors, [&](const Connector& connector) {
+    const bool drags = connector.drag.across > 0 || connector.drag.along > 0;
+    return (world.air.density > 0 && drags && !connector.sections.empty()) ||
+           std::ranges::any_of(connector.sections, [](const Section& section) {
+             return section.axial_damping > 0 || section.bending_damping > 0;
+           });
+  });
+}
+
+}  // namespace
+
+double kinetic_energy(const World& world) {
+  double energy = 0;
+  each_free_body(world, [&](const Body& body) {
+    energy += body.mass_properties.mass * body.velocity.squaredNorm() / 2 +
+              body.spin.dot(body.world_inertia() * body.spin) / 2;
+  });
+  each_free_particle(world, [&](double mass, const Vec3&, const Vec3& velocity) {
+    energy += mass * velocity.squaredNorm() / 2;
+  });
+  return energy;
+}
+
+double potential_energy(const World& world) {
+  double energy = 0;
+  each_free_body(world, [&](const Body& body) {
+    energy -= body.mass_properties.mass * world.gravity.dot(body.position);
+  });
+  each_free_particle(world, [&](double mass, const Vec3& position, const Vec3&) {
+    energy -= mass * world.gravity.dot(position);
+  });
+  return energy;
+}
+
+double energy(const World& world) {
+  const double rigid = kinetic_energy(world) + potential_energy(world);
+  return has_materials(world) ? rigid + elastic_energy(world) : rigid;
+}
+
+Vec3 linear_momentum(const World& world) {
+  Vec3 momentum = Vec3::Zero();
+  each_free_body(world,
+                 [&](const Body& body) { momentum += body.mass_properties.mass * body.velocity; });
+  each_free_particle(
+      world, [&](double mass, const Vec3&, const Vec3& velocity) { momentum += mass * velocity; });
+  return momentum;
+}
+
+Vec3 angular_momentum(const World& world, const Vec3& about) {
+  Vec3 momentum = Vec3::Zero();
+  each_free_body(world, [&](const Body& body) {
+    momentum += body.mass_properties.mass * (body.position - about).cross(body.velocity) +
+                body.world_inertia() * body.spin;
+  });
+  each_free_particle(world, [&](double mass, const Vec3& position, const Vec3& velocity) {
+    momentum += mass * (position - about).cross(velocity);
+  });
+  return momentum;
+}
+
+double stretch_max(const World& world) {
+  double most = 0;
+  for (const Connector& connector : world.connectors) {
+    for (std::size_t k = 0; k < connector.links(); ++k) {
+      const double length = (connector.position[k + 1] - connector.position[k]).norm();
+      const double rest = connector.rest[k];
+      most = std::max(most, rest > 0 ? std::abs(length / rest - 1) : length);
+    }
+  }
+  return most;
+}
+
+double moving_mass(const World& world) {
+  double mass = 0;
+  each_free_body(world, [&](const Body& body) { mass += body.mass_properties.mass; });
+  each_free_particle(world, [&](double particle, const Vec3&, const Vec3&) { mass += particle; });
+  return mass;
+}
+
+double length_scale(const World& world) {
+  double length = 0;
+  for (const Connector& connector : world.connectors) length = std::max(length, connector.length);
+  if (length > 0) return length;
+  // The mean square of the distances from the centre is half the inertia's trace over the mass.
+  each_free_body(world, [&](const Body& body) {
+    const MassProperties& m = body.mass_properties;
+    if (m.mass > 0) length = std::max(length, std::sqrt(m.inertia.trace() / (2 * m.mass)));
+  });
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      if (is_prescribed(world, hold.to)) continue;
+      const MassProperties& m = world.bodies[hold.to.body].mass_properties;
+      const double arm = (hold.to.point - m.centre).squaredNorm();
+      if (m.mass > 0) {
+        length = std::max(length, std::sqrt(arm + m.inertia.trace() / (2 * m.mass)));
+      }
+    }
+  }
+  return length;
+}
+
+double energy_scale(const World& world) {
+  return moving_mass(world) * world.gravity.norm() * length_scale(world) + kinetic_energy(world);
+}
+
+bool is_closed(const World& world) {
+  const auto rests = [](const Path& path) { return path.keys().size() == 1; };
+  const bool bodies = std::ranges::all_of(
+      world.bodies, [&](const Body& body) { return !body.driven() || rests(*body.path); });
+  return bodies && !dissipates(world) &&
+         std::ranges::all_of(world.connectors, [&](const Connector& connector) {
+           return std::ranges::all_of(connector.holds, [&](const Hold& hold) {
+             return hold.to.kind != Attachment::Kind::path || rests(*hold.to.path);
+           });
+         });
+}
+
+}  // namespace taut

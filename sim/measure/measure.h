@@ -1,0 +1,35 @@
+// Energy, momentum and stretch of a world.
+#pragma once
+
+#include "sim/world/world.h"
+
+namespace taut {
+
+/// Kinetic energy of free bodies and of particles that no body holds, J.
+double kinetic_energy(const World& world);
+/// Potential energy in the world's gravity, zero at the origin, J.
+double potential_energy(const World& world);
+/// What links that stretch or bend have taken up, J.
+double elastic_energy(const World& world);
+/// The sum of all three, J.
+double energy(const World& world);
+/// Linear momentum of everything that moves freely, kg m/s.
+Vec3 linear_momentum(const World& world);
+/// Angular momentum about `about` of everything that moves freely, kg m^2/s.
+Vec3 angular_momentum(const World& world, const Vec3& about = Vec3::Zero());
+/// The largest |link length / rest length - 1| of any link (rest length zero: the gap in m).
+double stretch_max(const World& world);
+
+/// The mass of everything that moves freely, kg.
+double moving_mass(const World& world);
+/// The length of the longest connector; where all are joints, the largest RMS distance of a free
+/// body's mass from what holds it, or from its centre of mass, m.
+double length_scale(const World& world);
+/// An energy to compare changes with: that of lifting everything that moves freely by the length
+/// scale, and its present motion, J.
+double energy_scale(const World& world);
+/// True where no path moves a body or a hold, no link is damped and no air resists, so that what
+/// moves freely keeps its energy: energy_scale() then tells how much a change of it is.
+bool is_closed(const World& world);
+
+}  // namespace taut

@@ -1,0 +1,62 @@
+// A path: positions and orientations through keys or round a circle, C2 in time.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sim/motion/circle.h"
+#include "sim/motion/types.h"
+
+namespace taut {
+
+/// One key of a path. `ease` brings the path to rest at the key (velocity and acceleration zero);
+/// two neighbouring keys that ease and share their pose are a hold.
+struct PathKey {
+  double time = 0;  // s
+  Vec3 position = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+  bool ease = false;
+};
+
+/// Position and orientation as functions of time, twice continuously differentiable, passing
+/// through every key. Before the first key the path rests, and after the last unless it is a
+/// circle.
+class Path {
+ public:
+  /// Keys need strictly rising times; throws std::invalid_argument otherwise or when empty.
+  explicit Path(std::vector<PathKey> keys);
+
+  static Path round(const Circle& circle);
+
+  /// The exact motion at `time` (s): a spline's derivatives are those of the spline, not
+  /// differences.
+  FrameMotion at(double time) const;
+
+  /// Of a circle: its start, the end of its ramp, and the thirds of the turn after it. All times at
+  /// which the third derivative jumps are among the keys.
+  const std::vector<PathKey>& keys() const { return keys_; }
+
+  /// A hash of the keys or the circle: paths that share it are the same motion.
+  std::uint64_t fingerprint() const { return fingerprint_; }
+
+ private:
+  Path() = default;
+  std::uint64_t fingerprint_ = 0;
+  std::vector<PathKey> keys_;
+  std::optional<Circle> circle_;
+  // Values and their first two derivatives at the keys, 7 rows: x y z, then quaternion w x y z.
+  using Row = Eigen::Matrix<double, 7, 1>;
+  std::vector<Row> value_, rate_, rate2_;
+  std::vector<Quat> rotation_;  // at the keys
+
+  /// From a key to the next.
+  struct Section {
+    Row c3, c4, c5;      // of the quintic in the share of the way, for its powers from the third on
+    bool turns = false;  // else the rotation stays
+  };
+  Section section(std::size_t first) const;
+  std::vector<Section> sections_;
+};
+
+}  // namespace taut

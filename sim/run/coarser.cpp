@@ -1,0 +1,29 @@
+#include "sim/run/coarser.h"
+
+#include <algorithm>
+
+namespace taut {
+
+void take_masses(World& world, const World& exact) {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    Connector& coarse = world.connectors[c];
+    const Connector& fine = exact.connectors[c];
+    std::ranges::fill(coarse.particle_mass, 0.0);
+    double along = 0, link_start = 0;  // m, of the fine particle; of the coarse link
+    std::size_t link = 0;
+    for (std::size_t i = 0; i < fine.particles(); ++i) {
+      if (i > 0) along += fine.rest[i - 1];
+      while (link + 1 < coarse.links() && link_start + coarse.rest[link] < along) {
+        link_start += coarse.rest[link++];
+      }
+      const double length = coarse.rest[link];
+      const double ahead = length > 0 ? std::clamp((along - link_start) / length, 0.0, 1.0)
+                                      : static_cast<double>(i) / static_cast<double>(fine.links());
+      coarse.particle_mass[link] += (1 - ahead) * fine.particle_mass[i];
+      coarse.particle_mass[link + 1] += ahead * fine.particle_mass[i];
+    }
+    for (const Hold& hold : coarse.holds) reweigh_holder(world, hold.to);
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,35 @@
+#include "sim/run/companion.h"
+
+#include <algorithm>
+
+namespace taut {
+namespace {
+
+const SettingInfo& info_of(const MethodInfo& method, std::string_view setting) {
+  return *std::ranges::find(method.settings, setting, &SettingInfo::name);
+}
+
+/// Multiplies a number, up to its maximum; how many times as large it is now.
+double raise(const MethodInfo& method, Settings& settings, std::string_view name, double times) {
+  double& value = std::get<double>(settings.find(name)->second);
+  const double before = value;
+  value = std::min(times * value, info_of(method, name).maximum);
+  return value / before;
+}
+
+}  // namespace
+
+Companion with_tolerance_raised(const MethodInfo& method, Settings settings,
+                                std::string_view tolerance) {
+  const double asked = info_of(method, tolerance).unit == "m" ? number(settings, tolerance) : 0;
+  const double ratio = raise(method, settings, tolerance, 4);
+  if (ratio < 2) return {.asked = asked, .none = "has no tolerance twice as large"};
+  return {.method = method.make(settings), .ratio = ratio, .asked = asked};
+}
+
+Companion with_step_doubled(const MethodInfo& method, Settings settings, double order) {
+  raise(method, settings, "step", 2);
+  return {.method = method.make(settings), .order = order};
+}
+
+}  // namespace taut

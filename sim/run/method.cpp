@@ -1,0 +1,216 @@
+#include "sim/run/method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "sim/world/span.h"
+#include "sim/world/world.h"
+
+namespace taut {
+
+bool follows(const MethodInfo& method, const World& world) {
+  return (method.follows_spans || !has_spans(world)) &&
+         (method.touches_obstacles || world.obstacles.empty()) &&
+         (method.follows_materials || !has_materials(world)) &&
+         (method.follows_joints || world.joints.empty());
+}
+
+const MethodInfo* find_method(std::string_view name) {
+  const auto list = methods();
+  const auto found = std::ranges::find(list, name, &MethodInfo::name);
+  return found == list.end() ? nullptr : &*found;
+}
+
+namespace {
+
+std::string join(const auto& words) {
+  std::string line;
+  for (const auto& word : words) line += (line.empty() ? "" : ", ") + std::string(word);
+  return line;
+}
+
+std::string number_complaint(const SettingInfo& info, double value) {
+  const bool low = info.above ? !(value > info.minimum) : !(value >= info.minimum);
+  std::ostringstream line;
+  if (!std::isfinite(value)) {
+    line << "is " << value << ", expected a finite number";
+  } else if (low) {
+    line << "is " << value << ", expected " << (info.above ? "more than " : "at least ")
+         << info.minimum;
+  } else if (value > info.maximum) {
+    line << "is " << value << ", expected at most " << info.maximum;
+  } else if (info.whole && value != std::floor(value)) {
+    line << "is " << value << ", expected a whole number";
+  }
+  return line.str();
+}
+
+std::string setting_complaint(const SettingInfo& info, const Setting& value) {
+  static constexpr std::string_view kinds[] = {"a number", "true or false", "a string"};
+  if (value.index() != info.fallback.index()) {
+    return "is " + std::string(kinds[value.index()]) + ", expected " +
+           std::string(kinds[info.fallback.index()]);
+  }
+  if (const double* n = std::get_if<double>(&value)) return number_complaint(info, *n);
+  if (const std::string* choice = std::get_if<std::string>(&value)) {
+    if (std::ranges::find(info.choices, *choice) == info.choices.end()) {
+      return "is \"" + *choice + "\", expected one of: " + join(info.choices);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string complaint(const MethodInfo& method, const Settings& settings) {
+  for (const auto& [name, value] : settings) {
+    const auto info = std::ranges::find(method.settings, name, &SettingInfo::name);
+    if (info == method.settings.end()) {
+      std::vector<std::string_view> known;
+      for (const SettingInfo& setting : method.settings) known.push_back(setting.name);
+      return "method " + std::string(method.name) + " has no setting " + name +
+             ", expected one of: " + join(known);
+    }
+    const std::string wrong = setting_complaint(*info, value);
+    if (!wrong.empty()) return "setting " + name + " " + wrong;
+  }
+  return {};
+}
+
+Settings with_defaults(const MethodInfo& method, Settings settings) {
+  for (const SettingInfo& setting : method.settings) {
+    settings.try_emplace(std::string(setting.name), setting.fallback);
+  }
+  return settings;
+}
+
+std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings) {
+  const MethodInfo* info = find_method(name);
+  if (!info) {
+    std::vector<std::string_view> known;
+    for (const MethodInfo& method : methods()) known.push_back(method.name);
+    throw std::invalid_argument("there is no method " + std::string(name) +
+                                ", expected one of: " + join(known));
+  }
+  if (!info->missing.empty()) {
+    throw std::invalid_argument("method " + std::string(name) + " is " +
+                                std::string(info->missing));
+  }
+  const std::string wrong = complaint(*info, settings);
+  if (!wrong.empty()) throw std::invalid_argument(wrong);
+  return info->make(with_defaults(*info, settings));
+}
+
+double number(const Settings& settings, std::string_view name) {
+  return std::get<double>(settings.find(name)->second);
+}
+
+bool flag(const Settings& settings, std::string_view name) {
+  return std::get<bool>(settings.find(name)->second);
+}
+
+const std::string& text(const Settings& settings, std::string_view name) {
+  return std::get<std::string>(settings.find(name)->second);
+}
+
+SettingInfo step_setting(bool limited, int sweep) {
+  SettingInfo info{
+      .name = "step",
+      .meaning = limited ? "The time step; zero takes a share of the longest that is stable."
+                         : "The time step; smaller is more accurate and costs in proportion.",
+      .unit = "s",
+      .fallback = limited ? 0.0 : 0.001,
+      .maximum = 1,
+      .above = !limited,
+  };
+  for (int i = 0; i < sweep; ++i) info.sweep.emplace_back(std::ldexp(1.0 / 60, -i));
+  return info;
+}
+
+void refuse_obstacles(std::string_view method, const World& world) {
+  if (world.obstacles.empty()) return;
+  throw Diverged(std::string(method), world.time, 0,
+                 world.connectors.empty() ? "" : world.connectors.front().name, 0,
+                 "knows no contact, and there is the obstacle " + world.obstacles.front().name);
+}
+
+void refuse_materials(std::string_view method, const World& world) {
+  const auto found = std::ranges::find_if(
+      world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
+  if (found == world.connectors.end()) return;
+  throw Diverged(std::string(method), world.time, 0, found->name, 0,
+                 "knows neither stretch nor bending nor air");
+}
+
+void refuse_joints(std::string_view method, const World& world) {
+  if (world.joints.empty()) return;
+  const Joint::Particle& at = world.joints.front().particles.front();
+  throw Diverged(std::string(method), world.time, 0, world.connectors[at.connector].name,
+                 at.particle, "follows no connectors that are joined");
+}
+
+void refuse_laden_materials(std::string_view method, const World& world) {
+  for (const Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) {
+      if (connector.sections.empty() || is_prescribed(world, hold.to)) continue;
+      throw Diverged(std::string(method), world.time, 0, connector.name, 0,
+                     "follows no free body on a connector that stretches, bends or meets the air");
+    }
+  }
+}
+
+Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number,
+                   std::string connector_name, std::size_t link_index, std::string what)
+    : std::runtime_error([&] {
+        std::ostringstream line;
+        line << method_name << ": " << what << " at " << at << " s (step " << step_number
+             << "), connector " << connector_name << ", link " << link_index;
+        return line.str();
+      }()),
+      method(std::move(method_name)),
+      time(at),
+      step(step_number),
+      connector(std::move(connector_name)),
+      link(link_index) {}
+
+namespace {
+
+// A frame time is a rounded quotient and a step a rounded decimal: their ratio misses a whole
+// number by a few units in the last place. A thousandth of a millionth of a step is neither.
+constexpr double kWhole = 1e-9;
+
+/// The whole number that `ratio` is but for rounding, or -1.
+double whole(double ratio) {
+  const double nearest = std::round(ratio);
+  return std::abs(ratio - nearest) <= kWhole * std::max(1.0, nearest * 1e-3) ? nearest : -1;
+}
+
+}  // namespace
+
+std::uint64_t step_count(double interval, double step) {
+  if (!(interval > 0)) return 0;
+  const double ratio = interval / step;
+  const double exact = whole(ratio);
+  return static_cast<std::uint64_t>(std::max(1.0, exact >= 0 ? exact : std::ceil(ratio)));
+}
+
+StepTimes::StepTimes(double from, double until, double step)
+    : count(step_count(until - from, step)), from_(from), until_(until) {
+  const double first = whole(from / step), last = whole(until / step);
+  on_grid_ = first >= 0 && last > first;
+  if (on_grid_) {
+    first_ = first;
+    dt = step;
+    count = static_cast<std::uint64_t>(last - first);
+  } else {
+    dt = count > 0 ? (until - from) / static_cast<double>(count) : 0;
+  }
+}
+
+double StepTimes::at(std::uint64_t i) const {
+  if (on_grid_) return (first_ + static_cast<double>(i)) * dt;
+  return i == count ? until_ : from_ + static_cast<double>(i) * dt;
+}
+
+}  // namespace taut

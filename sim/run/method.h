@@ -1,0 +1,201 @@
+// One way to advance a world: the interface that every method implements, and the list of them.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sim/world/world.h"
+
+namespace taut {
+
+/// The value of one setting of a method.
+using Setting = std::variant<double, bool, std::string>;
+using Settings = std::map<std::string, Setting, std::less<>>;
+
+/// What a method says of one of its settings; scene files, --help and sweeps are built from it.
+struct SettingInfo {
+  std::string_view name;
+  std::string_view meaning;  // one sentence: what it is and what raising it does
+  std::string_view unit;     // "m", "s", "1" for a pure number, "" for flags and choices
+  Setting fallback;          // the default
+  double minimum = 0;        // numbers only; the value itself is refused where `above` is set
+  double maximum = 1e300;
+  bool above = false;
+  bool whole = false;                          // numbers only: integers
+  std::vector<std::string_view> choices = {};  // strings only
+  /// The values that sweeps go through, cheap to dear; empty: sweeps leave the setting alone.
+  std::vector<Setting> sweep = {};
+};
+
+/// What happened while stepping, for benchmarks and reports; machine-free.
+struct Counters {
+  std::uint64_t steps = 0;
+  std::uint64_t solves = 0;       // systems solved, or passes over all links
+  std::uint64_t rejected = 0;     // steps undone by an error control
+  std::uint64_t handed_over = 0;  // steps left to a more careful integrator
+  /// What all that takes of a processor, in cycles, as the operations in the loops add up: two
+  /// additions or multiplications a cycle where none waits for another, four cycles each where they
+  /// do; five and fifteen for a division or a root.
+  double cycles = 0;
+};
+
+/// Something that an observer can see in a span.
+struct Event {
+  enum class Kind { taut, impulse, slack };
+  Kind kind = Kind::taut;
+  double time = 0;            // s
+  std::size_t connector = 0;  // index into World::connectors
+  std::size_t span = 0;       // index of the span on it
+  double size = 0;            // N s, of an impulse
+};
+
+/// The simulation cannot go on: not finite, or beyond any sense. Says where.
+class Diverged : public std::runtime_error {
+ public:
+  Diverged(std::string method, double time, std::uint64_t step, std::string connector,
+           std::size_t link, std::string what);
+  std::string method;
+  double time;         // s
+  std::uint64_t step;  // counted from the start of the simulation
+  std::string connector;
+  std::size_t link;
+};
+
+/// Advances worlds. One object per simulation: it may keep workspaces and warm starts, which it
+/// rebuilds when World::topology changes. advance() allocates nothing after the first call.
+class Method {
+ public:
+  virtual ~Method() = default;
+
+  /// Moves `world` from its time to `until` (s), in as many steps as the method takes. Throws
+  /// Diverged. Held particles and driven bodies are at their places when it returns.
+  virtual void advance(World& world, double until) = 0;
+
+  const Counters& counters() const { return counters_; }
+  /// Events since the start or the last clear_events(), in order of time; empty for methods that
+  /// know none.
+  const std::vector<Event>& events() const { return events_; }
+  /// Forgets the events and keeps their memory. Whoever advances for long calls it now and then.
+  void clear_events() { events_.clear(); }
+
+ protected:
+  Counters counters_;
+  std::vector<Event> events_;
+};
+
+/// A form of a method that tables show as a row of its own, beside the method as it is.
+struct MethodForm {
+  std::string_view name;  // "dense"; tables write METHOD:NAME
+  Settings settings;      // what it sets
+};
+
+struct Companion;
+
+/// What a method takes for each particle, beside the world; measured on ropes of 20,000 particles,
+/// in a single span. The default is that of the hungriest.
+struct ParticleCost {
+  double memory = 8000;  // bytes
+  double step = 2e-5;    // s
+  /// Solves by TensionSystem, which has dense columns for links that meet in a free body.
+  bool eliminates = false;
+};
+
+/// A row of the list of methods.
+struct MethodInfo {
+  std::string_view name;     // as in scene files
+  std::string_view summary;  // one line
+  std::vector<SettingInfo> settings;
+  /// Makes the method with a full set of valid settings.
+  std::unique_ptr<Method> (*make)(const Settings& settings);
+  /// Why this build does not have the method, in two or three words for tables; empty: it does.
+  std::string_view missing = {};
+  /// The others are judged by it: it stands in no comparison of its own.
+  bool reference = false;
+  std::vector<MethodForm> forms = {};
+  /// The longest step (s) that theory allows while `world` hangs at rest below what holds it, with
+  /// a full set of settings; null: there is no such theory.
+  double (*longest_step)(const World& world, const Settings& settings) = nullptr;
+  std::string_view longest_step_law = {};  // the law in a few words, for legends
+  /// Connectors may be massless spans; others take every connector for links.
+  bool follows_spans = false;
+  /// Beads touch what is in World::obstacles; others throw Diverged where there is anything.
+  bool touches_obstacles = false;
+  /// Connectors stretch, resist bending and meet the air as sim/material says; others throw
+  /// Diverged where a world has such a one.
+  bool follows_materials = false;
+  /// Connectors may be joined (World::joints); others throw Diverged where some are.
+  bool follows_joints = false;
+  /// What runs beside a run with a full set of settings, coarser or finer, so that ErrorEstimate
+  /// tells its error; null: nothing is known of how the error depends on the settings.
+  Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
+  ParticleCost cost = {};
+};
+
+/// Whether the method knows all that is in `world`; else its advance() throws Diverged.
+bool follows(const MethodInfo& method, const World& world);
+
+/// Every method, in the order in which tables show them.
+std::span<const MethodInfo> methods();
+
+/// The method of that name, or null.
+const MethodInfo* find_method(std::string_view name);
+
+/// Why `settings` cannot be given to `method` (unknown name, wrong type, out of range), or empty.
+std::string complaint(const MethodInfo& method, const Settings& settings);
+
+/// `settings` with the method's own choice for those that it leaves out.
+Settings with_defaults(const MethodInfo& method, Settings settings);
+
+/// Makes a method; settings left out take their defaults. Throws std::invalid_argument with the
+/// complaint when a setting is wrong or the name is unknown.
+std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings);
+
+/// For methods whose beads touch nothing: throws Diverged where the world has obstacles.
+void refuse_obstacles(std::string_view method, const World& world);
+
+/// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
+void refuse_materials(std::string_view method, const World& world);
+/// For methods to which particles are of one connector: throws Diverged where some are joined.
+void refuse_joints(std::string_view method, const World& world);
+/// For methods that follow no free body on such a connector.
+void refuse_laden_materials(std::string_view method, const World& world);
+
+// Typed access for the methods' own code; the setting must exist.
+double number(const Settings& settings, std::string_view name);
+bool flag(const Settings& settings, std::string_view name);
+const std::string& text(const Settings& settings, std::string_view name);
+
+/// The setting `step` (s) of a method whose steps are all equal; sweeps go through `sweep` values
+/// of it, 1/60 s and each half of the one before. Zero, the default where the method is `limited`
+/// in its step, lets it choose by what limits it.
+SettingInfo step_setting(bool limited, int sweep);
+
+/// How many equal steps of at most `step` (s) fill `interval` (s); exact where step divides it.
+std::uint64_t step_count(double interval, double step);
+
+/// The times of the steps that take a world from `from` to `until`. Where both are whole multiples
+/// of `step`, so is every time between them and `dt` is `step` itself, so that a trajectory has the
+/// same bits however the frames divide it. Step i goes from at(i) to at(i + 1); set World::time to
+/// `until` after the last.
+struct StepTimes {
+  StepTimes(double from, double until, double step);
+
+  double at(std::uint64_t i) const;  // s
+
+  std::uint64_t count = 0;
+  double dt = 0;  // s
+
+ private:
+  double from_, until_;
+  double first_ = 0;
+  bool on_grid_ = false;
+};
+
+}  // namespace taut

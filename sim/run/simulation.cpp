@@ -1,0 +1,118 @@
+#include "sim/run/simulation.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <tuple>
+
+#include "sim/interventions/flaws.h"
+#include "sim/world/places.h"
+
+namespace taut {
+namespace {
+
+World finished(World world) {
+  if (world.topology == 0) finish(world);
+  return world;
+}
+
+}  // namespace
+
+Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline timeline)
+    : world_(finished(std::move(world))),
+      bodies_as_links_(world_),
+      method_(std::move(method)),
+      timeline_(std::move(timeline)),
+      parts_(world_.connectors),
+      pins_(timeline_.pins.size(), 0) {
+  for (std::size_t i = 0; i < timeline_.pins.size(); ++i) {
+    entries_.push_back({timeline_.pins[i].from, Entry::Kind::pin, i});
+    entries_.push_back({timeline_.pins[i].until, Entry::Kind::release, i});
+  }
+  for (std::size_t i = 0; i < timeline_.cuts.size(); ++i) {
+    entries_.push_back({timeline_.cuts[i].time, Entry::Kind::cut, i});
+  }
+  std::ranges::sort(entries_, {}, [](const Entry& entry) {
+    return std::tuple(entry.time, entry.kind, entry.index);
+  });
+  show();
+  interventions_.reserve(world_, timeline_.pins.size(), timeline_.cuts.size());
+}
+
+void Simulation::advance_to(double time) {
+  if (!(time >= world_.time)) throw std::invalid_argument("a simulation cannot go back in time");
+  method_->clear_events();
+  for (; next_ < entries_.size() && entries_[next_].time <= time; ++next_) {
+    const Entry& entry = entries_[next_];
+    if (entry.time > world_.time) method_->advance(world_, entry.time);
+    enact(entry);
+  }
+  if (time > world_.time) method_->advance(world_, time);
+  bodies_as_links_.follow(world_);
+}
+
+void Simulation::enact(const Entry& entry) {
+  Outcome outcome = Outcome::done;
+  std::string what;
+  if (entry.kind == Entry::Kind::cut) {
+    outcome = cut(timeline_.cuts[entry.index]);
+  } else if (entry.kind == Entry::Kind::release) {
+    outcome = interventions_.release(world_, pins_[entry.index]);
+  } else {
+    const TimedPin& pin = timeline_.pins[entry.index];
+    const auto [connector, along] = parts_.at(pin.connector, pin.along);
+    const Pinned pinned = pin.to ? interventions_.pin(world_, connector, along, *pin.to, pin.over)
+                                 : interventions_.pin(world_, connector, along);
+    pins_[entry.index] = pinned.pin;
+    outcome = pinned.outcome;
+    if (pin.to && (outcome == Outcome::out_of_reach || outcome == Outcome::too_near)) {
+      what = why_out_of_reach(world_, connector, along, *pin.to);
+    }
+  }
+  if (outcome == Outcome::done) return;
+  const bool is_cut = entry.kind == Entry::Kind::cut;
+  if (what.empty()) what = words(outcome);
+  throw BadIntervention(
+      {is_cut, entry.index, what}, entry.time,
+      is_cut ? timeline_.cuts[entry.index].source : timeline_.pins[entry.index].source);
+}
+
+Outcome Simulation::cut(const TimedCut& cut) {
+  const auto [connector, along] = parts_.at(cut.connector, cut.along);
+  const Divided made = interventions_.cut(world_, connector, along);
+  if (made.outcome == Outcome::done) parts_.cut(cut.connector, cut.along, made.connector);
+  return made.outcome;
+}
+
+void Simulation::show() {
+  if (timeline_.empty()) return;
+  Parts parts(world_.connectors);
+  for (const TimedCut& cut : in_order_of_time(timeline_.cuts)) {
+    parts.cut(cut.connector, cut.along, parts.all().size());
+  }
+  const World end = divided(world_, timeline_);
+  for (const Parts::Part& part : parts.all()) {
+    Shown shown{part.whole, {part.start}};
+    for (const double rest : end.connectors.at(part.connector).rest) {
+      shown.along.push_back(shown.along.back() + rest);
+    }
+    shown_.push_back(std::move(shown));
+  }
+}
+
+Snapshot Simulation::state() const {
+  Snapshot shot = snapshot(world_);
+  if (timeline_.empty()) {
+    bodies_as_links_.show(shot);
+    return shot;
+  }
+  shot.connectors.clear();
+  for (const Shown& shown : shown_) {
+    const double middle = (shown.along.front() + shown.along.back()) / 2;
+    const auto [connector, along] = parts_.at(shown.whole, middle);
+    shot.connectors.push_back(positions(world_.connectors[connector], middle - along, shown.along));
+  }
+  bodies_as_links_.show(shot);
+  return shot;
+}
+
+}  // namespace taut

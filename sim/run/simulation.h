@@ -1,0 +1,72 @@
+// A simulation: a world, a method, and what happens at which time.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/interventions/interventions.h"
+#include "sim/interventions/timeline.h"
+#include "sim/run/bodies_as_links.h"
+#include "sim/run/method.h"
+#include "sim/run/trajectory.h"
+#include "sim/world/parts.h"
+#include "sim/world/world.h"
+
+namespace taut {
+
+/// Steps a world through time. Frame times are exact multiples, so the same world, method and times
+/// give the same bits.
+class Simulation {
+ public:
+  /// The timeline must be without flaws that find_flaw() finds. What is at the world's time happens
+  /// with the first advance. Bodies whose model is a link become links of the world that is
+  /// stepped.
+  Simulation(World world, std::unique_ptr<Method> method, Timeline timeline = {});
+
+  /// Advances to `time` (s, not before the present), and does what the timeline has until then.
+  /// The method's events are those of this call afterwards. Throws Diverged and BadIntervention.
+  void advance_to(double time);
+
+  const World& world() const { return world_; }
+
+  /// The visible state, with all bodies of the world that was given; every connector keeps its
+  /// particles from the first frame to the last: those of divided(), whatever the timeline has
+  /// pinned and cut so far. Without a timeline it is the world's own.
+  Snapshot state() const;
+
+  const Method& method() const { return *method_; }
+
+  // For what nobody foresaw, between two advances.
+  World& world() { return world_; }
+  Interventions& interventions() { return interventions_; }
+
+ private:
+  struct Entry {
+    enum class Kind { release, cut, pin };
+    double time;  // s
+    Kind kind;
+    std::size_t index;  // in the timeline's list
+  };
+  void enact(const Entry& entry);
+  Outcome cut(const TimedCut& cut);
+  void show();
+
+  /// A connector of divided(): its particles' places on the connector that it is a part of.
+  struct Shown {
+    std::size_t whole = 0;
+    std::vector<double> along;  // m, rising
+  };
+
+  World world_;
+  BodiesAsLinks bodies_as_links_;
+  std::unique_ptr<Method> method_;
+  Interventions interventions_;
+  Timeline timeline_;
+  Parts parts_;
+  std::vector<Shown> shown_;
+  std::vector<Entry> entries_;       // in order of time
+  std::size_t next_ = 0;             // of the entries
+  std::vector<std::uint64_t> pins_;  // numbers of the timeline's pins, 0 before they are set
+};
+
+}  // namespace taut

@@ -1,0 +1,115 @@
+// A connector: particles joined by links, held at its ends and wherever a pin holds it.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/motion/path.h"
+#include "sim/motion/types.h"
+
+namespace taut {
+
+/// What holds a particle: a fixed point, a path, or a point of a rigid body.
+struct Attachment {
+  enum class Kind { fixed, path, body };
+  Kind kind = Kind::fixed;
+  Vec3 point = Vec3::Zero();         // m: in space, in the path's frame or in the body's frame
+  std::shared_ptr<const Path> path;  // Kind::path
+  std::size_t body = 0;              // Kind::body: index into World::bodies
+
+  /// While a particle is being drawn there: it is `lag` away at `since` and there, at rest beside
+  /// it, at `arrival`. Not on free bodies.
+  struct Approach {
+    Vec3 lag = Vec3::Zero();        // m, world axes
+    double since = 0, arrival = 0;  // s
+  };
+  Approach approach = {};
+};
+
+/// What a hold remembers where it is a pin, so that its release leaves no trace.
+struct PinRecord {
+  std::uint64_t number = 0;    // from 1; 0: no pin but an end of the connector
+  double fraction = 0;         // where on its link a particle was added for it; 0: none was
+  double link_rest = 0;        // m, of that link
+  double since = 0;            // s
+  std::uint64_t topology = 0;  // of the world, once pinned
+  Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();            // of the particle, before
+  Vec3 body_position = Vec3::Zero(), body_velocity = Vec3::Zero();  // of a free body, before
+  Vec3 body_spin = Vec3::Zero();
+};
+
+/// What a link is made of that stretches or bends; sim/material has the equations.
+struct Section {
+  double axial_stiffness = std::numeric_limits<double>::infinity();  // EA, N; infinite: rigid
+  double axial_damping = 0;      // N s: tension per rate of strain
+  double bending_stiffness = 0;  // EI, N m^2
+  double bending_damping = 0;    // N m^2 s: moment per rate of curvature
+  double diameter = 0;           // m, that the air meets
+};
+
+/// Coefficients of the air's drag, for flow across and along a link.
+struct Drag {
+  double across = 0, along = 0;
+};
+
+/// A particle that is held. A connector's ends are holds on its first and last particle; a pin is a
+/// hold on any particle. A free end or a point-mass end is no hold at all: its particle just moves
+/// (with the point mass added to its own).
+struct Hold {
+  std::size_t particle = 0;
+  Attachment to;
+  PinRecord pin = {};
+  /// Where a connector that resists bending is clamped: its direction there, from its first
+  /// particle to its last, in the frame of `to` (the world's for a fixed point). Zero: hinged.
+  Vec3 clamp = Vec3::Zero();
+};
+
+enum class ConnectorModel {
+  links,  // rigid two-sided links, particles with mass
+  span,   // massless: nothing acts until the span is taut, then an impulse
+};
+
+/// A rope, chain or cord of n particles and n-1 links. All arrays are contiguous and indexed by
+/// particle (n) or link (n-1).
+struct Connector {
+  std::string name;
+  double length = 0;      // m, the sum of `rest`
+  double mass = 0;        // kg, of all particles, ends included; without point masses at the ends
+  double elasticity = 0;  // coefficient of restitution when the span goes taut, 0 to 1
+  double radius = 0;      // m, of the beads that touch obstacles: each particle is one
+  ConnectorModel model = ConnectorModel::links;
+  std::vector<Hold> holds;  // sorted by particle; at most one per particle
+
+  std::vector<double> rest;           // m, rest length of each link
+  std::vector<double> particle_mass;  // kg, point masses of ends included; also for held particles
+  std::vector<Vec3> position;         // m
+  std::vector<Vec3> velocity;         // m/s
+
+  std::vector<Section> sections;  // of each link; none: rigid links that bend freely, without air
+  Drag drag;                      // with `sections` alone
+
+  std::size_t particles() const { return position.size(); }
+  std::size_t links() const { return rest.size(); }
+  /// Links stretch: all of a connector's do, or none.
+  bool stretches() const {
+    return !sections.empty() && std::isfinite(sections.front().axial_stiffness);
+  }
+};
+
+/// A connector of `particles` equal particles in a straight line from `start` along `direction`,
+/// at rest. Throws std::invalid_argument for particles < 2, negative mass or length.
+Connector straight_connector(std::string name, double length, double mass, std::size_t particles,
+                             const Vec3& start, const Vec3& direction);
+
+/// The particles that hang as a catenary of equal links between `from` and `to` (both ends held, at
+/// most the connector's length apart); the equilibrium of the discrete chain. Throws
+/// std::invalid_argument where there is none.
+std::vector<Vec3> hanging_points(const Connector& connector, const Vec3& from, const Vec3& to,
+                                 const Vec3& gravity);
+
+}  // namespace taut

@@ -1,0 +1,50 @@
+// Where connectors are joined: particles that are one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/world/connector.h"
+
+namespace taut {
+
+struct World;
+
+/// Particles of connectors that share their place and velocity; its mass is the sum of theirs. Two
+/// of one connector close a loop. At most one of them is held.
+struct Joint {
+  struct Particle {
+    std::size_t connector = 0, particle = 0;
+  };
+  std::vector<Particle> particles;  // at least two
+};
+
+/// What is wrong with the joints of a world, in words that end a sentence about it; empty: nothing.
+std::string joint_flaw(const World& world);
+
+/// The particle of a joint that stands for all: the one that is held, or else the first.
+const Joint::Particle& leader(const World& world, const Joint& joint);
+
+/// The joint that the particle belongs to, or null.
+const Joint* find_joint(const World& world, std::size_t connector, std::size_t particle);
+
+/// The mass (kg) at a particle, with those that are joined with it.
+double joined_mass(const World& world, std::size_t connector, std::size_t particle);
+
+/// For every particle, connector by connector, the number of the one that stands for it.
+void find_leaders(const World& world, std::vector<std::uint32_t>& leaders);
+
+/// Takes joined particles to where those are that stand for them.
+void place_joined(World& world);
+
+/// Keeps joints at their particles where one has been added behind `particle` of a connector, or
+/// `removed` there.
+void particle_added(World& world, std::size_t connector, std::size_t particle);
+void particle_removed(World& world, std::size_t connector, std::size_t particle);
+
+/// Keeps joints at their particles where those of a connector from `first` on are now `second`.
+void connector_divided(World& world, std::size_t connector, std::size_t first, std::size_t second);
+
+}  // namespace taut

@@ -1,0 +1,56 @@
+// Places along a connector, and particles that come and go there.
+#pragma once
+
+#include "sim/world/connector.h"
+
+namespace taut {
+
+constexpr double kSamePlace = 1e-9;  // of the length: places so near are one
+
+/// A particle, or a place on the link behind it.
+struct Place {
+  std::size_t particle = 0;
+  double fraction = 0;  // of the link from `particle` to the next; 0: at the particle
+};
+
+/// The place at `along` (m from the first particle, of the connector's length), or the nearest end.
+Place locate(const Connector& connector, double along);
+
+/// Two places on a connector, and how far apart they can be: `most` is its length between them, and
+/// `least` is above zero where one link is longer than all others between them together.
+struct DistanceRange {
+  double least = 0, most = 0;  // m
+};
+
+/// The value at a place of what the particles have, such as positions.
+Vec3 between(const std::vector<Vec3>& items, const Place& place);
+
+/// Where the places at `along` (m, rising) are; `from` is where the connector begins on that scale.
+std::vector<Vec3> positions(const Connector& connector, double from,
+                            const std::vector<double>& along);
+/// How they move, m/s.
+std::vector<Vec3> velocities(const Connector& connector, double from,
+                             const std::vector<double>& along);
+
+/// True where something holds the particle.
+bool holds(const Connector& connector, std::size_t particle);
+
+/// The hold of the particle, or the place for it among the connector's holds.
+std::vector<Hold>::iterator hold_at(Connector& connector, std::size_t particle);
+
+/// The record of the pin for which the particle was added, or null.
+PinRecord* added_for(Connector& connector, std::size_t particle);
+
+/// Adds a particle without mass behind `place.particle`, where the link is now; its place on the
+/// link is in the record.
+PinRecord add_particle(Connector& connector, const Place& place);
+
+/// Gives back what room the connector's arrays have beyond what is in them: methods make as much
+/// for each of the parts that it may be divided into.
+void fit(Connector& connector);
+
+/// Removes a particle that was added for a pin and whose hold is gone. Where no other such particle
+/// stands on its link, the link's rest length is what it was, bit by bit.
+void remove_particle(Connector& connector, std::size_t particle, double link_rest);
+
+}  // namespace taut

@@ -1,0 +1,75 @@
+// The whole physical state: bodies, connectors, gravity and the time; and what stands in their way.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/motion/types.h"
+#include "sim/world/body.h"
+#include "sim/world/connector.h"
+#include "sim/world/joint.h"
+#include "sim/world/obstacle.h"
+
+namespace taut {
+
+/// What connectors with drag coefficients move through; the same everywhere, at all times.
+struct Air {
+  double density = 0;        // kg/m^3; zero: none
+  Vec3 wind = Vec3::Zero();  // m/s
+};
+
+/// A value: copying a world copies its state (paths are shared, they never change).
+struct World {
+  double time = 0;                   // s
+  Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
+  Air air;
+  std::vector<Body> bodies;
+  std::vector<Connector> connectors;
+  std::vector<Joint> joints;        // what joins connectors to each other and to themselves
+  std::vector<Obstacle> obstacles;  // what the connectors' beads touch
+  std::uint64_t topology = 0;       // another one whenever what structure() tells changes
+  std::uint64_t pins = 0;           // how many there ever were
+};
+
+/// Joins the masses of particles held by free bodies to those bodies, sets every held particle and
+/// driven body to its place at `world.time`, and numbers the topology. Call once, after building a
+/// world. Throws std::invalid_argument where joint_flaw() finds one.
+void finish(World& world);
+
+/// Whether some connector stretches, resists bending or meets the air (Connector::sections).
+bool has_materials(const World& world);
+
+/// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
+/// them and joins them, bodies with their mass properties, paths, obstacles. Methods build on it,
+/// so World::topology is this number; whoever changes any of it by hand numbers it again.
+std::uint64_t structure(const World& world);
+
+/// The mass properties of a free body with the particles that it holds.
+MassProperties laden(const World& world, std::size_t body);
+
+/// Weighs the free body again that holds something, if it is one.
+void reweigh_holder(World& world, const Attachment& by);
+
+/// The motion of a hold at `time` for fixed points, paths and driven bodies; for a free body the
+/// present state, with the acceleration left zero.
+PointMotion hold_motion(const World& world, const Attachment& to, double time);
+
+/// True where the hold's motion is known beforehand: fixed, path, or driven body.
+bool is_prescribed(const World& world, const Attachment& to);
+
+/// The direction in which a hold clamps its connector at `time` (unit vector, world axes) and its
+/// rate (1/s); zero where it is hinged.
+struct ClampMotion {
+  Vec3 direction = Vec3::Zero(), rate = Vec3::Zero();
+};
+ClampMotion clamp_motion(const World& world, const Hold& hold, double time);
+
+/// Sets the time, and with it driven bodies and the particles held by anything, free bodies
+/// included, and those that are joined, to their places and velocities.
+void place_held(World& world, double time);
+
+/// The same of all but the particles held by free bodies, and of these alone.
+void place_prescribed(World& world, double time);
+void place_carried(World& world);
+
+}  // namespace taut
