@@ -17,8 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxBytes = 64u << 20;
-
 /// The first line of /proc/cpuinfo that starts with `key`, without it.
 std::string processor_line(const std::string& key) {
   std::ifstream file("/proc/cpuinfo");
@@ -60,7 +58,8 @@ std::uint64_t pixel_hash(const Picture& picture) {
 }
 
 GoldenRecord read_golden(const std::filesystem::path& file) {
-  return golden_from(read_regular_file(file, kMaxBytes, "a record of a golden picture"), file);
+  return golden_from(read_regular_file(file, kMaxRecordBytes, "a record of a golden picture"),
+                     file);
 }
 
 GoldenRecord golden_from(const std::string& text, const std::filesystem::path& file) {

@@ -18,7 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxBytes = 64u << 20;
 constexpr int kStates = 8;  // kept of each trajectory, at most
 
 /// What the motion follows from, for people: the rest of the file would fill pages.
@@ -83,8 +82,8 @@ TrajectoryRecord record_of(const GoldenTrajectory& trajectory) {
 }
 
 TrajectoryRecord read_trajectory(const std::filesystem::path& file) {
-  return trajectory_from(read_regular_file(file, kMaxBytes, "a record of a golden trajectory"),
-                         file);
+  return trajectory_from(
+      read_regular_file(file, kMaxRecordBytes, "a record of a golden trajectory"), file);
 }
 
 TrajectoryRecord trajectory_from(const std::string& text, const std::filesystem::path& file) {

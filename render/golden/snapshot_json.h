@@ -7,6 +7,9 @@
 
 namespace taut {
 
+/// No record of a golden picture or trajectory is larger.
+inline constexpr std::size_t kMaxRecordBytes = 64u << 20;
+
 nlohmann::ordered_json to_json(const Snapshot& state);
 
 /// Throws nlohmann::json::exception where `json` is no state.

@@ -17,7 +17,7 @@ namespace taut {
 namespace {
 
 /// Of all connectors together; more would fill a machine's memory before anything is simulated.
-constexpr std::size_t kMostParticles = 1000000;
+constexpr std::size_t kMostInAll = 1000000;
 
 /// One end of a connector as the file describes it.
 struct End {
@@ -92,9 +92,9 @@ class Layout {
                                      particles));
     }
     particles_ += particles * repeat_count(value);
-    if (particles_ > kMostParticles) {
+    if (particles_ > kMostInAll) {
       document_.mismatch(*value.find("particles"),
-                         fmt::format("at most {} in all connectors together", kMostParticles));
+                         fmt::format("at most {} in all connectors together", kMostInAll));
     }
     Connector connector =
         straight_connector(value.name, length, mass, particles, Vec3::Zero(), Vec3::UnitY());

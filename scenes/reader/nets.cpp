@@ -12,7 +12,7 @@
 namespace taut {
 namespace {
 
-constexpr double kMostParticles = 1e6;  // of all cords of a net
+constexpr double kMostInANet = 1e6;  // of all cords of a net
 
 /// A cord that waves sideways: where its particles are along the way and aside, in its own length.
 struct Wave {
@@ -94,9 +94,9 @@ class NetReader {
   void check() const {
     const double across = static_cast<double>(columns_ * bars());
     const double down = static_cast<double>(rows_ * links_);
-    if (2 * (across + 1) * (down + 1) > kMostParticles) {
+    if (2 * (across + 1) * (down + 1) > kMostInANet) {
       document_.mismatch(*net_.find("cells"),
-                         fmt::format("at most {} particles in all", kMostParticles));
+                         fmt::format("at most {} particles in all", kMostInANet));
     }
     if (kind_ == "web" && columns_ < 3) {
       document_.mismatch(net_.find("cells")->children[0], "at least 3 spokes of a web");

@@ -12,6 +12,11 @@
 
 namespace taut {
 
+/// An index as rows and columns are kept, in half of the memory.
+constexpr std::uint32_t small(std::size_t index) {
+  return static_cast<std::uint32_t>(index);
+}
+
 /// One scalar condition between two points. A link is one row, along itself; a link of rest length
 /// zero (a joint) is three rows, along the world's axes. Its tension (N) pulls the points together
 /// where it is positive: `a` along the row's direction, `b` against it.

@@ -10,10 +10,6 @@ namespace {
 
 constexpr double kMassless = -1;
 
-std::uint32_t small(std::size_t index) {
-  return static_cast<std::uint32_t>(index);
-}
-
 }  // namespace
 
 void Mechanism::rebuild(const World& world) {

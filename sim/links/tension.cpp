@@ -8,10 +8,6 @@ namespace {
 // A pivot this small beside what it was made from is rounding: A is singular.
 constexpr double kSingular = 1e-12;
 
-std::uint32_t small(std::size_t index) {
-  return static_cast<std::uint32_t>(index);
-}
-
 /// True where `row` and the next are neighbouring links of one connector.
 bool neighbours(const std::vector<Row>& rows, std::size_t row) {
   return row + 1 < rows.size() && rows[row].axis == Row::kAlongLink &&
