@@ -5,8 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/reader/document.h"
-#include "scenes/shapes.h"
+#include "scenes/format/document.h"
+#include "scenes/load_scene.h"
+#include "scenes/scene/shapes.h"
 
 namespace taut {
 namespace {

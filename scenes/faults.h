@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "scenes/fault.h"
-#include "scenes/scene.h"
+#include "scenes/files/fault.h"
+#include "scenes/scene/scene.h"
 
 namespace taut {
 

@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-#include "scenes/reader/format.h"
+#include "scenes/format/format.h"
+#include "scenes/load_scene.h"
 #include "scenes/reader/reader.h"
 
 namespace taut {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut {
 

@@ -8,9 +8,9 @@
 #include <map>
 
 #include "scenes/character/reach.h"
-#include "scenes/clip.h"
 #include "scenes/default_stage.h"
-#include "scenes/view.h"
+#include "scenes/scene/clip.h"
+#include "scenes/scene/view.h"
 
 namespace taut {
 namespace {

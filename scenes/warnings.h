@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut {
 

@@ -19,7 +19,9 @@
 #include "render/interrupt.h"
 #include "scenes/default_stage.h"
 #include "scenes/faults.h"
-#include "scenes/schema.h"
+#include "scenes/format/schema.h"
+#include "scenes/load_scene.h"
+#include "scenes/plan_file.h"
 #include "scenes/warnings.h"
 
 namespace taut::cli {

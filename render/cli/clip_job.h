@@ -17,7 +17,7 @@
 #include "render/draw/frame_state.h"
 #include "render/film/frame_folder.h"
 #include "render/gl/context.h"
-#include "scenes/clip_simulation.h"
+#include "scenes/scene/clip_simulation.h"
 
 namespace taut::cli {
 

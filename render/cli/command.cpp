@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "render/cli/help.h"
-#include "scenes/asset_path.h"
+#include "scenes/files/asset_path.h"
 
 namespace taut::cli {
 

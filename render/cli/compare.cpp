@@ -20,7 +20,7 @@
 #include "render/film/video.h"
 #include "render/interrupt.h"
 #include "scenes/default_stage.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
 #include "sim/measure/measure.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"

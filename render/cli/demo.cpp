@@ -5,8 +5,8 @@
 
 #include "render/cli/commands.h"
 #include "render/cli/note.h"
-#include "scenes/asset_path.h"
-#include "scenes/error.h"
+#include "scenes/files/asset_path.h"
+#include "scenes/files/error.h"
 
 namespace taut::cli {
 namespace {

@@ -21,7 +21,7 @@
 #include "render/export/usda.h"
 #include "render/interrupt.h"
 #include "scenes/default_stage.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut::cli {
 namespace {

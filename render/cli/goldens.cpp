@@ -9,7 +9,8 @@
 #include "render/cli/command.h"
 #include "render/film/film.h"
 #include "render/interrupt.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut::cli {

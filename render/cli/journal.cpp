@@ -11,7 +11,7 @@
 
 #include "render/atomic_file.h"
 #include "render/error.h"
-#include "scenes/regular_file.h"
+#include "scenes/files/regular_file.h"
 
 namespace taut::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include "render/cli/clip_job.h"
 #include "render/film/film.h"
 #include "render/interrupt.h"
-#include "scenes/regular_file.h"
+#include "scenes/files/regular_file.h"
 
 namespace taut::cli {
 namespace {

@@ -9,7 +9,8 @@
 
 #include "render/cli/command.h"
 #include "render/cli/scene_options.h"
-#include "scenes/scene_keys.h"
+#include "scenes/format/scene_keys.h"
+#include "scenes/load_scene.h"
 #include "sim/world/span.h"
 
 namespace taut::cli {

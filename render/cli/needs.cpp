@@ -10,7 +10,7 @@
 #include "render/cli/method_options.h"
 #include "render/cli/note.h"
 #include "render/error.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
 #include "sim/run/footprint.h"
 
 namespace taut::cli {

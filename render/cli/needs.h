@@ -6,7 +6,7 @@
 #include <string>
 
 #include "render/cli/command.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut::cli {
 

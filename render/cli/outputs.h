@@ -7,7 +7,7 @@
 #include "render/cli/command.h"
 #include "render/film/video.h"
 #include "render/picture/png_file.h"
-#include "scenes/clip.h"
+#include "scenes/scene/clip.h"
 
 namespace taut::cli {
 

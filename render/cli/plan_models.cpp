@@ -7,7 +7,8 @@
 #include <limits>
 
 #include "render/cli/study_options.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/run/coarser.h"
 #include "sim/study/refined.h"

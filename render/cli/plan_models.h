@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/study/planner.h"
 
 namespace taut::cli {

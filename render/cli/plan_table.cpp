@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include "render/cli/study_options.h"
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
+#include "scenes/plan_file.h"
 
 namespace taut::cli {
 namespace {

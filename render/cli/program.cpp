@@ -22,8 +22,8 @@
 #include "render/error.h"
 #include "render/interrupt.h"
 #include "render/version.h"
-#include "scenes/error.h"
-#include "scenes/reader/document.h"
+#include "scenes/files/error.h"
+#include "scenes/format/document.h"
 #include "sim/interventions/timeline.h"
 #include "sim/run/method.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "render/cli/command.h"
-#include "scenes/fault.h"
+#include "scenes/files/fault.h"
 
 namespace taut::cli {
 

@@ -10,8 +10,8 @@
 #include "render/cli/needs.h"
 #include "render/cli/watch.h"
 #include "render/film/render_workers.h"
-#include "scenes/error.h"
-#include "scenes/reader/document.h"
+#include "scenes/files/error.h"
+#include "scenes/format/document.h"
 
 namespace taut::cli {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "render/chart/html_page.h"
 #include "render/cli/reproduce.h"
-#include "scenes/regular_file.h"
+#include "scenes/files/regular_file.h"
 
 namespace taut::cli {
 namespace {

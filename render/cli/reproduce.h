@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/study/candidate.h"
 
 namespace taut::cli {

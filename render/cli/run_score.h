@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/study/reference.h"
 #include "sim/study/run.h"
 

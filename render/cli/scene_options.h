@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "render/cli/command.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut::cli {
 

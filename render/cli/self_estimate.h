@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/run/error_estimate.h"
 
 namespace taut::cli {

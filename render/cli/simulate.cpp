@@ -22,7 +22,7 @@
 #include "render/cli/terminal.h"
 #include "render/export/csv.h"
 #include "render/interrupt.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 

@@ -12,7 +12,7 @@
 #include "render/film/contact_sheet.h"
 #include "render/interrupt.h"
 #include "render/picture/paint.h"
-#include "scenes/clip_simulation.h"
+#include "scenes/scene/clip_simulation.h"
 
 namespace taut::cli {
 namespace {

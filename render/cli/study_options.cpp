@@ -9,7 +9,8 @@
 #include "render/atomic_file.h"
 #include "render/cli/command.h"
 #include "render/film/fingerprint.h"
-#include "scenes/standard_input.h"
+#include "scenes/files/standard_input.h"
+#include "scenes/load_scene.h"
 #include "sim/motion/hash.h"
 
 namespace taut::cli {

@@ -10,7 +10,7 @@
 #include "render/cli/command.h"
 #include "render/cli/part.h"
 #include "render/cli/scene_options.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/study/candidate.h"
 
 namespace taut::cli {

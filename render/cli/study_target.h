@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/reference.h"
 #include "sim/study/run.h"

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 #include "sim/motion/types.h"
 
 namespace taut {

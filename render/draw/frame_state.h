@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 #include "sim/run/trajectory.h"
 
 namespace taut {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/picture/rect.h"
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 #include "sim/motion/types.h"
 
 namespace taut {

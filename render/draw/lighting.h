@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 
 namespace taut {
 

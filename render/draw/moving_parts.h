@@ -7,7 +7,7 @@
 #include "render/draw/draw_item.h"
 #include "render/draw/frame_state.h"
 #include "render/mesh/connector_mesh.h"
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 #include "sim/world/world.h"
 
 namespace taut {

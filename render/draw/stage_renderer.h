@@ -8,7 +8,7 @@
 #include "render/draw/frame_state.h"
 #include "render/gl/canvas.h"
 #include "render/gl/profile.h"
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 #include "sim/world/world.h"
 
 namespace taut {

@@ -9,7 +9,7 @@
 #include "render/draw/draw_item.h"
 #include "render/gl/gpu.h"
 #include "render/picture/rect.h"
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 
 namespace taut {
 

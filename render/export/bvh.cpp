@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "scenes/character/skeleton.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
 
 namespace taut {
 namespace {

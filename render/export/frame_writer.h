@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut {
 

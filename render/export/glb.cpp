@@ -9,7 +9,7 @@
 #include "render/export/gltf_view.h"
 #include "render/export/looks.h"
 #include "render/export/spline_tracks.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
 
 namespace taut {
 namespace {

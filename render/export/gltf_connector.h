@@ -4,7 +4,7 @@
 #include "render/export/gltf_mesh.h"
 #include "render/export/gltf_motion.h"
 #include "render/mesh/chain_mesh.h"
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 
 namespace taut {
 

@@ -1,7 +1,7 @@
 // What a scene's stage says of the things that move; plain where it has no stage.
 #pragma once
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut {
 

@@ -1,7 +1,7 @@
 #include <optional>
 
 #include "render/export/frame_writer.h"
-#include "scenes/exposure.h"
+#include "scenes/scene/exposure.h"
 #include "sim/run/shown_velocities.h"
 
 namespace taut {

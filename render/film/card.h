@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "render/picture/text.h"
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 
 namespace taut {
 

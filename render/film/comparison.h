@@ -10,7 +10,7 @@
 #include "render/draw/stage_renderer.h"
 #include "render/gl/canvas.h"
 #include "render/picture/text.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut {
 

@@ -7,7 +7,7 @@
 #include "render/gl/canvas.h"
 #include "render/gl/profile.h"
 #include "render/picture/text.h"
-#include "scenes/clip.h"
+#include "scenes/scene/clip.h"
 
 namespace taut {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "scenes/regular_file.h"
+#include "scenes/files/regular_file.h"
 #include "sim/motion/hash.h"
 
 namespace taut {

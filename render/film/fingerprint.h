@@ -5,7 +5,7 @@
 #include <span>
 
 #include "render/draw/frame_state.h"
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 
 namespace taut {
 

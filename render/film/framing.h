@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 
 namespace taut {
 

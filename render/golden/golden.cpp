@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/golden/snapshot_json.h"
-#include "scenes/regular_file.h"
+#include "scenes/files/regular_file.h"
 #include "sim/motion/hash.h"
 
 namespace taut {

@@ -9,7 +9,8 @@
 #include "render/golden/golden.h"
 #include "render/golden/snapshot_json.h"
 #include "render/interrupt.h"
-#include "scenes/regular_file.h"
+#include "scenes/files/regular_file.h"
+#include "scenes/load_scene.h"
 #include "sim/motion/hash.h"
 #include "sim/run/simulation.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 #include "sim/motion/types.h"
 #include "sim/world/connector.h"
 

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "render/picture/png_file.h"
-#include "scenes/regular_file.h"
+#include "scenes/files/regular_file.h"
 
 namespace taut {
 namespace {

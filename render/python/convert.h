@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/world/world.h"
 
 namespace taut::python {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "render/error.h"
-#include "scenes/fault.h"
+#include "scenes/files/fault.h"
 #include "sim/interventions/timeline.h"
 #include "sim/run/method.h"
 

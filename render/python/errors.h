@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "scenes/error.h"
+#include "scenes/files/error.h"
 
 namespace taut::python {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "scenes/clip_simulation.h"
 #include "scenes/default_stage.h"
+#include "scenes/scene/clip_simulation.h"
 
 namespace taut::python {
 

@@ -6,7 +6,7 @@
 
 #include "render/film/film.h"
 #include "render/python/drawing_thread.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace taut::python {
 

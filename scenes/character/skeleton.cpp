@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "scenes/error.h"
+#include "scenes/files/error.h"
 
 namespace taut {
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/regular_file.h"
+#include "scenes/files/regular_file.h"
 
 namespace taut {
 

@@ -9,11 +9,11 @@
 #include <assimp/Importer.hpp>
 #include <cctype>
 
+#include "scenes/files/regular_file.h"
 #include "scenes/model/gltf.h"
 #include "scenes/model/imported.h"
 #include "scenes/model/obj.h"
 #include "scenes/model/obj_files.h"
-#include "scenes/regular_file.h"
 
 namespace taut {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <set>
 
+#include "scenes/files/regular_file.h"
 #include "scenes/model/limits.h"
-#include "scenes/regular_file.h"
 
 namespace taut {
 namespace {

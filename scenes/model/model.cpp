@@ -6,11 +6,11 @@
 #include <new>
 #include <system_error>
 
+#include "scenes/files/regular_file.h"
 #include "scenes/model/import.h"
 #include "scenes/model/limits.h"
 #include "scenes/model/model_bytes.h"
 #include "scenes/model/sandbox.h"
-#include "scenes/regular_file.h"
 
 namespace taut {
 namespace {

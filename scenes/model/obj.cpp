@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "scenes/files/regular_file.h"
 #include "scenes/model/limits.h"
-#include "scenes/regular_file.h"
 
 namespace taut {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "scenes/files/regular_file.h"
 #include "scenes/model/limits.h"
-#include "scenes/regular_file.h"
 
 namespace taut {
 namespace {

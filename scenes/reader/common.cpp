@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <span>
 
-#include "scenes/asset_path.h"
+#include "scenes/files/asset_path.h"
 #include "scenes/reader/reader.h"
 
 namespace taut {

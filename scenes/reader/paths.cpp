@@ -3,9 +3,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "scenes/reader/format_keys.h"
+#include "scenes/files/regular_file.h"
+#include "scenes/format/format_keys.h"
 #include "scenes/reader/reader.h"
-#include "scenes/regular_file.h"
 #include "sim/world/rotation.h"
 
 namespace taut {

@@ -1,6 +1,6 @@
 #include <charconv>
 
-#include "scenes/reader/format_keys.h"
+#include "scenes/format/format_keys.h"
 #include "scenes/reader/reader.h"
 
 namespace taut {

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/error.h"
-#include "scenes/reader/document.h"
-#include "scenes/scene.h"
+#include "scenes/files/error.h"
+#include "scenes/format/document.h"
+#include "scenes/scene/scene.h"
 
 namespace taut {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "scenes/reader/document.h"
+#include "scenes/format/document.h"
 #include "sim/world/connector.h"
 
 namespace taut {

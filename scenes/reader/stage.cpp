@@ -2,10 +2,10 @@
 
 #include <map>
 
-#include "scenes/obstacle_model.h"
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
-#include "scenes/shapes.h"
+#include "scenes/scene/obstacle_model.h"
+#include "scenes/scene/shapes.h"
 
 namespace taut {
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 #include "sim/study/run.h"
 
 namespace taut {

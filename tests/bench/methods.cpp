@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 #include "sim/study/run.h"
 #include "tests/bench/floor.h"
 

@@ -11,7 +11,8 @@
 
 #include "render/cli/plan_models.h"
 #include "render/cli/study_target.h"
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
+#include "scenes/plan_file.h"
 #include "sim/study/sample_points.h"
 #include "tests/support/folder.h"
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include "scenes/format/document.h"
 #include "scenes/model/sandbox.h"
-#include "scenes/reader/document.h"
 #include "scenes/reader/reader.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/measure/measure.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/measure/measure.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"

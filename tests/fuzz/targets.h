@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include "scenes/error.h"
+#include "scenes/files/error.h"
+#include "scenes/format/document.h"
 #include "scenes/model/import.h"
-#include "scenes/reader/document.h"
 #include "scenes/reader/reader.h"
 
 namespace taut {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "render/draw/stage_renderer.h"
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut {

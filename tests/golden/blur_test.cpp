@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "render/draw/stage_renderer.h"
-#include "scenes/shapes.h"
+#include "scenes/scene/shapes.h"
 
 namespace taut {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "render/draw/lighting.h"
 #include "render/draw/stage_renderer.h"
-#include "scenes/shapes.h"
+#include "scenes/scene/shapes.h"
 
 namespace taut {
 namespace {

@@ -9,6 +9,7 @@
 #include "render/film/film.h"
 #include "render/golden/golden.h"
 #include "scenes/golden_suite.h"
+#include "scenes/load_scene.h"
 
 namespace taut {
 namespace {

@@ -6,7 +6,8 @@
 #include <filesystem>
 
 #include "render/film/film.h"
-#include "scenes/clip_simulation.h"
+#include "scenes/load_scene.h"
+#include "scenes/scene/clip_simulation.h"
 #include "tests/support/folder.h"
 
 namespace taut {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 
 namespace taut {
 namespace {

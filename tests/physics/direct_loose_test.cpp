@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "render/mesh/skinning.h"
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 #include "worlds.h"
 
 namespace taut {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 #include "sim/run/method.h"
 
 namespace taut {

@@ -10,7 +10,7 @@
 
 #include "render/mesh/skinning.h"
 #include "scenes/character/capsules.h"
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 
 namespace taut {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut {

@@ -6,7 +6,7 @@
 #include "scenes/character/capsules.h"
 #include "scenes/character/character.h"
 #include "scenes/character/figure.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
 #include "sim/world/rotation.h"
 
 namespace taut {

@@ -7,7 +7,7 @@
 #include "render/mesh/skinning.h"
 #include "scenes/character/character.h"
 #include "scenes/character/tails.h"
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 
 namespace taut {
 namespace {

@@ -9,8 +9,9 @@
 
 #include "render/draw/lighting.h"
 #include "render/draw/motion_extents.h"
-#include "scenes/clip_simulation.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
+#include "scenes/scene/clip_simulation.h"
 #include "tests/physics/worlds.h"
 
 namespace taut {

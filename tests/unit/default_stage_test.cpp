@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/view.h"
+#include "scenes/load_scene.h"
+#include "scenes/scene/view.h"
 #include "tests/support/folder.h"
 
 namespace taut {

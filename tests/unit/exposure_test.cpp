@@ -1,5 +1,5 @@
 // Which states a frame shows while its shutter is open, and how exposures differ.
-#include "scenes/exposure.h"
+#include "scenes/scene/exposure.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 
 #include "render/draw/jitter.h"
 #include "render/draw/lighting.h"
+#include "scenes/load_scene.h"
 
 namespace taut {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "scenes/error.h"
-#include "scenes/scene.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
 #include "tests/support/folder.h"
 
 namespace taut {

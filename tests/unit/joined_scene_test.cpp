@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/error.h"
-#include "scenes/scene.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
 #include "sim/measure/measure.h"
 #include "tests/support/folder.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "render/mesh/chain_contact.h"
-#include "scenes/scene.h"
+#include "scenes/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut {

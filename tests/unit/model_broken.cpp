@@ -5,9 +5,9 @@
 #include <random>
 
 #include "model_files.h"
+#include "scenes/files/regular_file.h"
 #include "scenes/model/import.h"
 #include "scenes/model/limits.h"
-#include "scenes/regular_file.h"
 
 namespace taut {
 namespace {

@@ -1,6 +1,6 @@
 // Models as they should be read: geometry, materials, skeletons.
 #include "model_files.h"
-#include "scenes/error.h"
+#include "scenes/files/error.h"
 #include "scenes/model/model.h"
 
 namespace taut {

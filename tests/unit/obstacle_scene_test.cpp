@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "scenes/error.h"
-#include "scenes/scene.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
 #include "scenes/warnings.h"
 #include "tests/support/folder.h"
 

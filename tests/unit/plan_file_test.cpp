@@ -1,8 +1,10 @@
+#include "scenes/plan_file.h"
+
 #include <gtest/gtest.h>
 
-#include "scenes/error.h"
-#include "scenes/plan.h"
-#include "scenes/scene.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
+#include "scenes/scene/plan.h"
 #include "tests/support/folder.h"
 
 namespace taut {

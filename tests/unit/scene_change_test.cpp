@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "scenes/error.h"
-#include "scenes/scene.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
 
 namespace taut {
 namespace {

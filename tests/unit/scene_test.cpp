@@ -1,11 +1,10 @@
 // What scenes mean: where things stand at the start, what holds them, which names go together.
-#include "scenes/scene.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "scenes/error.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
 #include "tests/support/folder.h"
 
 namespace taut {

@@ -1,12 +1,12 @@
 // The camera's way, and the plain shapes of bodies without a mesh.
-#include "scenes/stage.h"
+#include "scenes/scene/stage.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 #include <numbers>
 
-#include "scenes/shapes.h"
+#include "scenes/scene/shapes.h"
 
 namespace taut {
 namespace {

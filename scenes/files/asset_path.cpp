@@ -1,0 +1,79 @@
+#include "scenes/files/asset_path.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <sstream>
+
+namespace taut {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path& chosen_folder() {
+  static fs::path folder;
+  return folder;
+}
+
+fs::path resolved(const fs::path& path) {
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(path, error);
+  return error ? path : real;
+}
+
+/// The nearest folder above that is a project's; `folder` itself where there is none.
+fs::path project_of(const fs::path& folder) {
+  std::error_code error;
+  for (fs::path at = folder;; at = at.parent_path()) {
+    if (fs::exists(at / "CMakePresets.json", error) || fs::exists(at / ".git", error)) return at;
+    if (at == at.parent_path()) return folder;
+  }
+}
+
+}  // namespace
+
+void set_asset_folder(const fs::path& folder) {
+  chosen_folder() = folder;
+}
+
+fs::path installed_share() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error || program.parent_path().filename() != "bin") return {};
+  const fs::path share = program.parent_path().parent_path() / "share/taut";
+  return fs::is_directory(share, error) ? share : fs::path();
+}
+
+std::vector<AssetFolder> asset_folders(const fs::path& folder) {
+  std::vector<AssetFolder> folders;
+  const auto add = [&](const char* what, const fs::path& path, const fs::path& within) {
+    for (const AssetFolder& known : folders) {
+      if (known.folder == path) return;
+    }
+    folders.push_back({what, path, within});
+  };
+  const auto add_tree = [&](const char* what, const fs::path& path) {
+    if (!path.empty()) add(what, resolved(path), resolved(path));
+  };
+  add_tree("--assets", chosen_folder());
+  if (const char* variable = std::getenv("TAUT_ASSETS")) {
+    std::istringstream list(variable);
+    for (std::string path; std::getline(list, path, ':');) add_tree("TAUT_ASSETS", path);
+  }
+  const fs::path scene = resolved(folder), project = project_of(scene);
+  add("beside the scene", scene, project);
+  add("the scene's project", project, project);
+  add_tree("installed", installed_share());
+  return folders;
+}
+
+std::string places(const std::vector<AssetFolder>& folders) {
+  std::string list;
+  for (const AssetFolder& place : folders) {
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", place.what, place.folder.string());
+  }
+  return list;
+}
+
+}  // namespace taut

@@ -1,0 +1,70 @@
+// Keys that the parts of the scene format have in common, and those parts that have a file of their
+// own.
+#pragma once
+
+#include "scenes/format/format.h"
+
+namespace taut::format_keys {
+
+using Type = KeyFormat::Type;
+
+// Generous, and small enough that no product of them overflows an int or fills a machine's memory.
+inline constexpr double kLongest = 86400;      // s, a day
+inline constexpr double kMostParticles = 1e5;  // of a connector
+inline constexpr double kMostFps = 1000;
+inline constexpr double kWidest = 16384;      // pixels
+inline constexpr double kMostFriction = 100;  // beyond, nothing ever slides
+
+inline KeyFormat vector(std::string_view name, std::string_view meaning,
+                        std::string_view unit = "m") {
+  return {
+      .name = name, .type = Type::numbers, .meaning = meaning, .unit = unit, .least = 3, .most = 3};
+}
+
+inline KeyFormat color(std::string_view name, std::string_view meaning) {
+  KeyFormat key = vector(name, meaning, "");
+  key.minimum = 0;
+  return key;
+}
+
+inline KeyFormat rotation(std::string_view meaning) {
+  return {.name = "rotation", .type = Type::numbers, .meaning = meaning, .least = 4, .most = 4};
+}
+
+inline KeyFormat positive(std::string_view name, std::string_view meaning, std::string_view unit) {
+  return {.name = name, .meaning = meaning, .unit = unit, .minimum = 0, .above = true};
+}
+
+inline KeyFormat not_negative(std::string_view name, std::string_view meaning,
+                              std::string_view unit) {
+  return {.name = name, .meaning = meaning, .unit = unit, .minimum = 0};
+}
+
+inline KeyFormat text(std::string_view name, std::string_view meaning) {
+  return {.name = name, .type = Type::text, .meaning = meaning};
+}
+
+inline KeyFormat table(std::string_view name, std::string_view meaning, const TableFormat& format,
+                       Type type = Type::table) {
+  return {.name = name, .type = type, .meaning = meaning, .table = &format};
+}
+
+inline KeyFormat needed(KeyFormat key) {
+  key.required = true;
+  return key;
+}
+
+}  // namespace taut::format_keys
+
+namespace taut {
+
+const TableFormat& path_format();
+const TableFormat& obstacle_format();
+const TableFormat& material_format();
+const TableFormat& drag_format();
+const TableFormat& air_format();
+const TableFormat& net_format();
+const TableFormat& stage_format();
+const TableFormat& plan_format();
+
+}  // namespace taut

@@ -1,0 +1,29 @@
+#include "scenes/format/format_keys.h"
+
+namespace taut {
+
+using namespace format_keys;
+
+const TableFormat& material_format() {
+  static const TableFormat format{
+      {needed(positive("youngs_modulus", "Stress per strain, in stretch and in bending.", "Pa")),
+       needed(positive("diameter", "Of the rod.", "m")),
+       needed(positive("density", "Of what it is made of.", "kg/m^3"))}};
+  return format;
+}
+
+const TableFormat& drag_format() {
+  static const TableFormat format{
+      {not_negative("across", "For flow across it; 1.2 for a round rope.", "1"),
+       not_negative("along", "For flow along it; 0.01 to 0.1, more for a rough rope.", "1")}};
+  return format;
+}
+
+const TableFormat& air_format() {
+  static const TableFormat format{
+      {not_negative("density", "Default: 1.225.", "kg/m^3"),
+       vector("wind", "Velocity of the air, the same everywhere; default: [0, 0, 0].", "m/s")}};
+  return format;
+}
+
+}  // namespace taut

@@ -1,0 +1,69 @@
+#include "scenes/format/format_keys.h"
+
+namespace taut {
+
+namespace {
+
+using namespace format_keys;
+
+KeyFormat rounding() {
+  return not_negative("rounding", "Radius of its edges, within its size; default: 0, sharp.", "m");
+}
+
+const TableFormat& surface_format() {
+  static const TableFormat plane{
+      {positive("size", "Edge of the square that is drawn of it; default: 4.", "m")}};
+  static const TableFormat sphere{{needed(positive("diameter", "Of the ball.", "m"))}};
+  static const TableFormat capsule{
+      {needed(positive("length", "Along the y axis, without the caps.", "m")),
+       needed(positive("diameter", "Across it.", "m"))}};
+  static const TableFormat cylinder{{needed(positive("length", "Along the y axis.", "m")),
+                                     needed(positive("diameter", "Across it.", "m")), rounding()}};
+  static const TableFormat box{{needed([] {
+                                  KeyFormat key = vector("size", "Along x, y and z.");
+                                  key.minimum = 0;
+                                  key.above = true;
+                                  return key;
+                                }()),
+                                rounding()}};
+  static const TableFormat format{
+      {table("plane", "All that lies below y = 0; {} has the size of the default.", plane),
+       table("sphere", "A ball.", sphere),
+       table("capsule", "A cylinder along y with half balls as caps.", capsule),
+       table("cylinder", "A cylinder along y.", cylinder), table("box", "A box.", box)},
+      {{{"plane", "sphere", "capsule", "cylinder", "box"}}}};
+  return format;
+}
+
+}  // namespace
+
+const TableFormat& obstacle_format() {
+  static const TableFormat format{
+      {needed(table("shape", "The solid, centred on the obstacle's origin.", surface_format())),
+       text("path", "Name of the path that it follows; without one it stands still."),
+       vector("position", "Of its origin: in the world, or in the path's frame; default: 0, 0, 0."),
+       rotation("Of its frame, as a quaternion [w, x, y, z]; default: none."),
+       {.name = "friction",
+        .meaning = "Coulomb's coefficient, of what slides; default: 0.",
+        .unit = "1",
+        .minimum = 0,
+        .maximum = kMostFriction},
+       {.name = "static_friction",
+        .meaning = "Coulomb's coefficient, of what sticks; default: as friction.",
+        .unit = "1",
+        .minimum = 0,
+        .maximum = kMostFriction},
+       {.name = "restitution",
+        .meaning = "Newton's coefficient: the share of its speed with which a bead bounces off; "
+                   "default: 0.",
+        .unit = "1",
+        .minimum = 0,
+        .maximum = 1},
+       color("color", "Linear colour."),
+       {.name = "shown",
+        .type = Type::flag,
+        .meaning = "false: pictures show it by their scenery, if at all; default: true."}}};
+  return format;
+}
+
+}  // namespace taut

@@ -1,0 +1,351 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/format/format_keys.h"
+#include "scenes/format/scene_keys.h"
+#include "sim/run/method.h"
+
+namespace taut {
+
+namespace {
+
+using namespace format_keys;
+
+const TableFormat& head_key_format() {
+  static const TableFormat format{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       {.name = "yaw", .meaning = "To the left.", .unit = "rad"},
+       {.name = "lean", .meaning = "Forward.", .unit = "rad"},
+       {.name = "tilt", .meaning = "To the right.", .unit = "rad"},
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
+  return format;
+}
+
+const TableFormat& character_format() {
+  static const TableFormat format{
+      {needed({.name = "mesh", .type = Type::file, .meaning = "A skinned glTF or GLB model."}),
+       needed(text("right_hand", "Name of the path that the right hand's grip follows.")),
+       {.name = "head",
+        .type = Type::tables,
+        .meaning = "How the head turns when, beyond what follows from the hand; smooth between.",
+        .least = 1,
+        .table = &head_key_format()}}};
+  return format;
+}
+
+const TableFormat& shape_format() {
+  static const TableFormat cylinder{{needed(positive("length", "Along the body's y axis.", "m")),
+                                     needed(positive("diameter", "Across it.", "m"))}};
+  static const TableFormat sphere{{needed(positive("diameter", "Of the ball.", "m"))}};
+  static const TableFormat box{{needed([] {
+    KeyFormat key = vector("size", "Along x, y and z.");
+    key.minimum = 0;
+    key.above = true;
+    return key;
+  }())}};
+  static const TableFormat format{
+      {table("cylinder", "A solid cylinder along y.", cylinder),
+       table("sphere", "A solid ball.", sphere), table("box", "A solid box.", box)},
+      {{{"cylinder", "sphere", "box"}}}};
+  return format;
+}
+
+const TableFormat& driver_format() {
+  static const TableFormat format{{text("path", "Name of a path."),
+                                   text("character", "Name of a character."),
+                                   {.name = "hand",
+                                    .type = Type::choice,
+                                    .meaning = "Which hand holds the body.",
+                                    .choices = {"right"}},
+                                   text("bone", "Name of the character's bone that carries it.")},
+                                  {{{"path", "character"}}, {{"path", "hand", "bone"}, false}}};
+  return format;
+}
+
+const TableFormat& body_format() {
+  static const TableFormat format{
+      {needed(positive("mass", "Of the body alone.", "kg")),
+       table("shape", "A solid of even density, centred on the body's origin.", shape_format()),
+       {.name = "inertia",
+        .type = Type::numbers,
+        .meaning = "About the centre of mass: xx, yy, zz and, if they are not zero, all of xy, yz, "
+                   "zx; instead of a shape.",
+        .unit = "kg m^2",
+        .least = 3,
+        .most = 6},
+       vector("centre", "Centre of mass in the body's frame, with `inertia`; default: its origin."),
+       table("driven_by", "What moves the body; without it the body is free.", driver_format()),
+       vector("grip", "Point of a driven body that the path carries; default: its origin."),
+       vector("hangs", "The body hangs from its connector's end in this direction.", ""),
+       vector("position", "Of the body's origin at the start."),
+       rotation("Of the body's frame at the start, as a quaternion [w, x, y, z]."),
+       vector("velocity", "Of the centre of mass at the start.", "m/s"),
+       vector("spin", "At the start, about the world's axes.", "rad/s"),
+       {.name = "mesh",
+        .type = Type::file,
+        .meaning = "A glTF, GLB or OBJ model in the body's frame; default: its shape."},
+       color("color", "Linear colour of the shape, where no mesh is named.")},
+      {{{"shape", "inertia"}}, {{"driven_by", "hangs", "position"}}}};
+  return format;
+}
+
+const TableFormat& end_format() {
+  static const TableFormat format{
+      {text("body", "Name of the body that holds the end."),
+       vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
+       vector("fixed", "A point in space."),
+       text("path", "Name of the path that carries the end."),
+       text("bone", "Name of the bone that carries the end, of a character."),
+       text("character", "Name of that character."),
+       text("connector",
+            "Name of the connector that the end is joined to: the two particles are one. Of the "
+            "connector itself: it is a closed loop."),
+       not_negative("at", "Where along that connector: the place of one of its particles.", "m"),
+       positive("point_mass", "Mass of a point that the end carries.", "kg"),
+       {.name = "free",
+        .type = Type::flag,
+        .meaning = "true: nothing holds the end.",
+        .minimum = 1},
+       vector("clamp",
+              "The connector's direction there, from its first end to its last, is held as well; "
+              "in the frame of what holds it.",
+              "")},
+      {{{"body", "fixed", "path", "bone", "connector", "point_mass", "free"}}}};
+  return format;
+}
+
+const TableFormat& winding_format() {
+  static const TableFormat format{
+      {needed(text("obstacle", "Name of a cylinder or capsule that stands still.")),
+       {.name = "turns",
+        .meaning = "How many, right-handed about its y axis, side by side; default: 0.5, over it.",
+        .unit = "1",
+        .minimum = 0,
+        .maximum = 1000},
+       needed(not_negative("before", "Length of the straight piece to the first end.", "m"))}};
+  return format;
+}
+
+const TableFormat& start_format() {
+  static const TableFormat circle{{needed(vector("centre", "Of the circle.")),
+                                   needed(vector("axis", "Across which it stands.", ""))}};
+  static const TableFormat format{
+      {vector("direction", "Straight from the first end.", ""),
+       {.name = "points",
+        .type = Type::points,
+        .meaning = "Along these straight pieces, from the first end to the last; as long together "
+                   "as the connector.",
+        .unit = "m",
+        .least = 2},
+       vector("hanging_to", "At rest between the first end and this point."),
+       table("over", "On a round obstacle, both ends hanging from it.", winding_format()),
+       table("circle",
+             "A closed loop: a polygon whose sides are the links; the last particle is joined to "
+             "the first.",
+             circle),
+       vector("spin",
+              "Turns as one stiff piece about the first particle, or about the circle's centre.",
+              "rad/s")},
+      {{{"direction", "points", "hanging_to", "over", "circle"}, false}}};
+  return format;
+}
+
+const TableFormat& repeat_format() {
+  static const TableFormat format{
+      {needed({.name = "count",
+               .meaning = "How many, the first included.",
+               .minimum = 1,
+               .maximum = kMostParticles,
+               .whole = true}),
+       needed(vector("by", "From one to the next.")),
+       not_negative("delay", "How much later the next one's paths are.", "s")}};
+  return format;
+}
+
+const TableFormat& connector_format() {
+  static const TableFormat format{
+      {needed(not_negative("length", "Of all links together; 0: a joint of two particles.", "m")),
+       not_negative("mass",
+                    "Shared evenly by the particles, ends included; with a taper by the links, "
+                    "whose ends have half each.",
+                    "kg"),
+       needed({.name = "particles",
+               .meaning = "How many; one more than links.",
+               .unit = "",
+               .minimum = 2,
+               .maximum = kMostParticles,
+               .whole = true}),
+       {.name = "elasticity",
+        .meaning = "Coefficient of restitution when the connector goes taut.",
+        .minimum = 0,
+        .maximum = 1},
+       needed(table("from", "What holds the first particle.", end_format())),
+       needed(table("to", "What holds the last particle.", end_format())),
+       table("start",
+             "Its shape at the start; default: hanging between ends whose places are "
+             "known, else straight along gravity.",
+             start_format()),
+       table("repeat", "Copies in a row; a second entry: copies of that row, and so on.",
+             repeat_format(), Type::tables),
+       {.name = "model",
+        .type = Type::choice,
+        .meaning = "Rigid links with mass, or a massless span.",
+        .choices = {"links", "span"}},
+       {.name = "look",
+        .type = Type::choice,
+        .meaning = "How it is drawn.",
+        .choices = {"chain", "rope", "cord"}},
+       not_negative(
+           "radius",
+           "Of its particles, as beads that touch obstacles; default: half of the diameter "
+           "as drawn.",
+           "m"),
+       positive("diameter", "As drawn: of the rope or cord, or across a link of the chain.", "m"),
+       color("color", "Linear colour."),
+       positive("axial_stiffness", "EA: tension per strain; default: links are rigid.", "N"),
+       not_negative("axial_damping", "Tension per rate of strain, of links that stretch.", "N s"),
+       not_negative("bending_stiffness", "EI: moment per curvature; default: it bends freely.",
+                    "N m^2"),
+       not_negative("bending_damping", "Moment per rate of curvature.", "N m^2 s"),
+       table("material", "Gives mass, EA and EI of a solid round rod instead.", material_format()),
+       {.name = "taper",
+        .type = Type::numbers,
+        .meaning = "Diameters along it, evenly spaced and linear between, as shares of its "
+                   "diameter: stiffness goes with the fourth power in bending and the second in "
+                   "stretch, mass with the second.",
+        .minimum = 0,
+        .above = true,
+        .least = 2},
+       table("drag", "Coefficients of the air's drag on it, of its diameter.", drag_format())},
+      {{{"mass", "material"}},
+       {{"axial_stiffness", "material"}, false},
+       {{"bending_stiffness", "material"}, false}}};
+  return format;
+}
+
+const TableFormat& pin_format() {
+  static const TableFormat format{
+      {needed(text("connector", "Name of the connector that is held.")),
+       needed(not_negative("at", "Where along it, from its first end.", "m")),
+       needed(not_negative("from", "When it is caught.", "s")),
+       positive("until", "When it is released; default: never.", "s"),
+       not_negative("over", "How long it takes to get to where it is held; default: at once.", "s"),
+       vector(
+           "point",
+           "Where it is held: in space, or on the body, path or bone; without these, where it is."),
+       text("body", "Name of the body that holds it."),
+       text("path", "Name of the path that carries it."),
+       text("bone", "Name of the bone that carries it, of a character."),
+       text("character", "Name of that character.")},
+      {{{"body", "path", "bone"}, false}}};
+  return format;
+}
+
+const TableFormat& cut_format() {
+  static const TableFormat format{
+      {needed(text("connector", "Name of the connector that is cut.")),
+       needed(not_negative("at", "Where along it, from its first end.", "m")),
+       needed(not_negative("t", "When.", "s"))}};
+  return format;
+}
+
+KeyFormat setting_format(const SettingInfo& info) {
+  KeyFormat key{.name = info.name,
+                .meaning = info.meaning,
+                .unit = info.unit,
+                .minimum = info.minimum,
+                .maximum = info.maximum,
+                .above = info.above,
+                .whole = info.whole,
+                .choices = info.choices};
+  if (std::holds_alternative<bool>(info.fallback)) key.type = Type::flag;
+  if (std::holds_alternative<std::string>(info.fallback)) key.type = Type::choice;
+  return key;
+}
+
+}  // namespace
+
+const std::map<std::string_view, TableFormat>& method_formats() {
+  static const auto formats = [] {
+    std::map<std::string_view, TableFormat> list;
+    std::vector<std::string_view> names;
+    for (const MethodInfo& method : methods()) names.push_back(method.name);
+    for (const MethodInfo& method : methods()) {
+      TableFormat format{{needed(
+          {.name = "name", .type = Type::choice, .meaning = method.summary, .choices = names})}};
+      for (const SettingInfo& setting : method.settings) {
+        format.keys.push_back(setting_format(setting));
+      }
+      list.emplace(method.name, std::move(format));
+    }
+    return list;
+  }();
+  return formats;
+}
+
+const TableFormat& scene_format() {
+  static const TableFormat format{{
+      {.name = "schema_version",
+       .meaning = "Version of this format.",
+       .minimum = 1,
+       .maximum = 1,
+       .whole = true},
+      text("extends",
+           "A scene file beside this one; what stands at the top there and not here holds here, "
+           "too."),
+      text("title", "What the clip is called; default: the file's name."),
+      needed({.name = "duration",
+              .meaning = "Simulated time.",
+              .unit = "s",
+              .minimum = 0,
+              .maximum = kLongest,
+              .above = true}),
+      {.name = "fps",
+       .meaning = "Frames per second.",
+       .minimum = 1,
+       .maximum = kMostFps,
+       .whole = true},
+      {.name = "size",
+       .type = Type::numbers,
+       .meaning = "Width and height of the picture.",
+       .unit = "pixels",
+       .minimum = 1,
+       .maximum = kWidest,
+       .whole = true,
+       .least = 2,
+       .most = 2},
+      vector("gravity", "Default: [0, -9.81, 0].", "m/s^2"),
+      table("air", "What connectors with drag move through.", air_format()),
+      {.name = "method", .type = Type::method, .meaning = "How the world is advanced."},
+      table("paths", "Motions that are given.", path_format(), Type::named),
+      table("characters", "People who hold bodies.", character_format(), Type::named),
+      table("bodies", "Rigid bodies.", body_format(), Type::named),
+      table("connectors", "Ropes, chains and cords.", connector_format(), Type::named),
+      table("nets", "Nets, rope ladders and webs; their cords are connectors NAME#1 and so on.",
+            net_format(), Type::named),
+      table("obstacles", "Solids that beads of connectors touch.", obstacle_format(), Type::named),
+      table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
+      table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),
+      table("stage", "What pictures need beside the world.", stage_format()),
+      table("plan", "What taut plan found; --planned takes it.", plan_format()),
+  }};
+  return format;
+}
+
+const KeyFormat* TableFormat::find(std::string_view name) const {
+  const auto found = std::ranges::find(keys, name, &KeyFormat::name);
+  return found == keys.end() ? nullptr : &*found;
+}
+
+std::vector<std::string_view> TableFormat::names() const {
+  std::vector<std::string_view> list;
+  for (const KeyFormat& key : keys) list.push_back(key.name);
+  return list;
+}
+
+bool is_scene_key(std::string_view key) {
+  return scene_format().find(key.substr(0, key.find_first_of(".["))) != nullptr;
+}
+
+}  // namespace taut

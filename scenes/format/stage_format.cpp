@@ -1,0 +1,68 @@
+#include "scenes/format/format_keys.h"
+
+namespace taut {
+
+using namespace format_keys;
+
+const TableFormat& stage_format() {
+  static const TableFormat camera{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed(vector("position", "Of the eye.")),
+       needed(vector("target", "What it looks at.")),
+       {.name = "field_of_view",
+        .meaning = "From the lower to the upper edge of the picture.",
+        .unit = "rad",
+        .minimum = 0,
+        .maximum = 3,
+        .above = true}}};
+  static const KeyFormat camera_keys{.name = "camera",
+                                     .type = Type::tables,
+                                     .meaning = "Where the camera is when; smooth between.",
+                                     .least = 1,
+                                     .table = &camera};
+  static const TableFormat shot{{needed(not_negative("from", "Time of its first frame.", "s")),
+                                 needed(positive("until", "Time after its last frame.", "s")),
+                                 {.name = "rate",
+                                  .meaning = "How fast it goes: 0.25 is slow motion; default: 1.",
+                                  .minimum = 0.001,
+                                  .maximum = 1000},
+                                 camera_keys}};
+  static const TableFormat card{
+      {needed(positive("duration", "How long it stays.", "s")),
+       needed(text("heading", "Its first line, in large letters.")),
+       text("text", "The lines below; {method} stands for the method's name.")}};
+  static const TableFormat light{{vector("direction", "The way the key light travels.", ""),
+                                  color("color", "Linear radiance of the key light."),
+                                  color("sky", "Linear ambient light from above."),
+                                  color("ground", "Linear ambient light from below.")}};
+  static const TableFormat caption{{needed(not_negative("from", "When it appears.", "s")),
+                                    needed(positive("until", "When it goes.", "s")),
+                                    needed(text("text", "What it says.")),
+                                    text("list",
+                                         "Captions of one list show together, the one "
+                                         "whose time it is brighter.")}};
+  static const TableFormat format{
+      {{.name = "scenery",
+        .type = Type::files,
+        .meaning = "Models that stand still, in world space."},
+       camera_keys,
+       {.name = "shots",
+        .type = Type::tables,
+        .meaning = "What the clip shows, one after another, cut hard; default: the whole scene by "
+                   "the camera above, which is also that of a shot without its own.",
+        .least = 1,
+        .table = &shot},
+       table("title", "A card before the first shot.", card),
+       table("end", "A card after the last shot.", card),
+       {.name = "shutter",
+        .meaning = "Share of a frame's time for which the shutter is open, around the frame's own "
+                   "instant; 0.5: 180 degrees; default: 0, no motion blur.",
+        .minimum = 0,
+        .maximum = 1},
+       table("light", "The key light and the light from all around.", light),
+       color("background", "Linear colour where nothing is, as it comes out; 1: all there is."),
+       table("captions", "Lines of text on the picture.", caption, Type::tables)}};
+  return format;
+}
+
+}  // namespace taut

@@ -1,0 +1,20 @@
+// Reading scenes from TOML files.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "scenes/scene/scene.h"
+
+namespace taut {
+
+/// Reads and checks a scene. Throws BadScene. Of its assets only characters are looked at
+/// unless `with_stage`.
+Scene load_scene(const std::filesystem::path& file, bool with_stage,
+                 const std::vector<SceneChange>& changes = {});
+
+/// Reads a scene as its plan models and solves it. Throws BadScene, also where it has no plan or
+/// changed since the plan was made.
+Scene load_planned(const std::filesystem::path& file, bool with_stage);
+
+}  // namespace taut

@@ -1,0 +1,152 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "scenes/files/standard_input.h"
+#include "scenes/format/format.h"
+#include "scenes/reader/reader.h"
+
+namespace taut {
+namespace {
+
+/// A method that follows links alone would take a massless span for one.
+void refuse_spans(const Document& document, const MethodInfo& method) {
+  const Value* connectors = document.root.find("connectors");
+  if (!connectors || method.follows_spans) return;
+  for (const Value& connector : connectors->children) {
+    const Value* model = connector.find("model");
+    if (!model || model->text != "span") continue;
+    document.mismatch(
+        *model, fmt::format("\"links\": the method {} follows no massless spans", method.name));
+  }
+}
+
+void refuse_obstacles(const Document& document, const MethodInfo& method) {
+  const Value* obstacles = document.root.find("obstacles");
+  if (!obstacles || obstacles->children.empty() || method.touches_obstacles) return;
+  std::vector<std::string_view> able;
+  for (const MethodInfo& info : methods()) {
+    if (info.touches_obstacles) able.push_back(info.name);
+  }
+  document.fail_at_key(obstacles->children.front(),
+                       fmt::format("the method {} knows no contact, expected one of: {}",
+                                   method.name, fmt::join(able, ", ")));
+}
+
+/// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
+const Value* material_key(const Value& connector) {
+  for (const std::string_view key :
+       {"axial_stiffness", "bending_stiffness", "bending_damping", "material", "drag"}) {
+    if (const Value* found = connector.find(key)) return found;
+  }
+  return nullptr;
+}
+
+void refuse_materials(const Document& document, const MethodInfo& method) {
+  const Value* connectors = document.root.find("connectors");
+  const Value* obstacles = document.root.find("obstacles");
+  if (!connectors) return;
+  for (const Value& connector : connectors->children) {
+    const Value* key = material_key(connector);
+    if (!key) continue;
+    if (obstacles && !obstacles->children.empty()) {
+      document.fail_at_key(*key,
+                           "stands in a scene with obstacles, where links are rigid, bend "
+                           "freely and meet no air");
+    }
+    if (method.follows_materials) continue;
+    std::vector<std::string_view> able;
+    for (const MethodInfo& info : methods()) {
+      if (info.follows_materials) able.push_back(info.name);
+    }
+    document.fail_at_key(*key, fmt::format("is unknown to the method {}, expected one of: {}",
+                                           method.name, fmt::join(able, ", ")));
+  }
+}
+
+/// What joins an end to a connector, or makes a net; null: nothing.
+const Value* joining_key(const Value& root) {
+  const Value* nets = root.find("nets");
+  if (nets && !nets->children.empty()) return &nets->children.front();
+  const Value* connectors = root.find("connectors");
+  for (std::size_t i = 0; connectors && i < connectors->children.size(); ++i) {
+    for (const char* end : {"from", "to"}) {
+      if (const Value* key = connectors->children[i].find(end)->find("connector")) return key;
+    }
+  }
+  return nullptr;
+}
+
+void refuse_joints(const Document& document, const MethodInfo& method) {
+  const Value* key = joining_key(document.root);
+  if (!key) return;
+  const Value* obstacles = document.root.find("obstacles");
+  if (obstacles && !obstacles->children.empty()) {
+    document.fail_at_key(*key, "stands in a scene with obstacles, where connectors are not joined");
+  }
+  if (method.follows_joints) return;
+  std::vector<std::string_view> able;
+  for (const MethodInfo& info : methods()) {
+    if (info.follows_joints) able.push_back(info.name);
+  }
+  document.fail_at_key(*key, fmt::format("the method {} follows no connectors that are joined, "
+                                         "expected one of: {}",
+                                         method.name, fmt::join(able, ", ")));
+}
+
+/// A plan is the program's own: one of another version's format spoils no scene.
+std::optional<Value> take_plan(Document& document) {
+  std::vector<Value>& all = document.root.children;
+  const auto plan = std::ranges::find(all, "plan", &Value::name);
+  if (plan == all.end()) return std::nullopt;
+  Value taken = std::move(*plan);
+  all.erase(plan);
+  return taken;
+}
+
+void try_plan(const Document& document, const Value& plan, Scene& scene) {
+  try {
+    scene.plan = read_plan(document, plan, scene.fps);
+  } catch (const BadScene& error) {
+    scene.strange_plan = error.what();
+  }
+}
+
+}  // namespace
+
+Scene read_scene(Document document, bool with_stage) {
+  const std::optional<Value> plan = take_plan(document);
+  check_format(document);
+  const Value& root = document.root;
+  Scene scene;
+  scene.file = document.file;
+  const bool is_input = document.file == kStandardInput;
+  scene.title = text_or(root, "title", is_input ? "standard input" : document.file.stem().string());
+  scene.duration = root.find("duration")->number;
+  scene.fps = static_cast<int>(number_or(root, "fps", scene.fps));
+  if (const Value* size = root.find("size")) {
+    scene.width = static_cast<int>(size->children[0].number);
+    scene.height = static_cast<int>(size->children[1].number);
+  }
+  scene.method = read_method(document, root.find("method"), scene.fps);
+  scene.world.gravity = vec3_or(root, "gravity", scene.world.gravity);
+  scene.world.air = read_air(document);
+  Motions motions(document);
+  scene.world.bodies = read_bodies(document, motions);
+  read_connectors(document, motions, scene.world);
+  read_nets(document, scene.world);
+  read_obstacles(document, motions, scene.world);
+  refuse_spans(document, *find_method(scene.method.name));
+  refuse_obstacles(document, *find_method(scene.method.name));
+  refuse_materials(document, *find_method(scene.method.name));
+  refuse_joints(document, *find_method(scene.method.name));
+  finish(scene.world);
+  check_obstacles(document, scene.world);
+  scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
+  if (plan) try_plan(document, *plan, scene);
+  if (with_stage && root.find("stage")) read_stage(document, motions, scene);
+  return scene;
+}
+
+}  // namespace taut

@@ -1,0 +1,54 @@
+// A scene: a world, what happens to it, and a stage.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenes/character/performance.h"
+#include "scenes/scene/method_choice.h"
+#include "scenes/scene/plan.h"
+#include "scenes/scene/stage.h"
+#include "sim/run/simulation.h"
+#include "sim/run/trajectory.h"
+#include "sim/world/world.h"
+
+namespace taut {
+
+struct Scene {
+  std::filesystem::path file;
+  std::string title;
+  double duration = 0;  // s
+  int fps = 60;
+  int width = 1920, height = 1080;
+  MethodChoice method;
+  World world;        // finished, at time 0
+  Timeline timeline;  // pins and cuts, in the order of the file
+  std::optional<Plan> plan;
+  std::string strange_plan;  // why the file's plan cannot be read; empty: it can, or there is none
+  std::optional<Stage> stage;
+  std::vector<std::shared_ptr<const Performance>> performances;  // one per Stage::characters
+
+  /// Number of frames: frame k shows time k/fps, for every k with k/fps < duration.
+  int frames() const;
+};
+
+/// Number of frames, `fps` to a second, that begin in `duration` (s). A duration that is a whole
+/// number of frames but for rounding has no frame at its end.
+int frame_count(double duration, int fps);
+
+/// The scene at its start, with its method, and what happens to it.
+Simulation start(const Scene& scene);
+/// The same by another method.
+Simulation start(const Scene& scene, const MethodChoice& method);
+
+/// A value to read in place of the one in the file: its dotted key, and the value as TOML writes
+/// it.
+struct SceneChange {
+  std::string key;    // connectors.rope.particles
+  std::string value;  // 41
+};
+
+}  // namespace taut

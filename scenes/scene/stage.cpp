@@ -1,0 +1,44 @@
+#include "scenes/scene/stage.h"
+
+#include <algorithm>
+
+namespace taut {
+
+namespace {
+
+/// The rate of change of a key's `member` through its neighbours, zero at the first and the last,
+/// so that the camera starts and stops gently.
+template <typename Member>
+auto rate(const std::vector<CameraKey>& keys, std::size_t i, Member member) {
+  const auto at = [&](std::size_t k) { return std::invoke(member, keys[k]); };
+  using Value = std::decay_t<decltype(at(0))>;
+  if (i == 0 || i + 1 == keys.size()) return Value(at(i) * 0.0);
+  return Value((at(i + 1) - at(i - 1)) / (keys[i + 1].time - keys[i - 1].time));
+}
+
+/// The cubic through keys i and i + 1 with those rates, at the share `u` of the way.
+template <typename Member>
+auto between(const std::vector<CameraKey>& keys, std::size_t i, double u, Member member) {
+  const double dt = keys[i + 1].time - keys[i].time, v = 1 - u;
+  const auto a = std::invoke(member, keys[i]), b = std::invoke(member, keys[i + 1]);
+  using Value = std::decay_t<decltype(a)>;
+  return Value(v * v * (1 + 2 * u) * a + u * u * (3 - 2 * u) * b +
+               u * v * dt * (v * rate(keys, i, member) - u * rate(keys, i + 1, member)));
+}
+
+}  // namespace
+
+CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
+  const auto after = std::ranges::upper_bound(keys, time, {}, &CameraKey::time);
+  const auto next = static_cast<std::size_t>(after - keys.begin());
+  if (next == 0 || next == keys.size()) {
+    const CameraKey& key = next == 0 ? keys.front() : keys.back();
+    return {key.position, key.target, key.field_of_view};
+  }
+  const std::size_t i = next - 1;
+  const double u = (time - keys[i].time) / (keys[next].time - keys[i].time);
+  return {between(keys, i, u, &CameraKey::position), between(keys, i, u, &CameraKey::target),
+          between(keys, i, u, &CameraKey::field_of_view)};
+}
+
+}  // namespace taut
