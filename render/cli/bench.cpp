@@ -8,11 +8,11 @@
 
 #include "render/atomic_file.h"
 #include "render/chart/gnuplot.h"
-#include "render/cli/bench_results.h"
-#include "render/cli/command.h"
-#include "render/cli/note.h"
-#include "render/cli/terminal.h"
 #include "render/interrupt.h"
+#include "render/program/command.h"
+#include "render/program/note.h"
+#include "render/program/terminal.h"
+#include "render/study/bench_results.h"
 
 namespace taut::cli {
 namespace {

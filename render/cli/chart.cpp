@@ -6,16 +6,16 @@
 
 #include "render/atomic_file.h"
 #include "render/chart/gnuplot.h"
-#include "render/cli/accuracy_page.h"
-#include "render/cli/accuracy_study.h"
-#include "render/cli/command.h"
-#include "render/cli/journal.h"
-#include "render/cli/model_error.h"
-#include "render/cli/note.h"
-#include "render/cli/scoring.h"
-#include "render/cli/study_options.h"
-#include "render/cli/study_target.h"
-#include "render/cli/terminal.h"
+#include "render/options/study_options.h"
+#include "render/program/command.h"
+#include "render/program/journal.h"
+#include "render/program/note.h"
+#include "render/program/terminal.h"
+#include "render/study/accuracy_page.h"
+#include "render/study/accuracy_study.h"
+#include "render/study/model_error.h"
+#include "render/study/scoring.h"
+#include "render/study/study_target.h"
 
 namespace taut::cli {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "render/atomic_file.h"
-#include "render/cli/command.h"
-#include "render/cli/evidence.h"
-#include "render/cli/terminal.h"
+#include "render/program/command.h"
+#include "render/program/terminal.h"
+#include "render/study/evidence.h"
 
 namespace taut::cli {
 namespace {

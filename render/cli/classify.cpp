@@ -6,15 +6,15 @@
 #include <optional>
 
 #include "render/atomic_file.h"
-#include "render/cli/command.h"
-#include "render/cli/json.h"
-#include "render/cli/method_options.h"
-#include "render/cli/progress.h"
-#include "render/cli/stability_study.h"
-#include "render/cli/study_options.h"
-#include "render/cli/study_target.h"
-#include "render/cli/terminal.h"
 #include "render/interrupt.h"
+#include "render/options/method_options.h"
+#include "render/options/study_options.h"
+#include "render/program/command.h"
+#include "render/program/json.h"
+#include "render/program/progress.h"
+#include "render/program/terminal.h"
+#include "render/study/stability_study.h"
+#include "render/study/study_target.h"
 #include "sim/study/stability.h"
 
 namespace taut::cli {

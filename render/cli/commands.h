@@ -1,7 +1,7 @@
 // The commands of the program taut, one per file of this folder.
 #pragma once
 
-#include "render/cli/program.h"
+#include "render/program/program.h"
 
 namespace taut::cli {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "render/cli/commands.h"
-#include "render/cli/note.h"
+#include "render/program/note.h"
 #include "scenes/files/asset_path.h"
 #include "scenes/files/error.h"
 

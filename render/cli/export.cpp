@@ -6,13 +6,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "render/cli/command.h"
-#include "render/cli/method_options.h"
-#include "render/cli/needs.h"
-#include "render/cli/note.h"
-#include "render/cli/output.h"
-#include "render/cli/progress.h"
-#include "render/cli/scene_options.h"
 #include "render/export/bvh.h"
 #include "render/export/csv.h"
 #include "render/export/glb.h"
@@ -20,6 +13,13 @@
 #include "render/export/pc2.h"
 #include "render/export/usda.h"
 #include "render/interrupt.h"
+#include "render/options/method_options.h"
+#include "render/options/needs.h"
+#include "render/options/scene_options.h"
+#include "render/program/command.h"
+#include "render/program/note.h"
+#include "render/program/output.h"
+#include "render/program/progress.h"
 #include "scenes/default_stage.h"
 #include "scenes/scene/scene.h"
 

@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "render/atomic_file.h"
-#include "render/cli/command.h"
-#include "render/cli/goldens.h"
-#include "render/cli/method_options.h"
-#include "render/cli/progress.h"
+#include "render/clip/goldens.h"
 #include "render/golden/golden_page.h"
 #include "render/interrupt.h"
+#include "render/options/method_options.h"
+#include "render/program/command.h"
+#include "render/program/progress.h"
 
 namespace taut::cli {
 namespace {

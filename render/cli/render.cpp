@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "render/atomic_file.h"
-#include "render/cli/clip_job.h"
-#include "render/cli/command.h"
-#include "render/cli/needs.h"
-#include "render/cli/watch.h"
+#include "render/clip/clip_job.h"
 #include "render/film/render_workers.h"
+#include "render/options/needs.h"
+#include "render/program/command.h"
+#include "render/program/watch.h"
 #include "scenes/files/error.h"
 #include "scenes/format/document.h"
 

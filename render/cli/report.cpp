@@ -5,16 +5,16 @@
 #include <memory>
 
 #include "render/atomic_file.h"
-#include "render/cli/accuracy_study.h"
-#include "render/cli/command.h"
-#include "render/cli/json.h"
-#include "render/cli/note.h"
-#include "render/cli/report_clips.h"
-#include "render/cli/report_page.h"
-#include "render/cli/stability_study.h"
 #include "render/error.h"
 #include "render/film/video.h"
 #include "render/interrupt.h"
+#include "render/program/command.h"
+#include "render/program/json.h"
+#include "render/program/note.h"
+#include "render/report/report_clips.h"
+#include "render/report/report_page.h"
+#include "render/study/accuracy_study.h"
+#include "render/study/stability_study.h"
 
 namespace taut::cli {
 namespace {

@@ -4,10 +4,10 @@
 
 #include "render/atomic_file.h"
 #include "render/chart/gnuplot.h"
-#include "render/cli/command.h"
-#include "render/cli/note.h"
-#include "render/cli/stability_study.h"
-#include "render/cli/terminal.h"
+#include "render/program/command.h"
+#include "render/program/note.h"
+#include "render/program/terminal.h"
+#include "render/study/stability_study.h"
 
 namespace taut::cli {
 namespace {

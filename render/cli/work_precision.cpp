@@ -9,15 +9,15 @@
 #include <optional>
 
 #include "render/atomic_file.h"
-#include "render/cli/accuracy_page.h"
-#include "render/cli/command.h"
-#include "render/cli/json.h"
-#include "render/cli/method_options.h"
-#include "render/cli/note.h"
-#include "render/cli/scoring.h"
-#include "render/cli/study_options.h"
-#include "render/cli/study_target.h"
-#include "render/cli/terminal.h"
+#include "render/options/method_options.h"
+#include "render/options/study_options.h"
+#include "render/program/command.h"
+#include "render/program/json.h"
+#include "render/program/note.h"
+#include "render/program/terminal.h"
+#include "render/study/accuracy_page.h"
+#include "render/study/scoring.h"
+#include "render/study/study_target.h"
 #include "sim/motion/hash.h"
 
 namespace taut::cli {

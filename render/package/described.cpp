@@ -1,6 +1,6 @@
 #include "render/package/described.h"
 
-#include "render/cli/help.h"
+#include "render/program/help.h"
 #include "sim/run/method.h"
 
 namespace taut::package {

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "render/chart/table.h"
-#include "render/cli/part.h"
+#include "render/program/part.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/json_schema.h"

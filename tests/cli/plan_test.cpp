@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "render/cli/plan_models.h"
-#include "render/cli/study_target.h"
+#include "render/plan/plan_models.h"
+#include "render/study/study_target.h"
 #include "scenes/load_scene.h"
 #include "scenes/plan_file.h"
 #include "sim/study/sample_points.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "render/cli/reproduce.h"
+#include "render/options/reproduce.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/json_schema.h"

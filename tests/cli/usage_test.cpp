@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/cli/scene_options.h"
+#include "render/options/scene_options.h"
 #include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/json_schema.h"

@@ -1,6 +1,7 @@
 // What must hold of the source tree and neither compiler nor linker says.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <regex>
 #include <set>
@@ -83,36 +84,80 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/study",
      {"sim/motion", "sim/world", "sim/interventions", "sim/measure", "sim/run", "sim/truth"}},
     {"sim/examples", {"taut"}},
+    {"scenes/files", {}},
+    {"scenes/model", {"sim/motion", "scenes/files"}},
+    {"scenes/character", {"sim/motion", "sim/world", "scenes/files", "scenes/model"}},
+    {"scenes/scene", {"sim/motion", "sim/world", "sim/run", "scenes/model", "scenes/character"}},
+    {"scenes/format", {"sim/motion", "sim/run", "scenes/files"}},
+    {"scenes/reader",
+     {"sim/world", "scenes/files", "scenes/character", "scenes/scene", "scenes/format"}},
     {"scenes",
-     {"sim/motion", "sim/world", "sim/run", "scenes/character", "scenes/model", "scenes/reader"}},
-    {"scenes/character", {"sim/motion", "sim/world", "scenes", "scenes/model"}},
-    {"scenes/model", {"sim/motion", "scenes"}},
-    {"scenes/reader", {"sim/motion", "sim/world", "sim/run", "scenes", "scenes/character"}},
+     {"sim/motion", "sim/run", "scenes/files", "scenes/character", "scenes/scene", "scenes/format",
+      "scenes/reader"}},
     {"render", {}},
-    {"render/picture", {"scenes"}},
+    {"render/picture", {"scenes/files"}},
     {"render/chart", {"render"}},
     {"render/gl", {"render", "render/picture"}},
-    {"render/mesh", {"sim/motion", "sim/world", "scenes", "scenes/model"}},
+    {"render/mesh", {"sim/motion", "sim/world", "scenes/model", "scenes/scene"}},
     {"render/draw",
-     {"sim/motion", "sim/world", "sim/run", "scenes", "scenes/model", "render/picture", "render/gl",
-      "render/mesh"}},
+     {"sim/motion", "sim/world", "sim/run", "scenes/model", "scenes/scene", "render/picture",
+      "render/gl", "render/mesh"}},
     {"render/film",
-     {"sim/motion", "scenes", "render", "render/picture", "render/chart", "render/gl",
-      "render/draw"}},
+     {"sim/motion", "scenes/files", "scenes/scene", "render", "render/picture", "render/chart",
+      "render/gl", "render/draw"}},
     {"render/golden",
-     {"sim/motion", "sim/run", "scenes", "render", "render/picture", "render/chart"}},
+     {"sim/motion", "sim/run", "scenes/files", "scenes", "render", "render/picture",
+      "render/chart"}},
     {"render/export",
-     {"sim/motion", "sim/run", "scenes", "scenes/character", "scenes/model", "render/mesh"}},
-    {"render/package", {"sim/run", "render/cli"}},
-    {"render/python",
-     {"sim/motion", "sim/world", "sim/interventions", "sim/measure", "sim/run", "sim/batch",
-      "sim/study", "sim/truth", "scenes", "render", "render/gl", "render/film"}},
+     {"sim/motion", "sim/run", "scenes/files", "scenes/model", "scenes/character", "scenes/scene",
+      "render/mesh"}},
+    {"render/program",
+     {"sim/interventions", "sim/run", "scenes/files", "scenes/format", "render", "render/chart"}},
+    {"render/options",
+     {"sim/motion", "sim/world", "sim/run", "sim/study", "scenes/files", "scenes/scene",
+      "scenes/format", "scenes", "render", "render/picture", "render/chart", "render/film",
+      "render/program"}},
+    {"render/study",
+     {"sim/run", "sim/truth", "sim/study", "scenes/scene", "render", "render/chart", "render/draw",
+      "render/program", "render/options"}},
+    {"render/plan",
+     {"sim/world", "sim/run", "sim/methods/direct", "sim/study", "scenes/files", "scenes/scene",
+      "scenes", "render/chart", "render/options"}},
+    {"render/clip",
+     {"sim/motion", "sim/run", "scenes/files", "scenes/scene", "scenes", "render", "render/picture",
+      "render/chart", "render/gl", "render/draw", "render/film", "render/golden", "render/program",
+      "render/options", "render/study"}},
+    {"render/report",
+     {"sim/run", "sim/study", "scenes/files", "scenes/scene", "render", "render/chart",
+      "render/program", "render/options", "render/study", "render/clip"}},
     {"render/cli",
-     {"sim/motion", "sim/world", "sim/interventions", "sim/measure", "sim/run",
-      "sim/methods/direct", "sim/study", "sim/truth", "scenes", "scenes/reader", "render",
-      "render/picture", "render/chart", "render/gl", "render/draw", "render/film", "render/golden",
-      "render/export"}},
+     {"sim/motion",     "sim/measure",    "sim/run",       "sim/truth",     "sim/study",
+      "scenes/files",   "scenes/scene",   "scenes/format", "scenes",        "render",
+      "render/chart",   "render/draw",    "render/film",   "render/golden", "render/export",
+      "render/program", "render/options", "render/study",  "render/plan",   "render/clip",
+      "render/report"}},
+    {"render/package", {"sim/run", "render/program", "render/cli"}},
+    {"render/python",
+     {"sim/motion", "sim/world", "sim/measure", "sim/interventions", "sim/run", "sim/batch",
+      "sim/truth", "sim/study", "scenes/files", "scenes/scene", "scenes", "render", "render/gl",
+      "render/film"}},
 };
+
+TEST(SourceTree, RoomsDoNotSeeEachOtherInCircles) {
+  std::set<std::string> below;  // that see nothing but each other, from the bottom up
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const auto& [room, seen] : kSees) {
+      const auto is_below = [&](const std::string& other) {
+        return below.contains(other) || !kSees.contains(other);
+      };
+      if (std::ranges::all_of(seen, is_below)) grew |= below.insert(room).second;
+    }
+  }
+  for (const auto& [room, seen] : kSees) {
+    EXPECT_TRUE(below.contains(room)) << room << " sees itself through others";
+  }
+}
 
 TEST(SourceTree, NoIncludeRunsTheWrongWay) {
   const fs::path root = TAUT_SOURCE_DIR;

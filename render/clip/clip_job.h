@@ -1,0 +1,121 @@
+// A clip that `taut render` is to make: the scene as the options have it, its frames, and where
+// they go.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/clip/stills.h"
+#include "render/draw/frame_state.h"
+#include "render/film/frame_folder.h"
+#include "render/gl/context.h"
+#include "render/options/method_options.h"
+#include "render/options/outputs.h"
+#include "render/options/scene_options.h"
+#include "render/program/part.h"
+#include "render/study/self_estimate.h"
+#include "scenes/scene/clip_simulation.h"
+
+namespace taut::cli {
+
+inline constexpr const char* kParts = "frames";  // the name of a clip's parts
+inline constexpr const char* kRecord =
+    "clip.json";  // the report, in the clip's or the part's folder
+
+struct RenderOptions {
+  SceneOptions inputs;
+  std::string scene;  // of the inputs, the one that is rendered now
+  std::string out, size, backend = "auto";
+  std::optional<std::string> frames;
+  int fps = 0, samples = 0;  // 0: the preset's, or 4
+  double patience = 60;      // s
+  double max_memory = 0;
+  bool certificate = false, resume = false, anew = false, no_video = false, profile = false;
+  bool no_estimate = false;
+  Stills stills;
+  OutputOptions output;
+  MethodOptions method;
+  PartOptions part;
+};
+
+struct ClipJob {
+  /// Throws Misuse, BadScene, and CannotWrite where the disk has no room for the frames.
+  ClipJob(const RenderOptions& asked, const Common& common);
+  ClipJob(const ClipJob&) = delete;
+  ClipJob& operator=(const ClipJob&) = delete;
+
+  FrameFolder::Size size() const { return {scene.width, scene.height}; }
+  Provenance provenance() const { return {scene, options.scene}; }
+  /// Of everything that all frames are made from, by the renderer of that description.
+  std::uint64_t fingerprint(const std::string& renderer) const;
+
+  RenderOptions options;  // with the samples and stills that they come to
+  Backend backend = Backend::automatic;
+  Scene scene;
+  std::string proof;                 // of a plan
+  bool video = true;                 // or frames alone
+  std::vector<ClipFrame> clip;       // of the scene
+  std::vector<int> frames;           // to make: the part's
+  std::filesystem::path out;         // the clip's folder
+  std::filesystem::path frame_path;  // the frames': the part's
+};
+
+/// Of a frame, from the fingerprint of all.
+std::uint64_t frame_inputs(std::uint64_t job, const ClipFrame& frame,
+                           const std::vector<FrameState>& shutter);
+
+/// The states that the frames show, one after another, and what simulating them took.
+class ClipStates {
+ public:
+  /// `job` and `estimate` must outlive it.
+  ClipStates(const ClipJob& job, SelfEstimate& estimate);
+
+  bool done() const { return simulation_.done(); }
+  /// Unless done: the next frame's, by its index in the job's frames.
+  ClipSimulation::Shutter next();
+  /// s, so far.
+  double time() const { return time_; }
+
+ private:
+  double estimate_time_ = 0;  // s
+  ClipSimulation simulation_;
+  double time_ = 0;
+};
+
+/// How the frames came about.
+struct FramesMade {
+  std::string renderer;
+  std::size_t drawn = 0, drawn_again = 0;  // drawn_again: where others were in the way
+  double exposures = 0;                    // of all that were drawn
+  double simulating = 0;                   // s
+  double drawing = 0;                      // s
+
+  double mean_exposures() const { return drawn ? exposures / double(drawn) : 0; }
+};
+
+/// What clip.json says, without what is said of a video and a profile.
+nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made);
+
+/// Makes the video where there is to be one, and writes clip.json. Unless quiet, says what is
+/// proved of the clip and how far it is to be trusted.
+void finish_clip(const ClipJob& job, nlohmann::ordered_json& report, const SelfEstimate& estimate,
+                 const Common& common);
+/// The report with --json, and else where the video or the frames are.
+std::string result_text(const nlohmann::ordered_json& report, const Common& common);
+
+/// The report, and with --profile what the stages take, as text.
+struct DrawnClip {
+  nlohmann::ordered_json report;
+  std::string profile;
+};
+/// Draws the frames that are not there yet, and makes the video where there is to be one.
+DrawnClip draw_clip(const ClipJob& job, const Common& common);
+
+/// Puts the frames of all parts into the clip's folder and makes its video; draws none. Throws
+/// Misuse where frames are missing.
+int merge_clip(const ClipJob& job, const Common& common);
+
+}  // namespace taut::cli

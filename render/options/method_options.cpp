@@ -1,0 +1,193 @@
+#include "render/options/method_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+
+#include "render/options/scene_options.h"
+#include "render/program/command.h"
+#include "scenes/format/scene_keys.h"
+#include "scenes/load_scene.h"
+#include "sim/world/span.h"
+
+namespace taut::cli {
+
+namespace {
+
+const SettingInfo* find_setting(const MethodInfo& method, std::string_view name) {
+  const auto found = std::ranges::find(method.settings, name, &SettingInfo::name);
+  return found == method.settings.end() ? nullptr : &*found;
+}
+
+/// `text` as the type that the setting has; unknown settings are left for complaint() to name.
+Setting parsed(const MethodInfo& method, const std::string& name, const std::string& text) {
+  const SettingInfo* info = find_setting(method, name);
+  if (!info || std::holds_alternative<std::string>(info->fallback)) return text;
+  if (std::holds_alternative<bool>(info->fallback)) {
+    if (text == "true") return true;
+    if (text == "false") return false;
+    throw Misuse(fmt::format("--set {}={}: expected true or false", name, text));
+  }
+  double number = 0;
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || last != end) {
+    throw Misuse(fmt::format("--set {}={}: expected a number", name, text));
+  }
+  return number;
+}
+
+/// Keys with dots are never a method's.
+bool is_of_scene(const std::string& key) {
+  return key.find_first_of(".[") != std::string::npos || is_scene_key(key);
+}
+
+}  // namespace
+
+void add_method_options(Command& command, MethodOptions& options) {
+  const Option method = command.add_option("--method", options.method,
+                                           "Another method than the scene's, at its own settings");
+  Option step = command.add_option("--step", options.step, "Longest step of the method, s");
+  const Option tolerance = command.add_option("--tolerance", options.tolerance,
+                                              "Error to keep, m, for methods that control it");
+  step.excludes(tolerance);
+  const Option set =
+      command
+          .add_option("--set", options.set,
+                      "A setting of the method, as in stiffness=5000, or a value in place of the "
+                      "scene's, as in connectors.rope.length=0.5; may be repeated")
+          .one_value_each()
+          .type_name("KEY=VALUE");
+  command
+      .add_flag("--planned", options.planned,
+                "The model and the method of the scene's plan, as taut plan --write made it")
+      .excludes(method)
+      .excludes(step)
+      .excludes(tolerance)
+      .excludes(set);
+}
+
+Scene load_chosen(const std::filesystem::path& file, bool with_stage,
+                  const MethodOptions& options) {
+  if (options.planned) return load_planned(file, with_stage);
+  return load_scene(file, with_stage, chosen_changes(options));
+}
+
+std::vector<SceneChange> chosen_changes(const MethodOptions& options) {
+  std::vector<SceneChange> changes;
+  for (const std::string& text : options.set) {
+    const auto [key, value] = set_pair(text);
+    if (is_of_scene(key)) changes.push_back({key, value});
+  }
+  return changes;
+}
+
+std::vector<std::string> sets_of_scene(const std::vector<std::string>& set) {
+  std::vector<std::string> own;
+  for (const std::string& text : set) {
+    if (is_of_scene(set_pair(text).key)) own.push_back(text);
+  }
+  return own;
+}
+
+Settings settings_of(const MethodInfo& method, const std::vector<std::string>& set) {
+  Settings settings;
+  for (const std::string& text : set) {
+    const auto [key, value] = set_pair(text);
+    if (!is_of_scene(key) && find_setting(method, key)) settings[key] = parsed(method, key, value);
+  }
+  return settings;
+}
+
+MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
+  MethodChoice choice = scene.method;
+  if (!options.method.empty()) choice.name = options.method;
+  const MethodInfo* method = find_method(choice.name);
+  if (!method) {
+    std::string known;
+    for (const MethodInfo& info : methods()) {
+      known += (known.empty() ? "" : ", ") + std::string(info.name);
+    }
+    throw Misuse(
+        fmt::format("--method: there is no method {}, expected one of: {}", choice.name, known));
+  }
+  if (!method->missing.empty()) {
+    throw Misuse(
+        fmt::format("--method: {} is not in this build ({})", choice.name, method->missing));
+  }
+  if (has_spans(scene.world) && !method->follows_spans) {
+    throw Misuse(
+        fmt::format("--method: {} follows no massless spans (model = \"span\")", choice.name));
+  }
+  if (!scene.world.obstacles.empty() && !method->touches_obstacles) {
+    throw Misuse(fmt::format("--method: {} knows no contact, and the scene has the obstacle {}",
+                             choice.name, scene.world.obstacles.front().name));
+  }
+  if (has_materials(scene.world) && !method->follows_materials) {
+    throw Misuse(
+        fmt::format("--method: {} knows neither stretch nor bending nor air", choice.name));
+  }
+  if (!scene.world.joints.empty() && !method->follows_joints) {
+    throw Misuse(fmt::format("--method: {} follows no connectors that are joined", choice.name));
+  }
+  if (choice.name != scene.method.name) choice.settings.clear();
+  if (options.step) {
+    choice.settings.erase("tolerance");
+    choice.settings["step"] = *options.step;
+    if (*options.step > 0) {  // else complaint() says what is wrong with it
+      const auto exact = dividing_step(*options.step, scene.fps);
+      if (!exact) {
+        throw Misuse(fmt::format("--step {}: expected {}", *options.step,
+                                 dividing_text(*options.step, scene.fps)));
+      }
+      choice.settings["step"] = *exact;
+    }
+  }
+  if (options.tolerance) {
+    choice.settings.erase("step");
+    choice.settings["tolerance"] = *options.tolerance;
+  }
+  for (const std::string& text : options.set) {
+    const auto [name, value] = set_pair(text);
+    if (!is_of_scene(name)) choice.settings[name] = parsed(*method, name, value);
+  }
+  const std::string wrong = complaint(*method, choice.settings);
+  if (!wrong.empty()) throw Misuse(wrong);
+  return choice;
+}
+
+Settings full_settings(const MethodChoice& choice) {
+  Settings full = choice.settings;
+  for (const SettingInfo& info : find_method(choice.name)->settings) {
+    full.try_emplace(std::string(info.name), info.fallback);
+  }
+  return full;
+}
+
+nlohmann::ordered_json settings_json(const Settings& settings) {
+  auto object = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : settings) {
+    // Whole numbers are written as such: a count has no .0.
+    const double* number = std::get_if<double>(&value);
+    if (number && std::abs(*number) < 1e15 && *number == std::floor(*number)) {
+      object[name] = static_cast<std::int64_t>(*number);
+    } else {
+      std::visit([&](const auto& v) { object[name] = v; }, value);
+    }
+  }
+  return object;
+}
+
+std::string settings_text(const Settings& settings) {
+  std::string line;
+  for (const auto& [name, value] : settings) {
+    const std::string text = std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
+    line += fmt::format("{}{} = {}", line.empty() ? "" : ", ", name, text);
+  }
+  return line;
+}
+
+}  // namespace taut::cli

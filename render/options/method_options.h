@@ -1,0 +1,49 @@
+// --method, --step, --tolerance and --set, for every command that simulates.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/program/command.h"
+#include "scenes/scene/scene.h"
+
+namespace taut::cli {
+
+struct MethodOptions {
+  std::string method;               // empty: the scene's
+  std::optional<double> step;       // s
+  std::optional<double> tolerance;  // m
+  std::vector<std::string> set;     // KEY=VALUE, of the method or of the scene
+  bool planned = false;             // the model and the method of the scene's plan
+};
+
+void add_method_options(Command& command, MethodOptions& options);
+
+/// The scene as it is written or, where the options say so, as its plan has it. Throws BadScene.
+Scene load_chosen(const std::filesystem::path& file, bool with_stage, const MethodOptions& options);
+
+/// What of --set is of the scene.
+std::vector<SceneChange> chosen_changes(const MethodOptions& options);
+
+/// Those of KEY=VALUE that are of the scene; and, with their types, those that are settings of the
+/// method, others left out. Throws Misuse.
+std::vector<std::string> sets_of_scene(const std::vector<std::string>& set);
+Settings settings_of(const MethodInfo& method, const std::vector<std::string>& set);
+
+/// The scene's method with the options put over its settings. Another method starts from its own:
+/// the step that suits one diverges in the next. Throws Misuse.
+MethodChoice chosen_method(const MethodOptions& options, const Scene& scene);
+
+/// Every setting of the method, those left out with their defaults.
+Settings full_settings(const MethodChoice& choice);
+
+/// Settings as a JSON object.
+nlohmann::ordered_json settings_json(const Settings& settings);
+
+/// Settings as one line: step = 0.001, elasticity = 0.2
+std::string settings_text(const Settings& settings);
+
+}  // namespace taut::cli

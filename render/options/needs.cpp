@@ -1,0 +1,184 @@
+#include "render/options/needs.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "render/error.h"
+#include "render/options/method_options.h"
+#include "render/program/note.h"
+#include "scenes/files/error.h"
+#include "sim/run/footprint.h"
+
+namespace taut::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kProgram = 2e7;       // bytes: libraries, the scene file as it was read
+constexpr double kPathKey = 500;       // bytes, of a key and the section behind it
+constexpr double kColumn = 19;         // bytes of a number in a CSV, mostly
+constexpr double kPixelOnDisk = 0.5;   // bytes: of the frame as PNG, and of the video
+constexpr double kRenderer = 2.5e8;    // bytes: the driver, shaders and models
+constexpr double kPixelTime = 1.5e-7;  // s, of a picture by a software rasteriser
+constexpr double kFrame = 500;         // bytes: what is known of a frame beside its states
+constexpr double kLong = 60;           // s
+
+/// In two digits: no more is known of it.
+std::string bytes_text(double bytes) {
+  if (bytes >= 100) {
+    const double digit = std::pow(10, std::floor(std::log10(bytes)) - 1);
+    bytes = std::round(bytes / digit) * digit;
+  }
+  static constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB", "PB", "EB"};
+  std::size_t unit = 0;
+  for (; bytes >= 999.5 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1000;
+  return fmt::format("{:.3g} {}", bytes, kUnits[unit]);
+}
+
+std::string time_text(double seconds) {
+  constexpr double kMinute = 60, kHour = 3600, kDay = 86400, kYear = 365.25 * kDay;
+  if (seconds < kMinute) return fmt::format("{:.2g} s", std::max(seconds, 1e-3));
+  if (seconds < kHour) return fmt::format("{:.0f} min", seconds / kMinute);
+  if (seconds < kDay) return fmt::format("{:.3g} h", seconds / kHour);
+  if (seconds < kYear) return fmt::format("{:.3g} days", seconds / kDay);
+  return fmt::format("{:.3g} years", seconds / kYear);
+}
+
+Footprint footprint_of(const Scene& scene) {
+  Footprint sum =
+      footprint(*find_method(scene.method.name), scene.world, full_settings(scene.method));
+  sum.memory += kProgram;
+  sum.memory += 2.0 * double(scene.timeline.pins.size() * (sizeof(TimedPin) + sizeof(Hold)) +
+                             scene.timeline.cuts.size() * (sizeof(TimedCut) + sizeof(Connector)));
+  const auto add_path = [&](const Path* path) {
+    if (path) sum.memory += kPathKey * double(path->keys().size());
+  };
+  for (const Body& body : scene.world.bodies) add_path(body.path.get());
+  for (const Connector& connector : scene.world.connectors) {
+    for (const Hold& hold : connector.holds) add_path(hold.to.path.get());
+  }
+  return sum;
+}
+
+/// Numbers that a state shows.
+double numbers_shown(const Scene& scene) {
+  double numbers = 1 + 7.0 * double(scene.world.bodies.size());
+  for (const Connector& connector : scene.world.connectors) {
+    numbers += 3.0 * double(connector.particles());
+  }
+  return numbers;
+}
+
+/// What the machine has for this process, bytes.
+double machine_memory() {
+  double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+  for (const char* file :
+       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    double limit = 0;
+    if (std::ifstream(file) >> limit && limit > 0) memory = std::min(memory, limit);
+  }
+  return memory;
+}
+
+/// The room that is left where a file is to be made, in a folder that may be made, too.
+double free_disk(fs::path folder) {
+  std::error_code error;
+  folder = fs::weakly_canonical(folder, error);
+  while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+  const fs::space_info space = fs::space(folder, error);
+  return error ? INFINITY : double(space.available);
+}
+
+/// What of the method takes the memory.
+std::string cheaper(const Scene& scene) {
+  const Settings settings = full_settings(scene.method);
+  const auto solver = settings.find("solver");
+  return solver != settings.end() && solver->second == Setting(std::string("dense"))
+             ? "solver = \"tridiagonal\", "
+             : "";
+}
+
+}  // namespace
+
+double steps_per_frame(const Scene& scene) {
+  const Settings settings = full_settings(scene.method);
+  const auto step = settings.find("step");
+  const double* seconds = step == settings.end() ? nullptr : std::get_if<double>(&step->second);
+  return seconds && *seconds > 0 ? double(step_count(1.0 / scene.fps, *seconds)) : 0;
+}
+
+double clip_length(const Scene& scene) {
+  const Stage& stage = *scene.stage;
+  const auto frames = [&](double seconds) { return std::ceil(seconds * scene.fps * (1 - 1e-9)); };
+  double sum = frames(stage.title.duration) + frames(stage.end.duration);
+  for (const Shot& shot : stage.shots) sum += frames((shot.until - shot.from) / shot.rate);
+  return sum;
+}
+
+Needs simulation_needs(const Scene& scene) {
+  const Footprint method = footprint_of(scene);
+  const double frames = std::ceil(scene.duration * scene.fps);
+  const double row = kColumn * numbers_shown(scene);
+  return {method.memory + 2 * row, frames * row,
+          frames * std::max(steps_per_frame(scene), 1.0) * method.step};
+}
+
+Needs clip_needs(const Scene& scene, double frames, int samples) {
+  const Stage& stage = *scene.stage;
+  Needs needs = simulation_needs(scene);
+  const double pixels = double(scene.width) * scene.height;
+  // The states of a shutter are there twice for each thread that draws.
+  const double states = stage.shutter > 0 ? stage.exposures : 1;
+  needs.memory += 4 * states * sizeof(double) * numbers_shown(scene);
+  needs.memory += kRenderer + clip_length(scene) * (kFrame + sizeof(double) * states) +
+                  frames * kFrame + 32.0 * pixels * (samples + 1);
+  needs.disk = frames * pixels * kPixelOnDisk;
+  needs.time += frames * pixels * kPixelTime;
+  return needs;
+}
+
+std::string needs_text(const Needs& needs) {
+  return fmt::format("about {} of memory, {} of disk and {}", bytes_text(needs.memory),
+                     bytes_text(needs.disk), time_text(needs.time));
+}
+
+nlohmann::ordered_json needs_json(const Needs& needs) {
+  return {{"memory_bytes", std::round(needs.memory)},
+          {"disk_bytes", std::round(needs.disk)},
+          {"time_s", needs.time}};
+}
+
+void add_memory_option(Command& command, double& most) {
+  command.add_size(
+      "--max-memory", most,
+      "Refuse what would take more, as in 8GB; default three quarters of the machine's");
+}
+
+void refuse_beyond(const Needs& needs, const Scene& scene, double most, const fs::path& folder,
+                   const std::string& fewer, bool quiet) {
+  const double allowed = most > 0 ? most : 0.75 * machine_memory();
+  if (needs.memory > allowed) {
+    throw BadScene(fmt::format(
+        "{}: would take about {} of memory by {}, expected at most {} (--max-memory); {}fewer "
+        "particles or bodies, another method{} take less",
+        scene.file.string(), bytes_text(needs.memory), scene.method.name, bytes_text(allowed),
+        cheaper(scene), fewer));
+  }
+  if (!folder.empty()) {
+    if (const double room = free_disk(folder); needs.disk > room) {
+      throw CannotWrite(fmt::format(
+          "{}: the output would take about {}, the disk has {} left; a shorter scene, fewer frames "
+          "per second{} take less",
+          folder.string(), bytes_text(needs.disk), bytes_text(room), fewer));
+    }
+  }
+  if (!quiet && needs.time > kLong) {
+    note("this will take {} or more, by a rough guess\n", time_text(needs.time));
+  }
+}
+
+}  // namespace taut::cli

@@ -1,0 +1,106 @@
+#include "render/options/outputs.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/options/method_options.h"
+#include "render/program/command.h"
+#include "render/version.h"
+
+namespace taut::cli {
+namespace {
+
+constexpr std::string_view kPicture = ".png";
+
+std::string ending_of(const std::string& file) {
+  return std::filesystem::path(file).extension().string();
+}
+
+/// The nearest even number of pixels, of a side that follows another.
+int even(double side) {
+  return std::max(2, 2 * static_cast<int>(std::lround(side / 2)));
+}
+
+}  // namespace
+
+bool OutputOptions::is_picture() const {
+  return ending_of(file) == kPicture;
+}
+
+void add_output_options(Command& command, OutputOptions& options) {
+  command
+      .add_option(
+          "-o,--output", options.file,
+          "The file to make: .mp4, .webm, .mov (ProRes 4444), .gif, .webp or .apng; .png is "
+          "one picture, of the clip's middle or of --poster")
+      .type_name("FILE");
+  command.add_option("--quality", options.quality, "Of the video, 0 to 100; default 85")
+      .range(0, 100);
+  command.add_flag("--transparent", options.transparent,
+                   "No background but opacity: frames, .png, .webm, .mov, .webp, .apng");
+  command
+      .add_option("--preset", options.preset,
+                  "draft: 640 pixels wide, a sample per pixel; final: the scene's size, 8 samples; "
+                  "4k: 3840 wide")
+      .one_of({"draft", "final", "4k"});
+  command.add_flag("--watch", options.watch,
+                   "Make a poster whenever the scene file is saved, until Ctrl-C");
+}
+
+void check_outputs(const OutputOptions& options, bool several, bool frames_alone) {
+  const std::string ending = ending_of(options.file);
+  if (!options.file.empty() && several) {
+    throw Misuse(
+        fmt::format("-o {}: one file for several scenes, expected --out FOLDER", options.file));
+  }
+  const auto known = video_endings();
+  if (!options.file.empty() && ending != kPicture &&
+      std::ranges::find(known, ending) == known.end()) {
+    throw Misuse(fmt::format("-o {}: expected a name that ends with {} or {}", options.file,
+                             fmt::join(known, ", "), kPicture));
+  }
+  const bool opacity =
+      options.file.empty() ? frames_alone : ending == kPicture || keeps_opacity(ending);
+  if (options.transparent && !opacity) {
+    throw Misuse(fmt::format(
+        "--transparent: {} keeps no opacity; expected -o with .png, .webm, .mov, .webp or .apng, "
+        "or --no-video",
+        options.file.empty() ? "an .mp4" : options.file));
+  }
+}
+
+Preset preset_of(const std::string& name, int width, int height, int samples) {
+  const double aspect = static_cast<double>(height) / width;
+  if (name == "draft") return {640, even(640 * aspect), 1};
+  if (name == "final") return {width, height, 8};
+  if (name == "4k") return {3840, even(3840 * aspect), samples};
+  return {width, height, samples};
+}
+
+Provenance::Provenance(const Scene& scene, const std::string& file)
+    : title_(scene.title),
+      scene_(file),
+      method_(
+          fmt::format("{} ({})", scene.method.name, settings_text(full_settings(scene.method)))) {}
+
+PngExtras Provenance::picture(double time, bool opacity) const {
+  return {opacity,
+          {{"Title", title_},
+           {"Software", fmt::format("taut {}", version())},
+           {"Source", scene_},
+           {"taut:time", fmt::format("{:.6g} s", time)},
+           {"taut:method", method_}}};
+}
+
+std::vector<std::pair<std::string, std::string>> Provenance::video() const {
+  return {{"title", title_}, {"comment", text()}};
+}
+
+std::string Provenance::text() const {
+  return fmt::format("taut {}, scene {}, method {}", version(), scene_, method_);
+}
+
+}  // namespace taut::cli

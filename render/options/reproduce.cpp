@@ -1,0 +1,61 @@
+#include "render/options/reproduce.h"
+
+#include <fmt/format.h>
+
+#include "render/options/method_options.h"
+
+namespace taut::cli {
+namespace {
+
+std::string value_text(const Setting& value) {
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
+  if (const auto* truth = std::get_if<bool>(&value)) return *truth ? "true" : "false";
+  return std::get<std::string>(value);
+}
+
+std::string words_of(const ShownScene& scene) {
+  std::string words = quoted(scene.file);
+  for (const std::string& set : scene.set) words += " --set " + quoted(set);
+  return words;
+}
+
+/// Every setting, named or not: where the scene is of the same method, its own would hold else.
+std::string words_of(const Candidate& candidate) {
+  std::string words;
+  for (const auto& [name, value] : full_settings({candidate.method, candidate.settings})) {
+    words += " --set " + quoted(name + "=" + value_text(value));
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string quoted(const std::string& word) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+-@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+std::string score_command(const ShownScene& scene, const Candidate& candidate, double share) {
+  return fmt::format("taut simulate {} --method {}{} --score {} --json -q", words_of(scene),
+                     candidate.method, words_of(candidate), share);
+}
+
+std::string classify_command(const ShownScene& scene, const std::vector<SceneChange>& changes,
+                             const std::string& label, const Candidate& candidate, double duration,
+                             double cap, bool scored) {
+  std::string words = words_of(scene);
+  for (const SceneChange& change : changes) {
+    words += " --set " + quoted(change.key + "=" + change.value);
+  }
+  for (const auto& [name, value] : candidate.settings) {
+    words += " --set " + quoted(name + "=" + value_text(value));
+  }
+  return fmt::format("taut classify {} --set duration={} --methods {} --cap {}{}", words, duration,
+                     label, cap, scored ? "" : " --no-truth");
+}
+
+}  // namespace taut::cli

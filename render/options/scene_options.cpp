@@ -1,0 +1,90 @@
+#include "render/options/scene_options.h"
+
+#include <fmt/format.h>
+
+#include "render/atomic_file.h"
+#include "render/program/program.h"
+
+namespace taut::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kInput = "stdin";  // the name of results of standard input
+
+/// The scene's path below the working folder, or else from the root; without its ending.
+fs::path path_of_results(const std::string& scene) {
+  if (scene == "-") return kInput;
+  std::error_code error;
+  const fs::path here = fs::current_path(error);
+  const fs::path full = fs::absolute(scene, error).lexically_normal();
+  fs::path path = full.lexically_relative(here);
+  if (path.empty() || *path.begin() == "..") path = full.relative_path();
+  fs::path name = path;
+  name.replace_extension();
+  if (*path.begin() == "scenes") return name.lexically_relative("scenes");
+  // Beside a folder of scenes, a scene of the same name.
+  if (fs::exists("scenes" / path, error)) return path;
+  return name;
+}
+
+}  // namespace
+
+Option add_scene_options(Command& command, SceneOptions& options, bool with_set) {
+  Option scenes = command.add_option("scenes", options.scenes, "Scene files; - is standard input")
+                      .required()
+                      .type_name("SCENE");
+  if (!with_set) return scenes;
+  command
+      .add_option("--set", options.set,
+                  "A value in place of the scene's, as in connectors.rope.length=0.5; may be "
+                  "repeated")
+      .one_value_each()
+      .type_name("KEY=VALUE");
+  return scenes;
+}
+
+SetPair set_pair(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw Misuse(fmt::format("--set {}: expected KEY=VALUE", text));
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::vector<SceneChange> scene_changes(const std::vector<std::string>& set) {
+  std::vector<SceneChange> changes;
+  for (const std::string& text : set) {
+    const auto [key, value] = set_pair(text);
+    changes.push_back({key, value});
+  }
+  return changes;
+}
+
+int for_each_scene(const SceneOptions& options, const Common& common,
+                   const std::function<int(const std::string& scene)>& work) {
+  if (!options.several()) return work(options.scenes.front());
+  int code = kDone;
+  const char* between = "[\n";
+  for (const std::string& scene : options.scenes) {
+    if (common.json) write_output(between);
+    between = ",\n";
+    const int own = guarded(common, [&] { return work(scene); });
+    if (code == kDone) code = own;
+    if (own == kInterrupted || own == kTerminated) break;
+  }
+  if (common.json) write_output("]\n");
+  return code;
+}
+
+fs::path results_folder(const std::string& scene, const std::string& out, bool several,
+                        const fs::path& base) {
+  if (!out.empty() && !several) return out;
+  return (out.empty() ? base : fs::path(out)) / path_of_results(scene);
+}
+
+std::string scene_name(const std::string& scene) {
+  return scene == "-" ? kInput : fs::path(scene).stem().string();
+}
+
+}  // namespace taut::cli

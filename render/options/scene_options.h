@@ -1,0 +1,49 @@
+// Scenes as commands take them: several at once, from standard input, with values of their own.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "render/program/command.h"
+#include "scenes/scene/scene.h"
+
+namespace taut::cli {
+
+struct SceneOptions {
+  std::vector<std::string> scenes;  // files; - is standard input
+  std::vector<std::string> set;     // KEY=VALUE
+
+  bool several() const { return scenes.size() > 1; }
+};
+
+/// SCENE..., which is returned, and, where the command has none of its own, --set.
+Option add_scene_options(Command& command, SceneOptions& options, bool with_set = true);
+
+/// A pair of --set.
+struct SetPair {
+  std::string key, value;
+};
+/// Throws Misuse where `text` is no KEY=VALUE.
+SetPair set_pair(const std::string& text);
+
+/// The changes of a command that has no settings of a method to set. Throws Misuse.
+std::vector<SceneChange> scene_changes(const std::vector<std::string>& set);
+
+/// Runs `work` for each scene, one after another; with --json and several scenes their results are
+/// the elements of one list. A scene that fails does not keep the others from their turn. Returns
+/// the first exit code that is not 0.
+int for_each_scene(const SceneOptions& options, const Common& common,
+                   const std::function<int(const std::string& scene)>& work);
+
+/// Where the results of a scene go: `out` or, where that is empty, a folder below `base` by the
+/// scene's path, so that no two scenes share one. scenes/ in front of a path is left out, as is the
+/// ending. With several scenes each has its own folder in `out`.
+std::filesystem::path results_folder(const std::string& scene, const std::string& out, bool several,
+                                     const std::filesystem::path& base = "out");
+
+/// What files of a scene's results are called: the file's name without its ending.
+std::string scene_name(const std::string& scene);
+
+}  // namespace taut::cli

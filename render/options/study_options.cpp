@@ -1,0 +1,198 @@
+#include "render/options/study_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "render/atomic_file.h"
+#include "render/film/fingerprint.h"
+#include "render/program/command.h"
+#include "scenes/files/standard_input.h"
+#include "scenes/load_scene.h"
+#include "sim/motion/hash.h"
+
+namespace taut::cli {
+namespace {
+
+std::vector<Contender> all_contenders() {
+  std::vector<Contender> all;
+  const auto list = methods();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].reference) continue;
+    const std::string name(list[i].name);
+    all.push_back({name, &list[i], {name, {}}, method_style(i)});
+    Style style = method_style(i);
+    style.hollow = true;
+    for (const MethodForm& form : list[i].forms) {
+      ++style.dash;
+      all.push_back({name + ":" + std::string(form.name), &list[i], {name, form.settings}, style});
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+void add_study_options(Command& command, StudyOptions& options, double budget) {
+  options.budget = budget;
+  add_scene_options(command, options.inputs);
+  command.add_option("--out", options.out,
+                     "Folder for the results; default: below out/, by the scene's path");
+  command
+      .add_option("--methods", options.methods,
+                  "Methods to compare, METHOD or METHOD:FORM, with commas; default: all")
+      .delimiter(',');
+  command
+      .add_option("--budget", options.budget,
+                  fmt::format("Seconds that it may take, about; default: {}", budget))
+      .positive();
+  command.add_flag("--quick", options.quick, "A coarse answer within half a minute");
+}
+
+std::vector<Contender> chosen_contenders(const StudyOptions& options) {
+  const std::vector<Contender> all = all_contenders();
+  if (options.methods.empty()) return all;
+  for (const std::string& name : options.methods) {
+    if (std::ranges::find(all, name, &Contender::label) != all.end()) continue;
+    std::string known;
+    for (const Contender& one : all) known += (known.empty() ? "" : ", ") + one.label;
+    throw Misuse(fmt::format("--methods: there is no {}, expected some of: {}", name, known));
+  }
+  std::vector<Contender> chosen;
+  for (const Contender& one : all) {
+    if (std::ranges::find(options.methods, one.label) != options.methods.end()) {
+      chosen.push_back(one);
+    }
+  }
+  return chosen;
+}
+
+std::vector<Contender> contenders_on(const StudyOptions& options, const World& world) {
+  std::vector<Contender> all = chosen_contenders(options);
+  const auto unable = std::ranges::stable_partition(
+      all, [&](const Contender& one) { return follows(*one.method, world); });
+  if (!options.methods.empty() && !unable.empty()) {
+    throw Misuse(fmt::format("--methods: {} does not follow all that is in {}",
+                             unable.front().label, options.scene));
+  }
+  all.erase(unable.begin(), unable.end());
+  if (all.empty()) throw Misuse(fmt::format("{}: no method follows all of it", options.scene));
+  return all;
+}
+
+std::string legend_name(const Contender& contender) {
+  const std::string missing(contender.method->missing);
+  return missing.empty() ? contender.label : contender.label + " (" + missing + ")";
+}
+
+std::vector<Candidate> candidates_of(const Contender& contender, bool quick) {
+  std::vector<Candidate> all;
+  if (!contender.method->missing.empty()) return all;
+  for (Candidate candidate : sweep(*contender.method, quick)) {
+    for (const auto& [name, value] : contender.candidate.settings) candidate.settings[name] = value;
+    const auto same = [&](const Candidate& other) { return other.settings == candidate.settings; };
+    if (std::ranges::none_of(all, same)) all.push_back(std::move(candidate));
+  }
+  return all;
+}
+
+std::filesystem::path study_folder(const StudyOptions& options) {
+  return results_folder(options.scene, options.out, options.inputs.several());
+}
+
+int for_each_study(const StudyOptions& options, const Common& common,
+                   const std::function<int(const StudyOptions& one)>& study) {
+  return for_each_scene(options.inputs, common, [&](const std::string& scene) {
+    StudyOptions one = options;
+    one.scene = scene;
+    return study(one);
+  });
+}
+
+Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes,
+                  bool with_stage) {
+  std::vector<SceneChange> all = scene_changes(options.inputs.set);
+  all.insert(all.end(), changes.begin(), changes.end());
+  Scene scene = load_scene(options.scene, with_stage, all);
+  if (scene.world.connectors.empty()) {
+    throw Misuse(fmt::format("{}: has no connector to study", options.scene));
+  }
+  if (!scene.world.obstacles.empty() && !options.among_obstacles) {
+    throw Misuse(
+        fmt::format("{}: has obstacles, which bench, chart and compare follow, and "
+                    "this command does not",
+                    options.scene));
+  }
+  if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
+    throw Misuse(
+        fmt::format("{}: has pins, which chart, bench, compare and classify follow, and this "
+                    "command does not",
+                    options.scene));
+  }
+  if (!scene.timeline.cuts.empty() && options.follows != Follows::pins_and_cuts) {
+    throw Misuse(
+        fmt::format("{}: has cuts, which compare and classify follow, and this command does not",
+                    options.scene));
+  }
+  return scene;
+}
+
+Scene study_scene(const StudyOptions& options, std::size_t particles) {
+  const Scene scene = study_scene(options);
+  return study_scene(options, {{connector_key(scene, "particles"), std::to_string(particles)}});
+}
+
+std::uint64_t stamp_of(const StudyOptions& options) {
+  Hash hash;
+  hash.text(read_scene_text(options.scene));
+  for (const std::string& set : options.inputs.set) hash.text(set);
+  for (const std::string& method : options.methods) hash.text(method);
+  return hash.number(options.budget).number(options.quick).number(program_fingerprint()).value();
+}
+
+std::string connector_key(const Scene& scene, const std::string& key) {
+  return "connectors." + scene.world.connectors.front().name + "." + key;
+}
+
+std::string machine() {
+  std::ifstream info("/proc/cpuinfo");
+  info.exceptions(std::ios::badbit);  // or running out of memory would end the file
+  std::string processor = "unknown processor";
+  for (std::string line; std::getline(info, line);) {
+    if (!line.starts_with("model name")) continue;
+    processor = line.substr(std::min(line.size(), line.find(':') + 2));
+    break;
+  }
+#ifdef NDEBUG
+  constexpr const char* build = "release build";
+#else
+  constexpr const char* build = "debug build";
+#endif
+  return fmt::format("{}, g++ {}, {}, one thread", processor, __VERSION__, build);
+}
+
+std::string rounded(double value) {
+  if (!std::isfinite(value)) return "-";
+  const double size = std::abs(value);
+  if (size != 0 && (size < 1e-3 || size >= 1e6)) return fmt::format("{:.2e}", value);
+  if (size < 1000) return fmt::format("{:.3g}", value);
+  const double unit = std::pow(10, std::floor(std::log10(size)) - 2);
+  return fmt::format("{:.0f}", std::round(value / unit) * unit);
+}
+
+std::string percent(double share) {
+  const double value = 100 * share;
+  return (std::abs(value) < 1 ? fmt::format("{:.3g}", value) : rounded(value)) + "%";
+}
+
+void write_csv(const Table& table, const std::filesystem::path& base) {
+  std::filesystem::path file = base;
+  file += ".csv";
+  AtomicFile out(file);
+  out.write(to_csv(table));
+  out.commit();
+}
+
+}  // namespace taut::cli

@@ -1,0 +1,90 @@
+// What bench, chart, stability and compare share: which methods, how much time, where to.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "render/chart/chart.h"
+#include "render/chart/table.h"
+#include "render/options/scene_options.h"
+#include "render/program/command.h"
+#include "render/program/part.h"
+#include "scenes/scene/scene.h"
+#include "sim/study/candidate.h"
+
+namespace taut::cli {
+
+/// What a study follows of what a scene's timeline has.
+enum class Follows { nothing, pins, pins_and_cuts };
+
+struct StudyOptions {
+  SceneOptions inputs;
+  std::string scene;                 // of the inputs, the one that is studied now
+  std::string out;                   // empty: by the scene's path, see results_folder()
+  std::vector<std::string> methods;  // METHOD or METHOD:FORM; empty: all
+  double budget = 0;                 // s of wall time
+  bool quick = false;
+  PartOptions part;  // of chart and stability
+  Follows follows = Follows::nothing;
+  bool among_obstacles = false;  // whether the study takes scenes with obstacles
+};
+
+/// SCENE..., --set, --out, --methods, --budget (`budget` seconds unless told) and --quick.
+void add_study_options(Command& command, StudyOptions& options, double budget);
+
+/// A row of a comparison: a method, or a form of it.
+struct Contender {
+  std::string label;  // "dynamic-constraints:dense"
+  const MethodInfo* method = nullptr;
+  Candidate candidate;  // at its defaults, with what the form sets
+  Style style;          // the same in every chart
+};
+
+/// The contenders that the options name, in the order of the list of methods; those that this build
+/// lacks too. Throws Misuse.
+std::vector<Contender> chosen_contenders(const StudyOptions& options);
+
+/// Those of them that follow what is in `world`. Throws Misuse where one is asked for that does
+/// not, or none does.
+std::vector<Contender> contenders_on(const StudyOptions& options, const World& world);
+
+/// Its name in legends: the label and, where this build lacks it, why.
+std::string legend_name(const Contender& contender);
+
+/// Every setting of a contender's sweep (only the ends and middle of numbers where `quick`), with
+/// what its form sets put over it.
+std::vector<Candidate> candidates_of(const Contender& contender, bool quick);
+
+/// Calls `study` with the options of each of the scenes in turn, see for_each_scene().
+int for_each_study(const StudyOptions& options, const Common& common,
+                   const std::function<int(const StudyOptions& one)>& study);
+
+/// The folder that results go to.
+std::filesystem::path study_folder(const StudyOptions& options);
+
+/// The scene, without its stage unless asked for. Throws Misuse where it has no connector, or
+/// obstacles, pins or cuts that the study does not follow.
+Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes = {},
+                  bool with_stage = false);
+/// The scene with another number of particles in its first connector.
+Scene study_scene(const StudyOptions& options, std::size_t particles);
+
+/// Of everything that decides a study's results: program, scene file, methods, budget.
+std::uint64_t stamp_of(const StudyOptions& options);
+
+/// The key of a value of the scene's first connector: connectors.NAME.`key`.
+std::string connector_key(const Scene& scene, const std::string& key);
+
+/// The processor, the compiler and the build, in a line.
+std::string machine();
+
+/// A number with three significant digits.
+std::string rounded(double value);
+/// A share in percent, so: 0.0001%.
+std::string percent(double share);
+
+/// Writes BASE.csv; says so on standard error.
+void write_csv(const Table& table, const std::filesystem::path& base);
+
+}  // namespace taut::cli

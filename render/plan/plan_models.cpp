@@ -1,0 +1,186 @@
+#include "render/plan/plan_models.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "render/options/study_options.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
+#include "sim/run/bodies_as_links.h"
+#include "sim/run/coarser.h"
+#include "sim/study/refined.h"
+#include "sim/world/span.h"
+
+namespace taut::cli {
+namespace {
+
+/// Shares of the links that are tried.
+std::vector<double> shares(std::size_t most_links) {
+  std::vector<double> list{1};
+  for (double share = 1; share * static_cast<double>(most_links) > 1; share /= 2) {
+    for (const double eighths : {7.0, 6.0, 5.0, 4.0}) list.push_back(share * eighths / 8);
+  }
+  return list;
+}
+
+constexpr std::size_t kCopies = 4;  // of each connector that are looked at, besides itself
+
+/// The reader numbers them: "cord#2".
+bool is_copy(const Connector& connector) {
+  return connector.name.find('#') != std::string::npos;
+}
+
+/// Those that can be links; all copies of a connector hang on their own bodies, or none does.
+std::vector<std::size_t> possible_links(const World& world, const Timeline& timeline) {
+  std::vector<std::size_t> bodies;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (why_no_link(world, timeline, b).empty()) bodies.push_back(b);
+  }
+  return bodies;
+}
+
+std::string original(const Connector& connector) {
+  return connector.name.substr(0, connector.name.find('#'));
+}
+
+}  // namespace
+
+std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneChange>& written) {
+  std::size_t most = 1;
+  for (const Connector& connector : scene.world.connectors) {
+    most = std::max(most, connector.links());
+  }
+  std::vector<SceneModel> models;
+  for (const double share : shares(most)) {
+    std::map<std::string, std::size_t> particles;
+    std::vector<SceneChange> changes = written;
+    for (const Connector& connector : scene.world.connectors) {
+      if (is_copy(connector)) continue;
+      const auto links = static_cast<std::size_t>(
+          std::max(1.0, std::round(share * static_cast<double>(connector.links()))));
+      particles[connector.name] = links + 1;
+      changes.push_back(
+          {fmt::format("connectors.{}.particles", connector.name), fmt::to_string(links + 1)});
+    }
+    if (!models.empty() && models.back().particles == particles) continue;
+    try {
+      Scene changed = load_scene(scene.file, false, changes);
+      take_masses(changed.world, scene.world);
+      models.push_back({particles, {}, {few_copies(changed.world), changed.timeline, {}}, {}});
+      SceneModel linked = models.back();
+      for (const std::size_t b : possible_links(linked.model.world, linked.model.timeline)) {
+        linked.model.world.bodies[b].model = BodyModel::link;
+        linked.links.push_back(linked.model.world.bodies[b].name);
+      }
+      if (!linked.links.empty()) models.push_back(std::move(linked));
+    } catch (const BadScene&) {
+      // Its start, or one of its pins, needs more particles.
+    }
+  }
+  if (!has_spans(scene.world)) {
+    SceneModel spans = models.front();
+    for (auto& [name, particles] : spans.particles) particles = 0;
+    for (Connector& connector : spans.model.world.connectors) {
+      connector.model = ConnectorModel::span;
+    }
+    models.push_back(std::move(spans));
+  }
+  return models;
+}
+
+ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& written,
+                         const std::vector<SceneModel>& models, const ReferenceSolution& reference,
+                         const Candidate& finely, const Distance& distance) {
+  ModelErrors errors;
+  if (reference.known < 2) return errors;
+  const auto refined = [&](std::size_t times) {
+    std::vector<SceneChange> changes = written;
+    for (const Connector& connector : scene.world.connectors) {
+      if (is_copy(connector)) continue;
+      changes.push_back({fmt::format("connectors.{}.particles", connector.name),
+                         fmt::to_string(times * connector.links() + 1)});
+    }
+    try {
+      const Scene changed = load_scene(scene.file, false, changes);
+      return distance_between(reference, few_copies(changed.world), changed.timeline, finely,
+                              distance);
+    } catch (const BadScene&) {
+      return std::numeric_limits<double>::infinity();  // points were given for so many particles
+    }
+  };
+  errors.twice = refined(2);
+  errors.four = refined(4);
+  errors.rope = error_of_chain(errors.twice, errors.four);
+  const SceneModel& last = models.back();
+  if (last.particles.begin()->second == 0) {
+    errors.span =
+        distance_between(reference, last.model.world, last.model.timeline, finely, distance);
+  }
+  if (models.size() > 1 && !models[1].links.empty()) {
+    const SceneModel& linked = models[1];
+    errors.link =
+        distance_between(reference, linked.model.world, linked.model.timeline, finely, distance);
+  }
+  return errors;
+}
+
+World few_copies(World world) {
+  std::map<std::string, std::size_t> copies, seen;
+  for (const Connector& connector : world.connectors) copies[original(connector)] += 1;
+  std::erase_if(world.connectors, [&](const Connector& connector) {
+    const std::size_t number = seen[original(connector)]++, count = copies[original(connector)];
+    const bool on_body = std::ranges::any_of(
+        connector.holds, [](const Hold& hold) { return hold.to.kind == Attachment::Kind::body; });
+    if (on_body || count <= kCopies + 1) return false;
+    // The first, the last, and some evenly between.
+    const std::size_t before = number == 0 ? 0 : (number - 1) * kCopies / (count - 1);
+    return number != 0 && number * kCopies / (count - 1) == before;
+  });
+  world.topology = structure(world);
+  return world;
+}
+
+std::vector<Candidate> all_candidates(const World& world, int fps, double longest_step) {
+  std::vector<Candidate> all;
+  for (const Contender& contender : chosen_contenders({})) {
+    if (has_spans(world) && !contender.method->follows_spans) continue;
+    const std::vector<Candidate> some = candidates_of(contender, false);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  for (Candidate& candidate : all) {
+    const auto step = candidate.settings.find("step");
+    if (step == candidate.settings.end()) continue;
+    double& seconds = std::get<double>(step->second);
+    if (seconds > 0) seconds = 1 / (fps * std::ceil(1 / (fps * seconds) - 1e-6));
+  }
+  std::erase_if(all, [&](const Candidate& candidate) {
+    const auto step = candidate.settings.find("step");
+    return step != candidate.settings.end() && std::get<double>(step->second) > longest_step;
+  });
+  // The one that is likely to be chosen first: what is dearer than its best is given up early.
+  std::ranges::stable_partition(
+      all, [](const Candidate& candidate) { return candidate.method == default_method().name; });
+  return all;
+}
+
+std::string describe(const SceneModel& model, const Scene& scene) {
+  std::string text;
+  for (const Connector& connector : scene.world.connectors) {
+    if (is_copy(connector)) continue;
+    const std::size_t particles = model.particles.at(connector.name);
+    if (particles == connector.particles()) continue;
+    text += text.empty() ? "" : ", ";
+    if (scene.world.connectors.size() > 1) text += connector.name + " ";
+    text += particles == 0 ? "a massless span"
+                           : fmt::format("{} of {} particles", particles, connector.particles());
+  }
+  for (const std::string& body : model.links) {
+    text += fmt::format("{}{} a link", text.empty() ? "" : ", ", body);
+  }
+  return text.empty() ? "as it is written" : text;
+}
+
+}  // namespace taut::cli

@@ -1,0 +1,59 @@
+#include "render/plan/plan_table.h"
+
+#include <fmt/format.h>
+
+#include "render/options/study_options.h"
+#include "scenes/load_scene.h"
+#include "scenes/plan_file.h"
+
+namespace taut::cli {
+namespace {
+
+std::string model_of(const Plan& plan) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  for (const auto& [connector, particles] : plan.particles) {
+    add(particles > 0 ? fmt::format("{}: {} particles", connector, particles)
+                      : connector + ": a massless span");
+  }
+  for (const std::string& body : plan.links) add(body + " a link");
+  if (plan.exposures > 0) add(fmt::format("{} exposures", plan.exposures));
+  return text;
+}
+
+std::string found_of(const Plan& plan) {
+  const std::string unit(read_length(plan.tolerance)->unit);
+  std::string text = plan.until > 0 ? fmt::format("{} {} until {} s", rounded(plan.error), unit,
+                                                  rounded(plan.until))
+                                    : "not predictable";
+  if (const auto& later = plan.afterwards) {
+    text += fmt::format("; then energy {}%", rounded(100 * later->energy));
+  }
+  return text;
+}
+
+std::vector<std::string> row_of(const Scene& scene) {
+  const std::string name = scene.file.stem().string();
+  if (!scene.plan) {
+    const char* const why = scene.strange_plan.empty() ? "has no plan" : "cannot be read";
+    return {name, "-", "-", "-", why};
+  }
+  const Plan& plan = *scene.plan;
+  const bool changed = plan.stamp != plan_stamp(scene.file);
+  const bool moves_otherwise = plan.program != method_stamp(plan.method);
+  return {name, plan.tolerance, model_of(plan),
+          describe(Candidate{plan.method.name, plan.method.settings}),
+          changed           ? "the scene changed since"
+          : moves_otherwise ? "the method moves otherwise since"
+                            : found_of(plan)};
+}
+
+}  // namespace
+
+Table plan_table(const std::vector<std::string>& scenes) {
+  Table table{{"scene", "asked", "model", "method", "found"}, {}};
+  for (const std::string& scene : scenes) table.add(row_of(load_scene(scene, false)));
+  return table;
+}
+
+}  // namespace taut::cli

@@ -1,0 +1,124 @@
+#include "render/program/command.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "render/program/help.h"
+#include "scenes/files/asset_path.h"
+
+namespace taut::cli {
+
+Option& Option::range(double least, double most) {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+
+Option& Option::positive() {
+  option_->check(CLI::PositiveNumber);
+  return *this;
+}
+
+Option& Option::one_of(const std::vector<std::string>& values) {
+  option_->check(CLI::IsMember(values));
+  return *this;
+}
+
+Option& Option::existing_folder() {
+  option_->check(CLI::ExistingDirectory);
+  return *this;
+}
+
+Option& Option::required(bool is) {
+  option_->required(is);
+  return *this;
+}
+
+Option& Option::delimiter(char between) {
+  option_->delimiter(between);
+  return *this;
+}
+
+Option& Option::one_value_each() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Option& Option::excludes(const Option& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+Option& Option::type_name(const std::string& of_value) {
+  option_->type_name(of_value);
+  return *this;
+}
+
+template <class Value>
+Option Command::add_option(const std::string& names, Value& value, const std::string& help) {
+  return Option(*app_->add_option(names, value, help));
+}
+
+template Option Command::add_option(const std::string&, std::string&, const std::string&);
+template Option Command::add_option(const std::string&, int&, const std::string&);
+template Option Command::add_option(const std::string&, double&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<std::string>&,
+                                    const std::string&);
+template Option Command::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<std::string>&,
+                                    const std::string&);
+template Option Command::add_option(const std::string&, std::vector<double>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<std::size_t>&,
+                                    const std::string&);
+
+Option Command::add_flag(const std::string& names, bool& value, const std::string& help) {
+  return Option(*app_->add_flag(names, value, help));
+}
+
+Option Command::add_size(const std::string& names, double& bytes, const std::string& help) {
+  const auto take = [&bytes](const std::uint64_t& number) { bytes = double(number); };
+  CLI::Option* option = app_->add_option_function<std::uint64_t>(names, take, help);
+  option->transform(CLI::AsSizeValue(true))->type_name("SIZE");
+  return Option(*option);
+}
+
+Option Command::add_text(const std::string& names, std::function<void(const std::string&)> take,
+                         const std::string& help) {
+  return Option(*app_->add_option_function<std::string>(
+      names,
+      [names, take = std::move(take)](const std::string& text) {
+        try {
+          take(text);
+        } catch (const Misuse& misuse) {
+          throw CLI::ValidationError(names, misuse.what());
+        }
+      },
+      help));
+}
+
+void Command::callback(std::function<void()> chosen) {
+  app_->callback(std::move(chosen));
+}
+
+Command add_command(CLI::App& app, Program& program, const std::string& name,
+                    const std::string& summary, const std::string& examples) {
+  CLI::App& added = *app.add_subcommand(name, summary);
+  added.formatter(help_format());
+  added.footer("\nExamples:\n" + examples);
+  Command command(added);
+  command.add_flag("--quiet,-q", program.common.quiet, "No progress, no notes; errors remain");
+  command.add_flag("--json", program.common.json, "The result on standard output as JSON");
+  command
+      .add_option("--threads", program.common.threads,
+                  "Threads to draw with, at most (simulating takes one); 0, the default: all")
+      .range(0, 1024);
+  command
+      .add_text(
+          "--assets", [](const std::string& folder) { set_asset_folder(folder); },
+          "A folder in which the files that a scene names are looked for first")
+      .existing_folder();
+  return command;
+}
+
+}  // namespace taut::cli

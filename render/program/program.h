@@ -1,0 +1,38 @@
+// A program made of commands: options in, one command run, an exit code out.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "render/program/command.h"
+#include "scenes/files/fault.h"
+
+namespace taut::cli {
+
+using AddCommand = void (*)(CLI::App& app, Program& program);
+
+/// The program's name, commands and options, as run_program() takes them.
+void describe_program(CLI::App& app, Program& program, std::span<const AddCommand> commands);
+
+/// Several things that are wrong with a scene.
+class BadScenes : public BadScene {
+ public:
+  explicit BadScenes(std::vector<SceneFault> faults)
+      : BadScene(faults.front()), all(std::move(faults)) {}
+  std::vector<SceneFault> all;
+};
+
+/// Does some work, and tells what it throws: in words on standard error and, with --json, as
+/// {"error": ...} on standard output. Returns the exit code.
+int guarded(const Common& common, const std::function<int()>& work);
+
+/// Runs a command from within another: its name and what stands behind that. Returns the exit code,
+/// or throws as the command does.
+int run_words(const Common& common, AddCommand add, std::vector<std::string> words);
+
+/// Returns the exit code.
+int run_program(int argc, char** argv, std::span<const AddCommand> commands);
+
+}  // namespace taut::cli

@@ -1,0 +1,115 @@
+#include "render/report/report_page.h"
+
+#include <fmt/format.h>
+
+#include "render/chart/html_page.h"
+#include "render/options/reproduce.h"
+#include "scenes/files/regular_file.h"
+
+namespace taut::cli {
+namespace {
+
+constexpr std::size_t kMostPoints = 60;  // of a method's errors over time
+
+std::string base64(const std::string& bytes) {
+  constexpr const char* kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+Chart errors_chart(const SceneReport& report) {
+  const AccuracyStudy& study = report.accuracy;
+  Chart chart;
+  chart.title = "Errors over time, each method at its own settings";
+  chart.subtitle = fmt::format(
+      "{}: RMS over the particles of each frame, while the truth is "
+      "predictable ({} s).",
+      study.title, rounded(study.horizon));
+  Panel panel;
+  panel.x = {"time (s)", false};
+  panel.y = {"RMS position error (share of the length)", true};
+  panel.y.maximum = 3;  // beyond, all is lost
+  panel.rules.push_back({study.self_error, false, "the truth's own error"});
+  for (const ReportErrors& one : report.errors) {
+    Series series{one.contender.label, one.contender.style, true, true, false, {}};
+    const std::string command =
+        score_command({study.scene, study.set}, one.contender.candidate, study.share);
+    const std::size_t every = 1 + one.errors.size() / kMostPoints;
+    for (std::size_t k = 0; k < one.errors.size(); k += every) {
+      const ErrorAt& at = one.errors[k];
+      series.points.push_back({at.time, at.error, kAuto, kAuto, kAuto, kAuto, command});
+    }
+    panel.series.push_back(std::move(series));
+  }
+  chart.panels = {std::move(panel)};
+  return chart;
+}
+
+std::string clips_section(const std::vector<ReportClip>& clips) {
+  std::string body =
+      "<div class=\"clips\"><div class=\"bar\"><button type=\"button\" class=\"all\">play or pause "
+      "all</button><button type=\"button\" class=\"all\">all from the start</button></div>"
+      "<div class=\"grid\">\n";
+  for (const ReportClip& clip : clips) {
+    const std::string what =
+        clip.file.empty() ? fmt::format("<p class=\"note\">{}</p>", escape_html(clip.words))
+                          : fmt::format(
+                                "<video controls loop muted playsinline preload=\"auto\" "
+                                "aria-label=\"{}\" src=\"data:video/webm;base64,{}\"></video>",
+                                escape_html(clip.method), base64(read_bytes(clip.file)));
+    body += fmt::format("<figure>{}<figcaption>{}</figcaption>{}</figure>\n", what,
+                        escape_html(clip.method), html_command(clip.command));
+  }
+  return body + "</div></div>\n";
+}
+
+std::string section(const std::string& id, const char* heading, const std::string& body) {
+  return fmt::format("<section><h2 id=\"{}\">{}</h2>\n{}</section>\n", id, heading, body);
+}
+
+}  // namespace
+
+std::string report_page(const std::vector<SceneReport>& scenes) {
+  std::string body = fmt::format(
+      "<p>Points of charts, cells of maps and clips say the command that makes them: choose one, "
+      "and copy it. Series hide by their names; a rectangle drawn into a chart enlarges it.</p>"
+      "<p class=\"note\">{}</p>\n",
+      escape_html(machine()));
+  std::string titles;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const SceneReport& report = scenes[i];
+    const AccuracyStudy& study = report.accuracy;
+    const auto id = [&](const char* name) { return fmt::format("{}-{}", name, i + 1); };
+    titles += (titles.empty() ? "" : ", ") + study.title;
+    if (scenes.size() > 1) body += fmt::format("<h1>{}</h1>\n", escape_html(study.title));
+    body += fmt::format("<p>Scene: {}</p>\n<nav>", escape_html(study.scene));
+    for (const auto& [name, words] : {std::pair{"accuracy", "Speed against accuracy"},
+                                      {"errors", "Errors over time"},
+                                      {"clips", "Clips"},
+                                      {"stability", "Stability"}}) {
+      body += fmt::format("<a href=\"#{}\">{}</a>", id(name), words);
+    }
+    body += "</nav>\n";
+    body += section(id("accuracy"), "Speed against accuracy", accuracy_section(study));
+    body += section(id("errors"), "Errors over time", html_chart(errors_chart(report)));
+    body += section(id("clips"), "Clips", clips_section(report.clips));
+    body += section(id("stability"), "Stability",
+                    report.stability.maps.empty()
+                        ? "<p>The scene has pins, which maps do not follow.</p>\n"
+                        : stability_section(report.stability));
+  }
+  return html_page(titles + ": report", body);
+}
+
+}  // namespace taut::cli

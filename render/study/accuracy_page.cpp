@@ -1,0 +1,315 @@
+#include "render/study/accuracy_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "render/chart/html_page.h"
+#include "render/options/method_options.h"
+#include "render/options/reproduce.h"
+
+namespace taut::cli {
+namespace {
+
+constexpr std::size_t kShare = 0, kPixels = 1;  // the metrics of a row
+
+std::optional<std::size_t> reaching(const AccuracyBlock& block, double error,
+                                    std::size_t metric = kShare) {
+  return cheapest(cost_and_error(block.rows, metric), error);
+}
+
+double least_error(const AccuracyBlock& block) {
+  double least = INFINITY;
+  for (const AccuracyRow& row : block.rows) least = std::min(least, row.errors[kShare]);
+  return least;
+}
+
+double cost(const AccuracyRow& row) {
+  return spread(row.cpu).median;
+}
+
+/// From the least to the most of a row's timings, and at least as far as the machine was unsteady:
+/// the few timings of one row may agree by chance.
+Spread drawn_spread(const AccuracyStudy& study, const AccuracyRow& row) {
+  Spread time = spread(row.cpu);
+  time.least = std::min(time.least, time.median * (1 - study.unsteadiness));
+  time.most = std::max(time.most, time.median * (1 + study.unsteadiness));
+  return time;
+}
+
+/// The cheapest method at a middling error, in a sentence.
+std::string finding(const AccuracyStudy& study) {
+  constexpr double kAsked = 1e-3;
+  const AccuracyBlock* best = nullptr;
+  const AccuracyBlock* second = nullptr;
+  const auto at = [&](const AccuracyBlock& block) {
+    return cost(block.rows[*reaching(block, kAsked)]);
+  };
+  for (const AccuracyBlock& block : study.blocks) {
+    if (!reaching(block, kAsked)) continue;
+    if (!best || at(block) < at(*best)) {
+      second = best;
+      best = &block;
+    } else if (!second || at(block) < at(*second)) {
+      second = &block;
+    }
+  }
+  if (!best) return fmt::format("No method comes within {} of the length", percent(kAsked));
+  std::string line = fmt::format("For an error of {} of the length {} is cheapest", percent(kAsked),
+                                 best->contender.label);
+  if (second) {
+    line += fmt::format(": {} times cheaper than {}, the next", rounded(at(*second) / at(*best)),
+                        second->contender.label);
+  }
+  std::string stuck;
+  for (const AccuracyBlock& block : study.blocks) {
+    const double least = least_error(block);
+    if (!block.contender.candidate.settings.empty() || !std::isfinite(least) || least <= kAsked) {
+      continue;
+    }
+    stuck += fmt::format("{}{} above {}", stuck.empty() ? "; " : ", ", block.contender.label,
+                         percent(least));
+  }
+  if (!stuck.empty()) line += stuck + " at any setting tried";
+  return line;
+}
+
+std::string circumstances(const AccuracyStudy& study) {
+  return fmt::format(
+      "{}, {} particles: RMS error of all particles in the first {} s, where the truth is "
+      "predictable (its own error: {} of the length).",
+      study.title, study.particles, rounded(study.horizon), percent(study.self_error));
+}
+
+}  // namespace
+
+Table points_table(const AccuracyStudy& study, bool exact) {
+  Table table{
+      {"method", "settings", "outcome", "error (share of length)", "CPU per simulated second (s)",
+       "spread from (s)", "spread to (s)", "timings", "steps per second", "solves per second",
+       "largest stretch", "on the front", "reason"},
+      {}};
+  if (study.in_pixels) table.columns.push_back("error (px)");
+  for (const AccuracyBlock& block : study.blocks) {
+    if (block.rows.empty()) {
+      std::vector<std::string> cells(table.columns.size());
+      cells[0] = block.contender.label;
+      cells[2] = block.contender.method->missing;
+      table.add(std::move(cells));
+    }
+    const std::vector<std::size_t> front = pareto_front(cost_and_error(block.rows, 0));
+    for (std::size_t i = 0; i < block.rows.size(); ++i) {
+      const AccuracyRow& row = block.rows[i];
+      const Spread time = drawn_spread(study, row);
+      const auto text = [&](double value) {
+        return row.end == Run::End::done ? fmt::format("{:.9g}", value) : std::string();
+      };
+      const auto error = [&](double value) {
+        return exact && row.end == Run::End::done ? fmt::format("{}", value) : text(value);
+      };
+      const bool best = std::ranges::find(front, i) != front.end();
+      std::vector<std::string> cells{block.contender.label,
+                                     describe(row.candidate.settings),
+                                     text_of(row.end),
+                                     error(row.errors[kShare]),
+                                     text(time.median),
+                                     text(time.least),
+                                     text(time.most),
+                                     std::to_string(row.cpu.size()),
+                                     text(row.steps),
+                                     text(row.solves),
+                                     text(row.stretch_max),
+                                     best ? "yes" : "no",
+                                     row.reason};
+      if (study.in_pixels) cells.push_back(error(row.errors[kPixels]));
+      table.add(std::move(cells));
+    }
+  }
+  return table;
+}
+
+Table reach_table(const AccuracyStudy& study) {
+  Table table{{"method"}, {}};
+  for (const double target : study.targets) {
+    table.columns.push_back(fmt::format("ms/s for {:g}", target));
+  }
+  if (study.in_pixels) table.columns.push_back("ms/s for 1 px");
+  table.columns.push_back("least error");
+  table.columns.push_back("settings of the finest target reached");
+  for (const AccuracyBlock& block : study.blocks) {
+    std::vector<std::string> row{block.contender.label};
+    std::string settings = block.rows.empty() ? std::string(block.contender.method->missing) : "";
+    for (const double target : study.targets) {
+      const auto found = reaching(block, target);
+      row.push_back(found ? rounded(1e3 * cost(block.rows[*found])) : "-");
+      if (found) settings = describe(block.rows[*found].candidate.settings);
+    }
+    if (study.in_pixels) {
+      const auto found = reaching(block, 1, kPixels);
+      row.push_back(found ? rounded(1e3 * cost(block.rows[*found])) : "-");
+    }
+    row.push_back(rounded(least_error(block)));
+    row.push_back(settings);
+    table.add(std::move(row));
+  }
+  return table;
+}
+
+Table best_table(const AccuracyStudy& study) {
+  Table table{{"error asked for", "cheapest", "settings", "ms per simulated second", "next",
+               "times as dear"},
+              {}};
+  struct Reach {
+    const AccuracyBlock* block;
+    std::size_t row;
+    double cost;
+  };
+  const auto add = [&](const std::string& name, double error, std::size_t metric) {
+    std::vector<Reach> reached;
+    for (const AccuracyBlock& block : study.blocks) {
+      if (const auto row = reaching(block, error, metric)) {
+        reached.push_back({&block, *row, cost(block.rows[*row])});
+      }
+    }
+    std::ranges::sort(reached, {}, &Reach::cost);
+    if (reached.empty()) return table.add({name, "-", "", "-", "-", "-"});
+    const Reach& best = reached.front();
+    const bool more = reached.size() > 1;
+    table.add({name, best.block->contender.label,
+               describe(best.block->rows[best.row].candidate.settings), rounded(1e3 * best.cost),
+               more ? reached[1].block->contender.label : "-",
+               more ? rounded(reached[1].cost / best.cost) : "-"});
+  };
+  for (const double target : study.targets) add(percent(target) + " of the length", target, kShare);
+  if (study.in_pixels) add("1 px", 1, kPixels);
+  return table;
+}
+
+namespace {
+
+Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
+  Panel panel;
+  panel.x = {"CPU time per simulated second (ms), one thread; left is faster", true};
+  panel.y = {metric == kShare ? "RMS position error (share of the length); lower is better"
+                              : "RMS position error (px of the scene's camera); lower is better",
+             true};
+  if (metric == kShare) panel.y.maximum = 3;  // beyond, all is lost
+  const auto command = [&](const AccuracyRow& row) {
+    return score_command({study.scene, study.set}, row.candidate, study.share);
+  };
+  for (const AccuracyBlock& block : study.blocks) {
+    const std::vector<std::size_t> best = pareto_front(cost_and_error(block.rows, metric));
+    Series front{legend_name(block.contender), block.contender.style, true, true, false, {}};
+    Series rest{"", block.contender.style, false, true, true, {}};
+    for (const std::size_t i : best) {
+      const Spread time = drawn_spread(study, block.rows[i]);
+      front.points.push_back({1e3 * time.median, block.rows[i].errors[metric], 1e3 * time.least,
+                              1e3 * time.most, kAuto, kAuto, command(block.rows[i])});
+    }
+    for (std::size_t i = 0; i < block.rows.size(); ++i) {
+      if (block.rows[i].end != Run::End::done) continue;
+      if (std::ranges::find(best, i) != best.end()) continue;
+      rest.points.push_back({1e3 * cost(block.rows[i]), block.rows[i].errors[metric], kAuto, kAuto,
+                             kAuto, kAuto, command(block.rows[i])});
+    }
+    panel.series.push_back(std::move(front));
+    panel.series.push_back(std::move(rest));
+  }
+  panel.rules.push_back({1e3, true, "real time"});
+  if (metric == kPixels) panel.rules.push_back({1, false, "one pixel"});
+  if (metric == kShare && study.self_error > 0) {
+    panel.rules.push_back({study.self_error, false, "the truth's own error"});
+  }
+  return panel;
+}
+
+}  // namespace
+
+Chart accuracy_chart(const AccuracyStudy& study) {
+  Chart chart;
+  chart.title = finding(study);
+  chart.subtitle = circumstances(study) +
+                   " Lines: each method's best settings; faint: the rest. Points: the median of a "
+                   "run's timings; bars: all of them";
+  if (study.unsteadiness > 0) {
+    chart.subtitle += fmt::format(", and at least {} either way", percent(study.unsteadiness));
+  }
+  chart.subtitle += ".";
+  chart.width = study.in_pixels ? 1500 : 1200;
+  chart.height = 820;
+  chart.panels.push_back(error_panel(study, kShare));
+  if (study.in_pixels) {
+    chart.panels.push_back(error_panel(study, kPixels));
+    chart.columns = 2;
+  }
+  return chart;
+}
+
+std::string accuracy_section(const AccuracyStudy& study) {
+  return fmt::format(
+      R"({}
+<h3>What to use</h3>
+{}
+<h3>What an error costs</h3>
+<p>Milliseconds of CPU time per simulated second of the cheapest settings tried that reach an RMS
+error, as a share of the length.</p>
+{}
+)",
+      html_chart(accuracy_chart(study)), to_html(best_table(study)), to_html(reach_table(study)));
+}
+
+std::string accuracy_page(const AccuracyStudy& study) {
+  std::string model;
+  if (!study.model.rows.empty()) {
+    model = fmt::format(
+        "<h2>What few particles miss</h2>\n<p>A chain of n particles is not the continuous rope "
+        "that it stands for. This error is the model's: no solver and no step removes it.</p>\n{}\n"
+        "{}",
+        html_chart(model_chart(study.model, study.title)), to_html(model_table(study.model)));
+  }
+  return html_page(
+      study.title + ": speed against accuracy",
+      fmt::format("<p>Scene: {}. {}.</p>\n{}{}\n<h2>Every run</h2>\n{}", escape_html(study.scene),
+                  escape_html(machine()), accuracy_section(study), model,
+                  to_html(points_table(study, false))));
+}
+
+std::string accuracy_json(const AccuracyStudy& study) {
+  nlohmann::ordered_json json = {{"scene", study.scene},
+                                 {"machine", machine()},
+                                 {"horizon_s", study.horizon},
+                                 {"self_error", study.self_error}};
+  json["methods"] = nlohmann::ordered_json::array();
+  for (const AccuracyBlock& block : study.blocks) {
+    nlohmann::ordered_json one = {{"method", block.contender.label}};
+    const std::string missing(block.contender.method->missing);
+    if (!missing.empty()) one["missing"] = missing;
+    for (const double target : study.targets) {
+      const auto found = reaching(block, target);
+      nlohmann::ordered_json reach = {{"error", target}, {"cpu_ms_per_simulated_s", nullptr}};
+      if (found) {
+        reach["cpu_ms_per_simulated_s"] = 1e3 * cost(block.rows[*found]);
+        reach["settings"] = settings_json(block.rows[*found].candidate.settings);
+      }
+      one["reach"].push_back(std::move(reach));
+    }
+    if (study.in_pixels) {
+      const auto found = reaching(block, 1, kPixels);
+      one["cpu_ms_per_simulated_s_for_1_px"] = nullptr;
+      if (found) one["cpu_ms_per_simulated_s_for_1_px"] = 1e3 * cost(block.rows[*found]);
+    }
+    one["least_error"] = nullptr;
+    if (std::isfinite(least_error(block))) one["least_error"] = least_error(block);
+    json["methods"].push_back(std::move(one));
+  }
+  for (const ModelRow& row : study.model.rows) {
+    json["model_error"].push_back(
+        {{"particles", row.particles}, {"links", row.links}, {"span", row.span}});
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace taut::cli

@@ -1,0 +1,49 @@
+// The results of `taut chart` as tables, a chart and a page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/options/study_options.h"
+#include "render/study/model_error.h"
+#include "sim/study/speed_accuracy.h"
+
+namespace taut::cli {
+
+struct AccuracyBlock {
+  Contender contender;
+  std::vector<AccuracyRow> rows;  // empty: not in this build
+};
+
+struct AccuracyStudy {
+  std::string scene, title;
+  std::vector<std::string> set;  // of --set
+  double share = 0;              // the least error that is scored, of the length
+  std::size_t particles = 0;
+  double horizon = 0;           // s
+  double self_error = 0;        // of the length
+  std::vector<double> targets;  // of the length
+  bool in_pixels = false;       // rows have a second error, in pixels of the scene's camera
+  std::vector<AccuracyBlock> blocks;
+  double unsteadiness = 0;  // of the timings of all blocks
+  ModelStudy model;         // no rows: not asked for
+};
+
+/// Every run: settings, error, cost, steps, how it ended. `exact`: errors read back as the same
+/// numbers.
+Table points_table(const AccuracyStudy& study, bool exact);
+/// Per method, the cheapest cost that reaches each target (and one pixel), and the settings that
+/// do.
+Table reach_table(const AccuracyStudy& study);
+/// Per target, the cheapest contender that reaches it, its settings, and the next.
+Table best_table(const AccuracyStudy& study);
+/// Fronts as lines, what they dominate as faint markers; a second panel in pixels where rows have
+/// them.
+Chart accuracy_chart(const AccuracyStudy& study);
+/// What a page says of the study: the chart, what to use, what an error costs.
+std::string accuracy_section(const AccuracyStudy& study);
+/// One HTML page that needs no other file.
+std::string accuracy_page(const AccuracyStudy& study);
+std::string accuracy_json(const AccuracyStudy& study);
+
+}  // namespace taut::cli

@@ -1,0 +1,259 @@
+#include "render/study/bench_results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "render/options/method_options.h"
+#include "render/program/json.h"
+
+namespace taut::cli {
+namespace {
+
+bool timed(const BenchRow& row) {
+  return row.failure.empty() && row.repeats > 0;
+}
+
+/// How many times as fast as the contender that others are compared with; zero where one of the two
+/// has no timing.
+double ratio(const BenchResults& results, const BenchBlock& block, std::size_t row) {
+  const auto other = std::ranges::find(results.contenders, results.against, &Contender::label);
+  if (other == results.contenders.end()) return 0;
+  const BenchRow& against =
+      block.rows[static_cast<std::size_t>(other - results.contenders.begin())];
+  if (!timed(against) || !timed(block.rows[row])) return 0;
+  return against.mean.median / block.rows[row].mean.median;
+}
+
+/// The block of the scene's own number of particles, or the first.
+const BenchBlock& own_block(const BenchResults& results) {
+  for (const BenchBlock& block : results.blocks) {
+    if (block.particles == results.scene.world.connectors.front().particles()) return block;
+  }
+  return results.blocks.front();
+}
+
+std::string finding(const BenchResults& results) {
+  const BenchBlock& block = own_block(results);
+  std::vector<std::size_t> order;
+  for (std::size_t c = 0; c < block.rows.size(); ++c) {
+    if (timed(block.rows[c])) order.push_back(c);
+  }
+  if (order.empty()) return "No method could be timed";
+  std::ranges::sort(order, {}, [&](std::size_t c) { return block.rows[c].mean.median; });
+  const std::size_t fastest = order.front(), slowest = order.back();
+  const double factor = ratio(results, block, fastest);
+  std::string line = fmt::format("At {} particles {} is fastest with {} µs a frame",
+                                 block.particles, results.contenders[fastest].label,
+                                 rounded(1e6 * block.rows[fastest].mean.median));
+  if (factor > 0 && results.contenders[fastest].label != results.against) {
+    line += fmt::format(", {} times as fast as {}", rounded(factor), results.against);
+  }
+  return line + fmt::format("; {} is slowest with {} µs", results.contenders[slowest].label,
+                            rounded(1e6 * block.rows[slowest].mean.median));
+}
+
+Panel growth_panel(const BenchResults& results) {
+  Panel panel;
+  panel.title = "mean of a frame";
+  panel.x = {"particles", true};
+  panel.y = {"CPU time per frame (µs)", true};
+  for (const BenchBlock& block : results.blocks) {
+    panel.x.tics.emplace_back(static_cast<double>(block.particles),
+                              std::to_string(block.particles));
+  }
+  for (std::size_t c = 0; c < results.contenders.size(); ++c) {
+    Series means{
+        legend_name(results.contenders[c]), results.contenders[c].style, true, true, false, {}};
+    for (const BenchBlock& block : results.blocks) {
+      const Spread& mean = block.rows[c].mean;
+      if (!timed(block.rows[c])) continue;
+      means.points.push_back({static_cast<double>(block.particles), 1e6 * mean.median, kAuto, kAuto,
+                              1e6 * mean.low, 1e6 * mean.high});
+    }
+    panel.series.push_back(std::move(means));
+  }
+  panel.rules.push_back({1e6 / results.scene.fps, false, "real time"});
+  return panel;
+}
+
+Panel frames_panel(const BenchResults& results) {
+  const BenchBlock& block = own_block(results);
+  Panel panel;
+  panel.title = fmt::format("each frame, {} particles", block.particles);
+  panel.x = {fmt::format("frame (1/{} s)", results.scene.fps)};
+  panel.y = {"CPU time per frame (µs)", true};
+  for (std::size_t c = 0; c < results.contenders.size(); ++c) {
+    Series line{
+        legend_name(results.contenders[c]), results.contenders[c].style, true, false, false, {}};
+    const auto& frames = block.rows[c].frames;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      if (frames[k].median > 0) {
+        line.points.push_back({static_cast<double>(k + 1), 1e6 * frames[k].median});
+      }
+    }
+    panel.series.push_back(std::move(line));
+  }
+  panel.rules.push_back({1e6 / results.scene.fps, false, "real time"});
+  return panel;
+}
+
+/// The particle system's cost over the paper's method's: as both come, and at equal error.
+Panel ratio_panel(const BenchResults& results) {
+  Panel panel;
+  panel.title = "cost of springs over cost of impulse";
+  panel.x = {"particles", true};
+  panel.y = {"ratio of CPU times", true};
+  panel.rules.push_back({kPaperRatio, false, fmt::format("the paper: {}", kPaperRatio)});
+  panel.rules.push_back({1, false, "equal"});
+  Series plain{
+      "ratio at default settings, errors not equal", {0x444444, 0, 6}, true, true, false, {}};
+  Series coarse{"ratio at the error of impulse with one step a frame",
+                {0xd55e00, 2, 4, true},
+                true,
+                true,
+                false,
+                {}};
+  Series fine{"ratio at the least error that impulse reaches",
+              {0x8c2981, 1, 7, true},
+              true,
+              true,
+              false,
+              {}};
+  for (const BenchBlock& block : results.blocks) {
+    const auto n = static_cast<double>(block.particles);
+    panel.x.tics.emplace_back(n, std::to_string(block.particles));
+    double impulse = 0, springs = 0;
+    for (std::size_t c = 0; c < results.contenders.size(); ++c) {
+      if (!timed(block.rows[c])) continue;
+      if (results.contenders[c].label == "impulse") impulse = block.rows[c].mean.median;
+      if (results.contenders[c].label == "springs") springs = block.rows[c].mean.median;
+    }
+    if (impulse > 0 && springs > 0) plain.points.push_back({n, springs / impulse});
+    std::vector<EqualError> reached;
+    for (const EqualError& one : block.paper.equal) {
+      if (one.method == "springs" && one.cost > 0) reached.push_back(one);
+    }
+    if (reached.empty()) continue;
+    const auto [least, most] = std::ranges::minmax(reached, {}, &EqualError::error);
+    coarse.points.push_back({n, most.cost / most.impulse_cost});
+    fine.points.push_back({n, least.cost / least.impulse_cost});
+  }
+  panel.series = {std::move(plain), std::move(coarse), std::move(fine)};
+  return panel;
+}
+
+Json json_of(const BenchResults& results, const BenchBlock& block, std::size_t index) {
+  const BenchRow& row = block.rows[index];
+  const auto micro = [&](double seconds) { return timed(row) ? Json(1e6 * seconds) : Json(); };
+  const double factor = ratio(results, block, index);
+  return {{"particles", block.particles},
+          {"method", results.contenders[index].label},
+          {"settings", settings_json(row.candidate.settings)},
+          {"steps_per_frame", timed(row) ? Json(row.steps) : Json()},
+          {"cpu_us_per_frame", micro(row.mean.median)},
+          {"low_quartile_us", micro(row.mean.low)},
+          {"high_quartile_us", micro(row.mean.high)},
+          {"times_as_fast", factor > 0 ? Json(factor) : Json()},
+          {"repeats", row.repeats},
+          {"failure", row.failure.empty() ? Json() : Json(row.failure)}};
+}
+
+Json json_of(const PaperSetting& s) {
+  return {{"particles", s.particles},
+          {"impulse_steps_per_frame", s.impulse_steps},
+          {"impulse_rms_error", number_or_null(s.impulse_error)},
+          {"springs_steps_per_frame", s.substeps},
+          {"springs_stiffness_n_per_m", s.stiffness},
+          {"springs_rms_error", number_or_null(s.error)},
+          {"springs_stretch_max", number_or_null(s.stretch)},
+          {"cost_ratio", number_or_null(s.ratio)}};
+}
+
+Json json_of(const EqualError& e) {
+  const bool known = e.cost > 0;
+  return {{"particles", e.particles},
+          {"rms_error", number_or_null(e.error)},
+          {"method", e.method},
+          {"impulse_cpu_ms_per_simulated_s", 1e3 * e.impulse_cost},
+          {"cpu_ms_per_simulated_s", known ? Json(1e3 * e.cost) : Json()},
+          {"cost_ratio", known ? number_or_null(e.cost / e.impulse_cost) : Json()}};
+}
+
+}  // namespace
+
+std::vector<PaperRatio> BenchResults::paper() const {
+  std::vector<PaperRatio> all;
+  for (const BenchBlock& block : blocks) all.push_back(block.paper);
+  return all;
+}
+
+Table bench_table(const BenchResults& results) {
+  Table table{{"particles", "method", "settings", "steps per frame", "µs per frame", "low quartile",
+               "high quartile", "times as fast as " + results.against, "repeats", "remark"},
+              {}};
+  for (const BenchBlock& block : results.blocks) {
+    for (std::size_t c = 0; c < results.contenders.size(); ++c) {
+      const BenchRow& row = block.rows[c];
+      const auto micro = [&](double seconds) { return timed(row) ? rounded(1e6 * seconds) : "-"; };
+      const double factor = ratio(results, block, c);
+      table.add({std::to_string(block.particles), results.contenders[c].label,
+                 describe(row.candidate.settings), timed(row) ? rounded(row.steps) : "-",
+                 micro(row.mean.median), micro(row.mean.low), micro(row.mean.high),
+                 factor > 0 ? rounded(factor) : "-", std::to_string(row.repeats), row.failure});
+    }
+  }
+  return table;
+}
+
+Table bench_frames_table(const BenchResults& results) {
+  Table table{
+      {"particles", "method", "frame", "median (s)", "low quartile (s)", "high quartile (s)"}, {}};
+  for (const BenchBlock& block : results.blocks) {
+    for (std::size_t c = 0; c < results.contenders.size(); ++c) {
+      const auto& frames = block.rows[c].frames;
+      for (std::size_t k = 0; k < frames.size(); ++k) {
+        table.add({std::to_string(block.particles), results.contenders[c].label,
+                   std::to_string(k + 1), fmt::format("{:.9g}", frames[k].median),
+                   fmt::format("{:.9g}", frames[k].low), fmt::format("{:.9g}", frames[k].high)});
+      }
+    }
+  }
+  return table;
+}
+
+Chart bench_chart(const BenchResults& results) {
+  Chart chart;
+  chart.title = finding(results);
+  chart.subtitle = fmt::format(
+      "{}: time of stepping alone at each method's default settings, errors not equal. Medians and "
+      "quartiles over interleaved repeats. {}",
+      results.scene.title, machine());
+  if (results.blocks.size() > 1) chart.panels.push_back(growth_panel(results));
+  chart.panels.push_back(frames_panel(results));
+  const Panel paper = ratio_panel(results);
+  if (results.blocks.size() > 1 && !paper.series.front().points.empty()) {
+    chart.panels.push_back(paper);
+  }
+  chart.columns = chart.panels.size();
+  chart.width = static_cast<int>(200 + 480 * chart.panels.size());
+  return chart;
+}
+
+std::string bench_json(const BenchResults& results) {
+  Json json = {{"scene", results.scene.file.string()}, {"machine", machine()},
+               {"against", results.against},           {"rows", Json::array()},
+               {"paper_ratio", Json::array()},         {"equal_error", Json::array()}};
+  for (const BenchBlock& block : results.blocks) {
+    for (std::size_t c = 0; c < results.contenders.size(); ++c) {
+      json["rows"].push_back(json_of(results, block, c));
+    }
+    for (const PaperSetting& one : block.paper.settings) {
+      json["paper_ratio"].push_back(json_of(one));
+    }
+    for (const EqualError& one : block.paper.equal) json["equal_error"].push_back(json_of(one));
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace taut::cli

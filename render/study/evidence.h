@@ -1,0 +1,53 @@
+// Measurements behind the paper's claims of one scene.
+#pragma once
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "render/study/bench_results.h"
+
+namespace taut::cli {
+
+// Particles: as many as the scenes of ropes have, and a long chain.
+inline constexpr std::size_t kFew = 21, kMany = 101;
+
+/// What the claims rest on.
+struct Evidence {
+  BenchResults bench;
+  std::vector<double> errors;       // RMS against truth, share of the length; per contender
+  std::vector<double> differences;  // mean of the segments against dynamic constraints, m
+  double horizon = 0;               // s, of both
+  double length = 0;                // m
+  double always = 0;                // cost of impulse with h = 0 over that with its own h
+  std::vector<double> pinned;       // as errors, with the connector's middle held as well
+
+  std::size_t at(std::string_view label) const {
+    const auto found = std::ranges::find(bench.contenders, label, &Contender::label);
+    return static_cast<std::size_t>(found - bench.contenders.begin());
+  }
+  bool has(std::string_view label) const {
+    const std::size_t c = at(label);
+    return c < bench.contenders.size() && bench.blocks[0].rows[c].failure.empty();
+  }
+  /// CPU s per frame.
+  double cost(std::string_view label, std::size_t block = 0) const {
+    return bench.blocks[block].rows[at(label)].mean.median;
+  }
+  /// The interquartile range of the frames' medians, as a share of their median.
+  double unevenness(std::string_view label) const {
+    std::vector<double> frames;
+    for (const Spread& frame : bench.blocks[0].rows[at(label)].frames) {
+      frames.push_back(frame.median);
+    }
+    const Spread all = spread(std::move(frames));
+    return (all.high - all.low) / all.median;
+  }
+  double real_time() const { return 1.0 / bench.scene.fps; }
+};
+
+/// Measures; says on standard error how far it is unless `quiet`. Throws Misuse where nothing of
+/// the scene is predictable.
+Evidence gather_evidence(const StudyOptions& options, bool quiet);
+
+}  // namespace taut::cli

@@ -1,0 +1,146 @@
+#include "render/study/stability_axes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace taut::cli {
+namespace {
+
+std::vector<double> thinned(std::vector<double> values, bool quick) {
+  if (!quick) return values;
+  std::vector<double> some;
+  for (std::size_t i = 0; i < values.size(); i += 2) some.push_back(values[i]);
+  return some;
+}
+
+/// Mass (kg) at the last particle, beside its own.
+double load_of(const Scene& scene) {
+  const Connector& rope = scene.world.connectors.front();
+  const std::size_t last = rope.particles() - 1;
+  for (const Hold& hold : rope.holds) {
+    if (hold.particle != last) continue;
+    const bool free =
+        hold.to.kind == Attachment::Kind::body && !scene.world.bodies[hold.to.body].driven();
+    return free ? scene.world.bodies[hold.to.body].mass_properties.mass : 0;
+  }
+  return rope.particle_mass.back() - rope.mass / static_cast<double>(rope.particles());
+}
+
+std::string toml(const Vec3& v) {
+  return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
+}
+
+MapAxis mass_ratio(const Scene& scene, double load) {
+  const std::string key = connector_key(scene, "mass");
+  return {"mass_ratio",
+          "mass of the load / mass of the rope",
+          true,
+          {1, 10, 100, 1e3, 1e4, 1e5, 1e6},
+          [key, load](double ratio) {
+            return std::vector<SceneChange>{{key, fmt::format("{:.17g}", load / ratio)}};
+          },
+          "",
+          true};
+}
+
+MapAxis particles(const Scene& scene) {
+  return {"particles",
+          "particles",
+          true,
+          {2, 5, 11, 41, 101, 321, 1000},
+          [key = connector_key(scene, "particles")](double n) {
+            return std::vector<SceneChange>{{key, fmt::format("{:.0f}", n)}};
+          },
+          "",
+          true};
+}
+
+MapAxis start_angle(const Scene& scene) {
+  return {"start_angle",
+          "start, degrees from hanging",
+          false,
+          {5, 30, 60, 90, 120, 150, 175},
+          [key = connector_key(scene, "start")](double degrees) {
+            const double a = degrees * std::numbers::pi / 180;
+            return std::vector<SceneChange>{
+                {key, fmt::format("{{ direction = {} }}", toml({std::sin(a), -std::cos(a), 0}))}};
+          },
+          ""};
+}
+
+/// The first end goes up by half the length from rest to rest: the lower end whips.
+MapAxis driven_speed(const Scene& scene) {
+  const Connector& rope = scene.world.connectors.front();
+  return {"driven_speed",
+          "peak speed of the driven end (m/s)",
+          true,
+          {0.1, 0.3, 1, 3, 10, 30, 100},
+          [from = connector_key(scene, "from"), at = rope.holds.front().to.point,
+           travel = rope.length / 2](double speed) {
+            const double time = 1.875 * travel / speed;  // a quintic's peak is 15/8 of its mean
+            return std::vector<SceneChange>{
+                {"paths.study", fmt::format("{{ keys = [ {{ t = 0, position = {}, ease = true }}, "
+                                            "{{ t = {:.17g}, position = {}, ease = true }} ] }}",
+                                            toml(at), time, toml(at + Vec3(0, travel, 0)))},
+                {from, "{ path = \"study\" }"}};
+          },
+          ""};
+}
+
+MapAxis stiffness() {
+  return {"stiffness", "stiffness of a link (N/m)",
+          true,        {1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8},
+          nullptr,     "stiffness",
+          true};
+}
+
+}  // namespace
+
+std::vector<MapAxis> map_axes(const Scene& scene, bool quick) {
+  const Connector& rope = scene.world.connectors.front();
+  std::vector<MapAxis> axes;
+  if (const double load = load_of(scene); load > 0) axes.push_back(mass_ratio(scene, load));
+  axes.push_back(particles(scene));
+  axes.push_back(stiffness());
+  if (rope.holds.size() == 1 && rope.holds.front().particle == 0 &&
+      rope.holds.front().to.kind == Attachment::Kind::fixed) {
+    axes.push_back(driven_speed(scene));
+    axes.push_back(start_angle(scene));
+  }
+  for (MapAxis& axis : axes) axis.values = thinned(axis.values, quick);
+  return axes;
+}
+
+bool takes_part(const Contender& contender, const MapAxis& axis) {
+  return axis.setting.empty() ||
+         std::ranges::find(contender.method->settings, axis.setting, &SettingInfo::name) !=
+             contender.method->settings.end();
+}
+
+const SettingInfo* map_height(const MethodInfo& method) {
+  const SettingInfo* step = nullptr;
+  const SettingInfo* swept = nullptr;
+  for (const SettingInfo& setting : method.settings) {
+    if (!std::holds_alternative<double>(setting.fallback)) continue;
+    if (setting.name == "step") step = &setting;
+    if (!setting.sweep.empty() && !swept) swept = &setting;
+  }
+  // A method that has a tolerance beside its step is swept by that.
+  return step && (!swept || swept == step || method.longest_step) ? step : swept;
+}
+
+std::vector<double> map_heights(const SettingInfo& setting, bool quick) {
+  std::vector<double> values;
+  if (setting.name == "step") {
+    for (double step = 1.0 / 60; step > 1.0 / 20000; step /= 2) values.push_back(step);
+  } else {
+    for (const Setting& value : setting.sweep) values.push_back(std::get<double>(value));
+  }
+  std::ranges::sort(values);
+  return thinned(std::move(values), quick);
+}
+
+}  // namespace taut::cli

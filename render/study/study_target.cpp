@@ -1,0 +1,116 @@
+#include "render/study/study_target.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <limits>
+#include <vector>
+
+#include "render/draw/lighting.h"
+#include "render/interrupt.h"
+#include "render/program/command.h"
+#include "render/program/progress.h"
+
+namespace taut::cli {
+
+Target target_of(const Scene& scene, double duration, const TruthOptions& options) {
+  Target target{{scene.world, frame_times(duration, scene.fps), scene.timeline}, {}};
+  // Two solvers, the first of them three times: no more than so many frames.
+  Progress progress("solving the truth", "frames", 4 * target.problem.times.size(), true);
+  std::uint64_t done = 0;
+  Truth truth = solve_truth(scene.world, target.problem.times, options, scene.timeline, [&] {
+    stop_if_interrupted();
+    progress.update(++done);
+  });
+  target.reference = {std::move(truth.frames), truth.horizon, truth.self_error};
+  std::erase_if(target.problem.times, [&](double time) { return time > truth.horizon; });
+  target.reference.frames.resize(target.problem.times.size());
+  return target;
+}
+
+Target predictable_target(const Scene& scene, const TruthOptions& options) {
+  Target target = target_of(scene, scene.duration, options);
+  if (target.problem.times.size() < 2) {
+    throw Misuse(fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
+                             scene.file.string(), target.reference.horizon));
+  }
+  return target;
+}
+
+std::optional<Reference> quick_reference(const Problem& problem, double scored_error,
+                                         double cpu_cap) {
+  Run first = run(problem, {"truth", {{"local_error", 1e-9}}}, cpu_cap);
+  const Run second = run(problem, {"multibody", {{"accuracy", 1e-5}}}, cpu_cap);
+  const Distance metres = [](const Vec3& at, const Vec3& truth, double) {
+    return (at - truth).norm();
+  };
+  Reference reference;
+  const std::size_t both = std::min(first.frames.size(), second.frames.size());
+  for (std::size_t k = 1; k < both; ++k) {
+    const double apart = frame_error(second.frames[k], first.frames[k], metres);
+    if (apart > scored_error / 100) break;
+    reference.horizon = first.frames[k].time;
+    reference.self_error = std::max(reference.self_error, apart);
+  }
+  if (!(reference.horizon > 0)) return std::nullopt;
+  reference.frames = std::move(first.frames);
+  return reference;
+}
+
+namespace {
+
+/// Projects to the picture as each of the scene's cameras has it that shows the time: those of its
+/// shots, or where none does the scene's own. Keeps the cameras of the last time.
+class Projector {
+ public:
+  explicit Projector(const Scene& scene)
+      : half_(scene.width / 2.0, scene.height / 2.0), camera_(scene.stage->camera) {
+    for (const Shot& shot : scene.stage->shots) shots_.push_back(shot);
+  }
+
+  /// The largest distance (px) on any picture; infinite where one point is behind a camera.
+  double distance(const Vec3& a, const Vec3& b, double time) {
+    if (time != time_) look(time);
+    double largest = 0;
+    for (const Eigen::Matrix4d& camera : cameras_) {
+      const Eigen::Vector4d p = camera * a.homogeneous(), q = camera * b.homogeneous();
+      if (!(p.w() > 0 && q.w() > 0)) return std::numeric_limits<double>::infinity();
+      const Eigen::Vector2d apart = p.head<2>() / p.w() - q.head<2>() / q.w();
+      largest = std::max(largest, half_.cwiseProduct(apart).norm());
+    }
+    return largest;
+  }
+
+ private:
+  void look(double time) {
+    time_ = time;
+    cameras_.clear();
+    const auto add = [&](const std::vector<CameraKey>& keys) {
+      cameras_.push_back(
+          camera_projection(camera_at(keys, time), half_.x() / half_.y()).cast<double>());
+    };
+    for (const Shot& shot : shots_) {
+      if (shot.from <= time && time <= shot.until) add(shot.camera);
+    }
+    if (cameras_.empty()) add(camera_);
+  }
+
+  Eigen::Vector2d half_;  // px
+  std::vector<CameraKey> camera_;
+  std::vector<Shot> shots_;
+  double time_ = std::numeric_limits<double>::quiet_NaN();  // s
+  std::vector<Eigen::Matrix4d> cameras_;
+};
+
+}  // namespace
+
+std::optional<Metric> pixels_of(const Scene& scene) {
+  if (!scene.stage || scene.stage->camera.empty()) return std::nullopt;
+  return Metric{
+      "on the picture", "px",
+      [projector = Projector(scene)](const Vec3& at, const Vec3& truth, double time) mutable {
+        return projector.distance(at, truth, time);
+      }};
+}
+
+}  // namespace taut::cli
