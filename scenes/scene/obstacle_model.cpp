@@ -12,21 +12,6 @@ namespace {
 constexpr int kQuarter = 12;  // pieces of a quarter of a circle
 constexpr double kStep = std::numbers::pi / 2 / kQuarter;
 
-std::uint32_t add(Mesh& mesh, const Vec3& position, const Vec3& normal) {
-  Vertex vertex;
-  for (std::size_t i = 0; i < 3; ++i) {
-    vertex.position[i] = static_cast<float>(position[static_cast<Eigen::Index>(i)]);
-    vertex.normal[i] = static_cast<float>(normal[static_cast<Eigen::Index>(i)]);
-  }
-  mesh.vertices.push_back(vertex);
-  return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
-}
-
-/// A four-sided face; a, b, c, d run counter-clockwise seen from outside.
-void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
-  mesh.indices.insert(mesh.indices.end(), {a, b, c, a, c, d});
-}
-
 /// All points nearer than `radius` to a box that reaches `inner` from the origin: its corners are
 /// eighths of a ball.
 Mesh rounded_box(const Vec3& inner, double radius) {
@@ -42,7 +27,7 @@ Mesh rounded_box(const Vec3& inner, double radius) {
                      -std::cos(height) * std::sin(turn));
       const Vec3 corner(quarter == 0 || quarter == 3 ? inner.x() : -inner.x(),
                         upper ? inner.y() : -inner.y(), quarter < 2 ? -inner.z() : inner.z());
-      const std::uint32_t here = add(mesh, corner + radius * out, out);
+      const std::uint32_t here = add_vertex(mesh, corner + radius * out, out);
       if (ring == 0 || side == 0) continue;
       const std::uint32_t below = here - static_cast<std::uint32_t>(sides) - 1;
       add_quad(mesh, below - 1, below, here, here - 1);
@@ -53,7 +38,7 @@ Mesh rounded_box(const Vec3& inner, double radius) {
     for (int corner = 0; corner < 4; ++corner) {
       const double x = corner == 0 || corner == 3 ? inner.x() : -inner.x();
       const double z = (corner < 2 ? -end : end) * inner.z();
-      last = add(mesh, Vec3(x, end * (inner.y() + radius), z), end * Vec3::UnitY());
+      last = add_vertex(mesh, Vec3(x, end * (inner.y() + radius), z), end * Vec3::UnitY());
     }
     add_quad(mesh, last - 3, last - 2, last - 1, last);
   }
@@ -69,8 +54,8 @@ Mesh rounded_cylinder(const Shape& shape) {
     for (int side = 0; side <= sides; ++side) {
       const double turn = side % sides * kStep;
       const Vec3 around(std::cos(turn), 0, -std::sin(turn));
-      const std::uint32_t here = add(mesh, from_axis * around + height * Vec3::UnitY(),
-                                     std::cos(up) * around + std::sin(up) * Vec3::UnitY());
+      const std::uint32_t here = add_vertex(mesh, from_axis * around + height * Vec3::UnitY(),
+                                            std::cos(up) * around + std::sin(up) * Vec3::UnitY());
       if (first || side == 0) continue;
       const std::uint32_t below = here - static_cast<std::uint32_t>(sides) - 1;
       add_quad(mesh, below - 1, below, here, here - 1);
@@ -92,7 +77,7 @@ Mesh rounded_cylinder(const Shape& shape) {
 Mesh square(double size) {
   Mesh mesh;
   for (const auto& [x, z] : {std::pair(-1, 1), {1, 1}, {1, -1}, {-1, -1}}) {
-    add(mesh, Vec3(x * size / 2, 0, z * size / 2), Vec3::UnitY());
+    add_vertex(mesh, Vec3(x * size / 2, 0, z * size / 2), Vec3::UnitY());
   }
   add_quad(mesh, 0, 1, 2, 3);
   return mesh;

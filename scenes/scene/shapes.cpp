@@ -15,19 +15,6 @@ std::array<float, 3> as_floats(const Vec3& v) {
   return {f.x(), f.y(), f.z()};
 }
 
-std::uint32_t add(Mesh& mesh, const Vec3& position, const Vec3& normal) {
-  Vertex vertex;
-  vertex.position = as_floats(position);
-  vertex.normal = as_floats(normal);
-  mesh.vertices.push_back(vertex);
-  return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
-}
-
-/// A four-sided face; a, b, c, d run counter-clockwise seen from outside.
-void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
-  mesh.indices.insert(mesh.indices.end(), {a, b, c, a, c, d});
-}
-
 /// A direction around the y axis; the last side is the first one again, to the bit.
 Vec3 around(int side) {
   const double angle = 2 * std::numbers::pi * (side % kSides) / kSides;
@@ -45,20 +32,32 @@ Model with_mesh(const char* name, Mesh mesh, const Vec3& color) {
 
 }  // namespace
 
+std::uint32_t add_vertex(Mesh& mesh, const Vec3& position, const Vec3& normal) {
+  Vertex vertex;
+  vertex.position = as_floats(position);
+  vertex.normal = as_floats(normal);
+  mesh.vertices.push_back(vertex);
+  return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+}
+
+void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+  mesh.indices.insert(mesh.indices.end(), {a, b, c, a, c, d});
+}
+
 Model cylinder_model(double length, double diameter, const Vec3& color) {
   Mesh mesh;
   const Vec3 top(0, length / 2, 0);
   for (int side = 0; side <= kSides; ++side) {
     const Vec3 out = around(side), rim = diameter / 2 * out;
-    add(mesh, rim - top, out);
-    const std::uint32_t upper = add(mesh, rim + top, out);
+    add_vertex(mesh, rim - top, out);
+    const std::uint32_t upper = add_vertex(mesh, rim + top, out);
     if (side > 0) add_quad(mesh, upper - 3, upper - 1, upper, upper - 2);
   }
   for (const double end : {-1.0, 1.0}) {
-    const std::uint32_t centre = add(mesh, end * top, end * Vec3::UnitY());
+    const std::uint32_t centre = add_vertex(mesh, end * top, end * Vec3::UnitY());
     for (int side = 0; side <= kSides; ++side) {
       const std::uint32_t rim =
-          add(mesh, end * top + diameter / 2 * around(side), end * Vec3::UnitY());
+          add_vertex(mesh, end * top + diameter / 2 * around(side), end * Vec3::UnitY());
       if (side == 0) continue;
       const auto [a, b] = end > 0 ? std::pair(rim - 1, rim) : std::pair(rim, rim - 1);
       mesh.indices.insert(mesh.indices.end(), {centre, a, b});
@@ -75,7 +74,7 @@ Model sphere_model(double diameter, const Vec3& color) {
     const double radius = ring % rings == 0 ? 0 : std::sin(polar);
     for (int side = 0; side <= kSides; ++side) {
       const Vec3 out = radius * around(side) - std::cos(polar) * Vec3::UnitY();
-      const std::uint32_t here = add(mesh, diameter / 2 * out, out);
+      const std::uint32_t here = add_vertex(mesh, diameter / 2 * out, out);
       if (ring == 0 || side == 0) continue;
       const std::uint32_t below = here - (kSides + 1);
       add_quad(mesh, below - 1, below, here, here - 1);
@@ -93,7 +92,7 @@ Model box_model(const Vec3& size, const Vec3& color) {
       const Vec3 u = Vec3::Unit((axis + 1) % 3), v = out.cross(u);
       std::uint32_t corner = 0;
       for (const auto& [s, t] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
-        corner = add(mesh, 0.5 * size.cwiseProduct(out + s * u + t * v), out);
+        corner = add_vertex(mesh, 0.5 * size.cwiseProduct(out + s * u + t * v), out);
       }
       add_quad(mesh, corner - 3, corner - 2, corner - 1, corner);
     }
