@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* kPaper = "impulse";
 constexpr const char* kParticleSystem = "springs";
 constexpr double kBorne = 0.9;  // of the stability limit, by the springs' steps
-constexpr int kTimings = 5;
+constexpr int kRepeats = 5;
 
 const Contender* named(const std::vector<Contender>& contenders, std::string_view label) {
   const auto found = std::ranges::find(contenders, label, &Contender::label);
@@ -26,7 +26,7 @@ const Contender* named(const std::vector<Contender>& contenders, std::string_vie
 /// A candidate's cost (CPU s per simulated second), the median of a few runs in a row.
 double cost_of(const Problem& problem, const Candidate& candidate) {
   std::vector<double> costs;
-  for (int i = 0; i < kTimings; ++i) {
+  for (int i = 0; i < kRepeats; ++i) {
     stop_if_interrupted();
     costs.push_back(time_run(problem, candidate) / problem.duration());
   }
