@@ -7,7 +7,6 @@
 
 #include "sim/methods/direct/adams.h"
 #include "sim/methods/direct/dop853.h"
-#include "sim/methods/direct/planar_chain.h"
 #include "sim/methods/direct/rosenbrock.h"
 #include "sim/methods/direct/system.h"
 
@@ -34,26 +33,20 @@ class Stepper {
  public:
   explicit Stepper(World world) : world_(std::move(world)) {
     const Component part = division_.divide(world_)[0];
-    if (const auto plane = planes_.find(world_, part, 0, Vec3::Zero())) {
-      chain_.rebuild(world_, part, *plane);
-      motion_ = &chain_;
-    } else {
-      system_.rebuild(world_, part, plane);
-      motion_ = &system_;
-    }
+    motion_.rebuild(world_, part, planes_.find(world_, part, 0, Vec3::Zero()));
     arena_.reset(3 + Dop853Step::kArrays + AdamsStep::kArrays + RosenbrockStep::kArrays,
-                 motion_->size());
+                 motion_.size());
     for (Slice* slice : {&q_, &rate_, &first_}) *slice = arena_.make();
     dop853_.make_arrays(arena_);
     adams_.make_arrays(arena_);
     rosenbrock_.make_arrays(arena_);
-    motion_->load(world_, 0, q_.data(), rate_.data());
+    motion_.load(world_, 0, q_.data(), rate_.data());
   }
 
   template <typename Step>
   void single(Step& step, double h) {
-    motion_->acceleration(time_, q_.data(), rate_.data(), first_.data());
-    step.attempt(*motion_, time_, h, q_.data(), rate_.data(), first_.data());
+    motion_.acceleration(time_, q_.data(), rate_.data(), first_.data());
+    step.attempt(motion_, time_, h, q_.data(), rate_.data(), first_.data());
     finish(step, h);
   }
   void dop853(double h) { single(dop853_, h); }
@@ -62,12 +55,12 @@ class Stepper {
   void start_adams(double h) {
     const auto past = adams_.begin(h);
     for (std::size_t k = past.size(); k-- > 0;) {
-      motion_->acceleration(time_, q_.data(), rate_.data(), past[k]);
+      motion_.acceleration(time_, q_.data(), rate_.data(), past[k]);
       if (k > 0) dop853(h);
     }
   }
   void adams(double h) {
-    adams_.attempt(*motion_, time_, q_.data(), rate_.data(), 0);
+    adams_.attempt(motion_, time_, q_.data(), rate_.data(), 0);
     adams_.accept();
     finish(adams_, h);
   }
@@ -75,7 +68,7 @@ class Stepper {
   /// Positions and velocities of the particles now.
   std::vector<Vec3> state() {
     world_.time = time_;
-    motion_->store(world_, q_.data(), rate_.data());
+    motion_.store(world_, q_.data(), rate_.data());
     std::vector<Vec3> all = world_.connectors[0].position;
     const std::vector<Vec3>& velocity = world_.connectors[0].velocity;
     all.insert(all.end(), velocity.begin(), velocity.end());
@@ -87,15 +80,13 @@ class Stepper {
   void finish(Step& step, double h) {
     step.swap_result(q_, rate_);
     time_ += h;
-    motion_->project(time_, q_.data(), rate_.data());
+    motion_.project(time_, q_.data(), rate_.data());
   }
 
   World world_;
   Division division_;
   PlaneFinder planes_;
-  PlanarChain chain_;
-  System system_;
-  Motion* motion_ = nullptr;
+  System motion_;
   Arena arena_;
   Dop853Step dop853_;
   AdamsStep adams_;

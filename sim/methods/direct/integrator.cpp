@@ -36,7 +36,6 @@ Integrator::Integrator(const StepOptions& options)
 
 void Integrator::reserve(std::size_t links, std::size_t ends) {
   planes_.reserve(links);
-  chain_.reserve(links);
   system_.reserve(links, ends);
   const std::size_t size = 3 * (links + kLanes) + 4 * ends + 2 * Links::kPad;
   arena_.reserve(kArrays, size);
@@ -44,14 +43,8 @@ void Integrator::reserve(std::size_t links, std::size_t ends) {
 
 void Integrator::plan(const World& world, double time, const std::optional<Plane>& plane) {
   planned_at_ = time;
-  if (plane && PlanarChain::fits(world, component_)) {
-    chain_.rebuild(world, component_, *plane);
-    motion_ = &chain_;
-  } else {
-    system_.rebuild(world, component_, plane);
-    motion_ = &system_;
-  }
-  arena_.reset(kArrays, motion_->size());
+  system_.rebuild(world, component_, plane, rows_);
+  arena_.reset(kArrays, system_.size());
   for (Slice* slice :
        {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
     *slice = arena_.make();
@@ -61,14 +54,16 @@ void Integrator::plan(const World& world, double time, const std::optional<Plane
   rosenbrock_.make_arrays(arena_);
   longest_ = driven(world, component_) ? kConstants.longest_driven : kConstants.longest;
   cost_ = {Dop853Step::kCost, AdamsStep::kCost, RosenbrockStep::kCost};
-  for (double& cost : cost_) cost += motion_->projection_cost();
+  for (double& cost : cost_) cost += system_.projection_cost();
 }
 
 void Integrator::load(const World& world) {
-  plan(world, world.time, planes_.find(world, component_, world.time, Vec3::Zero()));
+  std::optional<Plane> plane;  // which the rows may leave
+  if (rows_.empty()) plane = planes_.find(world, component_, world.time, Vec3::Zero());
+  plan(world, world.time, plane);
   time_ = world.time;
-  motion_->load(world, time_, q_.data(), rate_.data());
-  motion_->project(time_, q_.data(), rate_.data());
+  system_.load(world, time_, q_.data(), rate_.data());
+  system_.project(time_, q_.data(), rate_.data());
   begin();
 }
 
@@ -94,7 +89,7 @@ double Integrator::first_step() const {
 }
 
 void Integrator::advance(World& world, double until, Counters& counters) {
-  motion_->attach(world);
+  system_.attach(world);
   if (time_ < until && options_.step > 0) return advance_by_step(world, until, counters);
   advance_by_tolerance(world, until, counters);
 }
@@ -107,18 +102,18 @@ bool Integrator::is_before(double until) {
 }
 
 void Integrator::store(World& world) {
-  if (time_ == world.time) return motion_->store(world, q_.data(), rate_.data());
+  if (time_ == world.time) return system_.store(world, q_.data(), rate_.data());
   const bool followed = scheme_ == adams && adams_.longest() > 0;
   interpolate(world.time, followed ? adams_.past(1) : nullptr, adams_.past(0));
-  motion_->store(world, q_between_.data(), rate_between_.data());
+  system_.store(world, q_between_.data(), rate_between_.data());
 }
 
 void Integrator::refresh(Counters& counters) {
   if (fresh_) return;
-  motion_->acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
-  waves_ = motion_->wave_frequency();
+  system_.acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
+  waves_ = system_.wave_frequency();
   counters.solves += 1;
-  counters.cycles += motion_->work();
+  counters.cycles += system_.work();
   fresh_ = true;
 }
 
@@ -126,13 +121,13 @@ void Integrator::refresh(Counters& counters) {
 double Integrator::attempt(Scheme scheme, double h, Counters& counters) {
   const double *q = q_.data(), *rate = rate_.data(), *first = acceleration_.data();
   refresh(counters);
-  counters.cycles += (cost_[scheme] - 1) * motion_->work();
+  counters.cycles += (cost_[scheme] - 1) * system_.work();
   if (scheme == dop853) {
     counters.solves += kStages - 1;
-    return dop853_.attempt(*motion_, time_, h, q, rate, first);
+    return dop853_.attempt(system_, time_, h, q, rate, first);
   }
   counters.solves += RosenbrockStep::kStages - 1;
-  return rosenbrock_.attempt(*motion_, time_, h, q, rate, first);
+  return rosenbrock_.attempt(system_, time_, h, q, rate, first);
 }
 
 void Integrator::accept(Scheme scheme, double time, Counters& counters) {
@@ -145,21 +140,21 @@ void Integrator::accept(Scheme scheme, double time, Counters& counters) {
   if (scheme == dop853) dop853_.swap_result(q_, rate_);
   if (scheme == adams) adams_.swap_result(q_, rate_);
   if (scheme == rosenbrock) rosenbrock_.swap_result(q_, rate_);
-  motion_->project(time_, q_.data(), rate_.data());
+  system_.project(time_, q_.data(), rate_.data());
   fresh_ = false;
 }
 
 /// A hold has left the plane: goes on from where the last step ended, in another plane (a chain
 /// that hangs still fits many) or in space.
 bool Integrator::leave_plane(World& world) {
-  const std::optional<Vec3> reason = motion_->left_plane();
+  const std::optional<Vec3> reason = system_.left_plane();
   if (!reason) return false;
   place_prescribed(world, time_);
-  motion_->store(world, q_.data(), rate_.data());
+  system_.store(world, q_.data(), rate_.data());
   std::optional<Plane> plane;
   if (planned_at_ != time_) plane = planes_.find(world, component_, time_, *reason);
   plan(world, time_, plane);
-  motion_->load(world, time_, q_.data(), rate_.data());
+  system_.load(world, time_, q_.data(), rate_.data());
   fresh_ = false;
   return true;
 }
@@ -218,9 +213,9 @@ void Integrator::start_adams(double time, Counters& counters) {
   for (const auto& [share, out] : {std::pair(1.0 / 3, earlier), std::pair(2.0 / 3, later)}) {
     const double at = before_ + share * (time_ - before_);
     interpolate(at, first, latest);
-    motion_->acceleration(at, q_between_.data(), rate_between_.data(), out);
+    system_.acceleration(at, q_between_.data(), rate_between_.data(), out);
     counters.solves += 1;
-    counters.cycles += motion_->work();
+    counters.cycles += system_.work();
   }
   fresh_ = false;  // the last tensions are others
 }
@@ -238,16 +233,16 @@ double Integrator::advance_adams(double until, Counters& counters) {
   int& rest = rests_[rosenbrock].steps;
   while (is_before(until)) {
     counters.solves += 1;
-    counters.cycles += cost_[adams] * motion_->work();
-    error = adams_.attempt(*motion_, time_, q_.data(), rate_.data(), kLittle * allowed) / allowed;
-    if (motion_->left_plane()) return error;
+    counters.cycles += cost_[adams] * system_.work();
+    error = adams_.attempt(system_, time_, q_.data(), rate_.data(), kLittle * allowed) / allowed;
+    if (system_.left_plane()) return error;
     if (!(error <= 1)) {
       counters.rejected += 1;
       return error;
     }
     adams_.accept();
     accept(adams, end_of_step(until, h), counters);
-    waves_ = motion_->wave_frequency();
+    waves_ = system_.wave_frequency();
     const double waves = options_.finer * h * waves_ / AdamsStep::kStable;
     if (waves > 1 || error > kMuch) return error;
     if ((error < kLittle && waves < kConstants.least_spacing) || --rest <= 0) return error;
@@ -311,7 +306,7 @@ void Integrator::try_next(Scheme next, double step) {
 /// Fixed steps: DOP853 where it is stable, else the implicit scheme. A step that goes astray is
 /// done again in smaller ones.
 void Integrator::advance_by_step(World& world, double until, Counters& counters) {
-  const double coarsest = kConstants.coarsest * motion_->length();
+  const double coarsest = kConstants.coarsest * system_.length();
   const StepTimes times(time_, until, options_.step);
   for (std::uint64_t i = 1; i <= times.count; ++i) {
     const double end = times.at(i);

@@ -3,12 +3,13 @@
 
 #include <array>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "sim/methods/direct/adams.h"
 #include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/constants.h"
 #include "sim/methods/direct/dop853.h"
-#include "sim/methods/direct/planar_chain.h"
 #include "sim/methods/direct/rosenbrock.h"
 #include "sim/methods/direct/system.h"
 #include "sim/motion/plane.h"
@@ -41,6 +42,10 @@ class Integrator {
   void reserve(std::size_t links, std::size_t ends);
   /// Follows the component, which must stay, once it is loaded.
   void follow(const Component& component) { component_ = component; }
+  /// Rows that hold from the next load() on; they must stay as long.
+  void set_rows(std::span<const ConstraintRow* const> rows) {
+    rows_.assign(rows.begin(), rows.end());
+  }
   /// Reads the state from the world.
   void load(const World& world);
   /// Steps to `until` or beyond; writes to the world only where it has to be planned anew. Throws
@@ -51,6 +56,7 @@ class Integrator {
   void store(World& world);
 
   const Component& component() const { return component_; }
+  const System& system() const { return system_; }
 
   /// From now on tries those schemes alone of which `other` has taken steps since this was called
   /// last. One that is finer than asked for tries none before.
@@ -99,9 +105,8 @@ class Integrator {
   Component component_;
   StepOptions options_;
   PlaneFinder planes_;
-  PlanarChain chain_;
   System system_;
-  Motion* motion_ = nullptr;  // one of the two
+  std::vector<const ConstraintRow*> rows_;
   Dop853Step dop853_;
   AdamsStep adams_;
   RosenbrockStep rosenbrock_;

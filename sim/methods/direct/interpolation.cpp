@@ -52,8 +52,8 @@ void Integrator::interpolate(double time, const double* first_acceleration,
   const double* const last[] = {q_.data(), rate_.data(), last_acceleration};
   (first_acceleration ? quintic : cubic)(q_.size(), h, s, first, last, q_between_.data(),
                                          rate_between_.data());
-  motion_->project(time, q_between_.data(), rate_between_.data());
-  if (motion_->projection_cost() > 0) fresh_ = false;  // that may have changed the tensions
+  system_.project(time, q_between_.data(), rate_between_.data());
+  if (system_.projection_cost() > 0) fresh_ = false;  // that may have changed the tensions
 }
 
 }  // namespace taut::direct

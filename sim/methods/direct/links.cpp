@@ -3,164 +3,98 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/methods/direct/link_loops.h"
 #include "sim/methods/direct/tridiagonal.h"
 #include "sim/methods/direct/vector.h"
 
 namespace taut::direct {
 namespace {
 
-constexpr std::size_t kArrays = 23;
-
-// A link that is turned by almost a right angle from its chart's base has left the chart.
-constexpr double kLeastRoom = 1e-4;
+constexpr std::size_t kArrays = 26;
 
 using Out = double* __restrict;
 using In = const double* __restrict;
 
-// Each loop is written once for any number of components and compiled for two and three.
-
-template <int kComponents>
-[[gnu::always_inline]] inline void assemble_loop(std::size_t n, In q, In rate, In beside, In weight,
-                                                 In apart, Out off, Out turned, Out right) {
-  for (std::size_t i = 0; i < n; ++i) {
-    double chord = 0, square = 0;
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      const double turn = q[at + 1] - q[at];
-      chord += turn * turn;
-      square += rate[at] * rate[at];
-    }
-    // A chord of length d spans an angle of cosine 1 - d^2 / 2.
-    off[i] = beside[i] * (1 - chord / 2);
-    turned[i] = beside[i] * beside[i] * (chord * (1 - chord / 4)) + apart[i];
-    right[i] = weight[i] * square;
-  }
-}
-
-template <int kComponents>
-[[gnu::always_inline]] inline void pull_loop(std::size_t n, In q, In next_gain, In last_gain,
-                                             In own_gain, In x, Out out) {
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < n; ++i) {
-    const double next = next_gain[i] * x[i + 1], last = last_gain[i] * x[i - 1];
-    const double own = own_gain[i] * x[i];
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      out[at] = next * q[at + 1] + last * q[at - 1] - own * q[at];
-    }
-  }
-}
-
-template <int kComponents>
-[[gnu::always_inline]] inline void normalise_loop(std::size_t count, std::size_t n, Out q,
-                                                  Out rate) {
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < count; ++i) {
-    double square = 0, along = 0;
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      square += q[at] * q[at];
-      along += q[at] * rate[at];
-    }
-    const double scale = 1 / std::sqrt(square), radial = along / square;
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      rate[at] -= radial * q[at];
-      q[at] *= scale;
-    }
-  }
-}
-
-/// x = its part across b + w b with w = sqrt(1 - |x|^2); returns whether every w^2 has room.
-template <int kComponents>
-[[gnu::always_inline]] inline bool retract_loop(std::size_t n, In base, Out x, Out rate) {
-  std::size_t outside = 0;
-#pragma GCC ivdep  // components do not overlap
-  for (std::size_t i = 0; i < n; ++i) {
-    double x_along = 0, rate_along = 0;
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      x_along += x[at] * base[at];
-      rate_along += rate[at] * base[at];
-    }
-    double square = 0, product = 0;
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      x[at] -= x_along * base[at];
-      rate[at] -= rate_along * base[at];
-      square += x[at] * x[at];
-      product += x[at] * rate[at];
-    }
-    const double room = 1 - square;
-    outside |= room > kLeastRoom ? 0 : 1;
-    const double w = std::sqrt(room > kLeastRoom ? room : kLeastRoom);
-    const double fall = product / w;
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      x[at] += w * base[at];
-      rate[at] -= fall * base[at];
-    }
-  }
-  return outside == 0;
-}
-
-template <int kComponents>
-[[gnu::always_inline]] inline void to_tangent_loop(std::size_t n, In base, Out x) {
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < n; ++i) {
-    double along = 0;
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      along += x[at] * base[at];
-    }
-    for (int c = 0; c < kComponents; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      x[at] -= along * base[at];
-    }
-  }
-}
+// In space coordinates are directions.
 
 TAUT_VECTOR_CLONES
-void assemble_in_plane(std::size_t n, In q, In rate, In beside, In weight, In apart, Out off,
-                       Out turned, Out right) {
-  assemble_loop<2>(n, q, rate, beside, weight, apart, off, turned, right);
+void assemble_directions(std::size_t n, In q, In rate, In beside, In weight, Out off, Out turned,
+                         Out right) {
+  assemble_loop<3>(n, q, rate, beside, weight, off, turned, right);
 }
+/// Returns the largest of own * |x|.
 TAUT_VECTOR_CLONES
-void assemble_in_space(std::size_t n, In q, In rate, In beside, In weight, In apart, Out off,
-                       Out turned, Out right) {
-  assemble_loop<3>(n, q, rate, beside, weight, apart, off, turned, right);
-}
-TAUT_VECTOR_CLONES
-void pull_in_plane(std::size_t n, In q, In next, In last, In own, In x, Out out) {
-  pull_loop<2>(n, q, next, last, own, x, out);
-}
-TAUT_VECTOR_CLONES
-void pull_in_space(std::size_t n, In q, In next, In last, In own, In x, Out out) {
+double pull_directions(std::size_t n, In q, In next, In last, In own, In x, Out out) {
   pull_loop<3>(n, q, next, last, own, x, out);
+  return largest(n, x, own);
 }
 TAUT_VECTOR_CLONES
-void normalise_in_plane(std::size_t count, std::size_t n, Out q, Out rate) {
-  normalise_loop<2>(count, n, q, rate);
-}
-TAUT_VECTOR_CLONES
-void normalise_in_space(std::size_t count, std::size_t n, Out q, Out rate) {
+void normalise_directions(std::size_t count, std::size_t n, Out q, Out rate) {
   normalise_loop<3>(count, n, q, rate);
 }
 TAUT_VECTOR_CLONES
-bool retract_in_plane(std::size_t n, In base, Out x, Out rate) {
-  return retract_loop<2>(n, base, x, rate);
+bool retract_directions(std::size_t n, In base, Out x, Out rate) {
+  return retract_loop<3>(n, base, x, rate) == 0;
 }
 TAUT_VECTOR_CLONES
-bool retract_in_space(std::size_t n, In base, Out x, Out rate) {
-  return retract_loop<3>(n, base, x, rate);
-}
-TAUT_VECTOR_CLONES
-void to_tangent_in_plane(std::size_t n, In base, Out x) {
-  to_tangent_loop<2>(n, base, x);
-}
-TAUT_VECTOR_CLONES
-void to_tangent_in_space(std::size_t n, In base, Out x) {
+void to_tangent_of_directions(std::size_t n, In base, Out x) {
   to_tangent_loop<3>(n, base, x);
+}
+
+// In a plane they are angles, of which only the differences matter to the links.
+
+TAUT_VECTOR_CLONES
+void assemble_angles(std::size_t n, In angle, In rate, In beside, In weight, Out cosine, Out sine,
+                     Out off, Out turned, Out right) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const SinCos turn = sine_and_cosine(angle[i + 1] - angle[i]);
+    cosine[i] = turn.cosine;
+    sine[i] = turn.sine;
+    off[i] = beside[i] * turn.cosine;
+    const double across = beside[i] * turn.sine;
+    turned[i] = across * across;
+    right[i] = weight[i] * (rate[i] * rate[i]);
+  }
+}
+TAUT_VECTOR_CLONES
+double pull_angles(std::size_t n, In sine, In next, In last, In own, In x, Out out) {
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i] = next[i] * x[i + 1] * sine[i] - last[i] * x[i - 1] * sine[i - 1];
+  }
+  return largest(n, x, own);
+}
+/// False where an angle has changed by half a turn.
+TAUT_VECTOR_CLONES
+bool retract_angles(std::size_t n, In base, Out x) {
+  constexpr double kHalfTurn = 3.141592653589793;
+  std::size_t outside = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    outside |= std::abs(x[i]) < kHalfTurn ? 0 : 1;
+    x[i] += base[i];
+  }
+  return outside == 0;
+}
+TAUT_VECTOR_CLONES
+void place_angles(std::size_t n, In angle, Out cosine, Out sine) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const SinCos place = sine_and_cosine(angle[i]);
+    cosine[i] = place.cosine;
+    sine[i] = place.sine;
+  }
+}
+
+template <int kComponents>
+double sum_of_squares(std::size_t count, std::size_t stride, In rest, In change) {
+  double place[kComponents] = {}, squares[kComponents] = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    for (int c = 0; c < kComponents; ++c) {
+      place[c] += rest[i] * change[static_cast<std::size_t>(c) * stride + i];
+      squares[c] += place[c] * place[c];
+    }
+  }
+  double sum = 0;
+  for (const double square : squares) sum += square;
+  return sum;
 }
 
 }  // namespace
@@ -169,16 +103,17 @@ void Links::reserve(std::size_t links) {
   arena_.reserve(kPad + kArrays * (links + kLanes + 2 * kPad));
 }
 
-void Links::rebuild(std::span<const Link> links, int components) {
+void Links::rebuild(std::span<const Link> links, const std::optional<Plane>& plane) {
   count_ = links.size();
   stride_ = (links.size() + kLanes - 1) / kLanes * kLanes;
-  components_ = components;
+  plane_ = plane;
+  components_ = plane ? 1 : 3;
   arena_.assign(kPad + kArrays * (stride_ + 2 * kPad), 0.0);
   double** const arrays[] = {
-      &rest_,        &inverse_rest_,  &both_,      &shared_,   &scale_,   &beside_,
-      &weight_,      &next_gain_,     &last_gain_, &own_gain_, &near_,    &far_,
-      &apart_,       &turned_,        &off_,       &right_,    &unknown_, &factored_pivot_,
-      &factored_up_, &factored_down_, &work_};
+      &rest_,        &inverse_rest_,  &both_,     &shared_,   &scale_,        &beside_,
+      &weight_,      &next_gain_,     &last_gain_, &own_gain_, &near_,         &far_,
+      &turned_,      &off_,           &right_,    &unknown_,  &factored_pivot_, &factored_up_,
+      &factored_down_, &cosine_, &sine_, &place_cosine_, &place_sine_, &work_};
   static_assert(std::size(arrays) + 2 == kArrays);  // work_ is three
   for (std::size_t k = 0; k < std::size(arrays); ++k) {
     *arrays[k] = arena_.data() + kPad + k * (stride_ + 2 * kPad);
@@ -200,18 +135,59 @@ void Links::rebuild(std::span<const Link> links, int components) {
     beside_[i] = shared_[i] * scale_[i] * scale_[i + 1];
     next_gain_[i] = shared_[i] * scale_[i + 1] * inverse_rest_[i];
     last_gain_[i + 1] = shared_[i] * scale_[i] * inverse_rest_[i + 1];
-    if (!links[i].shares) apart_[i] = far_[i] * near_[i + 1];
   }
 }
 
+void Links::point(std::size_t link, const Vec3& u, const Vec3& turn, double* q,
+                  double* rate) const {
+  if (plane_) {
+    q[begin(0) + link] = std::atan2(u.dot(plane_->y), u.dot(plane_->x));
+    rate[begin(0) + link] = turn.dot(plane_->normal.cross(u));
+    return;
+  }
+  add(link, u, u, q);
+  add(link, u, turn, rate);
+}
+
+void Links::lay(const double* q, const double* rate, std::size_t first, std::size_t count,
+                Point point, Point* out) {
+  const double *x = q + begin(0), *v = rate + begin(0);
+  if (!plane_) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      point.position += rest_[i] * Vec3(x[i], x[i + stride_], x[i + 2 * stride_]);
+      point.velocity += rest_[i] * Vec3(v[i], v[i + stride_], v[i + 2 * stride_]);
+      *out++ = point;
+    }
+    return;
+  }
+  place_angles(stride_, x, place_cosine_, place_sine_);
+  const Vec3 along = plane_->x, across = plane_->y;
+  for (std::size_t i = first; i < first + count; ++i) {
+    const double cosine = rest_[i] * place_cosine_[i], sine = rest_[i] * place_sine_[i];
+    point.position += cosine * along + sine * across;
+    point.velocity += v[i] * (cosine * across - sine * along);
+    *out++ = point;
+  }
+}
+
+double Links::displacement(const double* change, std::size_t first, std::size_t count) const {
+  const auto sum = plane_ ? sum_of_squares<1> : sum_of_squares<3>;
+  return sum(count, stride_, rest_ + first, change + begin(0) + first);
+}
+
 void Links::assemble(const double* q, const double* rate) {
-  const auto loop = components_ == 2 ? assemble_in_plane : assemble_in_space;
-  loop(stride_, q + kPad, rate + kPad, beside_, weight_, apart_, off_, turned_, right_);
+  if (plane_) {  // from the pad on, which says how the first link stands
+    assemble_angles(stride_ + kPad, q, rate, beside_ - kPad, weight_ - kPad, cosine_ - kPad,
+                    sine_ - kPad, off_ - kPad, turned_ - kPad, right_ - kPad);
+  } else {
+    assemble_directions(stride_, q + kPad, rate + kPad, beside_, weight_, off_, turned_, right_);
+  }
 }
 
 void Links::set_end(std::size_t link, bool first, double value) {
   double* side = first ? near_ : far_;
   side[link] = value * scale_[link] * scale_[link];
+  // Links of different spans are solved as if they stood at right angles.
   if (first && link > 0) turned_[link - 1] = far_[link - 1] * near_[link];
   if (!first && link + 1 < count_) turned_[link] = far_[link] * near_[link + 1];
 }
@@ -220,9 +196,11 @@ void Links::solve() {
   solve_chain(count_, near_, far_, off_, turned_, right_, unknown_, work_);
 }
 
-void Links::respond(std::size_t link, double* response) {
+void Links::clear_right() {
   std::fill(right_, right_ + count_, 0.0);
-  right_[link] = scale_[link];
+}
+
+void Links::respond(double* response) {
   solve_chain(count_, near_, far_, off_, turned_, right_, response, work_);
 }
 
@@ -231,17 +209,21 @@ void Links::add_response(const double* response, double factor) {
 }
 
 void Links::pull(const double* q, double* out) {
-  const auto loop = components_ == 2 ? pull_in_plane : pull_in_space;
-  loop(stride_, q + kPad, next_gain_, last_gain_, own_gain_, unknown_, out + kPad);
-  wave_squared_ = 2 * largest(stride_, unknown_, own_gain_);
+  wave_squared_ = 2 * (plane_ ? pull_angles(stride_, sine_, next_gain_, last_gain_, own_gain_,
+                                            unknown_, out + kPad)
+                              : pull_directions(stride_, q + kPad, next_gain_, last_gain_,
+                                                own_gain_, unknown_, out + kPad));
 }
 
 void Links::factor(double sigma_squared) {
   for (std::size_t i = 0; i < count_; ++i) {
     const double pull = std::max(tension(i), 0.0);
     factored_pivot_[i] = sigma_squared * (rest_[i] > 0 ? rest_[i] : 1) + both_[i] * pull;
-    factored_down_[i] = shared_[i] * pull;
-    if (i > 0) factored_up_[i - 1] = shared_[i - 1] * pull;
+    const auto beside = [&](std::size_t k) {  // across the other link, in a plane
+      return shared_[k] * (plane_ ? std::max(cosine_[k], 0.0) : 1) * pull;
+    };
+    factored_down_[i] = beside(i);
+    if (i > 0) factored_up_[i - 1] = beside(i - 1);
   }
   factor_twisted(count_, factored_pivot_, factored_up_, factored_down_, work_);
 }
@@ -256,17 +238,16 @@ void Links::solve_factored(double* x) const {
 }
 
 void Links::normalise(double* q, double* rate) const {
-  const auto loop = components_ == 2 ? normalise_in_plane : normalise_in_space;
-  loop(count_, stride_, q + kPad, rate + kPad);
+  if (!plane_) normalise_directions(count_, stride_, q + kPad, rate + kPad);
 }
 
 bool Links::retract(const double* base, double* x, double* rate) const {
-  const auto loop = components_ == 2 ? retract_in_plane : retract_in_space;
-  return loop(stride_, base + kPad, x + kPad, rate + kPad);
+  if (plane_) return retract_angles(stride_, base + kPad, x + kPad);
+  return retract_directions(stride_, base + kPad, x + kPad, rate + kPad);
 }
 
 void Links::to_tangent(const double* base, double* x) const {
-  (components_ == 2 ? to_tangent_in_plane : to_tangent_in_space)(stride_, base + kPad, x + kPad);
+  if (!plane_) to_tangent_of_directions(stride_, base + kPad, x + kPad);
 }
 
 }  // namespace taut::direct

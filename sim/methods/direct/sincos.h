@@ -1,4 +1,4 @@
-// Sines, cosines and angles in loops that the compiler can turn into vector code.
+// Sines and cosines in loops that the compiler can turn into vector code.
 #pragma once
 
 namespace taut::direct {
@@ -29,27 +29,6 @@ struct SinCos {
   const double c =
       1 + y * (-0.5 + y * (c4 + y * (c6 + y * (c8 + y * (c10 + y * (c12 + y * (c14 + y * c16)))))));
   return {2 * sign * s * c, sign * (1 - 2 * s * s)};
-}
-
-/// Twice the angle whose tangent is t, |t| <= 1, to 4e-8; Abramowitz and Stegun, 4.4.49.
-[[gnu::always_inline]] inline double two_arctangents(double t) {
-  const double s = t * t;
-  constexpr double c2 = -0.6666629056, c4 = 0.3998710170, c6 = -0.2841779888, c8 = 0.2131252786;
-  constexpr double c10 = -0.1505792800, c12 = 0.0858192276, c14 = -0.0323314734;
-  constexpr double c16 = 0.0057324514;
-  const double low = 2 + s * (c2 + s * (c4 + s * c6));
-  const double high = c8 + s * (c10 + s * (c12 + s * (c14 + s * c16)));
-  const double square = s * s;
-  return t * (low + square * square * high);
-}
-
-/// The angle, to some 4e-16, of a unit vector: an approximate one, and by how much it is off.
-[[gnu::always_inline]] inline double angle_of(double cosine, double sine) {
-  constexpr double kPi = 3.141592653589793;
-  const double acute = two_arctangents(sine / (1 + (cosine < 0 ? -cosine : cosine)));
-  const double angle = cosine < 0 ? (sine < 0 ? -kPi : kPi) - acute : acute;
-  const SinCos near = sine_and_cosine(angle);
-  return angle + (sine * near.cosine - cosine * near.sine);
 }
 
 }  // namespace taut::direct

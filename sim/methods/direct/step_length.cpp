@@ -15,16 +15,16 @@ double Integrator::stable_step(Scheme scheme) const {
 
 /// The error (m) that a step of h of the scheme may make.
 double Integrator::allowed_error(Scheme scheme, double h) const {
-  const double length = motion_->length();
+  const double length = system_.length();
   const double tolerance = options_.step > 0 ? kConstants.coarsest * length : options_.tolerance;
   const double share = std::min(kConstants.rate * options_.finer * h, kConstants.share);
-  const double rough = kConstants.roughness * motion_->shortest() / kConstants.share;
+  const double rough = kConstants.roughness * system_.shortest() / kConstants.share;
   // No shorter step would mend what the last digit of each direction does under the tensions.
   constexpr double kDigit = std::numeric_limits<double>::epsilon() / 2;
   const double rounding =
-      kConstants.roundings * kDigit * waves_ * waves_ * motion_->displacement_bound(1);
+      kConstants.roundings * kDigit * waves_ * waves_ * system_.displacement_bound(1);
   return share * std::min(tolerance, rough) / larger_[scheme] +
-         h * motion_->velocity_time() * rounding;
+         h * system_.velocity_time() * rounding;
 }
 
 /// Whether the scheme's steps end where a state is asked for. DOP853's are too long to be
@@ -32,7 +32,7 @@ double Integrator::allowed_error(Scheme scheme, double h) const {
 /// alone, since an intervention may go on from there.
 bool Integrator::lands(Scheme scheme) const {
   return scheme == dop853 || options_.step > 0 ||
-         options_.tolerance < kConstants.interpolated * motion_->length();
+         options_.tolerance < kConstants.interpolated * system_.length();
 }
 
 /// The next step of the scheme, which can do `wish`: one of equal ones to `until`, so that none is

@@ -51,12 +51,12 @@ void System::read_holds(double time) {
 /// Adds the ends to the tensions' system, whose row i is -u_i . (a_{i+1} - a_i) as far as tensions
 /// cause it = l |u'|^2 + u_i . (the rest of a_{i+1} - a_i).
 void System::add_ends(const double* q) {
-  for (const End& end : ends_) {
-    const Vec3 u = at(q, end.link);
-    links_.add_right(end.link, -end.pull * u.dot(end.lead));
+  for (End& end : ends_) {
+    end.along = links_.end_direction(q, end.link);
+    links_.add_right(end.link, -end.pull * end.along.dot(end.lead));
     if (end.body == kNone) continue;
     const Part& part = bodies_[end.body];
-    const Vec3 turn = end.arm.cross(u);
+    const Vec3 turn = end.arm.cross(end.along);
     links_.set_end(end.link, end.pull > 0,
                    1 / part.mass + turn.dot(part.world_inverse_inertia * turn));
   }
@@ -96,13 +96,13 @@ void System::couple() {
 
 /// Bodies that several links hold add E Q E' to the tridiagonal A, E the columns of the unit
 /// matrix for those links: T = A^-1 r - A^-1 E (1 + Q G)^-1 Q E' A^-1 r, G = E' A^-1 E (Woodbury).
-void System::add_couplings(const double* q) {
+void System::add_couplings() {
   const auto row = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
   dense_.setZero();
   for (const Coupling& c : couplings_) {
     const End &a = ends_[c.a], &b = ends_[c.b];
     const Part& part = bodies_[a.body];
-    const Vec3 u = at(q, a.link), v = at(q, b.link);
+    const Vec3 &u = a.along, &v = b.along;
     dense_(row(c.row), row(c.column)) +=
         a.pull * b.pull *
         (u.dot(v) / part.mass + a.arm.cross(u).dot(part.world_inverse_inertia * b.arm.cross(v)));
@@ -112,7 +112,9 @@ void System::add_couplings(const double* q) {
   }
   for (std::size_t k = 0; k < coupled_.size(); ++k) {
     double* response = response_.data() + k * links_.count();
-    links_.respond(coupled_[k], response);
+    links_.clear_right();
+    links_.add_right(coupled_[k], 1);
+    links_.respond(response);
     for (std::size_t j = 0; j < coupled_.size(); ++j) {
       gain_(row(j), row(k)) = links_.scale(coupled_[j]) * response[coupled_[j]];
     }
@@ -133,7 +135,7 @@ void System::move_bodies(const double* q, double* out) {
     const Part& part = bodies_[b];
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     for (const std::size_t e : ends_of(part)) {
-      const Vec3 pull = ends_[e].pull * links_.tension(ends_[e].link) * at(q, ends_[e].link);
+      const Vec3 pull = ends_[e].pull * links_.tension(ends_[e].link) * ends_[e].along;
       force += pull;
       torque += ends_[e].arm.cross(pull);
     }
@@ -153,14 +155,23 @@ void System::move_bodies(const double* q, double* out) {
   }
 }
 
+void System::solve_tensions() {
+  links_.solve();
+  if (!coupled_.empty()) add_couplings();
+}
+
 /// Solves the system and writes the accelerations that the tensions and the ends' leads cause.
 void System::respond(const double* q, double* out) {
-  links_.solve();
-  if (!coupled_.empty()) add_couplings(q);
+  if (rows_.empty()) {
+    solve_tensions();
+  } else {
+    solve_with_rows(q);
+  }
   links_.pull(q, out);
-  move_bodies(q, out);
+  if (!bodies_.empty()) move_bodies(q, out);
+  if (!rows_.empty()) push_rows(q, out);
   for (const End& end : ends_) {
-    add(out, end.link, -end.pull * links_.inverse_rest(end.link) * end.lead);
+    links_.add(end.link, end.along, -end.pull * links_.inverse_rest(end.link) * end.lead, out);
   }
 }
 
@@ -174,14 +185,22 @@ void System::clear_ends(double* array) const {
 double System::measure_work() const {
   const auto count = [](std::size_t number) { return static_cast<double>(number); };
   const double links = count(links_.count()), coupled = count(coupled_.size());
-  return 450 + (links_.components() == 2 ? 20 : 24) * links + 100 * count(ends_.size()) +
-         200 * count(bodies_.size()) + coupled * (15 * links + 50) + coupled * coupled * coupled;
+  return 450 + (plane_ ? 20 : 24) * links + 100 * count(ends_.size()) +
+         200 * count(bodies_.size()) + coupled * (15 * links + 50) + coupled * coupled * coupled +
+         count(rows_.size()) * (20 * links + 500);
 }
 
 void System::acceleration(double time, const double* q, const double* rate, double* out) {
-  turn_bodies(q, rate);
-  lead_bodies();
+  if (!bodies_.empty()) {
+    turn_bodies(q, rate);
+    lead_bodies();
+  }
   read_holds(time);
+  if (!rows_.empty()) {
+    place(time, q, rate);
+    evaluate_rows(time);
+    lead_rows();
+  }
   links_.assemble(q, rate);
   add_ends(q);
   respond(q, out);

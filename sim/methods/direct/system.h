@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/methods/direct/constraint_row.h"
 #include "sim/methods/direct/links.h"
 #include "sim/methods/direct/motion.h"
 #include "sim/motion/plane.h"
@@ -15,9 +16,9 @@
 
 namespace taut::direct {
 
-/// One component's motion. Coordinates: the unit directions u of all links, then the unit
-/// quaternions (w x y z) of the bodies. For link i of length l between the points i and i+1, with a
-/// tension T_i that is positive where the link pulls:
+/// One component's motion. Coordinates: the unit directions u of all links (in a plane their
+/// angles), then the unit quaternions (w x y z) of the bodies. For link i of length l between the
+/// points i and i+1, with a tension T_i that is positive where the link pulls:
 ///
 ///   l u'' = a_{i+1} - a_i   and   u . u'' = -|u'|^2   (from |u| = 1)
 ///
@@ -25,19 +26,24 @@ namespace taut::direct {
 /// known; that of a body's point r from its centre is g + W x (W x r) + W' x r + F/M. Every tension
 /// meets only those of the neighbouring links and of the links at its bodies: one symmetric
 /// tridiagonal system for all spans, and a small dense one for bodies that several links hold.
+/// Conditions that links do not make (see Row) border it with their multipliers.
 ///
-/// In a plane directions have two components, and bodies that hang by one point are links.
+/// In a plane a component is one span, and bodies that hang by one point are links.
 class System : public Motion {
  public:
   /// Room for so many links, and spans with so many ends.
   void reserve(std::size_t links, std::size_t ends);
-  /// In `plane`, which must suit the world's present state (see PlaneFinder), or in space.
-  void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane);
+  /// In `plane`, which must suit the world's present state and the rows (see PlaneFinder), or in
+  /// space. Throws std::invalid_argument where a row is none for this component.
+  void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane,
+               std::span<const ConstraintRow* const> rows = {});
 
   /// The index among all links of the connector's first.
   std::size_t first_link(std::size_t connector) const;
   /// The tension (N) of a link, as of the last acceleration().
   double tension(std::size_t link) const { return links_.tension(link); }
+  /// The multiplier (N per unit of the gradient) of a row, as of then.
+  double multiplier(std::size_t row) const { return rows_[row].multiplier; }
 
   void load(const World& world, double time, double* q, double* rate) override;
   void store(World& world, const double* q, const double* rate) override;
@@ -71,8 +77,9 @@ class System : public Motion {
     std::size_t body = kNone;       // index into bodies_; none: prescribed
     Vec3 local_arm = Vec3::Zero();  // m, from the body's centre of mass, in its axes
     // At the present stage:
-    Vec3 arm = Vec3::Zero();   // m, in the world's axes
-    Vec3 lead = Vec3::Zero();  // m/s^2, the acceleration that no tension causes, less gravity
+    Vec3 along = Vec3::Zero();  // the link's direction
+    Vec3 arm = Vec3::Zero();    // m, in the world's axes
+    Vec3 lead = Vec3::Zero();   // m/s^2, the acceleration that no tension causes, less gravity
   };
   struct Bar {             // a body that is a link
     std::size_t body = 0;  // index into World::bodies
@@ -108,15 +115,26 @@ class System : public Motion {
     std::size_t a = 0, b = 0;         // ends_
     std::size_t row = 0, column = 0;  // of the dense system
   };
-  struct Point {
-    Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();
+  struct RowTerm {  // a particle of a row
+    std::size_t point = 0;                      // of points_
+    std::size_t before = kNone, after = kNone;  // links
+    std::size_t end = kNone;                    // of ends_, where it is held
+    double inverse_mass = 0;                    // 1/kg
+    Vec3 gradient = Vec3::Zero();               // at the present stage
+  };
+  struct Bordered {
+    const ConstraintRow* row = nullptr;
+    std::size_t first_term = 0;
+    // At the present stage:
+    ConstraintRow::Value value;
+    double right = 0, multiplier = 0;
   };
   struct Rotary {
     Vec3 momentum = Vec3::Zero();  // kg m^2/s
     Mat3 inertia = Mat3::Zero();   // kg m^2
   };
 
-  // Building (net_build.cpp).
+  // Building (system_build.cpp).
   void add_span(const World& world, const SpanRange& range, bool reversed);
   void order_spans(const World& world, std::span<const SpanRange> ranges);
   void measure_links(const World& world);
@@ -127,13 +145,25 @@ class System : public Motion {
   void lead_bodies();
   void read_holds(double time);
   void add_ends(const double* q);
-  void add_couplings(const double* q);
+  void add_couplings();
+  void solve_tensions();
   void move_bodies(const double* q, double* out);
   void respond(const double* q, double* out);
   void clear_ends(double* array) const;
   double measure_work() const;
 
-  // The state (net_state.cpp).
+  // Rows (system_rows.cpp).
+  void place_rows(std::span<const ConstraintRow* const> rows);
+  RowTerm term_of(const ConstraintRow::Particle& particle) const;
+  void evaluate_rows(double time);
+  void lead_rows();
+  template <typename Visit>
+  void each_entry(const double* q, const Bordered& bordered, Visit visit) const;
+  void solve_with_rows(const double* q);
+  double mobility(std::size_t a, std::size_t b) const;
+  void push_rows(const double* q, double* out) const;
+
+  // The state (system_state.cpp, system_projection.cpp).
   void place(double time, const double* q, const double* rate);
   Point start_of(const Span& span, double time) const;
   void place_bars(const double* q, const double* rate);
@@ -141,7 +171,7 @@ class System : public Motion {
   void float_to(double time);
   void unit(double* q, double* rate) const;
   double measure_gaps(double time, const double* q, const double* rate);
-  void spread(const double* q, Vec3 Point::*gap, double* array);
+  void spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Value::*off, double* array);
   void close(double time, double* q, double* rate);
   Rotary rotary(double time) const;
   void restore_momentum(double time, double* q, double* rate);
@@ -149,17 +179,6 @@ class System : public Motion {
   /// What holds the body, as indices into ends_.
   std::span<const std::size_t> ends_of(const Part& part) const {
     return {body_ends_.data() + part.first_end, part.ends};
-  }
-  Vec3 at(const double* array, std::size_t link) const {
-    const double *x = array + links_.begin(0) + link, *y = x + links_.stride();
-    if (plane_) return *x * plane_->x + *y * plane_->y;
-    return {*x, *y, y[links_.stride()]};
-  }
-  void add(double* array, std::size_t link, const Vec3& v) const {
-    double *x = array + links_.begin(0) + link, *y = x + links_.stride();
-    *x += plane_ ? v.dot(plane_->x) : v.x();
-    *y += plane_ ? v.dot(plane_->y) : v.y();
-    if (!plane_) y[links_.stride()] += v.z();
   }
   // Where a body of the world stands in bodies_ or, in a plane, in bars_.
   std::size_t member(std::size_t body) const;
@@ -199,6 +218,14 @@ class System : public Motion {
   bool loops_ = false;       // some span closes one
   std::vector<Point> gaps_;  // per span, where it closes a loop
   Array still_;              // workspace of spread()
+  std::vector<Bordered> rows_;
+  std::vector<RowTerm> terms_;  // row by row
+  // Workspaces of solve_with_rows() and evaluate_rows().
+  std::vector<double> row_responses_;
+  Eigen::MatrixXd row_gains_;
+  Eigen::VectorXd row_rights_;
+  std::vector<Point> row_points_;
+  std::vector<Vec3> row_gradients_;
   // Workspaces of add_couplings().
   Array response_;
   Eigen::MatrixXd dense_, gain_, system_;

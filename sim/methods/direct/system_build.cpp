@@ -108,7 +108,8 @@ void System::reserve(std::size_t links, std::size_t ends) {
 }
 
 void System::rebuild(const World& world, const Component& component,
-                     const std::optional<Plane>& plane) {
+                     const std::optional<Plane>& plane,
+                     std::span<const ConstraintRow* const> rows) {
   world_ = &world;
   plane_ = plane;
   left_plane_.reset();
@@ -138,6 +139,7 @@ void System::rebuild(const World& world, const Component& component,
   order_spans(world, component.spans);
   measure_links(world);
   couple();
+  place_rows(rows);
   work_ = measure_work();
 }
 
@@ -314,7 +316,7 @@ void System::measure_links(const World& world) {
     reach = std::max(reach, 2 * part.inertia.trace() / part.mass);
   }
   reach_ = std::sqrt(reach / static_cast<double>(std::max<std::size_t>(count, 1)));
-  links_.rebuild(links, plane_ ? 2 : 3);
+  links_.rebuild(links, plane_);
   points_.assign(point_mass_.size(), {});
   centres_.assign(bodies_.size(), {});
   bar_centres_.assign(bars_.size(), {});

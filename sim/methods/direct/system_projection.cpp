@@ -31,7 +31,7 @@ Mat3 point_inertia(double mass, const Vec3& r) {
 
 void System::project(double time, double* q, double* rate) {
   unit(q, rate);
-  if (loops_) close(time, q, rate);
+  if (loops_ || !rows_.empty()) close(time, q, rate);
   if (floats_) restore_momentum(time, q, rate);
 }
 
@@ -44,8 +44,8 @@ void System::unit(double* q, double* rate) const {
   }
 }
 
-/// How far the last points of the spans that close loops are from their places, in gaps_; returns
-/// the largest gap of place (m).
+/// How far the last points of the spans that close loops are from their places, in gaps_, and how
+/// the rows stand; returns the largest gap of place (m).
 double System::measure_gaps(double time, const double* q, const double* rate) {
   place(time, q, rate);
   double largest = 0;
@@ -66,23 +66,28 @@ double System::measure_gaps(double time, const double* q, const double* rate) {
     gaps_[s] = {goal.position - points_[p - 1].position, goal.velocity - points_[p - 1].velocity};
     largest = std::max(largest, gaps_[s].position.norm());
   }
+  evaluate_rows(time);
+  for (const Bordered& bordered : rows_) largest = std::max(largest, std::abs(bordered.value.gap));
   return largest;
 }
 
-/// Shares a gap among the links of its span, and finds what the masses do to restore the lengths:
-/// impulses along the links, by the system of the tensions. Adds both to `array` (q or its rate).
-void System::spread(const double* q, Vec3 Point::*gap, double* array) {
+/// Shares a gap among the links of its span, and finds what the masses do to restore the lengths and
+/// the rows: impulses along the links and the rows' gradients, by the system of the tensions. Adds
+/// both to `array` (q or its rate).
+void System::spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Value::*off,
+                    double* array) {
   std::fill(still_.begin(), still_.end(), 0.0);
   turn_bodies(q, still_.data());
   lead_bodies();
   for (End& end : ends_) end.lead = Vec3::Zero();
+  for (Bordered& bordered : rows_) bordered.right = -(bordered.value.*off);
   links_.assemble(q, still_.data());
   add_ends(q);
   for (std::size_t s = 0; s < spans_.size(); ++s) {
     if (!spans_[s].closes) continue;
     const Vec3 share = gaps_[s].*gap / static_cast<double>(spans_[s].links);
     for (std::size_t i = spans_[s].offset; i < spans_[s].offset + spans_[s].links; ++i) {
-      links_.add_right(i, at(q, i).dot(share));
+      links_.add_right(i, links_.direction(q, i).dot(share));
     }
   }
   respond(q, still_.data());
@@ -90,23 +95,23 @@ void System::spread(const double* q, Vec3 Point::*gap, double* array) {
     if (!spans_[s].closes) continue;
     const Vec3 share = gaps_[s].*gap / static_cast<double>(spans_[s].links);
     for (std::size_t i = spans_[s].offset; i < spans_[s].offset + spans_[s].links; ++i) {
-      add(still_.data(), i, links_.inverse_rest(i) * share);
+      links_.add(i, links_.direction(q, i), links_.inverse_rest(i) * share, still_.data());
     }
   }
   for (std::size_t k = 0; k < size(); ++k) array[k] += still_[k];
 }
 
-/// Closes the loops that an integrator's error has opened. Each round leaves the square of the gap.
+/// Closes the loops, and mends the rows, that an integrator's error has opened. Each round leaves the square of the gap.
 void System::close(double time, double* q, double* rate) {
   constexpr int kRounds = 12;        // the first ones of wide gaps leave more
   constexpr double kClosed = 1e-14;  // of the system's length
   for (int round = 0; round < kRounds; ++round) {
     if (measure_gaps(time, q, rate) <= kClosed * length_) break;
-    spread(q, &Point::position, q);
+    spread(q, &Point::position, &ConstraintRow::Value::gap, q);
     unit(q, rate);
   }
   measure_gaps(time, q, rate);
-  spread(q, &Point::velocity, rate);
+  spread(q, &Point::velocity, &ConstraintRow::Value::rate, rate);
   unit(q, rate);
 }
 
@@ -135,7 +140,10 @@ void System::restore_momentum(double time, double* q, double* rate) {
   place(time, q, rate);
   const Rotary now = rotary(time);
   const Vec3 spin = spin_for(now.inertia, spin_momentum_ - now.momentum);
-  for (std::size_t i = 0; i < links_.count(); ++i) add(rate, i, spin.cross(at(q, i)));
+  for (std::size_t i = 0; i < links_.count(); ++i) {
+    const Vec3 u = links_.direction(q, i);
+    links_.add(i, u, spin.cross(u), rate);
+  }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const double* p = q + quaternion(b);
     const Quat turn = quaternion_rate(spin, Quat(p[0], p[1], p[2], p[3]));
@@ -145,24 +153,14 @@ void System::restore_momentum(double time, double* q, double* rate) {
 }
 
 double System::projection_cost() const {
-  return loops_ ? 6 : floats_ ? 1.5 : 0.2;  // measured
+  return loops_ || !rows_.empty() ? 6 : floats_ ? 1.5 : plane_ ? 0 : 0.2;  // measured
 }
 
 double System::displacement(const double* change) const {
   double sum = 0;
   std::size_t count = 0;
-  const double *x = change + links_.begin(0), *y = change + links_.begin(1);
-  const double* z = plane_ ? y : change + links_.begin(2);
-  const double in_space = plane_ ? 0 : 1;
   for (const Span& span : spans_) {
-    double place[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
-    for (std::size_t i = span.offset; i < span.offset + span.links; ++i) {
-      const double rest = links_.rest(i);
-      place[0] += rest * x[i], squares[0] += place[0] * place[0];
-      place[1] += rest * y[i], squares[1] += place[1] * place[1];
-      place[2] += rest * z[i], squares[2] += place[2] * place[2];
-    }
-    sum += squares[0] + squares[1] + in_space * squares[2];
+    sum += links_.displacement(change, span.offset, span.links);
     count += span.links;
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {

@@ -21,8 +21,7 @@ void System::load(const World& world, double time, double* q, double* rate) {
   std::fill_n(q, size(), 0.0);
   std::fill_n(rate, size(), 0.0);
   const auto set = [&](std::size_t link, const Vec3& u, const Vec3& turn) {
-    add(q, link, u);
-    add(rate, link, turn - u.dot(turn) * u);
+    links_.point(link, u, turn - u.dot(turn) * u, q, rate);
   };
   for (const Span& span : spans_) {
     const Connector& connector = world.connectors[span.range.connector];
@@ -79,7 +78,7 @@ std::size_t System::first_link(std::size_t connector) const {
   return found->offset;
 }
 
-System::Point System::start_of(const Span& span, double time) const {
+Point System::start_of(const Span& span, double time) const {
   if (span.first == kNone) return {};
   const End& end = ends_[span.first];
   if (end.body == kNone) {
@@ -96,13 +95,10 @@ void System::place(double time, const double* q, const double* rate) {
   if (floats_ && !bodies_.empty()) centres_[0] = {};
   std::size_t p = 0;
   for (const Span& span : spans_) {
-    Point point = start_of(span, time);
-    points_[p++] = point;
-    for (std::size_t i = span.offset; i < span.offset + span.links; ++i) {
-      point.position += links_.rest(i) * at(q, i);
-      point.velocity += links_.rest(i) * at(rate, i);
-      points_[p++] = point;
-    }
+    points_[p] = start_of(span, time);
+    links_.lay(q, rate, span.offset, span.links, points_[p], &points_[p + 1]);
+    p += span.links + 1;
+    const Point& point = points_[p - 1];
     if (!span.closes && span.last != kNone) {  // the body hangs from here
       const End& end = ends_[span.last];
       centres_[end.body] = {point.position - end.arm,
@@ -121,14 +117,14 @@ void System::place_bars(const double* q, const double* rate) {
       const Bar& bar = bars_[b];
       const Point& tip = points_[p + (bar.outward < 0 ? 1 : span.links - 1)];
       const double reach = bar.outward * bar.arm;
-      bar_centres_[b] = {tip.position + reach * at(q, bar.link),
-                         tip.velocity + reach * at(rate, bar.link)};
+      bar_centres_[b] = {tip.position + reach * links_.direction(q, bar.link),
+                         tip.velocity + reach * links_.turn(q, rate, bar.link)};
     }
     p += span.links + 1;
   }
 }
 
-System::Point System::centre(double time) const {
+Point System::centre(double time) const {
   const double t = time - loaded_at_;
   return {centre_.position + t * centre_.velocity + t * t / 2 * world_->gravity,
           centre_.velocity + t * world_->gravity};
@@ -182,13 +178,13 @@ void System::store(World& world, const double* q, const double* rate) {
   for (std::size_t b = 0; b < bars_.size(); ++b) {
     const Bar& bar = bars_[b];
     Body& body = world.bodies[bar.body];
-    const Vec3 now = bar.outward * at(q, bar.link);
+    const Vec3 now = bar.outward * links_.direction(q, bar.link);
     const double angle =
         std::atan2(bar.direction.cross(now).dot(plane_->normal), bar.direction.dot(now));
     body.position = bar_centres_[b].position;
     body.velocity = bar_centres_[b].velocity;
     body.rotation = Quat(Eigen::AngleAxisd(angle, plane_->normal)) * bar.rotation;
-    body.spin = now.cross(bar.outward * at(rate, bar.link));
+    body.spin = now.cross(bar.outward * links_.turn(q, rate, bar.link));
   }
 }
 
