@@ -1,10 +1,8 @@
-// Two vectors of 16 floats or 8 doubles side by side.
+// Vectors of 16 floats or 8 doubles.
 #include "sim/batch/width.h"
 
 namespace taut::batch {
 namespace {
-
-constexpr std::size_t kGroups = 2;
 
 using Floats [[gnu::vector_size(64)]] = float;
 using Doubles [[gnu::vector_size(64)]] = double;
@@ -12,16 +10,14 @@ using Doubles [[gnu::vector_size(64)]] = double;
 }  // namespace
 
 Kernel<float> avx512_float() {
-  return {kGroups * 64 / sizeof(float),
-          [](std::size_t links, void* group, const Steps<float>& steps) {
-            advance_group<Floats, kGroups>(links, group, steps);
+  return {64 / sizeof(float), [](std::size_t links, void* group, const Steps<float>& steps) {
+            advance_group<Floats>(links, group, steps);
           }};
 }
 
 Kernel<double> avx512_double() {
-  return {kGroups * 64 / sizeof(double),
-          [](std::size_t links, void* group, const Steps<double>& steps) {
-            advance_group<Doubles, kGroups>(links, group, steps);
+  return {64 / sizeof(double), [](std::size_t links, void* group, const Steps<double>& steps) {
+            advance_group<Doubles>(links, group, steps);
           }};
 }
 

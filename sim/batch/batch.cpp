@@ -64,7 +64,7 @@ Batch<Scalar>::Batch(const World& world, double step, batch::Width width)
   const std::size_t count = world.connectors.size();
   links_ = world.connectors.front().links();
   groups_ = (count + kernel_.lanes - 1) / kernel_.lanes;
-  group_size_ = batch::kArrays * links_ * kernel_.lanes;
+  group_size_ = batch::group_size(links_, kernel_.lanes);
   data_.reset(new (kAlignment) Scalar[groups_ * group_size_]());
   driven_.resize(groups_);
   for (std::size_t i = 0; i < count; ++i) {
@@ -92,11 +92,25 @@ void Batch<Scalar>::load(const Connector& connector, std::size_t index) {
       put(batch::kChord + row, i, rate[c]);
       put(batch::kRate + row, i, rate[c]);
     }
-    const double lower = 1 / connector.particle_mass[i + 1];
-    put(batch::kLower, i, lower);
-    put(batch::kBoth, i, lower + (i > 0 ? 1 / connector.particle_mass[i] : 0));
-    put(batch::kRest, i, connector.rest[i]);
-    put(batch::kGain, i, 1 / connector.rest[i]);
+    put(batch::kInverseRest, i, 1 / connector.rest[i]);
+  }
+  // The constants of a row of links that a single end holds, as direct::Links has them.
+  const auto inverse_mass = [&](std::size_t k) {
+    return k > 0 ? 1 / connector.particle_mass[k] : 0;
+  };
+  const auto both = [&](std::size_t i) { return inverse_mass(i) + inverse_mass(i + 1); };
+  const auto scale = [&](std::size_t i) { return std::sqrt(2 / both(i)); };
+  for (std::size_t i = 0; i < links_; ++i) {
+    const double own = scale(i), rest = connector.rest[i];
+    put(batch::kScale, i, own);
+    put(batch::kWeight, i, rest * own);
+    put(batch::kOwnGain, i, both(i) * own / rest);
+    put(batch::kNear, i, inverse_mass(i) * own * own);
+    put(batch::kFar, i, inverse_mass(i + 1) * own * own);
+    if (i > 0) put(batch::kLastGain, i, inverse_mass(i) * scale(i - 1) / rest);
+    if (i + 1 == links_) continue;
+    put(batch::kBeside, i, inverse_mass(i + 1) * own * scale(i + 1));
+    put(batch::kNextGain, i, inverse_mass(i + 1) * scale(i + 1) / rest);
   }
 }
 

@@ -34,9 +34,8 @@ class Batch {
  private:
   Scalar* group(std::size_t index) const { return data_.get() + index * group_size_; }
   Scalar& number(std::size_t connector, std::size_t array, std::size_t link) const {
-    return group(
-        connector /
-        kernel_.lanes)[(array * links_ + link) * kernel_.lanes + connector % kernel_.lanes];
+    const std::size_t row = array * links_ + link + 1;  // one lies before them
+    return group(connector / kernel_.lanes)[row * kernel_.lanes + connector % kernel_.lanes];
   }
   void load(const Connector& connector, std::size_t index);
   void pull(std::size_t group, double time, Scalar* out) const;

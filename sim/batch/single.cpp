@@ -1,22 +1,17 @@
-// Four single numbers side by side.
+// Single numbers, for processors without vectors and for tests.
 #include "sim/batch/width.h"
 
 namespace taut::batch {
-namespace {
-
-constexpr std::size_t kSingles = 4;
-
-}  // namespace
 
 Kernel<float> single_float() {
-  return {kSingles, [](std::size_t links, void* group, const Steps<float>& steps) {
-            advance_group<float, kSingles>(links, group, steps);
+  return {1, [](std::size_t links, void* group, const Steps<float>& steps) {
+            advance_group<float>(links, group, steps);
           }};
 }
 
 Kernel<double> single_double() {
-  return {kSingles, [](std::size_t links, void* group, const Steps<double>& steps) {
-            advance_group<double, kSingles>(links, group, steps);
+  return {1, [](std::size_t links, void* group, const Steps<double>& steps) {
+            advance_group<double>(links, group, steps);
           }};
 }
 

@@ -27,8 +27,10 @@ struct Counted {
   friend Counted operator*(double a, Counted b) { return Counted{a} * b; }
   friend Counted operator/(double a, Counted b) { return Counted{a} / b; }
   friend Counted operator-(Counted a, double b) { return a - Counted{b}; }
+  friend bool operator>(Counted a, Counted b) { return a.value > b.value; }
   Counted operator-() const { return {-value}; }
   Counted& operator+=(Counted other) { return *this = *this + other; }
+  Counted& operator*=(Counted other) { return *this = *this * other; }
 };
 
 /// Operations of a step, per particle of a rope of 21.
@@ -37,11 +39,11 @@ struct Operations {
 
   Operations() {
     constexpr std::size_t kLinks = 20, kSteps = 100;
-    std::vector<Counted> group(batch::kArrays * kLinks, Counted{1});
+    std::vector<Counted> group(batch::group_size(kLinks, 1), Counted{1});
     const Counted pull[3] = {{0}, {-9.81}, {0}};
     Counted::additions = Counted::products = Counted::divisions = 0;
     batch::Steps<double> steps{kSteps, 1e-3, false, reinterpret_cast<const double*>(pull), 0};
-    batch::advance_group<Counted, 1>(kLinks, group.data(), steps);
+    batch::advance_group<Counted>(kLinks, group.data(), steps);
     constexpr double kParticles = (kLinks + 1.0) * kSteps;
     additions = Counted::additions / kParticles;
     products = Counted::products / kParticles;

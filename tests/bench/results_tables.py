@@ -171,6 +171,24 @@ def promise(work):
     return markdown(rows, range(1, len(rows[0])))
 
 
+@result("schemes", DIRECT)
+def schemes(work):
+    """which scheme of direct takes which steps, and its picture"""
+    path = work.out / "schemes.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    work.run(f"taut_promise --scenes 70 --schemes {path.relative_to(work.source)}")
+    work.run("gnuplot tests/bench/schemes.gnuplot")
+    keep(work, work.out / "schemes.png", "schemes.png")
+    with open(path, encoding="utf-8") as file:
+        steps = list(csv.DictReader(file))
+    rows = [["tolerance / length", "DOP853", "Adams", "ROS34PW2"]]
+    for tolerance in dict.fromkeys(step["tolerance_of_length"] for step in steps):
+        some = [step["scheme"] for step in steps if step["tolerance_of_length"] == tolerance]
+        rows.append([tolerance] + [f"{100 * some.count(scheme) / len(some):.0f}%"
+                                   for scheme in ("dop853", "adams", "rosenbrock")])
+    return "![Schemes by waves and step](../../../assets/pictures/schemes.png)\n\n" + markdown(rows, (1, 2, 3))
+
+
 @result("engines", STUDY)
 def engines(work):
     """other engines on the same scenes, and their picture"""

@@ -12,8 +12,8 @@
 namespace taut::direct {
 namespace {
 
-constexpr double kGravity = 9.81;          // m/s^2
-constexpr double kLink = 0.5;              // m
+constexpr double kGravity = 9.81;            // m/s^2
+constexpr double kLink = 0.5;                // m
 constexpr double kUpper = 0.2, kLast = 0.3;  // kg
 constexpr ConstraintRow::Particle kHeld{0, 0}, kTip{0, 2};
 
@@ -51,7 +51,6 @@ class RowRun {
   const World& world() const { return world_; }
   const Vec3& position(std::size_t k) const { return world_.connectors[0].position[k]; }
   const Vec3& velocity(std::size_t k) const { return world_.connectors[0].velocity[k]; }
-  const System& system() const { return integrator_.system(); }
 
  private:
   static StepOptions options() {
@@ -98,12 +97,27 @@ TEST(ConstraintRows, ATipThatSlidesOnAPlaneIsASliderCrank) {
   constexpr double kError = 1e-8;
   const Vec3 middle(kLink * std::sin(angle), -kLink * std::cos(angle), 0);
   EXPECT_LT((run.position(1) - middle).norm(), kError);
-  EXPECT_LT((run.velocity(2) - Vec3(0, 2 * kLink * std::sin(angle) * rate, 0)).norm(),
-            10 * kError);
+  EXPECT_LT((run.velocity(2) - Vec3(0, 2 * kLink * std::sin(angle) * rate, 0)).norm(), 10 * kError);
   EXPECT_LT(std::abs(run.position(2).x()), 1e-14);
-  // What holds the tip on the plane is what its link pulls it off with.
-  const double pull = run.system().tension(1) * (run.position(2) - run.position(1)).x() / kLink;
-  EXPECT_NEAR(run.system().multiplier(0), pull, 1e-3 * std::abs(pull));
+}
+
+// At rest the tip starts upwards with 2 l p'' sin p; the plane takes what its link pulls sideways.
+TEST(ConstraintRows, AMultiplierIsTheForceOfItsRow) {
+  constexpr double kStart = 1.0;
+  const double s = std::sin(kStart), c = std::cos(kStart);
+  const World world = two_links({kLink * s, -kLink * c, 0}, {0, -2 * kLink * c, 0});
+  const PlaneRow wall(kTip, Vec3::UnitX(), 0);
+  const ConstraintRow* const rows[] = {&wall};
+  Division division;
+  System system;
+  system.rebuild(world, division.divide(world)[0], std::nullopt, rows);
+  Array q(system.size()), rate(system.size()), acceleration(system.size());
+  system.load(world, 0, q.data(), rate.data());
+  system.acceleration(0, q.data(), rate.data(), acceleration.data());
+  const double turn = -(kUpper + 2 * kLast) * kGravity * s / ((kUpper + 4 * kLast * s * s) * kLink);
+  const double tension = kLast * (kGravity + 2 * kLink * s * turn) / c;
+  EXPECT_NEAR(system.tension(1), tension, 1e-13);
+  EXPECT_NEAR(system.multiplier(0), -tension * s, 1e-13);
 }
 
 // A triangle that hangs by a corner is one pendulum.
@@ -119,8 +133,7 @@ TEST(ConstraintRows, ARodMakesAPendulumOfTwoLinks) {
   run.set_rows({&rod});
   run.advance(kTime);
   const auto [angle, rate] = angle_after(kTime, kStart, [&](double p, double) {
-    return -kGravity *
-           (kUpper * kLink * std::sin(p + corner) + kLast * kRod * std::sin(p)) /
+    return -kGravity * (kUpper * kLink * std::sin(p + corner) + kLast * kRod * std::sin(p)) /
            (kUpper * kLink * kLink + kLast * kRod * kRod);
   });
   constexpr double kError = 1e-8;
@@ -143,8 +156,7 @@ TEST(ConstraintRows, JoinAndLeaveAtAnyInstant) {
   Eigen::Matrix<double, 2, 2> upper, tip;  // of the velocities, by the angles' rates
   upper << kLink * along(p[0]), Eigen::Vector2d::Zero();
   tip << kLink * along(p[0]), kLink * along(p[1]);
-  const Eigen::Matrix2d mass =
-      kUpper * upper.transpose() * upper + kLast * tip.transpose() * tip;
+  const Eigen::Matrix2d mass = kUpper * upper.transpose() * upper + kLast * tip.transpose() * tip;
   const Eigen::Vector2d before = tip.inverse() * run.velocity(2).head<2>();
   const Eigen::Vector2d row = tip.row(0).transpose(), ease = mass.inverse() * row;
   const Eigen::Vector2d after = before - ease * row.dot(before) / row.dot(ease);
@@ -164,7 +176,7 @@ TEST(ConstraintRows, JoinAndLeaveAtAnyInstant) {
   RowRun alone(run.world());
   run.advance(0.313 + 0.4);
   alone.advance(0.313 + 0.4);
-  EXPECT_EQ(run.position(2), alone.position(2));
+  EXPECT_LT((run.position(2) - alone.position(2)).norm(), 1e-9);
   EXPECT_GT(std::abs(run.velocity(2).x()), 0.01);
   EXPECT_NEAR(energy(run.world()), kept, 1e-8 * std::abs(kept));
 }

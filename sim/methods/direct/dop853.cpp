@@ -1,7 +1,9 @@
 #include "sim/methods/direct/dop853.h"
 
 #include <cmath>
+#include <utility>
 
+#include "sim/methods/direct/combine.h"
 #include "sim/methods/direct/vector.h"
 
 namespace taut::direct {
@@ -27,18 +29,6 @@ constexpr Row kPositionWeight = position_row(kDop853.weight);
 constexpr Row kPositionError5 = position_row(kDop853.error5);
 constexpr Row kPositionError3 = position_row(kDop853.error3);
 
-/// sum_k row[k] a_k[i] over the stages whose weight is not zero, known when compiled.
-template <Row kRow, int kCount, int k = 0>
-[[gnu::always_inline]] inline double combine(const double* const* a, std::size_t i) {
-  if constexpr (k == kCount) {
-    return 0;
-  } else if constexpr (kRow[k] == 0) {
-    return combine<kRow, kCount, k + 1>(a, i);
-  } else {
-    return kRow[k] * a[k][i] + combine<kRow, kCount, k + 1>(a, i);
-  }
-}
-
 template <int kStage>
 [[gnu::always_inline]] inline void stage_loop(std::size_t n, double h, const double* q,
                                               const double* rate, const double* const* a,
@@ -51,34 +41,21 @@ template <int kStage>
   }
 }
 
+template <int... kBefore>
+[[gnu::always_inline]] inline void stage_loops(std::integer_sequence<int, kBefore...>, int stage,
+                                               std::size_t n, double h, const double* q,
+                                               const double* rate, const double* const* a,
+                                               double* q_out, double* rate_out) {
+  (...,
+   (stage == kBefore + 1 ? stage_loop<kBefore + 1>(n, h, q, rate, a, q_out, rate_out) : void()));
+}
+
 /// The state at a stage from the accelerations of those before it.
 TAUT_VECTOR_CLONES
 void stage_state(int stage, std::size_t n, double h, const double* q, const double* rate,
                  const double* const* a, double* q_out, double* rate_out) {
-  switch (stage) {
-    case 1:
-      return stage_loop<1>(n, h, q, rate, a, q_out, rate_out);
-    case 2:
-      return stage_loop<2>(n, h, q, rate, a, q_out, rate_out);
-    case 3:
-      return stage_loop<3>(n, h, q, rate, a, q_out, rate_out);
-    case 4:
-      return stage_loop<4>(n, h, q, rate, a, q_out, rate_out);
-    case 5:
-      return stage_loop<5>(n, h, q, rate, a, q_out, rate_out);
-    case 6:
-      return stage_loop<6>(n, h, q, rate, a, q_out, rate_out);
-    case 7:
-      return stage_loop<7>(n, h, q, rate, a, q_out, rate_out);
-    case 8:
-      return stage_loop<8>(n, h, q, rate, a, q_out, rate_out);
-    case 9:
-      return stage_loop<9>(n, h, q, rate, a, q_out, rate_out);
-    case 10:
-      return stage_loop<10>(n, h, q, rate, a, q_out, rate_out);
-    case 11:
-      return stage_loop<11>(n, h, q, rate, a, q_out, rate_out);
-  }
+  stage_loops(std::make_integer_sequence<int, kStages - 1>(), stage, n, h, q, rate, a, q_out,
+              rate_out);
 }
 
 TAUT_VECTOR_CLONES

@@ -14,7 +14,7 @@ class Dop853Step {
   /// Takes its arrays from `arena`.
   void make_arrays(Arena& arena);
 
-  /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`. X; returns the
+  /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`; returns the
   /// estimated error (m).
   double attempt(Motion& motion, double time, double h, const double* q, const double* rate,
                  const double* first);

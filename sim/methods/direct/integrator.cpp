@@ -135,6 +135,7 @@ void Integrator::accept(Scheme scheme, double time, Counters& counters) {
   q_before_.swap(q_);
   rate_before_.swap(rate_);
   time_ = time;
+  last_ = {scheme, time_ - before_, waves_};
   counters.steps += 1;
   taken_[scheme] += 1;
   if (scheme == dop853) dop853_.swap_result(q_, rate_);

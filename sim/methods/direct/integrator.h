@@ -56,7 +56,15 @@ class Integrator {
   void store(World& world);
 
   const Component& component() const { return component_; }
-  const System& system() const { return system_; }
+
+  enum Scheme { dop853, adams, rosenbrock, kSchemes };
+  /// A step that was taken.
+  struct Step {
+    Scheme scheme = dop853;
+    double length = 0;  // s
+    double waves = 0;   // rad/s, the highest frequency of waves where it began
+  };
+  const Step& last_step() const { return last_; }
 
   /// From now on tries those schemes alone of which `other` has taken steps since this was called
   /// last. One that is finer than asked for tries none before.
@@ -68,7 +76,6 @@ class Integrator {
   };
 
  private:
-  enum Scheme { dop853, adams, rosenbrock, kSchemes };
   static constexpr std::size_t kArrays =
       7 + Dop853Step::kArrays + AdamsStep::kArrays + RosenbrockStep::kArrays;
   struct Rest {  // of a scheme that has handed over, before it is tried again
@@ -114,6 +121,7 @@ class Integrator {
   double time_ = 0, planned_at_ = 0;  // s
   Slice q_, rate_, acceleration_;
   double before_ = 0;  // s, where the last step began
+  Step last_;
   Slice q_before_, rate_before_;
   Slice q_between_, rate_between_;  // at a time within that step
   bool fresh_ = false;              // acceleration_ and waves_ are those of the present state

@@ -1,7 +1,7 @@
-// The loops over links: of one connector, or of many side by side, a lane each.
+// The loops over links: of one connector, or of many side by side, a lane each. No function of the
+// standard library is used, nor one that is not always inlined: see sim/batch.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <type_traits>
 #include <utility>
@@ -14,7 +14,9 @@ struct ElementOf {
   using Type = T;
 };
 template <typename T>
-  requires requires(T x) { x[0]; }
+requires requires(T x) {
+  x[0];
+}
 struct ElementOf<T> {
   using Type = std::remove_cvref_t<decltype(std::declval<T&>()[0])>;
 };
@@ -34,11 +36,10 @@ template <typename T>
 }
 
 // An array of directions has kComponents numbers a link: n of the first component, then n of the
-// next. Neighbours along a connector stand kNext numbers apart: one where it stands alone, the
-// number of vectors where several stand side by side (sim/batch).
+// next. T is a number, or a vector with a connector's number in each lane (sim/batch).
 
 /// The rows of the tensions' system, see solve_chain(), which keep u . u'' = -|u'|^2.
-template <int kComponents, std::size_t kNext = 1, typename T>
+template <int kComponents, typename T>
 [[gnu::always_inline]] inline void assemble_loop(std::size_t n, const T* __restrict q,
                                                  const T* __restrict rate,
                                                  const T* __restrict beside,
@@ -49,7 +50,7 @@ template <int kComponents, std::size_t kNext = 1, typename T>
     T chord = {}, square = {};
     for (int c = 0; c < kComponents; ++c) {
       const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      const T turn = q[at + kNext] - q[at];
+      const T turn = q[at + 1] - q[at];
       chord += turn * turn;
       square += rate[at] * rate[at];
     }
@@ -61,28 +62,28 @@ template <int kComponents, std::size_t kNext = 1, typename T>
 }
 
 /// u'' as far as the unknowns x of that system cause it.
-template <int kComponents, std::size_t kNext = 1, typename T>
+template <int kComponents, typename T>
 [[gnu::always_inline]] inline void pull_loop(std::size_t n, const T* __restrict q,
                                              const T* __restrict next_gain,
                                              const T* __restrict last_gain,
                                              const T* __restrict own_gain, const T* __restrict x,
                                              T* __restrict out) {
-  const T *q_before = q - kNext, *x_before = x - kNext;
+  const T *q_before = q - 1, *x_before = x - 1;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) {
-    const T next = next_gain[i] * x[i + kNext], last = last_gain[i] * x_before[i];
+    const T next = next_gain[i] * x[i + 1], last = last_gain[i] * x_before[i];
     const T own = own_gain[i] * x[i];
     for (int c = 0; c < kComponents; ++c) {
       const std::size_t at = static_cast<std::size_t>(c) * n + i;
-      out[at] = next * q[at + kNext] + last * q_before[at] - own * q[at];
+      out[at] = next * q[at + 1] + last * q_before[at] - own * q[at];
     }
   }
 }
 
 /// Unit lengths for `count` links, and rates across them.
 template <int kComponents, typename T>
-[[gnu::always_inline]] inline void normalise_loop(std::size_t count, std::size_t n,
-                                                  T* __restrict q, T* __restrict rate) {
+[[gnu::always_inline]] inline void normalise_loop(std::size_t count, std::size_t n, T* __restrict q,
+                                                  T* __restrict rate) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
     T square = {}, along = {};

@@ -110,10 +110,10 @@ void Links::rebuild(std::span<const Link> links, const std::optional<Plane>& pla
   components_ = plane ? 1 : 3;
   arena_.assign(kPad + kArrays * (stride_ + 2 * kPad), 0.0);
   double** const arrays[] = {
-      &rest_,        &inverse_rest_,  &both_,     &shared_,   &scale_,        &beside_,
-      &weight_,      &next_gain_,     &last_gain_, &own_gain_, &near_,         &far_,
-      &turned_,      &off_,           &right_,    &unknown_,  &factored_pivot_, &factored_up_,
-      &factored_down_, &cosine_, &sine_, &place_cosine_, &place_sine_, &work_};
+      &rest_,          &inverse_rest_, &both_,      &shared_,       &scale_,          &beside_,
+      &weight_,        &next_gain_,    &last_gain_, &own_gain_,     &near_,           &far_,
+      &turned_,        &off_,          &right_,     &unknown_,      &factored_pivot_, &factored_up_,
+      &factored_down_, &cosine_,       &sine_,      &place_cosine_, &place_sine_,     &work_};
   static_assert(std::size(arrays) + 2 == kArrays);  // work_ is three
   for (std::size_t k = 0; k < std::size(arrays); ++k) {
     *arrays[k] = arena_.data() + kPad + k * (stride_ + 2 * kPad);

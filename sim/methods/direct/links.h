@@ -82,8 +82,8 @@ class Links {
 
   /// Sets up the system for the tensions that keep u.u'' = -|u'|^2 with nothing but the links.
   void assemble(const double* q, const double* rate);
-  /// The direction of the first or last link of a span, after assemble(): in a plane, where there is
-  /// one span, its turns against the axis stand before and behind the others.
+  /// The direction of the first or last link of a span, after assemble(): in a plane, where there
+  /// is one span, its turns against the axis stand before and behind the others.
   Vec3 end_direction(const double* q, std::size_t link) const {
     if (!plane_) return direction(q, link);
     if (link == 0) return cosine_[-1] * plane_->x + sine_[-1] * plane_->y;
@@ -98,8 +98,8 @@ class Links {
   void solve();
   /// N, positive where the link pulls.
   double tension(std::size_t link) const { return scale_[link] * unknown_[link]; }
-  /// What the system gives for the right sides that add_right() has added since clear_right(), in an
-  /// array of count(); its tensions are scale() times that. Spoils the right side.
+  /// What the system gives for the right sides that add_right() has added since clear_right(), in
+  /// an array of count(); its tensions are scale() times that. Spoils the right side.
   void clear_right();
   void respond(double* response);
   void add_response(const double* response, double factor);

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "sim/methods/direct/combine.h"
 #include "sim/methods/direct/vector.h"
 
 namespace taut::direct {
@@ -56,17 +57,6 @@ constexpr Row kError = {kM[0] - kMEmbedded[0], kM[1] - kMEmbedded[1], kM[2] - kM
                         kM[3] - kMEmbedded[3]};
 constexpr Row kNode = {0, kAlpha[1][0], kAlpha[2][0] + kAlpha[2][1], 1};
 
-template <Row kRow, int kCount, int k = 0>
-[[gnu::always_inline]] inline double combine(const double* const* u, std::size_t i) {
-  if constexpr (k == kCount) {
-    return 0;
-  } else if constexpr (kRow[k] == 0) {
-    return combine<kRow, kCount, k + 1>(u, i);
-  } else {
-    return kRow[k] * u[k][i] + combine<kRow, kCount, k + 1>(u, i);
-  }
-}
-
 // The arrays of a step: increments of x and of its rate, by stage.
 using Stages = const double* const*;
 
@@ -83,14 +73,9 @@ template <int s>
 TAUT_VECTOR_CLONES
 void stage_state(int stage, std::size_t n, const double* rate, Stages dx, Stages dy, double* x,
                  double* y) {
-  switch (stage) {
-    case 1:
-      return stage_loop<1>(n, rate, dx, dy, x, y);
-    case 2:
-      return stage_loop<2>(n, rate, dx, dy, x, y);
-    case 3:
-      return stage_loop<3>(n, rate, dx, dy, x, y);
-  }
+  if (stage == 1) stage_loop<1>(n, rate, dx, dy, x, y);
+  if (stage == 2) stage_loop<2>(n, rate, dx, dy, x, y);
+  if (stage == 3) stage_loop<3>(n, rate, dx, dy, x, y);
 }
 
 // With J = [0 1; L 0] and sigma = 1/(gamma h): (sigma^2 - L) dx = r_y + sigma r_x and
@@ -111,16 +96,10 @@ template <int s>
 TAUT_VECTOR_CLONES
 void right_side(int stage, std::size_t n, double h, const double* y, const double* a, Stages dx,
                 Stages dy, double* dx_out, double* dy_out) {
-  switch (stage) {
-    case 0:
-      return right_loop<0>(n, h, y, a, dx, dy, dx_out, dy_out);
-    case 1:
-      return right_loop<1>(n, h, y, a, dx, dy, dx_out, dy_out);
-    case 2:
-      return right_loop<2>(n, h, y, a, dx, dy, dx_out, dy_out);
-    case 3:
-      return right_loop<3>(n, h, y, a, dx, dy, dx_out, dy_out);
-  }
+  if (stage == 0) right_loop<0>(n, h, y, a, dx, dy, dx_out, dy_out);
+  if (stage == 1) right_loop<1>(n, h, y, a, dx, dy, dx_out, dy_out);
+  if (stage == 2) right_loop<2>(n, h, y, a, dx, dy, dx_out, dy_out);
+  if (stage == 3) right_loop<3>(n, h, y, a, dx, dy, dx_out, dy_out);
 }
 
 TAUT_VECTOR_CLONES

@@ -115,7 +115,7 @@ class System : public Motion {
     std::size_t a = 0, b = 0;         // ends_
     std::size_t row = 0, column = 0;  // of the dense system
   };
-  struct RowTerm {  // a particle of a row
+  struct RowTerm {                              // a particle of a row
     std::size_t point = 0;                      // of points_
     std::size_t before = kNone, after = kNone;  // links
     std::size_t end = kNone;                    // of ends_, where it is held

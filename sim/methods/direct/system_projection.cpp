@@ -71,9 +71,9 @@ double System::measure_gaps(double time, const double* q, const double* rate) {
   return largest;
 }
 
-/// Shares a gap among the links of its span, and finds what the masses do to restore the lengths and
-/// the rows: impulses along the links and the rows' gradients, by the system of the tensions. Adds
-/// both to `array` (q or its rate).
+/// Shares a gap among the links of its span, and finds what the masses do to restore the lengths
+/// and the rows: impulses along the links and the rows' gradients, by the system of the tensions.
+/// Adds both to `array` (q or its rate).
 void System::spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Value::*off,
                     double* array) {
   std::fill(still_.begin(), still_.end(), 0.0);
@@ -101,7 +101,8 @@ void System::spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Val
   for (std::size_t k = 0; k < size(); ++k) array[k] += still_[k];
 }
 
-/// Closes the loops, and mends the rows, that an integrator's error has opened. Each round leaves the square of the gap.
+/// Closes the loops, and mends the rows, that an integrator's error has opened. Each round leaves
+/// the square of the gap.
 void System::close(double time, double* q, double* rate) {
   constexpr int kRounds = 12;        // the first ones of wide gaps leave more
   constexpr double kClosed = 1e-14;  // of the system's length

@@ -11,6 +11,7 @@ namespace taut::direct {
 void System::place_rows(std::span<const ConstraintRow* const> rows) {
   rows_.clear();
   terms_.clear();
+  if (rows.empty()) return;
   for (const ConstraintRow* row : rows) {
     if (floats_) throw std::invalid_argument("a row needs a component that something holds");
     rows_.emplace_back(row, terms_.size());
@@ -66,9 +67,9 @@ void System::evaluate_rows(double time) {
   }
 }
 
-/// By how much (m/s^2) the tensions T bring the particles of a row together along its gradient: B'T,
-/// with B_i = w u_i . n for the link before a particle of inverse mass w, B_j = -w u_j . n for the
-/// one behind.
+/// By how much (m/s^2) the tensions T bring the particles of a row together along its gradient:
+/// B'T, with B_i = w u_i . n for the link before a particle of inverse mass w, B_j = -w u_j . n for
+/// the one behind.
 template <typename Visit>
 void System::each_entry(const double* q, const Bordered& bordered, Visit visit) const {
   for (std::size_t k = 0; k < bordered.row->particles().size(); ++k) {
@@ -100,7 +101,8 @@ void System::solve_with_rows(const double* q) {
     return sum;
   };
   solve_tensions();
-  for (std::size_t k = 0; k < rows_.size(); ++k) row_rights_[at(k)] = rows_[k].right + pulled(rows_[k]);
+  for (std::size_t k = 0; k < rows_.size(); ++k)
+    row_rights_[at(k)] = rows_[k].right + pulled(rows_[k]);
   double* without = response(rows_.size());
   std::ranges::copy(links_.unknowns(), without);
   for (std::size_t c = 0; c < rows_.size(); ++c) {
@@ -110,7 +112,8 @@ void System::solve_with_rows(const double* q) {
     });
     solve_tensions();
     std::ranges::copy(links_.unknowns(), response(c));
-    for (std::size_t r = 0; r < rows_.size(); ++r) row_gains_(at(r), at(c)) = mobility(r, c) - pulled(rows_[r]);
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+      row_gains_(at(r), at(c)) = mobility(r, c) - pulled(rows_[r]);
   }
   const Eigen::VectorXd multipliers = row_gains_.colPivHouseholderQr().solve(row_rights_);
   std::copy_n(without, links, links_.unknowns().begin());
@@ -125,7 +128,8 @@ double System::mobility(std::size_t a, std::size_t b) const {
   double sum = 0;
   for (std::size_t i = 0; i < rows_[a].row->particles().size(); ++i) {
     for (std::size_t j = 0; j < rows_[b].row->particles().size(); ++j) {
-      const RowTerm &one = terms_[rows_[a].first_term + i], &other = terms_[rows_[b].first_term + j];
+      const RowTerm &one = terms_[rows_[a].first_term + i],
+                    &other = terms_[rows_[b].first_term + j];
       if (one.point == other.point) sum += one.inverse_mass * one.gradient.dot(other.gradient);
     }
   }

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "tests/bench/promise/schemes.h"
 #include "tests/bench/promise/table.h"
 
 namespace taut::promise {
@@ -21,7 +22,7 @@ struct Options {
   unsigned threads = 1;
   std::string method = "direct";
   std::vector<std::string> set;
-  std::string csv;
+  std::string csv, schemes;
   std::size_t worst = 0;
   double cap = 60;  // s
   bool cached = false, references = false, estimate = false;
@@ -127,7 +128,16 @@ void report(const Options& options, Results& results) {
   if (!out) throw std::runtime_error(options.csv + ": cannot be written");
 }
 
+void write_schemes_of(const Options& options) {
+  std::ofstream out(options.schemes);
+  out << kSchemeColumns << '\n';
+  for (const unsigned seed : seeds(options)) write_schemes(draw(seed), options.tolerances, out);
+  out.close();
+  if (!out) throw std::runtime_error(options.schemes + ": cannot be written");
+}
+
 void go(const Options& options) {
+  if (!options.schemes.empty()) return write_schemes_of(options);
   Work work(options, candidate(options));
   const std::vector<unsigned> all = seeds(options);
   std::atomic<std::size_t> next = 0;
@@ -171,6 +181,8 @@ int main(int argc, char** argv) {
   app.add_option("--method", options.method, "one that has a tolerance")->capture_default_str();
   app.add_option("--set", options.set, "NAME=VALUE, another setting of the method");
   app.add_option("--csv", options.csv, "a file with a row for every scene and tolerance");
+  app.add_option("--schemes", options.schemes,
+                 "only a file with the scheme, step and waves of direct at every frame");
   app.add_option("--worst", options.worst, "also list so many of the largest errors");
   app.add_option("--cap", options.cap, "CPU seconds that a reference or a run may take")
       ->capture_default_str();
