@@ -69,7 +69,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/contact", {"sim/motion", "sim/world", "sim/links"}},
     {"sim/interventions", {"sim/world", "sim/links"}},
     {"sim/run", {"sim/motion", "sim/world", "sim/links", "sim/interventions", "sim/measure"}},
-    {"sim/batch", {"sim/world", "sim/run"}},
+    {"sim/batch", {"sim/world", "sim/run", "sim/methods/direct"}},
     {"sim/choreography", {"sim/motion", "sim/world", "sim/interventions", "sim/run"}},
     {"sim/methods/direct",
      {"sim/motion", "sim/world", "sim/links", "sim/measure", "sim/contact", "sim/material",
