@@ -34,8 +34,23 @@ void ContactStep::kick(std::span<const double> impulse, std::span<const Vec3> al
   }
 }
 
+/// How fast (m/s) a bead comes to what it hits. Links may pull it there for the rest of a step in
+/// which it has been stopped: that is no speed of its own, and a bounce of it would be work from
+/// nowhere.
+double ContactStep::arriving(const BeadTouch& at, double h) const {
+  const Touch& touch = at.touch;
+  const auto coming = [&](const Vec3& velocity) {
+    return -touch.normal.dot(velocity - touch.surface);
+  };
+  const double pulled = coming(middle_[at.point] - touch.pushed - touch.rubbed);
+  if (!(touch.push > 0)) return pulled;
+  const Vec3 began = ConstMap(&state_[mechanism_.velocity(at.point)]);
+  return std::min(pulled,
+                  std::max(coming(middle_[at.point]), coming(began + h * mechanism_.gravity())));
+}
+
 /// Tells the touches of the second stage what the first has given.
-void ContactStep::aim_velocities(double least) {
+void ContactStep::aim_velocities(double h, double least) {
   std::erase_if(touches_, [&](const BeadTouch& at) {
     return at.gap > (at.hits ? kShortOf * touching_ : touching_);
   });
@@ -50,8 +65,7 @@ void ContactStep::aim_velocities(double least) {
     touch.surface = end.point(end.rotation.conjugate() * (to - end.position)).velocity;
     touch.least = touch.normal.dot(touch.surface);
     if (!at.hits) continue;
-    const Vec3 arriving = middle_[at.point] - touch.pushed - touch.rubbed - touch.surface;
-    const double bounce = -obstacle.restitution * touch.normal.dot(arriving);
+    const double bounce = obstacle.restitution * arriving(at, h);
     if (bounce > least) touch.least += bounce;
   }
 }
@@ -72,7 +86,7 @@ bool ContactStep::settle(double time, double h, double lowest) {
     vector(&next_[mechanism_.twist(b)]) += h / 2 * mechanism_.gravity();
   }
   kick(pull_, along_, 0.5);
-  aim_velocities(std::sqrt(2 * mechanism_.gravity().norm() * lowest));
+  aim_velocities(h, std::sqrt(2 * mechanism_.gravity().norm() * lowest));
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
   const double stopped = kStopped * (1 + std::sqrt(speed));

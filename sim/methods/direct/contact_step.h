@@ -80,7 +80,8 @@ class ContactStep {
   void stiffen(double h);
   void move_bodies(double time, double h);
   bool settle(double time, double h, double lowest);
-  void aim_velocities(double least);
+  void aim_velocities(double h, double least);
+  double arriving(const BeadTouch& at, double h) const;
   bool stop(double stopped);
   bool stop_creeping(double stopped, double creep);
   void rub(double share);

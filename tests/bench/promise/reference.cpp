@@ -36,6 +36,15 @@ World twin(World world, double distance, bool rough) {
   return nudged(std::move(world), distance, rough);
 }
 
+/// Whether something of the timeline happens after `from`, until `until`.
+bool happens(const Timeline& timeline, double from, double until) {
+  const auto is_in = [&](double time) { return time > from && time <= until; };
+  return std::ranges::any_of(timeline.cuts, is_in, &TimedCut::time) ||
+         std::ranges::any_of(timeline.pins, [&](const TimedPin& pin) {
+           return is_in(pin.from) || is_in(pin.until);
+         });
+}
+
 }  // namespace
 
 Reference make_reference(const Drawn& drawn, double cap) {
@@ -58,7 +67,13 @@ Reference make_reference(const Problem& problem, double length, double cap) {
     for (const double time : problem.times) {
       for (int slice = 1; slice <= kSlices; ++slice) {
         const double until = slice == kSlices ? time : before + (time - before) * slice / kSlices;
+        const double from = truth.world().time;
         for (Simulation* simulation : {&truth, &smooth, &rough}) simulation->advance_to(until);
+        // A pin takes away what twins differ by beside it, and makes links of its own.
+        if (happens(problem.timeline, from, until)) {
+          smooth.world() = twin(smooth.world(), nudge, false);
+          rough.world() = twin(rough.world(), nudge, true);
+        }
         reference.cpu = thread_seconds() - start;
         if (reference.cpu > cap) {
           reference.end = Reference::End::over_cap;

@@ -36,7 +36,8 @@ struct Reference {
 /// turns to one side and the other: upright chains amplify that far more. Free bodies
 /// are turned in the one and moved in the other.
 Reference make_reference(const Drawn& drawn, double cap);
-/// Of any problem whose largest connector has that length (m).
+/// Of any problem whose largest connector has that length (m). Twins are nudged again after each
+/// pin and cut.
 Reference make_reference(const Problem& problem, double length, double cap);
 
 /// References kept in a folder, one file each.
