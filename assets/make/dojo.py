@@ -113,12 +113,21 @@ def _shoji(frame, paper, where, along, count, first, rng):
         for i in range(1, 7):
             frame.add(where(u, 0.435 + 1.635 * i / 7, 0), size(1.14, 0.010, 0.018), 0)
         for i in range(7):  # sheets of paper, one per row, no two quite alike
-            tone = 0.93 + 0.07 * rng.random()
+            tone = 0.95 + 0.05 * rng.random()
             paper.add(where(u, 0.435 + 1.635 * (i + 0.5) / 7, -0.012), size(1.14, 1.635 / 7, 0.003), 0, (tone, tone, tone**1.3), _inwards)
 
 
 def _inwards(n):
     return n[:, 1] ** 2 < 0.5
+
+
+def _daylit(paper):
+    """The eaves outside take the sky from the upper sheets, and warm what light is left."""
+    paper = _split(paper, lambda p: np.full(len(p), 0.30))
+    under = np.clip((paper.points[:, 1] - 0.435) / 1.635, 0, 1)
+    dim = 1 - 0.42 * under**1.6
+    paper.colors = paper.colors * np.stack([dim, dim**1.1, dim**1.25], axis=1)
+    return paper
 
 
 def _beams(frame):
@@ -150,7 +159,7 @@ def _walls():
     for s in (-1, 1):
         plaster.add((s * (SIDE + 0.02), _LINTEL + high / 2, (BACK + _END) / 2), (0.05, high, _END - BACK))
     plaster.add((0, CEILING + 0.03, (BACK + FRONT) / 2), (2 * SIDE + 0.4, 0.05, FRONT - BACK + 0.4))
-    return [frame.part(), _shaded(paper.part()), _shaded(plaster.part())]
+    return [frame.part(), _shaded(_daylit(paper.part())), _shaded(plaster.part())]
 
 
 def build():

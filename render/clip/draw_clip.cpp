@@ -69,7 +69,7 @@ FramesMade draw_frames(const ClipJob& job, ClipStates& states, RenderWorkers& wo
   const std::uint64_t shared = job.fingerprint(made.renderer);
   const Provenance provenance = job.provenance();
   const bool transparent = job.options.output.transparent;
-  Font font;
+  Font font(Font::Weight::regular, Font::Family::lato);
   const auto begin = Clock::now();
   Progress progress("rendering", "frames", job.frames.size(), common.quiet);
   std::mutex mutex;  // of everything that counts, and of the font

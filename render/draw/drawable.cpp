@@ -85,6 +85,16 @@ void Drawable::move(std::span<const MovingVertex> vertices) {
   }
 }
 
+void Drawable::bathe(std::span<const Eigen::Vector3f> light) {
+  constexpr GLuint kLight = 4, kBinding = 2;
+  light_ = make_buffer(*gl_);
+  upload(*gl_, light_, light, GL_STATIC_DRAW);
+  gl_->VertexArrayVertexBuffer(array_.id(), kBinding, light_.id(), 0, sizeof(Eigen::Vector3f));
+  gl_->EnableVertexArrayAttrib(array_.id(), kLight);
+  gl_->VertexArrayAttribFormat(array_.id(), kLight, 3, GL_FLOAT, GL_FALSE, 0);
+  gl_->VertexArrayAttribBinding(array_.id(), kLight, kBinding);
+}
+
 void Drawable::draw(std::span<const std::uint32_t> indices) {
   if (indices.empty()) return;
   upload(*gl_, shape_->some_indices_, indices, GL_STREAM_DRAW);

@@ -43,6 +43,9 @@ class Drawable {
   Drawable(const Gl& gl, const Mesh& mesh, const Material& material);
 
   void move(std::span<const MovingVertex> vertices);
+  /// Indirect light (linear rgb, irradiance over pi) on each vertex, instead of the stage's.
+  void bathe(std::span<const Eigen::Vector3f> light);
+  bool bathed() const { return bool(light_); }
   void draw() const;
   /// Draws some of the triangles, given as indices of vertices.
   void draw(std::span<const std::uint32_t> indices);
@@ -63,7 +66,7 @@ class Drawable {
  private:
   const Gl* gl_;
   std::shared_ptr<const RestShape> shape_;
-  GlObject moving_, array_;
+  GlObject moving_, light_, array_;
   std::vector<Eigen::Vector3f> positions_;
   Eigen::AlignedBox3f box_;
   Material material_;

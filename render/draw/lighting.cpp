@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -17,34 +18,51 @@ double smoothstep(double from, double to, double x) {
 
 }  // namespace
 
-Harmonics ambient_harmonics(const Light& light) {
-  // The ground reflects the key light like a floor of the ground's colour.
+Vec3 surrounding_light(const Light& light, const Vec3& direction) {
   const Vec3 down = light.direction.normalized();
   const double reach = 0.35 * std::max(-down.y(), 0.0);
   const Vec3 bounce = reach * light.ground.cwiseProduct(light.color);
-  constexpr int kDirections = 2048;
-  std::array<Vec3, 9> sum{};
-  sum.fill(Vec3::Zero());
-  for (int i = 0; i < kDirections; ++i) {
-    // Fibonacci points: even over the sphere.
-    const double y = 1 - (2.0 * i + 1) / kDirections, turn = kPi * (3 - std::sqrt(5.0)) * i;
-    const double r = std::sqrt(1 - y * y), x = r * std::cos(turn), z = r * std::sin(turn);
-    const double above = smoothstep(-0.3, 0.3, y);
-    const Vec3 radiance = above * light.sky + (1 - above) * (light.ground + bounce);
-    const double basis[] = {1, y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y};
-    for (std::size_t k = 0; k < 9; ++k) sum[k] += radiance * (basis[k] * 4 * kPi / kDirections);
-  }
+  const double above = smoothstep(-0.3, 0.3, direction.y());
+  return above * light.sky + (1 - above) * (light.ground + bounce);
+}
+
+void HarmonicSum::add(const Vec3& direction, const Vec3& radiance, double solid_angle) {
+  const double x = direction.x(), y = direction.y(), z = direction.z();
+  const double basis[] = {1, y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y};
+  for (std::size_t k = 0; k < 9; ++k) sum_[k] += radiance * (basis[k] * solid_angle);
+}
+
+Harmonics HarmonicSum::irradiance() const {
   // Squares of the basis functions' norms, times the cosine lobe's 1, 2/3, 1/4 (over pi).
   const double norm[] = {1 / (4 * kPi),  3 / (4 * kPi),  3 / (4 * kPi),
                          3 / (4 * kPi),  15 / (4 * kPi), 15 / (4 * kPi),
                          5 / (16 * kPi), 15 / (4 * kPi), 15 / (16 * kPi)};
   const double lobe[] = {1, 2.0 / 3, 2.0 / 3, 2.0 / 3, 0.25, 0.25, 0.25, 0.25, 0.25};
   Harmonics result;
-  for (std::size_t k = 0; k < 9; ++k) result[k] = (sum[k] * norm[k] * lobe[k]).cast<float>();
+  for (std::size_t k = 0; k < 9; ++k) result[k] = (sum_[k] * norm[k] * lobe[k]).cast<float>();
   return result;
 }
 
-std::string light_constants(const Light& light) {
+Eigen::Vector3f irradiance(const Harmonics& h, const Eigen::Vector3f& n) {
+  const float x = n.x(), y = n.y(), z = n.z();
+  return h[0] + h[1] * y + h[2] * z + h[3] * x + h[4] * (x * y) + h[5] * (y * z) +
+         h[6] * (3 * z * z - 1) + h[7] * (x * z) + h[8] * (x * x - y * y);
+}
+
+Harmonics ambient_harmonics(const Light& light) {
+  constexpr int kDirections = 2048;
+  HarmonicSum sum;
+  for (int i = 0; i < kDirections; ++i) {
+    // Fibonacci points: even over the sphere.
+    const double y = 1 - (2.0 * i + 1) / kDirections, turn = kPi * (3 - std::sqrt(5.0)) * i;
+    const double r = std::sqrt(1 - y * y);
+    const Vec3 direction(r * std::cos(turn), y, r * std::sin(turn));
+    sum.add(direction, surrounding_light(light, direction), 4 * kPi / kDirections);
+  }
+  return sum.irradiance();
+}
+
+std::string light_constants(const Light& light, const Harmonics& ambient) {
   const auto text = [](const auto& v) {
     return fmt::format("vec3({:.9g}, {:.9g}, {:.9g})", v.x(), v.y(), v.z());
   };
@@ -55,8 +73,7 @@ std::string light_constants(const Light& light) {
                                     {"GROUND", light.ground}})
     constants += fmt::format("const vec3 {} = {};\n", name, text(value));
   std::string list;
-  for (const Eigen::Vector3f& c : ambient_harmonics(light))
-    list += (list.empty() ? "" : ", ") + text(c);
+  for (const Eigen::Vector3f& c : ambient) list += (list.empty() ? "" : ", ") + text(c);
   return constants + fmt::format("const vec3 AMBIENT[9] = vec3[9]({});\n", list);
 }
 

@@ -13,13 +13,33 @@ namespace taut {
 /// c0 + c1 y + c2 z + c3 x + c4 xy + c5 yz + c6 (3z^2 - 1) + c7 xz + c8 (x^2 - y^2).
 using Harmonics = std::array<Eigen::Vector3f, 9>;
 
+/// What is seen past all scenery: sky above, ground below that reflects the key light like a floor.
+Vec3 surrounding_light(const Light& light, const Vec3& direction);
+
+/// Radiance seen from a point, added up by direction.
+class HarmonicSum {
+ public:
+  /// `direction` is a unit vector, `solid_angle` in sr.
+  void add(const Vec3& direction, const Vec3& radiance, double solid_angle);
+  /// What it makes on a surface.
+  Harmonics irradiance() const;
+
+ private:
+  std::array<Vec3, 9> sum_{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
+                           Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+};
+
+/// Irradiance over pi on a surface with that unit normal.
+Eigen::Vector3f irradiance(const Harmonics& harmonics, const Eigen::Vector3f& normal);
+
 /// The ambient light of a stage: sky above, ground below, and what the ground throws back of the
 /// key light (Ramamoorthi and Hanrahan 2001).
 Harmonics ambient_harmonics(const Light& light);
 
-/// The stage's light as constants of a shader: TO_LIGHT (unit), LIGHT_COLOR, SKY, GROUND and the
-/// harmonics AMBIENT. Constants, because software rasterisers load uniforms anew for every pixel.
-std::string light_constants(const Light& light);
+/// The stage's light as constants of a shader: TO_LIGHT (unit), LIGHT_COLOR, SKY, GROUND and
+/// `ambient` as AMBIENT. Constants, because software rasterisers load uniforms anew for every
+/// pixel.
+std::string light_constants(const Light& light, const Harmonics& ambient);
 
 /// World to the unit cube of the shadow map: x and y across the light, z along it. It covers the
 /// box; its size and place move in steps, so that shadow edges do not crawl from frame to frame.

@@ -13,6 +13,22 @@ Eigen::Vector4f with_w(const Vec3& v, double w) {
   return {float(v.x()), float(v.y()), float(v.z()), float(w)};
 }
 
+std::vector<Drawable> scenery_of(const Gl& gl, const Stage& stage) {
+  std::vector<Drawable> scenery;
+  for (const auto& model : stage.scenery)
+    for (Drawable& part : drawables(gl, *model)) scenery.push_back(std::move(part));
+  return scenery;
+}
+
+Vec3 looked_at(const Stage& stage) {
+  return stage.camera.empty() ? Vec3(Vec3::Zero()) : camera_at(stage.camera, 0).target;
+}
+
+Surroundings surroundings_of(const Stage& stage, const RoomLight& room) {
+  if (room.encloses()) return room.surroundings();
+  return {ambient_harmonics(stage.light)};
+}
+
 }  // namespace
 
 StageParts::StageParts(const Context& context, const Stage& s, const World& world,
@@ -21,11 +37,16 @@ StageParts::StageParts(const Context& context, const Stage& s, const World& worl
       stage(s),
       shading(options),
       background(s.background),
-      surfaces(gl, s.light, options.map_size, options.lit),
+      scenery(scenery_of(gl, s)),
+      room(gl, s.light, scenery, looked_at(s)),
+      surfaces(gl, s.light, surroundings_of(s, room), options.map_size,
+               options.lit ? Output::display : Output::flat),
       map(gl, options.map_size),
       parts(gl, s, world) {
+  if (!room.encloses()) return;
+  std::size_t i = 0;
   for (const auto& model : stage.scenery)
-    for (Drawable& part : drawables(gl, *model)) scenery.push_back(std::move(part));
+    for (const Mesh& mesh : model->meshes) scenery[i++].bathe(room.on(mesh));
 }
 
 Look StageParts::look(const FrameState& instant, const Rect& viewport) const {

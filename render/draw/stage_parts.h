@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/draw/moving_parts.h"
+#include "render/draw/room_light.h"
 #include "render/draw/shadow_map.h"
 #include "render/draw/stage_renderer.h"
 #include "render/draw/surfaces.h"
@@ -37,10 +38,11 @@ struct StageParts {
   const Stage& stage;
   const Shading shading;
   Vec3 background;
+  std::vector<Drawable> scenery;
+  RoomLight room;
   Surfaces surfaces;
   ShadowMap map;
   MovingParts parts;
-  std::vector<Drawable> scenery;
 };
 
 /// The scenery of a view, in light that nothing takes.

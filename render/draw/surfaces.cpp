@@ -14,6 +14,18 @@ namespace taut {
 namespace {
 
 constexpr double kExposure = 0.48;
+constexpr float kGlossy = 0.45f;  // rougher surfaces mirror what lights them
+
+std::string mirror_constants(const Surroundings& around) {
+  std::string constants = fmt::format("#define MIRROR {:d}\n", around.mirror != 0);
+  if (!around.mirror) return constants;
+  for (const auto& [name, value] : {std::pair("ROOM_LOW", around.room.min()),
+                                    {"ROOM_HIGH", around.room.max()},
+                                    {"MIDDLE", around.middle}})
+    constants += fmt::format("const vec3 {} = vec3({:.9g}, {:.9g}, {:.9g});\n", name, value.x(),
+                             value.y(), value.z());
+  return constants + fmt::format("#define ROUGHEST {}.0\n", around.levels - 1);
+}
 
 }  // namespace
 
@@ -25,23 +37,28 @@ FrameBlock::FrameBlock(const CameraView& camera, const Rect& viewport)
   capsule_to.fill(Eigen::Vector4f::Zero());
 }
 
-Surfaces::Surfaces(const Gl& gl, const Light& light, int shadow_map_size, bool lit)
+Surfaces::Surfaces(const Gl& gl, const Light& light, const Surroundings& around,
+                   int shadow_map_size, Output output)
     : gl_(gl),
       frame_(make_buffer(gl)),
       noise_(make_noise_texture(gl)),
+      mirror_(around.mirror),
       constants_(fmt::format(
-          "#define LIT {:d}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define CONTACT_REACH "
-          "{:.1f}\n{}{}",
-          lit, kExposure, shadow_map_size, kContactReach, light_constants(light),
-          shaders::frame_block)) {}
+          "#define OUTPUT {}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define "
+          "CONTACT_REACH {:.1f}\n{}{}{}",
+          int(output), kExposure, shadow_map_size, kContactReach,
+          light_constants(light, around.ambient), mirror_constants(around), shaders::frame_block)) {
+}
 
-const Program& Surfaces::program(Surface surface, Shade shade) {
-  auto& slot = programs_[{surface, shade}];
+const Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool bathed) {
+  auto& slot = programs_[{surface, shade, glossy, bathed}];
   if (!slot)
-    slot = std::make_unique<Program>(gl_,
-                                     fmt::format("#define SURFACE {}\n#define SHADE {}\n{}",
-                                                 int(surface), int(shade), constants_),
-                                     shaders::surface_vertex, shaders::surface_fragment);
+    slot = std::make_unique<Program>(
+        gl_,
+        fmt::format("#define SURFACE {}\n#define SHADE {}\n#define GLOSSY {:d}\n#define BATHED "
+                    "{:d}\n{}",
+                    int(surface), int(shade), glossy, bathed, constants_),
+        shaders::surface_vertex, shaders::surface_fragment);
   return *slot;
 }
 
@@ -49,12 +66,14 @@ void Surfaces::use(const FrameBlock& block) const {
   upload(gl_, frame_, std::span<const FrameBlock>(&block, 1), GL_DYNAMIC_DRAW);
   gl_.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_.id());
   gl_.BindTextureUnit(1, noise_.id());
+  if (mirror_) gl_.BindTextureUnit(2, mirror_);
 }
 
 void Surfaces::draw(const DrawItem& item, Shade shade, float opacity) {
   if (item.triangles.empty()) return;
-  const Program& p = program(item.drawable->surface(), shade);
   const Material& material = item.drawable->material();
+  const Program& p = program(item.drawable->surface(), shade, material.roughness < kGlossy,
+                             item.drawable->bathed());
   p.use();
   p.set("model", item.model);
   p.set("base_color", Eigen::Vector3f(material.base_color.data()));

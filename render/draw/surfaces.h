@@ -5,8 +5,10 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 
 #include "render/draw/draw_item.h"
+#include "render/draw/lighting.h"
 #include "render/gl/gpu.h"
 #include "render/picture/rect.h"
 #include "scenes/scene/stage.h"
@@ -34,22 +36,40 @@ enum class Shade {
   averaged,  // the shadow map less smoothly, for one of many exposures in different lights
 };
 
+/// What surrounds the things of a stage, besides the key light.
+struct Surroundings {
+  Harmonics ambient;           // on things without light of their own
+  GLuint mirror = 0;           // a cube texture, blurred more from level to level; 0: none
+  int levels = 0;              // of it, of roughness from 0 to 1
+  Eigen::AlignedBox3d room{};  // the walls that are mirrored
+  Vec3 middle = Vec3::Zero();  // where the cube was seen from
+};
+
+/// What is written for a surface; the numbers are the surface shader's OUTPUT.
+enum class Output {
+  flat,      // one colour everywhere
+  display,   // the root of tone-mapped light
+  radiance,  // linear light
+};
+
 class Surfaces {
  public:
-  /// `lit` false: all have one colour.
-  Surfaces(const Gl& gl, const Light& light, int shadow_map_size, bool lit);
+  Surfaces(const Gl& gl, const Light& light, const Surroundings& surroundings, int shadow_map_size,
+           Output output);
 
   /// What is drawn from now on is seen and lit like this.
   void use(const FrameBlock& block) const;
   void draw(const DrawItem& item, Shade shade, float opacity = 1);
 
  private:
-  const Program& program(Surface surface, Shade shade);
+  /// `glossy` surfaces mirror the room; `bathed` ones have light of their own on each vertex.
+  const Program& program(Surface surface, Shade shade, bool glossy, bool bathed);
 
   const Gl& gl_;
   GlObject frame_, noise_;
+  GLuint mirror_;
   std::string constants_;
-  std::map<std::pair<Surface, Shade>, std::unique_ptr<Program>> programs_;
+  std::map<std::tuple<Surface, Shade, bool, bool>, std::unique_ptr<Program>> programs_;
 };
 
 }  // namespace taut

@@ -8,10 +8,10 @@
 namespace taut {
 namespace {
 
-constexpr double kFade = 0.2;    // s
-constexpr double kDim = 0.6;     // opacity of a list's lines whose time it is not
-constexpr double kPanel = 0.38;  // darkness behind the lines, soft at its edges
-constexpr double kLeading = 1.5;
+constexpr double kFade = 0.2;   // s
+constexpr double kDim = 0.45;   // opacity of a list's neighbouring lines
+constexpr double kShade = 0.34; // darkness behind the lines, soft at its edges
+constexpr double kLeading = 1.55;
 
 /// How much of something shows that fades in and out between two times.
 double shown(double from, double until, double time) {
@@ -26,11 +26,29 @@ std::pair<std::string_view, std::string_view> parted(std::string_view text) {
   return {text.substr(0, tab), text.substr(tab + 1)};
 }
 
+/// Rises from 0 to 1 with x, and stands still at both.
+double eased(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+/// Which line of a list stands in the middle at `time`, with a fraction on the way to the next.
+double rolled(std::span<const Caption> list, double time) {
+  double at = 0;
+  for (std::size_t i = 1; i < list.size(); ++i) at += eased((time - list[i].from) / kFade + 0.5);
+  return at;
+}
+
+/// How much shows of a line that is so many lines away from the middle.
+double nearness(double lines) {
+  return lines < 1 ? std::lerp(1, kDim, eased(lines)) : kDim * (1 - eased(2 * (lines - 1)));
+}
+
 struct Lines {
   Picture& picture;
   Font& font;
-  double size = std::max(0.024 * picture.height, 9.0);
-  double x = 0.04 * picture.width, y = 0.93 * picture.height;
+  double size = std::max(0.028 * picture.height, 9.0);
+  double x = 0.05 * picture.width, y = 0.88 * picture.height;
   double column = 0, rest = 0;  // widths, px: of labels with the gap behind them, of what follows
 
   /// Makes room for a line.
@@ -40,22 +58,21 @@ struct Lines {
     rest = std::max(rest, font.width(words, size));
   }
 
-  /// Darkens the picture behind the lowest `count` lines.
-  void darken(int count, double opacity) {
-    const double margin = 0.6 * size, height = ((count - 1) * kLeading + 1) * size;
-    fill_softly(
-        picture,
-        {int(x - margin), int(y - height), int(column + rest + 2 * margin), int(height + margin)},
-        {16, 13, 10}, kPanel * opacity, 2.5 * size);
+  /// Darkens the picture behind so many lines on each side of the middle.
+  void darken(int beside, double opacity) {
+    const double height = (2 * beside * kLeading + 1) * size;
+    fill_softly(picture,
+                {int(x), int(y - 0.35 * size - height / 2), int(column + rest), int(height)},
+                {12, 10, 8}, kShade * opacity, 5 * size);
   }
 
-  /// `up` lines above the lowest.
-  void draw(std::string_view text, int up, double opacity) {
-    const double shadow = std::max(1.0, size / 18), line = y - up * kLeading * size;
+  /// `down` lines below the middle.
+  void draw(std::string_view text, double down, double opacity) {
+    const double shadow = std::max(1.0, size / 18), line = y + down * kLeading * size;
     const auto [label, words] = parted(text);
     for (const auto& [part, left] : {std::pair(label, x), {words, x + column}}) {
       font.draw(picture, part, left + shadow, line + shadow, size, {0, 0, 0}, 0.55 * opacity);
-      font.draw(picture, part, left, line, size, {248, 245, 238}, 0.95 * opacity);
+      font.draw(picture, part, left, line, size, {248, 245, 238}, 0.97 * opacity);
     }
   }
 };
@@ -67,20 +84,21 @@ void draw_captions(Picture& picture, Font& font, std::span<const Caption> captio
     const auto last = std::find_if(first + 1, captions.end(), [&](const Caption& caption) {
       return first->list.empty() || caption.list != first->list;
     });
-    double until = first->until;
-    for (auto caption = first; caption != last; ++caption) until = std::max(until, caption->until);
-    if (!first->list.empty()) until += kFade;  // its last line is read to the end
-    const double opacity = shown(first->from, until, time);
-    auto up = static_cast<int>(last - first);
+    const std::span<const Caption> list(first, last);
+    first = last;
+    double until = list.front().until;
+    for (const Caption& caption : list) until = std::max(until, caption.until);
+    if (list.size() > 1) until += kFade;  // its last line is read to the end
+    const double opacity = shown(list.front().from, until, time);
+    if (opacity <= 0) continue;
     Lines lines{picture, font};
-    if (opacity > 0) {
-      for (auto caption = first; caption != last; ++caption) lines.measure(caption->text);
-      lines.darken(up, opacity);
-    }
-    for (; first != last; ++first) {
-      const bool now = first->list.empty() || (time >= first->from && time < first->until);
-      --up;
-      if (opacity > 0) lines.draw(first->text, up, opacity * (now ? 1 : kDim));
+    for (const Caption& caption : list) lines.measure(caption.text);
+    lines.darken(list.size() > 1 ? 1 : 0, opacity);
+    const double middle = rolled(list, time);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const double down = double(i) - middle;
+      if (const double near = nearness(std::abs(down)); near > 0)
+        lines.draw(list[i].text, down, opacity * near);
     }
   }
 }
@@ -89,7 +107,7 @@ void draw_note(Picture& picture, Font& font, std::string_view text) {
   Lines lines{picture, font, std::max(0.018 * picture.height, 9.0)};
   lines.y = 0.05 * picture.height + lines.size;
   lines.measure(text);
-  lines.darken(1, 1);
+  lines.darken(0, 1);
   lines.draw(text, 0, 1);
 }
 

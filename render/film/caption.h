@@ -1,5 +1,6 @@
-// Captions: quiet lines of text at the lower left that come and go softly. Neighbours of one list
-// stand above each other, the one whose time it is bright among the others.
+// Captions: quiet lines of text at the lower left that come and go softly. A list shows the line
+// whose time it is and, fainter, the one before it above and the next below; it rolls from line to
+// line.
 #pragma once
 
 #include <span>

@@ -53,7 +53,8 @@ class Film {
   const Scene& scene_;
   Canvas canvas_;
   StageRenderer renderer_;
-  Font font_, bold_{Font::Weight::bold};
+  Font font_{Font::Weight::regular, Font::Family::lato},
+      bold_{Font::Weight::bold, Font::Family::lato};
   std::uint64_t stage_drawn_ = 0;  // fingerprint of the picture below; 0: none
   std::optional<Frame> stage_picture_;
   bool transparent_ = false;

@@ -22,12 +22,19 @@ layout(location = 3) in vec3 color;
 uniform mat4 model;
 invariant gl_Position;
 out vec3 world_position, world_normal, rest_position, tint, shadow_position;
+#if BATHED
+layout(location = 4) in vec3 light;
+out vec3 ambient;
+#endif
 
 void main() {
   world_position = (model * vec4(position, 1)).xyz;
   world_normal = mat3(model) * normal;
   rest_position = rest;
   tint = color;
+#if BATHED
+  ambient = light;
+#endif
   shadow_position = (light_projection * vec4(world_position + eye.w * world_normal, 1)).xyz;
   gl_Position = view_projection * vec4(world_position, 1);
 })";
@@ -46,6 +53,9 @@ uniform int grain_axis;
 uniform float grain_scale;
 layout(binding = 0) uniform sampler2DShadow shadow_map;
 layout(binding = 1) uniform sampler2D noise;
+#if BATHED
+in vec3 ambient;
+#endif
 
 // 1 where the key light reaches: 3x3 bilinear comparisons, from four gathers of 2x2 texels. A loop
 // rather than a condition, as software rasterisers skip only loops: nothing is looked up where the
@@ -89,6 +99,17 @@ vec3 ambient_light(vec3 n) {
          AMBIENT[8] * (n.x * n.x - n.y * n.y);
 }
 
+#if MIRROR
+layout(binding = 2) uniform samplerCube mirror;
+
+// What a mirror of that roughness sees: the room's walls, where its box has them (Lagarde and
+// Zanuttini 2012).
+vec3 environment(vec3 r, float roughness) {
+  vec3 far = max((ROOM_HIGH - world_position) / r, (ROOM_LOW - world_position) / r);
+  float way = max(min(min(far.x, far.y), far.z), 0);
+  return textureLod(mirror, world_position + way * r - MIDDLE, roughness * ROUGHEST).rgb;
+}
+#else
 // What a mirror of that roughness sees: ground below, sky above, walls in the key light between
 // them; softer where rougher.
 vec3 environment(vec3 r, float roughness) {
@@ -96,6 +117,7 @@ vec3 environment(vec3 r, float roughness) {
   float wall = max(1 - abs(r.y - 0.25) / (0.25 + blur), 0);
   return mix(GROUND, SKY, smoothstep(-blur, blur, r.y)) + 0.16 * wall * wall * LIGHT_COLOR;
 }
+#endif
 
 float contact_light(vec3 p, vec3 n) {
   float light = 1;
@@ -158,7 +180,7 @@ vec3 encode(vec3 radiance) {
   return sqrt(min(x * (2.0 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0));
 }
 
-#if !LIT
+#if OUTPUT == 0
 void main() {
   encoded = vec4(0.5, 0.5, 0.5, opacity);
 }
@@ -191,8 +213,9 @@ void main() {
   float strand = abs(sin(3.14159 * (3.0 * rest_position.x + rest_position.y / (7.0 * rest_position.z))));
   albedo *= 0.45 + 0.55 * sqrt(strand);
   wrap = vec3(0.1);
-#elif SURFACE == 5  // paper: daylight from behind comes through
-  vec3 through = 0.30 * albedo * LIGHT_COLOR;
+#elif SURFACE == 5  // paper: daylight from behind comes through, and shows the fibres
+  albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * vec2(1.1, 1.7)).g;
+  vec3 through = 0.40 * albedo * LIGHT_COLOR;
 #endif
 
   vec3 v = normalize(eye.xyz - world_position), l = TO_LIGHT;
@@ -221,17 +244,30 @@ void main() {
   vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);
   float grazing = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
   vec2 fit = vec2(-1.04, 1.04) * grazing + r.zw;
-  vec3 ambient_part = diffuse * ambient_light(n) +
-                      (f0 * fit.x + fit.y) * environment(reflect(-v, n), roughness);
+#if !BATHED
+  vec3 ambient = ambient_light(n);
+#endif
+#if MIRROR && !GLOSSY && BATHED
+  vec3 mirrored = ambient;
+#elif MIRROR && !GLOSSY
+  vec3 mirrored = max(ambient_light(reflect(-v, n)), 0);
+#else
+  vec3 mirrored = environment(reflect(-v, n), base_roughness);
+#endif
+  vec3 ambient_part = diffuse * ambient + (f0 * fit.x + fit.y) * mirrored;
 #if SURFACE == 2
   float rim = 1 - nv;
-  ambient_part += sheen * rim * rim * rim * ambient_light(n);
+  ambient_part += sheen * rim * rim * rim * ambient;
 #endif
   radiance += contact_light(world_position, n) * ambient_part;
 #if SURFACE == 5
   radiance += through;
 #endif
+#if OUTPUT == 2
+  encoded = vec4(radiance, 1);
+#else
   encoded = vec4(encode(radiance), opacity);
+#endif
 }
 #endif
 )";

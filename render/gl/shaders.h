@@ -6,7 +6,8 @@ namespace taut::shaders {
 /// What every surface needs to know of a frame; goes before the shaders of surfaces and depth.
 extern const char* const frame_block;
 
-/// Lit surfaces. Defines: SURFACE (a Surface), SHADE (a Shade), LIT (0: of one colour).
+/// Lit surfaces. Defines: SURFACE (a Surface), SHADE (a Shade), OUTPUT (an Output), GLOSSY (1: it
+/// mirrors the room where MIRROR is 1), BATHED (1: ambient light comes with the vertices).
 extern const char* const surface_vertex;
 extern const char* const surface_fragment;
 

@@ -55,7 +55,7 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "simulation of ropes, chains and cor
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "simulation of ropes, chains and cords - Python module\n${about}\n\nThis package has the module taut, which shows states and pictures as arrays of\nnumpy.")
 
 # GL and FFmpeg are opened or started when they are needed.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "fonts-dejavu-core, libegl1, libegl-mesa0, libgl1-mesa-dri")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "fonts-dejavu-core, fonts-lato, libegl1, libegl-mesa0, libgl1-mesa-dri")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox | gnuplot, libosmesa6")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${TAUT_PYTHON_DEPENDS}")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "taut (= ${package_version})")

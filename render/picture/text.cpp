@@ -13,7 +13,15 @@
 namespace taut {
 namespace {
 
-constexpr const char* kFolder = "/usr/share/fonts/truetype/dejavu/";
+constexpr const char* kFolder = "/usr/share/fonts/truetype/";
+
+struct Typeface {
+  const char *regular, *bold;  // files in the folder
+  const char* package;
+};
+constexpr Typeface kTypefaces[] = {
+    {"dejavu/DejaVuSans.ttf", "dejavu/DejaVuSans-Bold.ttf", "fonts-dejavu-core"},
+    {"lato/Lato-Medium.ttf", "lato/Lato-Heavy.ttf", "fonts-lato"}};
 
 /// UTF-8 to code points; a malformed byte becomes U+FFFD.
 std::vector<char32_t> code_points(std::string_view text) {
@@ -69,14 +77,15 @@ struct Font::Face {
   }
 };
 
-Font::Font(Weight weight) : face_(std::make_unique<Face>()) {
+Font::Font(Weight weight, Family family) : face_(std::make_unique<Face>()) {
+  const Typeface& typeface = kTypefaces[std::size_t(family)];
   const std::string file =
-      fmt::format("{}DejaVuSans{}.ttf", kFolder, weight == Weight::bold ? "-Bold" : "");
+      fmt::format("{}{}", kFolder, weight == Weight::bold ? typeface.bold : typeface.regular);
   if (FT_Init_FreeType(&face_->library) != 0) throw std::bad_alloc();
   if (const FT_Error error = FT_New_Face(face_->library, file.c_str(), 0, &face_->face)) {
     FT_Done_FreeType(face_->library);
     if (error == FT_Err_Out_Of_Memory) throw std::bad_alloc();
-    throw std::runtime_error(fmt::format("{}: missing (package fonts-dejavu-core)", file));
+    throw std::runtime_error(fmt::format("{}: missing (package {})", file, typeface.package));
   }
 }
 

@@ -16,8 +16,9 @@ using Rgb = std::array<std::uint8_t, 3>;  // sRGB
 class Font {
  public:
   enum class Weight { regular, bold };
-  /// Opens DejaVu Sans where Debian keeps it. Throws std::runtime_error where it is missing.
-  explicit Font(Weight weight = Weight::regular);
+  enum class Family { dejavu, lato };  // for charts and tables; for films
+  /// Opens it where Debian keeps it. Throws std::runtime_error where it is missing.
+  explicit Font(Weight weight = Weight::regular, Family family = Family::dejavu);
   ~Font();
   Font(const Font&) = delete;
   Font& operator=(const Font&) = delete;

@@ -23,7 +23,7 @@ class CaptionTest : public testing::Test {
     return most;
   }
 
-  Font font_;
+  Font font_{Font::Weight::regular, Font::Family::lato};
   const std::vector<Caption> list_ = {{1, 2, "HHH", "phases"}, {2, 3, "HHH", "phases"}};
 };
 
@@ -35,17 +35,22 @@ TEST_F(CaptionTest, ShowsBetweenItsTimes) {
   EXPECT_EQ(brightest(one, 2.0, 0, 1), 0);
 }
 
-TEST_F(CaptionTest, AListStaysAndTheLineWhoseTimeItIsStandsOut) {
-  const double parted = 0.885;  // between the upper line and the lower
-  for (const bool upper : {true, false}) {
-    const double time = upper ? 1.5 : 2.5;
-    const int high = brightest(list_, time, 0, parted), low = brightest(list_, time, parted, 1);
-    EXPECT_GT(upper ? high : low, 200);
-    EXPECT_GT(upper ? low : high, 80);
-    EXPECT_GT(upper ? high - low : low - high, 50);
+TEST_F(CaptionTest, TheLineWhoseTimeItIsStandsInTheMiddleAndItsNeighboursFainter) {
+  const double above = 0.835, below = 0.885;  // the middle line is between them
+  for (const bool first : {true, false}) {
+    const double time = first ? 1.5 : 2.5;
+    const int middle = brightest(list_, time, above, below);
+    const int next = brightest(list_, time, below, 1), before = brightest(list_, time, 0, above);
+    EXPECT_GT(middle, 200);
+    EXPECT_GT(first ? next : before, 80);
+    EXPECT_LT(first ? before : next, 10);
+    EXPECT_GT(middle - std::max(next, before), 50);
   }
+  const std::vector<Caption> three = {
+      {1, 2, "HHH", "phases"}, {2, 3, "HHH", "phases"}, {3, 4, "HHH", "phases"}};
+  EXPECT_LT(brightest(three, 1.5, 0.96, 1), 10) << "the next but one";
   EXPECT_EQ(brightest(list_, 0.9, 0, 1), 0);
-  EXPECT_GT(brightest(list_, 2.99, parted, 1), 200) << "the last line is read to the end";
+  EXPECT_GT(brightest(list_, 2.99, above, below), 200) << "the last line is read to the end";
   EXPECT_EQ(brightest(list_, 3.3, 0, 1), 0);
 }
 
@@ -55,14 +60,14 @@ TEST_F(CaptionTest, WhatFollowsATabBeginsInOneColumn) {
     Picture picture(320, 200);
     std::ranges::fill(picture.pixels, std::uint8_t{0});
     draw_captions(picture, font_, captions, 1.5);
-    const int label_ends = int(0.04 * 320) + 12;
+    const int label_ends = int(0.05 * 320) + 12;
     for (int x = label_ends; x < picture.width; ++x)
       for (int y = int(above * picture.height); y < int(below * picture.height); ++y)
         if (picture.at(x, y)[0] > 60) return x;
     return -1;
   };
   const std::vector<Caption> list = {{1, 2, "i\tH", "phases"}, {2, 3, "w\tH", "phases"}};
-  const int upper = begins(list, 0, 0.885), lower = begins(list, 0.885, 1);
+  const int upper = begins(list, 0.835, 0.885), lower = begins(list, 0.885, 1);
   EXPECT_GT(upper, 0);
   EXPECT_EQ(upper, lower);
 }
