@@ -39,7 +39,7 @@ struct Options {
   std::optional<std::string> frames;
   std::string size, backend = "auto";
   int fps = 0, samples = 4;
-  bool no_video = false;
+  bool no_video = false, over = false;
 };
 
 /// Those that are asked for; otherwise every method that this build has and that follows the
@@ -216,9 +216,11 @@ int compare(const Common& common, const Options& options) {
   const std::filesystem::path out = results_folder(options.study.scene, options.study.out,
                                                    options.study.inputs.several(), "out/compare");
   const Context context(backend_named(options.backend), common.threads);
-  FrameFolder folder(out / "frames", false, {scene.width, scene.height});
+  const std::string layout = options.over ? "_over" : "";
+  FrameFolder folder(out / ("frames" + layout), false, {scene.width, scene.height});
   const auto [comparison, measured] = compare(scene, chosen, common.quiet);
-  ComparisonFilm film(context, scene, comparison, scene.width, scene.height, options.samples);
+  ComparisonFilm film(context, scene, comparison, scene.width, scene.height, options.samples,
+                      options.over ? Layout::over : Layout::beside);
   std::vector<std::filesystem::path> files;
   {
     Progress progress("rendering", "frames", frames.size(), common.quiet);
@@ -232,7 +234,7 @@ int compare(const Common& common, const Options& options) {
   }
   std::string video;
   if (!options.no_video) {
-    video = (out / (name + ".mp4")).string();
+    video = (out / (name + layout + ".mp4")).string();
     encode_video(files, scene.fps, video);
   }
   write_csv(comparison.table, out / "compare");
@@ -241,7 +243,7 @@ int compare(const Common& common, const Options& options) {
   record.write(json);
   record.commit();
   write_output(common.json ? json : table_text(comparison.table));
-  if (!common.quiet) note("{}\n", video.empty() ? (out / "frames").string() : video);
+  if (!common.quiet) note("{}\n", video.empty() ? (out / ("frames" + layout)).string() : video);
   return kDone;
 }
 
@@ -252,6 +254,7 @@ void add_compare(CLI::App& app, Program& program) {
       app, program, "compare", "Show methods side by side in one clip, scored against the truth",
       "  taut compare scenes/rope_drop.toml\n"
       "  taut compare scenes/rope_swing.toml --methods impulse,impulse:as-printed,direct\n"
+      "  taut compare scenes/rope_drop.toml --over\n"
       "  taut compare scenes/rope_swing.toml --frames 0-30 --size 960x540 --no-video");
   auto options = std::make_shared<Options>();
   add_scene_options(command, options->study.inputs);
@@ -268,6 +271,8 @@ void add_compare(CLI::App& app, Program& program) {
   command.add_option("--samples", options->samples, "Samples per pixel; default 4").range(1, 64);
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
       .one_of({"auto", "egl", "osmesa"});
+  command.add_flag("--over", options->over,
+                   "All methods in one panel, each in its colour, instead of side by side");
   command.add_flag("--no-video", options->no_video, "Frames only");
   options->study.follows = Follows::pins_and_cuts;
   options->study.among_obstacles = true;

@@ -13,7 +13,10 @@ namespace {
 
 constexpr Rgb kInk = {32, 34, 38}, kGrey = {110, 112, 116}, kPaper = {255, 255, 255};
 constexpr float kGhost = 0.35f;     // opacity
+constexpr float kOverlay = 0.85f;   // opacity of methods over each other
 constexpr double kCells = 0.63;     // of the picture's height
+constexpr double kPanel = 0.46;     // of its width, where methods lie over each other
+constexpr double kTable = 0.36;     // of its height, there
 constexpr double kHeading = 0.085;  // of the picture's height, over what moves in a cell
 constexpr int kMostColumns = 6;
 constexpr double kCharts = 0.58;         // of the picture's width; the rest is the table's
@@ -22,6 +25,31 @@ constexpr double kLeastStretch = 1e-4;   // %, of the chart
 
 Rgb rgb(std::uint32_t color) {
   return {std::uint8_t(color >> 16), std::uint8_t(color >> 8), std::uint8_t(color)};
+}
+
+/// sRGB to linear light (IEC 61966-2-1).
+Vec3 linear(Rgb color) {
+  Vec3 light;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double x = color[k] / 255.0;
+    light[Eigen::Index(k)] = x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+  }
+  return light;
+}
+
+/// The stage with what moves in one colour, but for people.
+Stage coloured(const Stage& stage, const Vec3& color) {
+  Stage result = stage;
+  result.characters.clear();
+  for (ConnectorLook& look : result.connector_looks) look.color = color;
+  for (auto& model : result.body_models) {
+    if (!model) continue;
+    Model painted = *model;
+    for (Material& material : painted.materials)
+      for (std::size_t k = 0; k < 3; ++k) material.base_color[k] = float(color[Eigen::Index(k)]);
+    model = std::make_shared<const Model>(std::move(painted));
+  }
+  return result;
 }
 
 /// Cells in rows of so many, from the upper left.
@@ -37,8 +65,8 @@ std::vector<Rect> cells(std::size_t count, int columns, int width, int height) {
 }
 
 /// Everything that moves: as the truth has it, and behind its end as the first method does that
-/// goes on.
-std::vector<Vec3> moving_points(const Comparison& comparison) {
+/// goes on; where methods lie over each other, as each of them has it.
+std::vector<Vec3> moving_points(const Comparison& comparison, Layout layout) {
   std::vector<Vec3> points;
   const auto add = [&](std::span<const Snapshot> states) {
     for (const Snapshot& state : states) {
@@ -48,6 +76,10 @@ std::vector<Vec3> moving_points(const Comparison& comparison) {
     }
   };
   add(comparison.truth);
+  if (layout == Layout::over) {
+    for (const ComparedMethod& method : comparison.methods) add(method.frames);
+    return points;
+  }
   const std::size_t known = comparison.truth.size();
   for (const ComparedMethod& method : comparison.methods) {
     if (known == comparison.times.size() || method.frames.size() <= known) continue;
@@ -66,31 +98,53 @@ std::string millimetres(double metres) {
 }  // namespace
 
 ComparisonFilm::ComparisonFilm(const Context& context, const Scene& scene,
-                               const Comparison& comparison, int width, int height, int samples)
+                               const Comparison& comparison, int width, int height, int samples,
+                               Layout layout)
     : scene_(scene),
       comparison_(comparison),
+      layout_(layout),
       width_(width),
       height_(height),
-      top_(std::max(int(kCells * height), 1)),
-      canvas_(context, width, top_, samples),
+      areas_(areas(width, height, layout)),
+      canvas_(context, areas_.cells.width, areas_.cells.height, samples),
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline)),
       still_(width, height) {
+  if (layout_ == Layout::over) {
+    for (const ComparedMethod& method : comparison_.methods)
+      coloured_.push_back(coloured(*scene.stage, linear(rgb(method.style.color))));
+    for (const Stage& stage : coloured_)
+      overlays_.push_back(
+          std::make_unique<StageRenderer>(context, stage, divided(scene.world, scene.timeline)));
+  }
   lay_out();
   draw_charts();
   draw_table();
 }
 
+ComparisonFilm::Areas ComparisonFilm::areas(int width, int height, Layout layout) {
+  if (layout == Layout::over) {
+    const int right = std::max(int(kPanel * width), 1), low = int((1 - kTable) * height);
+    return {{0, 0, right, height},
+            {right, 0, width - right, low},
+            {right, low, width - right, height - low}};
+  }
+  const int top = std::max(int(kCells * height), 1), middle = int(kCharts * width);
+  return {{0, 0, width, top},
+          {0, top, middle, height - top},
+          {middle, top, width - middle, height - top}};
+}
+
 void ComparisonFilm::lay_out() {
-  const std::size_t count = comparison_.methods.size();
+  const std::size_t count = layout_ == Layout::over ? 1 : comparison_.methods.size();
   const int usual = count == 4 ? 2 : std::min(int(count), 3);
-  cells_ = cells(count, usual, width_, top_);
+  cells_ = cells(count, usual, areas_.cells.width, areas_.cells.height);
   // People, and cameras that move, are seen as the scene has them.
   if (!scene_.stage->characters.empty() || scene_.stage->camera.size() != 1) return;
   const CameraView camera = camera_at(scene_.stage->camera, 0);
-  const std::vector<Vec3> points = moving_points(comparison_);
+  const std::vector<Vec3> points = moving_points(comparison_, layout_);
   double best = 0;  // px to a metre
   for (int columns = 1; columns <= std::min(int(count), kMostColumns); ++columns) {
-    std::vector<Rect> tried = cells(count, columns, width_, top_);
+    std::vector<Rect> tried = cells(count, columns, areas_.cells.width, areas_.cells.height);
     const Rect& cell = tried.front();
     if (cell.width < 1 || cell.height < 1) continue;
     const CameraView view = framed(camera, points, double(cell.width) / cell.height,
@@ -136,23 +190,97 @@ Picture ComparisonFilm::draw(std::size_t frame) {
   const double time = comparison_.times[frame];
   std::vector<View> views;
   for (const Rect& cell : cells_)
-    views.push_back({{cell.x, top_ - cell.top(), cell.width, cell.height}, camera(time)});
+    views.push_back(
+        {{cell.x, areas_.cells.height - cell.top(), cell.width, cell.height}, camera(time)});
   renderer_.begin(canvas_, views);
+  if (layout_ == Layout::over)
+    draw_over(views.front(), frame);
+  else
+    draw_beside(views, frame);
+  Picture picture = still_;
+  paste(canvas_.finish(), picture, 0, 0);
+  for (const Rect& cell : cells_) draw_truth_note(picture, cell, frame);
+  if (layout_ == Layout::over)
+    draw_legend(picture, frame);
+  else
+    for (std::size_t i = 0; i < cells_.size(); ++i) draw_cell(picture, i, frame);
+  draw_scale(picture);
+  draw_cursor(picture, frame);
+  return picture;
+}
+
+const Snapshot& ComparisonFilm::state_of(const ComparedMethod& method, std::size_t frame) const {
+  const std::size_t last = std::min(frame + 1, method.frames.size());
+  return last ? method.frames[last - 1] : comparison_.truth.front();
+}
+
+void ComparisonFilm::draw_beside(std::span<const View> views, std::size_t frame) {
+  const double time = comparison_.times[frame];
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const ComparedMethod& method = comparison_.methods[i];
-    const std::size_t last = std::min(frame + 1, method.frames.size());
-    const Snapshot& state = last ? method.frames[last - 1] : comparison_.truth.front();
+    const Snapshot& state = state_of(comparison_.methods[i], frame);
     renderer_.draw(canvas_, views[i].viewport, instant(state, time));
     if (time <= comparison_.horizon)
       renderer_.draw(canvas_, views[i].viewport, instant(comparison_.truth[frame], time),
                      {.characters = false, .opacity = kGhost});
   }
-  Picture picture = still_;
-  paste(canvas_.finish(), picture, 0, 0);
-  for (std::size_t i = 0; i < cells_.size(); ++i) draw_cell(picture, i, frame);
-  draw_scale(picture);
-  draw_cursor(picture, frame);
-  return picture;
+}
+
+void ComparisonFilm::draw_over(const View& view, std::size_t frame) {
+  const double time = comparison_.times[frame];
+  const bool known = time <= comparison_.horizon;
+  const Snapshot& shown =
+      known ? comparison_.truth[frame] : state_of(comparison_.methods.front(), frame);
+  renderer_.draw(canvas_, view.viewport, instant(shown, time),
+                 {.bodies = false, .connectors = false});
+  for (std::size_t i = 0; i < overlays_.size(); ++i)
+    overlays_[i]->draw(canvas_, view.viewport,
+                       instant(state_of(comparison_.methods[i], frame), time),
+                       {.characters = false, .opacity = kOverlay});
+  if (known)
+    renderer_.draw(canvas_, view.viewport, instant(comparison_.truth[frame], time),
+                   {.characters = false, .opacity = kGhost});
+}
+
+/// Whose colour is whose, and how far each is from what distances are measured from.
+void ComparisonFilm::draw_legend(Picture& picture, std::size_t frame) {
+  const Rect& cell = cells_.front();
+  const double size = 0.024 * height_, row = 1.6 * size;
+  double column = 0;
+  for (const ComparedMethod& method : comparison_.methods)
+    column = std::max(column, bold_.width(method.label, size));
+  double y = cell.y + 1.2 * row;
+  const double values = font_.width("0.00000 mm", size);
+  fill(picture,
+       {int(cell.x), int(cell.y), int(column + values + 4.4 * size),
+        int(row * (double(comparison_.methods.size()) + 1))},
+       kPaper, 0.72);
+  for (const ComparedMethod& method : comparison_.methods) {
+    const bool stopped = !method.failure.empty() && frame >= method.frames.size();
+    fill(picture, {int(cell.x + size), int(y - 0.7 * size), int(0.8 * size), int(0.8 * size)},
+         rgb(method.style.color));
+    bold_.draw(picture, method.label, cell.x + 2.4 * size, y, size, kInk);
+    const std::string text = stopped                          ? "stopped"
+                             : frame < method.distance.size() ? millimetres(method.distance[frame])
+                                                              : "";
+    font_.draw(picture, text, cell.x + column + 3.4 * size, y, size, kGrey);
+    y += row;
+  }
+}
+
+/// Behind the truth's horizon a cell says that the ghost is gone, and why.
+void ComparisonFilm::draw_truth_note(Picture& picture, const Rect& cell, std::size_t frame) {
+  const double time = comparison_.times[frame], size = 0.0168 * height_;
+  const std::string text =
+      time <= comparison_.horizon
+          ? "ghost: the truth"
+          : fmt::format("no truth after {:.2g} s: not predictable", comparison_.horizon);
+  const double wide = font_.width(text, size);
+  const double x = std::max(cell.right() - size - wide, double(cell.x) + size);
+  fill(picture,
+       {int(x - 0.4 * size), int(cell.top() - 2 * size), int(wide + 0.8 * size), int(1.4 * size)},
+       kPaper, 0.6);
+  font_.draw(picture, text, x, cell.top() - size, size,
+             time <= comparison_.horizon ? kGrey : Rgb{150, 60, 20});
 }
 
 void ComparisonFilm::draw_cell(Picture& picture, std::size_t index, std::size_t frame) {
@@ -193,7 +321,7 @@ void ComparisonFilm::draw_cell(Picture& picture, std::size_t index, std::size_t 
 
 void ComparisonFilm::draw_charts() {
   Chart chart;
-  chart.columns = 2;
+  chart.columns = layout_ == Layout::over ? 1 : 2;
   const auto points = [&](const std::vector<double>& values, double unit) {
     std::vector<Point> list;
     for (std::size_t k = 0; k < values.size(); ++k)
@@ -233,21 +361,22 @@ void ComparisonFilm::draw_charts() {
 
   // Charts have type of one size: they are drawn large, and shrunk where the picture is small.
   const int factor = std::max((1080 + height_ - 1) / height_, 1);
-  chart.width = int(kCharts * width_) * factor;
-  chart.height = (height_ - top_) * factor;
+  chart.width = areas_.charts.width * factor;
+  chart.height = areas_.charts.height * factor;
   const std::string png = draw_chart(chart, ChartFormat::png);
   paste(shrunk(decode_png({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}), factor),
-        still_, 0, top_);
+        still_, areas_.charts.x, areas_.charts.y);
   for (std::size_t i = 0; i < chart.panels.size(); ++i) {
     const PlotArea area = plot_area(chart, i);
-    plots_.push_back({area.left / factor, top_ + area.top / factor, area.right / factor,
-                      top_ + area.bottom / factor});
+    plots_.push_back({areas_.charts.x + area.left / factor, areas_.charts.y + area.top / factor,
+                      areas_.charts.x + area.right / factor,
+                      areas_.charts.y + area.bottom / factor});
   }
 }
 
 void ComparisonFilm::draw_table() {
   const double size = 0.0165 * height_, row = 1.75 * size;
-  const double left = kCharts * width_ + size, right = width_ - size;
+  const double left = areas_.table.x + size, right = areas_.table.right() - size;
   const Table& table = comparison_.table;
   const double first = 0.30 * (right - left);
   const double other =
@@ -257,9 +386,9 @@ void ComparisonFilm::draw_table() {
     const double end = left + first + other * double(column);
     font.draw(still_, text, column ? end - font.width(text, size) : left, y, size, ink);
   };
-  double bottom = top_ + 1.5 * size;
+  double bottom = areas_.table.y + 1.5 * size;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    double y = top_ + 1.6 * size;
+    double y = areas_.table.y + 1.6 * size;
     for (const std::string& line :
          wrapped(font_, table.columns[c], size, c ? 0.9 * other : first)) {
       put(font_, line, c, y, kGrey);
@@ -302,7 +431,7 @@ void ComparisonFilm::draw_cursor(Picture& picture, std::size_t frame) {
   }
   const double size = 0.024 * height_;
   const std::string text = fmt::format("{:.2f} s", comparison_.times[frame]);
-  bold_.draw(picture, text, kCharts * width_ + 0.7 * size, top_ + 3 * size, size, kInk);
+  bold_.draw(picture, text, areas_.table.x + 0.7 * size, areas_.table.y + 3 * size, size, kInk);
 }
 
 }  // namespace taut

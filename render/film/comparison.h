@@ -1,4 +1,5 @@
-// Methods side by side in one picture: a cell of the scene for each, charts and a table under them.
+// Methods in one picture: a cell of the scene for each, or all over each other in one; charts and a
+// table under them.
 #pragma once
 
 #include <optional>
@@ -34,14 +35,20 @@ struct Comparison {
   Table table;  // a row per method
 };
 
-/// The frames of a comparison. In each cell the truth is a translucent ghost, up to its horizon. A
-/// method that stopped early stays where it was, and its cell says why.
+enum class Layout {
+  beside,  // a cell for each method
+  over,    // one cell, where each method's connectors and bodies have its colour and no shadow
+};
+
+/// The frames of a comparison. In each cell the truth is a translucent ghost, up to its horizon;
+/// behind it the cell says that there is none. A method that stopped early stays where it was, and
+/// its cell says why.
 class ComparisonFilm {
  public:
   /// The scene has a stage; both outlive this. Throws NoContext where the driver allows no such
   /// size or number of samples, and CannotWrite where gnuplot is missing.
   ComparisonFilm(const Context& context, const Scene& scene, const Comparison& comparison,
-                 int width, int height, int samples);
+                 int width, int height, int samples, Layout layout = Layout::beside);
 
   Picture draw(std::size_t frame);
 
@@ -51,19 +58,31 @@ class ComparisonFilm {
   CameraView camera(double time) const;
   void draw_scale(Picture& picture);
   FrameState instant(const Snapshot& state, double time) const;
+  void draw_beside(std::span<const View> views, std::size_t frame);
+  void draw_over(const View& view, std::size_t frame);
+  const Snapshot& state_of(const ComparedMethod& method, std::size_t frame) const;
   void draw_cell(Picture& picture, std::size_t method, std::size_t frame);
+  void draw_legend(Picture& picture, std::size_t frame);
+  void draw_truth_note(Picture& picture, const Rect& cell, std::size_t frame);
   void draw_charts();
   void draw_table();
   void draw_cursor(Picture& picture, std::size_t frame);
 
   const Scene& scene_;
   const Comparison& comparison_;
+  Layout layout_;
   int width_, height_;
-  int top_;                           // px, of the charts
+  struct Areas {
+    Rect cells, charts, table;  // from the upper left corner of the picture, where the cells begin
+  };
+  static Areas areas(int width, int height, Layout layout);
+  Areas areas_;
   std::vector<Rect> cells_;           // from the upper left corner of the picture
   std::optional<CameraView> camera_;  // none: the scene's
   Canvas canvas_;
   StageRenderer renderer_;
+  std::vector<Stage> coloured_;  // [method], where they lie over each other
+  std::vector<std::unique_ptr<StageRenderer>> overlays_;  // of these
   Font font_, bold_{Font::Weight::bold};
   Picture still_;  // what is the same in every frame
   std::vector<PlotArea> plots_;

@@ -91,6 +91,23 @@ TEST_F(Compare, CellsDifferWhereMethodsDo) {
   EXPECT_GT(differ(read_png(frame(9))), 60);
 }
 
+TEST_F(Compare, MethodsOverEachOtherAreToldApartByTheirColours) {
+  ASSERT_EQ(compare({"--methods", "impulse,xpbd", "--frames", "9", "--no-video", "--over"}).code,
+            0);
+  EXPECT_FALSE(fs::exists(frame(9))) << "the other layout's";
+  const Picture picture = read_png(out_ / "frames_over/000009.png");
+  // Of the panel below the legend: orange (213, 94, 0) and purple (204, 121, 167) in the light.
+  int orange = 0, purple = 0;
+  for (int y = 80; y < 250; ++y)
+    for (int x = 0; x < 220; ++x) {
+      const std::uint8_t* p = picture.at(x, y);
+      orange += p[0] > p[2] + 60;
+      purple += p[0] > p[1] + 15 && p[2] > p[1] + 15;
+    }
+  EXPECT_GT(orange, 40);
+  EXPECT_GT(purple, 40);
+}
+
 TEST_F(Compare, AMethodThatStopsLeavesTheOthers) {
   // Explicit Euler with a step beyond every limit.
   const std::string text = kComparedSwing;
