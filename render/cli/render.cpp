@@ -65,6 +65,7 @@ void add_render(CLI::App& app, Program& program) {
   Command command =
       add_command(app, program, "render", "Render a scene's clip",
                   "  taut render scenes/nunchaku.toml\n"
+                  "  taut render scenes/nunchaku.toml --preview\n"
                   "  taut render scenes/nunchaku.toml -o nunchaku.webp --preset draft\n"
                   "  taut render scenes/rope_swing.toml --set connectors.rope.length=0.3 --watch\n"
                   "  taut render scenes/nunchaku.toml --frames 0-59,120 --size 960x540 --no-video\n"

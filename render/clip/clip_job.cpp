@@ -55,6 +55,8 @@ std::size_t missing_frames(const fs::path& folder, const std::vector<int>& frame
   }));
 }
 
+constexpr int kPreviewRate = 24;  // frames a second, at most
+
 constexpr const char* kFewer = ", fewer frames at a time (--frames), smaller pictures (--size)";
 
 /// The options of a single picture, where one is asked for in whatever way.
@@ -90,7 +92,7 @@ ClipJob::ClipJob(const RenderOptions& asked, const Common& common) : options(ask
   backend = backend_named(options.backend);
   scene = load_chosen(options.scene, true, options.method);
   const int planned_height = scene.height;
-  const Preset preset = preset_of(options.output.preset, scene.width, scene.height, 4);
+  const Preset preset = preset_of(options.output, scene.width, scene.height, 4);
   std::tie(scene.width, scene.height) = std::pair(preset.width, preset.height);
   if (options.samples == 0) options.samples = preset.samples;
   if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
@@ -104,11 +106,16 @@ ClipJob::ClipJob(const RenderOptions& asked, const Common& common) : options(ask
     complete();
     enlarge(scene, double(scene.height) / planned_height, options.samples);
   }
-  const int fps = options.fps > 0 ? options.fps : scene.fps;
+  const int most = options.output.preview ? std::min(scene.fps, kPreviewRate) : scene.fps;
+  const int fps = options.fps > 0 ? options.fps : most;
   proof = proof_of(scene, options, fps);
   scene.fps = fps;
   scene.method = chosen_method(options.method, scene);
   if (!options.method.planned) complete();
+  if (options.output.preview) {
+    scene.stage->shutter = 0;
+    options.no_estimate = true;
+  }
   options.stills = stills_of(options, clip_length(scene) / scene.fps);
   video = !options.no_video && !options.stills.any();
   const std::string ending = ending_of(options);
@@ -122,6 +129,7 @@ ClipJob::ClipJob(const RenderOptions& asked, const Common& common) : options(ask
   clip = clip_frames(scene);
   frames = frame_list(options.frames, int(clip.size()));
   out = results_folder(options.scene, options.out, options.inputs.several());
+  if (options.output.preview) out /= "preview";
   frame_path = out / "frames";
   if (options.part.is_part()) {
     video = false;

@@ -46,6 +46,9 @@ void add_output_options(Command& command, OutputOptions& options) {
                   "draft: 640 pixels wide, a sample per pixel; final: the scene's size, 8 samples; "
                   "4k: 3840 wide")
       .one_of({"draft", "final", "4k"});
+  command.add_flag("--preview", options.preview,
+                   "See a scene at once: 480 pixels wide, a sharp sample per pixel, at most 24 "
+                   "frames a second, no estimate, in a folder preview of its own");
   command.add_flag("--watch", options.watch,
                    "Make a poster whenever the scene file is saved, until Ctrl-C");
 }
@@ -72,8 +75,10 @@ void check_outputs(const OutputOptions& options, bool several, bool frames_alone
   }
 }
 
-Preset preset_of(const std::string& name, int width, int height, int samples) {
+Preset preset_of(const OutputOptions& options, int width, int height, int samples) {
   const double aspect = static_cast<double>(height) / width;
+  if (options.preview) return {480, even(480 * aspect), 1};
+  const std::string& name = options.preset;
   if (name == "draft") return {640, even(640 * aspect), 1};
   if (name == "final") return {width, height, 8};
   if (name == "4k") return {3840, even(3840 * aspect), samples};

@@ -15,7 +15,7 @@ struct OutputOptions {
   std::string file;  // empty: an .mp4 in the clip's folder
   std::string preset;
   int quality = 85;
-  bool transparent = false, watch = false;
+  bool transparent = false, watch = false, preview = false;
 
   /// True for a single picture.
   bool is_picture() const;
@@ -27,12 +27,11 @@ void add_output_options(Command& command, OutputOptions& options);
 /// several scenes would share a file.
 void check_outputs(const OutputOptions& options, bool several, bool frames_alone);
 
-/// The size (px, even) and the samples that a preset stands for, of a scene's picture. Throws
-/// Misuse.
+/// The size (px, even) and the samples that a preset or a preview stands for, of a scene's picture.
 struct Preset {
   int width, height, samples;
 };
-Preset preset_of(const std::string& name, int width, int height, int samples);
+Preset preset_of(const OutputOptions& options, int width, int height, int samples);
 
 /// Everything that a run's pictures have in common: program, scene, method.
 class Provenance {

@@ -85,6 +85,15 @@ TEST_F(Output, PresetsAreSizes) {
   EXPECT_EQ(picture("draft.png").height, 360);
 }
 
+TEST_F(Output, APreviewIsSmallAndStandsApart) {
+  ASSERT_EQ(render({"--preview", "--no-video", "--out", "clip"}).code, 0);
+  EXPECT_EQ(read_png(folder_.path() / "clip/preview/frames/000000.png").width, 480);
+  EXPECT_FALSE(fs::exists(folder_.path() / "clip/frames"));
+  const auto record = nlohmann::json::parse(read_file(folder_.path() / "clip/preview/clip.json"));
+  EXPECT_LE(record.at("fps"), 24);
+  EXPECT_FALSE(record.contains("error_estimate_m") && record.at("error_estimate_m").is_number());
+}
+
 TEST_F(Output, ABackgroundComesOutAsItIsAsked) {
   ASSERT_EQ(
       render({"-o", "green.png", "--set", "stage.background=[0,1,0]", "--set", "stage.scenery=[]"})
