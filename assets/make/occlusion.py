@@ -4,7 +4,7 @@ import numpy as np
 from mesh import smoothing
 
 VOXEL = 0.003
-REACH = 0.16
+REACH = 0.40
 RAYS = 40
 
 
