@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <new>
 #include <sstream>
 
 namespace taut {
@@ -19,6 +20,7 @@ fs::path& chosen_folder() {
 fs::path resolved(const fs::path& path) {
   std::error_code error;
   const fs::path real = fs::weakly_canonical(path, error);
+  throw_if_out_of_memory(error);
   return error ? path : real;
 }
 
@@ -40,9 +42,14 @@ void set_asset_folder(const fs::path& folder) {
 fs::path installed_share() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  throw_if_out_of_memory(error);
   if (error || program.parent_path().filename() != "bin") return {};
   const fs::path share = program.parent_path().parent_path() / "share/taut";
   return fs::is_directory(share, error) ? share : fs::path();
+}
+
+void throw_if_out_of_memory(const std::error_code& error) {
+  if (error == std::errc::not_enough_memory) throw std::bad_alloc();
 }
 
 std::vector<AssetFolder> asset_folders(const fs::path& folder) {

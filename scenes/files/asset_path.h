@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace taut {
@@ -21,6 +22,10 @@ void set_asset_folder(const std::filesystem::path& folder);
 /// TAUT_ASSETS (separated by colons), the scene's own, its project's (the nearest folder above it
 /// with a CMakePresets.json or .git), and the one that is installed beside the program.
 std::vector<AssetFolder> asset_folders(const std::filesystem::path& folder);
+
+/// Throws std::bad_alloc where that is why a call of the library failed: those that take a code
+/// say so by it.
+void throw_if_out_of_memory(const std::error_code& error);
 
 /// share/taut of the prefix that the running program is installed in; empty: it is in none.
 std::filesystem::path installed_share();

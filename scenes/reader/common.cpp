@@ -24,18 +24,22 @@ fs::path find_file(const Document& document, const Value& value) {
   const fs::path asked(value.text);
   std::error_code error;
   const fs::path scene = fs::weakly_canonical(document.file, error).parent_path();
+  throw_if_out_of_memory(error);
   const std::vector<AssetFolder> folders = asset_folders(scene);
   if (asked.is_absolute()) {
     document.mismatch(value, fmt::format("a path relative to one of: {}", places(folders)));
   }
   for (const AssetFolder& place : folders) {
     const fs::path file = fs::weakly_canonical(place.folder / asked, error);
+    throw_if_out_of_memory(error);
     if (error || !fs::exists(file, error)) continue;
     if (!is_inside(file, place.within)) {
       document.mismatch(value, fmt::format("a file inside of {}", place.within.string()));
     }
     if (fs::is_directory(file, error)) document.mismatch(value, "a file, not a directory");
-    return fs::proximate(file, error);
+    const fs::path near = fs::proximate(file, error);
+    throw_if_out_of_memory(error);
+    return error ? file : near;
   }
   document.fail(value,
                 fmt::format("there is no file {}; looked: {}", shown(value), places(folders)));

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 
@@ -28,6 +29,8 @@ class FaultTable {
     // The folder's name is another one each time, and methods come and go.
     replace(message, folder_, "FOLDER");
     replace(message, method_names(), "METHODS");
+    // Steps follow from errors down to their roundings, which processors make otherwise.
+    message = std::regex_replace(message, std::regex("\\(step [0-9]+"), "(step N");
     rows_ += fmt::format("| {} | `{}` | {} |\n", cell(fault), cell(message), outcome.code);
   }
 
