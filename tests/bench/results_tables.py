@@ -171,6 +171,25 @@ def promise(work):
     return markdown(rows, range(1, len(rows[0])))
 
 
+@result("careful", DIRECT)
+def careful(work):
+    """errors over tolerances where runs are asked for multiples of them"""
+    rows = [["asked for", "at most 1", "at most 3", "median", "largest", "solves a second"]]
+    path = work.out / "careful.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    for asked in (1, 4, 16, 64, 256):
+        work.run(f"taut_promise --scenes 350 --asked {asked} --threads 2 --csv {path.relative_to(work.source)}")
+        with open(path, encoding="utf-8") as file:
+            some = list(csv.DictReader(file))
+        errors = sorted(float(cell["error_in_tolerances"]) for cell in some)
+        solves = sorted(float(cell["solves"]) for cell in some)
+        within = [100 * sum(error <= most for error in errors) / len(errors) for most in (1, 3)]
+        rows.append([f"{asked} tolerance{'s' if asked > 1 else ''}", *(f"{share:.1f}%" for share in within),
+                     f"{errors[len(errors) // 2]:.2g}", f"{errors[-1]:.2g}", f"{solves[len(solves) // 2]:.0f}"])
+    work.commands = ["taut_promise --scenes 350 --asked ... --threads 2 --csv out/results/careful.csv"]
+    return markdown(rows, range(1, len(rows[0])))
+
+
 @result("schemes", DIRECT)
 def schemes(work):
     """which scheme of direct takes which steps, and its picture"""
@@ -181,12 +200,14 @@ def schemes(work):
     keep(work, work.out / "schemes.png", "schemes.png")
     with open(path, encoding="utf-8") as file:
         steps = list(csv.DictReader(file))
-    rows = [["tolerance / length", "DOP853", "Adams", "ROS34PW2"]]
+    rows = [["tolerance / length", "DOP853", "Adams", "ROS34PW2", "error", "waves", "frame", "longest"]]
     for tolerance in dict.fromkeys(step["tolerance_of_length"] for step in steps):
-        some = [step["scheme"] for step in steps if step["tolerance_of_length"] == tolerance]
-        rows.append([tolerance] + [f"{100 * some.count(scheme) / len(some):.0f}%"
-                                   for scheme in ("dop853", "adams", "rosenbrock")])
-    return "![Schemes by waves and step](../../../assets/pictures/schemes.png)\n\n" + markdown(rows, (1, 2, 3))
+        some = [step for step in steps if step["tolerance_of_length"] == tolerance]
+        rows.append([tolerance] + [f"{100 * sum(step[key] == value for step in some) / len(some):.0f}%"
+                                   for key, value in [("scheme", "dop853"), ("scheme", "adams"), ("scheme", "rosenbrock"),
+                                                      ("limit", "error"), ("limit", "waves"), ("limit", "frame"),
+                                                      ("limit", "longest")]])
+    return "![Schemes by waves and step](../../../assets/pictures/schemes.png)\n\n" + markdown(rows, range(1, len(rows[0])))
 
 
 @result("engines", STUDY)

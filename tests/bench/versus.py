@@ -22,7 +22,7 @@ import sys
 import tempfile
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-TOLERANCES = [m * 10**-p for p in range(0, 6) for m in (1, 0.5, 0.3, 0.2)]  # m
+TOLERANCES = [m * 10**-p for p in range(0, 6) for m in (1, 0.7, 0.5, 0.4, 0.3, 0.2, 0.14)]  # m
 PARTICLE = re.compile(r".*\.\d+\.[xyz]$")
 
 

@@ -22,8 +22,8 @@ Count run_seeds(unsigned seeds) {
     const Reference reference = make_reference(drawn, kCap);
     if (!reference.usable()) continue;
     for (const double tolerance : kTolerances) {
-      Score result = score(drawn, reference, {"direct", {}}, tolerance, kCap);
-      add_estimate(result, drawn, reference, {"direct", {}});
+      Score result = score(drawn, reference, {"direct", {}}, tolerance, 1, kCap);
+      add_estimate(result, drawn, reference, {"direct", {}}, 1);
       ++count.cells;
       count.within_one += result.error <= 1 ? 1 : 0;
       count.within_three += result.error <= 3 ? 1 : 0;

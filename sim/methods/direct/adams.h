@@ -51,6 +51,10 @@ class AdamsStep {
   /// What a step takes beside projections, in accelerations; measured.
   static constexpr double kCost = 1.6;
 
+  /// A spacing is kept down to this share of the step that is possible: a new one costs an
+  /// interpolation of what is remembered, and half of the memory where it is wider.
+  static constexpr double kLeastSpacing = 0.75;
+
   static constexpr std::size_t kKept = 6;
   static constexpr std::size_t kArrays = 2 * kKept + 4;
 

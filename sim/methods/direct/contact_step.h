@@ -38,7 +38,6 @@ class ContactStep {
   void accept();
 
   // Of the last attempt.
-  bool has_hits() const { return hits_; }
   double turn() const { return turn_; }  // rad, the most that a link turned
   /// m, RMS, of the first stage; 0: not known. Waves lower than `lowest` (m) need not be followed.
   double error(double lowest) const;

@@ -76,14 +76,14 @@ void Integrator::begin() {
   rests_.fill({0, kConstants.shortest_rest});
 }
 
-/// How long it takes the quickest link to turn by kConstants.first_turn (s).
+/// How long it takes the quickest link to turn by kConstants.turn (s).
 double Integrator::first_step() const {
   double speed = 0, gain = 0;  // 1/s, 1/s^2
   for (std::size_t i = 0; i < q_.size(); ++i) {
     speed = std::max(speed, std::abs(rate_[i]));
     gain = std::max(gain, std::abs(acceleration_[i]));
   }
-  const double turn = kConstants.first_turn;
+  const double turn = kConstants.turn;
   const double turned = 2 * turn / (speed + std::sqrt(speed * speed + 2 * gain * turn));
   return std::min(turned, longest_);
 }
@@ -117,14 +117,15 @@ void Integrator::refresh(Counters& counters) {
   fresh_ = true;
 }
 
-/// The error (m) of a step of h by one of the schemes of one step.
-double Integrator::attempt(Scheme scheme, double h, Counters& counters) {
+/// A step of h by one of the schemes of one step.
+StepError Integrator::attempt(Scheme scheme, double h, Counters& counters) {
   const double *q = q_.data(), *rate = rate_.data(), *first = acceleration_.data();
   refresh(counters);
   counters.cycles += (cost_[scheme] - 1) * system_.work();
   if (scheme == dop853) {
     counters.solves += kStages - 1;
-    return dop853_.attempt(system_, time_, h, q, rate, first);
+    const double error = dop853_.attempt(system_, time_, h, q, rate, first);
+    return {error, error, 0};
   }
   counters.solves += RosenbrockStep::kStages - 1;
   return rosenbrock_.attempt(system_, time_, h, q, rate, first);
@@ -135,7 +136,7 @@ void Integrator::accept(Scheme scheme, double time, Counters& counters) {
   q_before_.swap(q_);
   rate_before_.swap(rate_);
   time_ = time;
-  last_ = {scheme, time_ - before_, waves_};
+  last_ = {scheme, limit_, time_ - before_, waves_};
   counters.steps += 1;
   taken_[scheme] += 1;
   if (scheme == dop853) dop853_.swap_result(q_, rate_);
@@ -166,10 +167,14 @@ void Integrator::advance_by_tolerance(World& world, double until, Counters& coun
       refresh(counters);
       step_ = first_step();
     }
-    if (scheme_ != adams) refresh(counters);
+    if (scheme_ != adams || adams_.longest() == 0) refresh(counters);
     double wish = std::min({step_, stable_step(scheme_), longest_ / options_.finer});
     if (scheme_ == adams && adams_.longest() > 0) wish = std::min(wish, adams_.longest());
     double h = length_of_step(until, wish);
+    limit_ = h < kConstants.safety * wish        ? Limit::frame
+             : wish >= stable_step(scheme_)      ? Limit::waves
+             : wish >= longest_ / options_.finer ? Limit::longest
+                                                 : Limit::error;
     Scheme scheme = scheme_;
     double error = 0;
     if (scheme_ == adams) {
@@ -184,7 +189,7 @@ void Integrator::advance_by_tolerance(World& world, double until, Counters& coun
     if (!(time_ + h > time_)) throw StepTooSmall{time_};
     if (scheme != adams) {
       const double end = scheme == scheme_ ? end_of_step(until, h) : end_of_start(until, h / 3);
-      error = attempt(scheme, h, counters) / allowed_error(scheme, h);
+      error = share_of_allowed(scheme, h, attempt(scheme, h, counters));
       if (leave_plane(world)) continue;
       if (error <= 1) {  // false for NaN
         if (scheme_ == adams) {
@@ -228,7 +233,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
   // below the other.
   static const double kMuch = std::pow(kConstants.safety, AdamsStep::kErrorOrder - 1);
   static const double kLittle =
-      std::pow(kConstants.safety * kConstants.least_spacing, AdamsStep::kErrorOrder);
+      std::pow(kConstants.safety * AdamsStep::kLeastSpacing, AdamsStep::kErrorOrder);
   const double h = adams_.spacing(), allowed = allowed_error(adams, h);
   double error = 0;
   int& rest = rests_[rosenbrock].steps;
@@ -246,7 +251,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
     waves_ = system_.wave_frequency();
     const double waves = options_.finer * h * waves_ / AdamsStep::kStable;
     if (waves > 1 || error > kMuch) return error;
-    if ((error < kLittle && waves < kConstants.least_spacing) || --rest <= 0) return error;
+    if ((error < kLittle && waves < AdamsStep::kLeastSpacing) || --rest <= 0) return error;
   }
   return error;
 }
@@ -315,7 +320,7 @@ void Integrator::advance_by_step(World& world, double until, Counters& counters)
       refresh(counters);
       const double h = end - time_;
       scheme_ = h > stable_step(dop853) ? rosenbrock : dop853;
-      const double error = attempt(scheme_, h, counters);
+      const double error = attempt(scheme_, h, counters).all;
       if (leave_plane(world)) continue;
       if (error <= coarsest) {
         accept(scheme_, end, counters);

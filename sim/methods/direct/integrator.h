@@ -58,9 +58,13 @@ class Integrator {
   const Component& component() const { return component_; }
 
   enum Scheme { dop853, adams, rosenbrock, kSchemes };
+  /// What keeps a step from being longer: its error, the waves, the time at which a state is asked
+  /// for, or what is longest.
+  enum class Limit { error, waves, frame, longest };
   /// A step that was taken.
   struct Step {
     Scheme scheme = dop853;
+    Limit limit = Limit::error;
     double length = 0;  // s
     double waves = 0;   // rad/s, the highest frequency of waves where it began
   };
@@ -89,7 +93,7 @@ class Integrator {
   bool is_before(double until);
   double first_step() const;
   void refresh(Counters& counters);
-  double attempt(Scheme scheme, double h, Counters& counters);
+  StepError attempt(Scheme scheme, double h, Counters& counters);
   void start_adams(double time, Counters& counters);
   double advance_adams(double until, Counters& counters);
   void accept(Scheme scheme, double time, Counters& counters);
@@ -100,7 +104,9 @@ class Integrator {
 
   // How far, how wrong and to where (step_length.cpp).
   double stable_step(Scheme scheme) const;
+  double asked_error() const;
   double allowed_error(Scheme scheme, double h) const;
+  double share_of_allowed(Scheme scheme, double h, const StepError& error) const;
   bool lands(Scheme scheme) const;
   double length_of_step(double until, double wish) const;
   double end_of_step(double until, double h) const;
@@ -122,6 +128,7 @@ class Integrator {
   Slice q_, rate_, acceleration_;
   double before_ = 0;  // s, where the last step began
   Step last_;
+  Limit limit_ = Limit::error;  // of the step that is being tried
   Slice q_before_, rate_before_;
   Slice q_between_, rate_between_;  // at a time within that step
   bool fresh_ = false;              // acceleration_ and waves_ are those of the present state

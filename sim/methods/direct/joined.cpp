@@ -103,7 +103,7 @@ double Joined::longest_step(double waves) const {
 double Joined::allowed_error(double h) const {
   const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
   const double share = std::min(kConstants.rate * options_.finer * h, kConstants.share);
-  const double rough = kConstants.roughness * shortest_ / kConstants.share;
+  const double rough = kConstants.turn * shortest_ / kConstants.share;
   return share * std::min(tolerance, rough) / std::pow(options_.finer, kErrorOrder) +
          kConstants.roundings * std::numeric_limits<double>::epsilon() * length_;
 }

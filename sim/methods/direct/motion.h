@@ -10,6 +10,13 @@
 
 namespace taut::direct {
 
+/// What a step is estimated to err by (m).
+struct StepError {
+  double all = 0;          // in places and velocities
+  double followed = 0;     // of that, less what it damps of waves that it passes over
+  double passed_over = 0;  // in places, on those waves
+};
+
 /// q'' = a(t, q, q'), with arrays of size() doubles, a multiple of four; what is no coordinate
 /// among them is zero. The coordinates are directions (angles, unit vectors and unit quaternions),
 /// never positions: every length holds whatever an integrator does.
@@ -62,11 +69,6 @@ class Motion {
   /// Factors sigma_squared - L, L the stiff part of the derivative of the last acceleration by q.
   virtual void factor(double sigma_squared) = 0;
   virtual void solve_factored(double* x) const = 0;
-  /// For two right sides, of which the second lies behind the first.
-  virtual void solve_factored(double* x, double* y) const {
-    solve_factored(x);
-    solve_factored(y);
-  }
 };
 
 }  // namespace taut::direct

@@ -128,9 +128,10 @@ void RosenbrockStep::make_arrays(Arena& arena) {
   }
 }
 
-double RosenbrockStep::attempt(Motion& motion, double time, double h, const double* q,
-                               const double* rate, const double* first) {
-  constexpr double kOutside = std::numeric_limits<double>::infinity();
+StepError RosenbrockStep::attempt(Motion& motion, double time, double h, const double* q,
+                                  const double* rate, const double* first) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  constexpr StepError kOutside = {kInfinite, kInfinite, kInfinite};
   double *dx[kStages], *dy[kStages];
   for (int s = 0; s < kStages; ++s) {
     dx[s] = dx_[s].data();
@@ -158,7 +159,16 @@ double RosenbrockStep::attempt(Motion& motion, double time, double h, const doub
   }
   end_state(size, rate, dx, dy, q_.data(), rate_.data(), error_q_.data(), error_rate_.data());
   if (!motion.retract(q, q_.data(), rate_.data())) return kOutside;
-  return motion.error(error_q_.data(), error_rate_.data());
+  StepError error;
+  error.all = motion.error(error_q_.data(), error_rate_.data());
+  error.passed_over = motion.displacement(error_q_.data());
+  for (Slice* part : {&error_q_, &error_rate_}) {
+    for (double& x : *part) x *= sigma * sigma;
+    motion.solve_factored(part->data());
+    motion.to_tangent(q, part->data());
+  }
+  error.followed = motion.error(error_q_.data(), error_rate_.data());
+  return error;
 }
 
 }  // namespace taut::direct

@@ -13,18 +13,28 @@ double Integrator::stable_step(Scheme scheme) const {
   return (scheme == dop853 ? Dop853Step::kStable : AdamsStep::kStable) / waves_ / options_.finer;
 }
 
+/// The error (m) that a run may make.
+double Integrator::asked_error() const {
+  return options_.step > 0 ? kConstants.coarsest * system_.length() : options_.tolerance;
+}
+
 /// The error (m) that a step of h of the scheme may make.
 double Integrator::allowed_error(Scheme scheme, double h) const {
-  const double length = system_.length();
-  const double tolerance = options_.step > 0 ? kConstants.coarsest * length : options_.tolerance;
   const double share = std::min(kConstants.rate * options_.finer * h, kConstants.share);
-  const double rough = kConstants.roughness * system_.shortest() / kConstants.share;
+  const double rough = kConstants.turn * system_.shortest() / kConstants.share;
   // No shorter step would mend what the last digit of each direction does under the tensions.
   constexpr double kDigit = std::numeric_limits<double>::epsilon() / 2;
   const double rounding =
       kConstants.roundings * kDigit * waves_ * waves_ * system_.displacement_bound(1);
-  return share * std::min(tolerance, rough) / larger_[scheme] +
+  return share * std::min(asked_error(), rough) / larger_[scheme] +
          h * system_.velocity_time() * rounding;
+}
+
+/// The error of a step of h of the scheme, as a share of the one that it may make.
+double Integrator::share_of_allowed(Scheme scheme, double h, const StepError& error) const {
+  const double followed = error.followed / allowed_error(scheme, h);
+  const double once = kConstants.passed_over * asked_error() / larger_[scheme];
+  return std::max(followed, error.passed_over / once);
 }
 
 /// Whether the scheme's steps end where a state is asked for. DOP853's are too long to be
@@ -45,7 +55,7 @@ double Integrator::length_of_step(double until, double wish) const {
   if (scheme_ != adams) return share(wish);
   const double h = adams_.spacing();
   const bool fits = !lands(adams) || std::abs(std::round(left / h) * h - left) <= 1e-9 * h;
-  if (fits && h <= wish && h >= kConstants.least_spacing * wish) return h;
+  if (fits && h <= wish && h >= AdamsStep::kLeastSpacing * wish) return h;
   return share(h > wish ? kConstants.safety * wish : wish);
 }
 

@@ -64,7 +64,6 @@ class System : public Motion {
   bool retract(const double* base, double* x, double* rate) const override;
   void to_tangent(const double* base, double* x) const override;
   void factor(double sigma_squared) override;
-  using Motion::solve_factored;
   void solve_factored(double* x) const override;
 
  private:

@@ -24,6 +24,7 @@ struct Options {
   std::vector<std::string> set;
   std::string csv, schemes;
   std::size_t worst = 0;
+  double asked = 1;
   double cap = 60;  // s
   bool cached = false, references = false, estimate = false;
 };
@@ -84,8 +85,11 @@ class Work {
     const bool usable = reference && reference->usable();
     for (const double tolerance : options_.tolerances) {
       if (!usable || options_.references) break;
-      scores.push_back(score(drawn, *reference, candidate_, tolerance, options_.cap));
-      if (options_.estimate) add_estimate(scores.back(), drawn, *reference, candidate_);
+      scores.push_back(
+          score(drawn, *reference, candidate_, tolerance, options_.asked, options_.cap));
+      if (options_.estimate) {
+        add_estimate(scores.back(), drawn, *reference, candidate_, options_.asked);
+      }
     }
     const std::lock_guard lock(mutex_);
     results_.truth += spent;
@@ -174,6 +178,10 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(std::vector<std::string>(kKinds.begin(), kKinds.end())));
   app.add_option("--tolerances", options.tolerances, "shares of the length")
       ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--asked", options.asked,
+                 "what runs are asked for, in the tolerances that they are scored by")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--cache", options.cache, "folder of the references")->capture_default_str();

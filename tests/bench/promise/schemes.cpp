@@ -15,6 +15,7 @@ using direct::Integrator;
 
 void follow(const Drawn& drawn, double tolerance, std::ostream& out) {
   constexpr std::array<std::string_view, 3> kNames = {"dop853", "adams", "rosenbrock"};
+  constexpr std::array<std::string_view, 4> kLimits = {"error", "waves", "frame", "longest"};
   World world = drawn.world;
   Division division;
   direct::StepOptions options;
@@ -33,8 +34,9 @@ void follow(const Drawn& drawn, double tolerance, std::ostream& out) {
     for (Integrator& part : parts) {
       part.store(world);
       const Integrator::Step& step = part.last_step();
-      out << fmt::format("{},{},{},{:.4g},{:.4g},{}\n", drawn.seed, kKinds[drawn.kind], tolerance,
-                         step.waves, step.length, kNames[step.scheme]);
+      out << fmt::format("{},{},{},{:.4g},{:.4g},{},{}\n", drawn.seed, kKinds[drawn.kind],
+                         tolerance, step.waves, step.length,
+                         kLimits[static_cast<std::size_t>(step.limit)], kNames[step.scheme]);
     }
     place_carried(world);
   }

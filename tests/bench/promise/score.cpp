@@ -26,9 +26,9 @@ double largest(const Run& run, const Reference& reference) {
 }  // namespace
 
 Score score(const Drawn& drawn, const Reference& reference, Candidate candidate, double tolerance,
-            double cap) {
+            double asked, double cap) {
   const double allowed = tolerance * drawn.length;
-  candidate.settings["tolerance"] = allowed;
+  candidate.settings["tolerance"] = asked * allowed;
   const Run result = run({drawn.world, frame_times(kDuration, kFps)}, candidate, cap);
   Score score;
   score.seed = drawn.seed;
@@ -47,10 +47,10 @@ Score score(const Drawn& drawn, const Reference& reference, Candidate candidate,
   return score;
 }
 
-void add_estimate(Score& score, const Drawn& drawn, const Reference& reference,
-                  Candidate candidate) {
+void add_estimate(Score& score, const Drawn& drawn, const Reference& reference, Candidate candidate,
+                  double asked) {
   const double allowed = score.tolerance * drawn.length;
-  candidate.settings["tolerance"] = allowed;
+  candidate.settings["tolerance"] = asked * allowed;
   Simulation simulation(drawn.world, make_method(candidate.method, candidate.settings));
   ErrorEstimate estimate(drawn.world, candidate.method, candidate.settings);
   double stepping = 0, following = 0;  // s of CPU time

@@ -32,14 +32,14 @@ inline bool near(const Score& score) {
   return score.told() <= kNear && score.told() >= 1 / kNear;
 }
 
-/// Runs the scene for all of its duration with the candidate's `tolerance` set to that share of the
-/// length. The error is the largest of all frames up to the horizon, each the RMS over all
-/// particles.
+/// Runs the scene for all of its duration with the candidate's `tolerance` set to `asked` times
+/// that share of the length. The error is the largest of all frames up to the horizon, each the RMS
+/// over all particles.
 Score score(const Drawn& drawn, const Reference& reference, Candidate candidate, double tolerance,
-            double cap);
+            double asked, double cap);
 
 /// Runs it again, up to the horizon, and sets what the run estimates of its own error.
-void add_estimate(Score& score, const Drawn& drawn, const Reference& reference,
-                  Candidate candidate);
+void add_estimate(Score& score, const Drawn& drawn, const Reference& reference, Candidate candidate,
+                  double asked);
 
 }  // namespace taut::promise
