@@ -148,8 +148,7 @@ def promise(work):
     path = work.out / "promise.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     work.run(f"taut_promise --scenes 350 --estimate --threads 2 --csv {path.relative_to(work.source)}")
-    with open(path, encoding="utf-8") as file:
-        cells_ = list(csv.DictReader(file))
+    cells_ = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
 
     def percent(values, holds):
         return f"{100 * sum(map(holds, values)) / len(values):.1f}%"
@@ -179,10 +178,8 @@ def careful(work):
     path.parent.mkdir(parents=True, exist_ok=True)
     for asked in (1, 4, 16, 64, 256):
         work.run(f"taut_promise --scenes 350 --asked {asked} --threads 2 --csv {path.relative_to(work.source)}")
-        with open(path, encoding="utf-8") as file:
-            some = list(csv.DictReader(file))
-        errors = sorted(float(cell["error_in_tolerances"]) for cell in some)
-        solves = sorted(float(cell["solves"]) for cell in some)
+        some = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+        errors, solves = (sorted(float(cell[name]) for cell in some) for name in ("error_in_tolerances", "solves"))
         within = [100 * sum(error <= most for error in errors) / len(errors) for most in (1, 3)]
         rows.append([f"{asked} tolerance{'s' if asked > 1 else ''}", *(f"{share:.1f}%" for share in within),
                      f"{errors[len(errors) // 2]:.2g}", f"{errors[-1]:.2g}", f"{solves[len(solves) // 2]:.0f}"])
@@ -198,15 +195,14 @@ def schemes(work):
     work.run(f"taut_promise --scenes 70 --schemes {path.relative_to(work.source)}")
     work.run("gnuplot tests/bench/schemes.gnuplot")
     keep(work, work.out / "schemes.png", "schemes.png")
-    with open(path, encoding="utf-8") as file:
-        steps = list(csv.DictReader(file))
+    steps = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+    columns = [("scheme", name) for name in ("dop853", "adams", "rosenbrock")]
+    columns += [("limit", name) for name in ("error", "waves", "frame", "longest")]
     rows = [["tolerance / length", "DOP853", "Adams", "ROS34PW2", "error", "waves", "frame", "longest"]]
     for tolerance in dict.fromkeys(step["tolerance_of_length"] for step in steps):
         some = [step for step in steps if step["tolerance_of_length"] == tolerance]
         rows.append([tolerance] + [f"{100 * sum(step[key] == value for step in some) / len(some):.0f}%"
-                                   for key, value in [("scheme", "dop853"), ("scheme", "adams"), ("scheme", "rosenbrock"),
-                                                      ("limit", "error"), ("limit", "waves"), ("limit", "frame"),
-                                                      ("limit", "longest")]])
+                                   for key, value in columns])
     return "![Schemes by waves and step](../../../assets/pictures/schemes.png)\n\n" + markdown(rows, range(1, len(rows[0])))
 
 
