@@ -39,7 +39,7 @@ struct Counters {
   std::uint64_t steps = 0;
   std::uint64_t solves = 0;       // systems solved, or passes over all links
   std::uint64_t rejected = 0;     // steps undone by an error control
-  std::uint64_t handed_over = 0;  // steps left to a more careful integrator
+  std::uint64_t handed_over = 0;  // steps left to a scheme of higher order
   /// What all that takes of a processor, in cycles, as the operations in the loops add up: two
   /// additions or multiplications a cycle where none waits for another, four cycles each where they
   /// do; five and fifteen for a division or a root.

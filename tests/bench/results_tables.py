@@ -170,11 +170,11 @@ def promise(work):
     return markdown(rows, range(1, len(rows[0])))
 
 
-@result("careful", DIRECT)
-def careful(work):
+@result("multiples", DIRECT)
+def multiples(work):
     """errors over tolerances where runs are asked for multiples of them"""
     rows = [["asked for", "at most 1", "at most 3", "median", "largest", "solves a second"]]
-    path = work.out / "careful.csv"
+    path = work.out / "multiples.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     for asked in (1, 4, 16, 64, 256):
         work.run(f"taut_promise --scenes 350 --asked {asked} --threads 2 --csv {path.relative_to(work.source)}")
@@ -183,7 +183,7 @@ def careful(work):
         within = [100 * sum(error <= most for error in errors) / len(errors) for most in (1, 3)]
         rows.append([f"{asked} tolerance{'s' if asked > 1 else ''}", *(f"{share:.1f}%" for share in within),
                      f"{errors[len(errors) // 2]:.2g}", f"{errors[-1]:.2g}", f"{solves[len(solves) // 2]:.0f}"])
-    work.commands = ["taut_promise --scenes 350 --asked ... --threads 2 --csv out/results/careful.csv"]
+    work.commands = ["taut_promise --scenes 350 --asked ... --threads 2 --csv out/results/multiples.csv"]
     return markdown(rows, range(1, len(rows[0])))
 
 

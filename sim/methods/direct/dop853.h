@@ -1,4 +1,4 @@
-// The careful integrator: explicit Runge-Kutta of order 8 for second-order motion.
+// Explicit Runge-Kutta of order 8 for second-order motion.
 #pragma once
 
 #include "sim/methods/direct/arena.h"
