@@ -12,7 +12,7 @@
 
 #include "render/error.h"
 
-namespace taut {
+namespace taut::render {
 
 bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
@@ -145,4 +145,4 @@ void write_output(std::string_view bytes) {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::render

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace taut {
+namespace taut::render {
 
 /// True where `name` is what standard output goes to, as /dev/stdout is.
 bool is_standard_output(const std::filesystem::path& name);
@@ -55,4 +55,4 @@ bool try_to_lock(int file, const std::filesystem::path& name);
 /// Removes a file or folder that may be there. Throws CannotWrite.
 void remove_output(const std::filesystem::path& name);
 
-}  // namespace taut
+}  // namespace taut::render

@@ -15,7 +15,7 @@
 
 #include "render/interrupt.h"
 
-namespace taut {
+namespace taut::render {
 namespace {
 
 [[noreturn]] void fail(int error, const std::string& what) {
@@ -154,4 +154,4 @@ ChildResult run_child(const std::vector<std::string>& arguments, const std::stri
   return {child.status(), out.get(), blocked + err.get()};
 }
 
-}  // namespace taut
+}  // namespace taut::render

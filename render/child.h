@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace taut {
+namespace taut::render {
 
 struct ChildResult {
   int status = 0;  // exit code; 128 + number when a signal ended it
@@ -24,4 +24,4 @@ constexpr std::chrono::milliseconds kPatience = std::chrono::minutes(1);
 ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
                       std::chrono::milliseconds patience = kPatience);
 
-}  // namespace taut
+}  // namespace taut::render

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace taut {
+namespace taut::render {
 
 class Descriptor {
  public:
@@ -28,4 +28,4 @@ class Descriptor {
   int number_ = -1;
 };
 
-}  // namespace taut
+}  // namespace taut::render

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace taut {
+namespace taut::render {
 
 /// No OpenGL context of the kind that rendering needs.
 class NoContext : public std::runtime_error {
@@ -23,4 +23,4 @@ class CannotWrite : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-}  // namespace taut
+}  // namespace taut::render

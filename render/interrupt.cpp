@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-namespace taut {
+namespace taut::render {
 
 namespace {
 
@@ -37,4 +37,4 @@ void stop_if_interrupted() {
   if (pending) throw Interrupted(pending);
 }
 
-}  // namespace taut
+}  // namespace taut::render

@@ -4,7 +4,7 @@
 
 #include <exception>
 
-namespace taut {
+namespace taut::render {
 
 /// Thrown by stop_if_interrupted; what() names the signal.
 class Interrupted : public std::exception {
@@ -24,4 +24,4 @@ int pending_interrupt();
 /// Throws Interrupted if a signal came. Cheap: one atomic read.
 void stop_if_interrupted();
 
-}  // namespace taut
+}  // namespace taut::render

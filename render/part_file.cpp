@@ -12,7 +12,7 @@
 
 #include "render/error.h"
 
-namespace taut {
+namespace taut::render {
 namespace {
 
 namespace fs = std::filesystem;
@@ -71,4 +71,4 @@ void PartFile::commit() {
   part_.clear();
 }
 
-}  // namespace taut
+}  // namespace taut::render

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace taut {
+namespace taut::render {
 
 /// An empty file beside NAME, called NAME.XXXX.part by chance: whatever writes there after its run
 /// was killed writes to no file of another run. commit() makes it NAME; without a commit the
@@ -26,4 +26,4 @@ class PartFile {
   int lock_ = -1;  // open while the run lives: by it others know the file for no leftover
 };
 
-}  // namespace taut
+}  // namespace taut::render

@@ -1,9 +1,9 @@
 #include "render/version.h"
 
-namespace taut {
+namespace taut::render {
 
 const char* version() {
   return TAUT_VERSION;
 }
 
-}  // namespace taut
+}  // namespace taut::render

@@ -1,9 +1,9 @@
 // Which taut this is.
 #pragma once
 
-namespace taut {
+namespace taut::render {
 
 /// As in 0.1.0.
 const char* version();
 
-}  // namespace taut
+}  // namespace taut::render

@@ -9,7 +9,7 @@
 #include "scenes/load_scene.h"
 #include "scenes/scene/shapes.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr double kFieldOfView = 0.5;  // rad, vertical
@@ -290,4 +290,4 @@ void complete_stage(Scene& scene, const std::vector<SceneChange>& changes,
   stage.scenery.push_back(ground_at(lowest - thickest / 2, camera));
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -7,7 +7,7 @@
 
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Gives a scene that was read with its stage what its file leaves open: all of a stage; a camera
 /// that has in its picture, over the whole clip, what moves; where no camera is written also a
@@ -27,4 +27,4 @@ struct Outline {
 /// Every connector and body in that state; bodies as their models or their inertia have them.
 std::vector<Outline> outlines(const Scene& scene, const Snapshot& state);
 
-}  // namespace taut
+}  // namespace taut::scenes

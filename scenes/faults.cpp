@@ -8,7 +8,7 @@
 #include "scenes/format/format_faults.h"
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr std::size_t kMost = 100;  // faults that are looked for
@@ -130,4 +130,4 @@ std::vector<SceneFault> faults_of(const std::filesystem::path& file,
   }
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -8,7 +8,7 @@
 #include "scenes/load_scene.h"
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -120,4 +120,4 @@ GoldenSuite load_golden_suite(const std::filesystem::path& folder) {
   return suite;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

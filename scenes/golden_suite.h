@@ -8,7 +8,7 @@
 
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// One picture to keep: a scene at one of its frames.
 struct GoldenFrame {
@@ -39,4 +39,4 @@ struct GoldenSuite {
 /// Reads FOLDER/golden.toml. Throws BadScene, also for what is wrong with a scene that it names.
 GoldenSuite load_golden_suite(const std::filesystem::path& folder);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -9,7 +9,7 @@
 #include "sim/run/bodies_as_links.h"
 #include "sim/run/coarser.h"
 
-namespace taut {
+namespace taut::scenes {
 
 Scene load_scene(const std::filesystem::path& file, bool with_stage,
                  const std::vector<SceneChange>& changes) {
@@ -77,4 +77,4 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   return scene;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

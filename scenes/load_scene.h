@@ -6,7 +6,7 @@
 
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Reads and checks a scene. Throws BadScene. Of its assets only characters are looked at
 /// unless `with_stage`.
@@ -17,4 +17,4 @@ Scene load_scene(const std::filesystem::path& file, bool with_stage,
 /// changed since the plan was made.
 Scene load_planned(const std::filesystem::path& file, bool with_stage);
 
-}  // namespace taut
+}  // namespace taut::scenes

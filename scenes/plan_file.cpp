@@ -12,7 +12,7 @@
 #include "sim/motion/hash.h"
 #include "sim/run/simulation.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr std::string_view kRemark = "  # what taut plan found; --planned takes it";
@@ -167,4 +167,4 @@ std::string with_plan(std::string_view text, const Plan& plan) {
   return without_plan(text) + "\n\n" + table;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

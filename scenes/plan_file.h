@@ -8,7 +8,7 @@
 
 #include "scenes/scene/plan.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Of everything that a plan depends on: the scene's text without its plan, and the files of its
 /// paths. Throws BadScene.
@@ -22,4 +22,4 @@ std::uint64_t method_stamp(const MethodChoice& method);
 /// the text is not TOML.
 std::string with_plan(std::string_view text, const Plan& plan);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -12,7 +12,7 @@
 #include "scenes/scene/clip.h"
 #include "scenes/scene/view.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -157,4 +157,4 @@ std::vector<std::string> warnings_of(const Scene& scene, double seconds,
   return warnings;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

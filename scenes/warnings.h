@@ -7,7 +7,7 @@
 
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Where a hand's path is out of its arm's reach, what the camera does not show and when, and
 /// whether anything is simulated at all; a sentence each. The scene has its stage complete or none.
@@ -15,4 +15,4 @@ namespace taut {
 std::vector<std::string> warnings_of(const Scene& scene, double seconds,
                                      const std::function<void()>& tick);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -11,7 +11,7 @@
 #include "render/child.h"
 #include "render/error.h"
 
-namespace taut {
+namespace taut::chart {
 namespace {
 
 // Okabe and Ito's colours, which stay apart for colour-blind readers, without the yellow that
@@ -43,16 +43,17 @@ Style truth_style() {
 
 namespace {
 
-ChildResult run_gnuplot(const std::vector<std::string>& arguments, const std::string& input) {
-  ChildResult result;
+render::ChildResult run_gnuplot(const std::vector<std::string>& arguments,
+                                const std::string& input) {
+  render::ChildResult result;
   try {
-    result = run_child(arguments, input);
+    result = render::run_child(arguments, input);
   } catch (const std::system_error& error) {
-    throw CannotWrite(
+    throw render::CannotWrite(
         fmt::format("{}; charts are drawn by gnuplot (Debian: gnuplot-nox)", error.what()));
   }
   if (result.status != 0 || result.output.empty()) {
-    throw CannotWrite(
+    throw render::CannotWrite(
         fmt::format("gnuplot failed with status {}: {}", result.status, result.errors));
   }
   return result;
@@ -93,10 +94,10 @@ void write_chart(const Chart& chart, const std::filesystem::path& base) {
        {std::pair{ChartFormat::svg, ".svg"}, std::pair{ChartFormat::png, ".png"}}) {
     std::filesystem::path file = base;
     file += ending;
-    AtomicFile out(file);
+    render::AtomicFile out(file);
     out.write(draw_chart(chart, format));
     out.commit();
   }
 }
 
-}  // namespace taut
+}  // namespace taut::chart

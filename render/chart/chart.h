@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace taut {
+namespace taut::chart {
 
 /// How a curve looks. Every style differs from the others in colour, in grey, in dash and in
 /// marker.
@@ -119,4 +119,4 @@ std::string gnuplot_script(const Chart& chart, ChartFormat format);
 /// Writes BASE.svg and BASE.png, each complete or not at all. Throws CannotWrite.
 void write_chart(const Chart& chart, const std::filesystem::path& base);
 
-}  // namespace taut
+}  // namespace taut::chart

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::chart {
 namespace chart_layout {
 namespace {
 
@@ -162,4 +162,4 @@ std::pair<double, double> y_range(const Panel& panel) {
   return full_range(panel, false);
 }
 
-}  // namespace taut
+}  // namespace taut::chart

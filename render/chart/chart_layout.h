@@ -6,7 +6,7 @@
 
 #include "render/chart/chart.h"
 
-namespace taut::chart_layout {
+namespace taut::chart::chart_layout {
 
 inline constexpr double kText = 14, kTitle = 19;  // px, heights of the type
 inline constexpr double kMargin = 18;             // px
@@ -33,4 +33,4 @@ std::string name_in(const Panel& panel, const Series& series);
 Layout layout_of(const Chart& chart);
 PlotArea area_in(const Chart& chart, const Layout& layout, std::size_t panel);
 
-}  // namespace taut::chart_layout
+}  // namespace taut::chart::chart_layout

@@ -10,7 +10,7 @@
 #include "render/chart/chart_layout.h"
 #include "render/chart/gnuplot.h"
 
-namespace taut {
+namespace taut::chart {
 namespace {
 
 using namespace chart_layout;
@@ -309,4 +309,4 @@ std::vector<std::string> plot_names(const Chart& chart) {
   return Script(chart, ChartFormat::svg).names();
 }
 
-}  // namespace taut
+}  // namespace taut::chart

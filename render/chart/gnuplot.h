@@ -6,7 +6,7 @@
 
 #include "render/chart/chart.h"
 
-namespace taut {
+namespace taut::chart {
 
 /// What gnuplot plots for a chart, in its order: names of series and of kinds of cells, empty for
 /// what stands for nothing.
@@ -15,4 +15,4 @@ std::vector<std::string> plot_names(const Chart& chart);
 /// Throws CannotWrite unless gnuplot can be run: to be called before a long study.
 void require_gnuplot();
 
-}  // namespace taut
+}  // namespace taut::chart

@@ -10,7 +10,7 @@
 #include "render/chart/page_script.h"
 #include "render/chart/table.h"
 
-namespace taut {
+namespace taut::chart {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -153,4 +153,4 @@ std::string html_command(const std::string& command) {
       escape_html(command));
 }
 
-}  // namespace taut
+}  // namespace taut::chart

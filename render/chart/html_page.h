@@ -6,7 +6,7 @@
 
 #include "render/chart/chart.h"
 
-namespace taut {
+namespace taut::chart {
 
 /// A page of that title, which is its first heading too, and `body`.
 std::string html_page(const std::string& title, const std::string& body);
@@ -18,4 +18,4 @@ std::string html_chart(const Chart& chart);
 /// A command of a page, with a button that copies it.
 std::string html_command(const std::string& command);
 
-}  // namespace taut
+}  // namespace taut::chart

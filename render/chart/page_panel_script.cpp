@@ -1,7 +1,7 @@
 // The script of a chart's panel: what it draws, and what is chosen, zoomed and copied in it.
 #include "render/chart/page_script.h"
 
-namespace taut {
+namespace taut::chart {
 
 const std::string_view kPanelScript = R"js(class Panel {
   constructor(chart, data) {
@@ -322,4 +322,4 @@ const std::string_view kPanelScript = R"js(class Panel {
 }
 )js";
 
-}  // namespace taut
+}  // namespace taut::chart

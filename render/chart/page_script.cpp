@@ -2,7 +2,7 @@
 // copy; clips that play together. What it draws is in the page's own JSON.
 #include "render/chart/page_script.h"
 
-namespace taut {
+namespace taut::chart {
 
 const std::string_view kPageHelpers = R"js('use strict';
 const SVG = 'http://www.w3.org/2000/svg';
@@ -136,4 +136,4 @@ for (const group of document.querySelectorAll('.clips')) {
 }
 )js";
 
-}  // namespace taut
+}  // namespace taut::chart

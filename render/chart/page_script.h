@@ -3,10 +3,10 @@
 
 #include <string_view>
 
-namespace taut {
+namespace taut::chart {
 
 extern const std::string_view kPageHelpers;
 extern const std::string_view kPanelScript;
 extern const std::string_view kPageScript;
 
-}  // namespace taut
+}  // namespace taut::chart

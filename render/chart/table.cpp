@@ -6,7 +6,7 @@
 
 #include "render/chart/fitted_table.h"
 
-namespace taut {
+namespace taut::chart {
 namespace {
 
 std::string csv_cell(const std::string& cell) {
@@ -219,4 +219,4 @@ Table from_csv(const std::string& text) {
   return table;
 }
 
-}  // namespace taut
+}  // namespace taut::chart

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace taut {
+namespace taut::chart {
 
 struct Table {
   std::vector<std::string> columns;  // with units
@@ -26,4 +26,4 @@ std::string escape_html(const std::string& text);
 /// A table that to_csv() wrote. Throws std::invalid_argument where rows and header disagree.
 Table from_csv(const std::string& text);
 
-}  // namespace taut
+}  // namespace taut::chart

@@ -20,65 +20,67 @@ namespace {
 constexpr int kFrames = 100;
 
 struct Options {
-  StudyOptions study;
+  options::StudyOptions study;
   std::vector<std::size_t> particles;
   std::string against;  // empty: springs or, without them, the first method
 };
 
-Problem frames_of(const Scene& scene) {
-  Problem problem{scene.world, {}, scene.timeline};
+study::Problem frames_of(const scenes::Scene& scene) {
+  study::Problem problem{scene.world, {}, scene.timeline};
   for (int k = 1; k <= kFrames; ++k) problem.times.push_back(static_cast<double>(k) / scene.fps);
   return problem;
 }
 
-BenchBlock measure(const StudyOptions& options, const std::vector<Contender>& contenders,
-                   std::size_t particles, double seconds) {
-  const Scene scene = study_scene(options, particles);
-  std::vector<Candidate> candidates;
-  for (const Contender& one : contenders) {
+studies::BenchBlock measure(const options::StudyOptions& options,
+                            const std::vector<options::Contender>& contenders,
+                            std::size_t particles, double seconds) {
+  const scenes::Scene scene = options::study_scene(options, particles);
+  std::vector<study::Candidate> candidates;
+  for (const options::Contender& one : contenders) {
     if (one.method->missing.empty()) candidates.push_back(one.candidate);
   }
-  BenchOptions limits;
+  study::BenchOptions limits;
   limits.repeats = options.quick ? 5 : 25;
   limits.seconds = seconds / 2 / static_cast<double>(std::max<std::size_t>(1, candidates.size()));
-  limits.pause = stop_if_interrupted;
-  std::vector<BenchRow> measured = bench(frames_of(scene), candidates, limits);
-  BenchBlock block;
+  limits.pause = render::stop_if_interrupted;
+  std::vector<study::BenchRow> measured = study::bench(frames_of(scene), candidates, limits);
+  studies::BenchBlock block;
   block.particles = particles;
   std::size_t next = 0;
-  for (const Contender& one : contenders) {
+  for (const options::Contender& one : contenders) {
     if (one.method->missing.empty()) {
       block.rows.push_back(std::move(measured[next++]));
     } else {
-      BenchRow row;
+      study::BenchRow row;
       row.candidate = one.candidate;
       row.failure = one.method->missing;
       block.rows.push_back(std::move(row));
     }
   }
   const double duration = static_cast<double>(kFrames) / scene.fps;
-  block.paper = paper_ratio(options, contenders, particles, duration, seconds / 2);
+  block.paper = studies::paper_ratio(options, contenders, particles, duration, seconds / 2);
   return block;
 }
 
 }  // namespace
 
-BenchResults measure_bench(const StudyOptions& options, const std::vector<std::size_t>& particles,
-                           const std::string& asked, bool quiet) {
-  const std::vector<Contender> contenders = chosen_contenders(options);
+studies::BenchResults measure_bench(const options::StudyOptions& options,
+                                    const std::vector<std::size_t>& particles,
+                                    const std::string& asked, bool quiet) {
+  const std::vector<options::Contender> contenders = options::chosen_contenders(options);
   const bool springs =
-      std::ranges::find(contenders, "springs", &Contender::label) != contenders.end();
+      std::ranges::find(contenders, "springs", &options::Contender::label) != contenders.end();
   const std::string against = !asked.empty() ? asked
                               : springs      ? "springs"
                                              : contenders.front().label;
-  BenchResults results{study_scene(options), contenders, against, {}};
-  if (std::ranges::find(results.contenders, against, &Contender::label) ==
+  studies::BenchResults results{options::study_scene(options), contenders, against, {}};
+  if (std::ranges::find(results.contenders, against, &options::Contender::label) ==
       results.contenders.end()) {
-    throw Misuse(fmt::format("--against: {} is not among the methods timed", against));
+    throw program::Misuse(fmt::format("--against: {} is not among the methods timed", against));
   }
   const double seconds = options.budget / static_cast<double>(particles.size());
   for (const std::size_t n : particles) {
-    if (!quiet) note("timing {} particles\n", n);
+    if (!quiet) program::note("timing {} particles\n", n);
     results.blocks.push_back(measure(options, results.contenders, n, seconds));
   }
   return results;
@@ -86,50 +88,52 @@ BenchResults measure_bench(const StudyOptions& options, const std::vector<std::s
 
 namespace {
 
-int run(const Options& options, const Common& common) {
-  require_gnuplot();
-  const BenchResults results =
+int run(const Options& options, const program::Common& common) {
+  chart::require_gnuplot();
+  const studies::BenchResults results =
       measure_bench(options.study, options.particles, options.against, common.quiet);
-  const std::filesystem::path folder = study_folder(options.study);
-  write_csv(bench_table(results), folder / "bench");
-  write_csv(bench_frames_table(results), folder / "bench_frames");
-  const Table settings = settings_table(results.paper()),
-              equal = equal_error_table(results.paper());
-  write_csv(settings, folder / "bench_paper_ratio");
-  write_csv(equal, folder / "bench_equal_error");
-  write_chart(bench_chart(results), folder / "bench");
+  const std::filesystem::path folder = options::study_folder(options.study);
+  options::write_csv(studies::bench_table(results), folder / "bench");
+  options::write_csv(studies::bench_frames_table(results), folder / "bench_frames");
+  const chart::Table settings = studies::settings_table(results.paper()),
+                     equal = studies::equal_error_table(results.paper());
+  options::write_csv(settings, folder / "bench_paper_ratio");
+  options::write_csv(equal, folder / "bench_equal_error");
+  chart::write_chart(studies::bench_chart(results), folder / "bench");
   if (common.json) {
-    write_output(bench_json(results));
+    render::write_output(studies::bench_json(results));
   } else {
-    write_output(table_text(bench_table(results)));
+    render::write_output(program::table_text(studies::bench_table(results)));
     if (!settings.rows.empty()) {
-      write_output(fmt::format("\nSprings that cost {} times as much as impulse, which is the "
-                               "paper's ratio:\n",
-                               kPaperRatio) +
-                   table_text(settings) +
-                   "\nThe cost of the error that impulse has at one step a frame, and of the least "
-                   "that it reaches:\n" +
-                   table_text(equal));
+      render::write_output(
+          fmt::format("\nSprings that cost {} times as much as impulse, which is the "
+                      "paper's ratio:\n",
+                      studies::kPaperRatio) +
+          program::table_text(settings) +
+          "\nThe cost of the error that impulse has at one step a frame, and of the least "
+          "that it reaches:\n" +
+          program::table_text(equal));
     }
-    write_output("\n" + machine() + "\n");
+    render::write_output("\n" + options::machine() + "\n");
   }
   if (!common.quiet) {
-    note("{}/bench: .csv .svg .png, _frames.csv, _paper_ratio.csv, _equal_error.csv\n",
-         folder.string());
+    program::note("{}/bench: .csv .svg .png, _frames.csv, _paper_ratio.csv, _equal_error.csv\n",
+                  folder.string());
   }
-  return kDone;
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_bench(CLI::App& app, Program& program) {
-  Command command = add_command(app, program, "bench", "What each frame costs each method",
-                                R"(  taut bench scenes/rope_swing.toml
+void add_bench(CLI::App& app, program::Program& program) {
+  program::Command command =
+      program::add_command(app, program, "bench", "What each frame costs each method",
+                           R"(  taut bench scenes/rope_swing.toml
   taut bench scenes/rope_swing.toml --quick --methods impulse,springs,direct
   taut bench scenes/rope_swing.toml --particles 21 --against xpbd --methods impulse,xpbd)");
   const auto options = std::make_shared<Options>();
-  add_study_options(command, options->study, 120);
-  options->study.follows = Follows::pins;
+  options::add_study_options(command, options->study, 120);
+  options->study.follows = options::Follows::pins;
   options->study.among_obstacles = true;
   command
       .add_option("--particles", options->particles,
@@ -147,9 +151,10 @@ void add_bench(CLI::App& app, Program& program) {
         options->particles =
             quick ? std::vector<std::size_t>{11, 21} : std::vector<std::size_t>{11, 21, 41, 81};
       }
-      return for_each_study(options->study, program.common, [&](const StudyOptions& study) {
-        return run({study, options->particles, options->against}, program.common);
-      });
+      return options::for_each_study(
+          options->study, program.common, [&](const options::StudyOptions& study) {
+            return run({study, options->particles, options->against}, program.common);
+          });
     };
   });
 }

@@ -21,107 +21,115 @@ namespace taut::cli {
 namespace {
 
 constexpr const char* kTruth = "truth";  // the row of a part's horizon (s) and self-error (m)
-Target solved_target(const StudyOptions& options, const Scene& scene, bool quiet) {
-  if (!quiet) note("solving the truth\n");
-  return scored_target(scene, least_share(options.quick));
+studies::Target solved_target(const options::StudyOptions& options, const scenes::Scene& scene,
+                              bool quiet) {
+  if (!quiet) program::note("solving the truth\n");
+  return studies::scored_target(scene, studies::least_share(options.quick));
 }
 
-bool has_model_study(const StudyOptions& options, const Scene& scene) {
+bool has_model_study(const options::StudyOptions& options, const scenes::Scene& scene) {
   return !options.quick && scene.world.connectors.size() == 1;
 }
 
 /// What parts share out: the runs of all candidates, and those of the model study.
-Pieces shared_work(const StudyOptions& options, const Scene& scene,
-                   const std::vector<Candidate>& candidates) {
-  Pieces pieces{"chart", "runs", Share::in_turn, {}};
-  for (const Candidate& candidate : candidates) pieces.keys.push_back(score_key(candidate));
+program::Pieces shared_work(const options::StudyOptions& options, const scenes::Scene& scene,
+                            const std::vector<study::Candidate>& candidates) {
+  program::Pieces pieces{"chart", "runs", program::Share::in_turn, {}};
+  for (const study::Candidate& candidate : candidates)
+    pieces.keys.push_back(studies::score_key(candidate));
   if (has_model_study(options, scene)) {
-    for (std::string& key : model_keys()) pieces.keys.push_back(std::move(key));
+    for (std::string& key : studies::model_keys()) pieces.keys.push_back(std::move(key));
   }
   return pieces;
 }
 
-int run_part(const StudyOptions& options, const Scene& scene, const AccuracyStudy& study,
-             const std::vector<Metric>& metrics, const Common& common) {
-  const std::vector<Candidate> candidates = all_candidates(study, options.quick);
-  std::optional<Target> target;
-  const auto work = [&](std::size_t i, Journal& journal) {
+int run_part(const options::StudyOptions& options, const scenes::Scene& scene,
+             const studies::AccuracyStudy& study, const std::vector<study::Metric>& metrics,
+             const program::Common& common) {
+  const std::vector<study::Candidate> candidates = studies::all_candidates(study, options.quick);
+  std::optional<studies::Target> target;
+  const auto work = [&](std::size_t i, program::Journal& journal) {
     if (!target) {
       target = solved_target(options, scene, common.quiet);
-      journal.add(kTruth, {exact(target->reference.horizon), exact(target->reference.self_error)});
+      journal.add(kTruth, {program::exact(target->reference.horizon),
+                           program::exact(target->reference.self_error)});
     }
     if (i >= candidates.size()) {
-      return model_row(options, target->reference.horizon, i - candidates.size());
+      return studies::model_row(options, target->reference.horizon, i - candidates.size());
     }
-    return scored_and_timed(*target, metrics, candidates[i],
-                            cap_of_a_run(study, kScoring * options.budget), kSlow * options.budget);
+    return studies::scored_and_timed(
+        *target, metrics, candidates[i],
+        studies::cap_of_a_run(study, studies::kScoring * options.budget),
+        studies::kSlow * options.budget);
   };
-  return do_part(options.part, shared_work(options, scene, candidates), study_folder(options),
-                 stamp_of(options), common, work);
+  return program::do_part(options.part, shared_work(options, scene, candidates),
+                          options::study_folder(options), options::stamp_of(options), common, work);
 }
 
-int run(const StudyOptions& options, bool markdown, const Common& common) {
-  const Scene scene = study_scene(options, {}, true);
-  AccuracyStudy study = accuracy_study(options, scene);
-  const std::vector<Metric> metrics = accuracy_metrics(scene);
+int run(const options::StudyOptions& options, bool markdown, const program::Common& common) {
+  const scenes::Scene scene = options::study_scene(options, {}, true);
+  studies::AccuracyStudy study = studies::accuracy_study(options, scene);
+  const std::vector<study::Metric> metrics = studies::accuracy_metrics(scene);
   if (options.part.is_part()) return run_part(options, scene, study, metrics, common);
 
-  require_gnuplot();
-  const std::filesystem::path folder = study_folder(options);
+  chart::require_gnuplot();
+  const std::filesystem::path folder = options::study_folder(options);
   const bool merge = options.part.merge;
-  Journal journal =
-      merge ? merged_journal(shared_work(options, scene, all_candidates(study, options.quick)),
-                             folder, stamp_of(options))
-            : Journal(folder / "chart.unfinished", stamp_of(options));
+  program::Journal journal =
+      merge ? program::merged_journal(
+                  shared_work(options, scene, studies::all_candidates(study, options.quick)),
+                  folder, options::stamp_of(options))
+            : program::Journal(folder / "chart.unfinished", options::stamp_of(options));
   if (merge) {
     const auto* truth = journal.find(kTruth);
-    if (!truth) throw Misuse("--merge: there are no runs to merge");
-    study.horizon = number_in(truth->at(0));
-    study.self_error = number_in(truth->at(1)) / scored_length(scene);
-    merge_rows(study, metrics, options.quick, journal);
+    if (!truth) throw program::Misuse("--merge: there are no runs to merge");
+    study.horizon = program::number_in(truth->at(0));
+    study.self_error = program::number_in(truth->at(1)) / studies::scored_length(scene);
+    studies::merge_rows(study, metrics, options.quick, journal);
   } else {
     if (!common.quiet && journal.kept() > 0) {
-      note("going on after {} runs of a chart that was stopped\n", journal.kept());
+      program::note("going on after {} runs of a chart that was stopped\n", journal.kept());
     }
-    const Target target = solved_target(options, scene, common.quiet);
+    const studies::Target target = solved_target(options, scene, common.quiet);
     study.horizon = target.reference.horizon;
-    study.self_error = target.reference.self_error / scored_length(scene);
-    measure(study, target, metrics, options.budget, options.quick, &journal, common.quiet);
+    study.self_error = target.reference.self_error / studies::scored_length(scene);
+    studies::measure(study, target, metrics, options.budget, options.quick, &journal, common.quiet);
   }
   if (has_model_study(options, scene)) {
-    if (!common.quiet && !merge) note("solving chains of 6 to 321 particles\n");
-    study.model = model_study(options, study.horizon, journal);
+    if (!common.quiet && !merge) program::note("solving chains of 6 to 321 particles\n");
+    study.model = studies::model_study(options, study.horizon, journal);
   }
 
-  const Table reach = reach_table(study);
-  write_csv(points_table(study, true), folder / "chart");
-  write_csv(reach, folder / "chart_reach");
-  const Chart chart = accuracy_chart(study);
-  write_chart(chart, folder / "chart");
+  const chart::Table reach = studies::reach_table(study);
+  options::write_csv(studies::points_table(study, true), folder / "chart");
+  options::write_csv(reach, folder / "chart_reach");
+  const chart::Chart chart = studies::accuracy_chart(study);
+  chart::write_chart(chart, folder / "chart");
   if (!study.model.rows.empty()) {
-    write_csv(model_table(study.model), folder / "chart_model");
-    write_chart(model_chart(study.model, study.title), folder / "chart_model");
+    options::write_csv(studies::model_table(study.model), folder / "chart_model");
+    chart::write_chart(studies::model_chart(study.model, study.title), folder / "chart_model");
   }
-  AtomicFile page(folder / "chart.html");
-  page.write(accuracy_page(study));
+  render::AtomicFile page(folder / "chart.html");
+  page.write(studies::accuracy_page(study));
   page.commit();
   if (!merge) journal.finish();
   if (common.json) {
-    write_output(accuracy_json(study));
+    render::write_output(studies::accuracy_json(study));
   } else {
-    const Table best = best_table(study);
-    write_output(markdown ? to_markdown(best) + "\n" + to_markdown(reach)
-                          : table_text(best) + "\n" + table_text(reach));
+    const chart::Table best = studies::best_table(study);
+    render::write_output(markdown ? chart::to_markdown(best) + "\n" + chart::to_markdown(reach)
+                                  : program::table_text(best) + "\n" + program::table_text(reach));
   }
-  if (!common.quiet) note("{}/chart: .csv .svg .png .html\n", folder.string());
-  return kDone;
+  if (!common.quiet) program::note("{}/chart: .csv .svg .png .html\n", folder.string());
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_chart(CLI::App& app, Program& program) {
-  Command command = add_command(app, program, "chart", "Speed against accuracy of every method",
-                                R"(  taut chart scenes/rope_swing.toml
+void add_chart(CLI::App& app, program::Program& program) {
+  program::Command command =
+      program::add_command(app, program, "chart", "Speed against accuracy of every method",
+                           R"(  taut chart scenes/rope_swing.toml
   taut chart scenes/rope_swing.toml --quick
   taut chart scenes/rope_swing.toml --methods springs,xpbd,direct --budget 60
   taut chart scenes/rope_swing.toml --part 3/100
@@ -130,19 +138,19 @@ A chart that is stopped goes on where it was when the same command is given agai
 processes of their own, on any machines that share the folder of results: each takes every N-th run,
 scores and times it, and --merge draws the chart from their rows. --budget then only sets how long
 one run may take.)");
-  const auto options = std::make_shared<StudyOptions>();
+  const auto options = std::make_shared<options::StudyOptions>();
   const auto markdown = std::make_shared<bool>(false);
-  add_study_options(command, *options, 240);
-  add_part_options(command, options->part, "runs");
-  options->follows = Follows::pins;
+  options::add_study_options(command, *options, 240);
+  program::add_part_options(command, options->part, "runs");
+  options->follows = options::Follows::pins;
   options->among_obstacles = true;
   command.add_flag("--markdown", *markdown, "The tables as Markdown");
   command.callback([options, markdown, &program] {
     program.run = [options, markdown, &program] {
       if (options->quick) options->budget = std::min(options->budget, 20.0);
-      return for_each_study(*options, program.common, [&](const StudyOptions& one) {
-        return run(one, *markdown, program.common);
-      });
+      return options::for_each_study(
+          *options, program.common,
+          [&](const options::StudyOptions& one) { return run(one, *markdown, program.common); });
     };
   });
 }

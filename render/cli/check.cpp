@@ -29,7 +29,7 @@ namespace taut::cli {
 namespace {
 
 struct Options {
-  SceneOptions inputs;
+  options::SceneOptions inputs;
   bool schema = false;
   std::vector<std::string> plans;
 };
@@ -42,9 +42,9 @@ constexpr std::size_t kThings = 1000;
 
 struct TooLong {};
 
-std::size_t triangles(const Model& model) {
+std::size_t triangles(const scenes::Model& model) {
   std::size_t count = 0;
-  for (const Mesh& mesh : model.meshes) count += mesh.indices.size() / 3;
+  for (const scenes::Mesh& mesh : model.meshes) count += mesh.indices.size() / 3;
   return count;
 }
 
@@ -94,10 +94,11 @@ std::string material_text(const Connector& connector) {
   return text;
 }
 
-Json material_json(const Connector& connector) {
+program::Json material_json(const Connector& connector) {
   const Section& first = connector.sections.front();
-  Json json;
-  json["axial_stiffness_n"] = connector.stretches() ? Json(first.axial_stiffness) : Json();
+  program::Json json;
+  json["axial_stiffness_n"] =
+      connector.stretches() ? program::Json(first.axial_stiffness) : program::Json();
   json["bending_stiffness_n_m2"] = first.bending_stiffness;
   json["drag"] = {{"across", connector.drag.across}, {"along", connector.drag.along}};
   return json;
@@ -117,12 +118,12 @@ bool shows_obstacle(const World& world, const Body& body) {
 }
 
 /// The models that the stage draws, each with its use.
-std::vector<std::pair<std::string, const Model*>> models(const Scene& scene) {
-  std::vector<std::pair<std::string, const Model*>> list;
-  const Stage& stage = *scene.stage;
+std::vector<std::pair<std::string, const scenes::Model*>> models(const scenes::Scene& scene) {
+  std::vector<std::pair<std::string, const scenes::Model*>> list;
+  const scenes::Stage& stage = *scene.stage;
   for (const auto& model : stage.scenery) list.emplace_back("scenery", model.get());
   for (std::size_t i = 0; i < stage.body_models.size(); ++i) {
-    if (const Model* model = stage.body_models[i].get()) {
+    if (const scenes::Model* model = stage.body_models[i].get()) {
       list.emplace_back("body " + scene.world.bodies[i].name, model);
     }
   }
@@ -131,37 +132,39 @@ std::vector<std::pair<std::string, const Model*>> models(const Scene& scene) {
 }
 
 /// Adds a member whose name is new: looking whether it is takes a pass over all others.
-void append(Json& object, const std::string& name, Json member) {
-  using Members = Json::object_t::Container;
-  static_cast<Members&>(object.get_ref<Json::object_t&>()).emplace_back(name, std::move(member));
+void append(program::Json& object, const std::string& name, program::Json member) {
+  using Members = program::Json::object_t::Container;
+  static_cast<Members&>(object.get_ref<program::Json::object_t&>())
+      .emplace_back(name, std::move(member));
 }
 
-Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& warnings) {
-  Json json = {
+program::Json as_json(const scenes::Scene& scene, bool staged,
+                      const std::vector<std::string>& warnings) {
+  program::Json json = {
       {"scene", scene.file.string()},          {"title", scene.title}, {"warnings", warnings},
       {"duration_s", scene.duration},          {"fps", scene.fps},     {"frames", scene.frames()},
       {"size_px", {scene.width, scene.height}}};
   json["method"] = scene.method.name;
-  json["settings"] = settings_json(full_settings(scene.method));
-  if (const double steps = steps_per_frame(scene); steps > 0) {
+  json["settings"] = options::settings_json(options::full_settings(scene.method));
+  if (const double steps = options::steps_per_frame(scene); steps > 0) {
     json["steps_per_frame"] = std::uint64_t(steps);
   }
-  json["bodies"] = Json::object();
+  json["bodies"] = program::Json::object();
   for (const Body& body : scene.world.bodies) {
     if (shows_obstacle(scene.world, body)) continue;
     append(json["bodies"], body.name,
            {{"driven", body.driven()}, {"mass_kg", body.mass_properties.mass}});
   }
-  json["connectors"] = Json::object();
+  json["connectors"] = program::Json::object();
   for (const Connector& connector : scene.world.connectors) {
-    Json one = {{"length_m", connector.length},
-                {"mass_kg", connector.mass},
-                {"particles", connector.particles()}};
+    program::Json one = {{"length_m", connector.length},
+                         {"mass_kg", connector.mass},
+                         {"particles", connector.particles()}};
     if (!connector.sections.empty()) one["material"] = material_json(connector);
     append(json["connectors"], connector.name, std::move(one));
   }
   json["joints"] = scene.world.joints.size();
-  json["obstacles"] = Json::object();
+  json["obstacles"] = program::Json::object();
   for (const Obstacle& obstacle : scene.world.obstacles) {
     append(json["obstacles"], obstacle.name,
            {{"shape", kind_of(obstacle)},
@@ -170,13 +173,15 @@ Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& wa
             {"static_friction", obstacle.static_friction},
             {"restitution", obstacle.restitution}});
   }
-  if (scene.stage) json["clip_frames"] = std::uint64_t(clip_length(scene));
+  if (scene.stage) json["clip_frames"] = std::uint64_t(options::clip_length(scene));
   json["pins"] = scene.timeline.pins.size();
   json["cuts"] = scene.timeline.cuts.size();
-  json["simulate"] = needs_json(simulation_needs(scene));
-  if (scene.stage) json["render"] = needs_json(clip_needs(scene, clip_length(scene), kSamples));
+  json["simulate"] = options::needs_json(options::simulation_needs(scene));
+  if (scene.stage)
+    json["render"] =
+        options::needs_json(options::clip_needs(scene, options::clip_length(scene), kSamples));
   json["stage"] = staged;
-  json["models"] = Json::array();
+  json["models"] = program::Json::array();
   if (!scene.stage) return json;
   for (const auto& [use, model] : models(scene)) {
     json["models"].push_back({{"use", use},
@@ -187,16 +192,17 @@ Json as_json(const Scene& scene, bool staged, const std::vector<std::string>& wa
   return json;
 }
 
-std::string as_text(const Scene& scene, bool staged, const std::vector<std::string>& warnings) {
+std::string as_text(const scenes::Scene& scene, bool staged,
+                    const std::vector<std::string>& warnings) {
   std::string text;
   const auto line = [&text](const std::string& words) { text += words + '\n'; };
   const World& world = scene.world;
   line(fmt::format("{}: {} s, {} frames at {} per second", scene.title, scene.duration,
                    scene.frames(), scene.fps));
-  const double steps = steps_per_frame(scene);
+  const double steps = options::steps_per_frame(scene);
   line(fmt::format("method {}{} ({})", scene.method.name,
                    steps > 0 ? fmt::format(", {:.0f} steps a frame", steps) : "",
-                   settings_text(full_settings(scene.method))));
+                   options::settings_text(options::full_settings(scene.method))));
   for (const Body& body : world.bodies) {
     if (shows_obstacle(world, body)) continue;
     line(fmt::format("body {}: {:.6g} kg, {}", body.name, body.mass_properties.mass,
@@ -228,13 +234,16 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
                      scene.strange_plan));
   }
   if (scene.plan) {
-    const Plan& plan = *scene.plan;
-    line(plan.stamp != plan_stamp(scene.file) ? "plan: of the scene as it was; it changed since"
-         : plan.program != method_stamp(plan.method)
+    const scenes::Plan& plan = *scene.plan;
+    line(plan.stamp != scenes::plan_stamp(scene.file)
+             ? "plan: of the scene as it was; it changed since"
+         : plan.program != scenes::method_stamp(plan.method)
              ? "plan: by another version of its method; plan it again"
-             : fmt::format("plan: {} by {} (--planned)", certificate(plan), plan.method.name));
+             : fmt::format("plan: {} by {} (--planned)", scenes::certificate(plan),
+                           plan.method.name));
   }
-  line(fmt::format("taut simulate takes {}", needs_text(simulation_needs(scene))));
+  line(
+      fmt::format("taut simulate takes {}", options::needs_text(options::simulation_needs(scene))));
   if (!scene.stage) {
     line("stage: none is written; taut makes its own");
     for (const std::string& warning : warnings) line("warning: " + warning);
@@ -243,9 +252,9 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
   const std::size_t shots = scene.stage->shots.size();
   line(fmt::format("stage{}: {}x{}; the clip has {:.0f} frames in {} shot{}",
                    staged ? "" : ", as none is written, taut's own", scene.width, scene.height,
-                   clip_length(scene), shots, shots == 1 ? "" : "s"));
-  line(fmt::format("taut render takes {}",
-                   needs_text(clip_needs(scene, clip_length(scene), kSamples))));
+                   options::clip_length(scene), shots, shots == 1 ? "" : "s"));
+  line(fmt::format("taut render takes {}", options::needs_text(options::clip_needs(
+                                               scene, options::clip_length(scene), kSamples))));
   for (const auto& [use, model] : models(scene)) {
     line(fmt::format("{}: {}, {} triangles{}", use, model->name, triangles(*model),
                      model->bones.empty() ? "" : fmt::format(", {} bones", model->bones.size())));
@@ -254,12 +263,13 @@ std::string as_text(const Scene& scene, bool staged, const std::vector<std::stri
   return text;
 }
 
-int check(const std::string& file, const std::vector<std::string>& set, const Common& common) {
-  const std::vector<SceneChange> changes = scene_changes(set);
-  if (std::vector<SceneFault> faults = faults_of(file, changes); !faults.empty()) {
-    throw BadScenes(std::move(faults));
+int check(const std::string& file, const std::vector<std::string>& set,
+          const program::Common& common) {
+  const std::vector<scenes::SceneChange> changes = options::scene_changes(set);
+  if (std::vector<scenes::SceneFault> faults = scenes::faults_of(file, changes); !faults.empty()) {
+    throw program::BadScenes(std::move(faults));
   }
-  Scene scene = load_scene(file, true, changes);
+  scenes::Scene scene = scenes::load_scene(file, true, changes);
   const bool staged = scene.stage.has_value();
   std::vector<std::string> warnings;
   try {
@@ -267,78 +277,78 @@ int check(const std::string& file, const std::vector<std::string>& set, const Co
     const World& world = scene.world;
     const std::size_t things = world.bodies.size() + world.connectors.size() +
                                scene.timeline.pins.size() + scene.timeline.cuts.size();
-    if (simulation_needs(scene).memory > kLookedAt || things > kThings) {
+    if (options::simulation_needs(scene).memory > kLookedAt || things > kThings) {
       throw TooLong();
     }
-    Scene complete = scene;
-    complete_stage(complete, changes, [&] {
-      stop_if_interrupted();
+    scenes::Scene complete = scene;
+    scenes::complete_stage(complete, changes, [&] {
+      render::stop_if_interrupted();
       if (std::chrono::steady_clock::now() > end) throw TooLong();
     });
     scene = std::move(complete);
-    warnings =
-        warnings_of(scene, std::chrono::duration<double>(kLooking).count(), stop_if_interrupted);
+    warnings = scenes::warnings_of(scene, std::chrono::duration<double>(kLooking).count(),
+                                   render::stop_if_interrupted);
   } catch (const TooLong&) {
     warnings.emplace_back("too much to simulate for a look at what the camera shows");
   }
-  write_output(common.json ? as_json(scene, staged, warnings).dump(2) + '\n'
-                           : as_text(scene, staged, warnings));
-  return kDone;
+  render::write_output(common.json ? as_json(scene, staged, warnings).dump(2) + '\n'
+                                   : as_text(scene, staged, warnings));
+  return program::kDone;
 }
 
-Json json_of_plans(const std::vector<std::string>& files) {
-  Json list = Json::array();
+program::Json json_of_plans(const std::vector<std::string>& files) {
+  program::Json list = program::Json::array();
   for (const std::string& file : files) {
-    const Scene scene = load_scene(file, false);
-    Json one = {{"scene", file}, {"plan", nullptr}, {"strange", scene.strange_plan}};
+    const scenes::Scene scene = scenes::load_scene(file, false);
+    program::Json one = {{"scene", file}, {"plan", nullptr}, {"strange", scene.strange_plan}};
     if (scene.plan) {
-      const Plan& plan = *scene.plan;
+      const scenes::Plan& plan = *scene.plan;
       one["plan"] = {{"tolerance", plan.tolerance},
                      {"error", plan.error},
-                     {"error_unit", read_length(plan.tolerance)->unit},
+                     {"error_unit", scenes::read_length(plan.tolerance)->unit},
                      {"until_s", plan.until},
                      {"method", plan.method.name},
-                     {"settings", settings_json(plan.method.settings)},
+                     {"settings", options::settings_json(plan.method.settings)},
                      {"particles", plan.particles},
                      {"bodies_as_links", plan.links},
                      {"exposures", plan.exposures},
-                     {"scene_changed", plan.stamp != plan_stamp(scene.file)},
-                     {"method_changed", plan.program != method_stamp(plan.method)}};
+                     {"scene_changed", plan.stamp != scenes::plan_stamp(scene.file)},
+                     {"method_changed", plan.program != scenes::method_stamp(plan.method)}};
     }
     list.push_back(std::move(one));
   }
   return {{"scenes", std::move(list)}};
 }
 
-int run(const Options& options, const Common& common) {
+int run(const Options& options, const program::Common& common) {
   if (options.schema) {
-    write_output(scene_schema());
-    return kDone;
+    render::write_output(scenes::scene_schema());
+    return program::kDone;
   }
   if (!options.plans.empty()) {
-    write_output(common.json ? json_of_plans(options.plans).dump(2) + '\n'
-                             : to_markdown(plan_table(options.plans)));
-    return kDone;
+    render::write_output(common.json ? json_of_plans(options.plans).dump(2) + '\n'
+                                     : chart::to_markdown(planning::plan_table(options.plans)));
+    return program::kDone;
   }
   if (options.inputs.scenes.empty()) {
-    throw Misuse("check: expected a scene file, --plans or --schema");
+    throw program::Misuse("check: expected a scene file, --plans or --schema");
   }
-  return for_each_scene(options.inputs, common, [&](const std::string& scene) {
+  return options::for_each_scene(options.inputs, common, [&](const std::string& scene) {
     return check(scene, options.inputs.set, common);
   });
 }
 
 }  // namespace
 
-void add_check(CLI::App& app, Program& program) {
-  Command command =
-      add_command(app, program, "check", "What is wrong with a scene, and what it would do",
-                  R"(  taut check scenes/nunchaku.toml
+void add_check(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
+      app, program, "check", "What is wrong with a scene, and what it would do",
+      R"(  taut check scenes/nunchaku.toml
   taut check scenes/nunchaku.toml --json
   taut check --plans scenes/*.toml                 their plans, as a table in Markdown
   taut check --schema > scenes/scene.schema.json   the JSON Schema, for editors)");
   const auto options = std::make_shared<Options>();
-  add_scene_options(command, options->inputs).required(false);
+  options::add_scene_options(command, options->inputs).required(false);
   command.add_option("--plans", options->plans, "Write a table of these scenes' plans instead");
   command.add_flag("--schema", options->schema, "Write the JSON Schema of scene files instead");
   command.callback([options, &program] {

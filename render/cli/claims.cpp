@@ -14,7 +14,7 @@ namespace taut::cli {
 namespace {
 
 struct Options {
-  StudyOptions study;
+  options::StudyOptions study;
   bool markdown = false;
 };
 
@@ -43,11 +43,11 @@ Outcome yes_or_no(bool yes) {
 }
 
 std::string micro(double seconds) {
-  return rounded(1e6 * seconds) + " µs";
+  return options::rounded(1e6 * seconds) + " µs";
 }
 
 // Experiment 1: cost.
-void add_costs(const Evidence& e, std::vector<Claim>& claims) {
+void add_costs(const studies::Evidence& e, std::vector<Claim>& claims) {
   const double frame = e.real_time();
   const double few = e.cost("dynamic-constraints:dense"),
                many = e.cost("dynamic-constraints:dense", 1);
@@ -58,8 +58,8 @@ void add_costs(const Evidence& e, std::vector<Claim>& claims) {
        fmt::format(
            "dense solve: {} a frame at {} particles, {} at {}, of {}; the tridiagonal solve "
            "of the same system: {} and {}",
-           micro(few), kFew, micro(many), kMany, micro(frame), micro(e.cost("dynamic-constraints")),
-           micro(e.cost("dynamic-constraints", 1)))});
+           micro(few), studies::kFew, micro(many), studies::kMany, micro(frame),
+           micro(e.cost("dynamic-constraints")), micro(e.cost("dynamic-constraints", 1)))});
   const std::string package = e.has("sdfast") ? "sdfast" : "multibody";
   claims.push_back(
       {"SD/FAST is slower still", "V, Figure 5",
@@ -73,26 +73,27 @@ void add_costs(const Evidence& e, std::vector<Claim>& claims) {
        yes_or_no(few > frame && e.cost("multibody") > frame),
        fmt::format("at {} particles dense dynamic constraints {}, multibody {}, springs "
                    "{} a frame, of {}",
-                   kFew, micro(few), micro(e.cost("multibody")), micro(e.cost("springs")),
+                   studies::kFew, micro(few), micro(e.cost("multibody")), micro(e.cost("springs")),
                    micro(frame))});
   claims.push_back({"The particle system takes the same time in every frame", "V, Figure 5",
                     yes_or_no(e.unevenness("springs") < 0.1),
                     fmt::format("quartiles of its frames lie {} of the median apart (impulse: {}, "
                                 "multibody: {})",
-                                percent(e.unevenness("springs")), percent(e.unevenness("impulse")),
-                                percent(e.unevenness("multibody")))});
-  const PaperSetting& setting = e.bench.blocks[0].paper.settings.front();
+                                options::percent(e.unevenness("springs")),
+                                options::percent(e.unevenness("impulse")),
+                                options::percent(e.unevenness("multibody")))});
+  const studies::PaperSetting& setting = e.bench.blocks[0].paper.settings.front();
   claims.push_back(
-      {fmt::format("The method is {} times as fast as the particle system", kPaperRatio), "V",
-       Outcome::conditional,
+      {fmt::format("The method is {} times as fast as the particle system", studies::kPaperRatio),
+       "V", Outcome::conditional,
        fmt::format("at default settings {}; {} where impulse takes {} step a frame and springs {} "
                    "of {} N/m, whose error is then {} of the length (impulse: {})",
-                   rounded(e.cost("springs") / e.cost("impulse")), rounded(setting.ratio),
-                   rounded(setting.impulse_steps), rounded(setting.substeps),
-                   rounded(setting.stiffness), percent(setting.error),
-                   percent(setting.impulse_error))});
-  std::optional<EqualError> coarse, fine;
-  for (const EqualError& one : e.bench.blocks[0].paper.equal) {
+                   options::rounded(e.cost("springs") / e.cost("impulse")),
+                   options::rounded(setting.ratio), options::rounded(setting.impulse_steps),
+                   options::rounded(setting.substeps), options::rounded(setting.stiffness),
+                   options::percent(setting.error), options::percent(setting.impulse_error))});
+  std::optional<studies::EqualError> coarse, fine;
+  for (const studies::EqualError& one : e.bench.blocks[0].paper.equal) {
     if (one.method != "springs" || !(one.cost > 0)) continue;
     if (!coarse || one.error > coarse->error) coarse = one;
     if (!fine || one.error < fine->error) fine = one;
@@ -104,32 +105,33 @@ void add_costs(const Evidence& e, std::vector<Claim>& claims) {
          fmt::format(
              "springs cost {} times as much at an error of {} of the length, {} times at {}, "
              "below which impulse does not come",
-             rounded(coarse->cost / coarse->impulse_cost), percent(coarse->error),
-             rounded(fine->cost / fine->impulse_cost), percent(fine->error))});
+             options::rounded(coarse->cost / coarse->impulse_cost), options::percent(coarse->error),
+             options::rounded(fine->cost / fine->impulse_cost), options::percent(fine->error))});
   }
   claims.push_back({"Correcting lengths only where they are violated saves time", "IV.B",
                     yes_or_no(e.always > 1.02),
                     fmt::format("correcting all links (h = 0) costs {} times as much as with the "
                                 "default h",
-                                rounded(e.always))});
+                                options::rounded(e.always))});
   claims.push_back({"The method runs in real time", "V, Figure 5",
                     yes_or_no(e.cost("impulse", 1) < frame),
                     fmt::format("{} a frame at {} particles, {} at {}", micro(e.cost("impulse")),
-                                kFew, micro(e.cost("impulse", 1)), kMany)});
+                                studies::kFew, micro(e.cost("impulse", 1)), studies::kMany)});
 }
 
 // Experiment 2: accuracy.
-void add_accuracy(const Evidence& e, std::vector<Claim>& claims) {
+void add_accuracy(const studies::Evidence& e, std::vector<Claim>& claims) {
   const auto error = [&](std::string_view label) { return e.errors[e.at(label)]; };
   const auto difference = [&](std::string_view label) {
-    return percent(e.differences[e.at(label)] / e.length);
+    return options::percent(e.differences[e.at(label)] / e.length);
   };
   const std::string package = e.has("sdfast") ? "sdfast" : "multibody";
-  const PaperSetting& soft = e.bench.blocks[0].paper.settings.front();
-  claims.push_back({"Dynamic constraints can serve as the reference", "V, Figure 6",
-                    yes_or_no(error("dynamic-constraints") < 0.01),
-                    fmt::format("{} of the length from the converged truth in {} s",
-                                percent(error("dynamic-constraints")), rounded(e.horizon))});
+  const studies::PaperSetting& soft = e.bench.blocks[0].paper.settings.front();
+  claims.push_back(
+      {"Dynamic constraints can serve as the reference", "V, Figure 6",
+       yes_or_no(error("dynamic-constraints") < 0.01),
+       fmt::format("{} of the length from the converged truth in {} s",
+                   options::percent(error("dynamic-constraints")), options::rounded(e.horizon))});
   claims.push_back(
       {"The particle system is the least accurate", "V, Figure 6",
        error("springs") > error("impulse") && error("springs") > error(package)
@@ -138,7 +140,8 @@ void add_accuracy(const Evidence& e, std::vector<Claim>& claims) {
        fmt::format(
            "springs of the default stiffness {}, impulse {}; springs as soft as the paper's "
            "ratio needs {}",
-           percent(error("springs")), percent(error("impulse")), percent(soft.error))});
+           options::percent(error("springs")), options::percent(error("impulse")),
+           options::percent(soft.error))});
   claims.push_back(
       {"The method is more accurate than SD/FAST", "V, Figure 6",
        yes_or_no(error("impulse") < error(package)),
@@ -148,20 +151,21 @@ void add_accuracy(const Evidence& e, std::vector<Claim>& claims) {
 }
 
 /// Section IV.C.
-void add_interventions(const Evidence& e, std::vector<Claim>& claims) {
+void add_interventions(const studies::Evidence& e, std::vector<Claim>& claims) {
   const auto error = [&](std::string_view label) { return e.pinned[e.at(label)]; };
   claims.push_back({"The method handles a pin by dividing the connector", "IV.C",
                     yes_or_no(error("impulse") < 0.2),
                     fmt::format("with its middle held, {} of the length from truth",
-                                percent(error("impulse")))});
-  claims.push_back({"Other methods cannot be divided, and lose their correctness", "IV.C",
-                    yes_or_no(!(error("dynamic-constraints") < error("impulse"))),
-                    fmt::format("the same pin: dynamic constraints {}, multibody {}, springs {}",
-                                percent(error("dynamic-constraints")), percent(error("multibody")),
-                                percent(error("springs")))});
+                                options::percent(error("impulse")))});
+  claims.push_back(
+      {"Other methods cannot be divided, and lose their correctness", "IV.C",
+       yes_or_no(!(error("dynamic-constraints") < error("impulse"))),
+       fmt::format("the same pin: dynamic constraints {}, multibody {}, springs {}",
+                   options::percent(error("dynamic-constraints")),
+                   options::percent(error("multibody")), options::percent(error("springs")))});
 }
 
-std::vector<Claim> claims_of(const Evidence& evidence) {
+std::vector<Claim> claims_of(const studies::Evidence& evidence) {
   std::vector<Claim> claims;
   add_costs(evidence, claims);
   add_accuracy(evidence, claims);
@@ -169,38 +173,40 @@ std::vector<Claim> claims_of(const Evidence& evidence) {
   return claims;
 }
 
-Table table_of(const std::vector<Claim>& claims) {
-  Table table{{"the paper says", "in", "here", "measured"}, {}};
+chart::Table table_of(const std::vector<Claim>& claims) {
+  chart::Table table{{"the paper says", "in", "here", "measured"}, {}};
   for (const Claim& claim : claims) {
     table.add({claim.words, claim.where, name_of(claim.outcome), claim.numbers});
   }
   return table;
 }
 
-int run(const Options& options, const Common& common) {
-  const Scene scene = study_scene(options.study);
-  const Table table = table_of(claims_of(gather_evidence(options.study, common.quiet)));
+int run(const Options& options, const program::Common& common) {
+  const scenes::Scene scene = options::study_scene(options.study);
+  const chart::Table table =
+      table_of(claims_of(studies::gather_evidence(options.study, common.quiet)));
   if (common.json) {
-    nlohmann::ordered_json json = {{"scene", options.study.scene}, {"machine", machine()}};
+    nlohmann::ordered_json json = {{"scene", options.study.scene}, {"machine", options::machine()}};
     for (const auto& row : table.rows) {
       json["claims"].push_back(
           {{"claim", row[0]}, {"where", row[1]}, {"outcome", row[2]}, {"measured", row[3]}});
     }
-    write_output(json.dump(2) + "\n");
+    render::write_output(json.dump(2) + "\n");
   } else {
-    write_output(options.markdown ? to_markdown(table) : table_text(table));
+    render::write_output(options.markdown ? chart::to_markdown(table) : program::table_text(table));
   }
-  return kDone;
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_claims(CLI::App& app, Program& program) {
-  Command command = add_command(app, program, "claims", "What of the paper reproduces, measured",
-                                R"(  taut claims scenes/rope_swing.toml
+void add_claims(CLI::App& app, program::Program& program) {
+  program::Command command =
+      program::add_command(app, program, "claims", "What of the paper reproduces, measured",
+                           R"(  taut claims scenes/rope_swing.toml
   taut claims scenes/rope_swing.toml --markdown)");
   const auto options = std::make_shared<Options>();
-  add_scene_options(command, options->study.inputs);
+  options::add_scene_options(command, options->study.inputs);
   command.add_flag("--markdown", options->markdown, "The table as Markdown");
   options->study.budget = 60;
   for (const char* name : {"impulse", "dynamic-constraints", "sdfast", "multibody", "springs"}) {
@@ -209,11 +215,12 @@ void add_claims(CLI::App& app, Program& program) {
   options->study.methods.emplace_back("dynamic-constraints:dense");
   command.callback([options, &program] {
     program.run = [options, &program] {
-      return for_each_study(options->study, program.common, [&](const StudyOptions& one) {
-        Options of_one = *options;
-        of_one.study = one;
-        return run(of_one, program.common);
-      });
+      return options::for_each_study(options->study, program.common,
+                                     [&](const options::StudyOptions& one) {
+                                       Options of_one = *options;
+                                       of_one.study = one;
+                                       return run(of_one, program.common);
+                                     });
     };
   });
 }

@@ -21,42 +21,43 @@ namespace taut::cli {
 namespace {
 
 struct Options {
-  StudyOptions study;  // of its fields only inputs and methods
-  double cap = 5;      // s of CPU time
+  options::StudyOptions study;  // of its fields only inputs and methods
+  double cap = 5;               // s of CPU time
   bool markdown = false, no_truth = false;
 };
 
 /// The class, and the number that it was found by.
-std::string words(const Run& run, const Classification& found) {
+std::string words(const study::Run& run, const study::Classification& found) {
   switch (found.motion_class) {
-    case MotionClass::failed:
-      return run.end == Run::End::diverged
-                 ? fmt::format("failed: diverged at {} s", rounded(run.failed_at))
-                 : "failed: gained " + percent(found.gain) + " energy";
-    case MotionClass::stretched:
-      return "stretched " + percent(found.stretch);
-    case MotionClass::over_damped:
-      return "over-damped: lost " + percent(found.loss);
-    case MotionClass::over_cap:
-      return fmt::format("over the CPU cap at {} s", rounded(run.reached));
-    case MotionClass::accurate:
-      return "accurate: " + percent(found.error);
-    case MotionClass::plausible:
-      return std::isnan(found.error) ? "plausible" : "plausible: off by " + percent(found.error);
+    case study::MotionClass::failed:
+      return run.end == study::Run::End::diverged
+                 ? fmt::format("failed: diverged at {} s", options::rounded(run.failed_at))
+                 : "failed: gained " + options::percent(found.gain) + " energy";
+    case study::MotionClass::stretched:
+      return "stretched " + options::percent(found.stretch);
+    case study::MotionClass::over_damped:
+      return "over-damped: lost " + options::percent(found.loss);
+    case study::MotionClass::over_cap:
+      return fmt::format("over the CPU cap at {} s", options::rounded(run.reached));
+    case study::MotionClass::accurate:
+      return "accurate: " + options::percent(found.error);
+    case study::MotionClass::plausible:
+      return std::isnan(found.error) ? "plausible"
+                                     : "plausible: off by " + options::percent(found.error);
   }
   return "";
 }
 
 /// The contender at its defaults. A scene whose step is a whole frame asks every method that has a
 /// step to take that.
-Candidate candidate_for(const Contender& contender, const Scene& scene,
-                        const std::vector<std::string>& set) {
-  Candidate candidate = contender.candidate;
-  for (const auto& [name, value] : settings_of(*contender.method, set)) {
+study::Candidate candidate_for(const options::Contender& contender, const scenes::Scene& scene,
+                               const std::vector<std::string>& set) {
+  study::Candidate candidate = contender.candidate;
+  for (const auto& [name, value] : options::settings_of(*contender.method, set)) {
     candidate.settings[name] = value;
   }
   if (const std::string wrong = complaint(*contender.method, candidate.settings); !wrong.empty()) {
-    throw Misuse(fmt::format("--set: {}", wrong));
+    throw program::Misuse(fmt::format("--set: {}", wrong));
   }
   const auto step = scene.method.settings.find("step");
   if (step == scene.method.settings.end() ||
@@ -72,39 +73,41 @@ Candidate candidate_for(const Contender& contender, const Scene& scene,
 
 /// The class of each contender in a scene.
 struct Classified {
-  Scene scene;
+  scenes::Scene scene;
   std::string file;
   std::optional<double> horizon;  // s
   struct Method {
-    const Contender* contender;
-    std::optional<Run> run;  // none: this build lacks it
-    Classification classification = {};
+    const options::Contender* contender;
+    std::optional<study::Run> run;  // none: this build lacks it
+    study::Classification classification = {};
   };
   std::vector<Method> methods = {};
 };
 
 Classified classified(const Options& options, const std::string& file,
-                      const std::vector<Contender>& contenders) {
-  StudyOptions study = options.study;
+                      const std::vector<options::Contender>& contenders) {
+  options::StudyOptions study = options.study;
   study.scene = file;
-  study.follows = Follows::pins_and_cuts;
-  study.inputs.set = sets_of_scene(options.study.inputs.set);
-  Classified result{study_scene(study), file, {}};
-  const Scene& scene = result.scene;
-  const Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
-  std::optional<Reference> reference;
+  study.follows = options::Follows::pins_and_cuts;
+  study.inputs.set = options::sets_of_scene(options.study.inputs.set);
+  Classified result{options::study_scene(study), file, {}};
+  const scenes::Scene& scene = result.scene;
+  const study::Problem problem{scene.world, study::frame_times(scene.duration, scene.fps),
+                               scene.timeline};
+  std::optional<study::Reference> reference;
   if (!options.no_truth) {
-    reference = quick_reference(problem, 0.01 * total_length(scene.world),
-                                std::max(options.cap, kTruthCap));
+    reference = studies::quick_reference(problem, 0.01 * study::total_length(scene.world),
+                                         std::max(options.cap, studies::kTruthCap));
   }
   if (reference) result.horizon = reference->horizon;
-  for (const Contender& contender : contenders) {
-    stop_if_interrupted();
+  for (const options::Contender& contender : contenders) {
+    render::stop_if_interrupted();
     Classified::Method method{&contender, {}};
     if (contender.method->missing.empty()) {
-      method.run = taut::run(problem, candidate_for(contender, scene, options.study.inputs.set),
-                             options.cap);
-      method.classification = classify(problem, *method.run, reference ? &*reference : nullptr);
+      method.run = study::run(problem, candidate_for(contender, scene, options.study.inputs.set),
+                              options.cap);
+      method.classification =
+          study::classify(problem, *method.run, reference ? &*reference : nullptr);
       method.run->frames.clear();
     }
     result.methods.push_back(std::move(method));
@@ -113,29 +116,31 @@ Classified classified(const Options& options, const std::string& file,
 }
 
 std::vector<std::string> row_of(const Classified& one) {
-  std::vector<std::string> row{one.scene.title, one.horizon ? rounded(*one.horizon) : "-"};
+  std::vector<std::string> row{one.scene.title, one.horizon ? options::rounded(*one.horizon) : "-"};
   for (const Classified::Method& method : one.methods)
     row.push_back(method.run ? words(*method.run, method.classification)
                              : std::string(method.contender->method->missing));
   return row;
 }
 
-Json json_of(const Classified& one) {
-  Json json = {{"scene", one.file},
-               {"title", one.scene.title},
-               {"truth_until_s", one.horizon ? Json(*one.horizon) : Json(nullptr)}};
+program::Json json_of(const Classified& one) {
+  program::Json json = {
+      {"scene", one.file},
+      {"title", one.scene.title},
+      {"truth_until_s", one.horizon ? program::Json(*one.horizon) : program::Json(nullptr)}};
   for (const Classified::Method& method : one.methods) {
-    Json entry = {{"method", method.contender->label}};
+    program::Json entry = {{"method", method.contender->label}};
     if (method.run) {
-      const Classification& found = method.classification;
-      const bool diverged = method.run->end == Run::End::diverged;
-      entry.update({{"verdict", name_of(found.motion_class)},
-                    {"energy_gain", number_or_null(found.gain)},
-                    {"energy_loss", number_or_null(found.loss)},
-                    {"stretch_max", number_or_null(found.stretch)},
-                    {"rms_error", number_or_null(found.error)},
+      const study::Classification& found = method.classification;
+      const bool diverged = method.run->end == study::Run::End::diverged;
+      entry.update({{"verdict", study::name_of(found.motion_class)},
+                    {"energy_gain", program::number_or_null(found.gain)},
+                    {"energy_loss", program::number_or_null(found.loss)},
+                    {"stretch_max", program::number_or_null(found.stretch)},
+                    {"rms_error", program::number_or_null(found.error)},
                     {"reached_s", method.run->reached},
-                    {"diverged_at_s", diverged ? Json(method.run->failed_at) : Json(nullptr)},
+                    {"diverged_at_s",
+                     diverged ? program::Json(method.run->failed_at) : program::Json(nullptr)},
                     {"cpu_s", method.run->cpu}});
     } else {
       entry.update({{"verdict", nullptr}, {"missing", method.contender->method->missing}});
@@ -145,21 +150,21 @@ Json json_of(const Classified& one) {
   return json;
 }
 
-int run(const Options& options, const Common& common) {
-  const std::vector<Contender> contenders = chosen_contenders(options.study);
+int run(const Options& options, const program::Common& common) {
+  const std::vector<options::Contender> contenders = options::chosen_contenders(options.study);
   for (const std::string& set : options.study.inputs.set) {
-    const bool known =
-        !sets_of_scene({set}).empty() || std::ranges::any_of(contenders, [&](const Contender& one) {
-          return !settings_of(*one.method, {set}).empty();
-        });
-    if (!known) throw Misuse(fmt::format("--set {}: is no setting of these methods", set));
+    const bool known = !options::sets_of_scene({set}).empty() ||
+                       std::ranges::any_of(contenders, [&](const options::Contender& one) {
+                         return !options::settings_of(*one.method, {set}).empty();
+                       });
+    if (!known) throw program::Misuse(fmt::format("--set {}: is no setting of these methods", set));
   }
-  Table table{{"scene", "truth until (s)"}, {}};
-  for (const Contender& contender : contenders) table.columns.push_back(contender.label);
-  Json json = {{"scenes", Json::array()}};
+  chart::Table table{{"scene", "truth until (s)"}, {}};
+  for (const options::Contender& contender : contenders) table.columns.push_back(contender.label);
+  program::Json json = {{"scenes", program::Json::array()}};
   {
     const std::vector<std::string>& scenes = options.study.inputs.scenes;
-    Progress progress("classifying", "scenes", scenes.size(), common.quiet);
+    program::Progress progress("classifying", "scenes", scenes.size(), common.quiet);
     for (const std::string& file : scenes) {
       const Classified one = classified(options, file, contenders);
       table.add(row_of(one));
@@ -168,19 +173,19 @@ int run(const Options& options, const Common& common) {
     }
   }
   if (!options.study.out.empty())
-    write_csv(table, std::filesystem::path(options.study.out) / "classify");
-  write_output(common.json        ? json.dump(2) + "\n"
-               : options.markdown ? to_markdown(table)
-                                  : table_text(table));
-  return kDone;
+    options::write_csv(table, std::filesystem::path(options.study.out) / "classify");
+  render::write_output(common.json        ? json.dump(2) + "\n"
+                       : options.markdown ? chart::to_markdown(table)
+                                          : program::table_text(table));
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_classify(CLI::App& app, Program& program) {
-  Command command =
-      add_command(app, program, "classify", "The class of the motion of each method in each scene",
-                  R"(  taut classify scenes/hard/*.toml
+void add_classify(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
+      app, program, "classify", "The class of the motion of each method in each scene",
+      R"(  taut classify scenes/hard/*.toml
   taut classify scenes/hard/whip.toml --methods xpbd,direct
   taut classify scenes/hard/*.toml --markdown --methods impulse,springs,direct
   taut classify scenes/rope_swing.toml --methods springs --set step=0.001 --set stiffness=1e6
@@ -190,7 +195,7 @@ over-damped (lost 10%), accurate (RMS within 1% of the length of truth), plausib
 their own settings, or at those of --set that they have; where the scene's step is a whole frame,
 they take that.)");
   const auto options = std::make_shared<Options>();
-  add_scene_options(command, options->study.inputs);
+  options::add_scene_options(command, options->study.inputs);
   command.add_option("--out", options->study.out, "Folder for classify.csv; default: none");
   command
       .add_option("--methods", options->study.methods,

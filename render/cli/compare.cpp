@@ -35,7 +35,7 @@ constexpr double kScored = 1e-3;   // shares of the length: errors from there on
 constexpr const char* kPaper = "dynamic-constraints";  // by what the paper's Figure 6 measures
 
 struct Options {
-  StudyOptions study;
+  options::StudyOptions study;
   std::optional<std::string> frames;
   std::string size, backend = "auto";
   int fps = 0, samples = 4;
@@ -44,21 +44,24 @@ struct Options {
 
 /// Those that are asked for; otherwise every method that this build has and that follows the
 /// world, and forms of them until six cells are full.
-std::vector<Contender> contenders(const StudyOptions& options, const World& world) {
-  std::vector<Contender> all = contenders_on(options, world);
+std::vector<options::Contender> contenders(const options::StudyOptions& options,
+                                           const World& world) {
+  std::vector<options::Contender> all = options::contenders_on(options, world);
   if (!options.methods.empty()) return all;
-  std::erase_if(all, [](const Contender& c) { return !c.method->missing.empty(); });
-  const auto is_form = [](const Contender& c) { return c.label.find(':') != std::string::npos; };
-  std::vector<Contender> chosen;
+  std::erase_if(all, [](const options::Contender& c) { return !c.method->missing.empty(); });
+  const auto is_form = [](const options::Contender& c) {
+    return c.label.find(':') != std::string::npos;
+  };
+  std::vector<options::Contender> chosen;
   for (const bool form : {false, true})
-    for (const Contender& one : all)
+    for (const options::Contender& one : all)
       if (is_form(one) == form && chosen.size() < kCells) chosen.push_back(one);
   return chosen;
 }
 
 /// The candidate of a contender on this scene: the scene's own settings where they are for it.
-Candidate candidate_on(const Scene& scene, const Contender& contender) {
-  Candidate candidate = contender.candidate;
+study::Candidate candidate_on(const scenes::Scene& scene, const options::Contender& contender) {
+  study::Candidate candidate = contender.candidate;
   if (scene.method.name == candidate.method)
     for (const auto& [name, value] : scene.method.settings) candidate.settings.emplace(name, value);
   return candidate;
@@ -69,7 +72,7 @@ std::vector<double> distances(std::span<const Snapshot> frames, std::span<const 
                               std::size_t most) {
   std::vector<double> list;
   for (std::size_t k = 0; k < std::min({frames.size(), from.size(), most}); ++k)
-    list.push_back(segment_difference(frames[k], from[k]));
+    list.push_back(study::segment_difference(frames[k], from[k]));
   return list;
 }
 
@@ -87,42 +90,41 @@ struct Measured {
 };
 
 /// Runs everything, and measures it.
-std::pair<Comparison, std::vector<Measured>> compare(const Scene& scene,
-                                                     const std::vector<Contender>& contenders,
-                                                     bool quiet) {
-  Problem problem{scene.world, {}, scene.timeline};
+std::pair<film::Comparison, std::vector<Measured>> compare(
+    const scenes::Scene& scene, const std::vector<options::Contender>& contenders, bool quiet) {
+  study::Problem problem{scene.world, {}, scene.timeline};
   for (int k = 0; k < scene.frames(); ++k) problem.times.push_back(double(k) / scene.fps);
   const double length = scene.world.connectors.front().length;
-  if (!quiet) note("solving the truth\n");
-  TruthOptions accuracy;
+  if (!quiet) program::note("solving the truth\n");
+  truth::TruthOptions accuracy;
   if (length > 0) accuracy.scored_error = kScored * length;
-  Truth truth = solve_truth(scene.world, problem.times, accuracy, scene.timeline);
+  truth::Truth truth = truth::solve_truth(scene.world, problem.times, accuracy, scene.timeline);
   const std::size_t predictable =
       std::size_t(std::ranges::upper_bound(problem.times, truth.horizon) - problem.times.begin());
 
-  const auto run_of = [&](const Candidate& candidate) {
-    stop_if_interrupted();
-    if (!quiet) note("running {}\n", describe(candidate));
-    return taut::run(problem, candidate, kCpuCap);
+  const auto run_of = [&](const study::Candidate& candidate) {
+    render::stop_if_interrupted();
+    if (!quiet) program::note("running {}\n", study::describe(candidate));
+    return study::run(problem, candidate, kCpuCap);
   };
-  std::vector<Run> runs;
-  const Run* paper = nullptr;
-  for (const Contender& contender : contenders) {
+  std::vector<study::Run> runs;
+  const study::Run* paper = nullptr;
+  for (const options::Contender& contender : contenders) {
     if (contender.method->missing.empty()) {
       runs.push_back(run_of(candidate_on(scene, contender)));
     } else {
-      Run& missing = runs.emplace_back();
-      missing.end = Run::End::diverged;
+      study::Run& missing = runs.emplace_back();
+      missing.end = study::Run::End::diverged;
       missing.reason = contender.method->missing;
     }
   }
   for (std::size_t i = 0; i < runs.size(); ++i)
     if (contenders[i].label == kPaper) paper = &runs[i];
-  Run beside;
+  study::Run beside;
   if (!paper && follows(*find_method(kPaper), scene.world)) beside = run_of({kPaper, {}});
   if (!paper) paper = &beside;
 
-  Comparison result;
+  film::Comparison result;
   std::vector<Measured> measured;
   result.times = problem.times;
   result.truth = std::move(truth.frames);
@@ -139,14 +141,14 @@ std::pair<Comparison, std::vector<Measured>> compare(const Scene& scene,
   const bool closed =
       is_closed(scene.world) && scene.timeline.empty() && energy_scale(scene.world) > 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const Run& run = runs[i];
-    ComparedMethod method{contenders[i].label,
-                          describe(candidate_on(scene, contenders[i]).settings),
-                          contenders[i].style,
-                          {},
-                          run.reason,
-                          {},
-                          {}};
+    const study::Run& run = runs[i];
+    film::ComparedMethod method{contenders[i].label,
+                                study::describe(candidate_on(scene, contenders[i]).settings),
+                                contenders[i].style,
+                                {},
+                                run.reason,
+                                {},
+                                {}};
     method.stretch = run.stretch;
     const auto from_truth = distances(run.frames, result.truth, predictable);
     const auto from_paper = distances(run.frames, paper->frames, problem.times.size());
@@ -163,9 +165,9 @@ std::pair<Comparison, std::vector<Measured>> compare(const Scene& scene,
       m.cpu = run.cpu / frames;
     }
     std::vector<std::string> row{method.label};
-    if (by_paper) row.push_back(rounded(1e3 * m.from_paper));
+    if (by_paper) row.push_back(options::rounded(1e3 * m.from_paper));
     for (const double value : {1e3 * m.from_truth, 100 * m.stretch, 100 * m.drift, 1e6 * m.cpu}) {
-      row.push_back(rounded(value));
+      row.push_back(options::rounded(value));
     }
     result.table.add(std::move(row));
     method.frames = run.frames;
@@ -174,59 +176,62 @@ std::pair<Comparison, std::vector<Measured>> compare(const Scene& scene,
   return {std::move(result), std::move(measured)};
 }
 
-std::string report(const Options& options, const Scene& scene, const Comparison& comparison,
-                   const std::vector<Measured>& measured, const std::string& video) {
-  Json json = {{"scene", options.study.scene},
-               {"title", scene.title},
-               {"size_px", {scene.width, scene.height}},
-               {"fps", scene.fps},
-               {"horizon_s", comparison.horizon},
-               {"self_error_m", comparison.self_error},
-               {"methods", Json::array()}};
+std::string report(const Options& options, const scenes::Scene& scene,
+                   const film::Comparison& comparison, const std::vector<Measured>& measured,
+                   const std::string& video) {
+  program::Json json = {
+      {"scene", options.study.scene},           {"title", scene.title},
+      {"size_px", {scene.width, scene.height}}, {"fps", scene.fps},
+      {"horizon_s", comparison.horizon},        {"self_error_m", comparison.self_error},
+      {"methods", program::Json::array()}};
   for (std::size_t i = 0; i < comparison.methods.size(); ++i) {
-    const ComparedMethod& method = comparison.methods[i];
+    const film::ComparedMethod& method = comparison.methods[i];
     const Measured& m = measured[i];
-    json["methods"].push_back({{"method", method.label},
-                               {"settings", method.settings},
-                               {"frames", method.frames.size()},
-                               {"failure", method.failure},
-                               {"from_dynamic_constraints_mm", number_or_null(1e3 * m.from_paper)},
-                               {"from_truth_mm", number_or_null(1e3 * m.from_truth)},
-                               {"stretch_max", number_or_null(m.stretch)},
-                               {"energy_drift", number_or_null(m.drift)},
-                               {"cpu_us_per_frame", number_or_null(1e6 * m.cpu)}});
+    json["methods"].push_back(
+        {{"method", method.label},
+         {"settings", method.settings},
+         {"frames", method.frames.size()},
+         {"failure", method.failure},
+         {"from_dynamic_constraints_mm", program::number_or_null(1e3 * m.from_paper)},
+         {"from_truth_mm", program::number_or_null(1e3 * m.from_truth)},
+         {"stretch_max", program::number_or_null(m.stretch)},
+         {"energy_drift", program::number_or_null(m.drift)},
+         {"cpu_us_per_frame", program::number_or_null(1e6 * m.cpu)}});
   }
   if (!video.empty()) json["video"] = video;
   return json.dump(2) + "\n";
 }
 
-int compare(const Common& common, const Options& options) {
-  Scene scene = study_scene(options.study, {}, true);
+int compare(const program::Common& common, const Options& options) {
+  scenes::Scene scene = options::study_scene(options.study, {}, true);
   if (options.fps > 0) scene.fps = options.fps;
-  if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
-  complete_stage(scene, scene_changes(options.study.inputs.set), stop_if_interrupted);
+  if (!options.size.empty())
+    std::tie(scene.width, scene.height) = program::picture_size(options.size);
+  scenes::complete_stage(scene, options::scene_changes(options.study.inputs.set),
+                         render::stop_if_interrupted);
   if (!options.no_video && (scene.width % 2 || scene.height % 2))
-    throw Misuse(fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides",
-                             scene.width, scene.height));
-  const std::vector<Contender> chosen = contenders(options.study, scene.world);
-  const std::vector<int> frames = frame_list(options.frames, scene.frames());
-  if (!options.no_video) require_ffmpeg();
+    throw program::Misuse(
+        fmt::format("a video of {}x{} is not possible: H.264 (yuv420p) needs even sides",
+                    scene.width, scene.height));
+  const std::vector<options::Contender> chosen = contenders(options.study, scene.world);
+  const std::vector<int> frames = program::frame_list(options.frames, scene.frames());
+  if (!options.no_video) film::require_ffmpeg();
 
-  const std::string name = scene_name(options.study.scene);
-  const std::filesystem::path out = results_folder(options.study.scene, options.study.out,
-                                                   options.study.inputs.several(), "out/compare");
-  const Context context(backend_named(options.backend), common.threads);
+  const std::string name = options::scene_name(options.study.scene);
+  const std::filesystem::path out = options::results_folder(
+      options.study.scene, options.study.out, options.study.inputs.several(), "out/compare");
+  const gl::Context context(gl::backend_named(options.backend), common.threads);
   const std::string layout = options.over ? "_over" : "";
-  FrameFolder folder(out / ("frames" + layout), false, {scene.width, scene.height});
+  film::FrameFolder folder(out / ("frames" + layout), false, {scene.width, scene.height});
   const auto [comparison, measured] = compare(scene, chosen, common.quiet);
-  ComparisonFilm film(context, scene, comparison, scene.width, scene.height, options.samples,
-                      options.over ? Layout::over : Layout::beside);
+  film::ComparisonFilm film(context, scene, comparison, scene.width, scene.height, options.samples,
+                            options.over ? film::Layout::over : film::Layout::beside);
   std::vector<std::filesystem::path> files;
   {
-    Progress progress("rendering", "frames", frames.size(), common.quiet);
+    program::Progress progress("rendering", "frames", frames.size(), common.quiet);
     for (const int frame : frames) {
-      stop_if_interrupted();
-      folder.put(frame, program_fingerprint(), film.draw(std::size_t(frame)));
+      render::stop_if_interrupted();
+      folder.put(frame, film::program_fingerprint(), film.draw(std::size_t(frame)));
       files.push_back(folder.file(frame));
       progress.update(files.size());
     }
@@ -235,29 +240,30 @@ int compare(const Common& common, const Options& options) {
   std::string video;
   if (!options.no_video) {
     video = (out / (name + layout + ".mp4")).string();
-    encode_video(files, scene.fps, video);
+    film::encode_video(files, scene.fps, video);
   }
-  write_csv(comparison.table, out / "compare");
+  options::write_csv(comparison.table, out / "compare");
   const std::string json = report(options, scene, comparison, measured, video);
-  AtomicFile record(out / "compare.json");
+  render::AtomicFile record(out / "compare.json");
   record.write(json);
   record.commit();
-  write_output(common.json ? json : table_text(comparison.table));
-  if (!common.quiet) note("{}\n", video.empty() ? (out / ("frames" + layout)).string() : video);
-  return kDone;
+  render::write_output(common.json ? json : program::table_text(comparison.table));
+  if (!common.quiet)
+    program::note("{}\n", video.empty() ? (out / ("frames" + layout)).string() : video);
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_compare(CLI::App& app, Program& program) {
-  Command command = add_command(
+void add_compare(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
       app, program, "compare", "Show methods side by side in one clip, scored against the truth",
       "  taut compare scenes/rope_drop.toml\n"
       "  taut compare scenes/rope_swing.toml --methods impulse,impulse:as-printed,direct\n"
       "  taut compare scenes/rope_drop.toml --over\n"
       "  taut compare scenes/rope_swing.toml --frames 0-30 --size 960x540 --no-video");
   auto options = std::make_shared<Options>();
-  add_scene_options(command, options->study.inputs);
+  options::add_scene_options(command, options->study.inputs);
   command.add_option("--out", options->study.out,
                      "The clip's folder; default: below out/compare, by the scene's path");
   command
@@ -274,15 +280,16 @@ void add_compare(CLI::App& app, Program& program) {
   command.add_flag("--over", options->over,
                    "All methods in one panel, each in its colour, instead of side by side");
   command.add_flag("--no-video", options->no_video, "Frames only");
-  options->study.follows = Follows::pins_and_cuts;
+  options->study.follows = options::Follows::pins_and_cuts;
   options->study.among_obstacles = true;
   command.callback([&program, options] {
     program.run = [&program, options] {
-      return for_each_study(options->study, program.common, [&](const StudyOptions& one) {
-        Options of_one = *options;
-        of_one.study = one;
-        return compare(program.common, of_one);
-      });
+      return options::for_each_study(options->study, program.common,
+                                     [&](const options::StudyOptions& one) {
+                                       Options of_one = *options;
+                                       of_one.study = one;
+                                       return compare(program.common, of_one);
+                                     });
     };
   });
 }

@@ -21,41 +21,42 @@ struct Options {
 };
 
 fs::path shipped_scene() {
-  const auto folders = asset_folders(fs::current_path());
+  const auto folders = scenes::asset_folders(fs::current_path());
   std::error_code error;
-  for (const AssetFolder& place : folders) {
+  for (const scenes::AssetFolder& place : folders) {
     if (fs::exists(place.folder / kScene, error)) return place.folder / kScene;
   }
-  throw BadScene(fmt::format("there is no file \"{}\"; looked: {}", kScene, places(folders)));
+  throw scenes::BadScene(
+      fmt::format("there is no file \"{}\"; looked: {}", kScene, scenes::places(folders)));
 }
 
 /// `taut render` of `scene` with these words behind it.
-int render(const Common& common, const fs::path& scene, const fs::path& out,
+int render(const program::Common& common, const fs::path& scene, const fs::path& out,
            std::vector<std::string> words) {
   words.insert(words.begin(), {"render", scene.string(), "--out", out.string()});
-  return run_words(common, add_render, std::move(words));
+  return program::run_words(common, add_render, std::move(words));
 }
 
-int demo(const Common& common, const Options& options) {
+int demo(const program::Common& common, const Options& options) {
   const fs::path scene = shipped_scene(), out = options.out, preview = out / "preview";
-  if (!common.quiet) note("a picture and five small seconds first, then the clip\n");
+  if (!common.quiet) program::note("a picture and five small seconds first, then the clip\n");
   int code = render(common, scene, preview, {"--poster", "6.9", "--size", "960x540"});
-  if (code == kDone)
+  if (code == program::kDone)
     code = render(common, scene, preview,
                   {"--size", "480x270", "--fps", "24", "--frames", "96-215", "--samples", "2",
                    "--no-estimate"});
-  if (code == kDone && !options.preview) code = render(common, scene, out, {});
+  if (code == program::kDone && !options.preview) code = render(common, scene, out, {});
   return code;
 }
 
 }  // namespace
 
-void add_demo(CLI::App& app, Program& program) {
-  Command command =
-      add_command(app, program, "demo", "Render the demonstration that taut comes with",
-                  "  taut demo               out/nunchaku: a picture and a small clip within "
-                  "seconds, then the clip\n"
-                  "  taut demo --preview     the picture and the small clip alone");
+void add_demo(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
+      app, program, "demo", "Render the demonstration that taut comes with",
+      "  taut demo               out/nunchaku: a picture and a small clip within "
+      "seconds, then the clip\n"
+      "  taut demo --preview     the picture and the small clip alone");
   auto options = std::make_shared<Options>();
   command.add_option("--out", options->out, "The clip's folder; default out/nunchaku");
   command.add_flag("--preview", options->preview, "Only the picture and the small clip");

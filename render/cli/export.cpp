@@ -29,12 +29,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  SceneOptions inputs;
+  options::SceneOptions inputs;
   std::string scene, to, out;
   int fps = 0;  // 0: the scene's
   bool scenery = false;
   double max_memory = 0;
-  MethodOptions method;
+  options::MethodOptions method;
 };
 
 struct Format {
@@ -43,13 +43,17 @@ struct Format {
   bool stage;             // it shows what things look like
   bool gathers;           // it keeps all states until the last has come
   double bytes_a_number;  // roughly, of a frame as a file
-  std::unique_ptr<FrameWriter> (*writer)(const Scene& scene, WriteBytes write);
+  std::unique_ptr<exporting::FrameWriter> (*writer)(const scenes::Scene& scene,
+                                                    exporting::WriteBytes write);
 };
 
 constexpr Format kFormats[] = {
-    {"glb", true, true, true, 40, glb_writer},  {"usda", false, true, true, 60, usda_writer},
-    {"npz", true, false, true, 16, npz_writer}, {"csv", false, false, false, 19, csv_writer},
-    {"pc2", true, false, false, 4, pc2_writer}, {"bvh", false, true, false, 19, bvh_writer},
+    {"glb", true, true, true, 40, exporting::glb_writer},
+    {"usda", false, true, true, 60, exporting::usda_writer},
+    {"npz", true, false, true, 16, exporting::npz_writer},
+    {"csv", false, false, false, 19, exporting::csv_writer},
+    {"pc2", true, false, false, 4, exporting::pc2_writer},
+    {"bvh", false, true, false, 19, exporting::bvh_writer},
 };
 
 std::vector<std::string> format_names() {
@@ -61,14 +65,16 @@ std::vector<std::string> format_names() {
 std::string output_file(const Options& options, const Format& format) {
   const std::string suffix = fmt::format(".{}", format.name);
   if (options.out.empty()) {
-    return (results_folder(options.scene, "", false) / (scene_name(options.scene) + suffix))
+    return (options::results_folder(options.scene, "", false) /
+            (options::scene_name(options.scene) + suffix))
         .string();
   }
   if (!options.inputs.several()) return options.out;
-  if (fs::path(options.out).has_extension() || to_standard_output(options.out)) {
-    throw Misuse(fmt::format("-o {}: one file for several scenes, expected a folder", options.out));
+  if (fs::path(options.out).has_extension() || program::to_standard_output(options.out)) {
+    throw program::Misuse(
+        fmt::format("-o {}: one file for several scenes, expected a folder", options.out));
   }
-  return results_folder(options.scene, options.out, true).string() + suffix;
+  return options::results_folder(options.scene, options.out, true).string() + suffix;
 }
 
 /// The format that was named or, where none was, that of the file's suffix.
@@ -79,81 +85,85 @@ const Format& chosen_format(const Options& options) {
                                                : suffix.substr(1);
   for (const Format& format : kFormats)
     if (format.name == name) return format;
-  throw Misuse(fmt::format(
+  throw program::Misuse(fmt::format(
       "{}, expected --to with one of {}",
       options.out.empty() ? "no format is given" : options.out + ": its suffix names no format",
       fmt::join(format_names(), ", ")));
 }
 
-Needs needs_of(const Scene& scene, const Format& format) {
-  Needs needs = simulation_needs(scene);
+options::Needs needs_of(const scenes::Scene& scene, const Format& format) {
+  options::Needs needs = options::simulation_needs(scene);
   constexpr double kCsvNumber = 19;  // bytes, of the disk that simulating needs
   needs.disk *= format.bytes_a_number / kCsvNumber;
   if (format.gathers) needs.memory += 2 * needs.disk;
   return needs;
 }
 
-int run(const Options& options, const Common& common) {
+int run(const Options& options, const program::Common& common) {
   const Format& format = chosen_format(options);
-  Scene scene = load_chosen(options.scene, format.stage, options.method);
+  scenes::Scene scene = options::load_chosen(options.scene, format.stage, options.method);
   if (options.fps > 0) scene.fps = options.fps;
-  scene.method = chosen_method(options.method, scene);
+  scene.method = options::chosen_method(options.method, scene);
   const std::string name = output_file(options, format);
-  const bool to_output = to_standard_output(name);
+  const bool to_output = program::to_standard_output(name);
   if (to_output && common.json) {
-    throw Misuse(fmt::format("-o {}: standard output is the JSON's (--json)", name));
+    throw program::Misuse(fmt::format("-o {}: standard output is the JSON's (--json)", name));
   }
   if (to_output && format.binary && isatty(STDOUT_FILENO)) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("-o {}: {} is no text, and standard output is a terminal; expected "
                     "a pipe or a file",
                     name, format.name));
   }
   const fs::path folder = fs::path(name).has_parent_path() ? fs::path(name).parent_path() : ".";
-  refuse_beyond(needs_of(scene, format), scene, options.max_memory, to_output ? "" : folder, "",
-                common.quiet);
-  if (format.stage) complete_stage(scene, chosen_changes(options.method), stop_if_interrupted);
+  options::refuse_beyond(needs_of(scene, format), scene, options.max_memory,
+                         to_output ? "" : folder, "", common.quiet);
+  if (format.stage)
+    scenes::complete_stage(scene, options::chosen_changes(options.method),
+                           render::stop_if_interrupted);
   if (scene.stage && !options.scenery) scene.stage->scenery.clear();
-  Output output(name);
-  Figures figures;
+  program::Output output(name);
+  exporting::Figures figures;
   {
-    Progress progress("simulating", "frames", std::uint64_t(scene.frames()), common.quiet);
+    program::Progress progress("simulating", "frames", std::uint64_t(scene.frames()), common.quiet);
     const auto writer = format.writer(scene, [&](std::string_view bytes) { output.write(bytes); });
-    play(scene, *writer, [&](int frames) {
-      stop_if_interrupted();
+    exporting::play(scene, *writer, [&](int frames) {
+      render::stop_if_interrupted();
       progress.update(std::uint64_t(frames));
     });
     figures = writer->figures();
   }
   output.finish();
-  if (to_output) return kDone;
+  if (to_output) return program::kDone;
   if (common.json) {
-    nlohmann::ordered_json json = {{"scene", options.scene},
-                                   {"format", format.name},
-                                   {"file", name},
-                                   {"bytes", output.written()},
-                                   {"method", scene.method.name},
-                                   {"settings", settings_json(full_settings(scene.method))},
-                                   {"frames", scene.frames()},
-                                   {"fps", scene.fps}};
+    nlohmann::ordered_json json = {
+        {"scene", options.scene},
+        {"format", format.name},
+        {"file", name},
+        {"bytes", output.written()},
+        {"method", scene.method.name},
+        {"settings", options::settings_json(options::full_settings(scene.method))},
+        {"frames", scene.frames()},
+        {"fps", scene.fps}};
     for (const auto& figure : figures)
       std::visit([&](auto number) { json[figure.first] = number; }, figure.second);
-    write_output(json.dump(2) + '\n');
-    return kDone;
+    render::write_output(json.dump(2) + '\n');
+    return program::kDone;
   }
-  write_output(name + '\n');
+  render::write_output(name + '\n');
   if (!common.quiet) {
-    note("{} frames, {} a second, method {}, {} bytes\n", scene.frames(), scene.fps,
-         scene.method.name, output.written());
+    program::note("{} frames, {} a second, method {}, {} bytes\n", scene.frames(), scene.fps,
+                  scene.method.name, output.written());
   }
-  return kDone;
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_export(CLI::App& app, Program& program) {
-  Command command = add_command(app, program, "export", "A scene's motion for other programs",
-                                R"(  taut export scenes/nunchaku.toml --to glb
+void add_export(CLI::App& app, program::Program& program) {
+  program::Command command =
+      program::add_command(app, program, "export", "A scene's motion for other programs",
+                           R"(  taut export scenes/nunchaku.toml --to glb
   taut export scenes/rope_swing.toml -o swing.npz
   taut export scenes/rope_swing.toml --to csv -o - | head -1
 
@@ -171,7 +181,7 @@ frames nothing is more than 0.1 mm from the states that are simulated (--json: _
 The same scene gives the same bytes. render/export/README.md says what is in each format, and how
 other programs open it.)");
   const auto options = std::make_shared<Options>();
-  add_scene_options(command, options->inputs, false);
+  options::add_scene_options(command, options->inputs, false);
   command.add_option("--to", options->to, "The format; default the suffix of --out")
       .one_of(format_names());
   command
@@ -181,15 +191,16 @@ other programs open it.)");
       .type_name("FILE");
   command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
   command.add_flag("--scenery", options->scenery, "With the stage's scenery: glb");
-  add_method_options(command, options->method);
-  add_memory_option(command, options->max_memory);
+  options::add_method_options(command, options->method);
+  options::add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
     program.run = [options, &program] {
-      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
-        Options one = *options;
-        one.scene = scene;
-        return run(one, program.common);
-      });
+      return options::for_each_scene(options->inputs, program.common,
+                                     [&](const std::string& scene) {
+                                       Options one = *options;
+                                       one.scene = scene;
+                                       return run(one, program.common);
+                                     });
     };
   });
 }

@@ -24,50 +24,52 @@ struct Options {
   bool simulate = false;
 };
 
-int check(Goldens& goldens, const fs::path& out, const Common& common) {
+int check(clips::Goldens& goldens, const fs::path& out, const program::Common& common) {
   Json frames = Json::array(), trajectories = Json::array();
-  std::vector<GoldenFailure> failures;
+  std::vector<golden::GoldenFailure> failures;
   {
-    Progress progress("checking", "goldens",
-                      goldens.frames().size() + goldens.trajectories().size(), common.quiet);
-    for (const GoldenTrajectory& trajectory : goldens.trajectories()) {
-      stop_if_interrupted();
-      const TrajectoryComparison result = goldens.check(trajectory);
+    program::Progress progress("checking", "goldens",
+                               goldens.frames().size() + goldens.trajectories().size(),
+                               common.quiet);
+    for (const scenes::GoldenTrajectory& trajectory : goldens.trajectories()) {
+      render::stop_if_interrupted();
+      const golden::TrajectoryComparison result = goldens.check(trajectory);
       if (!result.failure.empty()) failures.push_back({trajectory.name, result.failure, false});
-      trajectories.push_back({{"name", trajectory.name},
-                              {"scene", trajectory.scene.string()},
-                              {"last_frame", trajectory.last},
-                              {"method", trajectory.method.name},
-                              {"settings", settings_json(full_settings(trajectory.method))},
-                              {"same", result.failure.empty()},
-                              {"failure", result.failure},
-                              {"judged_as", result.exact ? "bits" : "distance"},
-                              {"distance", result.distance}});
+      trajectories.push_back(
+          {{"name", trajectory.name},
+           {"scene", trajectory.scene.string()},
+           {"last_frame", trajectory.last},
+           {"method", trajectory.method.name},
+           {"settings", options::settings_json(options::full_settings(trajectory.method))},
+           {"same", result.failure.empty()},
+           {"failure", result.failure},
+           {"judged_as", result.exact ? "bits" : "distance"},
+           {"distance", result.distance}});
       progress.update(trajectories.size());
     }
-    for (const GoldenFrame& frame : goldens.frames()) {
-      stop_if_interrupted();
-      const FrameResult result = goldens.check(frame);
+    for (const scenes::GoldenFrame& frame : goldens.frames()) {
+      render::stop_if_interrupted();
+      const clips::FrameResult result = goldens.check(frame);
       const fs::path folder = out / frame.name;
-      remove_output(folder);
+      render::remove_output(folder);
       if (!result.failure.empty()) {
         failures.push_back({frame.name, result.failure, result.actual.has_value()});
         if (result.actual) {
-          write_picture(folder / "actual.png", *result.actual);
-          write_picture(folder / "golden.png", *result.golden);
-          write_picture(folder / "difference.png",
-                        amplified_difference(*result.actual, *result.golden));
+          clips::write_picture(folder / "actual.png", *result.actual);
+          clips::write_picture(folder / "golden.png", *result.golden);
+          clips::write_picture(folder / "difference.png",
+                               golden::amplified_difference(*result.actual, *result.golden));
         }
       }
-      const PictureDifference& d = result.comparison.difference;
+      const golden::PictureDifference& d = result.comparison.difference;
       frames.push_back({{"name", frame.name},
                         {"scene", frame.scene.string()},
                         {"frame", frame.frame},
                         {"method", frame.method.name},
-                        {"settings", settings_json(full_settings(frame.method))},
+                        {"settings", options::settings_json(options::full_settings(frame.method))},
                         {"same", result.failure.empty()},
                         {"failure", result.failure},
-                        {"judged_as", name_of(result.comparison.tier)},
+                        {"judged_as", golden::name_of(result.comparison.tier)},
                         {"share_above_2", d.above_2},
                         {"largest", d.largest},
                         {"mean_shift", d.mean_shift},
@@ -80,25 +82,26 @@ int check(Goldens& goldens, const fs::path& out, const Common& common) {
       Json({{"failed", failures.size()}, {"frames", frames}, {"trajectories", trajectories}})
           .dump(2) +
       "\n";
-  write_text(out / "report.json", report);
+  clips::write_text(out / "report.json", report);
   if (failures.empty()) {
-    remove_output(out / "index.html");
+    render::remove_output(out / "index.html");
   } else {
-    write_text(out / "index.html", golden_page(failures));
+    clips::write_text(out / "index.html", golden::golden_page(failures));
   }
   const std::size_t all = frames.size() + trajectories.size();
   std::string text;
-  for (const GoldenFailure& failure : failures)
+  for (const golden::GoldenFailure& failure : failures)
     text += fmt::format("{}: {}\n", failure.name, failure.verdict);
   text += failures.empty() ? fmt::format("{} as kept\n", all)
                            : fmt::format("{} of {} differ: {}\n", failures.size(), all,
                                          (out / "index.html").string());
-  write_output(common.json ? report : text);
-  return failures.empty() ? kDone : kGoldenDiffers;
+  render::write_output(common.json ? report : text);
+  return failures.empty() ? program::kDone : program::kGoldenDiffers;
 }
 
-int run(const Options& options, const Common& common) {
-  Goldens goldens(options.folder, options.only, backend_named(options.backend), common.threads);
+int run(const Options& options, const program::Common& common) {
+  clips::Goldens goldens(options.folder, options.only, gl::backend_named(options.backend),
+                         common.threads);
   fs::path folder = fs::path(options.folder).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   if (options.action == "check")
@@ -111,22 +114,22 @@ int run(const Options& options, const Common& common) {
   const auto took_over = [&](const std::string& name, const std::string& change) {
     accepted.push_back({{"name", name}, {"change", change}});
     text += fmt::format("{}: {}\n", name, change);
-    stop_if_interrupted();
+    render::stop_if_interrupted();
   };
-  for (const GoldenFrame& frame : goldens.frames())
+  for (const scenes::GoldenFrame& frame : goldens.frames())
     took_over(frame.name, goldens.accept(frame, options.simulate));
-  for (const GoldenTrajectory& trajectory : goldens.trajectories())
+  for (const scenes::GoldenTrajectory& trajectory : goldens.trajectories())
     took_over(trajectory.name, goldens.accept(trajectory));
-  write_output(common.json ? Json({{"accepted", accepted}}).dump(2) + "\n" : text);
-  return kDone;
+  render::write_output(common.json ? Json({{"accepted", accepted}}).dump(2) + "\n" : text);
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_golden(CLI::App& app, Program& program) {
-  Command command = add_command(app, program, "golden",
-                                "Pictures and motions that are kept, and compared with today's",
-                                R"(  taut golden check tests/golden/scenes
+void add_golden(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
+      app, program, "golden", "Pictures and motions that are kept, and compared with today's",
+      R"(  taut golden check tests/golden/scenes
   taut golden accept tests/golden/scenes --only throw
 
 A golden.toml in the folder names pictures and motions:

@@ -2,5 +2,5 @@
 #include "render/cli/commands.h"
 
 int main(int argc, char** argv) {
-  return taut::cli::run_program(argc, argv, taut::cli::kCommands);
+  return taut::program::run_program(argc, argv, taut::cli::kCommands);
 }

@@ -34,19 +34,19 @@ constexpr double kFinerForClip = 0.9;
 constexpr int kTimings = 5;
 
 struct Options {
-  SceneOptions inputs;
+  options::SceneOptions inputs;
   std::string scene, tolerance;
   bool write = false;
 };
 
 /// "1px" or "0.5mm".
-Asked asked_for(const std::string& text, const Scene& scene) {
-  const auto length = read_length(text);
+planning::Asked asked_for(const std::string& text, const scenes::Scene& scene) {
+  const auto length = scenes::read_length(text);
   if (!length) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("--tolerance {}: expected a number above 0 and px or mm, as in 1px", text));
   }
-  Asked asked{.tolerance = {{}, length->number}, .unit = std::string(length->unit)};
+  planning::Asked asked{.tolerance = {{}, length->number}, .unit = std::string(length->unit)};
   if (asked.unit == "mm") {
     asked.per_metre = 1e3;
     asked.tolerance.distance = [](const Vec3& at, const Vec3& truth, double) {
@@ -54,10 +54,10 @@ Asked asked_for(const std::string& text, const Scene& scene) {
     };
     return asked;
   }
-  const auto metric = pixels_of(scene);
+  const auto metric = studies::pixels_of(scene);
   if (!metric) {
-    throw Misuse(fmt::format("--tolerance {}: {} has no camera; give the tolerance in mm", text,
-                             scene.file.string()));
+    throw program::Misuse(fmt::format("--tolerance {}: {} has no camera; give the tolerance in mm",
+                                      text, scene.file.string()));
   }
   asked.tolerance.distance = metric->distance;
   constexpr double kNear = 1e-4;  // m
@@ -72,28 +72,31 @@ Asked asked_for(const std::string& text, const Scene& scene) {
       }
     }
   }
-  if (asked.per_metre == 0) throw Misuse("the camera never sees where the connector starts");
+  if (asked.per_metre == 0)
+    throw program::Misuse("the camera never sees where the connector starts");
   return asked;
 }
 
 /// CPU seconds per simulated second of stepping to the end; infinite where it does not get there.
-double cost_of(const PlanModel& model, const Candidate& candidate,
+double cost_of(const study::PlanModel& model, const study::Candidate& candidate,
                const std::vector<double>& times) {
   std::vector<double> costs;
   try {
     for (int repeat = 0; repeat < kTimings; ++repeat) {
-      stop_if_interrupted();
-      costs.push_back(time_run({model.world, times, model.timeline}, candidate) / times.back());
+      render::stop_if_interrupted();
+      costs.push_back(study::time_run({model.world, times, model.timeline}, candidate) /
+                      times.back());
     }
   } catch (const Diverged&) {
     return INFINITY;
   }
-  return spread(std::move(costs)).median;
+  return study::spread(std::move(costs)).median;
 }
 
 /// What the blur of the clip needs, where the tolerance is of its pictures.
-std::optional<Blur> blur_of(const Scene& scene, const ReferenceSolution& reference,
-                            const Asked& asked) {
+std::optional<planning::Blur> blur_of(const scenes::Scene& scene,
+                                      const study::ReferenceSolution& reference,
+                                      const planning::Asked& asked) {
   if (!scene.stage || scene.stage->shutter == 0 || asked.unit != "px") return std::nullopt;
   // Of the frame from the time of each state to the next, the most that a point comes, px.
   std::vector<double> ways;
@@ -108,21 +111,21 @@ std::optional<Blur> blur_of(const Scene& scene, const ReferenceSolution& referen
   }
   constexpr int kSamples = 4;  // of a pixel, as render has them unless it is told otherwise
   const double apart = 2 * asked.tolerance.most;
-  Blur blur;
+  planning::Blur blur;
   double fastest = 0, frames = 0;
-  for (const ClipFrame& frame : clip_frames(scene)) {
+  for (const scenes::ClipFrame& frame : scenes::clip_frames(scene)) {
     const auto k = static_cast<std::size_t>(frame.time * scene.fps);
     if (frame.card || k >= ways.size()) continue;
     const double way = ways[k] * scene.stage->shutter * frame.rate;
     const auto taken = [&](double gap, int most) {
-      const std::vector<Exposures> grades = exposures(way, kSamples, most, gap);
+      const std::vector<draw::Exposures> grades = draw::exposures(way, kSamples, most, gap);
       return way > 1 && !grades.empty() ? grades.back().count : 1;
     };
     fastest = std::max(fastest, ways[k] * scene.fps);
     blur.way = std::max(blur.way, way);
-    blur.mean += taken(apart, kMostStates);
+    blur.mean += taken(apart, scenes::kMostStates);
     blur.mean_as_written += taken(scene.stage->exposures_apart, scene.stage->exposures);
-    blur.most = std::max(blur.most, taken(apart, kMostStates));
+    blur.most = std::max(blur.most, taken(apart, scenes::kMostStates));
     ++frames;
   }
   if (frames == 0) return std::nullopt;
@@ -135,18 +138,18 @@ std::optional<Blur> blur_of(const Scene& scene, const ReferenceSolution& referen
 
 /// The most that the planned motion is off at all instants that the clip shows, as far as it is
 /// predictable; none where these are the frames that the planner compares anyway.
-std::optional<double> error_of_clip(const Planned& planned, double scored,
+std::optional<double> error_of_clip(const planning::Planned& planned, double scored,
                                     const std::function<void(double)>& tick) {
   if (!planned.scene.stage) return std::nullopt;
-  Scene clip = planned.scene;
+  scenes::Scene clip = planned.scene;
   clip.method = {planned.candidate().method, planned.candidate().settings};
   if (planned.blur) clip.stage->exposures = planned.blur->most;
-  const std::vector<double> times = shown_times(clip, clip_frames(clip));
+  const std::vector<double> times = scenes::shown_times(clip, scenes::clip_frames(clip));
   const std::vector<double>& compared = planned.reference.problem.times;
   if (std::ranges::includes(compared, times)) return std::nullopt;
-  const ReferenceSolution shown = at_times(planned.reference, scored, times, tick);
-  return distance_between(shown, planned.model().model.world, planned.model().model.timeline,
-                          planned.candidate(), planned.asked.tolerance.distance);
+  const study::ReferenceSolution shown = study::at_times(planned.reference, scored, times, tick);
+  return study::distance_between(shown, planned.model().model.world, planned.model().model.timeline,
+                                 planned.candidate(), planned.asked.tolerance.distance);
 }
 
 /// What the timeline does between two frames, in words.
@@ -167,78 +170,81 @@ std::string event_between(const Timeline& timeline, double from, double until) {
 class PlanFile {
  public:
   explicit PlanFile(const fs::path& scene)
-      : scene_(fs::canonical(scene)), stamp_(plan_stamp(scene)) {
+      : scene_(fs::canonical(scene)), stamp_(scenes::plan_stamp(scene)) {
     if ((fs::status(scene_).permissions() & fs::perms::owner_write) == fs::perms::none) {
-      throw CannotWrite(
+      throw render::CannotWrite(
           fmt::format("{}: is read-only, and --write would change it", scene.string()));
     }
     file_.emplace(scene_);
   }
 
-  void write(const Plan& plan) {
-    if (plan_stamp(scene_) != stamp_) {
-      throw CannotWrite(
+  void write(const scenes::Plan& plan) {
+    if (scenes::plan_stamp(scene_) != stamp_) {
+      throw render::CannotWrite(
           fmt::format("{}: has changed while it was planned; plan it again", scene_.string()));
     }
-    file_->write(with_plan(read_bytes(scene_), plan));
+    file_->write(scenes::with_plan(scenes::read_bytes(scene_), plan));
     file_->commit();
   }
 
  private:
   fs::path scene_;
   std::uint64_t stamp_;
-  std::optional<AtomicFile> file_;
+  std::optional<render::AtomicFile> file_;
 };
 
 /// Solves every model finely, to see how good it is by itself, and gives candidates to those that
 /// are good enough: what is beyond the tolerance when it is solved well must not be saved by errors
 /// that cancel.
-std::vector<PlanModel> score_models(std::vector<SceneModel>& scene_models,
-                                    const ReferenceSolution& reference, const Tolerance& tolerance,
-                                    const Candidate& finely, int fps, double longest_step,
-                                    bool quiet) {
-  std::vector<PlanModel> models;
-  Progress progress("models", "models", scene_models.size(), quiet);
+std::vector<study::PlanModel> score_models(std::vector<planning::SceneModel>& scene_models,
+                                           const study::ReferenceSolution& reference,
+                                           const study::Tolerance& tolerance,
+                                           const study::Candidate& finely, int fps,
+                                           double longest_step, bool quiet) {
+  std::vector<study::PlanModel> models;
+  program::Progress progress("models", "models", scene_models.size(), quiet);
   constexpr std::size_t kBlock = 4;
   for (std::size_t k = 0; k < scene_models.size(); k += kBlock) {
-    stop_if_interrupted();
-    side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
-      const Tolerance own = tolerance;  // a distance may remember what it was asked last
-      SceneModel& one = scene_models[k + i];
-      one.alone = attempt(one.model, finely, reference, own, INFINITY);
+    render::stop_if_interrupted();
+    study::side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
+      const study::Tolerance own = tolerance;  // a distance may remember what it was asked last
+      planning::SceneModel& one = scene_models[k + i];
+      one.alone = study::attempt(one.model, finely, reference, own, INFINITY);
     });
     progress.update(k);
   }
-  for (SceneModel& one : scene_models) {
-    if (one.alone.end == Trial::End::within) {
-      one.model.candidates = all_candidates(one.model.world, fps, longest_step);
+  for (planning::SceneModel& one : scene_models) {
+    if (one.alone.end == study::Trial::End::within) {
+      one.model.candidates = planning::all_candidates(one.model.world, fps, longest_step);
     }
     models.push_back(one.model);
   }
   return models;
 }
 
-Search search_all(const std::vector<PlanModel>& models, const ReferenceSolution& reference,
-                  const Tolerance& tolerance, bool quiet) {
+study::Search search_all(const std::vector<study::PlanModel>& models,
+                         const study::ReferenceSolution& reference,
+                         const study::Tolerance& tolerance, bool quiet) {
   std::size_t total = 0;
-  for (const PlanModel& model : models) total += model.candidates.size();
-  Progress progress("planning", "runs", total, quiet);
+  for (const study::PlanModel& model : models) total += model.candidates.size();
+  program::Progress progress("planning", "runs", total, quiet);
   return search(models, reference, tolerance, [&](std::size_t done) {
-    stop_if_interrupted();
+    render::stop_if_interrupted();
     progress.update(done);
   });
 }
 
-Plan plan_of(const Planned& planned, const std::string& tolerance, std::uint64_t stamp) {
-  const ReferenceSolution& reference = planned.reference;
-  Plan plan{.tolerance = tolerance,
-            .error = planned.error,
-            .until = reference.known > 1 ? reference.horizon() : 0,
-            .stamp = stamp,
-            .method = {planned.candidate().method, planned.candidate().settings},
-            .particles = planned.model().particles,
-            .links = planned.model().links};
-  plan.program = method_stamp(plan.method);
+scenes::Plan plan_of(const planning::Planned& planned, const std::string& tolerance,
+                     std::uint64_t stamp) {
+  const study::ReferenceSolution& reference = planned.reference;
+  scenes::Plan plan{.tolerance = tolerance,
+                    .error = planned.error,
+                    .until = reference.known > 1 ? reference.horizon() : 0,
+                    .stamp = stamp,
+                    .method = {planned.candidate().method, planned.candidate().settings},
+                    .particles = planned.model().particles,
+                    .links = planned.model().links};
+  plan.program = scenes::method_stamp(plan.method);
   if (planned.blur) plan.exposures = planned.blur->most;
   if (reference.goes_on()) {
     const std::size_t last = reference.known > 0 ? reference.known - 1 : 0;
@@ -246,8 +252,8 @@ Plan plan_of(const Planned& planned, const std::string& tolerance, std::uint64_t
       plan.end = event_between(reference.problem.timeline, reference.problem.times[last],
                                reference.problem.times[last + 1]);
     }
-    using Work = Plan::Afterwards::Work;
-    const Difference& later = planned.best.later;
+    using Work = scenes::Plan::Afterwards::Work;
+    const study::Difference& later = planned.best.later;
     plan.afterwards = {reference.closed     ? Work::none
                        : reference.balanced ? Work::known
                                             : Work::unknown,
@@ -256,69 +262,72 @@ Plan plan_of(const Planned& planned, const std::string& tolerance, std::uint64_t
   return plan;
 }
 
-int run(const Options& options, const Common& common) {
-  const std::vector<SceneChange> changes = scene_changes(options.inputs.set);
+int run(const Options& options, const program::Common& common) {
+  const std::vector<scenes::SceneChange> changes = options::scene_changes(options.inputs.set);
   if (options.write && !changes.empty()) {
-    throw Misuse("--write: the plan would be of another scene than the file's (--set)");
+    throw program::Misuse("--write: the plan would be of another scene than the file's (--set)");
   }
   if (options.write && options.scene == "-") {
-    throw Misuse("--write: standard input is no file to write the plan into");
+    throw program::Misuse("--write: standard input is no file to write the plan into");
   }
-  const Scene scene = load_scene(options.scene, true, changes);
+  const scenes::Scene scene = scenes::load_scene(options.scene, true, changes);
   if (scene.world.connectors.empty()) {
-    throw Misuse(fmt::format("{}: has no connector to plan for", options.scene));
+    throw program::Misuse(fmt::format("{}: has no connector to plan for", options.scene));
   }
   if (!scene.world.obstacles.empty()) {
-    throw Misuse(fmt::format("{}: has obstacles, which plans do not follow yet", options.scene));
+    throw program::Misuse(
+        fmt::format("{}: has obstacles, which plans do not follow yet", options.scene));
   }
   if (!scene.world.joints.empty()) {
-    throw Misuse(fmt::format("{}: joins connectors, which plans do not follow yet", options.scene));
+    throw program::Misuse(
+        fmt::format("{}: joins connectors, which plans do not follow yet", options.scene));
   }
-  Asked asked = asked_for(options.tolerance, scene);
-  const std::uint64_t stamp = plan_stamp(scene.file);
+  planning::Asked asked = asked_for(options.tolerance, scene);
+  const std::uint64_t stamp = scenes::plan_stamp(scene.file);
   std::optional<PlanFile> file;
   if (options.write) file.emplace(scene.file);
 
   const double scored = asked.tolerance.most / asked.per_metre;
-  const auto tick = [](Progress& progress) {
+  const auto tick = [](program::Progress& progress) {
     return [&progress](double done) {
-      stop_if_interrupted();
+      render::stop_if_interrupted();
       progress.update(static_cast<std::size_t>(100 * done));
     };
   };
-  const ReferenceSolution reference = [&] {
-    Progress progress("solving the reference", "%", 100, common.quiet);
-    return solve_reference(
-        {few_copies(scene.world), frame_times(scene.duration, scene.fps), scene.timeline}, scored,
-        kCheckWork, tick(progress));
+  const study::ReferenceSolution reference = [&] {
+    program::Progress progress("solving the reference", "%", 100, common.quiet);
+    return study::solve_reference({planning::few_copies(scene.world),
+                                   study::frame_times(scene.duration, scene.fps), scene.timeline},
+                                  scored, kCheckWork, tick(progress));
   }();
-  const std::optional<Blur> blur = blur_of(scene, reference, asked);
+  const std::optional<planning::Blur> blur = blur_of(scene, reference, asked);
   asked.tolerance.most -= asked.per_metre * reference.self_error;
 
-  const Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
-  std::vector<SceneModel> scene_models = models_of(scene, changes);
-  const std::vector<PlanModel> models =
+  const study::Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
+  std::vector<planning::SceneModel> scene_models = planning::models_of(scene, changes);
+  const std::vector<study::PlanModel> models =
       score_models(scene_models, reference, asked.tolerance, finely, scene.fps,
                    blur ? blur->longest_step : INFINITY, common.quiet);
 
   // Between frames a clip may show what is farther off than at any frame: then once more, finer.
-  for (Tolerance tolerance = asked.tolerance;;) {
-    const Search search = search_all(models, reference, tolerance, common.quiet);
+  for (study::Tolerance tolerance = asked.tolerance;;) {
+    const study::Search search = search_all(models, reference, tolerance, common.quiet);
     if (!search.best) {
-      const Trial* trial = nearest(search, scene_models);
-      const SceneModel& model = trial ? scene_models[trial->model] : scene_models.front();
-      throw Misuse(fmt::format(
+      const study::Trial* trial = planning::nearest(search, scene_models);
+      const planning::SceneModel& model = trial ? scene_models[trial->model] : scene_models.front();
+      throw program::Misuse(fmt::format(
           "--tolerance {}: no method at any of its settings comes so near; nearest: {}, {}: {}",
           options.tolerance, describe(model, scene),
           trial ? describe(models[trial->model].candidates[trial->candidate]) : "solved finely",
-          outcome(trial ? *trial : model.alone, asked, reference)));
+          planning::outcome(trial ? *trial : model.alone, asked, reference)));
     }
-    Planned planned{scene, asked, reference, scene_models, search, search.trials[*search.best]};
+    planning::Planned planned{scene,        asked,  reference,
+                              scene_models, search, search.trials[*search.best]};
     planned.scored = scored;
     planned.blur = blur;
     planned.error = planned.best.error;
     if (reference.known > 1) {
-      Progress progress("proving the clip", "%", 100, common.quiet);
+      program::Progress progress("proving the clip", "%", 100, common.quiet);
       planned.clip_error = error_of_clip(planned, scored, tick(progress));
       planned.error = std::max(planned.error, planned.clip_error.value_or(0));
     }
@@ -326,24 +335,25 @@ int run(const Options& options, const Common& common) {
       tolerance.most *= kFinerForClip * asked.tolerance.most / planned.error;
       continue;
     }
-    const Candidate as_written{scene.method.name, scene.method.settings};
-    const PlanModel& written = models.front();
-    planned.as_written = run_through(written, as_written, reference, asked.tolerance.distance);
-    planned.models_off =
-        model_errors(scene, changes, scene_models, reference, finely, asked.tolerance.distance);
+    const study::Candidate as_written{scene.method.name, scene.method.settings};
+    const study::PlanModel& written = models.front();
+    planned.as_written =
+        study::run_through(written, as_written, reference, asked.tolerance.distance);
+    planned.models_off = planning::model_errors(scene, changes, scene_models, reference, finely,
+                                                asked.tolerance.distance);
     planned.cost = cost_of(planned.model().model, planned.candidate(), reference.problem.times);
     planned.cost_as_written = cost_of(written, as_written, reference.problem.times);
     planned.plan = plan_of(planned, options.tolerance, stamp);
     if (file) file->write(planned.plan);
-    write_output(common.json ? plan_json(planned) : plan_text(planned));
-    return kDone;
+    render::write_output(common.json ? planning::plan_json(planned) : planning::plan_text(planned));
+    return program::kDone;
   }
 }
 
 }  // namespace
 
-void add_plan(CLI::App& app, Program& program) {
-  Command command = add_command(
+void add_plan(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
       app, program, "plan", "The cheapest model that nobody can tell from the reference solution",
       R"(  taut plan scenes/rope_swing.toml --tolerance 1px
   taut plan scenes/nunchaku.toml --tolerance 0.5mm
@@ -362,7 +372,7 @@ Pixels are those of the scene's shots, a picture as high as the scene's.
 --json has all of it. Exit codes: 0 found, 2 no method comes so near, or the tolerance makes no
 sense, 3 bad scene, 6 the scene file cannot be written, 130 interrupted)");
   const auto options = std::make_shared<Options>();
-  add_scene_options(command, options->inputs);
+  options::add_scene_options(command, options->inputs);
   command
       .add_option("--tolerance", options->tolerance,
                   "How far any point may be from where it should be: 1px on the picture, or 0.5mm")
@@ -370,11 +380,12 @@ sense, 3 bad scene, 6 the scene file cannot be written, 130 interrupted)");
   command.add_flag("--write", options->write, "Write the plan into the scene file");
   command.callback([options, &program] {
     program.run = [options, &program] {
-      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
-        Options one = *options;
-        one.scene = scene;
-        return run(one, program.common);
-      });
+      return options::for_each_scene(options->inputs, program.common,
+                                     [&](const std::string& scene) {
+                                       Options one = *options;
+                                       one.scene = scene;
+                                       return run(one, program.common);
+                                     });
     };
   });
 }

@@ -16,68 +16,68 @@
 namespace taut::cli {
 namespace {
 
-int draw_stills(const ClipJob& job, const Common& common) {
-  RenderWorkers workers(job.backend, common.threads, true, job.scene, job.scene.width,
-                        job.scene.height, job.options.samples);
-  write_output(
-      make_stills(job.options.stills, job.scene, workers.film(), job.out, job.provenance()));
-  return kDone;
+int draw_stills(const clips::ClipJob& job, const program::Common& common) {
+  film::RenderWorkers workers(job.backend, common.threads, true, job.scene, job.scene.width,
+                              job.scene.height, job.options.samples);
+  render::write_output(
+      clips::make_stills(job.options.stills, job.scene, workers.film(), job.out, job.provenance()));
+  return program::kDone;
 }
 
-int render(const Common& common, const RenderOptions& options) {
-  const ClipJob job(options, common);
-  if (options.part.merge) return merge_clip(job, common);
+int render(const program::Common& common, const clips::RenderOptions& options) {
+  const clips::ClipJob job(options, common);
+  if (options.part.merge) return clips::merge_clip(job, common);
   if (options.part.is_part() && job.frames.empty()) {  // there are more parts than frames
-    return say_part_done(options.part, job.frame_path, 0, common);
+    return program::say_part_done(options.part, job.frame_path, 0, common);
   }
   if (job.options.stills.any()) return draw_stills(job, common);
-  const DrawnClip clip = draw_clip(job, common);
+  const clips::DrawnClip clip = clips::draw_clip(job, common);
   if (options.part.is_part()) {
-    return say_part_done(options.part, job.frame_path, job.frames.size(), common);
+    return program::say_part_done(options.part, job.frame_path, job.frames.size(), common);
   }
-  write_output(result_text(clip.report, common));
-  if (!common.json) write_output(clip.profile);
-  return kDone;
+  render::write_output(clips::result_text(clip.report, common));
+  if (!common.json) render::write_output(clip.profile);
+  return program::kDone;
 }
 
 /// The files that a scene is written in.
 std::vector<std::filesystem::path> files_of(const std::string& scene) {
   std::vector<std::filesystem::path> files = {scene};
   try {
-    const std::filesystem::path base = read_document(scene).base;
+    const std::filesystem::path base = scenes::read_document(scene).base;
     if (!base.empty()) files.push_back(base);
-  } catch (const BadScene&) {  // which is told when it is read to be rendered
+  } catch (const scenes::BadScene&) {  // which is told when it is read to be rendered
   }
   return files;
 }
 
-int render_or_watch(const Common& common, const RenderOptions& options) {
+int render_or_watch(const program::Common& common, const clips::RenderOptions& options) {
   if (!options.output.watch) return render(common, options);
   if (options.scene == "-" || options.inputs.several()) {
-    throw Misuse("--watch: expected one scene file");
+    throw program::Misuse("--watch: expected one scene file");
   }
-  return watch(files_of(options.scene), common, [&] { return render(common, options); });
+  return program::watch(files_of(options.scene), common, [&] { return render(common, options); });
 }
 
 }  // namespace
 
-void add_render(CLI::App& app, Program& program) {
-  Command command =
-      add_command(app, program, "render", "Render a scene's clip",
-                  "  taut render scenes/nunchaku.toml\n"
-                  "  taut render scenes/nunchaku.toml --preview\n"
-                  "  taut render scenes/nunchaku.toml -o nunchaku.webp --preset draft\n"
-                  "  taut render scenes/rope_swing.toml --set connectors.rope.length=0.3 --watch\n"
-                  "  taut render scenes/nunchaku.toml --frames 0-59,120 --size 960x540 --no-video\n"
-                  "  taut render scenes/nunchaku.toml --resume\n\n" +
-                      std::string(kEstimateHelp) +
-                      "\nclip.json has it: error_estimate_m, predictable_until_s, "
-                      "estimate_ms_per_second.");
-  auto options = std::make_shared<RenderOptions>();
-  add_scene_options(command, options->inputs, false);
+void add_render(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
+      app, program, "render", "Render a scene's clip",
+      "  taut render scenes/nunchaku.toml\n"
+      "  taut render scenes/nunchaku.toml --preview\n"
+      "  taut render scenes/nunchaku.toml -o nunchaku.webp --preset draft\n"
+      "  taut render scenes/rope_swing.toml --set connectors.rope.length=0.3 --watch\n"
+      "  taut render scenes/nunchaku.toml --frames 0-59,120 --size 960x540 --no-video\n"
+      "  taut render scenes/nunchaku.toml --resume\n\n" +
+          std::string(studies::kEstimateHelp) +
+          "\nclip.json has it: error_estimate_m, predictable_until_s, "
+          "estimate_ms_per_second.");
+  auto options = std::make_shared<clips::RenderOptions>();
+  options::add_scene_options(command, options->inputs, false);
   command.add_option("--out", options->out,
                      "The clip's folder; default: below out/, by the scene's path");
-  add_output_options(command, options->output);
+  options::add_output_options(command, options->output);
   command.add_option("--frames", options->frames, "Frames to make, as A-B,C; default all");
   command.add_option("--size", options->size, "WxH in pixels; default the scene's");
   command.add_option("--fps", options->fps, "Frames per second; default the scene's")
@@ -85,19 +85,19 @@ void add_render(CLI::App& app, Program& program) {
   command
       .add_option("--samples", options->samples, "Samples per pixel; default: the preset's, or 4")
       .range(1, 64);
-  add_method_options(command, options->method);
+  options::add_method_options(command, options->method);
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
-  add_memory_option(command, options->max_memory);
+  options::add_memory_option(command, options->max_memory);
   command.add_flag("--certificate", options->certificate,
                    "A line on the picture says what is proved of the clip, or that nothing is");
   command.add_option("--backend", options->backend, "auto, egl or osmesa")
       .one_of({"auto", "egl", "osmesa"});
-  const Option resume =
+  const program::Option resume =
       command.add_flag("--resume", options->resume,
                        "Keep finished frames that would come out the same: the default");
   command.add_flag("--anew", options->anew, "Draw every frame, also those that are there")
       .excludes(resume);
-  add_part_options(command, options->part, "frames");
+  program::add_part_options(command, options->part, "frames");
   command.add_flag("--contact-sheet", options->stills.contact_sheet,
                    "Only a sheet of the captions' middles, contact_sheet.png");
   command
@@ -116,11 +116,12 @@ void add_render(CLI::App& app, Program& program) {
       .positive();
   command.callback([&program, options] {
     program.run = [&program, options] {
-      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
-        RenderOptions one = *options;
-        one.scene = scene;
-        return render_or_watch(program.common, one);
-      });
+      return options::for_each_scene(options->inputs, program.common,
+                                     [&](const std::string& scene) {
+                                       clips::RenderOptions one = *options;
+                                       one.scene = scene;
+                                       return render_or_watch(program.common, one);
+                                     });
     };
   });
 }

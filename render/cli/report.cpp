@@ -25,56 +25,58 @@ constexpr double kAccuracy = 0.5, kStability = 0.5;
 constexpr double kForClips = 0.7;
 
 /// Errors over time of every method at its own settings.
-std::vector<ReportErrors> errors_of(const AccuracyStudy& study, const Target& target, double length,
-                                    double cap) {
-  std::vector<ReportErrors> all;
-  for (const AccuracyBlock& block : study.blocks) {
-    stop_if_interrupted();
-    const Contender& one = block.contender;
+std::vector<report::ReportErrors> errors_of(const studies::AccuracyStudy& study,
+                                            const studies::Target& target, double length,
+                                            double cap) {
+  std::vector<report::ReportErrors> all;
+  for (const studies::AccuracyBlock& block : study.blocks) {
+    render::stop_if_interrupted();
+    const options::Contender& one = block.contender;
     if (!one.candidate.settings.empty() || !one.method->missing.empty()) continue;
-    const Run run = taut::run(target.problem, one.candidate, cap);
-    all.push_back({one, errors_over_time(run, target.reference, length)});
+    const study::Run run = study::run(target.problem, one.candidate, cap);
+    all.push_back({one, report::errors_over_time(run, target.reference, length)});
   }
   return all;
 }
 
 /// One scene, with the journals of what is not written yet.
 struct Measured {
-  SceneReport report;
-  std::vector<Journal> journals;
+  report::SceneReport report;
+  std::vector<program::Journal> journals;
 };
 
-void measure_scene(const StudyOptions& options, std::size_t most, const Common& common,
-                   Measured& measured) {
-  const Scene scene = study_scene(options, {}, true);
-  const std::filesystem::path folder = results_folder(options.scene, options.out, true) / "report";
-  SceneReport& report = measured.report;
-  if (!common.quiet) note("{}: solving the truth\n", options.scene);
-  report.accuracy = accuracy_study(options, scene);
-  AccuracyStudy& study = report.accuracy;
-  const Target target = scored_target(scene, study.share);
+void measure_scene(const options::StudyOptions& options, std::size_t most,
+                   const program::Common& common, Measured& measured) {
+  const scenes::Scene scene = options::study_scene(options, {}, true);
+  const std::filesystem::path folder =
+      options::results_folder(options.scene, options.out, true) / "report";
+  report::SceneReport& report = measured.report;
+  if (!common.quiet) program::note("{}: solving the truth\n", options.scene);
+  report.accuracy = studies::accuracy_study(options, scene);
+  studies::AccuracyStudy& study = report.accuracy;
+  const studies::Target target = studies::scored_target(scene, study.share);
   study.horizon = target.reference.horizon;
-  study.self_error = target.reference.self_error / scored_length(scene);
-  measured.journals.emplace_back(folder / "chart.unfinished", stamp_of(options));
-  measure(study, target, accuracy_metrics(scene), kAccuracy * options.budget, options.quick,
-          &measured.journals.back(), common.quiet);
-  report.errors = errors_of(study, target, scored_length(scene), options.budget / 20);
-  report.stability = stability_study(options, scene);
+  study.self_error = target.reference.self_error / studies::scored_length(scene);
+  measured.journals.emplace_back(folder / "chart.unfinished", options::stamp_of(options));
+  studies::measure(study, target, studies::accuracy_metrics(scene), kAccuracy * options.budget,
+                   options.quick, &measured.journals.back(), common.quiet);
+  report.errors = errors_of(study, target, studies::scored_length(scene), options.budget / 20);
+  report.stability = studies::stability_study(options, scene);
   if (scene.timeline.pins.empty()) {
-    StudyOptions maps = options;
+    options::StudyOptions maps = options;
     maps.budget *= kStability;
-    report.stability = stability_study(maps, scene);
-    measured.journals.push_back(
-        map_all(report.stability, maps, scene, folder, "stability.unfinished", common, {}));
+    report.stability = studies::stability_study(maps, scene);
+    measured.journals.push_back(studies::map_all(report.stability, maps, scene, folder,
+                                                 "stability.unfinished", common, {}));
   }
-  report.clips = report_clips(options, report.stability.contenders, folder, most, common);
+  report.clips = report::report_clips(options, report.stability.contenders, folder, most, common);
 }
 
-Json json_of(const SceneReport& report) {
+program::Json json_of(const report::SceneReport& report) {
   std::size_t runs = 0, cells = 0, clips = 0;
-  for (const AccuracyBlock& block : report.accuracy.blocks) runs += block.rows.size();
-  for (const StabilityMap& map : report.stability.maps) cells += map.cells.size();
-  for (const ReportClip& clip : report.clips) clips += !clip.file.empty();
+  for (const studies::AccuracyBlock& block : report.accuracy.blocks) runs += block.rows.size();
+  for (const studies::StabilityMap& map : report.stability.maps) cells += map.cells.size();
+  for (const report::ReportClip& clip : report.clips) clips += !clip.file.empty();
   return {{"scene", report.accuracy.scene},
           {"title", report.accuracy.title},
           {"horizon_s", report.accuracy.horizon},
@@ -83,52 +85,53 @@ Json json_of(const SceneReport& report) {
           {"clips", clips}};
 }
 
-int run(const StudyOptions& options, const Common& common) {
-  require_ffmpeg();
-  const std::size_t methods =
-      std::size_t(std::ranges::count_if(chosen_contenders(options), [](const Contender& one) {
-        return one.candidate.settings.empty();
-      }));
-  const double share = kForClips * 3 / 4 * double(kMostBytes);
+int run(const options::StudyOptions& options, const program::Common& common) {
+  film::require_ffmpeg();
+  const std::size_t methods = std::size_t(std::ranges::count_if(
+      options::chosen_contenders(options),
+      [](const options::Contender& one) { return one.candidate.settings.empty(); }));
+  const double share = kForClips * 3 / 4 * double(report::kMostBytes);
   const std::size_t scenes = options.inputs.scenes.size();
   const auto most = std::size_t(share / double(std::max<std::size_t>(1, methods * scenes)));
-  std::vector<SceneReport> reports;
-  std::vector<Journal> journals;
+  std::vector<report::SceneReport> reports;
+  std::vector<program::Journal> journals;
   for (const std::string& scene : options.inputs.scenes) {
-    StudyOptions one = options;
+    options::StudyOptions one = options;
     one.scene = scene;
     Measured measured;
     measure_scene(one, most, common, measured);
     reports.push_back(std::move(measured.report));
-    for (Journal& journal : measured.journals) journals.push_back(std::move(journal));
+    for (program::Journal& journal : measured.journals) journals.push_back(std::move(journal));
   }
-  const std::string page = report_page(reports);
-  if (page.size() > kMostBytes) {
-    throw Misuse(
+  const std::string page = report::report_page(reports);
+  if (page.size() > report::kMostBytes) {
+    throw program::Misuse(
         fmt::format("a page of {:.1f} MB is beyond {} MB: expected fewer scenes, fewer "
                     "--methods or --quick",
-                    double(page.size()) / 1e6, kMostBytes / 1'000'000));
+                    double(page.size()) / 1e6, report::kMostBytes / 1'000'000));
   }
   const std::filesystem::path folder =
-      options.inputs.several() ? std::filesystem::path(options.out.empty() ? "out" : options.out)
-                               : results_folder(options.inputs.scenes.front(), options.out, false);
+      options.inputs.several()
+          ? std::filesystem::path(options.out.empty() ? "out" : options.out)
+          : options::results_folder(options.inputs.scenes.front(), options.out, false);
   const std::filesystem::path file = folder / "report.html";
-  AtomicFile out(file);
+  render::AtomicFile out(file);
   out.write(page);
   out.commit();
-  for (Journal& journal : journals) journal.finish();
-  Json json = {{"report", file.string()}, {"bytes", page.size()}, {"machine", machine()}};
-  for (const SceneReport& report : reports) json["scenes"].push_back(json_of(report));
-  write_output(common.json ? json.dump(2) + "\n" : file.string() + "\n");
-  return kDone;
+  for (program::Journal& journal : journals) journal.finish();
+  program::Json json = {
+      {"report", file.string()}, {"bytes", page.size()}, {"machine", options::machine()}};
+  for (const report::SceneReport& report : reports) json["scenes"].push_back(json_of(report));
+  render::write_output(common.json ? json.dump(2) + "\n" : file.string() + "\n");
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_report(CLI::App& app, Program& program) {
-  Command command =
-      add_command(app, program, "report", "Everything that is measured of scenes, as one page",
-                  R"(  taut report scenes/rope_swing.toml
+void add_report(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
+      app, program, "report", "Everything that is measured of scenes, as one page",
+      R"(  taut report scenes/rope_swing.toml
   taut report scenes/rope_swing.toml scenes/bench_stick.toml --quick
   taut report scenes/rope_swing.toml --methods springs,xpbd,direct --budget 120
 
@@ -136,9 +139,9 @@ One HTML file below 5 MB that needs no other and no network, report.html: speed 
 errors over time, a small clip of each method, and where each fails. Every point, cell and clip says
 the command that makes it. A report that is stopped goes on where it was when the same command is
 given again.)");
-  const auto options = std::make_shared<StudyOptions>();
-  add_study_options(command, *options, 300);
-  options->follows = Follows::pins;
+  const auto options = std::make_shared<options::StudyOptions>();
+  options::add_study_options(command, *options, 300);
+  options->follows = options::Follows::pins;
   command.callback([options, &program] {
     program.run = [options, &program] {
       if (options->quick) options->budget = std::min(options->budget, 30.0);

@@ -33,14 +33,14 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  SceneOptions inputs;
+  options::SceneOptions inputs;
   std::string scene;  // of the inputs, the one that is simulated now
   std::string csv;
   int fps = 0;  // 0: the scene's
   bool no_estimate = false;
   double max_memory = 0;
   std::optional<double> score;  // share of the length
-  MethodOptions method;
+  options::MethodOptions method;
 };
 
 /// What a run measured; drift and stretch at frame times.
@@ -57,12 +57,12 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::string header(const Scene& scene, bool estimated) {
-  return csv_header(scene) + (estimated ? ",error_estimate\n" : "\n");
+std::string header(const scenes::Scene& scene, bool estimated) {
+  return exporting::csv_header(scene) + (estimated ? ",error_estimate\n" : "\n");
 }
 
-std::string row(const Snapshot& state, const SelfEstimate& estimate) {
-  std::string line = csv_row(state);
+std::string row(const Snapshot& state, const studies::SelfEstimate& estimate) {
+  std::string line = exporting::csv_row(state);
   if (estimate.on()) line += fmt::format(",{:.17g}", estimate.error());
   return line + '\n';
 }
@@ -76,28 +76,28 @@ class Rows {
   bool wanted() const { return file_ || to_output_; }
   void write(const std::string& text) {
     if (file_) file_->write(text);
-    if (to_output_) write_output(text);
+    if (to_output_) render::write_output(text);
   }
   void finish() {
     if (file_) file_->commit();
   }
 
  private:
-  std::optional<AtomicFile> file_;
+  std::optional<render::AtomicFile> file_;
   bool to_output_;
 };
 
-Report simulate(const Scene& scene, Simulation& simulation, SelfEstimate& estimate, Rows& rows,
-                bool quiet) {
+Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::SelfEstimate& estimate,
+                Rows& rows, bool quiet) {
   const World& world = simulation.world();
   const double start = energy(world);
   const int frames = scene.frames();
   Report report;
   report.energy_scale = energy_scale(world);
-  Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
+  program::Progress progress("simulating", "frames", static_cast<std::uint64_t>(frames), quiet);
   if (rows.wanted()) rows.write(header(scene, estimate.on()));
   for (int frame = 0; frame < frames; ++frame) {
-    stop_if_interrupted();
+    render::stop_if_interrupted();
     const double before = cpu_seconds();
     try {
       simulation.advance_to(static_cast<double>(frame) / scene.fps);
@@ -117,15 +117,15 @@ Report simulate(const Scene& scene, Simulation& simulation, SelfEstimate& estima
   return report;
 }
 
-std::string json_text(const Scene& scene, const Simulation& simulation, const Report& report,
-                      const SelfEstimate& estimate) {
+std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
+                      const Report& report, const studies::SelfEstimate& estimate) {
   const Counters& counters = simulation.method().counters();
   // The last frame's time is what was simulated; a scene of one frame simulates nothing.
   const double simulated = simulation.world().time;
   nlohmann::ordered_json json;
   json["scene"] = scene.file.string();
   json["method"] = scene.method.name;
-  json["settings"] = settings_json(full_settings(scene.method));
+  json["settings"] = options::settings_json(options::full_settings(scene.method));
   json["frames"] = scene.frames();
   json["stepping_ms_per_second"] =
       simulated > 0 ? nlohmann::ordered_json(1e3 * report.stepping / simulated) : nullptr;
@@ -151,62 +151,66 @@ std::string json_text(const Scene& scene, const Simulation& simulation, const Re
 std::string csv_file(const Options& options) {
   if (options.csv.empty() || !options.inputs.several()) return options.csv;
   if (options.csv.ends_with(".csv")) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("--csv {}: one file for several scenes, expected a folder", options.csv));
   }
-  return results_folder(options.scene, options.csv, true).string() + ".csv";
+  return options::results_folder(options.scene, options.csv, true).string() + ".csv";
 }
 
 /// How far off the run is, in place of its trajectory.
-int score(const Scene& scene, const Options& options, const Common& common) {
-  if (!options.csv.empty()) throw Misuse("--score: makes no trajectory, expected no --csv");
-  refuse_beyond({.memory = simulation_needs(scene).memory}, scene, options.max_memory, "", "",
-                common.quiet);
-  if (!common.quiet) note("solving the truth\n");
-  const Json json = run_score(scene, *options.score);
+int score(const scenes::Scene& scene, const Options& options, const program::Common& common) {
+  if (!options.csv.empty())
+    throw program::Misuse("--score: makes no trajectory, expected no --csv");
+  options::refuse_beyond({.memory = options::simulation_needs(scene).memory}, scene,
+                         options.max_memory, "", "", common.quiet);
+  if (!common.quiet) program::note("solving the truth\n");
+  const program::Json json = report::run_score(scene, *options.score);
   if (common.json) {
-    write_output(json.dump(2) + "\n");
-    return kDone;
+    render::write_output(json.dump(2) + "\n");
+    return program::kDone;
   }
   const auto value = [&](const char* key) {
-    return json[key].is_null() ? std::string("-") : rounded(json[key].get<double>());
+    return json[key].is_null() ? std::string("-") : options::rounded(json[key].get<double>());
   };
-  write_output(table_text(
+  render::write_output(program::table_text(
       {{"method", "RMS error (share of length)", "ms per simulated second", "truth until (s)"},
        {{scene.method.name, value("rms_error"), value("cpu_ms_per_simulated_s"),
          value("horizon_s")}}}));
-  return kDone;
+  return program::kDone;
 }
 
-int run(const Options& options, const Common& common) {
-  Scene scene = load_chosen(options.scene, false, options.method);
+int run(const Options& options, const program::Common& common) {
+  scenes::Scene scene = options::load_chosen(options.scene, false, options.method);
   if (options.fps > 0) scene.fps = options.fps;
-  scene.method = chosen_method(options.method, scene);
+  scene.method = options::chosen_method(options.method, scene);
   if (options.score) return score(scene, options, common);
-  const bool to_output = options.csv == "-" || is_standard_output(options.csv);
+  const bool to_output = options.csv == "-" || render::is_standard_output(options.csv);
   if (to_output && common.json) {
-    throw Misuse(fmt::format("--csv {}: standard output is the JSON's (--json)", options.csv));
+    throw program::Misuse(
+        fmt::format("--csv {}: standard output is the JSON's (--json)", options.csv));
   }
   const std::string csv = to_output ? "" : csv_file(options);
   const fs::path folder = fs::path(csv).has_parent_path() ? fs::path(csv).parent_path() : ".";
-  refuse_beyond(simulation_needs(scene), scene, options.max_memory, csv.empty() ? "" : folder, "",
-                common.quiet);
+  options::refuse_beyond(options::simulation_needs(scene), scene, options.max_memory,
+                         csv.empty() ? "" : folder, "", common.quiet);
   Simulation simulation = start(scene);
-  SelfEstimate estimate(scene, !options.no_estimate);
+  studies::SelfEstimate estimate(scene, !options.no_estimate);
   Rows rows(csv, to_output || !common.json);
   const Report report = simulate(scene, simulation, estimate, rows, common.quiet);
-  if (common.json) write_output(json_text(scene, simulation, report, estimate));
+  if (common.json) render::write_output(json_text(scene, simulation, report, estimate));
   if (!csv.empty() && !common.quiet) {
-    note("{}: {} frames, method {}\n{}", csv, scene.frames(), scene.method.name, estimate.line());
+    program::note("{}: {} frames, method {}\n{}", csv, scene.frames(), scene.method.name,
+                  estimate.line());
   }
-  return kDone;
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_simulate(CLI::App& app, Program& program) {
-  Command command = add_command(app, program, "simulate", "A scene's trajectory, without pictures",
-                                fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv
+void add_simulate(CLI::App& app, program::Program& program) {
+  program::Command command =
+      program::add_command(app, program, "simulate", "A scene's trajectory, without pictures",
+                           fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv
   taut simulate scenes/rope_swing.toml --csv swing.csv --json
   taut simulate scenes/rope_swing.toml --method springs --step 1e-4 --set stiffness=5000 --json
   taut simulate scenes/rope_swing.toml --method xpbd --step 1e-4 --score 1e-4
@@ -220,28 +224,29 @@ NAME'.
 It is the last column (inf once the run beside it diverges, nan where the method has no estimate)
 and, with --json, error_estimate_m (its largest and its final value), predictable_until_s and
 estimate_ms_per_second (CPU time, which stepping_ms_per_second does not hold).)",
-                                            kEstimateHelp));
+                                       studies::kEstimateHelp));
   const auto options = std::make_shared<Options>();
-  add_scene_options(command, options->inputs, false);
+  options::add_scene_options(command, options->inputs, false);
   command.add_option("--csv", options->csv,
                      "The trajectory into this file, of several scenes into this folder; - or, "
                      "without --json, nothing: to standard output");
   command.add_option("--fps", options->fps, "Another number of frames per second").range(1, 1000);
-  add_method_options(command, options->method);
+  options::add_method_options(command, options->method);
   command
       .add_option("--score", options->score,
                   "No trajectory, but the error against the truth, which is solved for errors from "
                   "this share of the length up")
       .range(1e-9, 1.0);
   command.add_flag("--no-estimate", options->no_estimate, "No estimate of the run's own error");
-  add_memory_option(command, options->max_memory);
+  options::add_memory_option(command, options->max_memory);
   command.callback([options, &program] {
     program.run = [options, &program] {
-      return for_each_scene(options->inputs, program.common, [&](const std::string& scene) {
-        Options one = *options;
-        one.scene = scene;
-        return run(one, program.common);
-      });
+      return options::for_each_scene(options->inputs, program.common,
+                                     [&](const std::string& scene) {
+                                       Options one = *options;
+                                       one.scene = scene;
+                                       return run(one, program.common);
+                                     });
     };
   });
 }

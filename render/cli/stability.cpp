@@ -13,18 +13,18 @@ namespace taut::cli {
 namespace {
 
 /// How many cells of all maps each method has of each class.
-Table class_table(const StabilityStudy& study) {
-  constexpr MotionClass kClasses[] = {MotionClass::accurate,    MotionClass::plausible,
-                                      MotionClass::over_damped, MotionClass::stretched,
-                                      MotionClass::failed,      MotionClass::over_cap};
-  Table table{{"cells"}, {}};
-  for (const MotionClass one : kClasses) table.columns.emplace_back(name_of(one));
+chart::Table class_table(const studies::StabilityStudy& study) {
+  constexpr study::MotionClass kClasses[] = {
+      study::MotionClass::accurate,  study::MotionClass::plausible, study::MotionClass::over_damped,
+      study::MotionClass::stretched, study::MotionClass::failed,    study::MotionClass::over_cap};
+  chart::Table table{{"cells"}, {}};
+  for (const study::MotionClass one : kClasses) table.columns.emplace_back(study::name_of(one));
   for (std::size_t c = 0; c < study.contenders.size(); ++c) {
     std::vector<std::string> row{study.contenders[c].label};
-    for (const MotionClass one : kClasses) {
+    for (const study::MotionClass one : kClasses) {
       std::ptrdiff_t count = 0;
-      for (const StabilityMap& map : study.maps)
-        count += std::ranges::count_if(map.cells, [&](const MapCell& cell) {
+      for (const studies::StabilityMap& map : study.maps)
+        count += std::ranges::count_if(map.cells, [&](const studies::MapCell& cell) {
           return cell.contender == c && cell.classification.motion_class == one;
         });
       row.push_back(std::to_string(count));
@@ -34,33 +34,37 @@ Table class_table(const StabilityStudy& study) {
   return table;
 }
 
-int run(const StudyOptions& options, const Common& common) {
-  const Scene scene = study_scene(options);
-  StabilityStudy study = stability_study(options, scene);
-  if (options.part.is_part()) return map_part(study, options, scene, common);
-  require_gnuplot();
-  const std::filesystem::path folder = study_folder(options);
-  Journal journal = map_all(
-      study, options, scene, folder, "stability.unfinished", common, [&](const StabilityMap& map) {
-        write_chart(stability_chart(study, map), folder / ("stability_" + map.axis.name));
-      });
-  write_csv(stability_table(study), folder / "stability");
-  AtomicFile page(folder / "stability.html");
-  page.write(stability_page(study));
+int run(const options::StudyOptions& options, const program::Common& common) {
+  const scenes::Scene scene = options::study_scene(options);
+  studies::StabilityStudy study = studies::stability_study(options, scene);
+  if (options.part.is_part()) return studies::map_part(study, options, scene, common);
+  chart::require_gnuplot();
+  const std::filesystem::path folder = options::study_folder(options);
+  program::Journal journal =
+      studies::map_all(study, options, scene, folder, "stability.unfinished", common,
+                       [&](const studies::StabilityMap& map) {
+                         chart::write_chart(studies::stability_chart(study, map),
+                                            folder / ("stability_" + map.axis.name));
+                       });
+  options::write_csv(studies::stability_table(study), folder / "stability");
+  render::AtomicFile page(folder / "stability.html");
+  page.write(studies::stability_page(study));
   page.commit();
   if (!options.part.merge) journal.finish();
-  write_output(common.json ? stability_json(study) : table_text(class_table(study)));
+  render::write_output(common.json ? studies::stability_json(study)
+                                   : program::table_text(class_table(study)));
   if (!common.quiet) {
-    note("{}/stability: .html .csv, and a .svg and .png per map\n", folder.string());
+    program::note("{}/stability: .html .csv, and a .svg and .png per map\n", folder.string());
   }
-  return kDone;
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_stability(CLI::App& app, Program& program) {
-  Command command = add_command(app, program, "stability", "Where each method fails, as maps",
-                                R"(  taut stability scenes/rope_swing.toml
+void add_stability(CLI::App& app, program::Program& program) {
+  program::Command command =
+      program::add_command(app, program, "stability", "Where each method fails, as maps",
+                           R"(  taut stability scenes/rope_swing.toml
   taut stability scenes/rope_swing.toml --quick
   taut stability scenes/rope_swing.toml --methods springs,direct --budget 120
   taut stability scenes/rope_swing.toml --part 3/100
@@ -68,14 +72,15 @@ void add_stability(CLI::App& app, Program& program) {
 Maps that are stopped go on where they were when the same command is given again. Parts are
 processes of their own, on any machines that share the folder of results: each takes neighbouring
 cells, and --merge draws the maps from them. --budget then only sets how long one cell may take.)");
-  const auto options = std::make_shared<StudyOptions>();
-  add_study_options(command, *options, 480);
-  add_part_options(command, options->part, "cells");
+  const auto options = std::make_shared<options::StudyOptions>();
+  options::add_study_options(command, *options, 480);
+  program::add_part_options(command, options->part, "cells");
   command.callback([options, &program] {
     program.run = [options, &program] {
       if (options->quick) options->budget = std::min(options->budget, 20.0);
-      return for_each_study(*options, program.common,
-                            [&](const StudyOptions& one) { return run(one, program.common); });
+      return options::for_each_study(
+          *options, program.common,
+          [&](const options::StudyOptions& one) { return run(one, program.common); });
     };
   });
 }

@@ -24,7 +24,7 @@ namespace taut::cli {
 namespace {
 
 struct Options {
-  StudyOptions study;                            // its scene is each of its inputs in turn
+  options::StudyOptions study;                   // its scene is each of its inputs in turn
   std::vector<double> errors{1e-2, 1e-3, 1e-4};  // m
   bool markdown = false;
 };
@@ -39,36 +39,38 @@ constexpr double kScoring = 0.7, kTiming = 0.3;  // shares of the budget
 constexpr double kSlow = 0.002;                  // share of it that is a long run
 constexpr double kMetre = 1;
 
-Target solved_target(const StudyOptions& options, double least_error, bool quiet) {
-  const Scene scene = study_scene(options);
-  if (!quiet) note("{}: solving the truth\n", options.scene);
-  TruthOptions truth;
+studies::Target solved_target(const options::StudyOptions& options, double least_error,
+                              bool quiet) {
+  const scenes::Scene scene = options::study_scene(options);
+  if (!quiet) program::note("{}: solving the truth\n", options.scene);
+  truth::TruthOptions truth;
   truth.scored_error = least_error;
   truth.second_accuracy = (options.quick ? 5e-3 : 1e-4) * least_error;
-  return predictable_target(scene, truth);
+  return studies::predictable_target(scene, truth);
 }
 
 /// Without rows.
-AccuracyStudy empty_study(const StudyOptions& options) {
-  AccuracyStudy study;
+studies::AccuracyStudy empty_study(const options::StudyOptions& options) {
+  studies::AccuracyStudy study;
   study.scene = options.scene;
-  study.title = study_scene(options).title;
-  for (const Contender& contender : chosen_contenders(options)) {
+  study.title = options::study_scene(options).title;
+  for (const options::Contender& contender : options::chosen_contenders(options)) {
     study.blocks.push_back({contender, {}});
   }
   return study;
 }
 
-AccuracyStudy study_of(const StudyOptions& options, double least_error, bool quiet) {
+studies::AccuracyStudy study_of(const options::StudyOptions& options, double least_error,
+                                bool quiet) {
   const Clock::time_point begin = Clock::now();
-  const Target target = solved_target(options, least_error, quiet);
+  const studies::Target target = solved_target(options, least_error, quiet);
   // The truth is part of the budget, but for what the rest needs at least.
   const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
   const double left = std::max(options.budget - spent, 0.3 * options.budget);
-  AccuracyStudy study = empty_study(options);
-  score_all(study, target, {share_of_length(kMetre)}, kScoring * left, options.quick, nullptr,
-            quiet);
-  time_all(study, target, 1, kTiming * left, kSlow * left);
+  studies::AccuracyStudy study = empty_study(options);
+  studies::score_all(study, target, {study::share_of_length(kMetre)}, kScoring * left,
+                     options.quick, nullptr, quiet);
+  studies::time_all(study, target, 1, kTiming * left, kSlow * left);
   study.horizon = target.reference.horizon;
   return study;
 }
@@ -80,49 +82,52 @@ class SharedRuns {
   explicit SharedRuns(const Options& options) : options_(options) {
     Hash stamp;
     for (const std::string& scene : options.study.inputs.scenes) {
-      StudyOptions one = options.study;
+      options::StudyOptions one = options.study;
       one.scene = scene;
-      stamp.text(scene).number(stamp_of(one));
-      const AccuracyStudy study = empty_study(one);
-      for (Candidate& candidate : all_candidates(study, one.quick)) {
+      stamp.text(scene).number(options::stamp_of(one));
+      const studies::AccuracyStudy study = empty_study(one);
+      for (study::Candidate& candidate : studies::all_candidates(study, one.quick)) {
         pieces_.keys.push_back(key_of(scenes_.size(), candidate));
         runs_.push_back({scenes_.size(), std::move(candidate)});
       }
       scenes_.push_back(std::move(one));
-      cap_ = cap_of_a_run(study, kScoring * one.budget);
+      cap_ = studies::cap_of_a_run(study, kScoring * one.budget);
     }
     for (const double error : options.errors) stamp.number(error);
     stamp_ = stamp.value();
   }
 
-  int run_part(const Common& common) const {
-    const std::vector<Metric> metrics{share_of_length(kMetre)};
-    std::optional<Target> target;
+  int run_part(const program::Common& common) const {
+    const std::vector<study::Metric> metrics{study::share_of_length(kMetre)};
+    std::optional<studies::Target> target;
     std::size_t of_target = 0;
-    return do_part(options_.study.part, pieces_, folder(), stamp_, common,
-                   [&](std::size_t i, Journal& journal) {
-                     const auto& [scene, candidate] = runs_[i];
-                     if (!target || of_target != scene) {
-                       target = solved_target(scenes_[scene], least_error(options_), common.quiet);
-                       of_target = scene;
-                       journal.add(truth_key(scene), {exact(target->reference.horizon)});
-                     }
-                     return scored_and_timed(*target, metrics, candidate, cap_,
-                                             kSlow * options_.study.budget);
-                   });
+    return program::do_part(
+        options_.study.part, pieces_, folder(), stamp_, common,
+        [&](std::size_t i, program::Journal& journal) {
+          const auto& [scene, candidate] = runs_[i];
+          if (!target || of_target != scene) {
+            target = solved_target(scenes_[scene], least_error(options_), common.quiet);
+            of_target = scene;
+            journal.add(truth_key(scene), {program::exact(target->reference.horizon)});
+          }
+          return studies::scored_and_timed(*target, metrics, candidate, cap_,
+                                           kSlow * options_.study.budget);
+        });
   }
 
-  std::vector<AccuracyStudy> merged() const {
-    const Journal journal = merged_journal(pieces_, folder(), stamp_);
-    std::vector<AccuracyStudy> studies;
+  std::vector<studies::AccuracyStudy> merged() const {
+    const program::Journal journal = program::merged_journal(pieces_, folder(), stamp_);
+    std::vector<studies::AccuracyStudy> studies;
     for (std::size_t s = 0; s < scenes_.size(); ++s) {
-      AccuracyStudy study = empty_study(scenes_[s]);
-      for (AccuracyBlock& block : study.blocks) {
-        for (const Candidate& candidate : candidates_of(block.contender, options_.study.quick)) {
-          block.rows.push_back(row_from(candidate, *journal.find(key_of(s, candidate))));
+      studies::AccuracyStudy study = empty_study(scenes_[s]);
+      for (studies::AccuracyBlock& block : study.blocks) {
+        for (const study::Candidate& candidate :
+             options::candidates_of(block.contender, options_.study.quick)) {
+          block.rows.push_back(studies::row_from(candidate, *journal.find(key_of(s, candidate))));
         }
       }
-      if (const auto* truth = journal.find(truth_key(s))) study.horizon = number_in(truth->at(0));
+      if (const auto* truth = journal.find(truth_key(s)))
+        study.horizon = program::number_in(truth->at(0));
       studies.push_back(std::move(study));
     }
     return studies;
@@ -131,11 +136,11 @@ class SharedRuns {
  private:
   struct SceneRun {
     std::size_t scene = 0;
-    Candidate candidate;
+    study::Candidate candidate;
   };
 
-  static std::string key_of(std::size_t scene, const Candidate& candidate) {
-    return fmt::format("{} {}", scene, score_key(candidate));
+  static std::string key_of(std::size_t scene, const study::Candidate& candidate) {
+    return fmt::format("{} {}", scene, studies::score_key(candidate));
   }
   static std::string truth_key(std::size_t scene) { return fmt::format("{} truth", scene); }
   std::filesystem::path folder() const {
@@ -143,47 +148,51 @@ class SharedRuns {
   }
 
   const Options& options_;
-  Pieces pieces_{"work_precision", "runs", Share::neighbours, {}};
-  std::vector<StudyOptions> scenes_;
+  program::Pieces pieces_{"work_precision", "runs", program::Share::neighbours, {}};
+  std::vector<options::StudyOptions> scenes_;
   std::vector<SceneRun> runs_;
   double cap_ = 0;  // s
   std::uint64_t stamp_ = 0;
 };
 
 /// The cheapest row of every contender that comes within `error` (m).
-std::vector<const AccuracyRow*> cheapest_rows(const AccuracyStudy& study, double error) {
-  std::vector<const AccuracyRow*> rows;
-  for (const AccuracyBlock& block : study.blocks) {
-    const auto row = cheapest(cost_and_error(block.rows, 0), error);
+std::vector<const study::AccuracyRow*> cheapest_rows(const studies::AccuracyStudy& study,
+                                                     double error) {
+  std::vector<const study::AccuracyRow*> rows;
+  for (const studies::AccuracyBlock& block : study.blocks) {
+    const auto row = study::cheapest(study::cost_and_error(block.rows, 0), error);
     rows.push_back(row ? &block.rows[*row] : nullptr);
   }
   return rows;
 }
 
-double milliseconds(const AccuracyRow& row) {
-  return 1e3 * spread(row.cpu).median;
+double milliseconds(const study::AccuracyRow& row) {
+  return 1e3 * study::spread(row.cpu).median;
 }
 
 /// A row per contender; a column per scene and error: the cost, and how many times that of the
 /// cheapest it is.
-Table side_by_side(const std::vector<AccuracyStudy>& studies, const std::vector<double>& errors) {
-  Table table{{"ms per simulated second"}, {}};
+chart::Table side_by_side(const std::vector<studies::AccuracyStudy>& studies,
+                          const std::vector<double>& errors) {
+  chart::Table table{{"ms per simulated second"}, {}};
   std::vector<std::vector<std::string>> rows;
-  for (const AccuracyBlock& block : studies.front().blocks) rows.push_back({block.contender.label});
-  for (const AccuracyStudy& study : studies) {
+  for (const studies::AccuracyBlock& block : studies.front().blocks)
+    rows.push_back({block.contender.label});
+  for (const studies::AccuracyStudy& study : studies) {
     for (const double error : errors) {
       table.columns.push_back(fmt::format("{}: {:g} mm", study.title, 1e3 * error));
       const auto best = cheapest_rows(study, error);
       double least = INFINITY;
-      for (const AccuracyRow* row : best) {
+      for (const study::AccuracyRow* row : best) {
         if (row) least = std::min(least, milliseconds(*row));
       }
       for (std::size_t i = 0; i < best.size(); ++i) {
         const std::string missing(study.blocks[i].contender.method->missing);
         rows[i].push_back(!missing.empty() ? missing
-                          : !best[i]       ? "-"
-                                     : fmt::format("{} ({}x)", rounded(milliseconds(*best[i])),
-                                                   rounded(milliseconds(*best[i]) / least)));
+                          : !best[i]
+                              ? "-"
+                              : fmt::format("{} ({}x)", options::rounded(milliseconds(*best[i])),
+                                            options::rounded(milliseconds(*best[i]) / least)));
       }
     }
   }
@@ -192,20 +201,23 @@ Table side_by_side(const std::vector<AccuracyStudy>& studies, const std::vector<
 }
 
 /// The same, a row each, with the settings that do it.
-Table details(const std::vector<AccuracyStudy>& studies, const std::vector<double>& errors) {
-  Table table{{"scene", "method", "error asked for (m)", "settings", "error (m)",
-               "CPU per simulated second (s)", "low quartile (s)", "high quartile (s)", "timings"},
-              {}};
-  for (const AccuracyStudy& study : studies) {
+chart::Table details(const std::vector<studies::AccuracyStudy>& studies,
+                     const std::vector<double>& errors) {
+  chart::Table table{
+      {"scene", "method", "error asked for (m)", "settings", "error (m)",
+       "CPU per simulated second (s)", "low quartile (s)", "high quartile (s)", "timings"},
+      {}};
+  for (const studies::AccuracyStudy& study : studies) {
     for (const double error : errors) {
       const auto best = cheapest_rows(study, error);
       for (std::size_t i = 0; i < best.size(); ++i) {
         if (!best[i]) continue;
-        const Spread time = spread(best[i]->cpu);
+        const study::Spread time = study::spread(best[i]->cpu);
         table.add({study.scene, study.blocks[i].contender.label, fmt::format("{:g}", error),
-                   describe(best[i]->candidate.settings), fmt::format("{:.3g}", best[i]->errors[0]),
-                   fmt::format("{:.4g}", time.median), fmt::format("{:.4g}", time.low),
-                   fmt::format("{:.4g}", time.high), std::to_string(best[i]->cpu.size())});
+                   study::describe(best[i]->candidate.settings),
+                   fmt::format("{:.3g}", best[i]->errors[0]), fmt::format("{:.4g}", time.median),
+                   fmt::format("{:.4g}", time.low), fmt::format("{:.4g}", time.high),
+                   std::to_string(best[i]->cpu.size())});
       }
     }
   }
@@ -213,60 +225,65 @@ Table details(const std::vector<AccuracyStudy>& studies, const std::vector<doubl
 }
 
 /// Why cells are empty: how near the method came, or what ended its runs.
-Table empty_cells(const std::vector<AccuracyStudy>& studies, const std::vector<double>& errors) {
-  Table table{{"scene", "empty for", "nearest (m)", "settings", "others"}, {}};
+chart::Table empty_cells(const std::vector<studies::AccuracyStudy>& studies,
+                         const std::vector<double>& errors) {
+  chart::Table table{{"scene", "empty for", "nearest (m)", "settings", "others"}, {}};
   const double least = *std::ranges::min_element(errors);
-  for (const AccuracyStudy& study : studies) {
-    for (const AccuracyBlock& block : study.blocks) {
-      if (block.rows.empty() || cheapest(cost_and_error(block.rows, 0), least)) continue;
-      const auto nearest = std::ranges::min_element(block.rows, {}, [](const AccuracyRow& row) {
-        return row.end == Run::End::done ? row.errors[0] : INFINITY;
+  for (const studies::AccuracyStudy& study : studies) {
+    for (const studies::AccuracyBlock& block : study.blocks) {
+      if (block.rows.empty() || study::cheapest(study::cost_and_error(block.rows, 0), least))
+        continue;
+      const auto nearest =
+          std::ranges::min_element(block.rows, {}, [](const study::AccuracyRow& row) {
+            return row.end == study::Run::End::done ? row.errors[0] : INFINITY;
+          });
+      const auto ended = std::ranges::find_if(block.rows, [](const study::AccuracyRow& row) {
+        return row.end != study::Run::End::done;
       });
-      const auto ended = std::ranges::find_if(
-          block.rows, [](const AccuracyRow& row) { return row.end != Run::End::done; });
-      const bool any = nearest->end == Run::End::done;
+      const bool any = nearest->end == study::Run::End::done;
       table.add({study.scene, block.contender.label,
                  any ? fmt::format("{:.3g}", nearest->errors[0]) : "none",
-                 any ? describe(nearest->candidate.settings) : "",
+                 any ? study::describe(nearest->candidate.settings) : "",
                  ended == block.rows.end() ? "" : ended->reason});
     }
   }
   return table;
 }
 
-Json json_of(const AccuracyStudy& study, const std::vector<double>& errors) {
-  Json json = {{"scene", study.scene}, {"title", study.title}, {"horizon_s", study.horizon}};
-  for (const AccuracyBlock& block : study.blocks) {
-    Json entry = {{"method", block.contender.label}};
+program::Json json_of(const studies::AccuracyStudy& study, const std::vector<double>& errors) {
+  program::Json json = {
+      {"scene", study.scene}, {"title", study.title}, {"horizon_s", study.horizon}};
+  for (const studies::AccuracyBlock& block : study.blocks) {
+    program::Json entry = {{"method", block.contender.label}};
     const std::string missing(block.contender.method->missing);
     if (!missing.empty()) entry["missing"] = missing;
     for (const double error : errors) {
-      const auto found = cheapest(cost_and_error(block.rows, 0), error);
-      Json reach = {{"error_asked_m", error}, {"cpu_ms_per_simulated_s", nullptr}};
+      const auto found = study::cheapest(study::cost_and_error(block.rows, 0), error);
+      program::Json reach = {{"error_asked_m", error}, {"cpu_ms_per_simulated_s", nullptr}};
       if (found) {
-        const AccuracyRow& row = block.rows[*found];
-        const Spread time = spread(row.cpu);
+        const study::AccuracyRow& row = block.rows[*found];
+        const study::Spread time = study::spread(row.cpu);
         reach.update({{"cpu_ms_per_simulated_s", 1e3 * time.median},
                       {"low_quartile_ms", 1e3 * time.low},
                       {"high_quartile_ms", 1e3 * time.high},
                       {"timings", row.cpu.size()},
                       {"rms_error_m", row.errors[0]},
-                      {"settings", settings_json(row.candidate.settings)}});
+                      {"settings", options::settings_json(row.candidate.settings)}});
       }
       entry["reach"].push_back(std::move(reach));
     }
     double nearest = INFINITY;
-    for (const AccuracyRow& row : block.rows)
-      if (row.end == Run::End::done) nearest = std::min(nearest, row.errors[0]);
-    entry["least_rms_error_m"] = number_or_null(nearest);
+    for (const study::AccuracyRow& row : block.rows)
+      if (row.end == study::Run::End::done) nearest = std::min(nearest, row.errors[0]);
+    entry["least_rms_error_m"] = program::number_or_null(nearest);
     json["methods"].push_back(std::move(entry));
   }
   return json;
 }
 
-int run(Options options, const Common& common) {
-  std::vector<AccuracyStudy> studies;
-  const PartOptions& part = options.study.part;
+int run(Options options, const program::Common& common) {
+  std::vector<studies::AccuracyStudy> studies;
+  const program::PartOptions& part = options.study.part;
   if (part.is_part()) return SharedRuns(options).run_part(common);
   if (part.merge) studies = SharedRuns(options).merged();
   for (const std::string& scene : options.study.inputs.scenes) {
@@ -274,35 +291,35 @@ int run(Options options, const Common& common) {
     options.study.scene = scene;
     studies.push_back(study_of(options.study, least_error(options), common.quiet));
   }
-  const Table detail = details(studies, options.errors);
+  const chart::Table detail = details(studies, options.errors);
   if (!options.study.out.empty()) {
-    write_csv(detail, std::filesystem::path(options.study.out) / "work_precision");
+    options::write_csv(detail, std::filesystem::path(options.study.out) / "work_precision");
   }
-  const Table table = side_by_side(studies, options.errors);
-  const Table empty = empty_cells(studies, options.errors);
+  const chart::Table table = side_by_side(studies, options.errors);
+  const chart::Table empty = empty_cells(studies, options.errors);
   if (common.json) {
-    Json json = {{"machine", machine()}, {"scenes", Json::array()}};
-    for (const AccuracyStudy& study : studies)
+    program::Json json = {{"machine", options::machine()}, {"scenes", program::Json::array()}};
+    for (const studies::AccuracyStudy& study : studies)
       json["scenes"].push_back(json_of(study, options.errors));
-    write_output(json.dump(2) + "\n");
-    return kDone;
+    render::write_output(json.dump(2) + "\n");
+    return program::kDone;
   }
   std::string output;
-  for (const Table* one : {&table, &detail, &empty}) {
+  for (const chart::Table* one : {&table, &detail, &empty}) {
     if (one->rows.empty()) continue;
     if (!output.empty()) output += "\n";
-    output += options.markdown ? to_markdown(*one) : table_text(*one);
+    output += options.markdown ? chart::to_markdown(*one) : program::table_text(*one);
   }
-  write_output(output);
-  return kDone;
+  render::write_output(output);
+  return program::kDone;
 }
 
 }  // namespace
 
-void add_work_precision(CLI::App& app, Program& program) {
-  Command command = add_command(app, program, "work-precision",
-                                "The cost of an error for each method, scene beside scene",
-                                R"(  taut work-precision scenes/bench_*.toml
+void add_work_precision(CLI::App& app, program::Program& program) {
+  program::Command command = program::add_command(
+      app, program, "work-precision", "The cost of an error for each method, scene beside scene",
+      R"(  taut work-precision scenes/bench_*.toml
   taut work-precision scenes/bench_*.toml --errors 0.01,0.001,0.0001 --markdown --out out/bench
 
 CPU milliseconds per simulated second of the cheapest settings whose RMS position error over the
@@ -312,7 +329,7 @@ processes of their own, on any machines that share the folder of --out: each tak
 and times them one after another; --merge makes the tables.)");
   const auto options = std::make_shared<Options>();
   options->study.budget = 120;
-  add_scene_options(command, options->study.inputs);
+  options::add_scene_options(command, options->study.inputs);
   command.add_option("--errors", options->errors, "m, with commas; default: 0.01,0.001,0.0001")
       .delimiter(',')
       .positive();
@@ -326,7 +343,7 @@ and times them one after another; --merge makes the tables.)");
                   "Seconds that each scene may take, about; default: 120")
       .positive();
   command.add_flag("--quick", options->study.quick, "Few settings of each method");
-  add_part_options(command, options->study.part, "runs");
+  program::add_part_options(command, options->study.part, "runs");
   command.add_flag("--markdown", options->markdown, "The tables as Markdown");
   command.callback([options, &program] {
     program.run = [options, &program] { return run(*options, program.common); };

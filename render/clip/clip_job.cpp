@@ -17,7 +17,7 @@
 #include "scenes/default_stage.h"
 #include "sim/motion/hash.h"
 
-namespace taut::cli {
+namespace taut::clips {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,18 +28,18 @@ double seconds_since(Clock::time_point start) {
 }
 
 /// What is proved of the clip at `fps` frames a second.
-std::string proof_of(const Scene& scene, const RenderOptions& options, int fps) {
+std::string proof_of(const scenes::Scene& scene, const RenderOptions& options, int fps) {
   if (!options.method.planned) return "none: the clip is not by a plan (--planned)";
   if (fps != scene.fps) {
     return fmt::format("none: the plan is of {} frames a second, the clip of {}", scene.fps, fps);
   }
-  return certificate(*scene.plan);
+  return scenes::certificate(*scene.plan);
 }
 
 /// The plan's pixels are those of a picture as high as the scene's; of another they are as many
 /// more.
-void enlarge(Scene& scene, double times, int samples) {
-  Plan& plan = *scene.plan;
+void enlarge(scenes::Scene& scene, double times, int samples) {
+  scenes::Plan& plan = *scene.plan;
   if (!plan.tolerance.ends_with("px")) return;
   plan.error *= times;
   if (plan.exposures == 0) return;
@@ -76,31 +76,33 @@ std::string ending_of(const RenderOptions& options) {
 
 /// Throws Misuse where options make no sense together.
 void check_options(const RenderOptions& options) {
-  check_outputs(options.output, options.inputs.several(),
-                options.no_video || options.stills.poster || options.output.watch);
+  options::check_outputs(options.output, options.inputs.several(),
+                         options.no_video || options.stills.poster || options.output.watch);
   const bool one_picture =
       options.stills.any() || options.output.is_picture() || options.output.watch;
   if ((options.part.is_part() || options.part.merge) && one_picture) {
-    throw Misuse("--part and --merge: a single picture has no parts");
+    throw program::Misuse("--part and --merge: a single picture has no parts");
   }
 }
 
 }  // namespace
 
-ClipJob::ClipJob(const RenderOptions& asked, const Common& common) : options(asked) {
+ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : options(asked) {
   check_options(options);
-  backend = backend_named(options.backend);
-  scene = load_chosen(options.scene, true, options.method);
+  backend = gl::backend_named(options.backend);
+  scene = options::load_chosen(options.scene, true, options.method);
   const int planned_height = scene.height;
-  const Preset preset = preset_of(options.output, scene.width, scene.height, 4);
+  const options::Preset preset = options::preset_of(options.output, scene.width, scene.height, 4);
   std::tie(scene.width, scene.height) = std::pair(preset.width, preset.height);
   if (options.samples == 0) options.samples = preset.samples;
-  if (!options.size.empty()) std::tie(scene.width, scene.height) = picture_size(options.size);
+  if (!options.size.empty())
+    std::tie(scene.width, scene.height) = program::picture_size(options.size);
   const auto complete = [&] {
-    const Needs needs =
-        scene.stage ? clip_needs(scene, 0, options.samples) : simulation_needs(scene);
-    refuse_beyond({.memory = needs.memory}, scene, options.max_memory, "", kFewer, true);
-    complete_stage(scene, chosen_changes(options.method), stop_if_interrupted);
+    const options::Needs needs = scene.stage ? options::clip_needs(scene, 0, options.samples)
+                                             : options::simulation_needs(scene);
+    options::refuse_beyond({.memory = needs.memory}, scene, options.max_memory, "", kFewer, true);
+    scenes::complete_stage(scene, options::chosen_changes(options.method),
+                           render::stop_if_interrupted);
   };
   if (options.method.planned) {
     complete();
@@ -110,47 +112,48 @@ ClipJob::ClipJob(const RenderOptions& asked, const Common& common) : options(ask
   const int fps = options.fps > 0 ? options.fps : most;
   proof = proof_of(scene, options, fps);
   scene.fps = fps;
-  scene.method = chosen_method(options.method, scene);
+  scene.method = options::chosen_method(options.method, scene);
   if (!options.method.planned) complete();
   if (options.output.preview) {
     scene.stage->shutter = 0;
     options.no_estimate = true;
   }
-  options.stills = stills_of(options, clip_length(scene) / scene.fps);
+  options.stills = stills_of(options, options::clip_length(scene) / scene.fps);
   video = !options.no_video && !options.stills.any();
   const std::string ending = ending_of(options);
-  if (video && needs_even_sides(ending) && (scene.width % 2 || scene.height % 2))
-    throw Misuse(
+  if (video && film::needs_even_sides(ending) && (scene.width % 2 || scene.height % 2))
+    throw program::Misuse(
         fmt::format("a video of {}x{} is not possible: {} (yuv420p) needs even sides "
                     "(--no-video makes frames of any size)",
                     scene.width, scene.height, ending == ".mp4" ? "H.264" : ending));
-  refuse_beyond({.memory = clip_needs(scene, 0, options.samples).memory}, scene, options.max_memory,
-                "", kFewer, true);
-  clip = clip_frames(scene);
-  frames = frame_list(options.frames, int(clip.size()));
-  out = results_folder(options.scene, options.out, options.inputs.several());
+  options::refuse_beyond({.memory = options::clip_needs(scene, 0, options.samples).memory}, scene,
+                         options.max_memory, "", kFewer, true);
+  clip = scenes::clip_frames(scene);
+  frames = program::frame_list(options.frames, int(clip.size()));
+  out = options::results_folder(options.scene, options.out, options.inputs.several());
   if (options.output.preview) out /= "preview";
   frame_path = out / "frames";
   if (options.part.is_part()) {
     video = false;
-    frame_path = part_path(out, kParts, options.part).path;
+    frame_path = program::part_path(out, kParts, options.part).path;
     std::vector<int> own;
-    for (const std::size_t i : pieces_of(options.part, frames.size(), Share::neighbours)) {
+    for (const std::size_t i :
+         program::pieces_of(options.part, frames.size(), program::Share::neighbours)) {
       own.push_back(frames[i]);
     }
     frames = std::move(own);
   }
-  if (video) require_ffmpeg();
+  if (video) film::require_ffmpeg();
   if (options.stills.any() || options.part.merge || frames.empty()) return;
-  Needs needs = clip_needs(scene, double(frames.size()), options.samples);
+  options::Needs needs = options::clip_needs(scene, double(frames.size()), options.samples);
   needs.disk *= double(missing_frames(frame_path, frames)) / double(frames.size());
-  refuse_beyond(needs, scene, options.max_memory, out, kFewer, common.quiet);
+  options::refuse_beyond(needs, scene, options.max_memory, out, kFewer, common.quiet);
 }
 
 std::uint64_t ClipJob::fingerprint(const std::string& renderer) const {
   return Hash()
-      .number(program_fingerprint())
-      .number(taut::fingerprint(*scene.stage))
+      .number(film::program_fingerprint())
+      .number(film::fingerprint(*scene.stage))
       .text(renderer)
       .number(scene.width)
       .number(scene.height)
@@ -161,38 +164,39 @@ std::uint64_t ClipJob::fingerprint(const std::string& renderer) const {
       .value();
 }
 
-std::uint64_t frame_inputs(std::uint64_t job, const ClipFrame& frame,
-                           const std::vector<FrameState>& shutter) {
-  return Hash().number(job).number(fingerprint(shutter)).number(frame.card_shown).value();
+std::uint64_t frame_inputs(std::uint64_t job, const scenes::ClipFrame& frame,
+                           const std::vector<draw::FrameState>& shutter) {
+  return Hash().number(job).number(film::fingerprint(shutter)).number(frame.card_shown).value();
 }
 
-ClipStates::ClipStates(const ClipJob& job, SelfEstimate& estimate)
-    : simulation_(job.scene, job.clip, job.frames, stop_if_interrupted,
+ClipStates::ClipStates(const ClipJob& job, studies::SelfEstimate& estimate)
+    : simulation_(job.scene, job.clip, job.frames, render::stop_if_interrupted,
                   [this, &estimate](const Simulation& simulation) {
                     const auto begin = Clock::now();
                     estimate.follow(simulation);
                     estimate_time_ += seconds_since(begin);
                   }) {}
 
-ClipSimulation::Shutter ClipStates::next() {
+scenes::ClipSimulation::Shutter ClipStates::next() {
   const double before = estimate_time_;
   const auto begin = Clock::now();
-  ClipSimulation::Shutter shutter = simulation_.next();
+  scenes::ClipSimulation::Shutter shutter = simulation_.next();
   time_ += seconds_since(begin) - (estimate_time_ - before);
   return shutter;
 }
 
 nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made) {
-  const Scene& scene = job.scene;
+  const scenes::Scene& scene = job.scene;
   nlohmann::ordered_json report = {
       {"scene", job.options.scene},
       {"title", scene.title},
       {"method",
-       {{"name", scene.method.name}, {"settings", settings_json(full_settings(scene.method))}}},
+       {{"name", scene.method.name},
+        {"settings", options::settings_json(options::full_settings(scene.method))}}},
       {"size_px", {scene.width, scene.height}},
       {"fps", scene.fps},
       {"samples", job.options.samples},
-      {"version", version()},
+      {"version", render::version()},
       {"renderer", made.renderer},
       {"frames", job.frames.size()},
       {"frames_drawn", made.drawn},
@@ -205,34 +209,36 @@ nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made) {
   return report;
 }
 
-void finish_clip(const ClipJob& job, nlohmann::ordered_json& report, const SelfEstimate& estimate,
-                 const Common& common) {
+void finish_clip(const ClipJob& job, nlohmann::ordered_json& report,
+                 const studies::SelfEstimate& estimate, const program::Common& common) {
   estimate.add_to(report);
   const RenderOptions& options = job.options;
   if (job.video) {
     std::vector<fs::path> files;
-    for (const int frame : job.frames) files.push_back(FrameFolder::file(job.frame_path, frame));
+    for (const int frame : job.frames)
+      files.push_back(film::FrameFolder::file(job.frame_path, frame));
     const fs::path file = options.output.file.empty()
-                              ? job.out / (scene_name(options.scene) + ".mp4")
+                              ? job.out / (options::scene_name(options.scene) + ".mp4")
                               : fs::path(options.output.file);
     const auto start = Clock::now();
-    const Encoding encoding{options.output.quality, options.output.transparent,
-                            job.provenance().video()};
-    encode_video(files, job.scene.fps, file, encoding,
-                 std::chrono::milliseconds(std::llround(1e3 * options.patience)));
+    const film::Encoding encoding{options.output.quality, options.output.transparent,
+                                  job.provenance().video()};
+    film::encode_video(files, job.scene.fps, file, encoding,
+                       std::chrono::milliseconds(std::llround(1e3 * options.patience)));
     report["seconds_per_frame"]["encoding"] = seconds_since(start) / double(job.frames.size());
     report["video"] = file.string();
   }
-  if (!common.quiet && report.contains("certificate")) note("certificate: {}\n", job.proof);
-  if (!common.quiet) note("{}", estimate.line());
-  AtomicFile file((options.part.is_part() ? job.frame_path : job.out) / kRecord);
+  if (!common.quiet && report.contains("certificate"))
+    program::note("certificate: {}\n", job.proof);
+  if (!common.quiet) program::note("{}", estimate.line());
+  render::AtomicFile file((options.part.is_part() ? job.frame_path : job.out) / kRecord);
   file.write(report.dump(2) + "\n");
   file.commit();
 }
 
-std::string result_text(const nlohmann::ordered_json& report, const Common& common) {
+std::string result_text(const nlohmann::ordered_json& report, const program::Common& common) {
   if (common.json) return report.dump(2) + "\n";
   return report[report.contains("video") ? "video" : "frames_folder"].get<std::string>() + "\n";
 }
 
-}  // namespace taut::cli
+}  // namespace taut::clips

@@ -19,14 +19,14 @@
 #include "render/study/self_estimate.h"
 #include "scenes/scene/clip_simulation.h"
 
-namespace taut::cli {
+namespace taut::clips {
 
 inline constexpr const char* kParts = "frames";  // the name of a clip's parts
 inline constexpr const char* kRecord =
     "clip.json";  // the report, in the clip's or the part's folder
 
 struct RenderOptions {
-  SceneOptions inputs;
+  options::SceneOptions inputs;
   std::string scene;  // of the inputs, the one that is rendered now
   std::string out, size, backend = "auto";
   std::optional<std::string> frames;
@@ -36,52 +36,52 @@ struct RenderOptions {
   bool certificate = false, resume = false, anew = false, no_video = false, profile = false;
   bool no_estimate = false;
   Stills stills;
-  OutputOptions output;
-  MethodOptions method;
-  PartOptions part;
+  options::OutputOptions output;
+  options::MethodOptions method;
+  program::PartOptions part;
 };
 
 struct ClipJob {
   /// Throws Misuse, BadScene, and CannotWrite where the disk has no room for the frames.
-  ClipJob(const RenderOptions& asked, const Common& common);
+  ClipJob(const RenderOptions& asked, const program::Common& common);
   ClipJob(const ClipJob&) = delete;
   ClipJob& operator=(const ClipJob&) = delete;
 
-  FrameFolder::Size size() const { return {scene.width, scene.height}; }
-  Provenance provenance() const { return {scene, options.scene}; }
+  film::FrameFolder::Size size() const { return {scene.width, scene.height}; }
+  options::Provenance provenance() const { return {scene, options.scene}; }
   /// Of everything that all frames are made from, by the renderer of that description.
   std::uint64_t fingerprint(const std::string& renderer) const;
 
   RenderOptions options;  // with the samples and stills that they come to
-  Backend backend = Backend::automatic;
-  Scene scene;
-  std::string proof;                 // of a plan
-  bool video = true;                 // or frames alone
-  std::vector<ClipFrame> clip;       // of the scene
-  std::vector<int> frames;           // to make: the part's
-  std::filesystem::path out;         // the clip's folder
-  std::filesystem::path frame_path;  // the frames': the part's
+  gl::Backend backend = gl::Backend::automatic;
+  scenes::Scene scene;
+  std::string proof;                    // of a plan
+  bool video = true;                    // or frames alone
+  std::vector<scenes::ClipFrame> clip;  // of the scene
+  std::vector<int> frames;              // to make: the part's
+  std::filesystem::path out;            // the clip's folder
+  std::filesystem::path frame_path;     // the frames': the part's
 };
 
 /// Of a frame, from the fingerprint of all.
-std::uint64_t frame_inputs(std::uint64_t job, const ClipFrame& frame,
-                           const std::vector<FrameState>& shutter);
+std::uint64_t frame_inputs(std::uint64_t job, const scenes::ClipFrame& frame,
+                           const std::vector<draw::FrameState>& shutter);
 
 /// The states that the frames show, one after another, and what simulating them took.
 class ClipStates {
  public:
   /// `job` and `estimate` must outlive it.
-  ClipStates(const ClipJob& job, SelfEstimate& estimate);
+  ClipStates(const ClipJob& job, studies::SelfEstimate& estimate);
 
   bool done() const { return simulation_.done(); }
   /// Unless done: the next frame's, by its index in the job's frames.
-  ClipSimulation::Shutter next();
+  scenes::ClipSimulation::Shutter next();
   /// s, so far.
   double time() const { return time_; }
 
  private:
   double estimate_time_ = 0;  // s
-  ClipSimulation simulation_;
+  scenes::ClipSimulation simulation_;
   double time_ = 0;
 };
 
@@ -101,10 +101,10 @@ nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made);
 
 /// Makes the video where there is to be one, and writes clip.json. Unless quiet, says what is
 /// proved of the clip and how far it is to be trusted.
-void finish_clip(const ClipJob& job, nlohmann::ordered_json& report, const SelfEstimate& estimate,
-                 const Common& common);
+void finish_clip(const ClipJob& job, nlohmann::ordered_json& report,
+                 const studies::SelfEstimate& estimate, const program::Common& common);
 /// The report with --json, and else where the video or the frames are.
-std::string result_text(const nlohmann::ordered_json& report, const Common& common);
+std::string result_text(const nlohmann::ordered_json& report, const program::Common& common);
 
 /// The report, and with --profile what the stages take, as text.
 struct DrawnClip {
@@ -112,10 +112,10 @@ struct DrawnClip {
   std::string profile;
 };
 /// Draws the frames that are not there yet, and makes the video where there is to be one.
-DrawnClip draw_clip(const ClipJob& job, const Common& common);
+DrawnClip draw_clip(const ClipJob& job, const program::Common& common);
 
 /// Puts the frames of all parts into the clip's folder and makes its video; draws none. Throws
 /// Misuse where frames are missing.
-int merge_clip(const ClipJob& job, const Common& common);
+int merge_clip(const ClipJob& job, const program::Common& common);
 
-}  // namespace taut::cli
+}  // namespace taut::clips

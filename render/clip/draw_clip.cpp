@@ -18,7 +18,7 @@
 #include "render/program/progress.h"
 #include "render/program/terminal.h"
 
-namespace taut::cli {
+namespace taut::clips {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -26,17 +26,17 @@ using Clock = std::chrono::steady_clock;
 /// Draws frames of a job with --profile: stage by stage, and each once more without light.
 class Profiled {
  public:
-  Profiled(const ClipJob& job, RenderWorkers& workers)
+  Profiled(const ClipJob& job, film::RenderWorkers& workers)
       : job_(job),
         film_(workers.context(), job.scene, job.scene.width, job.scene.height, job.options.samples,
-              Shading{.lit = false}) {
+              draw::Shading{.lit = false}) {
     workers.film().set_profile(&lit_);
     film_.set_profile(&unlit_);
   }
 
   void start() { lit_.start(); }
   void lap(const char* stage) { lit_.lap(stage); }
-  void draw_unlit(const ClipFrame& frame, std::span<const FrameState> shutter) {
+  void draw_unlit(const scenes::ClipFrame& frame, std::span<const draw::FrameState> shutter) {
     const auto start = Clock::now();
     unlit_.start();
     film_.draw(frame, shutter);
@@ -50,46 +50,48 @@ class Profiled {
   }
   nlohmann::ordered_json json() const { return stage_json(lit_, unlit_, *floor_); }
   std::string table(std::size_t drawn) const {
-    return table_text(stage_table(lit_, unlit_, *floor_, drawn));
+    return program::table_text(stage_table(lit_, unlit_, *floor_, drawn));
   }
 
  private:
   const ClipJob& job_;
-  Film film_;
-  Profile lit_, unlit_;
-  std::optional<StageFloor> floor_;
+  film::Film film_;
+  gl::Profile lit_, unlit_;
+  std::optional<draw::StageFloor> floor_;
   double time_ = 0;
 };
 
 /// Draws the frames that are not there yet.
-FramesMade draw_frames(const ClipJob& job, ClipStates& states, RenderWorkers& workers,
-                       FrameFolder& folder, Profiled* profiled, const Common& common) {
+FramesMade draw_frames(const ClipJob& job, ClipStates& states, film::RenderWorkers& workers,
+                       film::FrameFolder& folder, Profiled* profiled,
+                       const program::Common& common) {
   FramesMade made;
   made.renderer = workers.context().description();
   const std::uint64_t shared = job.fingerprint(made.renderer);
-  const Provenance provenance = job.provenance();
+  const options::Provenance provenance = job.provenance();
   const bool transparent = job.options.output.transparent;
-  Font font(Font::Weight::regular, Font::Family::lato);
+  picture::Font font(picture::Font::Weight::regular, picture::Font::Family::lato);
   const auto begin = Clock::now();
-  Progress progress("rendering", "frames", job.frames.size(), common.quiet);
+  program::Progress progress("rendering", "frames", job.frames.size(), common.quiet);
   std::mutex mutex;  // of everything that counts, and of the font
   std::size_t done = 0;
-  const auto draw = [&](Film& film, const ClipSimulation::Shutter& open) {
-    stop_if_interrupted();
+  const auto draw = [&](film::Film& film, const scenes::ClipSimulation::Shutter& open) {
+    render::stop_if_interrupted();
     film.set_transparent(transparent);
     if (profiled) profiled->start();
     const int number = job.frames[open.index];
-    const ClipFrame& frame = job.clip[std::size_t(number)];
-    const std::vector<FrameState> shutter = film.shutter(frame, open.states);
+    const scenes::ClipFrame& frame = job.clip[std::size_t(number)];
+    const std::vector<draw::FrameState> shutter = film.shutter(frame, open.states);
     if (profiled) profiled->lap("pose");
     const std::uint64_t inputs = frame_inputs(shared, frame, shutter);
     const bool is_there = folder.has(number, inputs);
-    Film::Frame drawn{};
+    film::Film::Frame drawn{};
     if (!is_there) drawn = film.draw(frame, shutter);
     const std::lock_guard lock(mutex);
     if (!is_there) {
       made.drawn_again += folder.knows(number);
-      if (job.options.certificate) draw_note(drawn.picture, font, "Certificate: " + job.proof);
+      if (job.options.certificate)
+        film::draw_note(drawn.picture, font, "Certificate: " + job.proof);
       folder.put(number, inputs, std::move(drawn.picture),
                  provenance.picture(frame.time, transparent));
       made.exposures += double(drawn.exposures);
@@ -104,7 +106,7 @@ FramesMade draw_frames(const ClipJob& job, ClipStates& states, RenderWorkers& wo
   };
   workers.run([&]() -> RenderWorkers::Work {
     if (states.done()) return {};
-    return [&draw, open = states.next()](Film& film) { draw(film, open); };
+    return [&draw, open = states.next()](film::Film& film) { draw(film, open); };
   });
   folder.finish();
   made.simulating = states.time();
@@ -115,24 +117,24 @@ FramesMade draw_frames(const ClipJob& job, ClipStates& states, RenderWorkers& wo
 
 }  // namespace
 
-DrawnClip draw_clip(const ClipJob& job, const Common& common) {
+DrawnClip draw_clip(const ClipJob& job, const program::Common& common) {
   const RenderOptions& options = job.options;
-  RenderWorkers workers(job.backend, common.threads, options.profile, job.scene, job.scene.width,
-                        job.scene.height, options.samples);
-  FrameFolder folder(job.frame_path, !options.anew, job.size());
+  film::RenderWorkers workers(job.backend, common.threads, options.profile, job.scene,
+                              job.scene.width, job.scene.height, options.samples);
+  film::FrameFolder folder(job.frame_path, !options.anew, job.size());
   std::optional<Profiled> profiled;
   if (options.profile) profiled.emplace(job, workers);
-  SelfEstimate estimate(job.scene, !options.no_estimate && !options.part.is_part());
+  studies::SelfEstimate estimate(job.scene, !options.no_estimate && !options.part.is_part());
   ClipStates states(job, estimate);
   const FramesMade made =
       draw_frames(job, states, workers, folder, profiled ? &*profiled : nullptr, common);
   if (!common.quiet && (made.drawn_again > 0 || made.drawn < job.frames.size()))
-    note("{} of {} frames were there already{}\n", job.frames.size() - made.drawn,
-         job.frames.size(),
-         made.drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
-                                            "other options, and are drawn again",
-                                            made.drawn_again)
-                              : "");
+    program::note(
+        "{} of {} frames were there already{}\n", job.frames.size() - made.drawn, job.frames.size(),
+        made.drawn_again > 0 ? fmt::format("; {} were made from another scene, program, driver or "
+                                           "other options, and are drawn again",
+                                           made.drawn_again)
+                             : "");
   DrawnClip clip{clip_report(job, made), ""};
   if (profiled) {
     profiled->measure_floor();
@@ -145,4 +147,4 @@ DrawnClip draw_clip(const ClipJob& job, const Common& common) {
   return clip;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::clips

@@ -13,15 +13,15 @@
 #include "scenes/load_scene.h"
 #include "sim/run/simulation.h"
 
-namespace taut::cli {
+namespace taut::clips {
 namespace {
 
 namespace fs = std::filesystem;
 
-Snapshot simulate(const Scene& scene, const GoldenFrame& frame) {
-  Simulation simulation = start(scene, frame.method);
+Snapshot simulate(const scenes::Scene& scene, const scenes::GoldenFrame& frame) {
+  Simulation simulation = scenes::start(scene, frame.method);
   for (int k = 1; k <= frame.frame; ++k) {
-    stop_if_interrupted();
+    render::stop_if_interrupted();
     simulation.advance_to(double(k) / scene.fps);
   }
   return simulation.state();
@@ -31,48 +31,49 @@ Snapshot simulate(const Scene& scene, const GoldenFrame& frame) {
 
 /// A scene that is ready to be drawn.
 struct Goldens::Set {
-  Scene scene;
-  Film film;
-  Set(const Context& context, const GoldenSuite& suite, const GoldenFrame& frame)
+  scenes::Scene scene;
+  film::Film film;
+  Set(const gl::Context& context, const scenes::GoldenSuite& suite,
+      const scenes::GoldenFrame& frame)
       : scene(staged(frame)), film(context, scene, suite.width, suite.height, suite.samples) {}
 
-  static Scene staged(const GoldenFrame& frame) {
-    Scene scene = load_scene(frame.scene, true);
+  static scenes::Scene staged(const scenes::GoldenFrame& frame) {
+    scenes::Scene scene = scenes::load_scene(frame.scene, true);
     if (!scene.stage)
-      throw BadScene(fmt::format("{}: {} has no [stage], so there is nothing to draw", frame.source,
-                                 frame.scene.string()));
+      throw scenes::BadScene(fmt::format("{}: {} has no [stage], so there is nothing to draw",
+                                         frame.source, frame.scene.string()));
     return scene;
   }
 };
 
-Goldens::Goldens(const fs::path& folder, const std::vector<std::string>& only, Backend backend,
+Goldens::Goldens(const fs::path& folder, const std::vector<std::string>& only, gl::Backend backend,
                  int threads)
-    : suite_(load_golden_suite(folder)) {
+    : suite_(scenes::load_golden_suite(folder)) {
   if (!only.empty()) keep_only(only);
   if (suite_.frames.empty()) return;
   context_.emplace(backend, threads);
-  renderer_ = renderer_of(context_->description());
+  renderer_ = golden::renderer_of(context_->description());
 }
 
 Goldens::~Goldens() = default;
 
-FrameResult Goldens::check(const GoldenFrame& frame) {
+FrameResult Goldens::check(const scenes::GoldenFrame& frame) {
   FrameResult result;
   if (!is_kept(frame)) {
     result.failure = "nothing is kept of it yet; look at it, and accept it";
     return result;
   }
-  GoldenRecord record = read_golden(file(frame, ".json"));
+  golden::GoldenRecord record = golden::read_golden(file(frame, ".json"));
   Set& set = set_of(frame);
   const Snapshot today = simulate(set.scene, frame);
   if (frame.frame == 0) record.state = today;  // the scene's own start
-  result.distance = distance(today, record.state);
+  result.distance = golden::distance(today, record.state);
   if (std::isinf(result.distance)) {
     result.failure =
         "the scene has other particles or bodies than the kept state; look at it, and accept it";
     return result;
   }
-  Picture golden = read_png(file(frame, ".png"));
+  picture::Picture golden = picture::read_png(file(frame, ".png"));
   if (golden.width != suite_.width || golden.height != suite_.height) {
     result.failure =
         fmt::format("is of {}x{} pixels and the suite of {}x{}; look at it, and accept it",
@@ -81,14 +82,14 @@ FrameResult Goldens::check(const GoldenFrame& frame) {
   }
   result.golden = std::move(golden);
   result.actual = set.film.draw(set.film.instant(record.state));
-  result.comparison = compare(*result.actual, renderer_, *result.golden, record);
-  const PictureDifference& d = result.comparison.difference;
+  result.comparison = golden::compare(*result.actual, renderer_, *result.golden, record);
+  const golden::PictureDifference& d = result.comparison.difference;
   if (!result.comparison.same)
     result.failure = fmt::format(
         "{:.3g}% of its pixels differ by more than 2, at most by {}, means by {:.2g}; "
         "{:.3g}% have nothing like them next to them (compared by: {})",
         100 * d.above_2, d.largest, d.mean_shift, 100 * d.near_above_8,
-        name_of(result.comparison.tier));
+        golden::name_of(result.comparison.tier));
   if (!(result.distance <= frame.within))
     result.failure +=
         fmt::format("{}the simulation ends {:.3g} m from the kept state, {:.3g} m allowed",
@@ -96,42 +97,43 @@ FrameResult Goldens::check(const GoldenFrame& frame) {
   return result;
 }
 
-TrajectoryComparison Goldens::check(const GoldenTrajectory& trajectory) {
+golden::TrajectoryComparison Goldens::check(const scenes::GoldenTrajectory& trajectory) {
   if (!fs::exists(file(trajectory))) return {.failure = "nothing is kept of it yet; accept it"};
-  return compare(record_of(trajectory), read_trajectory(file(trajectory)), trajectory.within);
+  return golden::compare(golden::record_of(trajectory), golden::read_trajectory(file(trajectory)),
+                         trajectory.within);
 }
 
-std::string Goldens::accept(const GoldenFrame& frame, bool simulate_anew) {
+std::string Goldens::accept(const scenes::GoldenFrame& frame, bool simulate_anew) {
   Set& set = set_of(frame);
-  GoldenRecord record;
-  std::optional<Picture> before;
+  golden::GoldenRecord record;
+  std::optional<picture::Picture> before;
   if (is_kept(frame)) {
-    record = read_golden(file(frame, ".json"));
-    before = read_png(file(frame, ".png"));
+    record = golden::read_golden(file(frame, ".json"));
+    before = picture::read_png(file(frame, ".png"));
   }
   const Snapshot today = simulate(set.scene, frame);
   if (frame.frame == 0) record.state = today;
-  const bool moved = !(distance(today, record.state) <= frame.within);
+  const bool moved = !(golden::distance(today, record.state) <= frame.within);
   if (moved || simulate_anew) record.state = today;
-  const Picture picture = set.film.draw(set.film.instant(record.state));
+  const picture::Picture picture = set.film.draw(set.film.instant(record.state));
   if (frame.frame == 0) record.state = {};
   record.renderer = renderer_;
-  record.pixels = pixel_hash(picture);
+  record.pixels = golden::pixel_hash(picture);
   write_picture(file(frame, ".png"), picture);
-  write_text(file(frame, ".json"), golden_text(record));
+  write_text(file(frame, ".json"), golden::golden_text(record));
   if (!before) return "new";
   const bool same = before->width == picture.width && before->pixels == picture.pixels;
   return same && !moved ? "as before" : "changed";
 }
 
-std::string Goldens::accept(const GoldenTrajectory& trajectory) {
-  const TrajectoryRecord today = record_of(trajectory);
+std::string Goldens::accept(const scenes::GoldenTrajectory& trajectory) {
+  const golden::TrajectoryRecord today = golden::record_of(trajectory);
   const bool kept = fs::exists(file(trajectory));
   if (kept) {
-    const TrajectoryRecord before = read_trajectory(file(trajectory));
+    const golden::TrajectoryRecord before = golden::read_trajectory(file(trajectory));
     if (before.hash == today.hash && before.made_from == today.made_from) return "as before";
   }
-  write_text(file(trajectory), trajectory_text(today));
+  write_text(file(trajectory), golden::trajectory_text(today));
   return kept ? "changed" : "new";
 }
 
@@ -141,7 +143,8 @@ void Goldens::keep_only(const std::vector<std::string>& names) {
   };
   for (const std::string& name : names)
     if (!named(suite_.frames, name) && !named(suite_.trajectories, name))
-      throw Misuse(fmt::format("--only {}: {} names nothing so", name, suite_.folder.string()));
+      throw program::Misuse(
+          fmt::format("--only {}: {} names nothing so", name, suite_.folder.string()));
   const auto other = [&](const auto& one) {
     return std::ranges::find(names, one.name) == names.end();
   };
@@ -149,20 +152,20 @@ void Goldens::keep_only(const std::vector<std::string>& names) {
   std::erase_if(suite_.trajectories, other);
 }
 
-bool Goldens::is_kept(const GoldenFrame& frame) const {
+bool Goldens::is_kept(const scenes::GoldenFrame& frame) const {
   return fs::exists(file(frame, ".json")) && fs::exists(file(frame, ".png"));
 }
 
-fs::path Goldens::file(const GoldenFrame& frame, const char* extension) const {
+fs::path Goldens::file(const scenes::GoldenFrame& frame, const char* extension) const {
   return suite_.folder / (frame.name + extension);
 }
 
-fs::path Goldens::file(const GoldenTrajectory& trajectory) const {
+fs::path Goldens::file(const scenes::GoldenTrajectory& trajectory) const {
   return suite_.folder / (trajectory.name + ".trajectory.json");
 }
 
 /// The scene of a frame; frames that follow each other share it.
-Goldens::Set& Goldens::set_of(const GoldenFrame& frame) {
+Goldens::Set& Goldens::set_of(const scenes::GoldenFrame& frame) {
   if (!set_ || set_->scene.file != frame.scene) {
     set_.reset();
     set_ = std::make_unique<Set>(*context_, suite_, frame);
@@ -170,15 +173,15 @@ Goldens::Set& Goldens::set_of(const GoldenFrame& frame) {
   return *set_;
 }
 
-void write_picture(const fs::path& name, const Picture& picture) {
-  const auto bytes = encode_png(picture);
+void write_picture(const fs::path& name, const picture::Picture& picture) {
+  const auto bytes = picture::encode_png(picture);
   write_text(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 void write_text(const fs::path& name, std::string_view text) {
-  AtomicFile file(name);
+  render::AtomicFile file(name);
   file.write(text);
   file.commit();
 }
 
-}  // namespace taut::cli
+}  // namespace taut::clips

@@ -11,27 +11,27 @@
 #include "render/interrupt.h"
 #include "scenes/files/regular_file.h"
 
-namespace taut::cli {
+namespace taut::clips {
 namespace {
 
 /// What a part left that is done.
 struct DonePart {
   std::filesystem::path folder;
-  FrameFolder::Entries frames;
+  film::FrameFolder::Entries frames;
   std::uint64_t shared = 0;  // what its frames have in common with others of its renderer
   FramesMade made;           // by its last run
 };
 
-std::vector<DonePart> done_parts(const ClipJob& job, const std::vector<PartPath>& found) {
+std::vector<DonePart> done_parts(const ClipJob& job, const std::vector<program::PartPath>& found) {
   std::vector<DonePart> parts;
-  for (const PartPath& part : found) {
-    stop_if_interrupted();
+  for (const program::PartPath& part : found) {
+    render::stop_if_interrupted();
     const std::filesystem::path record = part.path / kRecord;
     std::error_code error;
     if (!std::filesystem::exists(record, error)) continue;  // it is not done
-    const auto json = nlohmann::json::parse(read_bytes(record), nullptr, false);
+    const auto json = nlohmann::json::parse(scenes::read_bytes(record), nullptr, false);
     if (!json.is_object()) continue;
-    DonePart done{part.path, FrameFolder::whole_frames(part.path, job.size()), 0, {}};
+    DonePart done{part.path, film::FrameFolder::whole_frames(part.path, job.size()), 0, {}};
     done.made.renderer = json.value("renderer", "");
     done.made.drawn = json.value("frames_drawn", std::size_t(0));
     const double drawn = double(done.made.drawn);
@@ -46,17 +46,17 @@ std::vector<DonePart> done_parts(const ClipJob& job, const std::vector<PartPath>
 
 }  // namespace
 
-int merge_clip(const ClipJob& job, const Common& common) {
-  const std::vector<PartPath> found = found_parts(job.out, kParts);
+int merge_clip(const ClipJob& job, const program::Common& common) {
+  const std::vector<program::PartPath> found = program::found_parts(job.out, kParts);
   const std::vector<DonePart> parts = done_parts(job, found);
-  SelfEstimate estimate(job.scene, !job.options.no_estimate && !parts.empty());
+  studies::SelfEstimate estimate(job.scene, !job.options.no_estimate && !parts.empty());
   std::vector<const DonePart*> owners(job.frames.size());
   std::vector<std::uint64_t> inputs(job.frames.size());
   ClipStates states(job, estimate);
   while (!parts.empty() && !states.done()) {
     const auto [i, open] = states.next();
-    const ClipFrame& frame = job.clip[std::size_t(job.frames[i])];
-    const std::vector<FrameState> shutter = shutter_of(job.scene, frame, open);
+    const scenes::ClipFrame& frame = job.clip[std::size_t(job.frames[i])];
+    const std::vector<draw::FrameState> shutter = film::shutter_of(job.scene, frame, open);
     for (const DonePart& part : parts) {
       const auto entry = part.frames.find(job.frames[i]);
       if (owners[i] || entry == part.frames.end()) continue;
@@ -70,9 +70,10 @@ int merge_clip(const ClipJob& job, const Common& common) {
     if (!owners[i]) missing.push_back(i);
     used.insert(owners[i]);
   }
-  require_all(missing, job.frames.size(), Share::neighbours, found, job.out, "frames");
+  program::require_all(missing, job.frames.size(), program::Share::neighbours, found, job.out,
+                       "frames");
 
-  FrameFolder folder(job.frame_path, true, job.size());
+  film::FrameFolder folder(job.frame_path, true, job.size());
   FramesMade made;
   for (const DonePart& part : parts) {
     if (!used.contains(&part)) continue;
@@ -83,16 +84,17 @@ int merge_clip(const ClipJob& job, const Common& common) {
     made.renderer += (made.renderer.empty() ? "" : "; ") + part.made.renderer;
   }
   for (std::size_t i = 0; i < owners.size(); ++i) {
-    stop_if_interrupted();
+    render::stop_if_interrupted();
     const int frame = job.frames[i];
     if (folder.has(frame, inputs[i])) continue;
-    folder.take(frame, owners[i]->frames.at(frame), FrameFolder::file(owners[i]->folder, frame));
+    folder.take(frame, owners[i]->frames.at(frame),
+                film::FrameFolder::file(owners[i]->folder, frame));
   }
   made.simulating = states.time();
   nlohmann::ordered_json report = clip_report(job, made);
   finish_clip(job, report, estimate, common);
-  write_output(result_text(report, common));
-  return kDone;
+  render::write_output(result_text(report, common));
+  return program::kDone;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::clips

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <optional>
 
-namespace taut::cli {
+namespace taut::clips {
 
-Table stage_table(const Profile& profile, const Profile& unlit, const StageFloor& floor,
-                  std::size_t drawn) {
-  Table table{{"stage", "wall ms", "CPU ms", "floor ms", "% of frames"}, {}};
-  Profile::Times sum;
-  for (const Profile::Stage& stage : profile.stages()) {
-    const auto [cpu, wall] = median(stage);
+chart::Table stage_table(const gl::Profile& profile, const gl::Profile& unlit,
+                         const draw::StageFloor& floor, std::size_t drawn) {
+  chart::Table table{{"stage", "wall ms", "CPU ms", "floor ms", "% of frames"}, {}};
+  gl::Profile::Times sum;
+  for (const gl::Profile::Stage& stage : profile.stages()) {
+    const auto [cpu, wall] = gl::median(stage);
     const double share =
         std::min(double(stage.frames.size()) / double(std::max<std::size_t>(drawn, 1)), 1.0);
     const std::optional<double> least = floor.of(stage.name, unlit);
@@ -27,11 +27,11 @@ Table stage_table(const Profile& profile, const Profile& unlit, const StageFloor
   return table;
 }
 
-nlohmann::ordered_json stage_json(const Profile& profile, const Profile& unlit,
-                                  const StageFloor& floor) {
+nlohmann::ordered_json stage_json(const gl::Profile& profile, const gl::Profile& unlit,
+                                  const draw::StageFloor& floor) {
   auto stages = nlohmann::ordered_json::array();
-  for (const Profile::Stage& stage : profile.stages()) {
-    const auto [cpu, wall] = median(stage);
+  for (const gl::Profile::Stage& stage : profile.stages()) {
+    const auto [cpu, wall] = gl::median(stage);
     stages.push_back(
         {{"stage", stage.name}, {"wall", wall}, {"cpu", cpu}, {"frames", stage.frames.size()}});
     if (const auto least = floor.of(stage.name, unlit)) stages.back()["floor"] = *least;
@@ -39,4 +39,4 @@ nlohmann::ordered_json stage_json(const Profile& profile, const Profile& unlit,
   return stages;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::clips

@@ -8,13 +8,13 @@
 #include "render/draw/stage_floor.h"
 #include "render/gl/profile.h"
 
-namespace taut::cli {
+namespace taut::clips {
 
 /// The stages' medians, the share of the frames that went through each (scenery is drawn anew only
 /// where the camera moved), and what they add up to in a mean frame.
-Table stage_table(const Profile& profile, const Profile& unlit, const StageFloor& floor,
-                  std::size_t drawn);
-nlohmann::ordered_json stage_json(const Profile& profile, const Profile& unlit,
-                                  const StageFloor& floor);
+chart::Table stage_table(const gl::Profile& profile, const gl::Profile& unlit,
+                         const draw::StageFloor& floor, std::size_t drawn);
+nlohmann::ordered_json stage_json(const gl::Profile& profile, const gl::Profile& unlit,
+                                  const draw::StageFloor& floor);
 
-}  // namespace taut::cli
+}  // namespace taut::clips

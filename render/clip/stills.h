@@ -8,7 +8,7 @@
 #include "render/film/film.h"
 #include "render/options/outputs.h"
 
-namespace taut::cli {
+namespace taut::clips {
 
 struct Stills {
   bool contact_sheet = false;
@@ -22,7 +22,7 @@ struct Stills {
 
 /// Writes them into the folder `out`, the poster under its name where it has one, and returns their
 /// names, one a line. Throws Misuse where the clip has nothing of the kind, and CannotWrite.
-std::string make_stills(const Stills& stills, const Scene& scene, Film& film,
-                        const std::filesystem::path& out, const Provenance& provenance);
+std::string make_stills(const Stills& stills, const scenes::Scene& scene, film::Film& film,
+                        const std::filesystem::path& out, const options::Provenance& provenance);
 
-}  // namespace taut::cli
+}  // namespace taut::clips

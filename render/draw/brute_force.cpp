@@ -2,7 +2,7 @@
 
 #include <functional>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 std::vector<DrawItem> all_items(StageParts& parts, const FrameState& instant) {
@@ -17,8 +17,8 @@ void draw_items(StageParts& parts, std::span<const DrawItem> items, Shade shade)
 
 }  // namespace
 
-void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const FrameState& instant,
-                const Layer& layer) {
+void draw_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
+                const FrameState& instant, const Layer& layer) {
   parts.parts.pose(instant);
   const std::vector<DrawItem> items = parts.parts.items(instant, layer);
   const bool solid = layer.opacity >= 1;
@@ -35,7 +35,7 @@ void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const F
   if (solid) parts.draw_scenery(Shade::grounded);
 }
 
-void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
+void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
                   std::span<const FrameState> shutter, std::span<const Exposures> grades,
                   const MotionExtents& extents) {
   const FrameState& middle = shutter[shutter.size() / 2];
@@ -52,7 +52,7 @@ void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
   const auto moving = [&](std::size_t k) -> std::span<const std::uint32_t> {
     return extents.moving(k);
   };
-  const Rect map{0, 0, parts.map.size(), parts.map.size()};
+  const picture::Rect map{0, 0, parts.map.size(), parts.map.size()};
   parts.surfaces.use(block);
   parts.draw_solid();
   parts.map.clear();
@@ -88,7 +88,7 @@ void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
   });
 }
 
-void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
+void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
                   std::span<const FrameState> shutter, int count) {
   const FrameState& middle = shutter[shutter.size() / 2];
   const FrameBlock block = parts.look(middle, viewport).block;
@@ -107,4 +107,4 @@ void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
   });
 }
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -6,19 +6,19 @@
 #include "render/draw/motion_extents.h"
 #include "render/draw/stage_parts.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// What moves, as it is at one instant, and its shadows on the scenery.
-void draw_whole(StageParts& parts, Canvas& canvas, const Rect& viewport, const FrameState& instant,
-                const Layer& layer);
+void draw_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
+                const FrameState& instant, const Layer& layer);
 
 /// The same while a shutter is open, each triangle at the exposures of its grades.
-void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
+void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
                   std::span<const FrameState> shutter, std::span<const Exposures> grades,
                   const MotionExtents& extents);
 
 /// The same with everything in each of `count` exposures.
-void expose_whole(StageParts& parts, Canvas& canvas, const Rect& viewport,
+void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
                   std::span<const FrameState> shutter, int count);
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -7,7 +7,7 @@
 #include "scenes/scene/stage.h"
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// How far a capsule's contact shadow reaches from its axis, in radii.
 constexpr double kContactReach = 6;
@@ -21,6 +21,6 @@ struct ContactCapsule {
 };
 
 /// The feet of a character whose bones have these poses.
-std::vector<ContactCapsule> feet(const Model& character, const std::vector<Pose>& bones);
+std::vector<ContactCapsule> feet(const scenes::Model& character, const std::vector<Pose>& bones);
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -7,7 +7,7 @@
 
 #include "render/draw/drawable.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Triangles of a drawable (indices of vertices), and the model matrix that they are drawn with.
 struct DrawItem {
@@ -29,4 +29,4 @@ struct DrawItem {
   Eigen::AlignedBox3f box() const { return drawable->box().transformed(Eigen::Affine3f(model)); }
 };
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -4,13 +4,13 @@
 #include <array>
 #include <cctype>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
-std::vector<RestVertex> rest_of(const Mesh& mesh) {
-  std::vector<RestVertex> rest;
+std::vector<mesh::RestVertex> rest_of(const scenes::Mesh& mesh) {
+  std::vector<mesh::RestVertex> rest;
   rest.reserve(mesh.vertices.size());
-  for (const Vertex& v : mesh.vertices)
+  for (const scenes::Vertex& v : mesh.vertices)
     rest.push_back({Eigen::Vector3f(v.position.data()), Eigen::Vector3f(v.color.data())});
   return rest;
 }
@@ -31,55 +31,57 @@ Surface surface_named(std::string_view material) {
   return Surface::plain;
 }
 
-RestShape::RestShape(const Gl& gl, std::vector<std::uint32_t> triangles,
-                     std::vector<RestVertex> rest)
+RestShape::RestShape(const gl::Gl& gl, std::vector<std::uint32_t> triangles,
+                     std::vector<mesh::RestVertex> rest)
     : triangles_(std::move(triangles)),
       rest_(std::move(rest)),
-      rest_buffer_(make_buffer(gl)),
-      indices_(make_buffer(gl)),
-      some_indices_(make_buffer(gl)) {
-  upload(gl, indices_, std::span<const std::uint32_t>(triangles_), GL_STATIC_DRAW);
-  upload(gl, rest_buffer_, std::span<const RestVertex>(rest_), GL_STATIC_DRAW);
+      rest_buffer_(gl::make_buffer(gl)),
+      indices_(gl::make_buffer(gl)),
+      some_indices_(gl::make_buffer(gl)) {
+  gl::upload(gl, indices_, std::span<const std::uint32_t>(triangles_), GL_STATIC_DRAW);
+  gl::upload(gl, rest_buffer_, std::span<const mesh::RestVertex>(rest_), GL_STATIC_DRAW);
 }
 
-Drawable::Drawable(const Gl& gl, std::shared_ptr<const RestShape> shape, const Material& material,
-                   Surface surface)
+Drawable::Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
+                   const scenes::Material& material, Surface surface)
     : gl_(&gl),
       shape_(std::move(shape)),
-      moving_(make_buffer(gl)),
-      array_(make_vertex_array(gl)),
+      moving_(gl::make_buffer(gl)),
+      array_(gl::make_vertex_array(gl)),
       material_(material),
       surface_(surface) {
   gl.VertexArrayElementBuffer(array_.id(), shape_->indices_.id());
-  gl.VertexArrayVertexBuffer(array_.id(), 0, moving_.id(), 0, sizeof(MovingVertex));
-  gl.VertexArrayVertexBuffer(array_.id(), 1, shape_->rest_buffer_.id(), 0, sizeof(RestVertex));
-  const std::size_t offsets[] = {offsetof(MovingVertex, position), offsetof(MovingVertex, normal),
-                                 offsetof(RestVertex, rest), offsetof(RestVertex, color)};
+  gl.VertexArrayVertexBuffer(array_.id(), 0, moving_.id(), 0, sizeof(mesh::MovingVertex));
+  gl.VertexArrayVertexBuffer(array_.id(), 1, shape_->rest_buffer_.id(), 0,
+                             sizeof(mesh::RestVertex));
+  const std::size_t offsets[] = {
+      offsetof(mesh::MovingVertex, position), offsetof(mesh::MovingVertex, normal),
+      offsetof(mesh::RestVertex, rest), offsetof(mesh::RestVertex, color)};
   for (GLuint i = 0; i < 4; ++i) {
     gl.EnableVertexArrayAttrib(array_.id(), i);
     gl.VertexArrayAttribFormat(array_.id(), i, 3, GL_FLOAT, GL_FALSE, GLuint(offsets[i]));
     gl.VertexArrayAttribBinding(array_.id(), i, i / 2);
   }
   Eigen::AlignedBox3f box;
-  for (const RestVertex& v : shape_->rest()) box.extend(v.rest);
+  for (const mesh::RestVertex& v : shape_->rest()) box.extend(v.rest);
   if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.5f ? 5 : 1;
 }
 
-Drawable::Drawable(const Gl& gl, const Mesh& mesh, const Material& material)
+Drawable::Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material)
     : Drawable(gl, std::make_shared<RestShape>(gl, mesh.indices, rest_of(mesh)), material,
                surface_named(material.name)) {
-  std::vector<MovingVertex> vertices;
+  std::vector<mesh::MovingVertex> vertices;
   vertices.reserve(mesh.vertices.size());
-  for (const Vertex& v : mesh.vertices)
+  for (const scenes::Vertex& v : mesh.vertices)
     vertices.push_back({Eigen::Vector3f(v.position.data()), Eigen::Vector3f(v.normal.data())});
   move(vertices);
 }
 
-void Drawable::move(std::span<const MovingVertex> vertices) {
-  upload(*gl_, moving_, vertices, GL_DYNAMIC_DRAW);
+void Drawable::move(std::span<const mesh::MovingVertex> vertices) {
+  gl::upload(*gl_, moving_, vertices, GL_DYNAMIC_DRAW);
   box_.setEmpty();
   positions_.clear();
-  for (const MovingVertex& v : vertices) {
+  for (const mesh::MovingVertex& v : vertices) {
     positions_.push_back(v.position);
     box_.extend(v.position);
   }
@@ -87,8 +89,8 @@ void Drawable::move(std::span<const MovingVertex> vertices) {
 
 void Drawable::bathe(std::span<const Eigen::Vector3f> light) {
   constexpr GLuint kLight = 4, kBinding = 2;
-  light_ = make_buffer(*gl_);
-  upload(*gl_, light_, light, GL_STATIC_DRAW);
+  light_ = gl::make_buffer(*gl_);
+  gl::upload(*gl_, light_, light, GL_STATIC_DRAW);
   gl_->VertexArrayVertexBuffer(array_.id(), kBinding, light_.id(), 0, sizeof(Eigen::Vector3f));
   gl_->EnableVertexArrayAttrib(array_.id(), kLight);
   gl_->VertexArrayAttribFormat(array_.id(), kLight, 3, GL_FLOAT, GL_FALSE, 0);
@@ -97,7 +99,7 @@ void Drawable::bathe(std::span<const Eigen::Vector3f> light) {
 
 void Drawable::draw(std::span<const std::uint32_t> indices) {
   if (indices.empty()) return;
-  upload(*gl_, shape_->some_indices_, indices, GL_STREAM_DRAW);
+  gl::upload(*gl_, shape_->some_indices_, indices, GL_STREAM_DRAW);
   gl_->VertexArrayElementBuffer(array_.id(), shape_->some_indices_.id());
   gl_->BindVertexArray(array_.id());
   gl_->DrawElements(GL_TRIANGLES, GLsizei(indices.size()), GL_UNSIGNED_INT, nullptr);
@@ -109,4 +111,4 @@ void Drawable::draw() const {
   gl_->DrawElements(GL_TRIANGLES, GLsizei(triangles().size()), GL_UNSIGNED_INT, nullptr);
 }
 
-}  // namespace taut
+}  // namespace taut::draw

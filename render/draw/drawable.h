@@ -9,7 +9,7 @@
 #include "render/mesh/connector_mesh.h"
 #include "scenes/model/model.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// How a material's pattern is computed; the numbers are the surface shader's SURFACE.
 enum class Surface { plain, wood, cloth, skin, rope, paper, count };
@@ -21,28 +21,29 @@ Surface surface_named(std::string_view material);
 /// (rest position, tint).
 class RestShape {
  public:
-  RestShape(const Gl& gl, std::vector<std::uint32_t> triangles, std::vector<RestVertex> rest);
+  RestShape(const gl::Gl& gl, std::vector<std::uint32_t> triangles,
+            std::vector<mesh::RestVertex> rest);
 
   const std::vector<std::uint32_t>& triangles() const { return triangles_; }
-  const std::vector<RestVertex>& rest() const { return rest_; }
+  const std::vector<mesh::RestVertex>& rest() const { return rest_; }
 
  private:
   friend class Drawable;
   std::vector<std::uint32_t> triangles_;
-  std::vector<RestVertex> rest_;
-  GlObject rest_buffer_, indices_, some_indices_;
+  std::vector<mesh::RestVertex> rest_;
+  gl::GlObject rest_buffer_, indices_, some_indices_;
 };
 
 /// Triangles with one material, whose positions and normals may be replaced every frame. Drawables
 /// of the same shape may share it: the ropes of a curtain do.
 class Drawable {
  public:
-  Drawable(const Gl& gl, std::shared_ptr<const RestShape> shape, const Material& material,
-           Surface surface);
+  Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
+           const scenes::Material& material, Surface surface);
   /// A model's mesh in its bind pose.
-  Drawable(const Gl& gl, const Mesh& mesh, const Material& material);
+  Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material);
 
-  void move(std::span<const MovingVertex> vertices);
+  void move(std::span<const mesh::MovingVertex> vertices);
   /// Indirect light (linear rgb, irradiance over pi) on each vertex, instead of the stage's.
   void bathe(std::span<const Eigen::Vector3f> light);
   bool bathed() const { return bool(light_); }
@@ -56,7 +57,7 @@ class Drawable {
   /// Around them.
   const Eigen::AlignedBox3f& box() const { return box_; }
 
-  const Material& material() const { return material_; }
+  const scenes::Material& material() const { return material_; }
   Surface surface() const { return surface_; }
   /// The axis (0 x, 1 y, 2 z) along which the mesh is longest: wood's grain.
   int grain_axis() const { return grain_axis_; }
@@ -64,15 +65,15 @@ class Drawable {
   float grain_scale() const { return grain_scale_; }
 
  private:
-  const Gl* gl_;
+  const gl::Gl* gl_;
   std::shared_ptr<const RestShape> shape_;
-  GlObject moving_, light_, array_;
+  gl::GlObject moving_, light_, array_;
   std::vector<Eigen::Vector3f> positions_;
   Eigen::AlignedBox3f box_;
-  Material material_;
+  scenes::Material material_;
   Surface surface_;
   int grain_axis_ = 1;
   float grain_scale_ = 1;
 };
 
-}  // namespace taut
+}  // namespace taut::draw

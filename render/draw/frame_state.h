@@ -6,13 +6,13 @@
 #include "scenes/scene/stage.h"
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Everything that moves, at one time.
 struct FrameState {
   Snapshot state;
   std::vector<std::vector<Pose>> bones;  // [character][bone], world space
-  CameraView camera;
+  scenes::CameraView camera;
 };
 
 /// What is drawn of an instant, and how.
@@ -21,4 +21,4 @@ struct Layer {
   float opacity = 1;  // below 1: blended over what is there, casting no shadow
 };
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 constexpr double kSeenTwice = 2;  // px: farther apart, two exposures look like two things
@@ -35,7 +35,8 @@ std::vector<Exposures> exposures(double way, int samples, int states, double apa
   return result;
 }
 
-Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const Rect& viewport, int i) {
+Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
+                              int i) {
   const Eigen::Vector2f pixels = 0.25f * (point(i).array() - 0.5f);
   Eigen::Matrix4f moved = view_projection;
   moved.row(0) += 2 * pixels.x() / float(viewport.width) * view_projection.row(3);
@@ -57,4 +58,4 @@ Eigen::Matrix4f moved_light(const Eigen::Matrix4f& light_projection, const Vec3&
   return moved;
 }
 
-}  // namespace taut
+}  // namespace taut::draw

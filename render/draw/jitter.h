@@ -9,7 +9,7 @@
 #include "scenes/scene/stage.h"
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Things that come up to `way` px while the shutter is open take so many exposures.
 struct Exposures {
@@ -22,15 +22,16 @@ struct Exposures {
 /// as many states. The fewest are half as many as there are `samples`, no farther than 2 px apart,
 /// or a thing would seem to be two. Empty: nothing needs more than one.
 std::vector<Exposures> exposures(double way, int samples, int states,
-                                 double apart = Stage().exposures_apart);
+                                 double apart = scenes::Stage().exposures_apart);
 
 /// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as
 /// brings samples that the exposures share apart.
-Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const Rect& viewport, int i);
+Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
+                              int i);
 
 /// The projection by which surfaces look shadows up in exposure `i`, if the light comes from
 /// another point of its disc. Casters count as being as far along the light as `casters`: so one
 /// map does for all, and shadows grow softer with their distance from there.
 Eigen::Matrix4f moved_light(const Eigen::Matrix4f& light_projection, const Vec3& casters, int i);
 
-}  // namespace taut
+}  // namespace taut::draw

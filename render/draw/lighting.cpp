@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -18,7 +18,7 @@ double smoothstep(double from, double to, double x) {
 
 }  // namespace
 
-Vec3 surrounding_light(const Light& light, const Vec3& direction) {
+Vec3 surrounding_light(const scenes::Light& light, const Vec3& direction) {
   const Vec3 down = light.direction.normalized();
   const double reach = 0.35 * std::max(-down.y(), 0.0);
   const Vec3 bounce = reach * light.ground.cwiseProduct(light.color);
@@ -49,7 +49,7 @@ Eigen::Vector3f irradiance(const Harmonics& h, const Eigen::Vector3f& n) {
          h[6] * (3 * z * z - 1) + h[7] * (x * z) + h[8] * (x * x - y * y);
 }
 
-Harmonics ambient_harmonics(const Light& light) {
+Harmonics ambient_harmonics(const scenes::Light& light) {
   constexpr int kDirections = 2048;
   HarmonicSum sum;
   for (int i = 0; i < kDirections; ++i) {
@@ -62,7 +62,7 @@ Harmonics ambient_harmonics(const Light& light) {
   return sum.irradiance();
 }
 
-std::string light_constants(const Light& light, const Harmonics& ambient) {
+std::string light_constants(const scenes::Light& light, const Harmonics& ambient) {
   const auto text = [](const auto& v) {
     return fmt::format("vec3({:.9g}, {:.9g}, {:.9g})", v.x(), v.y(), v.z());
   };
@@ -101,7 +101,7 @@ LightMap light_map(const Vec3& direction, const Eigen::AlignedBox3d& casters, in
   return {m.cast<float>(), texel};
 }
 
-Eigen::Matrix4f camera_projection(const CameraView& camera, double aspect) {
+Eigen::Matrix4f camera_projection(const scenes::CameraView& camera, double aspect) {
   const Vec3 back = (camera.position - camera.target).normalized();
   const Vec3 right = Vec3::UnitY().cross(back).normalized();
   Mat3 axes;
@@ -121,4 +121,4 @@ Eigen::Matrix4f camera_projection(const CameraView& camera, double aspect) {
   return (lens * view).cast<float>();
 }
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -7,14 +7,14 @@
 
 #include "scenes/scene/stage.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Nine coefficients of irradiance/pi (rgb, linear), such that with a unit normal (x, y, z) it is
 /// c0 + c1 y + c2 z + c3 x + c4 xy + c5 yz + c6 (3z^2 - 1) + c7 xz + c8 (x^2 - y^2).
 using Harmonics = std::array<Eigen::Vector3f, 9>;
 
 /// What is seen past all scenery: sky above, ground below that reflects the key light like a floor.
-Vec3 surrounding_light(const Light& light, const Vec3& direction);
+Vec3 surrounding_light(const scenes::Light& light, const Vec3& direction);
 
 /// Radiance seen from a point, added up by direction.
 class HarmonicSum {
@@ -34,12 +34,12 @@ Eigen::Vector3f irradiance(const Harmonics& harmonics, const Eigen::Vector3f& no
 
 /// The ambient light of a stage: sky above, ground below, and what the ground throws back of the
 /// key light (Ramamoorthi and Hanrahan 2001).
-Harmonics ambient_harmonics(const Light& light);
+Harmonics ambient_harmonics(const scenes::Light& light);
 
 /// The stage's light as constants of a shader: TO_LIGHT (unit), LIGHT_COLOR, SKY, GROUND and
 /// `ambient` as AMBIENT. Constants, because software rasterisers load uniforms anew for every
 /// pixel.
-std::string light_constants(const Light& light, const Harmonics& ambient);
+std::string light_constants(const scenes::Light& light, const Harmonics& ambient);
 
 /// World to the unit cube of the shadow map: x and y across the light, z along it. It covers the
 /// box; its size and place move in steps, so that shadow edges do not crawl from frame to frame.
@@ -50,6 +50,6 @@ struct LightMap {
 LightMap light_map(const Vec3& direction, const Eigen::AlignedBox3d& casters, int resolution);
 
 /// World to clip space. The picture's aspect is width / height.
-Eigen::Matrix4f camera_projection(const CameraView& camera, double aspect);
+Eigen::Matrix4f camera_projection(const scenes::CameraView& camera, double aspect);
 
-}  // namespace taut
+}  // namespace taut::draw

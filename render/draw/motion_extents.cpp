@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-namespace taut {
+namespace taut::draw {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
@@ -27,7 +27,7 @@ void MotionExtents::add(std::span<const DrawItem> items, double time) {
 }
 
 MotionExtents::Travel MotionExtents::find_moving(const Eigen::Matrix4f& view_projection,
-                                                 const Rect& viewport, double still) {
+                                                 const picture::Rect& viewport, double still) {
   const Vector2f half(0.5f * float(viewport.width), 0.5f * float(viewport.height));
   const auto seen = [&](const Vector3f& p) -> std::optional<Vector2f> {
     const Eigen::Vector4f q = view_projection * p.homogeneous();
@@ -139,4 +139,4 @@ Eigen::AlignedBox3f MotionExtents::box(std::size_t item,
   return {box.min() - margin, box.max() + margin};
 }
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -10,7 +10,7 @@
 #include "render/draw/shadow_cover.h"
 #include "render/picture/rect.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Triangles, as indices of vertices.
 using Triangles = std::vector<std::uint32_t>;
@@ -35,7 +35,7 @@ class MotionExtents {
     double speed = 0;  // px/s, the largest of any vertex between two neighbouring times
   };
   /// Finds what moves: farther than `still` px.
-  Travel find_moving(const Eigen::Matrix4f& view_projection, const Rect& viewport,
+  Travel find_moving(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
                      double still = kStill);
   /// Grades what moves: 1, and one more for each of the rising speeds (px/s) that a vertex exceeds.
   void grade(std::span<const double> speeds);
@@ -76,4 +76,4 @@ class MotionExtents {
 /// Where the vertices of an item are.
 Places places_of(const DrawItem& item);
 
-}  // namespace taut
+}  // namespace taut::draw

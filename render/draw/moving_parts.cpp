@@ -4,7 +4,7 @@
 
 #include "render/mesh/skinning.h"
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 using Eigen::Matrix4f;
@@ -18,30 +18,32 @@ Matrix4f matrix(const Pose& pose) {
 
 }  // namespace
 
-std::vector<Drawable> drawables(const Gl& gl, const Model& model) {
+std::vector<Drawable> drawables(const gl::Gl& gl, const scenes::Model& model) {
   std::vector<Drawable> result;
-  for (const Mesh& mesh : model.meshes)
+  for (const scenes::Mesh& mesh : model.meshes)
     result.emplace_back(gl, mesh, model.materials[mesh.material]);
   return result;
 }
 
-MovingParts::MovingParts(const Gl& gl, const Stage& stage, const World& world) : stage_(stage) {
+MovingParts::MovingParts(const gl::Gl& gl, const scenes::Stage& stage, const World& world)
+    : stage_(stage) {
   for (const auto& model : stage.body_models)
     bodies_.push_back(model ? drawables(gl, *model) : std::vector<Drawable>());
   for (const auto& model : stage.characters) characters_.push_back(drawables(gl, *model));
-  const auto same = [](const RestVertex& a, const RestVertex& b) {
+  const auto same = [](const mesh::RestVertex& a, const mesh::RestVertex& b) {
     return a.rest == b.rest && a.color == b.color;
   };
   std::shared_ptr<const RestShape> shape;  // of the last connector: those of a row are alike
   for (std::size_t i = 0; i < world.connectors.size(); ++i) {
-    const ConnectorLook look =
-        i < stage.connector_looks.size() ? stage.connector_looks[i] : ConnectorLook();
-    connector_meshes_.push_back(make_connector_mesh(world.connectors[i], look, stage.body_models));
-    const bool chain = look.kind == ConnectorLook::Kind::chain;
-    const Material material{.name = chain ? "steel" : "rope",
-                            .base_color = {1, 1, 1},
-                            .roughness = chain ? 0.35f : 0.9f,
-                            .metallic = chain ? 1.0f : 0.0f};
+    const scenes::ConnectorLook look =
+        i < stage.connector_looks.size() ? stage.connector_looks[i] : scenes::ConnectorLook();
+    connector_meshes_.push_back(
+        mesh::make_connector_mesh(world.connectors[i], look, stage.body_models));
+    const bool chain = look.kind == scenes::ConnectorLook::Kind::chain;
+    const scenes::Material material{.name = chain ? "steel" : "rope",
+                                    .base_color = {1, 1, 1},
+                                    .roughness = chain ? 0.35f : 0.9f,
+                                    .metallic = chain ? 1.0f : 0.0f};
     auto [triangles, rest] = connector_meshes_[i]->take_shape();
     if (!shape || shape->triangles() != triangles || !std::ranges::equal(shape->rest(), rest, same))
       shape = std::make_shared<const RestShape>(gl, std::move(triangles), std::move(rest));
@@ -51,10 +53,10 @@ MovingParts::MovingParts(const Gl& gl, const Stage& stage, const World& world) :
 
 void MovingParts::pose(const FrameState& instant) {
   for (std::size_t i = 0; i < std::min(characters_.size(), instant.bones.size()); ++i) {
-    const Model& model = *stage_.characters[i];
-    const std::vector<BoneMatrix> bones = bone_matrices(model, instant.bones[i]);
+    const scenes::Model& model = *stage_.characters[i];
+    const std::vector<mesh::BoneMatrix> bones = mesh::bone_matrices(model, instant.bones[i]);
     for (std::size_t k = 0; k < model.meshes.size(); ++k) {
-      skin(model.meshes[k], bones, vertices_);
+      mesh::skin(model.meshes[k], bones, vertices_);
       characters_[i][k].move(vertices_);
     }
   }
@@ -89,4 +91,4 @@ Eigen::AlignedBox3d extent(const FrameState& instant) {
   return {box.min() - margin, box.max() + margin};
 }
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -10,12 +10,12 @@
 #include "scenes/scene/stage.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::draw {
 
 class MovingParts {
  public:
   /// `world` tells what connectors hang on; its state does not matter. The stage must outlive this.
-  MovingParts(const Gl& gl, const Stage& stage, const World& world);
+  MovingParts(const gl::Gl& gl, const scenes::Stage& stage, const World& world);
 
   /// Moves everything to where it is at that time.
   void pose(const FrameState& instant);
@@ -24,16 +24,16 @@ class MovingParts {
   std::vector<DrawItem> items(const FrameState& instant, const Layer& layer = {});
 
  private:
-  const Stage& stage_;
+  const scenes::Stage& stage_;
   std::vector<std::vector<Drawable>> bodies_, characters_;  // [body or character][mesh]
-  std::vector<std::unique_ptr<ConnectorMesh>> connector_meshes_;
+  std::vector<std::unique_ptr<mesh::ConnectorMesh>> connector_meshes_;
   std::vector<Drawable> connectors_;
-  std::vector<MovingVertex> vertices_;
+  std::vector<mesh::MovingVertex> vertices_;
 };
 
-std::vector<Drawable> drawables(const Gl& gl, const Model& model);
+std::vector<Drawable> drawables(const gl::Gl& gl, const scenes::Model& model);
 
 /// A box around everything that moves, from bones, particles and bodies, in m.
 Eigen::AlignedBox3d extent(const FrameState& instant);
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 /// An even hash of a lattice point, 0 to 1.
@@ -30,7 +30,7 @@ float value_noise(float x, float y, std::uint32_t period, std::uint32_t seed) {
 
 }  // namespace
 
-GlObject make_noise_texture(const Gl& gl) {
+gl::GlObject make_noise_texture(const gl::Gl& gl) {
   constexpr int kSize = 256, kLevels = 9;
   std::vector<std::uint8_t> pixels;
   for (int y = 0; y < kSize; ++y)
@@ -47,7 +47,7 @@ GlObject make_noise_texture(const Gl& gl) {
         }
         pixels.push_back(std::uint8_t(std::lround(255 * sum / (1 - amplitude * 2))));
       }
-  GlObject texture = make_texture(gl, GL_RG8, kSize, kSize, 0, kLevels);
+  gl::GlObject texture = gl::make_texture(gl, GL_RG8, kSize, kSize, 0, kLevels);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl.TextureSubImage2D(texture.id(), 0, 0, 0, kSize, kSize, GL_RG, GL_UNSIGNED_BYTE, pixels.data());
   gl.GenerateTextureMipmap(texture.id());
@@ -56,4 +56,4 @@ GlObject make_noise_texture(const Gl& gl) {
   return texture;
 }
 
-}  // namespace taut
+}  // namespace taut::draw

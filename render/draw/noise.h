@@ -3,9 +3,9 @@
 
 #include "render/gl/gpu.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Two channels of tiling fractal noise around 1/2, with mipmaps, repeating beyond its edge.
-GlObject make_noise_texture(const Gl& gl);
+gl::GlObject make_noise_texture(const gl::Gl& gl);
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 Eigen::Vector3f corner(const Eigen::AlignedBox3f& box, int i) {
@@ -31,7 +31,8 @@ void add_shadow(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& direction
     }
 }
 
-Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection, const Rect& viewport) {
+picture::Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection,
+                     const picture::Rect& viewport) {
   Eigen::AlignedBox2f box;
   for (const Eigen::Vector3f& p : reach) {
     const Eigen::Vector4f q = projection * p.homogeneous();
@@ -51,4 +52,4 @@ Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection, const Re
   return {viewport.x + left, viewport.y + low, right - left, high - low};
 }
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -6,7 +6,7 @@
 
 #include "render/picture/rect.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Points in space, whose hull is everything that is meant.
 using HullPoints = std::vector<Eigen::Vector3f>;
@@ -18,6 +18,7 @@ void add_shadow(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& direction
                 const Eigen::AlignedBox3f& receivers, HullPoints& reach);
 
 /// The pixels of `viewport` that the hull can touch; all of them where it comes behind the eye.
-Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection, const Rect& viewport);
+picture::Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection,
+                     const picture::Rect& viewport);
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 constexpr double kLeast = 1.0;                     // m, a side of what encloses a room
@@ -92,7 +92,7 @@ bool may_show(const Eigen::AlignedBox3d& box, const Mat3& side, const Vec3& eye)
 /// Takes cubes of pictures of the scenery.
 class Photographer {
  public:
-  Photographer(const Gl& gl, const Light& light, std::span<Drawable> things)
+  Photographer(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things)
       : gl_(gl),
         light_(light),
         things_(things),
@@ -144,11 +144,11 @@ class Photographer {
   }
 
  private:
-  const Gl& gl_;
-  const Light& light_;
+  const gl::Gl& gl_;
+  const scenes::Light& light_;
   std::span<Drawable> things_;
   Surfaces surfaces_;
-  GlObject color_, depth_, target_;
+  gl::GlObject color_, depth_, target_;
   std::vector<std::vector<Patch>> patches_;  // [thing]
   std::vector<std::uint32_t> indices_;
 };
@@ -177,10 +177,10 @@ Vec3 blurred(std::span<const Pixel> cube, const Vec3& ahead, double roughness) {
   return sum / weights;
 }
 
-GlObject mirror_texture(const Gl& gl, std::span<const Pixel> cube) {
+gl::GlObject mirror_texture(const gl::Gl& gl, std::span<const Pixel> cube) {
   GLuint id = 0;
   gl.CreateTextures(GL_TEXTURE_CUBE_MAP, 1, &id);
-  GlObject texture(gl, id, [](const Gl& g, GLuint i) { g.DeleteTextures(1, &i); });
+  gl::GlObject texture(gl, id, [](const gl::Gl& g, GLuint i) { g.DeleteTextures(1, &i); });
   gl.TextureStorage2D(id, kLevels, GL_RGBA16F, kSide, kSide);
   gl.TextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl.TextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
@@ -205,7 +205,7 @@ GlObject mirror_texture(const Gl& gl, std::span<const Pixel> cube) {
 
 }  // namespace
 
-RoomLight::RoomLight(const Gl& gl, const Light& light, std::span<Drawable> things,
+RoomLight::RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things,
                      const Vec3& middle) {
   for (const Drawable& thing : things)
     if (!thing.box().isEmpty())
@@ -251,10 +251,10 @@ Harmonics RoomLight::at(const Vec3& point) const {
   return sum;
 }
 
-std::vector<Eigen::Vector3f> RoomLight::on(const Mesh& mesh) const {
+std::vector<Eigen::Vector3f> RoomLight::on(const scenes::Mesh& mesh) const {
   std::vector<Eigen::Vector3f> light;
   light.reserve(mesh.vertices.size());
-  for (const Vertex& v : mesh.vertices) {
+  for (const scenes::Vertex& v : mesh.vertices) {
     const Eigen::Vector3f n = Eigen::Vector3f(v.normal.data()).normalized();
     const Vec3 place = Eigen::Vector3f(v.position.data()).cast<double>();
     light.push_back(irradiance(at(place), n).cwiseMax(0));
@@ -266,4 +266,4 @@ Surroundings RoomLight::surroundings() const {
   return {middle_light_, mirror_.id(), kLevels, room_, middle_};
 }
 
-}  // namespace taut
+}  // namespace taut::draw

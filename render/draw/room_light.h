@@ -10,7 +10,7 @@
 #include "render/draw/lighting.h"
 #include "render/draw/surfaces.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Indirect light in a room. The scenery is drawn as cubes of pictures around points of a grid, in
 /// the key light, with what glows and with the stage's ambient light for all further bounces. What
@@ -22,11 +22,12 @@ class RoomLight {
   /// `things` are drawn in world space. `middle` (m): where what moves is lit, or
   /// as near to it as the room reaches. Scenery that
   /// encloses no room (a side under 1 m) throws nothing back.
-  RoomLight(const Gl& gl, const Light& light, std::span<Drawable> things, const Vec3& middle);
+  RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things,
+            const Vec3& middle);
 
   bool encloses() const { return !grid_.empty(); }
   /// Irradiance over pi (linear rgb) on each of the vertices of a thing of the scenery.
-  std::vector<Eigen::Vector3f> on(const Mesh& mesh) const;
+  std::vector<Eigen::Vector3f> on(const scenes::Mesh& mesh) const;
   /// What the shaders take of it.
   Surroundings surroundings() const;
 
@@ -38,7 +39,7 @@ class RoomLight {
   std::vector<Harmonics> grid_;  // [z][y][x]
   Harmonics middle_light_{};
   Vec3 middle_ = Vec3::Zero();
-  GlObject mirror_;
+  gl::GlObject mirror_;
 };
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 Eigen::AlignedBox3f around(const Places& places, const std::uint32_t* corner) {
@@ -104,4 +104,4 @@ Eigen::AlignedBox3f ShadowCover::find(std::span<const std::uint32_t> triangles,
   return found;
 }
 
-}  // namespace taut
+}  // namespace taut::draw

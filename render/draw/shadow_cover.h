@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace taut {
+namespace taut::draw {
 
 /// Where the vertices of a mesh are, m, in world space.
 using Places = std::vector<Eigen::Vector3f>;
@@ -41,4 +41,4 @@ class ShadowCover {
   std::vector<Places> projected_;
 };
 
-}  // namespace taut
+}  // namespace taut::draw

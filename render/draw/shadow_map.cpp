@@ -2,19 +2,20 @@
 
 #include "render/gl/shaders.h"
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 constexpr GLenum kFormat = GL_DEPTH_COMPONENT24;
 
 }  // namespace
 
-ShadowMap::ShadowMap(const Gl& gl, int size)
+ShadowMap::ShadowMap(const gl::Gl& gl, int size)
     : gl_(gl),
       size_(size),
-      map_(make_texture(gl, kFormat, size, size)),
-      target_(make_framebuffer(gl, 0, map_.id())),
-      depth_program_(gl, shaders::frame_block, shaders::depth_vertex, shaders::depth_fragment) {
+      map_(gl::make_texture(gl, kFormat, size, size)),
+      target_(gl::make_framebuffer(gl, 0, map_.id())),
+      depth_program_(gl, gl::shaders::frame_block, gl::shaders::depth_vertex,
+                     gl::shaders::depth_fragment) {
   gl.TextureParameteri(map_.id(), GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   gl.TextureParameteri(map_.id(), GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 }
@@ -44,19 +45,19 @@ void ShadowMap::draw(std::span<const DrawItem> casters) const {
   gl_.Disable(GL_SCISSOR_TEST);
 }
 
-void ShadowMap::save(const Rect& part) {
-  if (!saved_) saved_ = make_texture(gl_, kFormat, size_, size_);
+void ShadowMap::save(const picture::Rect& part) {
+  if (!saved_) saved_ = gl::make_texture(gl_, kFormat, size_, size_);
   copy(map_.id(), saved_.id(), part);
 }
 
-void ShadowMap::restore(const Rect& part) const {
+void ShadowMap::restore(const picture::Rect& part) const {
   copy(saved_.id(), map_.id(), part);
 }
 
-void ShadowMap::copy(GLuint from, GLuint to, const Rect& part) const {
+void ShadowMap::copy(GLuint from, GLuint to, const picture::Rect& part) const {
   if (part.empty()) return;
   gl_.CopyImageSubData(from, GL_TEXTURE_2D, 0, part.x, part.y, 0, to, GL_TEXTURE_2D, 0, part.x,
                        part.y, 0, part.width, part.height, 1);
 }
 
-}  // namespace taut
+}  // namespace taut::draw

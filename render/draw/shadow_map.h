@@ -7,12 +7,12 @@
 #include "render/gl/gpu.h"
 #include "render/picture/rect.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// Its projection is the frame's in use (Surfaces::use).
 class ShadowMap {
  public:
-  ShadowMap(const Gl& gl, int size);
+  ShadowMap(const gl::Gl& gl, int size);
 
   int size() const { return size_; }
   GLuint texture() const { return map_.id(); }
@@ -22,16 +22,16 @@ class ShadowMap {
   void draw(std::span<const DrawItem> casters) const;
 
   /// Keeps a part of the map as it is, and brings it back.
-  void save(const Rect& part);
-  void restore(const Rect& part) const;
+  void save(const picture::Rect& part);
+  void restore(const picture::Rect& part) const;
 
  private:
-  void copy(GLuint from, GLuint to, const Rect& part) const;
+  void copy(GLuint from, GLuint to, const picture::Rect& part) const;
 
-  const Gl& gl_;
+  const gl::Gl& gl_;
   int size_;
-  GlObject map_, target_, saved_;
-  Program depth_program_;
+  gl::GlObject map_, target_, saved_;
+  gl::Program depth_program_;
 };
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 /// B/s, read and written together.
@@ -29,16 +29,16 @@ double copying_speed() {
 StageFloor::StageFloor(int width, int height, int samples)
     : pixels_(double(width) * height), samples_(samples), speed_(copying_speed()) {}
 
-std::optional<double> StageFloor::of(std::string_view stage, const Profile& unlit) const {
+std::optional<double> StageFloor::of(std::string_view stage, const gl::Profile& unlit) const {
   constexpr double kColor = 4, kRgb = 3;  // B
   if (stage == "resolve and tone map") return pixels_ * (samples_ + 1) * kColor / speed_;
   if (stage == "read back" || stage == "captions") return pixels_ * 2 * kColor / speed_;
   if (stage == "PNG") return pixels_ * (kColor + kRgb) / speed_;
   if (stage != "scenery" && stage != "figures" && stage != "shadows" && stage != "exposures")
     return std::nullopt;
-  const auto found = std::ranges::find(unlit.stages(), stage, &Profile::Stage::name);
+  const auto found = std::ranges::find(unlit.stages(), stage, &gl::Profile::Stage::name);
   if (found == unlit.stages().end()) return std::nullopt;
-  return median(*found).cpu;
+  return gl::median(*found).cpu;
 }
 
-}  // namespace taut
+}  // namespace taut::draw

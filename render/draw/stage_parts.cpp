@@ -6,32 +6,32 @@
 #include "render/draw/jitter.h"
 #include "render/draw/lighting.h"
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 Eigen::Vector4f with_w(const Vec3& v, double w) {
   return {float(v.x()), float(v.y()), float(v.z()), float(w)};
 }
 
-std::vector<Drawable> scenery_of(const Gl& gl, const Stage& stage) {
+std::vector<Drawable> scenery_of(const gl::Gl& gl, const scenes::Stage& stage) {
   std::vector<Drawable> scenery;
   for (const auto& model : stage.scenery)
     for (Drawable& part : drawables(gl, *model)) scenery.push_back(std::move(part));
   return scenery;
 }
 
-Vec3 looked_at(const Stage& stage) {
-  return stage.camera.empty() ? Vec3(Vec3::Zero()) : camera_at(stage.camera, 0).target;
+Vec3 looked_at(const scenes::Stage& stage) {
+  return stage.camera.empty() ? Vec3(Vec3::Zero()) : scenes::camera_at(stage.camera, 0).target;
 }
 
-Surroundings surroundings_of(const Stage& stage, const RoomLight& room) {
+Surroundings surroundings_of(const scenes::Stage& stage, const RoomLight& room) {
   if (room.encloses()) return room.surroundings();
   return {ambient_harmonics(stage.light)};
 }
 
 }  // namespace
 
-StageParts::StageParts(const Context& context, const Stage& s, const World& world,
+StageParts::StageParts(const gl::Context& context, const scenes::Stage& s, const World& world,
                        const Shading& options)
     : gl(context.gl()),
       stage(s),
@@ -46,10 +46,10 @@ StageParts::StageParts(const Context& context, const Stage& s, const World& worl
   if (!room.encloses()) return;
   std::size_t i = 0;
   for (const auto& model : stage.scenery)
-    for (const Mesh& mesh : model->meshes) scenery[i++].bathe(room.on(mesh));
+    for (const scenes::Mesh& mesh : model->meshes) scenery[i++].bathe(room.on(mesh));
 }
 
-Look StageParts::look(const FrameState& instant, const Rect& viewport) const {
+Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) const {
   Look look{{instant.camera, viewport}, {}};
   const LightMap light = light_map(stage.light.direction, extent(instant), shading.map_size);
   FrameBlock& block = look.block;
@@ -79,13 +79,13 @@ void StageParts::draw_solid() const {
   gl.Disable(GL_SCISSOR_TEST);
 }
 
-void StageParts::aim(const Canvas& canvas, const Rect& viewport) const {
+void StageParts::aim(const gl::Canvas& canvas, const picture::Rect& viewport) const {
   canvas.bind();
   gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
   gl.BindTextureUnit(0, map.texture());
 }
 
-void StageParts::clear(const Canvas& canvas) const {
+void StageParts::clear(const gl::Canvas& canvas) const {
   canvas.bind();
   // As it is asked for, without the curve that lit surfaces go through.
   const Vec3 c = background.cwiseMin(1).cwiseSqrt();
@@ -104,8 +104,8 @@ void draw_whole_scenery(StageParts& parts, const View& view) {
   parts.draw_scenery(Shade::lit);
 }
 
-FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const Rect& viewport, int i,
-                   bool more_than_samples) {
+FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,
+                   int i, bool more_than_samples) {
   FrameBlock moved = block;
   moved.light_projection = moved_light(block.light_projection, extent(middle).center(), i);
   if (more_than_samples) moved.view_projection = moved_picture(block.view_projection, viewport, i);
@@ -121,4 +121,4 @@ Shade shade_of(int count, int samples) {
   return count < samples ? Shade::shadowed : Shade::averaged;
 }
 
-}  // namespace taut
+}  // namespace taut::draw

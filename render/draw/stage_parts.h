@@ -10,7 +10,7 @@
 #include "render/draw/surfaces.h"
 #include "render/gl/canvas.h"
 
-namespace taut {
+namespace taut::draw {
 
 using Boxes = std::vector<Eigen::AlignedBox3f>;
 
@@ -22,20 +22,20 @@ struct Look {
 
 /// A stage's meshes, surfaces and shadow map on the graphics side.
 struct StageParts {
-  StageParts(const Context& context, const Stage& stage, const World& world,
+  StageParts(const gl::Context& context, const scenes::Stage& stage, const World& world,
              const Shading& shading);
 
-  Look look(const FrameState& instant, const Rect& viewport) const;
+  Look look(const FrameState& instant, const picture::Rect& viewport) const;
   /// Opaque triangles with depth are drawn from now on, over the whole target.
   void draw_solid() const;
   /// The canvas' viewport is drawn to, and the shadow map can be looked up.
-  void aim(const Canvas& canvas, const Rect& viewport) const;
+  void aim(const gl::Canvas& canvas, const picture::Rect& viewport) const;
   /// The background everywhere.
-  void clear(const Canvas& canvas) const;
+  void clear(const gl::Canvas& canvas) const;
   void draw_scenery(Shade shade);
 
-  const Gl& gl;
-  const Stage& stage;
+  const gl::Gl& gl;
+  const scenes::Stage& stage;
   const Shading shading;
   Vec3 background;
   std::vector<Drawable> scenery;
@@ -50,11 +50,11 @@ void draw_whole_scenery(StageParts& parts, const View& view);
 
 /// How exposure `i` of `count` is seen and lit: the light is moved, and the picture where there are
 /// more exposures than samples.
-FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const Rect& viewport, int i,
-                   bool more_than_samples);
+FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,
+                   int i, bool more_than_samples);
 /// What exposure `i` of so many shows: states evenly apart.
 const FrameState& shown_at(std::span<const FrameState> shutter, int i, int count);
 /// How shadows are looked up in one of so many exposures.
 Shade shade_of(int count, int samples);
 
-}  // namespace taut
+}  // namespace taut::draw

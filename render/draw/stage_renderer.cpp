@@ -10,7 +10,7 @@
 #include "render/draw/stage_parts.h"
 #include "sim/motion/hash.h"
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 using Eigen::Matrix4f;
@@ -39,7 +39,7 @@ struct StageRenderer::Impl : StageParts {
   struct ReachedPart {
     Triangles triangles;
     Eigen::AlignedBox3f box;  // around them
-    Rect pixels;              // where the shadows fall
+    picture::Rect pixels;     // where the shadows fall
   };
   using Reached = std::vector<ReachedPart>;  // [scenery]
   void find_reached(const Boxes& contacts, Reached& found) {
@@ -50,16 +50,16 @@ struct StageRenderer::Impl : StageParts {
   }
 
   /// Finds the pixels where shadows of those boxes fall, and returns the rectangle around all.
-  Rect find_pixels(const Boxes& casters, const Boxes& contacts, const FrameBlock& block,
-                   const Rect& viewport, Reached& found) const {
+  picture::Rect find_pixels(const Boxes& casters, const Boxes& contacts, const FrameBlock& block,
+                            const picture::Rect& viewport, Reached& found) const {
     const Vector3f direction = stage.light.direction.cast<float>();
-    Rect all;
+    picture::Rect all;
     for (ReachedPart& part : found) {
       HullPoints reach;
       for (const auto& box : casters) add_shadow(box, direction, part.box, reach);
       for (const auto& box : contacts) add_box(box.intersection(part.box), reach);
       part.pixels = pixels(reach, block.view_projection, viewport);
-      all = hull(all, part.pixels);
+      all = picture::hull(all, part.pixels);
     }
     return all;
   }
@@ -69,7 +69,7 @@ struct StageRenderer::Impl : StageParts {
     gl.DepthFunc(GL_LEQUAL);
     gl.Enable(GL_SCISSOR_TEST);
     for (std::size_t i = 0; i < scenery.size(); ++i) {
-      const Rect& part = found[i].pixels;
+      const picture::Rect& part = found[i].pixels;
       if (part.empty()) continue;
       gl.Scissor(part.x, part.y, part.width, part.height);
       surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, Shade::grounded);
@@ -78,7 +78,7 @@ struct StageRenderer::Impl : StageParts {
   }
 
   /// Draws things, and the shadows of the casters.
-  void paint(Canvas& canvas, const Rect& viewport, const Look& look,
+  void paint(gl::Canvas& canvas, const picture::Rect& viewport, const Look& look,
              std::span<const DrawItem> things, std::span<const DrawItem> casters, float opacity) {
     const bool solid = opacity >= 1;
     surfaces.use(look.block);
@@ -124,22 +124,22 @@ struct StageRenderer::Impl : StageParts {
 
   /// Grades what moves while the shutter is open, and tells the exposures of each grade above 0;
   /// none where nothing moves. The cover then holds what moves.
-  std::vector<Exposures> find_moving(std::span<const FrameState> shutter, const Canvas& canvas,
-                                     const Look& look, const Rect& viewport);
+  std::vector<Exposures> find_moving(std::span<const FrameState> shutter, const gl::Canvas& canvas,
+                                     const Look& look, const picture::Rect& viewport);
 
-  Profile* profile = nullptr;
+  gl::Profile* profile = nullptr;
   ShadowCover cover;
   MotionExtents extents;
   Reached still_reached, moving_reached;  // by the shadows of what stands, and of what moves
 };
 
-StageRenderer::StageRenderer(const Context& context, const Stage& stage, const World& world,
-                             const Shading& shading)
+StageRenderer::StageRenderer(const gl::Context& context, const scenes::Stage& stage,
+                             const World& world, const Shading& shading)
     : impl_(std::make_unique<Impl>(context, stage, world, shading)) {}
 
 StageRenderer::~StageRenderer() = default;
 
-void StageRenderer::set_profile(Profile* profile) {
+void StageRenderer::set_profile(gl::Profile* profile) {
   impl_->profile = profile;
 }
 
@@ -147,7 +147,7 @@ void StageRenderer::set_background(const Vec3& color) {
   impl_->background = color;
 }
 
-void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
+void StageRenderer::begin(gl::Canvas& canvas, std::span<const View> views) {
   Impl& d = *impl_;
   if (d.shading.savings != Savings::all) {
     canvas.restore(0);
@@ -173,8 +173,8 @@ void StageRenderer::begin(Canvas& canvas, std::span<const View> views) {
   d.lap("scenery");
 }
 
-void StageRenderer::draw(Canvas& canvas, const Rect& viewport, const FrameState& instant,
-                         const Layer& layer) {
+void StageRenderer::draw(gl::Canvas& canvas, const picture::Rect& viewport,
+                         const FrameState& instant, const Layer& layer) {
   Impl& d = *impl_;
   if (d.shading.savings != Savings::all) return draw_whole(d, canvas, viewport, instant, layer);
   d.parts.pose(instant);
@@ -184,8 +184,8 @@ void StageRenderer::draw(Canvas& canvas, const Rect& viewport, const FrameState&
 }
 
 std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameState> shutter,
-                                                        const Canvas& canvas, const Look& look,
-                                                        const Rect& viewport) {
+                                                        const gl::Canvas& canvas, const Look& look,
+                                                        const picture::Rect& viewport) {
   extents.clear();
   for (const FrameState* instant :
        {&shutter.front(), &shutter[shutter.size() / 2], &shutter.back()}) {
@@ -211,7 +211,7 @@ std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameSta
   return grades;
 }
 
-int StageRenderer::expose(Canvas& canvas, const Rect& viewport,
+int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
                           std::span<const FrameState> shutter) {
   Impl& d = *impl_;
   const FrameState& middle = shutter[shutter.size() / 2];
@@ -245,9 +245,9 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport,
     casting.push_back(d.extents.moving_box(i));
     add_box(casting.back(), in_map);
   }
-  const Rect map_part = pixels(in_map, map_to_clip() * look.block.light_projection,
-                               {0, 0, d.map.size(), d.map.size()});
-  const Rect shadow = d.find_pixels(casting, {}, look.block, viewport, d.moving_reached);
+  const picture::Rect map_part = pixels(in_map, map_to_clip() * look.block.light_projection,
+                                        {0, 0, d.map.size(), d.map.size()});
+  const picture::Rect shadow = d.find_pixels(casting, {}, look.block, viewport, d.moving_reached);
   d.lap("sweep");
   d.paint(canvas, viewport, look, still, still_casters, 1);
   d.map.save(map_part);
@@ -257,8 +257,8 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport,
     HullPoints things;
     for (std::size_t i = 0; i < items.size(); ++i)
       add_box(d.extents.box(i, d.extents.shown(i, int(grade))), things);
-    const Rect part =
-        hull(pixels(things, look.block.view_projection, viewport), fastest ? shadow : Rect());
+    const picture::Rect part = picture::hull(pixels(things, look.block.view_projection, viewport),
+                                             fastest ? shadow : picture::Rect());
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
     canvas.expose(part, count, [&](int i) {
@@ -288,4 +288,4 @@ int StageRenderer::expose(Canvas& canvas, const Rect& viewport,
   return most;
 }
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -11,12 +11,12 @@
 #include "scenes/scene/stage.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::draw {
 
 /// A part of the canvas, and what is seen there.
 struct View {
-  Rect viewport;
-  CameraView camera;
+  picture::Rect viewport;
+  scenes::CameraView camera;
 };
 
 /// What of a picture's work is saved. No saving shows: `all` and `exposures` make the same picture,
@@ -41,7 +41,7 @@ struct Shading {
 class StageRenderer {
  public:
   /// `world` tells what connectors hang on; its state does not matter. The stage must outlive this.
-  StageRenderer(const Context& context, const Stage& stage, const World& world,
+  StageRenderer(const gl::Context& context, const scenes::Stage& stage, const World& world,
                 const Shading& shading = {});
   ~StageRenderer();
 
@@ -50,22 +50,23 @@ class StageRenderer {
 
   /// Begins a frame: background everywhere, and the scenery in each of the views. The canvas
   /// keeps it for as long as the views stay the same.
-  void begin(Canvas& canvas, std::span<const View> views);
+  void begin(gl::Canvas& canvas, std::span<const View> views);
   /// Draws what moves into a part of the canvas, and its shadow on the scenery there.
-  void draw(Canvas& canvas, const Rect& viewport, const FrameState& instant,
+  void draw(gl::Canvas& canvas, const picture::Rect& viewport, const FrameState& instant,
             const Layer& layer = {});
   /// The same while a shutter is open: `shutter` holds instants evenly apart, the frame's own in
   /// the middle (of an even number the later one). What moves less than a pixel is drawn once, at
   /// the frame's own instant; the rest each as often as its own speed asks for (jitter.h). The
   /// camera stands where it is in the middle. Returns how many exposures the fastest point took.
-  int expose(Canvas& canvas, const Rect& viewport, std::span<const FrameState> shutter);
+  int expose(gl::Canvas& canvas, const picture::Rect& viewport,
+             std::span<const FrameState> shutter);
 
   /// Where to note the stages' times, each waited for; null: nowhere.
-  void set_profile(Profile* profile);
+  void set_profile(gl::Profile* profile);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace taut
+}  // namespace taut::draw

@@ -10,7 +10,7 @@
 #include "render/draw/noise.h"
 #include "render/gl/shaders.h"
 
-namespace taut {
+namespace taut::draw {
 namespace {
 
 constexpr double kExposure = 0.48;
@@ -29,7 +29,7 @@ std::string mirror_constants(const Surroundings& around) {
 
 }  // namespace
 
-FrameBlock::FrameBlock(const CameraView& camera, const Rect& viewport)
+FrameBlock::FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport)
     : view_projection(camera_projection(camera, double(viewport.width) / viewport.height)),
       light_projection(Eigen::Matrix4f::Zero()) {
   eye << camera.position.cast<float>(), 0;
@@ -37,10 +37,10 @@ FrameBlock::FrameBlock(const CameraView& camera, const Rect& viewport)
   capsule_to.fill(Eigen::Vector4f::Zero());
 }
 
-Surfaces::Surfaces(const Gl& gl, const Light& light, const Surroundings& around,
+Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& around,
                    int shadow_map_size, Output output)
     : gl_(gl),
-      frame_(make_buffer(gl)),
+      frame_(gl::make_buffer(gl)),
       noise_(make_noise_texture(gl)),
       mirror_(around.mirror),
       constants_(fmt::format(
@@ -50,10 +50,10 @@ Surfaces::Surfaces(const Gl& gl, const Light& light, const Surroundings& around,
           light_constants(light, around.ambient), mirror_constants(around), shaders::frame_block)) {
 }
 
-const Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool bathed) {
+const gl::Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool bathed) {
   auto& slot = programs_[{surface, shade, glossy, bathed}];
   if (!slot)
-    slot = std::make_unique<Program>(
+    slot = std::make_unique<gl::Program>(
         gl_,
         fmt::format("#define SURFACE {}\n#define SHADE {}\n#define GLOSSY {:d}\n#define BATHED "
                     "{:d}\n{}",
@@ -63,7 +63,7 @@ const Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool
 }
 
 void Surfaces::use(const FrameBlock& block) const {
-  upload(gl_, frame_, std::span<const FrameBlock>(&block, 1), GL_DYNAMIC_DRAW);
+  gl::upload(gl_, frame_, std::span<const FrameBlock>(&block, 1), GL_DYNAMIC_DRAW);
   gl_.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_.id());
   gl_.BindTextureUnit(1, noise_.id());
   if (mirror_) gl_.BindTextureUnit(2, mirror_);
@@ -71,9 +71,9 @@ void Surfaces::use(const FrameBlock& block) const {
 
 void Surfaces::draw(const DrawItem& item, Shade shade, float opacity) {
   if (item.triangles.empty()) return;
-  const Material& material = item.drawable->material();
-  const Program& p = program(item.drawable->surface(), shade, material.roughness < kGlossy,
-                             item.drawable->bathed());
+  const scenes::Material& material = item.drawable->material();
+  const gl::Program& p = program(item.drawable->surface(), shade, material.roughness < kGlossy,
+                                 item.drawable->bathed());
   p.use();
   p.set("model", item.model);
   p.set("base_color", Eigen::Vector3f(material.base_color.data()));
@@ -85,4 +85,4 @@ void Surfaces::draw(const DrawItem& item, Shade shade, float opacity) {
   item.draw();
 }
 
-}  // namespace taut
+}  // namespace taut::draw

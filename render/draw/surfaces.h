@@ -13,7 +13,7 @@
 #include "render/picture/rect.h"
 #include "scenes/scene/stage.h"
 
-namespace taut {
+namespace taut::draw {
 
 constexpr std::size_t kCapsules = 6;
 
@@ -25,7 +25,7 @@ struct FrameBlock {
   std::array<int, 4> capsules{};  // how many; the rest is padding
 
   /// Without anything that moves.
-  FrameBlock(const CameraView& camera, const Rect& viewport);
+  FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport);
 };
 
 /// What takes light from a surface; the numbers are the surface shader's SHADE.
@@ -54,8 +54,8 @@ enum class Output {
 
 class Surfaces {
  public:
-  Surfaces(const Gl& gl, const Light& light, const Surroundings& surroundings, int shadow_map_size,
-           Output output);
+  Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& surroundings,
+           int shadow_map_size, Output output);
 
   /// What is drawn from now on is seen and lit like this.
   void use(const FrameBlock& block) const;
@@ -63,13 +63,13 @@ class Surfaces {
 
  private:
   /// `glossy` surfaces mirror the room; `bathed` ones have light of their own on each vertex.
-  const Program& program(Surface surface, Shade shade, bool glossy, bool bathed);
+  const gl::Program& program(Surface surface, Shade shade, bool glossy, bool bathed);
 
-  const Gl& gl_;
-  GlObject frame_, noise_;
+  const gl::Gl& gl_;
+  gl::GlObject frame_, noise_;
   GLuint mirror_;
   std::string constants_;
-  std::map<std::tuple<Surface, Shade, bool, bool>, std::unique_ptr<Program>> programs_;
+  std::map<std::tuple<Surface, Shade, bool, bool>, std::unique_ptr<gl::Program>> programs_;
 };
 
-}  // namespace taut
+}  // namespace taut::draw

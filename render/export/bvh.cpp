@@ -9,7 +9,7 @@
 #include "scenes/character/skeleton.h"
 #include "scenes/files/error.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -27,19 +27,20 @@ Turns turns_of(const Mat3& r) {
 
 class BvhWriter final : public FrameWriter {
  public:
-  BvhWriter(const Scene& scene, WriteBytes write)
+  BvhWriter(const scenes::Scene& scene, WriteBytes write)
       : write_(std::move(write)),
         performance_(performance_of(scene)),
         model_(*scene.stage->characters.front()),
         skeleton_(model_) {
-    const Posture upright = skeleton_.upright();
+    const scenes::Posture upright = skeleton_.upright();
     rest_ = skeleton_.poses(skeleton_.place(upright));
     std::vector<std::size_t> roots;
     for (std::size_t i = 0; i < model_.bones.size(); ++i)
       if (model_.bones[i].parent < 0) roots.push_back(i);
     if (roots.size() != 1)
-      throw BadScene(fmt::format("{}: the character's skeleton has {} roots, expected one for BVH",
-                                 scene.file.string(), roots.size()));
+      throw scenes::BadScene(
+          fmt::format("{}: the character's skeleton has {} roots, expected one for BVH",
+                      scene.file.string(), roots.size()));
     text_ = "HIERARCHY\n";
     describe(roots.front(), 0);
     text_ +=
@@ -70,11 +71,11 @@ class BvhWriter final : public FrameWriter {
   void finish() override {}
 
  private:
-  static const Performance& performance_of(const Scene& scene) {
+  static const scenes::Performance& performance_of(const scenes::Scene& scene) {
     const std::size_t count = scene.performances.size();
     if (count != 1)
-      throw BadScene(fmt::format("{}: has {} characters on its stage, expected one for BVH",
-                                 scene.file.string(), count));
+      throw scenes::BadScene(fmt::format("{}: has {} characters on its stage, expected one for BVH",
+                                         scene.file.string(), count));
     return *scene.performances.front();
   }
 
@@ -123,9 +124,9 @@ class BvhWriter final : public FrameWriter {
   }
 
   WriteBytes write_;
-  const Performance& performance_;
-  const Model& model_;
-  Skeleton skeleton_;
+  const scenes::Performance& performance_;
+  const scenes::Model& model_;
+  scenes::Skeleton skeleton_;
   std::vector<Pose> rest_;
   std::vector<std::size_t> order_;  // of the channels
   std::string text_;
@@ -133,8 +134,8 @@ class BvhWriter final : public FrameWriter {
 
 }  // namespace
 
-std::unique_ptr<FrameWriter> bvh_writer(const Scene& scene, WriteBytes write) {
+std::unique_ptr<FrameWriter> bvh_writer(const scenes::Scene& scene, WriteBytes write) {
   return std::make_unique<BvhWriter>(scene, std::move(write));
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

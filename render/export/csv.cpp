@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 class CsvWriter final : public FrameWriter {
  public:
-  CsvWriter(const Scene& scene, WriteBytes write) : write_(std::move(write)) {
+  CsvWriter(const scenes::Scene& scene, WriteBytes write) : write_(std::move(write)) {
     write_(csv_header(scene) + '\n');
   }
   void add(const ExportState& state) override { write_(csv_row(state.state) + '\n'); }
@@ -21,7 +21,7 @@ class CsvWriter final : public FrameWriter {
 
 }  // namespace
 
-std::string csv_header(const Scene& scene) {
+std::string csv_header(const scenes::Scene& scene) {
   const World world = divided(scene.world, scene.timeline);
   std::string line = "t";
   for (const Connector& connector : world.connectors) {
@@ -55,8 +55,8 @@ std::string csv_row(const Snapshot& state) {
   return line;
 }
 
-std::unique_ptr<FrameWriter> csv_writer(const Scene& scene, WriteBytes write) {
+std::unique_ptr<FrameWriter> csv_writer(const scenes::Scene& scene, WriteBytes write) {
   return std::make_unique<CsvWriter>(scene, std::move(write));
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

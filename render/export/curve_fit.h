@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace taut {
+namespace taut::exporting {
 
 /// The slopes (per second) of a cubic from one key to the next: as it leaves the one and comes to
 /// the other.
@@ -60,4 +60,4 @@ Eigen::Matrix<double, kSize, 1> on_cubic(const Eigen::Matrix<double, kSize, 1>& 
          w.last * last;
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

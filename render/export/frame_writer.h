@@ -11,7 +11,7 @@
 
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::exporting {
 
 /// Takes an export's bytes, in order.
 using WriteBytes = std::function<void(std::string_view)>;
@@ -39,6 +39,6 @@ class FrameWriter {
 
 /// Simulates the scene and gives the writer its states, then finishes it; calls `tick` with the
 /// number of frames that are done. Frames are those of a simulation that stops at nothing else.
-void play(const Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick);
+void play(const scenes::Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick);
 
-}  // namespace taut
+}  // namespace taut::exporting

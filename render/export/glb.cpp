@@ -11,18 +11,18 @@
 #include "render/export/spline_tracks.h"
 #include "scenes/files/error.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 class GlbWriter final : public FrameWriter {
  public:
-  GlbWriter(const Scene& scene, WriteBytes write)
+  GlbWriter(const scenes::Scene& scene, WriteBytes write)
       : scene_(scene), write_(std::move(write)), world_(divided(scene.world, scene.timeline)) {
     file_.name_scene(scene.title);
     add_bodies();
     add_connectors();
     if (!scene.stage) return;
-    const Stage& stage = *scene.stage;
+    const scenes::Stage& stage = *scene.stage;
     for (std::size_t i = 0; i < stage.characters.size(); ++i)
       figures_.emplace_back(
           file_, meshes_,
@@ -81,9 +81,9 @@ class GlbWriter final : public FrameWriter {
     std::size_t points = 0;
     for (std::size_t i = 0; const Connector& connector : world_.connectors) {
       if (connector.particles() > kMostJoints)
-        throw BadScene(fmt::format("{}: {} has {} particles, expected at most {} for a glTF file",
-                                   scene_.file.string(), connector.name, connector.particles(),
-                                   kMostJoints));
+        throw scenes::BadScene(
+            fmt::format("{}: {} has {} particles, expected at most {} for a glTF file",
+                        scene_.file.string(), connector.name, connector.particles(), kMostJoints));
       connectors_.emplace_back(file_, meshes_, connector, look_of(scene_, i++), bodies_,
                                body_models(scene_));
       points += connector.particles();
@@ -99,7 +99,7 @@ class GlbWriter final : public FrameWriter {
     if (view_) view_->place(state.time, motion_);
   }
 
-  const Scene& scene_;
+  const scenes::Scene& scene_;
   WriteBytes write_;
   World world_;
   GltfFile file_;
@@ -116,8 +116,8 @@ class GlbWriter final : public FrameWriter {
 
 }  // namespace
 
-std::unique_ptr<FrameWriter> glb_writer(const Scene& scene, WriteBytes write) {
+std::unique_ptr<FrameWriter> glb_writer(const scenes::Scene& scene, WriteBytes write) {
   return std::make_unique<GlbWriter>(scene, std::move(write));
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

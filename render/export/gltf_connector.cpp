@@ -5,7 +5,7 @@
 
 #include "render/mesh/link_frames.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 Quat frame_of(const Vec3& x, const Vec3& y) {
@@ -14,8 +14,8 @@ Quat frame_of(const Vec3& x, const Vec3& y) {
   return Quat(axes);
 }
 
-Material material_of(const ConnectorLook& look) {
-  const bool chain = look.kind == ConnectorLook::Kind::chain;
+scenes::Material material_of(const scenes::ConnectorLook& look) {
+  const bool chain = look.kind == scenes::ConnectorLook::Kind::chain;
   return {.name = chain ? "steel" : "rope",
           .base_color = {1, 1, 1},
           .roughness = chain ? 0.35f : 0.9f,
@@ -25,14 +25,14 @@ Material material_of(const ConnectorLook& look) {
 }  // namespace
 
 GltfConnector::GltfConnector(GltfFile& file, GltfMeshes& meshes, const Connector& connector,
-                             const ConnectorLook& look, std::span<const std::size_t> bodies,
-                             std::span<const std::shared_ptr<const Model>> models) {
+                             const scenes::ConnectorLook& look, std::span<const std::size_t> bodies,
+                             std::span<const std::shared_ptr<const scenes::Model>> models) {
   const std::size_t group = file.add_node(connector.name);
   for (std::size_t i = 0; i < connector.particles(); ++i) {
     particles_.push_back(file.add_node(connector.name + '.' + std::to_string(i), group));
     file.node(particles_.back())["extras"] = {{"particle", i}};
   }
-  if (look.kind == ConnectorLook::Kind::chain) {
+  if (look.kind == scenes::ConnectorLook::Kind::chain) {
     add_chain(file, meshes, connector, look, bodies, models);
   } else {
     add_tube(file, meshes, connector, look);
@@ -40,12 +40,13 @@ GltfConnector::GltfConnector(GltfFile& file, GltfMeshes& meshes, const Connector
 }
 
 void GltfConnector::add_chain(GltfFile& file, GltfMeshes& meshes, const Connector& connector,
-                              const ConnectorLook& look, std::span<const std::size_t> bodies,
-                              std::span<const std::shared_ptr<const Model>> models) {
-  const ChainShape shape = chain_shape(connector.length, look.diameter);
-  const Material steel = material_of(look);
-  const auto mesh_of = [&](const char* what, Piece piece, double up) {
-    for (MovingVertex& v : piece.vertices) v.position.y() += float(up);
+                              const scenes::ConnectorLook& look,
+                              std::span<const std::size_t> bodies,
+                              std::span<const std::shared_ptr<const scenes::Model>> models) {
+  const mesh::ChainShape shape = mesh::chain_shape(connector.length, look.diameter);
+  const scenes::Material steel = material_of(look);
+  const auto mesh_of = [&](const char* what, mesh::Piece piece, double up) {
+    for (mesh::MovingVertex& v : piece.vertices) v.position.y() += float(up);
     return meshes.of_mesh(connector.name + ' ' + what,
                           plain_mesh(piece.vertices, piece.indices, look.color.cast<float>()),
                           steel, false);
@@ -63,7 +64,7 @@ void GltfConnector::add_chain(GltfFile& file, GltfMeshes& meshes, const Connecto
   std::optional<std::size_t> ring, collar;
   for (const bool last : {false, true}) {
     auto& mount = mounts_[last];
-    mount = chain_mount(connector, last ? connector.particles() - 1 : 0, models);
+    mount = mesh::chain_mount(connector, last ? connector.particles() - 1 : 0, models);
     if (!mount) continue;
     if (!ring) {
       ring = mesh_of("eye", shape.ring, 0);
@@ -86,18 +87,18 @@ void GltfConnector::add_chain(GltfFile& file, GltfMeshes& meshes, const Connecto
 }
 
 void GltfConnector::add_tube(GltfFile& file, GltfMeshes& meshes, const Connector& connector,
-                             const ConnectorLook& look) {
+                             const scenes::ConnectorLook& look) {
   // Its rest is straight along y.
   std::vector<Vec3> straight{Vec3::Zero()};
   for (const double rest : connector.rest)
     straight.push_back(straight.back() + rest * Vec3::UnitY());
-  const auto shape = make_connector_mesh(connector, look, {});
-  std::vector<MovingVertex> vertices;
+  const auto shape = mesh::make_connector_mesh(connector, look, {});
+  std::vector<mesh::MovingVertex> vertices;
   shape->place(straight, {}, vertices);
-  Mesh mesh = plain_mesh(vertices, shape->indices(), Eigen::Vector3f::Ones());
+  scenes::Mesh mesh = plain_mesh(vertices, shape->indices(), Eigen::Vector3f::Ones());
   const double radius = look.diameter / 2, length = straight.back().y();
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    Vertex& v = mesh.vertices[i];
+    scenes::Vertex& v = mesh.vertices[i];
     const Eigen::Vector3f& color = shape->rest()[i].color;
     v.color = {color.x(), color.y(), color.z()};
     const double y = v.position[1];
@@ -141,13 +142,14 @@ void GltfConnector::turn(std::span<const Vec3> particles, std::span<const Pose> 
 
 void GltfConnector::turn_links(std::span<const Vec3> particles, std::span<const Pose> bodies,
                                GltfMotion& motion) const {
-  const auto hold = [&](const std::optional<ChainMount>& mount) -> std::optional<ChainHold> {
+  const auto hold =
+      [&](const std::optional<mesh::ChainMount>& mount) -> std::optional<mesh::ChainHold> {
     if (!mount) return {};
     const Quat& turn = bodies[mount->body].rotation;
-    return ChainHold{turn * mount->axis, turn * mount->axis.unitOrthogonal()};
+    return mesh::ChainHold{turn * mount->axis, turn * mount->axis.unitOrthogonal()};
   };
-  const std::vector<LinkFrame> frames =
-      link_frames(particles, links_.size(), hold(mounts_[0]), hold(mounts_[1]));
+  const std::vector<mesh::LinkFrame> frames =
+      mesh::link_frames(particles, links_.size(), hold(mounts_[0]), hold(mounts_[1]));
   for (std::size_t k = 0; k < links_.size(); ++k) {
     motion.turn(links_[k].node, frame_of(frames[k].wide, frames[k].axis));
     if (links_[k].off)
@@ -162,7 +164,7 @@ void GltfConnector::turn_particles(std::span<const Vec3> particles, GltfMotion& 
         particles[std::min(i + 1, particles.size() - 1)] - particles[i > 0 ? i - 1 : 0];
     const double length = along.norm();
     const Vec3 next = length > 1e-12 ? Vec3(along / length) : axis;
-    side = transport(side, axis, next);
+    side = mesh::transport(side, axis, next);
     axis = next;
     motion.turn(particles_[i], frame_of(side, axis));
     if (i == 0) {
@@ -172,4 +174,4 @@ void GltfConnector::turn_particles(std::span<const Vec3> particles, GltfMotion& 
   }
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -6,15 +6,15 @@
 #include "render/mesh/chain_mesh.h"
 #include "scenes/scene/stage.h"
 
-namespace taut {
+namespace taut::exporting {
 
 class GltfConnector {
  public:
   /// A chain's links hang on the particles at which they begin; the tube of a rope or cord is
   /// skinned to its particles. `bodies` are the nodes of the bodies, `models` what these look like.
   GltfConnector(GltfFile& file, GltfMeshes& meshes, const Connector& connector,
-                const ConnectorLook& look, std::span<const std::size_t> bodies,
-                std::span<const std::shared_ptr<const Model>> models);
+                const scenes::ConnectorLook& look, std::span<const std::size_t> bodies,
+                std::span<const std::shared_ptr<const scenes::Model>> models);
 
   /// The nodes of the particles, for whoever moves them.
   const std::vector<std::size_t>& particles() const { return particles_; }
@@ -28,18 +28,18 @@ class GltfConnector {
     bool off;                    // it begins behind that
   };
   void add_chain(GltfFile& file, GltfMeshes& meshes, const Connector& connector,
-                 const ConnectorLook& look, std::span<const std::size_t> bodies,
-                 std::span<const std::shared_ptr<const Model>> models);
+                 const scenes::ConnectorLook& look, std::span<const std::size_t> bodies,
+                 std::span<const std::shared_ptr<const scenes::Model>> models);
   void add_tube(GltfFile& file, GltfMeshes& meshes, const Connector& connector,
-                const ConnectorLook& look);
+                const scenes::ConnectorLook& look);
   void turn_links(std::span<const Vec3> particles, std::span<const Pose> bodies,
                   GltfMotion& motion) const;
   void turn_particles(std::span<const Vec3> particles, GltfMotion& motion);
 
   std::vector<std::size_t> particles_;
   std::vector<Link> links_;  // empty: a tube
-  std::array<std::optional<ChainMount>, 2> mounts_;
+  std::array<std::optional<mesh::ChainMount>, 2> mounts_;
   Vec3 axis_ = Vec3::UnitY(), side_ = Vec3::UnitX();  // of the tube's beginning at the last key
 };
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -1,17 +1,17 @@
 #include "render/export/gltf_figure.h"
 
-namespace taut {
+namespace taut::exporting {
 
 GltfFigure::GltfFigure(GltfFile& file, GltfMeshes& meshes, const std::string& name,
-                       const Model& model)
+                       const scenes::Model& model)
     : model_(model) {
   const std::size_t group = file.add_node(name);
-  for (const Bone& bone : model.bones)
+  for (const scenes::Bone& bone : model.bones)
     bones_.push_back(
         file.add_node(bone.name, bone.parent < 0 ? group : bones_[std::size_t(bone.parent)]));
   std::vector<std::size_t> joints = bones_;
   std::vector<float> inverse_bind;
-  for (const Bone& bone : model.bones) {
+  for (const scenes::Bone& bone : model.bones) {
     Eigen::Matrix4f m = bone.inverse_bind;
     m.row(3) << 0, 0, 0, 1;
     inverse_bind.insert(inverse_bind.end(), m.data(), m.data() + m.size());
@@ -42,4 +42,4 @@ void GltfFigure::pose(std::span<const Pose> bones, GltfMotion& motion) const {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -2,7 +2,7 @@
 
 #include "render/export/little_endian.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
@@ -70,4 +70,4 @@ void GltfFile::write(const WriteBytes& write) {
   write(bytes_);
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

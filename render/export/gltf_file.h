@@ -10,7 +10,7 @@
 #include "render/export/frame_writer.h"
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::exporting {
 
 class GltfFile {
  public:
@@ -83,4 +83,4 @@ GltfFile::Json GltfFile::bounds_of(std::span<const Number> numbers, std::string_
   return {{"min", least}, {"max", largest}};
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

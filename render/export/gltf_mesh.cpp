@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 using Json = GltfFile::Json;
@@ -14,7 +14,7 @@ struct Weights {
   std::array<std::uint16_t, 4> joints{};
   std::array<float, 4> shares{};
 
-  Weights(const Vertex& vertex, std::size_t fixed_joint) {
+  Weights(const scenes::Vertex& vertex, std::size_t fixed_joint) {
     double sum = 0;
     for (const float weight : vertex.weights) sum += weight;
     if (sum == 0) {
@@ -37,11 +37,11 @@ struct Weights {
 
 }  // namespace
 
-std::size_t GltfMeshes::of_model(const Model& model) {
+std::size_t GltfMeshes::of_model(const scenes::Model& model) {
   const auto [place, is_new] = models_.try_emplace(&model, 0);
   if (!is_new) return place->second;
   Json primitives = Json::array();
-  for (const Mesh& mesh : model.meshes)
+  for (const scenes::Mesh& mesh : model.meshes)
     if (!mesh.indices.empty())
       primitives.push_back(primitive(mesh, model.materials[mesh.material], !model.bones.empty(),
                                      model.bones.size()));
@@ -50,29 +50,29 @@ std::size_t GltfMeshes::of_model(const Model& model) {
   return place->second;
 }
 
-bool GltfMeshes::has_fixed_vertices(const Model& model) {
-  for (const Mesh& mesh : model.meshes)
-    for (const Vertex& v : mesh.vertices)
+bool GltfMeshes::has_fixed_vertices(const scenes::Model& model) {
+  for (const scenes::Mesh& mesh : model.meshes)
+    for (const scenes::Vertex& v : mesh.vertices)
       if (v.weights[0] + v.weights[1] + v.weights[2] + v.weights[3] == 0) return true;
   return false;
 }
 
-std::size_t GltfMeshes::of_mesh(const std::string& name, const Mesh& mesh, const Material& with,
-                                bool skinned) {
+std::size_t GltfMeshes::of_mesh(const std::string& name, const scenes::Mesh& mesh,
+                                const scenes::Material& with, bool skinned) {
   return file_.add("meshes", {{"name", name}, {"primitives", {primitive(mesh, with, skinned, 0)}}});
 }
 
-Json GltfMeshes::primitive(const Mesh& mesh, const Material& with, bool skinned,
+Json GltfMeshes::primitive(const scenes::Mesh& mesh, const scenes::Material& with, bool skinned,
                            std::size_t fixed_joint) {
   // Colours of eight bits are shares of the brightest, which the material has.
   std::array<float, 3> tint{};
-  for (const Vertex& v : mesh.vertices)
+  for (const scenes::Vertex& v : mesh.vertices)
     for (std::size_t k = 0; k < 3; ++k) tint[k] = std::max(tint[k], v.color[k]);
   std::vector<float> positions, normals, weights;
   std::vector<std::uint8_t> colors;
   std::vector<std::uint16_t> joints;
   bool tinted = false;
-  for (const Vertex& v : mesh.vertices) {
+  for (const scenes::Vertex& v : mesh.vertices) {
     positions.insert(positions.end(), v.position.begin(), v.position.end());
     const Vec3 normal(v.normal[0], v.normal[1], v.normal[2]);
     const Vec3 unit = normal.norm() > 0 ? Vec3(normal.normalized()) : Vec3::UnitY();
@@ -116,7 +116,7 @@ Json GltfMeshes::primitive(const Mesh& mesh, const Material& with, bool skinned,
           {"material", material(with, tint)}};
 }
 
-std::size_t GltfMeshes::material(const Material& with, const std::array<float, 3>& tint) {
+std::size_t GltfMeshes::material(const scenes::Material& with, const std::array<float, 3>& tint) {
   Json color = Json::array();
   for (std::size_t k = 0; k < 3; ++k)
     color.push_back(std::clamp(with.base_color[k] * tint[k], 0.0f, 1.0f));
@@ -131,15 +131,15 @@ std::size_t GltfMeshes::material(const Material& with, const std::array<float, 3
   return place->second;
 }
 
-Mesh plain_mesh(std::span<const MovingVertex> vertices, std::span<const std::uint32_t> indices,
-                const Eigen::Vector3f& color) {
-  Mesh mesh;
+scenes::Mesh plain_mesh(std::span<const mesh::MovingVertex> vertices,
+                        std::span<const std::uint32_t> indices, const Eigen::Vector3f& color) {
+  scenes::Mesh mesh;
   mesh.indices.assign(indices.begin(), indices.end());
-  for (const MovingVertex& v : vertices)
+  for (const mesh::MovingVertex& v : vertices)
     mesh.vertices.push_back({{v.position.x(), v.position.y(), v.position.z()},
                              {v.normal.x(), v.normal.y(), v.normal.z()},
                              {color.x(), color.y(), color.z()}});
   return mesh;
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 /// True where no component, of so many an item, changes by more than `most`.
@@ -93,4 +93,4 @@ void GltfMotion::finish(const std::string& name, const std::vector<float>& times
       {{"name", name}, {"channels", std::move(channels_)}, {"samplers", std::move(samplers_)}});
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -6,7 +6,7 @@
 
 #include "render/export/gltf_file.h"
 
-namespace taut {
+namespace taut::exporting {
 
 class GltfMotion {
  public:
@@ -42,4 +42,4 @@ class GltfMotion {
   GltfFile::Json channels_ = GltfFile::Json::array(), samplers_ = GltfFile::Json::array();
 };
 
-}  // namespace taut
+}  // namespace taut::exporting

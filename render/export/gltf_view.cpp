@@ -2,23 +2,23 @@
 
 #include <algorithm>
 
-namespace taut {
+namespace taut::exporting {
 
-GltfView::GltfView(GltfFile& file, const Scene& scene) {
+GltfView::GltfView(GltfFile& file, const scenes::Scene& scene) {
   for (const NamedCamera& camera : cameras(scene)) {
     const std::size_t lens =
         file.add("cameras", {{"name", camera.name},
                              {"type", "perspective"},
                              {"perspective",
                               {{"aspectRatio", double(scene.width) / scene.height},
-                               {"yfov", camera_at(camera.keys, camera.start).field_of_view},
+                               {"yfov", scenes::camera_at(camera.keys, camera.start).field_of_view},
                                {"znear", 0.05},
                                {"zfar", 60}}}});
     const std::size_t node = file.add_node(camera.name);
     file.node(node)["camera"] = lens;
     cameras_.push_back({node, camera});
   }
-  const Light& light = scene.stage->light;
+  const scenes::Light& light = scene.stage->light;
   const double brightest = std::max(light.color.maxCoeff(), 1e-9);
   const Vec3 color = light.color / brightest;
   const char* const extension = "KHR_lights_punctual";
@@ -35,10 +35,10 @@ GltfView::GltfView(GltfFile& file, const Scene& scene) {
 
 void GltfView::place(double time, GltfMotion& motion) const {
   for (const auto& [node, camera] : cameras_) {
-    const CameraView view = camera_at(camera.keys, time);
+    const scenes::CameraView view = scenes::camera_at(camera.keys, time);
     motion.translate(node, view.position);
     motion.turn(node, looking(view.target - view.position));
   }
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

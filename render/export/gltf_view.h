@@ -4,11 +4,11 @@
 #include "render/export/gltf_motion.h"
 #include "render/export/looks.h"
 
-namespace taut {
+namespace taut::exporting {
 
 class GltfView {
  public:
-  GltfView(GltfFile& file, const Scene& scene);
+  GltfView(GltfFile& file, const scenes::Scene& scene);
 
   /// Places the cameras as they are at `time` (s), the next key.
   void place(double time, GltfMotion& motion) const;
@@ -21,4 +21,4 @@ class GltfView {
   std::vector<Camera> cameras_;
 };
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace taut {
+namespace taut::exporting {
 
 void LinearKeys::add(Snapshot state, bool is_frame,
                      const std::function<void(const Snapshot&)>& key) {
@@ -48,4 +48,4 @@ void LinearKeys::divide(std::size_t from, std::size_t to,
   key(pending_[to]);
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -6,7 +6,7 @@
 
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::exporting {
 
 /// Takes states in the order of their times. Every frame is a key, and whatever else brings the
 /// straight lines within the limit of the other states.
@@ -30,4 +30,4 @@ class LinearKeys {
   double error_ = 0;
 };
 
-}  // namespace taut
+}  // namespace taut::exporting

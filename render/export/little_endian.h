@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace taut {
+namespace taut::exporting {
 
 static_assert(std::endian::native == std::endian::little, "written as they are in memory");
 
@@ -26,4 +26,4 @@ std::string_view bytes_of(std::span<const Number> numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

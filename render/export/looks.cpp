@@ -5,11 +5,11 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
-bool same(const std::vector<CameraKey>& a, const std::vector<CameraKey>& b) {
-  return std::ranges::equal(a, b, [](const CameraKey& x, const CameraKey& y) {
+bool same(const std::vector<scenes::CameraKey>& a, const std::vector<scenes::CameraKey>& b) {
+  return std::ranges::equal(a, b, [](const scenes::CameraKey& x, const scenes::CameraKey& y) {
     return x.time == y.time && x.position == y.position && x.target == y.target &&
            x.field_of_view == y.field_of_view;
   });
@@ -17,35 +17,35 @@ bool same(const std::vector<CameraKey>& a, const std::vector<CameraKey>& b) {
 
 }  // namespace
 
-std::vector<std::shared_ptr<const Model>> body_models(const Scene& scene) {
-  std::vector<std::shared_ptr<const Model>> models;
+std::vector<std::shared_ptr<const scenes::Model>> body_models(const scenes::Scene& scene) {
+  std::vector<std::shared_ptr<const scenes::Model>> models;
   if (scene.stage) models = scene.stage->body_models;
   models.resize(scene.world.bodies.size());
   return models;
 }
 
-std::vector<double> body_reaches(const Scene& scene) {
+std::vector<double> body_reaches(const scenes::Scene& scene) {
   std::vector<double> reaches;
   for (const auto& model : body_models(scene)) {
     double& farthest = reaches.emplace_back(0);
     if (!model) continue;
-    for (const Mesh& mesh : model->meshes)
-      for (const Vertex& v : mesh.vertices)
+    for (const scenes::Mesh& mesh : model->meshes)
+      for (const scenes::Vertex& v : mesh.vertices)
         farthest = std::max(farthest, Vec3(v.position[0], v.position[1], v.position[2]).norm());
   }
   return reaches;
 }
 
-ConnectorLook look_of(const Scene& scene, std::size_t connector) {
+scenes::ConnectorLook look_of(const scenes::Scene& scene, std::size_t connector) {
   if (!scene.stage || connector >= scene.stage->connector_looks.size()) return {};
   return scene.stage->connector_looks[connector];
 }
 
-std::vector<NamedCamera> cameras(const Scene& scene) {
-  const Stage& stage = *scene.stage;
+std::vector<NamedCamera> cameras(const scenes::Scene& scene) {
+  const scenes::Stage& stage = *scene.stage;
   std::vector<NamedCamera> result{{"camera", stage.camera, 0}};
   for (std::size_t i = 0; i < stage.shots.size(); ++i) {
-    const Shot& shot = stage.shots[i];
+    const scenes::Shot& shot = stage.shots[i];
     if (!same(shot.camera, stage.camera))
       result.push_back({"camera of shot " + std::to_string(i + 1), shot.camera, shot.from});
   }
@@ -61,7 +61,7 @@ Quat looking(const Vec3& direction) {
   return Quat(axes);
 }
 
-int parts_of_frame(const Scene& scene) {
+int parts_of_frame(const scenes::Scene& scene) {
   const MethodInfo& method = *find_method(scene.method.name);
   const Settings settings = with_defaults(method, scene.method.settings);
   const auto step = settings.find("step");
@@ -69,4 +69,4 @@ int parts_of_frame(const Scene& scene) {
   return equal ? 64 : 16;
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

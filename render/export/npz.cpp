@@ -8,7 +8,7 @@
 #include "render/export/little_endian.h"
 #include "render/export/zip.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 /// Rows of one array, gathered frame by frame.
@@ -36,7 +36,7 @@ std::string npy_header(const Array& array, std::size_t rows) {
 
 class NpzWriter final : public FrameWriter {
  public:
-  NpzWriter(const Scene& scene, WriteBytes write) : zip_(std::move(write)) {
+  NpzWriter(const scenes::Scene& scene, WriteBytes write) : zip_(std::move(write)) {
     const World world = divided(scene.world, scene.timeline);
     arrays_.push_back({"times"});
     for (const Connector& connector : world.connectors)
@@ -82,8 +82,8 @@ class NpzWriter final : public FrameWriter {
 
 }  // namespace
 
-std::unique_ptr<FrameWriter> npz_writer(const Scene& scene, WriteBytes write) {
+std::unique_ptr<FrameWriter> npz_writer(const scenes::Scene& scene, WriteBytes write) {
   return std::make_unique<NpzWriter>(scene, std::move(write));
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -4,12 +4,12 @@
 
 #include "render/export/little_endian.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 class Pc2Writer final : public FrameWriter {
  public:
-  Pc2Writer(const Scene& scene, WriteBytes write) : write_(std::move(write)) {
+  Pc2Writer(const scenes::Scene& scene, WriteBytes write) : write_(std::move(write)) {
     std::int32_t points = 0;
     for (const Connector& connector : divided(scene.world, scene.timeline).connectors)
       points += std::int32_t(connector.particles());
@@ -33,8 +33,8 @@ class Pc2Writer final : public FrameWriter {
 
 }  // namespace
 
-std::unique_ptr<FrameWriter> pc2_writer(const Scene& scene, WriteBytes write) {
+std::unique_ptr<FrameWriter> pc2_writer(const scenes::Scene& scene, WriteBytes write) {
   return std::make_unique<Pc2Writer>(scene, std::move(write));
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -3,9 +3,9 @@
 
 #include "render/export/frame_writer.h"
 
-namespace taut {
+namespace taut::exporting {
 
 /// The particles of all connectors, one connector after another, as points; one sample a frame.
-std::unique_ptr<FrameWriter> pc2_writer(const Scene& scene, WriteBytes write);
+std::unique_ptr<FrameWriter> pc2_writer(const scenes::Scene& scene, WriteBytes write);
 
-}  // namespace taut
+}  // namespace taut::exporting

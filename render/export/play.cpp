@@ -4,7 +4,7 @@
 #include "scenes/scene/exposure.h"
 #include "sim/run/shown_velocities.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 /// What a simulation does between two of its frames, seen by another one that stops more often. A
@@ -12,7 +12,7 @@ namespace {
 /// where the simulation is, and what it is off at the next is taken back evenly.
 class Between {
  public:
-  explicit Between(const Scene& scene) : simulation_(start(scene)) {
+  explicit Between(const scenes::Scene& scene) : simulation_(start(scene)) {
     simulation_.advance_to(simulation_.world().time);  // what happens at the start
   }
 
@@ -52,11 +52,11 @@ class Between {
 };
 
 /// Times between frame `frame` and the next at which a method of equal steps stops by itself.
-std::vector<double> times_between(const Scene& scene, int frame, int parts) {
+std::vector<double> times_between(const scenes::Scene& scene, int frame, int parts) {
   std::vector<double> times;
   const double first = double(frame) / scene.fps, last = double(frame + 1) / scene.fps;
   for (int i = 1; i < parts; ++i) {
-    const double time = own_time(scene, (frame + double(i) / parts) / scene.fps);
+    const double time = scenes::own_time(scene, (frame + double(i) / parts) / scene.fps);
     if (time > (times.empty() ? first : times.back()) && time < last) times.push_back(time);
   }
   return times;
@@ -64,7 +64,7 @@ std::vector<double> times_between(const Scene& scene, int frame, int parts) {
 
 }  // namespace
 
-void play(const Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick) {
+void play(const scenes::Scene& scene, FrameWriter& writer, const std::function<void(int)>& tick) {
   const int frames = scene.frames(), parts = writer.states_per_frame();
   if (parts == 0) {
     for (int frame = 0; frame < frames; ++frame) {
@@ -91,4 +91,4 @@ void play(const Scene& scene, FrameWriter& writer, const std::function<void(int)
   writer.finish();
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -4,7 +4,7 @@
 
 #include "render/export/curve_fit.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 using Vec4 = Eigen::Vector4d;
@@ -135,4 +135,4 @@ void SplineTracks::divide(std::size_t from, std::size_t to,
   key(before_ + to);
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -6,7 +6,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::exporting {
 
 /// Takes states in the order of their times and keeps as few of them as keys as bring the splines
 /// near the others: every frame is one, and whatever the limit needs between.
@@ -51,4 +51,4 @@ class SplineTracks {
   double point_error_ = 0, frame_error_ = 0;
 };
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -9,7 +9,7 @@
 #include "render/export/linear_keys.h"
 #include "render/export/looks.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 /// To a ten-millionth, without more digits than that needs.
@@ -87,7 +87,7 @@ struct Placed {
 
 class UsdaWriter final : public FrameWriter {
  public:
-  UsdaWriter(const Scene& scene, WriteBytes write)
+  UsdaWriter(const scenes::Scene& scene, WriteBytes write)
       : scene_(scene),
         write_(std::move(write)),
         world_(divided(scene.world, scene.timeline)),
@@ -144,7 +144,7 @@ class UsdaWriter final : public FrameWriter {
       connectors_[i].samples += fmt::format("      {}: {},\n", code, list(state.connectors[i]));
     for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].add(code, state.bodies[i]);
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
-      const CameraView view = camera_at(views_[i].keys, state.time);
+      const scenes::CameraView view = scenes::camera_at(views_[i].keys, state.time);
       cameras_[i].add(code, {view.position, looking(view.target - view.position)});
       lenses_[i] += fmt::format("      {}: {},\n", code,
                                 float(kAperture / 2 / std::tan(view.field_of_view / 2)));
@@ -152,7 +152,7 @@ class UsdaWriter final : public FrameWriter {
   }
 
   void write_connector(std::size_t i) {
-    const ConnectorLook look = look_of(scene_, i);
+    const scenes::ConnectorLook look = look_of(scene_, i);
     write_(fmt::format(
         "  def BasisCurves \"{}\"\n  {{\n    uniform token type = \"linear\"\n"
         "    int[] curveVertexCounts = [{}]\n"
@@ -165,12 +165,12 @@ class UsdaWriter final : public FrameWriter {
     write_("    }\n  }\n");
   }
 
-  void write_meshes(const Model& model) {
+  void write_meshes(const scenes::Model& model) {
     Names names;
-    for (const Mesh& mesh : model.meshes) {
+    for (const scenes::Mesh& mesh : model.meshes) {
       std::vector<std::array<float, 3>> points, normals, colors;
-      const Material& material = model.materials[mesh.material];
-      for (const Vertex& v : mesh.vertices) {
+      const scenes::Material& material = model.materials[mesh.material];
+      for (const scenes::Vertex& v : mesh.vertices) {
         points.push_back(v.position);
         normals.push_back(v.normal);
         auto& color = colors.emplace_back(v.color);
@@ -203,7 +203,7 @@ class UsdaWriter final : public FrameWriter {
     write_("  }\n");
   }
 
-  void write_light(const Light& light) {
+  void write_light(const scenes::Light& light) {
     const double brightest = std::max(light.color.maxCoeff(), 1e-9);
     write_(
         fmt::format("  def DistantLight \"{}\"\n  {{\n    color3f inputs:color = {}\n"
@@ -215,7 +215,7 @@ class UsdaWriter final : public FrameWriter {
 
   static constexpr double kAperture = 24;  // mm, its height
 
-  const Scene& scene_;
+  const scenes::Scene& scene_;
   WriteBytes write_;
   World world_;
   LinearKeys keys_;
@@ -229,8 +229,8 @@ class UsdaWriter final : public FrameWriter {
 
 }  // namespace
 
-std::unique_ptr<FrameWriter> usda_writer(const Scene& scene, WriteBytes write) {
+std::unique_ptr<FrameWriter> usda_writer(const scenes::Scene& scene, WriteBytes write) {
   return std::make_unique<UsdaWriter>(scene, std::move(write));
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

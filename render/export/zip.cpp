@@ -4,7 +4,7 @@
 
 #include "render/export/little_endian.h"
 
-namespace taut {
+namespace taut::exporting {
 namespace {
 
 using U16 = std::uint16_t;
@@ -53,4 +53,4 @@ void Zip::finish() {
                     kElsewhere, U16(0)));
 }
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -7,7 +7,7 @@
 
 #include "render/export/frame_writer.h"
 
-namespace taut {
+namespace taut::exporting {
 
 /// The same files give the same bytes: none has a date.
 class Zip {
@@ -27,4 +27,4 @@ class Zip {
   std::string list_;
 };
 
-}  // namespace taut
+}  // namespace taut::exporting

@@ -5,12 +5,12 @@
 
 #include "render/picture/paint.h"
 
-namespace taut {
+namespace taut::film {
 namespace {
 
-constexpr double kFade = 0.2;   // s
-constexpr double kDim = 0.45;   // opacity of a list's neighbouring lines
-constexpr double kShade = 0.34; // darkness behind the lines, soft at its edges
+constexpr double kFade = 0.2;    // s
+constexpr double kDim = 0.45;    // opacity of a list's neighbouring lines
+constexpr double kShade = 0.34;  // darkness behind the lines, soft at its edges
 constexpr double kLeading = 1.55;
 
 /// How much of something shows that fades in and out between two times.
@@ -33,7 +33,7 @@ double eased(double x) {
 }
 
 /// Which line of a list stands in the middle at `time`, with a fraction on the way to the next.
-double rolled(std::span<const Caption> list, double time) {
+double rolled(std::span<const scenes::Caption> list, double time) {
   double at = 0;
   for (std::size_t i = 1; i < list.size(); ++i) at += eased((time - list[i].from) / kFade + 0.5);
   return at;
@@ -45,8 +45,8 @@ double nearness(double lines) {
 }
 
 struct Lines {
-  Picture& picture;
-  Font& font;
+  picture::Picture& picture;
+  picture::Font& font;
   double size = std::max(0.028 * picture.height, 9.0);
   double x = 0.05 * picture.width, y = 0.88 * picture.height;
   double column = 0, rest = 0;  // widths, px: of labels with the gap behind them, of what follows
@@ -61,9 +61,9 @@ struct Lines {
   /// Darkens the picture behind so many lines on each side of the middle.
   void darken(int beside, double opacity) {
     const double height = (2 * beside * kLeading + 1) * size;
-    fill_softly(picture,
-                {int(x), int(y - 0.35 * size - height / 2), int(column + rest), int(height)},
-                {12, 10, 8}, kShade * opacity, 5 * size);
+    picture::fill_softly(
+        picture, {int(x), int(y - 0.35 * size - height / 2), int(column + rest), int(height)},
+        {12, 10, 8}, kShade * opacity, 5 * size);
   }
 
   /// `down` lines below the middle.
@@ -79,20 +79,21 @@ struct Lines {
 
 }  // namespace
 
-void draw_captions(Picture& picture, Font& font, std::span<const Caption> captions, double time) {
+void draw_captions(picture::Picture& picture, picture::Font& font,
+                   std::span<const scenes::Caption> captions, double time) {
   for (auto first = captions.begin(); first != captions.end();) {
-    const auto last = std::find_if(first + 1, captions.end(), [&](const Caption& caption) {
+    const auto last = std::find_if(first + 1, captions.end(), [&](const scenes::Caption& caption) {
       return first->list.empty() || caption.list != first->list;
     });
-    const std::span<const Caption> list(first, last);
+    const std::span<const scenes::Caption> list(first, last);
     first = last;
     double until = list.front().until;
-    for (const Caption& caption : list) until = std::max(until, caption.until);
+    for (const scenes::Caption& caption : list) until = std::max(until, caption.until);
     if (list.size() > 1) until += kFade;  // its last line is read to the end
     const double opacity = shown(list.front().from, until, time);
     if (opacity <= 0) continue;
     Lines lines{picture, font};
-    for (const Caption& caption : list) lines.measure(caption.text);
+    for (const scenes::Caption& caption : list) lines.measure(caption.text);
     lines.darken(list.size() > 1 ? 1 : 0, opacity);
     const double middle = rolled(list, time);
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -103,7 +104,7 @@ void draw_captions(Picture& picture, Font& font, std::span<const Caption> captio
   }
 }
 
-void draw_note(Picture& picture, Font& font, std::string_view text) {
+void draw_note(picture::Picture& picture, picture::Font& font, std::string_view text) {
   Lines lines{picture, font, std::max(0.018 * picture.height, 9.0)};
   lines.y = 0.05 * picture.height + lines.size;
   lines.measure(text);
@@ -111,4 +112,4 @@ void draw_note(Picture& picture, Font& font, std::string_view text) {
   lines.draw(text, 0, 1);
 }
 
-}  // namespace taut
+}  // namespace taut::film

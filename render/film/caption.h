@@ -9,12 +9,13 @@
 #include "render/picture/text.h"
 #include "scenes/scene/stage.h"
 
-namespace taut {
+namespace taut::film {
 
 /// Draws the captions that show at `time` (s).
-void draw_captions(Picture& picture, Font& font, std::span<const Caption> captions, double time);
+void draw_captions(picture::Picture& picture, picture::Font& font,
+                   std::span<const scenes::Caption> captions, double time);
 
 /// Draws a small line at the upper left, as long as it is asked for.
-void draw_note(Picture& picture, Font& font, std::string_view text);
+void draw_note(picture::Picture& picture, picture::Font& font, std::string_view text);
 
-}  // namespace taut
+}  // namespace taut::film

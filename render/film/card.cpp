@@ -6,12 +6,12 @@
 
 #include "render/picture/paint.h"
 
-namespace taut {
+namespace taut::film {
 namespace {
 
 constexpr double kDarkness = 0.6;  // of the picture behind
 constexpr double kCardLeading = 1.6;
-constexpr Rgb kCardPaper{248, 245, 238}, kQuiet{206, 200, 188};
+constexpr picture::Rgb kCardPaper{248, 245, 238}, kQuiet{206, 200, 188};
 
 std::string with_method(std::string text, std::string_view method) {
   constexpr std::string_view kPlace = "{method}";
@@ -22,11 +22,12 @@ std::string with_method(std::string text, std::string_view method) {
 
 }  // namespace
 
-void draw_card(Picture& picture, Font& font, Font& bold, const Card& card, std::string_view method,
-               double shown) {
-  fill(picture, {0, 0, picture.width, picture.height}, {10, 9, 8}, kDarkness * shown);
+void draw_card(picture::Picture& picture, picture::Font& font, picture::Font& bold,
+               const scenes::Card& card, std::string_view method, double shown) {
+  picture::fill(picture, {0, 0, picture.width, picture.height}, {10, 9, 8}, kDarkness * shown);
   const double large = 0.11 * picture.height, small = 0.034 * picture.height;
-  const auto centred = [&](Font& face, std::string_view line, double size, double y, Rgb color) {
+  const auto centred = [&](picture::Font& face, std::string_view line, double size, double y,
+                           picture::Rgb color) {
     const double x = (picture.width - face.width(line, size)) / 2;
     face.draw(picture, line, x, y, size, color, shown);
   };
@@ -39,4 +40,4 @@ void draw_card(Picture& picture, Font& font, Font& bold, const Card& card, std::
     centred(font, line, small, y, kQuiet);
 }
 
-}  // namespace taut
+}  // namespace taut::film

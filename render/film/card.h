@@ -6,10 +6,10 @@
 #include "render/picture/text.h"
 #include "scenes/scene/stage.h"
 
-namespace taut {
+namespace taut::film {
 
 /// `method` stands where the text says {method}; `shown` from 0, nothing of the card, to 1.
-void draw_card(Picture& picture, Font& font, Font& bold, const Card& card, std::string_view method,
-               double shown);
+void draw_card(picture::Picture& picture, picture::Font& font, picture::Font& bold,
+               const scenes::Card& card, std::string_view method, double shown);
 
-}  // namespace taut
+}  // namespace taut::film

@@ -13,12 +13,12 @@
 #include "render/picture/text.h"
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::film {
 
 /// What a method made of the scene.
 struct ComparedMethod {
   std::string label, settings;
-  Style style;
+  chart::Style style;
   std::vector<Snapshot> frames;  // as far as it came
   std::string failure;           // why it came no further; empty: it did come to the end
   std::vector<double> distance;  // m, mean of its segments from those of Comparison::measured_from
@@ -32,7 +32,7 @@ struct Comparison {
   std::string measured_from;    // what the first chart shows distances from
   double self_error = 0;        // m, of the truth
   std::vector<ComparedMethod> methods;
-  Table table;  // a row per method
+  chart::Table table;  // a row per method
 };
 
 enum class Layout {
@@ -47,45 +47,47 @@ class ComparisonFilm {
  public:
   /// The scene has a stage; both outlive this. Throws NoContext where the driver allows no such
   /// size or number of samples, and CannotWrite where gnuplot is missing.
-  ComparisonFilm(const Context& context, const Scene& scene, const Comparison& comparison,
-                 int width, int height, int samples, Layout layout = Layout::beside);
+  ComparisonFilm(const gl::Context& context, const scenes::Scene& scene,
+                 const Comparison& comparison, int width, int height, int samples,
+                 Layout layout = Layout::beside);
 
-  Picture draw(std::size_t frame);
+  picture::Picture draw(std::size_t frame);
 
  private:
   /// Cells and a camera that show what moves as large as it can be.
   void lay_out();
-  CameraView camera(double time) const;
-  void draw_scale(Picture& picture);
-  FrameState instant(const Snapshot& state, double time) const;
-  void draw_beside(std::span<const View> views, std::size_t frame);
-  void draw_over(const View& view, std::size_t frame);
+  scenes::CameraView camera(double time) const;
+  void draw_scale(picture::Picture& picture);
+  draw::FrameState instant(const Snapshot& state, double time) const;
+  void draw_beside(std::span<const draw::View> views, std::size_t frame);
+  void draw_over(const draw::View& view, std::size_t frame);
   const Snapshot& state_of(const ComparedMethod& method, std::size_t frame) const;
-  void draw_cell(Picture& picture, std::size_t method, std::size_t frame);
-  void draw_legend(Picture& picture, std::size_t frame);
-  void draw_truth_note(Picture& picture, const Rect& cell, std::size_t frame);
+  void draw_cell(picture::Picture& picture, std::size_t method, std::size_t frame);
+  void draw_legend(picture::Picture& picture, std::size_t frame);
+  void draw_truth_note(picture::Picture& picture, const picture::Rect& cell, std::size_t frame);
   void draw_charts();
   void draw_table();
-  void draw_cursor(Picture& picture, std::size_t frame);
+  void draw_cursor(picture::Picture& picture, std::size_t frame);
 
-  const Scene& scene_;
+  const scenes::Scene& scene_;
   const Comparison& comparison_;
   Layout layout_;
   int width_, height_;
   struct Areas {
-    Rect cells, charts, table;  // from the upper left corner of the picture, where the cells begin
+    picture::Rect cells, charts,
+        table;  // from the upper left corner of the picture, where the cells begin
   };
   static Areas areas(int width, int height, Layout layout);
   Areas areas_;
-  std::vector<Rect> cells_;           // from the upper left corner of the picture
-  std::optional<CameraView> camera_;  // none: the scene's
-  Canvas canvas_;
-  StageRenderer renderer_;
-  std::vector<Stage> coloured_;  // [method], where they lie over each other
-  std::vector<std::unique_ptr<StageRenderer>> overlays_;  // of these
-  Font font_, bold_{Font::Weight::bold};
-  Picture still_;  // what is the same in every frame
-  std::vector<PlotArea> plots_;
+  std::vector<picture::Rect> cells_;          // from the upper left corner of the picture
+  std::optional<scenes::CameraView> camera_;  // none: the scene's
+  gl::Canvas canvas_;
+  draw::StageRenderer renderer_;
+  std::vector<scenes::Stage> coloured_;  // [method], where they lie over each other
+  std::vector<std::unique_ptr<draw::StageRenderer>> overlays_;  // of these
+  picture::Font font_, bold_{picture::Font::Weight::bold};
+  picture::Picture still_;  // what is the same in every frame
+  std::vector<chart::PlotArea> plots_;
 };
 
-}  // namespace taut
+}  // namespace taut::film

@@ -2,15 +2,15 @@
 
 #include "render/picture/paint.h"
 
-namespace taut {
+namespace taut::film {
 
-Picture contact_sheet(std::span<const Picture> pictures, int columns) {
+picture::Picture contact_sheet(std::span<const picture::Picture> pictures, int columns) {
   const int width = pictures[0].width, height = pictures[0].height;
   const int rows = (int(pictures.size()) + columns - 1) / columns;
-  Picture sheet(width * columns, height * rows);
+  picture::Picture sheet(width * columns, height * rows);
   for (int i = 0; i < int(pictures.size()); ++i)
-    paste(pictures[std::size_t(i)], sheet, i % columns * width, i / columns * height);
+    picture::paste(pictures[std::size_t(i)], sheet, i % columns * width, i / columns * height);
   return sheet;
 }
 
-}  // namespace taut
+}  // namespace taut::film

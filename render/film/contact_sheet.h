@@ -5,9 +5,9 @@
 
 #include "render/picture/picture.h"
 
-namespace taut {
+namespace taut::film {
 
 /// Pictures of one size side by side, `columns` to a row.
-Picture contact_sheet(std::span<const Picture> pictures, int columns);
+picture::Picture contact_sheet(std::span<const picture::Picture> pictures, int columns);
 
-}  // namespace taut
+}  // namespace taut::film

@@ -5,39 +5,39 @@
 #include "render/film/fingerprint.h"
 #include "render/film/matte.h"
 
-namespace taut {
+namespace taut::film {
 
-Film::Film(const Context& context, const Scene& scene, int width, int height, int samples,
-           const Shading& shading)
+Film::Film(const gl::Context& context, const scenes::Scene& scene, int width, int height,
+           int samples, const draw::Shading& shading)
     : context_(context),
       scene_(scene),
       canvas_(context, width, height, samples),
       renderer_(context, *scene.stage, divided(scene.world, scene.timeline), shading) {}
 
-FrameState instant_of(const Scene& scene, const Snapshot& state) {
-  FrameState instant{state, {}, camera_at(scene.stage->camera, state.time)};
+draw::FrameState instant_of(const scenes::Scene& scene, const Snapshot& state) {
+  draw::FrameState instant{state, {}, scenes::camera_at(scene.stage->camera, state.time)};
   for (const auto& performance : scene.performances)
     instant.bones.push_back(performance->bones_at(state.time));
   return instant;
 }
 
-std::vector<FrameState> shutter_of(const Scene& scene, const ClipFrame& frame,
-                                   std::span<const Snapshot> states) {
-  std::vector<FrameState> instants;
+std::vector<draw::FrameState> shutter_of(const scenes::Scene& scene, const scenes::ClipFrame& frame,
+                                         std::span<const Snapshot> states) {
+  std::vector<draw::FrameState> instants;
   for (const Snapshot& state : states) {
     instants.push_back(instant_of(scene, state));
-    instants.back().camera = camera_at(frame.shot->camera, frame.time);
+    instants.back().camera = scenes::camera_at(frame.shot->camera, frame.time);
   }
   return instants;
 }
 
-Picture Film::draw(const FrameState& instant) {
-  Picture picture = draw_stage({&instant, 1}).picture;
+picture::Picture Film::draw(const draw::FrameState& instant) {
+  picture::Picture picture = draw_stage({&instant, 1}).picture;
   draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
   return picture;
 }
 
-Film::Frame Film::draw(const ClipFrame& frame, std::span<const FrameState> shutter) {
+Film::Frame Film::draw(const scenes::ClipFrame& frame, std::span<const draw::FrameState> shutter) {
   if (!transparent_) return draw_opaque(frame, shutter);
   const auto draw_on = [&](double grey) {
     renderer_.set_background(Vec3::Constant(grey));
@@ -49,7 +49,8 @@ Film::Frame Film::draw(const ClipFrame& frame, std::span<const FrameState> shutt
   return black;
 }
 
-Film::Frame Film::draw_opaque(const ClipFrame& frame, std::span<const FrameState> shutter) {
+Film::Frame Film::draw_opaque(const scenes::ClipFrame& frame,
+                              std::span<const draw::FrameState> shutter) {
   if (!frame.card) {
     Frame drawn = draw_stage(shutter);
     draw_captions(drawn.picture, font_, scene_.stage->captions, frame.time);
@@ -66,8 +67,9 @@ Film::Frame Film::draw_opaque(const ClipFrame& frame, std::span<const FrameState
   return drawn;
 }
 
-Film::Frame Film::draw_stage(std::span<const FrameState> shutter) {
-  const View view{{0, 0, canvas_.width(), canvas_.height()}, shutter[shutter.size() / 2].camera};
+Film::Frame Film::draw_stage(std::span<const draw::FrameState> shutter) {
+  const draw::View view{{0, 0, canvas_.width(), canvas_.height()},
+                        shutter[shutter.size() / 2].camera};
   renderer_.begin(canvas_, {&view, 1});
   const int exposures = renderer_.expose(canvas_, view.viewport, shutter);
   canvas_.resolve();
@@ -77,7 +79,7 @@ Film::Frame Film::draw_stage(std::span<const FrameState> shutter) {
   return frame;
 }
 
-void Film::set_profile(Profile* profile) {
+void Film::set_profile(gl::Profile* profile) {
   profile_ = profile;
   renderer_.set_profile(profile);
 }
@@ -88,4 +90,4 @@ void Film::lap(const char* stage) const {
   profile_->lap(stage);
 }
 
-}  // namespace taut
+}  // namespace taut::film

@@ -5,7 +5,7 @@
 #include "scenes/files/regular_file.h"
 #include "sim/motion/hash.h"
 
-namespace taut {
+namespace taut::film {
 namespace {
 
 void add(Hash& hash, const Vec3& v) {
@@ -18,21 +18,21 @@ void add(Hash& hash, const Pose& pose) {
   hash.number(q.w()).number(q.x()).number(q.y()).number(q.z());
 }
 
-void add(Hash& hash, const Model& model) {
-  for (const Material& m : model.materials)
+void add(Hash& hash, const scenes::Model& model) {
+  for (const scenes::Material& m : model.materials)
     hash.text(m.name).number(m.base_color).number(m.roughness).number(m.metallic);
-  for (const Mesh& mesh : model.meshes) {
+  for (const scenes::Mesh& mesh : model.meshes) {
     hash.number(mesh.material).number(mesh.vertices.size());
-    for (const Vertex& v : mesh.vertices)
+    for (const scenes::Vertex& v : mesh.vertices)
       hash.number(v.position).number(v.normal).number(v.color).number(v.bones).number(v.weights);
     hash.number(mesh.indices.size())
         .bytes(mesh.indices.data(), mesh.indices.size() * sizeof mesh.indices[0]);
   }
-  for (const Bone& bone : model.bones)
+  for (const scenes::Bone& bone : model.bones)
     for (const float entry : bone.inverse_bind.reshaped()) hash.number(entry);
 }
 
-void add(Hash& hash, const std::vector<std::shared_ptr<const Model>>& models) {
+void add(Hash& hash, const std::vector<std::shared_ptr<const scenes::Model>>& models) {
   hash.number(models.size());
   for (const auto& model : models) {
     hash.number(model != nullptr);
@@ -43,31 +43,31 @@ void add(Hash& hash, const std::vector<std::shared_ptr<const Model>>& models) {
 }  // namespace
 
 std::uint64_t program_fingerprint() {
-  const std::string bytes = read_bytes("/proc/self/exe");
+  const std::string bytes = scenes::read_bytes("/proc/self/exe");
   return Hash().bytes(bytes.data(), bytes.size()).value();
 }
 
-std::uint64_t fingerprint(const Stage& stage) {
+std::uint64_t fingerprint(const scenes::Stage& stage) {
   Hash hash;
-  const Light& light = stage.light;
+  const scenes::Light& light = stage.light;
   for (const Vec3& v : {light.direction, light.color, light.sky, light.ground, stage.background})
     add(hash, v);
   add(hash, stage.scenery);
   add(hash, stage.body_models);
   add(hash, stage.characters);
-  for (const ConnectorLook& look : stage.connector_looks) {
+  for (const scenes::ConnectorLook& look : stage.connector_looks) {
     hash.number(look.kind).number(look.diameter);
     add(hash, look.color);
   }
-  for (const Caption& caption : stage.captions)
+  for (const scenes::Caption& caption : stage.captions)
     hash.number(caption.from).number(caption.until).text(caption.text).text(caption.list);
-  for (const Card& card : {stage.title, stage.end}) hash.text(card.heading).text(card.text);
+  for (const scenes::Card& card : {stage.title, stage.end}) hash.text(card.heading).text(card.text);
   return hash.value();
 }
 
-std::uint64_t fingerprint(std::span<const FrameState> shutter) {
+std::uint64_t fingerprint(std::span<const draw::FrameState> shutter) {
   Hash hash;
-  for (const FrameState& instant : shutter) {
+  for (const draw::FrameState& instant : shutter) {
     hash.number(instant.state.time);
     for (const auto& particles : instant.state.connectors)
       for (const Vec3& p : particles) add(hash, p);
@@ -81,4 +81,4 @@ std::uint64_t fingerprint(std::span<const FrameState> shutter) {
   return hash.value();
 }
 
-}  // namespace taut
+}  // namespace taut::film

@@ -7,13 +7,13 @@
 #include "render/draw/frame_state.h"
 #include "scenes/scene/stage.h"
 
-namespace taut {
+namespace taut::film {
 
 /// Of the program itself (its executable file).
 std::uint64_t program_fingerprint();
 /// Of what never moves: models, lights, looks, captions.
-std::uint64_t fingerprint(const Stage& stage);
+std::uint64_t fingerprint(const scenes::Stage& stage);
 /// Of what moves while the shutter is open, bit for bit.
-std::uint64_t fingerprint(std::span<const FrameState> shutter);
+std::uint64_t fingerprint(std::span<const draw::FrameState> shutter);
 
-}  // namespace taut
+}  // namespace taut::film

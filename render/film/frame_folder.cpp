@@ -14,7 +14,7 @@
 #include "render/error.h"
 #include "sim/motion/hash.h"
 
-namespace taut {
+namespace taut::film {
 namespace {
 
 constexpr std::size_t kQueued = 2;
@@ -50,21 +50,25 @@ FrameFolder::FrameFolder(std::filesystem::path folder, bool keep, Size size)
   std::error_code error, unknown;
   std::filesystem::create_directories(folder_, error);
   if (!std::filesystem::is_directory(folder_, unknown))
-    throw CannotWrite(fmt::format("{}: cannot be made a folder: {}", folder_.string(),
-                                  error ? error.message() : "a file of that name is in the way"));
-  lock_ = Descriptor(open((folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+    throw render::CannotWrite(
+        fmt::format("{}: cannot be made a folder: {}", folder_.string(),
+                    error ? error.message() : "a file of that name is in the way"));
+  lock_ = render::Descriptor(open((folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
   if (!lock_.is_open())
-    throw CannotWrite(fmt::format("{}: {}", (folder_ / "lock").string(), std::strerror(errno)));
-  if (!try_to_lock(lock_.get(), folder_))
-    throw CannotWrite(fmt::format("{}: another run is writing frames here", folder_.string()));
+    throw render::CannotWrite(
+        fmt::format("{}: {}", (folder_ / "lock").string(), std::strerror(errno)));
+  if (!render::try_to_lock(lock_.get(), folder_))
+    throw render::CannotWrite(
+        fmt::format("{}: another run is writing frames here", folder_.string()));
 
   if (keep) kept_ = whole_frames(folder_, size);
   remove_others();
-  AtomicFile journal(folder_ / "journal");
+  render::AtomicFile journal(folder_ / "journal");
   for (const auto& [frame, entry] : kept_)
     journal.write(fmt::format("{:06} {:016x} {:016x}\n", frame, entry.inputs, entry.file));
   journal.commit();
-  journal_ = Descriptor(open((folder_ / "journal").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
+  journal_ =
+      render::Descriptor(open((folder_ / "journal").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
   if (!journal_.is_open()) fail_journal();
   try {
     worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
@@ -95,8 +99,8 @@ void FrameFolder::remove_others() {
       others.push_back(file);
   }
   if (error == std::errc::not_enough_memory) throw std::bad_alloc();
-  if (error) throw CannotWrite(fmt::format("{}: {}", folder_.string(), error.message()));
-  for (const auto& file : others) remove_output(file);
+  if (error) throw render::CannotWrite(fmt::format("{}: {}", folder_.string(), error.message()));
+  for (const auto& file : others) render::remove_output(file);
 }
 
 std::filesystem::path FrameFolder::file(const std::filesystem::path& folder, int frame) {
@@ -126,7 +130,8 @@ bool FrameFolder::has(int frame, std::uint64_t inputs) const {
   return entry != kept_.end() && entry->second.inputs == inputs;
 }
 
-void FrameFolder::put(int frame, std::uint64_t inputs, Picture picture, PngExtras extras) {
+void FrameFolder::put(int frame, std::uint64_t inputs, picture::Picture picture,
+                      picture::PngExtras extras) {
   if (!worker_.joinable()) {
     return write({frame, inputs, std::move(picture), std::move(extras)});
   }
@@ -165,9 +170,9 @@ void FrameFolder::work(std::stop_token stop) {
 }
 
 void FrameFolder::write(const Job& job) {
-  const std::vector<std::uint8_t> bytes = encode_png(job.picture, job.extras);
+  const std::vector<std::uint8_t> bytes = picture::encode_png(job.picture, job.extras);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  AtomicFile png(file(job.frame));
+  render::AtomicFile png(file(job.frame));
   png.write(text);
   png.commit();
   note(job.frame, {job.inputs, Hash().bytes(bytes.data(), bytes.size()).value()});
@@ -176,13 +181,13 @@ void FrameFolder::write(const Job& job) {
 void FrameFolder::take(int frame, const Entry& entry, const std::filesystem::path& from) {
   std::filesystem::path half = file(frame);
   half += ".part";
-  remove_output(half);
+  render::remove_output(half);
   std::error_code error;
   // Files of frames are replaced, never written to: two folders may share one.
   std::filesystem::create_hard_link(from, half, error);
   if (!error) std::filesystem::rename(half, file(frame), error);
   if (error) {  // another file system
-    AtomicFile png(file(frame));
+    render::AtomicFile png(file(frame));
     png.write(bytes_of(from));
     png.commit();
   }
@@ -192,12 +197,12 @@ void FrameFolder::take(int frame, const Entry& entry, const std::filesystem::pat
 
 void FrameFolder::note(int frame, const Entry& entry) {
   const std::string line = fmt::format("{:06} {:016x} {:016x}\n", frame, entry.inputs, entry.file);
-  if (!write_all(journal_.get(), line)) fail_journal();
+  if (!render::write_all(journal_.get(), line)) fail_journal();
 }
 
 void FrameFolder::fail_journal() const {
-  throw CannotWrite(fmt::format("{}: cannot be written: {}", (folder_ / "journal").string(),
-                                std::strerror(errno)));
+  throw render::CannotWrite(fmt::format("{}: cannot be written: {}", (folder_ / "journal").string(),
+                                        std::strerror(errno)));
 }
 
-}  // namespace taut
+}  // namespace taut::film

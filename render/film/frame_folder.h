@@ -15,7 +15,7 @@
 #include "render/descriptor.h"
 #include "render/picture/png_file.h"
 
-namespace taut {
+namespace taut::film {
 
 /// Frames are NNNNNN.png. The journal has a line per frame: its number, the hash of everything it
 /// was made from, and that of its file; a frame is kept only where both still hold.
@@ -52,7 +52,8 @@ class FrameFolder {
   bool has(int frame, std::uint64_t inputs) const;
   /// Writes the frame, on another thread where there can be one; waits while two others are on
   /// their way. Throws CannotWrite where an earlier frame could not be written.
-  void put(int frame, std::uint64_t inputs, Picture picture, PngExtras extras = {});
+  void put(int frame, std::uint64_t inputs, picture::Picture picture,
+           picture::PngExtras extras = {});
   /// Waits for all frames. Throws CannotWrite.
   void finish();
   /// Takes a frame of another folder, which keeps it; not while frames are on their way. Throws
@@ -63,8 +64,8 @@ class FrameFolder {
   struct Job {
     int frame;
     std::uint64_t inputs;
-    Picture picture;
-    PngExtras extras;
+    picture::Picture picture;
+    picture::PngExtras extras;
   };
   void remove_others();
   void work(std::stop_token stop);
@@ -73,7 +74,7 @@ class FrameFolder {
   [[noreturn]] void fail_journal() const;
 
   std::filesystem::path folder_;
-  Descriptor lock_, journal_;
+  render::Descriptor lock_, journal_;
   Entries kept_;
 
   std::mutex mutex_;
@@ -84,4 +85,4 @@ class FrameFolder {
   std::jthread worker_;  // last: it uses everything above
 };
 
-}  // namespace taut
+}  // namespace taut::film

@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::film {
 namespace {
 
 constexpr double kRoom = 0.08;  // of the picture, on each side
 
 }  // namespace
 
-CameraView framed(const CameraView& camera, std::span<const Vec3> points, double aspect,
-                  double top) {
-  CameraView view = camera;
+scenes::CameraView framed(const scenes::CameraView& camera, std::span<const Vec3> points,
+                          double aspect, double top) {
+  scenes::CameraView view = camera;
   const double distance = (camera.target - camera.position).norm();
   // Turning changes what is seen where: a few rounds settle it.
   for (int round = 0; round < 8; ++round) {
@@ -38,7 +38,7 @@ CameraView framed(const CameraView& camera, std::span<const Vec3> points, double
   return view;
 }
 
-double pixels_per_metre(const CameraView& camera, int height) {
+double pixels_per_metre(const scenes::CameraView& camera, int height) {
   return height /
          (2 * (camera.target - camera.position).norm() * std::tan(camera.field_of_view / 2));
 }
@@ -50,4 +50,4 @@ double round_length(double most) {
   return power;
 }
 
-}  // namespace taut
+}  // namespace taut::film

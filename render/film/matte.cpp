@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace taut {
+namespace taut::film {
 namespace {
 
 double linear(double srgb) {
@@ -31,10 +31,10 @@ const std::array<double, 256>& light_of_bytes() {
 
 }  // namespace
 
-Picture matte(const Picture& on_black, const Picture& on_white) {
+picture::Picture matte(const picture::Picture& on_black, const picture::Picture& on_white) {
   const auto& light = light_of_bytes();
   constexpr double kNothing = 3.0 / 255;  // of opacity: within the pictures' rounding
-  Picture result(on_black.width, on_black.height);
+  picture::Picture result(on_black.width, on_black.height);
   for (std::size_t i = 0; i < result.pixels.size(); i += 4) {
     double through = 0;  // the share of the background that is seen
     for (std::size_t k = 0; k < 3; ++k)
@@ -51,4 +51,4 @@ Picture matte(const Picture& on_black, const Picture& on_white) {
   return result;
 }
 
-}  // namespace taut
+}  // namespace taut::film

@@ -3,10 +3,10 @@
 
 #include "render/picture/picture.h"
 
-namespace taut {
+namespace taut::film {
 
 /// The picture that, laid over black, is `on_black` and, over white, `on_white`: its fourth bytes
 /// are opacity, and its colours are not multiplied by that.
-Picture matte(const Picture& on_black, const Picture& on_white);
+picture::Picture matte(const picture::Picture& on_black, const picture::Picture& on_white);
 
-}  // namespace taut
+}  // namespace taut::film

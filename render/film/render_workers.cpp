@@ -5,21 +5,21 @@
 #include <mutex>
 #include <system_error>
 
-namespace taut {
+namespace taut::film {
 
-RenderWorkers::RenderWorkers(Backend backend, int threads, bool alone, const Scene& scene,
-                             int width, int height, int samples) {
+RenderWorkers::RenderWorkers(gl::Backend backend, int threads, bool alone,
+                             const scenes::Scene& scene, int width, int height, int samples) {
   if (threads == 0) threads = std::max(int(std::thread::hardware_concurrency()), 1);
-  const auto paint = [=, &scene](std::optional<Worker>& worker, int share, EglDisplay display) {
+  const auto paint = [=, &scene](std::optional<Worker>& worker, int share, gl::EglDisplay display) {
     worker.emplace(backend, share, display, scene, width, height, samples);
   };
-  if (!alone && threads > 1 && backend != Backend::osmesa) {
+  if (!alone && threads > 1 && backend != gl::Backend::osmesa) {
     std::promise<bool> ready;
     std::future<bool> is_ready = ready.get_future();
     auto help = [paint, threads, ready = std::move(ready), job = job_.get_future()]() mutable {
       std::optional<Worker> worker;
       try {
-        paint(worker, threads / 2, EglDisplay::device);
+        paint(worker, threads / 2, gl::EglDisplay::device);
       } catch (...) {  // whatever it is, the own worker meets it, too
       }
       const bool helps = worker && worker->context.is_software();
@@ -38,14 +38,14 @@ RenderWorkers::RenderWorkers(Backend backend, int threads, bool alone, const Sce
     }
     try {
       if (helps) {
-        paint(own_, threads / 2, EglDisplay::surfaceless);
+        paint(own_, threads / 2, gl::EglDisplay::surfaceless);
         return;
       }
-    } catch (const NoContext&) {
+    } catch (const render::NoContext&) {
     }
     stop_other();
   }
-  paint(own_, threads, EglDisplay::any);
+  paint(own_, threads, gl::EglDisplay::any);
 }
 
 RenderWorkers::~RenderWorkers() {
@@ -78,4 +78,4 @@ void RenderWorkers::run(const std::function<Work()>& next) {
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace taut
+}  // namespace taut::film

@@ -9,7 +9,7 @@
 #include "render/film/film.h"
 #include "render/gl/context.h"
 
-namespace taut {
+namespace taut::film {
 
 /// Where threads of this machine draw, two films of the scene share them: most of a frame's work is
 /// one thread's, so that two frames at once take less time than one after another on all threads.
@@ -18,13 +18,13 @@ class RenderWorkers {
  public:
   /// `threads` 0: as many as the machine has. `alone`: one film, come what may. Throws as Context
   /// and Film do.
-  RenderWorkers(Backend backend, int threads, bool alone, const Scene& scene, int width, int height,
-                int samples);
+  RenderWorkers(gl::Backend backend, int threads, bool alone, const scenes::Scene& scene, int width,
+                int height, int samples);
   ~RenderWorkers();
 
   /// The film of the thread that made these.
   Film& film() { return own_->film; }
-  const Context& context() const { return own_->context; }
+  const gl::Context& context() const { return own_->context; }
 
   using Work = std::function<void(Film&)>;
   /// Asks `next` for work, one call at a time, until it gives none; the work is done on the threads
@@ -33,10 +33,10 @@ class RenderWorkers {
 
  private:
   struct Worker {
-    Worker(Backend backend, int threads, EglDisplay display, const Scene& scene, int width,
-           int height, int samples)
+    Worker(gl::Backend backend, int threads, gl::EglDisplay display, const scenes::Scene& scene,
+           int width, int height, int samples)
         : context(backend, threads, display), film(context, scene, width, height, samples) {}
-    Context context;
+    gl::Context context;
     Film film;
   };
   /// Ends the other thread.
@@ -47,4 +47,4 @@ class RenderWorkers {
   std::promise<Work> job_;  // of the other thread: broken, before that is joined, there is none
 };
 
-}  // namespace taut
+}  // namespace taut::film

@@ -12,26 +12,26 @@
 #include "render/error.h"
 #include "render/part_file.h"
 
-namespace taut {
+namespace taut::film {
 namespace {
 
 /// The last lines that a program wrote to its standard error.
-std::string complaint_of(const ChildResult& result) {
+std::string complaint_of(const render::ChildResult& result) {
   const std::size_t kept = std::min<std::size_t>(result.errors.size(), 1500);
   return fmt::format("status {}\n{}", result.status,
                      result.errors.substr(result.errors.size() - kept));
 }
 
-ChildResult run(const std::vector<std::string>& arguments, const std::string& input,
-                std::chrono::milliseconds patience = kPatience) {
-  ChildResult result;
+render::ChildResult run(const std::vector<std::string>& arguments, const std::string& input,
+                        std::chrono::milliseconds patience = render::kPatience) {
+  render::ChildResult result;
   try {
-    result = run_child(arguments, input, patience);
+    result = render::run_child(arguments, input, patience);
   } catch (const std::system_error& error) {
-    throw EncoderFailed(fmt::format("{} (is FFmpeg installed?)", error.what()));
+    throw render::EncoderFailed(fmt::format("{} (is FFmpeg installed?)", error.what()));
   }
   if (result.status != 0)
-    throw EncoderFailed(fmt::format("{} failed: {}", arguments[0], complaint_of(result)));
+    throw render::EncoderFailed(fmt::format("{} failed: {}", arguments[0], complaint_of(result)));
   return result;
 }
 
@@ -174,7 +174,7 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
   if (!format) format = &kFormats[0];
   std::string list = "ffconcat version 1.0\n";
   for (const auto& frame : frames) list += fmt::format("file {}\n", quoted(frame));
-  PartFile part(file);
+  render::PartFile part(file);
 
   const std::string rate = fmt::to_string(fps);
   Words words = {"ffmpeg",    "-hide_banner", "-loglevel", "error", "-y", "-protocol_whitelist",
@@ -190,17 +190,20 @@ void encode_video(std::span<const std::filesystem::path> frames, int fps,
 
   std::error_code missing;
   if (const auto size = std::filesystem::file_size(part.path(), missing); missing || size == 0)
-    throw EncoderFailed(fmt::format("{}: ffmpeg ended well without making it", file.string()));
+    throw render::EncoderFailed(
+        fmt::format("{}: ffmpeg ended well without making it", file.string()));
   if (format->counted) {
-    const ChildResult probe = run({"ffprobe", "-v", "error", "-select_streams", "v:0",
-                                   "-count_frames", "-show_entries", "stream=nb_read_frames", "-of",
-                                   "default=nokey=1:noprint_wrappers=1", part.path().string()},
-                                  "", patience);
+    const render::ChildResult probe =
+        run({"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_frames", "-show_entries",
+             "stream=nb_read_frames", "-of", "default=nokey=1:noprint_wrappers=1",
+             part.path().string()},
+            "", patience);
     if (probe.output != fmt::format("{}\n", frames.size()))
-      throw EncoderFailed(fmt::format("{}: ffmpeg made {} frames instead of {}", file.string(),
-                                      std::atoi(probe.output.c_str()), frames.size()));
+      throw render::EncoderFailed(fmt::format("{}: ffmpeg made {} frames instead of {}",
+                                              file.string(), std::atoi(probe.output.c_str()),
+                                              frames.size()));
   }
   part.commit();
 }
 
-}  // namespace taut
+}  // namespace taut::film

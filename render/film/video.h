@@ -11,7 +11,7 @@
 
 #include "render/child.h"
 
-namespace taut {
+namespace taut::film {
 
 /// Throws EncoderFailed unless ffmpeg and ffprobe can be run: called before the work of a night.
 void require_ffmpeg();
@@ -35,14 +35,14 @@ bool needs_even_sides(std::string_view ending);
 /// second). Throws EncoderFailed.
 void encode_video(std::span<const std::filesystem::path> frames, int fps,
                   const std::filesystem::path& file, const Encoding& encoding,
-                  std::chrono::milliseconds patience = kPatience, int threads = 2);
+                  std::chrono::milliseconds patience = render::kPatience, int threads = 2);
 
 /// Makes an H.264 video (yuv420p, bt709, constant frame rate, faststart) of PNG frames that share
 /// one even size, and confirms by ffprobe that it has as many frames as were given. `file` appears
 /// only when it is whole. `threads` is fixed, as other numbers give other bits. An encoder that
 /// does nothing for `patience` is given up. Throws EncoderFailed.
 void encode_video(std::span<const std::filesystem::path> frames, int fps,
-                  const std::filesystem::path& file, std::chrono::milliseconds patience = kPatience,
-                  int threads = 2);
+                  const std::filesystem::path& file,
+                  std::chrono::milliseconds patience = render::kPatience, int threads = 2);
 
-}  // namespace taut
+}  // namespace taut::film

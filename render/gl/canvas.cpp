@@ -4,7 +4,7 @@
 
 #include "render/gl/shaders.h"
 
-namespace taut {
+namespace taut::gl {
 namespace {
 
 // Ten bits hold the square root of light without visible steps at the size of eight.
@@ -13,11 +13,11 @@ constexpr GLenum kDepthFormat = GL_DEPTH_COMPONENT24;
 
 int checked_samples(const Context& context, int width, int height, int samples) {
   if (width < 1 || height < 1 || std::max(width, height) > context.max_size())
-    throw NoContext(fmt::format("pictures of {}x{} are beyond the driver ({} at most)", width,
-                                height, context.max_size()));
+    throw render::NoContext(fmt::format("pictures of {}x{} are beyond the driver ({} at most)",
+                                        width, height, context.max_size()));
   if (samples < 1 || samples > context.max_samples())
-    throw NoContext(fmt::format("{} samples per pixel are beyond the driver ({} at most)", samples,
-                                context.max_samples()));
+    throw render::NoContext(fmt::format("{} samples per pixel are beyond the driver ({} at most)",
+                                        samples, context.max_samples()));
   return samples;
 }
 
@@ -66,7 +66,7 @@ bool Canvas::restore(std::uint64_t backdrop) {
   on_backdrop_ = kept_ && kept_ == backdrop;
   if (!on_backdrop_) return false;
   if (last_ == backdrop) {
-    for (const Rect& part : touched_) copy(backdrop_->samples, drawn_, part);
+    for (const picture::Rect& part : touched_) copy(backdrop_->samples, drawn_, part);
   } else {
     copy(backdrop_->samples, drawn_, whole());
   }
@@ -77,7 +77,7 @@ bool Canvas::restore(std::uint64_t backdrop) {
 
 void Canvas::keep(std::uint64_t backdrop) {
   if (last_ == backdrop) {
-    if (!backdrop_) backdrop_.emplace(Samples(gl_, width_, height_, samples_), Picture());
+    if (!backdrop_) backdrop_.emplace(Samples(gl_, width_, height_, samples_), picture::Picture());
     kept_ = 0;
     on_backdrop_ = false;
     backdrop_->picture = finish();
@@ -89,13 +89,14 @@ void Canvas::keep(std::uint64_t backdrop) {
   last_ = backdrop;
 }
 
-void Canvas::touch(const Rect& part) {
+void Canvas::touch(const picture::Rect& part) {
   if (part.empty()) return;
   // llvmpipe cuts at a scissor's edge by samples, which lie off the pixels' centres: a pixel more.
-  touched_.add(intersection({part.x - 1, part.y - 1, part.width + 2, part.height + 2}, whole()));
+  touched_.add(
+      picture::intersection({part.x - 1, part.y - 1, part.width + 2, part.height + 2}, whole()));
 }
 
-void Canvas::copy(const Samples& from, const Samples& to, const Rect& part) const {
+void Canvas::copy(const Samples& from, const Samples& to, const picture::Rect& part) const {
   for (const auto& [source, target] :
        {std::pair(from.color.id(), to.color.id()), {from.depth.id(), to.depth.id()}})
     gl_.CopyImageSubData(source, GL_TEXTURE_2D_MULTISAMPLE, 0, part.x, part.y, 0, target,
@@ -103,7 +104,7 @@ void Canvas::copy(const Samples& from, const Samples& to, const Rect& part) cons
                          1);
 }
 
-void Canvas::expose(const Rect& part, int count, const std::function<void(int)>& draw) {
+void Canvas::expose(const picture::Rect& part, int count, const std::function<void(int)>& draw) {
   const int pictures = std::max(count / samples_, 1), shares = std::min(count, samples_);
   if (pictures > 1) {
     if (!exposure_) {
@@ -138,7 +139,7 @@ int Canvas::exposure_among(int fewer, int i, int count) const {
 }
 
 /// Adds a picture's share to the mean light.
-void Canvas::gather(const Rect& part, int picture, int pictures) {
+void Canvas::gather(const picture::Rect& part, int picture, int pictures) {
   gather_.set("share", 1.0f / float(pictures));
   gl_.Disable(GL_BLEND);
   if (picture > 0) {
@@ -151,13 +152,14 @@ void Canvas::gather(const Rect& part, int picture, int pictures) {
 }
 
 void Canvas::resolve() {
-  const auto flipped = [this](const Rect& part) {  // finished pictures begin with their top row
-    return Rect{part.x, height_ - part.top(), part.width, part.height};
-  };
+  const auto flipped =
+      [this](const picture::Rect& part) {  // finished pictures begin with their top row
+        return picture::Rect{part.x, height_ - part.top(), part.width, part.height};
+      };
   gl_.Disable(GL_BLEND);
   gl_.BindTextureUnit(0, drawn_.color.id());
   if (on_backdrop_) {
-    for (const Rect& part : touched_) cover(flipped(part), finish_, finished_target_.id());
+    for (const picture::Rect& part : touched_) cover(flipped(part), finish_, finished_target_.id());
   } else {
     cover(whole(), finish_, finished_target_.id());
   }
@@ -167,7 +169,7 @@ void Canvas::resolve() {
 }
 
 /// Runs a program for every pixel of a part.
-void Canvas::cover(const Rect& part, const Program& program, GLuint target) const {
+void Canvas::cover(const picture::Rect& part, const Program& program, GLuint target) const {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target);
   gl_.Viewport(0, 0, width_, height_);
   gl_.Disable(GL_DEPTH_TEST);
@@ -179,18 +181,18 @@ void Canvas::cover(const Rect& part, const Program& program, GLuint target) cons
   gl_.Disable(GL_SCISSOR_TEST);
 }
 
-Picture Canvas::read() const {
+picture::Picture Canvas::read() const {
   if (!on_backdrop_) {
-    Picture picture(width_, height_);
+    picture::Picture picture(width_, height_);
     read(whole(), picture);
     return picture;
   }
-  Picture picture = backdrop_->picture;
-  for (const Rect& part : touched_) read(part, picture);
+  picture::Picture picture = backdrop_->picture;
+  for (const picture::Rect& part : touched_) read(part, picture);
   return picture;
 }
 
-void Canvas::read(const Rect& part, Picture& picture) const {
+void Canvas::read(const picture::Rect& part, picture::Picture& picture) const {
   const int top = height_ - part.top();  // finished pictures begin with their top row
   gl_.BindFramebuffer(GL_FRAMEBUFFER, finished_target_.id());
   gl_.PixelStorei(GL_PACK_ROW_LENGTH, width_);
@@ -198,4 +200,4 @@ void Canvas::read(const Rect& part, Picture& picture) const {
                  picture.at(part.x, top));
 }
 
-}  // namespace taut
+}  // namespace taut::gl

@@ -9,7 +9,7 @@
 #include "render/picture/picture.h"
 #include "render/picture/rect.h"
 
-namespace taut {
+namespace taut::gl {
 
 /// Colours are stored as the square root of tone-mapped light and averaged as light.
 ///
@@ -33,14 +33,14 @@ class Canvas {
   /// running: behind a moving camera, keeping would be wasted.
   void keep(std::uint64_t backdrop);
   /// Something else than the backdrop is drawn here.
-  void touch(const Rect& part);
+  void touch(const picture::Rect& part);
 
   /// Draws over what is there so far, inside a part of it, as at many times: `draw(i)` for each i
   /// below `count`, a divisor or a multiple of samples(). Each drawing takes its share of the
   /// samples of every pixel, at least one; where there are more drawings than samples, they make
   /// several pictures, of which the mean is taken. One that follows shows times from all over;
   /// after drawings of several pictures none may follow.
-  void expose(const Rect& part, int count, const std::function<void(int)>& draw);
+  void expose(const picture::Rect& part, int count, const std::function<void(int)>& draw);
   /// Of `fewer` drawings, the one that has the samples of drawing `i` of `count`. `fewer` is a
   /// divisor of samples(), or `count`.
   int exposure_among(int fewer, int i, int count) const;
@@ -48,8 +48,8 @@ class Canvas {
   /// Finishes what was drawn: samples averaged, sRGB, dithered.
   void resolve();
   /// The finished picture.
-  Picture read() const;
-  Picture finish() {
+  picture::Picture read() const;
+  picture::Picture finish() {
     resolve();
     return read();
   }
@@ -62,13 +62,13 @@ class Canvas {
   };
   struct Backdrop {
     Samples samples;
-    Picture picture;
+    picture::Picture picture;
   };
-  void copy(const Samples& from, const Samples& to, const Rect& part) const;
-  void gather(const Rect& part, int picture, int pictures);
-  void cover(const Rect& part, const Program& program, GLuint target) const;
-  void read(const Rect& part, Picture& picture) const;
-  Rect whole() const { return {0, 0, width_, height_}; }
+  void copy(const Samples& from, const Samples& to, const picture::Rect& part) const;
+  void gather(const picture::Rect& part, int picture, int pictures);
+  void cover(const picture::Rect& part, const Program& program, GLuint target) const;
+  void read(const picture::Rect& part, picture::Picture& picture) const;
+  picture::Rect whole() const { return {0, 0, width_, height_}; }
 
   const Gl& gl_;
   int width_, height_, samples_;
@@ -82,12 +82,12 @@ class Canvas {
     GlObject light, target;
   };
   std::optional<Exposure> exposure_;
-  Rect gathered_;  // what of the frame is in Exposure::light
+  picture::Rect gathered_;  // what of the frame is in Exposure::light
 
   std::optional<Backdrop> backdrop_;
   std::uint64_t last_ = 0, kept_ = 0;  // names of backdrops; 0: none
   bool on_backdrop_ = false;           // in this frame
-  RectSet touched_;
+  picture::RectSet touched_;
 };
 
-}  // namespace taut
+}  // namespace taut::gl

@@ -15,7 +15,7 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
-namespace taut {
+namespace taut::gl {
 namespace {
 
 using GetProcAddress = void (*(*)(const char*))();
@@ -24,12 +24,12 @@ using GetProcAddress = void (*(*)(const char*))();
 class Library {
  public:
   explicit Library(const char* file) : file_(file), handle_(dlopen(file, RTLD_NOW | RTLD_LOCAL)) {
-    if (!handle_) throw NoContext(dlerror());
+    if (!handle_) throw render::NoContext(dlerror());
   }
   template <typename Function>
   Function function(const char* name) const {
     void* address = dlsym(handle_, name);
-    if (!address) throw NoContext(fmt::format("{} has no {}", file_, name));
+    if (!address) throw render::NoContext(fmt::format("{} has no {}", file_, name));
     return reinterpret_cast<Function>(address);
   }
 
@@ -62,7 +62,7 @@ class EglPlatform : public Context::Platform {
     std::string why = "no display";
     for (EGLDisplay display : displays)
       if (open(display, why)) return;
-    throw NoContext(why);
+    throw render::NoContext(why);
   }
 
   ~EglPlatform() override {
@@ -77,7 +77,7 @@ class EglPlatform : public Context::Platform {
   template <typename Function>
   Function extension(const char* function) const {
     const auto address = reinterpret_cast<Function>(get_proc_address_(function));
-    if (!address) throw NoContext(fmt::format("EGL has no {}", function));
+    if (!address) throw render::NoContext(fmt::format("EGL has no {}", function));
     return address;
   }
 
@@ -155,12 +155,13 @@ class OsmesaPlatform : public Context::Platform {
     const int attributes[] = {format, GL_RGBA, profile, core, major, kMajor, minor, kMinor, 0, 0};
     context_ = library_.function<Create>("OSMesaCreateContextAttribs")(attributes, nullptr);
     if (!context_)
-      throw NoContext(fmt::format("OSMesa gives no OpenGL {}.{} core context", kMajor, kMinor));
+      throw render::NoContext(
+          fmt::format("OSMesa gives no OpenGL {}.{} core context", kMajor, kMinor));
     // It insists on a window; pictures are drawn into framebuffers of ours.
     if (!library_.function<MakeCurrent>("OSMesaMakeCurrent")(context_, window_.data(),
                                                              GL_UNSIGNED_BYTE, kSide, kSide)) {
       destroy_(context_);
-      throw NoContext("OSMesaMakeCurrent failed");
+      throw render::NoContext("OSMesaMakeCurrent failed");
     }
   }
 
@@ -185,7 +186,7 @@ Gl load_functions(GetProcAddress get) {
   Gl gl;
 #define TAUT_GL_LOAD(name)                                        \
   gl.name = reinterpret_cast<decltype(gl.name)>(get("gl" #name)); \
-  if (!gl.name) throw NoContext("the driver has no gl" #name);
+  if (!gl.name) throw render::NoContext("the driver has no gl" #name);
   TAUT_GL_FUNCTIONS(TAUT_GL_LOAD)
 #undef TAUT_GL_LOAD
   return gl;
@@ -219,13 +220,13 @@ Context::Context(Backend backend, int threads, EglDisplay display) {
       platform_ = make();
       gl_ = load_functions(platform_->get_proc_address());
       break;
-    } catch (const NoContext& e) {
+    } catch (const render::NoContext& e) {
       platform_.reset();
       tried += fmt::format("\n  {}: {}", way, e.what());
     }
   }
   if (!platform_)
-    throw NoContext(
+    throw render::NoContext(
         fmt::format("no OpenGL {}.{} core context can be opened; tried{}", kMajor, kMinor, tried));
 
   const auto text = [&](GLenum what) {
@@ -246,4 +247,4 @@ bool Context::is_software() const {
   return driver_.starts_with("llvmpipe") || driver_.starts_with("softpipe");
 }
 
-}  // namespace taut
+}  // namespace taut::gl

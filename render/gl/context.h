@@ -7,7 +7,7 @@
 #include "render/error.h"
 #include "render/gl/gl.h"
 
-namespace taut {
+namespace taut::gl {
 
 enum class Backend { automatic, egl, osmesa };
 
@@ -47,4 +47,4 @@ class Context {
   int max_size_ = 0, max_samples_ = 0;
 };
 
-}  // namespace taut
+}  // namespace taut::gl

@@ -4,7 +4,7 @@
 #define GL_GLEXT_PROTOTYPES  // for the types of the functions only
 #include <GL/glcorearb.h>
 
-namespace taut {
+namespace taut::gl {
 
 // clang-format off
 #define TAUT_GL_FUNCTIONS(X) \
@@ -30,4 +30,4 @@ struct Gl {
 #undef TAUT_GL_MEMBER
 };
 
-}  // namespace taut
+}  // namespace taut::gl

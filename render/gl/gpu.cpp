@@ -6,7 +6,7 @@
 
 #include "render/gl/context.h"
 
-namespace taut {
+namespace taut::gl {
 namespace {
 
 GlObject compile(const Gl& gl, GLenum kind, const std::string& defines, const char* source) {
@@ -68,7 +68,8 @@ GlObject make_framebuffer(const Gl& gl, GLuint color, GLuint depth) {
   if (depth) gl.NamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth, 0);
   const GLenum status = gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE)
-    throw NoContext(fmt::format("the driver cannot draw into this framebuffer ({:#x})", status));
+    throw render::NoContext(
+        fmt::format("the driver cannot draw into this framebuffer ({:#x})", status));
   return framebuffer;
 }
 
@@ -108,4 +109,4 @@ void Program::set(const char* name, const Eigen::Matrix4f& value) const {
   gl_->ProgramUniformMatrix4fv(object_.id(), location(name), 1, GL_FALSE, value.data());
 }
 
-}  // namespace taut
+}  // namespace taut::gl

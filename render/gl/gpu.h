@@ -10,7 +10,7 @@
 
 #include "render/gl/gl.h"
 
-namespace taut {
+namespace taut::gl {
 
 /// A GL name that its owner deletes. Movable; the Gl must outlive it.
 class GlObject {
@@ -75,4 +75,4 @@ class Program {
   GlObject object_;
 };
 
-}  // namespace taut
+}  // namespace taut::gl

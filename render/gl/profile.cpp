@@ -4,7 +4,7 @@
 #include <chrono>
 #include <ctime>
 
-namespace taut {
+namespace taut::gl {
 namespace {
 
 Profile::Times now() {
@@ -41,4 +41,4 @@ Profile::Times median(const Profile::Stage& stage) {
   return {median(stage.frames, &Profile::Times::cpu), median(stage.frames, &Profile::Times::wall)};
 }
 
-}  // namespace taut
+}  // namespace taut::gl

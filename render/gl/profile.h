@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace taut {
+namespace taut::gl {
 
 /// CPU and wall times of the stages that frames go through, one after another.
 class Profile {
@@ -33,4 +33,4 @@ class Profile {
 /// The median over frames, of CPU and wall time each on its own.
 Profile::Times median(const Profile::Stage& stage);
 
-}  // namespace taut
+}  // namespace taut::gl

@@ -1,6 +1,6 @@
 #include "render/gl/shaders.h"
 
-namespace taut::shaders {
+namespace taut::gl::shaders {
 
 // What every surface needs to know of a frame; FrameBlock in surfaces.h mirrors it.
 const char* const frame_block = R"(
@@ -328,4 +328,4 @@ void main() {
   color = vec4(srgb + (noise - 0.5) / 255.0, 1);
 })";
 
-}  // namespace taut::shaders
+}  // namespace taut::gl::shaders

@@ -1,7 +1,7 @@
 // The GLSL sources. The head of each says what it computes; shaders.cpp holds the text.
 #pragma once
 
-namespace taut::shaders {
+namespace taut::gl::shaders {
 
 /// What every surface needs to know of a frame; goes before the shaders of surfaces and depth.
 extern const char* const frame_block;
@@ -23,4 +23,4 @@ extern const char* const gather_fragment;
 /// 8-bit sRGB, top row first. Define: SAMPLES.
 extern const char* const finish_fragment;
 
-}  // namespace taut::shaders
+}  // namespace taut::gl::shaders

@@ -12,7 +12,7 @@
 #include "scenes/files/regular_file.h"
 #include "sim/motion/hash.h"
 
-namespace taut {
+namespace taut::golden {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -49,7 +49,7 @@ std::string processor() {
                      Hash().text(processor_line("flags")).value());
 }
 
-std::uint64_t pixel_hash(const Picture& picture) {
+std::uint64_t pixel_hash(const picture::Picture& picture) {
   return Hash()
       .number(picture.width)
       .number(picture.height)
@@ -58,8 +58,8 @@ std::uint64_t pixel_hash(const Picture& picture) {
 }
 
 GoldenRecord read_golden(const std::filesystem::path& file) {
-  return golden_from(read_regular_file(file, kMaxRecordBytes, "a record of a golden picture"),
-                     file);
+  return golden_from(
+      scenes::read_regular_file(file, kMaxRecordBytes, "a record of a golden picture"), file);
 }
 
 GoldenRecord golden_from(const std::string& text, const std::filesystem::path& file) {
@@ -71,7 +71,7 @@ GoldenRecord golden_from(const std::string& text, const std::filesystem::path& f
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    throw BadAsset(
+    throw scenes::BadAsset(
         fmt::format("{}: no record of a golden picture: {}", file.string(), error.what()));
   }
 }
@@ -96,8 +96,8 @@ std::string_view name_of(Tier tier) {
   return "";
 }
 
-PictureComparison compare(const Picture& actual, const Renderer& renderer, const Picture& golden,
-                          const GoldenRecord& record) {
+PictureComparison compare(const picture::Picture& actual, const Renderer& renderer,
+                          const picture::Picture& golden, const GoldenRecord& record) {
   PictureComparison result;
   result.difference = difference(actual, golden);
   if (renderer.driver != record.renderer.driver) {
@@ -112,9 +112,10 @@ PictureComparison compare(const Picture& actual, const Renderer& renderer, const
   return result;
 }
 
-Picture amplified_difference(const Picture& actual, const Picture& golden) {
+picture::Picture amplified_difference(const picture::Picture& actual,
+                                      const picture::Picture& golden) {
   constexpr int kGain = 8;
-  Picture result(golden.width, golden.height);
+  picture::Picture result(golden.width, golden.height);
   for (int y = 0; y < golden.height; ++y)
     for (int x = 0; x < golden.width; ++x) {
       const std::uint8_t *a = actual.at(x, y), *g = golden.at(x, y);
@@ -125,4 +126,4 @@ Picture amplified_difference(const Picture& actual, const Picture& golden) {
   return result;
 }
 
-}  // namespace taut
+}  // namespace taut::golden

@@ -10,7 +10,7 @@
 #include "render/picture/picture.h"
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::golden {
 
 /// What drew a picture, as far as pixels depend on it.
 struct Renderer {
@@ -32,7 +32,7 @@ struct GoldenRecord {
   Snapshot state;            // empty of a scene's first frame, which the scene describes
 };
 
-std::uint64_t pixel_hash(const Picture& picture);
+std::uint64_t pixel_hash(const picture::Picture& picture);
 
 /// Reads NAME.json. Throws BadAsset that names the file and what is wrong with it.
 GoldenRecord read_golden(const std::filesystem::path& file);
@@ -50,11 +50,12 @@ struct PictureComparison {
 };
 
 /// Judges a picture drawn by `renderer` from the record's state.
-PictureComparison compare(const Picture& actual, const Renderer& renderer, const Picture& golden,
-                          const GoldenRecord& record);
+PictureComparison compare(const picture::Picture& actual, const Renderer& renderer,
+                          const picture::Picture& golden, const GoldenRecord& record);
 
 /// Where and how much two pictures of one size differ: distances times 8, on the golden's grey
 /// ghost.
-Picture amplified_difference(const Picture& actual, const Picture& golden);
+picture::Picture amplified_difference(const picture::Picture& actual,
+                                      const picture::Picture& golden);
 
-}  // namespace taut
+}  // namespace taut::golden

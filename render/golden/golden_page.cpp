@@ -5,7 +5,7 @@
 #include "render/chart/html_page.h"
 #include "render/chart/table.h"
 
-namespace taut {
+namespace taut::golden {
 namespace {
 
 constexpr const char* kViews = R"html(<div class="views">
@@ -24,10 +24,11 @@ constexpr const char* kViews = R"html(<div class="views">
 std::string golden_page(std::span<const GoldenFailure> failures) {
   std::string body;
   for (const GoldenFailure& failure : failures) {
-    body += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", failure.name, escape_html(failure.verdict));
+    body +=
+        fmt::format("<h2>{}</h2>\n<p>{}</p>\n", failure.name, chart::escape_html(failure.verdict));
     if (failure.pictures) body += fmt::format(fmt::runtime(kViews), failure.name);
   }
-  return html_page("Golden pictures that differ", body);
+  return chart::html_page("Golden pictures that differ", body);
 }
 
-}  // namespace taut
+}  // namespace taut::golden

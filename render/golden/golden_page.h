@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-namespace taut {
+namespace taut::golden {
 
 /// One picture that differs. NAME/actual.png, NAME/golden.png and NAME/difference.png lie beside
 /// the page.
@@ -18,4 +18,4 @@ struct GoldenFailure {
 /// actual, a blink view, and the amplified difference.
 std::string golden_page(std::span<const GoldenFailure> failures);
 
-}  // namespace taut
+}  // namespace taut::golden

@@ -14,7 +14,7 @@
 #include "sim/motion/hash.h"
 #include "sim/run/simulation.h"
 
-namespace taut {
+namespace taut::golden {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -22,7 +22,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kStates = 8;  // kept of each trajectory, at most
 
 /// What the motion follows from, for people: the rest of the file would fill pages.
-std::map<std::string, std::string> sources(const Scene& scene, const MethodChoice& method) {
+std::map<std::string, std::string> sources(const scenes::Scene& scene,
+                                           const scenes::MethodChoice& method) {
   std::map<std::string, std::string> list = {{"fps", fmt::to_string(scene.fps)},
                                              {"method.name", method.name}};
   const Vec3& g = scene.world.gravity;
@@ -62,16 +63,16 @@ std::string changes_since(const TrajectoryRecord& today, const TrajectoryRecord&
 
 }  // namespace
 
-TrajectoryRecord record_of(const GoldenTrajectory& trajectory) {
-  const Scene scene = load_scene(trajectory.scene, false);
-  Simulation simulation = start(scene, trajectory.method);
+TrajectoryRecord record_of(const scenes::GoldenTrajectory& trajectory) {
+  const scenes::Scene scene = scenes::load_scene(trajectory.scene, false);
+  Simulation simulation = scenes::start(scene, trajectory.method);
   TrajectoryRecord record;
   record.machine = fmt::format("{}, compiler {}", processor(), __VERSION__);
   record.made_from = sources(scene, trajectory.method);
   Hash hash;
   const int states = std::min(kStates, trajectory.last);
   for (int k = 1; k <= trajectory.last; ++k) {
-    stop_if_interrupted();
+    render::stop_if_interrupted();
     simulation.advance_to(double(k) / scene.fps);
     hash.number(state_hash(simulation.world()));
     // Of last frames, the states-th parts, each rounded down.
@@ -84,7 +85,7 @@ TrajectoryRecord record_of(const GoldenTrajectory& trajectory) {
 
 TrajectoryRecord read_trajectory(const std::filesystem::path& file) {
   return trajectory_from(
-      read_regular_file(file, kMaxRecordBytes, "a record of a golden trajectory"), file);
+      scenes::read_regular_file(file, kMaxRecordBytes, "a record of a golden trajectory"), file);
 }
 
 TrajectoryRecord trajectory_from(const std::string& text, const std::filesystem::path& file) {
@@ -99,7 +100,7 @@ TrajectoryRecord trajectory_from(const std::string& text, const std::filesystem:
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    throw BadAsset(
+    throw scenes::BadAsset(
         fmt::format("{}: no record of a golden trajectory: {}", file.string(), error.what()));
   }
 }
@@ -153,4 +154,4 @@ double distance(const Snapshot& a, const Snapshot& b) {
   return largest;
 }
 
-}  // namespace taut
+}  // namespace taut::golden

@@ -10,7 +10,7 @@
 #include "scenes/golden_suite.h"
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::golden {
 
 /// Bits of states are the same wherever processor and compiler are.
 struct TrajectoryRecord {
@@ -21,7 +21,7 @@ struct TrajectoryRecord {
 };
 
 /// Simulates the trajectory. Throws Diverged, Interrupted.
-TrajectoryRecord record_of(const GoldenTrajectory& trajectory);
+TrajectoryRecord record_of(const scenes::GoldenTrajectory& trajectory);
 
 /// Reads a kept record. Throws BadAsset that names the file and what is wrong with it.
 TrajectoryRecord read_trajectory(const std::filesystem::path& file);
@@ -43,4 +43,4 @@ TrajectoryComparison compare(const TrajectoryRecord& today, const TrajectoryReco
 /// world.
 double distance(const Snapshot& a, const Snapshot& b);
 
-}  // namespace taut
+}  // namespace taut::golden

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-namespace taut {
+namespace taut::golden {
 namespace {
 
 int distance(const std::uint8_t* a, const std::uint8_t* b) {
@@ -19,7 +19,7 @@ int distance(const std::uint8_t* a, const std::uint8_t* b) {
 
 /// The least distance of the pixel of `a` from those of `b` within one of it; no less than 8 is
 /// looked for.
-int distance_from_nearest(const Picture& a, const Picture& b, int x, int y) {
+int distance_from_nearest(const picture::Picture& a, const picture::Picture& b, int x, int y) {
   int nearest = distance(a.at(x, y), b.at(x, y));
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, b.height - 1) && nearest > 8; ++v)
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, b.width - 1); ++u)
@@ -29,7 +29,7 @@ int distance_from_nearest(const Picture& a, const Picture& b, int x, int y) {
 
 }  // namespace
 
-PictureDifference difference(const Picture& actual, const Picture& golden) {
+PictureDifference difference(const picture::Picture& actual, const picture::Picture& golden) {
   if (actual.width != golden.width || actual.height != golden.height)
     throw std::invalid_argument(fmt::format("pictures of {}x{} and {}x{} cannot be compared",
                                             actual.width, actual.height, golden.width,
@@ -63,4 +63,4 @@ bool same_picture(const PictureDifference& d) {
   return d.near_above_8 <= 1e-3;
 }
 
-}  // namespace taut
+}  // namespace taut::golden

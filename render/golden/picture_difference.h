@@ -3,7 +3,7 @@
 
 #include "render/picture/picture.h"
 
-namespace taut {
+namespace taut::golden {
 
 struct PictureDifference {
   double above_2 = 0;     // share of pixels with a channel more than 2 (of 255) apart
@@ -15,7 +15,7 @@ struct PictureDifference {
 };
 
 /// Throws std::invalid_argument where the sizes differ.
-PictureDifference difference(const Picture& actual, const Picture& golden);
+PictureDifference difference(const picture::Picture& actual, const picture::Picture& golden);
 
 /// As two runs of one driver should be: at most 0.01% of the pixels differ by more than 2, none by
 /// more than 16, and the means by at most 0.3.
@@ -24,4 +24,4 @@ bool same_rendering(const PictureDifference& difference);
 /// As two drivers may be: edges may move by a pixel, 0.1% of the pixels may differ by more than 8.
 bool same_picture(const PictureDifference& difference);
 
-}  // namespace taut
+}  // namespace taut::golden

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace taut {
+namespace taut::golden {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -48,4 +48,4 @@ Snapshot snapshot_from(const nlohmann::json& json) {
   return state;
 }
 
-}  // namespace taut
+}  // namespace taut::golden

@@ -5,7 +5,7 @@
 
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::golden {
 
 /// No record of a golden picture or trajectory is larger.
 inline constexpr std::size_t kMaxRecordBytes = 64u << 20;
@@ -15,4 +15,4 @@ nlohmann::ordered_json to_json(const Snapshot& state);
 /// Throws nlohmann::json::exception where `json` is no state.
 Snapshot snapshot_from(const nlohmann::json& json);
 
-}  // namespace taut
+}  // namespace taut::golden

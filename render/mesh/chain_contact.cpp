@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::mesh {
 namespace {
 
 constexpr int kRounds = 40;
@@ -66,4 +66,4 @@ std::vector<Vec3> clear_of(std::span<const BarEnd> bars, std::span<const Vec3> p
   return moved;
 }
 
-}  // namespace taut
+}  // namespace taut::mesh

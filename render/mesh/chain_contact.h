@@ -6,7 +6,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::mesh {
 
 /// The end of a round bar that a chain hangs on, for the middles of its links: they stay out of it.
 struct BarEnd {
@@ -25,4 +25,4 @@ double distance(const BarEnd& bar, const Vec3& point);
 /// a ferrule, pictures lay around it.
 std::vector<Vec3> clear_of(std::span<const BarEnd> bars, std::span<const Vec3> points);
 
-}  // namespace taut
+}  // namespace taut::mesh

@@ -5,7 +5,7 @@
 
 #include "render/mesh/chain_contact.h"
 
-namespace taut {
+namespace taut::mesh {
 namespace {
 
 using Vec3f = Eigen::Vector3f;
@@ -22,11 +22,11 @@ Piece collar_piece(float size) {
 }
 
 /// The radius (m) of a model round the axis on which the chain is attached, not far below that.
-double thickness(const Model& model, const Vec3& point, const Vec3& axis) {
+double thickness(const scenes::Model& model, const Vec3& point, const Vec3& axis) {
   constexpr double kBelow = 0.02;  // m
   double radius = 0;
-  for (const Mesh& mesh : model.meshes)
-    for (const Vertex& v : mesh.vertices) {
+  for (const scenes::Mesh& mesh : model.meshes)
+    for (const scenes::Vertex& v : mesh.vertices) {
       const Vec3 r = Vec3(v.position[0], v.position[1], v.position[2]) - point;
       if (r.dot(axis) > -kBelow) radius = std::max(radius, (r - r.dot(axis) * axis).norm());
     }
@@ -64,8 +64,9 @@ ChainShape chain_shape(double length, double diameter) {
           collar_piece(width)};
 }
 
-std::optional<ChainMount> chain_mount(const Connector& connector, std::size_t particle,
-                                      std::span<const std::shared_ptr<const Model>> bodies) {
+std::optional<ChainMount> chain_mount(
+    const Connector& connector, std::size_t particle,
+    std::span<const std::shared_ptr<const scenes::Model>> bodies) {
   for (const Hold& hold : connector.holds)
     if (hold.particle == particle && hold.to.kind == Attachment::Kind::body) {
       const Vec3& point = hold.to.point;
@@ -78,8 +79,8 @@ std::optional<ChainMount> chain_mount(const Connector& connector, std::size_t pa
   return {};
 }
 
-ChainMesh::ChainMesh(const Connector& connector, const ConnectorLook& look,
-                     std::span<const std::shared_ptr<const Model>> bodies)
+ChainMesh::ChainMesh(const Connector& connector, const scenes::ConnectorLook& look,
+                     std::span<const std::shared_ptr<const scenes::Model>> bodies)
     : mounts_{chain_mount(connector, 0, bodies),
               chain_mount(connector, connector.particles() - 1, bodies)},
       shape_(chain_shape(connector.length, look.diameter)) {
@@ -133,4 +134,4 @@ void ChainMesh::put_swivel(const ChainMount& mount, const Vec3& point, const Vec
   put(shape_.collar, point, axis.unitOrthogonal(), axis, 1, vertices);
 }
 
-}  // namespace taut
+}  // namespace taut::mesh

@@ -4,7 +4,7 @@
 #include "render/mesh/link_frames.h"
 #include "render/mesh/pieces.h"
 
-namespace taut {
+namespace taut::mesh {
 
 /// What a chain is made of.
 struct ChainShape {
@@ -24,12 +24,12 @@ struct ChainMount {
   double radius;  // m; 0: it has no model
 };
 std::optional<ChainMount> chain_mount(const Connector& connector, std::size_t particle,
-                                      std::span<const std::shared_ptr<const Model>> bodies);
+                                      std::span<const std::shared_ptr<const scenes::Model>> bodies);
 
 class ChainMesh final : public ConnectorMesh {
  public:
-  ChainMesh(const Connector& connector, const ConnectorLook& look,
-            std::span<const std::shared_ptr<const Model>> bodies);
+  ChainMesh(const Connector& connector, const scenes::ConnectorLook& look,
+            std::span<const std::shared_ptr<const scenes::Model>> bodies);
 
   void place(std::span<const Vec3> particles, std::span<const Pose> bodies,
              std::vector<MovingVertex>& vertices) const override;
@@ -46,4 +46,4 @@ class ChainMesh final : public ConnectorMesh {
   ChainShape shape_;
 };
 
-}  // namespace taut
+}  // namespace taut::mesh

@@ -9,7 +9,7 @@
 #include "render/mesh/link_frames.h"
 #include "render/mesh/pieces.h"
 
-namespace taut {
+namespace taut::mesh {
 namespace {
 
 using Vec3f = Eigen::Vector3f;
@@ -37,7 +37,7 @@ std::optional<Piece> weight_piece(const Connector& connector, std::size_t partic
 /// A tube through the particles: a Catmull-Rom curve with parallel-transport frames.
 class TubeMesh final : public ConnectorMesh {
  public:
-  TubeMesh(const Connector& connector, const ConnectorLook& look)
+  TubeMesh(const Connector& connector, const scenes::ConnectorLook& look)
       : radius_(float(look.diameter / 2)),
         spans_(connector.particles() - 1),
         steps_(std::clamp<std::size_t>(120 / spans_, 1, 6)),
@@ -123,11 +123,11 @@ class TubeMesh final : public ConnectorMesh {
 }  // namespace
 
 std::unique_ptr<ConnectorMesh> make_connector_mesh(
-    const Connector& connector, const ConnectorLook& look,
-    std::span<const std::shared_ptr<const Model>> bodies) {
-  if (look.kind == ConnectorLook::Kind::chain)
+    const Connector& connector, const scenes::ConnectorLook& look,
+    std::span<const std::shared_ptr<const scenes::Model>> bodies) {
+  if (look.kind == scenes::ConnectorLook::Kind::chain)
     return std::make_unique<ChainMesh>(connector, look, bodies);
   return std::make_unique<TubeMesh>(connector, look);
 }
 
-}  // namespace taut
+}  // namespace taut::mesh

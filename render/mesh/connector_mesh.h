@@ -11,7 +11,7 @@
 #include "sim/motion/types.h"
 #include "sim/world/connector.h"
 
-namespace taut {
+namespace taut::mesh {
 
 /// A vertex that moves every frame.
 struct MovingVertex {
@@ -49,7 +49,7 @@ class ConnectorMesh {
 /// The geometry of `connector`, drawn as `look` says; its holds tell where swivels sit on bodies,
 /// whose models (null: none) tell how thick they are there.
 std::unique_ptr<ConnectorMesh> make_connector_mesh(
-    const Connector& connector, const ConnectorLook& look,
-    std::span<const std::shared_ptr<const Model>> bodies);
+    const Connector& connector, const scenes::ConnectorLook& look,
+    std::span<const std::shared_ptr<const scenes::Model>> bodies);
 
-}  // namespace taut
+}  // namespace taut::mesh

@@ -5,7 +5,7 @@
 
 #include "sim/world/rotation.h"
 
-namespace taut {
+namespace taut::mesh {
 namespace {
 
 /// Links, the deviation of the smoothing. At 2 the nunchaku's links turn about themselves no faster
@@ -67,4 +67,4 @@ std::vector<LinkFrame> link_frames(std::span<const Vec3> particles, std::size_t 
   return frames;
 }
 
-}  // namespace taut
+}  // namespace taut::mesh

@@ -7,7 +7,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::mesh {
 
 /// What holds an end of a chain: which way it points, away from what holds it, and a direction
 /// across, both unit vectors.
@@ -37,4 +37,4 @@ std::vector<LinkFrame> link_frames(std::span<const Vec3> particles, std::size_t 
 /// `v`: parallel transport along a bend. Across `to` where `v` was across `from`, to rounding.
 Vec3 transport(const Vec3& v, const Vec3& from, const Vec3& to);
 
-}  // namespace taut
+}  // namespace taut::mesh

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace taut {
+namespace taut::mesh {
 namespace {
 
 using Vec3f = Eigen::Vector3f;
@@ -73,4 +73,4 @@ Piece turned_piece(std::span<const std::array<float, 4>> profile, std::uint32_t 
   return piece;
 }
 
-}  // namespace taut
+}  // namespace taut::mesh

@@ -11,7 +11,7 @@
 
 #include "render/mesh/connector_mesh.h"
 
-namespace taut {
+namespace taut::mesh {
 
 inline constexpr float kTurn = 2 * std::numbers::pi_v<float>;  // rad
 
@@ -35,4 +35,4 @@ Piece ring_piece(float radius, float wire);
 /// A body of revolution about y from (radius, height) points, lowest first, with their normals.
 Piece turned_piece(std::span<const std::array<float, 4>> profile, std::uint32_t sides);
 
-}  // namespace taut
+}  // namespace taut::mesh

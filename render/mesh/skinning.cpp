@@ -1,8 +1,8 @@
 #include "render/mesh/skinning.h"
 
-namespace taut {
+namespace taut::mesh {
 
-std::vector<BoneMatrix> bone_matrices(const Model& model, std::span<const Pose> bones) {
+std::vector<BoneMatrix> bone_matrices(const scenes::Model& model, std::span<const Pose> bones) {
   std::vector<BoneMatrix> matrices(model.bones.size());
   for (std::size_t i = 0; i < matrices.size(); ++i) {
     Eigen::Matrix4f world = Eigen::Matrix4f::Identity();
@@ -14,10 +14,11 @@ std::vector<BoneMatrix> bone_matrices(const Model& model, std::span<const Pose> 
   return matrices;
 }
 
-void skin(const Mesh& mesh, std::span<const BoneMatrix> bones, std::vector<MovingVertex>& out) {
+void skin(const scenes::Mesh& mesh, std::span<const BoneMatrix> bones,
+          std::vector<MovingVertex>& out) {
   out.resize(mesh.vertices.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const Vertex& v = mesh.vertices[i];
+    const scenes::Vertex& v = mesh.vertices[i];
     BoneMatrix m{};
     for (std::size_t k = 0; k < 4; ++k) {
       const float weight = v.weights[k];
@@ -39,4 +40,4 @@ void skin(const Mesh& mesh, std::span<const BoneMatrix> bones, std::vector<Movin
   }
 }
 
-}  // namespace taut
+}  // namespace taut::mesh

@@ -13,7 +13,7 @@
 #include "scenes/load_scene.h"
 #include "sim/world/span.h"
 
-namespace taut::cli {
+namespace taut::options {
 
 namespace {
 
@@ -29,32 +29,33 @@ Setting parsed(const MethodInfo& method, const std::string& name, const std::str
   if (std::holds_alternative<bool>(info->fallback)) {
     if (text == "true") return true;
     if (text == "false") return false;
-    throw Misuse(fmt::format("--set {}={}: expected true or false", name, text));
+    throw program::Misuse(fmt::format("--set {}={}: expected true or false", name, text));
   }
   double number = 0;
   const char* end = text.data() + text.size();
   const auto [last, error] = std::from_chars(text.data(), end, number);
   if (error != std::errc() || last != end) {
-    throw Misuse(fmt::format("--set {}={}: expected a number", name, text));
+    throw program::Misuse(fmt::format("--set {}={}: expected a number", name, text));
   }
   return number;
 }
 
 /// Keys with dots are never a method's.
 bool is_of_scene(const std::string& key) {
-  return key.find_first_of(".[") != std::string::npos || is_scene_key(key);
+  return key.find_first_of(".[") != std::string::npos || scenes::is_scene_key(key);
 }
 
 }  // namespace
 
-void add_method_options(Command& command, MethodOptions& options) {
-  const Option method = command.add_option("--method", options.method,
-                                           "Another method than the scene's, at its own settings");
-  Option step = command.add_option("--step", options.step, "Longest step of the method, s");
-  const Option tolerance = command.add_option("--tolerance", options.tolerance,
-                                              "Error to keep, m, for methods that control it");
+void add_method_options(program::Command& command, MethodOptions& options) {
+  const program::Option method = command.add_option(
+      "--method", options.method, "Another method than the scene's, at its own settings");
+  program::Option step =
+      command.add_option("--step", options.step, "Longest step of the method, s");
+  const program::Option tolerance = command.add_option(
+      "--tolerance", options.tolerance, "Error to keep, m, for methods that control it");
   step.excludes(tolerance);
-  const Option set =
+  const program::Option set =
       command
           .add_option("--set", options.set,
                       "A setting of the method, as in stiffness=5000, or a value in place of the "
@@ -70,14 +71,14 @@ void add_method_options(Command& command, MethodOptions& options) {
       .excludes(set);
 }
 
-Scene load_chosen(const std::filesystem::path& file, bool with_stage,
-                  const MethodOptions& options) {
-  if (options.planned) return load_planned(file, with_stage);
-  return load_scene(file, with_stage, chosen_changes(options));
+scenes::Scene load_chosen(const std::filesystem::path& file, bool with_stage,
+                          const MethodOptions& options) {
+  if (options.planned) return scenes::load_planned(file, with_stage);
+  return scenes::load_scene(file, with_stage, chosen_changes(options));
 }
 
-std::vector<SceneChange> chosen_changes(const MethodOptions& options) {
-  std::vector<SceneChange> changes;
+std::vector<scenes::SceneChange> chosen_changes(const MethodOptions& options) {
+  std::vector<scenes::SceneChange> changes;
   for (const std::string& text : options.set) {
     const auto [key, value] = set_pair(text);
     if (is_of_scene(key)) changes.push_back({key, value});
@@ -102,46 +103,48 @@ Settings settings_of(const MethodInfo& method, const std::vector<std::string>& s
   return settings;
 }
 
-MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
-  MethodChoice choice = scene.method;
+scenes::MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& scene) {
+  scenes::MethodChoice choice = scene.method;
   if (!options.method.empty()) choice.name = options.method;
   const MethodInfo* method = find_method(choice.name);
   if (!method) {
     std::string known;
-    for (const MethodInfo& info : methods()) {
+    for (const MethodInfo& info : all_methods()) {
       known += (known.empty() ? "" : ", ") + std::string(info.name);
     }
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("--method: there is no method {}, expected one of: {}", choice.name, known));
   }
   if (!method->missing.empty()) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("--method: {} is not in this build ({})", choice.name, method->missing));
   }
   if (has_spans(scene.world) && !method->follows_spans) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("--method: {} follows no massless spans (model = \"span\")", choice.name));
   }
   if (!scene.world.obstacles.empty() && !method->touches_obstacles) {
-    throw Misuse(fmt::format("--method: {} knows no contact, and the scene has the obstacle {}",
-                             choice.name, scene.world.obstacles.front().name));
+    throw program::Misuse(
+        fmt::format("--method: {} knows no contact, and the scene has the obstacle {}", choice.name,
+                    scene.world.obstacles.front().name));
   }
   if (has_materials(scene.world) && !method->follows_materials) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("--method: {} knows neither stretch nor bending nor air", choice.name));
   }
   if (!scene.world.joints.empty() && !method->follows_joints) {
-    throw Misuse(fmt::format("--method: {} follows no connectors that are joined", choice.name));
+    throw program::Misuse(
+        fmt::format("--method: {} follows no connectors that are joined", choice.name));
   }
   if (choice.name != scene.method.name) choice.settings.clear();
   if (options.step) {
     choice.settings.erase("tolerance");
     choice.settings["step"] = *options.step;
     if (*options.step > 0) {  // else complaint() says what is wrong with it
-      const auto exact = dividing_step(*options.step, scene.fps);
+      const auto exact = scenes::dividing_step(*options.step, scene.fps);
       if (!exact) {
-        throw Misuse(fmt::format("--step {}: expected {}", *options.step,
-                                 dividing_text(*options.step, scene.fps)));
+        throw program::Misuse(fmt::format("--step {}: expected {}", *options.step,
+                                          scenes::dividing_text(*options.step, scene.fps)));
       }
       choice.settings["step"] = *exact;
     }
@@ -155,11 +158,11 @@ MethodChoice chosen_method(const MethodOptions& options, const Scene& scene) {
     if (!is_of_scene(name)) choice.settings[name] = parsed(*method, name, value);
   }
   const std::string wrong = complaint(*method, choice.settings);
-  if (!wrong.empty()) throw Misuse(wrong);
+  if (!wrong.empty()) throw program::Misuse(wrong);
   return choice;
 }
 
-Settings full_settings(const MethodChoice& choice) {
+Settings full_settings(const scenes::MethodChoice& choice) {
   Settings full = choice.settings;
   for (const SettingInfo& info : find_method(choice.name)->settings) {
     full.try_emplace(std::string(info.name), info.fallback);
@@ -190,4 +193,4 @@ std::string settings_text(const Settings& settings) {
   return line;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::options

@@ -10,7 +10,7 @@
 #include "render/program/command.h"
 #include "scenes/scene/scene.h"
 
-namespace taut::cli {
+namespace taut::options {
 
 struct MethodOptions {
   std::string method;               // empty: the scene's
@@ -20,13 +20,14 @@ struct MethodOptions {
   bool planned = false;             // the model and the method of the scene's plan
 };
 
-void add_method_options(Command& command, MethodOptions& options);
+void add_method_options(program::Command& command, MethodOptions& options);
 
 /// The scene as it is written or, where the options say so, as its plan has it. Throws BadScene.
-Scene load_chosen(const std::filesystem::path& file, bool with_stage, const MethodOptions& options);
+scenes::Scene load_chosen(const std::filesystem::path& file, bool with_stage,
+                          const MethodOptions& options);
 
 /// What of --set is of the scene.
-std::vector<SceneChange> chosen_changes(const MethodOptions& options);
+std::vector<scenes::SceneChange> chosen_changes(const MethodOptions& options);
 
 /// Those of KEY=VALUE that are of the scene; and, with their types, those that are settings of the
 /// method, others left out. Throws Misuse.
@@ -35,10 +36,10 @@ Settings settings_of(const MethodInfo& method, const std::vector<std::string>& s
 
 /// The scene's method with the options put over its settings. Another method starts from its own:
 /// the step that suits one diverges in the next. Throws Misuse.
-MethodChoice chosen_method(const MethodOptions& options, const Scene& scene);
+scenes::MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& scene);
 
 /// Every setting of the method, those left out with their defaults.
-Settings full_settings(const MethodChoice& choice);
+Settings full_settings(const scenes::MethodChoice& choice);
 
 /// Settings as a JSON object.
 nlohmann::ordered_json settings_json(const Settings& settings);
@@ -46,4 +47,4 @@ nlohmann::ordered_json settings_json(const Settings& settings);
 /// Settings as one line: step = 0.001, elasticity = 0.2
 std::string settings_text(const Settings& settings);
 
-}  // namespace taut::cli
+}  // namespace taut::options

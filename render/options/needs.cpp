@@ -13,7 +13,7 @@
 #include "scenes/files/error.h"
 #include "sim/run/footprint.h"
 
-namespace taut::cli {
+namespace taut::options {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,7 +48,7 @@ std::string time_text(double seconds) {
   return fmt::format("{:.3g} years", seconds / kYear);
 }
 
-Footprint footprint_of(const Scene& scene) {
+Footprint footprint_of(const scenes::Scene& scene) {
   Footprint sum =
       footprint(*find_method(scene.method.name), scene.world, full_settings(scene.method));
   sum.memory += kProgram;
@@ -65,7 +65,7 @@ Footprint footprint_of(const Scene& scene) {
 }
 
 /// Numbers that a state shows.
-double numbers_shown(const Scene& scene) {
+double numbers_shown(const scenes::Scene& scene) {
   double numbers = 1 + 7.0 * double(scene.world.bodies.size());
   for (const Connector& connector : scene.world.connectors) {
     numbers += 3.0 * double(connector.particles());
@@ -94,7 +94,7 @@ double free_disk(fs::path folder) {
 }
 
 /// What of the method takes the memory.
-std::string cheaper(const Scene& scene) {
+std::string cheaper(const scenes::Scene& scene) {
   const Settings settings = full_settings(scene.method);
   const auto solver = settings.find("solver");
   return solver != settings.end() && solver->second == Setting(std::string("dense"))
@@ -104,22 +104,22 @@ std::string cheaper(const Scene& scene) {
 
 }  // namespace
 
-double steps_per_frame(const Scene& scene) {
+double steps_per_frame(const scenes::Scene& scene) {
   const Settings settings = full_settings(scene.method);
   const auto step = settings.find("step");
   const double* seconds = step == settings.end() ? nullptr : std::get_if<double>(&step->second);
   return seconds && *seconds > 0 ? double(step_count(1.0 / scene.fps, *seconds)) : 0;
 }
 
-double clip_length(const Scene& scene) {
-  const Stage& stage = *scene.stage;
+double clip_length(const scenes::Scene& scene) {
+  const scenes::Stage& stage = *scene.stage;
   const auto frames = [&](double seconds) { return std::ceil(seconds * scene.fps * (1 - 1e-9)); };
   double sum = frames(stage.title.duration) + frames(stage.end.duration);
-  for (const Shot& shot : stage.shots) sum += frames((shot.until - shot.from) / shot.rate);
+  for (const scenes::Shot& shot : stage.shots) sum += frames((shot.until - shot.from) / shot.rate);
   return sum;
 }
 
-Needs simulation_needs(const Scene& scene) {
+Needs simulation_needs(const scenes::Scene& scene) {
   const Footprint method = footprint_of(scene);
   const double frames = std::ceil(scene.duration * scene.fps);
   const double row = kColumn * numbers_shown(scene);
@@ -127,8 +127,8 @@ Needs simulation_needs(const Scene& scene) {
           frames * std::max(steps_per_frame(scene), 1.0) * method.step};
 }
 
-Needs clip_needs(const Scene& scene, double frames, int samples) {
-  const Stage& stage = *scene.stage;
+Needs clip_needs(const scenes::Scene& scene, double frames, int samples) {
+  const scenes::Stage& stage = *scene.stage;
   Needs needs = simulation_needs(scene);
   const double pixels = double(scene.width) * scene.height;
   // The states of a shutter are there twice for each thread that draws.
@@ -152,17 +152,17 @@ nlohmann::ordered_json needs_json(const Needs& needs) {
           {"time_s", needs.time}};
 }
 
-void add_memory_option(Command& command, double& most) {
+void add_memory_option(program::Command& command, double& most) {
   command.add_size(
       "--max-memory", most,
       "Refuse what would take more, as in 8GB; default three quarters of the machine's");
 }
 
-void refuse_beyond(const Needs& needs, const Scene& scene, double most, const fs::path& folder,
-                   const std::string& fewer, bool quiet) {
+void refuse_beyond(const Needs& needs, const scenes::Scene& scene, double most,
+                   const fs::path& folder, const std::string& fewer, bool quiet) {
   const double allowed = most > 0 ? most : 0.75 * machine_memory();
   if (needs.memory > allowed) {
-    throw BadScene(fmt::format(
+    throw scenes::BadScene(fmt::format(
         "{}: would take about {} of memory by {}, expected at most {} (--max-memory); {}fewer "
         "particles or bodies, another method{} take less",
         scene.file.string(), bytes_text(needs.memory), scene.method.name, bytes_text(allowed),
@@ -170,15 +170,15 @@ void refuse_beyond(const Needs& needs, const Scene& scene, double most, const fs
   }
   if (!folder.empty()) {
     if (const double room = free_disk(folder); needs.disk > room) {
-      throw CannotWrite(fmt::format(
+      throw render::CannotWrite(fmt::format(
           "{}: the output would take about {}, the disk has {} left; a shorter scene, fewer frames "
           "per second{} take less",
           folder.string(), bytes_text(needs.disk), bytes_text(room), fewer));
     }
   }
   if (!quiet && needs.time > kLong) {
-    note("this will take {} or more, by a rough guess\n", time_text(needs.time));
+    program::note("this will take {} or more, by a rough guess\n", time_text(needs.time));
   }
 }
 
-}  // namespace taut::cli
+}  // namespace taut::options

@@ -8,7 +8,7 @@
 #include "render/program/command.h"
 #include "scenes/scene/scene.h"
 
-namespace taut::cli {
+namespace taut::options {
 
 /// All roughly, memory at most.
 struct Needs {
@@ -18,28 +18,28 @@ struct Needs {
 };
 
 /// Of `taut simulate`; the disk is the CSV's.
-Needs simulation_needs(const Scene& scene);
+Needs simulation_needs(const scenes::Scene& scene);
 
 /// Of `taut render`, for so many frames of the scene's stage.
-Needs clip_needs(const Scene& scene, double frames, int samples);
+Needs clip_needs(const scenes::Scene& scene, double frames, int samples);
 
 /// How many frames the scene's clip has, without a list of them.
-double clip_length(const Scene& scene);
+double clip_length(const scenes::Scene& scene);
 
 /// Steps in a frame; 0 for methods that choose their own.
-double steps_per_frame(const Scene& scene);
+double steps_per_frame(const scenes::Scene& scene);
 
 /// As in "about 1.5 GB of memory, 20 MB of disk and 3 min".
 std::string needs_text(const Needs& needs);
 nlohmann::ordered_json needs_json(const Needs& needs);
 
 /// --max-memory; 0: three quarters of what the machine, or the group of processes, has.
-void add_memory_option(Command& command, double& most);
+void add_memory_option(program::Command& command, double& most);
 
 /// Throws BadScene where the memory is more than `most` allows, and CannotWrite where the disk of
 /// `folder` has less room than is needed; `fewer` says what else to change. Unless `quiet`, says on
 /// standard error what will take more than a minute.
-void refuse_beyond(const Needs& needs, const Scene& scene, double most,
+void refuse_beyond(const Needs& needs, const scenes::Scene& scene, double most,
                    const std::filesystem::path& folder, const std::string& fewer, bool quiet);
 
-}  // namespace taut::cli
+}  // namespace taut::options

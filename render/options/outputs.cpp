@@ -10,7 +10,7 @@
 #include "render/program/command.h"
 #include "render/version.h"
 
-namespace taut::cli {
+namespace taut::options {
 namespace {
 
 constexpr std::string_view kPicture = ".png";
@@ -30,7 +30,7 @@ bool OutputOptions::is_picture() const {
   return ending_of(file) == kPicture;
 }
 
-void add_output_options(Command& command, OutputOptions& options) {
+void add_output_options(program::Command& command, OutputOptions& options) {
   command
       .add_option(
           "-o,--output", options.file,
@@ -56,19 +56,19 @@ void add_output_options(Command& command, OutputOptions& options) {
 void check_outputs(const OutputOptions& options, bool several, bool frames_alone) {
   const std::string ending = ending_of(options.file);
   if (!options.file.empty() && several) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("-o {}: one file for several scenes, expected --out FOLDER", options.file));
   }
-  const auto known = video_endings();
+  const auto known = film::video_endings();
   if (!options.file.empty() && ending != kPicture &&
       std::ranges::find(known, ending) == known.end()) {
-    throw Misuse(fmt::format("-o {}: expected a name that ends with {} or {}", options.file,
-                             fmt::join(known, ", "), kPicture));
+    throw program::Misuse(fmt::format("-o {}: expected a name that ends with {} or {}",
+                                      options.file, fmt::join(known, ", "), kPicture));
   }
   const bool opacity =
-      options.file.empty() ? frames_alone : ending == kPicture || keeps_opacity(ending);
+      options.file.empty() ? frames_alone : ending == kPicture || film::keeps_opacity(ending);
   if (options.transparent && !opacity) {
-    throw Misuse(fmt::format(
+    throw program::Misuse(fmt::format(
         "--transparent: {} keeps no opacity; expected -o with .png, .webm, .mov, .webp or .apng, "
         "or --no-video",
         options.file.empty() ? "an .mp4" : options.file));
@@ -85,16 +85,16 @@ Preset preset_of(const OutputOptions& options, int width, int height, int sample
   return {width, height, samples};
 }
 
-Provenance::Provenance(const Scene& scene, const std::string& file)
+Provenance::Provenance(const scenes::Scene& scene, const std::string& file)
     : title_(scene.title),
       scene_(file),
       method_(
           fmt::format("{} ({})", scene.method.name, settings_text(full_settings(scene.method)))) {}
 
-PngExtras Provenance::picture(double time, bool opacity) const {
+picture::PngExtras Provenance::picture(double time, bool opacity) const {
   return {opacity,
           {{"Title", title_},
-           {"Software", fmt::format("taut {}", version())},
+           {"Software", fmt::format("taut {}", render::version())},
            {"Source", scene_},
            {"taut:time", fmt::format("{:.6g} s", time)},
            {"taut:method", method_}}};
@@ -105,7 +105,7 @@ std::vector<std::pair<std::string, std::string>> Provenance::video() const {
 }
 
 std::string Provenance::text() const {
-  return fmt::format("taut {}, scene {}, method {}", version(), scene_, method_);
+  return fmt::format("taut {}, scene {}, method {}", render::version(), scene_, method_);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::options

@@ -9,7 +9,7 @@
 #include "render/program/command.h"
 #include "scenes/scene/clip.h"
 
-namespace taut::cli {
+namespace taut::options {
 
 struct OutputOptions {
   std::string file;  // empty: an .mp4 in the clip's folder
@@ -21,7 +21,7 @@ struct OutputOptions {
   bool is_picture() const;
 };
 
-void add_output_options(Command& command, OutputOptions& options);
+void add_output_options(program::Command& command, OutputOptions& options);
 
 /// Throws Misuse where the file's ending is none that can be written or cannot be transparent, or
 /// several scenes would share a file.
@@ -36,10 +36,10 @@ Preset preset_of(const OutputOptions& options, int width, int height, int sample
 /// Everything that a run's pictures have in common: program, scene, method.
 class Provenance {
  public:
-  Provenance(const Scene& scene, const std::string& file);
+  Provenance(const scenes::Scene& scene, const std::string& file);
 
   /// Of a picture at that time of the scene (s).
-  PngExtras picture(double time, bool opacity) const;
+  picture::PngExtras picture(double time, bool opacity) const;
   std::vector<std::pair<std::string, std::string>> video() const;
   /// All of it in one text.
   std::string text() const;
@@ -48,4 +48,4 @@ class Provenance {
   std::string title_, scene_, method_;
 };
 
-}  // namespace taut::cli
+}  // namespace taut::options

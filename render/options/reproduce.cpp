@@ -4,7 +4,7 @@
 
 #include "render/options/method_options.h"
 
-namespace taut::cli {
+namespace taut::options {
 namespace {
 
 std::string value_text(const Setting& value) {
@@ -20,7 +20,7 @@ std::string words_of(const ShownScene& scene) {
 }
 
 /// Every setting, named or not: where the scene is of the same method, its own would hold else.
-std::string words_of(const Candidate& candidate) {
+std::string words_of(const study::Candidate& candidate) {
   std::string words;
   for (const auto& [name, value] : full_settings({candidate.method, candidate.settings})) {
     words += " --set " + quoted(name + "=" + value_text(value));
@@ -39,16 +39,18 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-std::string score_command(const ShownScene& scene, const Candidate& candidate, double share) {
+std::string score_command(const ShownScene& scene, const study::Candidate& candidate,
+                          double share) {
   return fmt::format("taut simulate {} --method {}{} --score {} --json -q", words_of(scene),
                      candidate.method, words_of(candidate), share);
 }
 
-std::string classify_command(const ShownScene& scene, const std::vector<SceneChange>& changes,
-                             const std::string& label, const Candidate& candidate, double duration,
-                             double cap, bool scored) {
+std::string classify_command(const ShownScene& scene,
+                             const std::vector<scenes::SceneChange>& changes,
+                             const std::string& label, const study::Candidate& candidate,
+                             double duration, double cap, bool scored) {
   std::string words = words_of(scene);
-  for (const SceneChange& change : changes) {
+  for (const scenes::SceneChange& change : changes) {
     words += " --set " + quoted(change.key + "=" + change.value);
   }
   for (const auto& [name, value] : candidate.settings) {
@@ -58,4 +60,4 @@ std::string classify_command(const ShownScene& scene, const std::vector<SceneCha
                      label, cap, scored ? "" : " --no-truth");
 }
 
-}  // namespace taut::cli
+}  // namespace taut::options

@@ -7,7 +7,7 @@
 #include "scenes/scene/scene.h"
 #include "sim/study/candidate.h"
 
-namespace taut::cli {
+namespace taut::options {
 
 /// Which scene: its file, and what --set puts in place of its values.
 struct ShownScene {
@@ -16,15 +16,16 @@ struct ShownScene {
 };
 
 /// A run's cost and its errors from `share` of the length up.
-std::string score_command(const ShownScene& scene, const Candidate& candidate, double share);
+std::string score_command(const ShownScene& scene, const study::Candidate& candidate, double share);
 
 /// The class of a run of `duration` (s) of the scene with changes, stopped after `cap` (s) of CPU
 /// time; with `scored`, told accurate from plausible.
-std::string classify_command(const ShownScene& scene, const std::vector<SceneChange>& changes,
-                             const std::string& label, const Candidate& candidate, double duration,
-                             double cap, bool scored);
+std::string classify_command(const ShownScene& scene,
+                             const std::vector<scenes::SceneChange>& changes,
+                             const std::string& label, const study::Candidate& candidate,
+                             double duration, double cap, bool scored);
 
 /// A word as a shell takes it for one.
 std::string quoted(const std::string& word);
 
-}  // namespace taut::cli
+}  // namespace taut::options

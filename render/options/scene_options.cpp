@@ -5,7 +5,7 @@
 #include "render/atomic_file.h"
 #include "render/program/program.h"
 
-namespace taut::cli {
+namespace taut::options {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,10 +30,11 @@ fs::path path_of_results(const std::string& scene) {
 
 }  // namespace
 
-Option add_scene_options(Command& command, SceneOptions& options, bool with_set) {
-  Option scenes = command.add_option("scenes", options.scenes, "Scene files; - is standard input")
-                      .required()
-                      .type_name("SCENE");
+program::Option add_scene_options(program::Command& command, SceneOptions& options, bool with_set) {
+  program::Option scenes =
+      command.add_option("scenes", options.scenes, "Scene files; - is standard input")
+          .required()
+          .type_name("SCENE");
   if (!with_set) return scenes;
   command
       .add_option("--set", options.set,
@@ -47,13 +48,13 @@ Option add_scene_options(Command& command, SceneOptions& options, bool with_set)
 SetPair set_pair(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
-    throw Misuse(fmt::format("--set {}: expected KEY=VALUE", text));
+    throw program::Misuse(fmt::format("--set {}: expected KEY=VALUE", text));
   }
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-std::vector<SceneChange> scene_changes(const std::vector<std::string>& set) {
-  std::vector<SceneChange> changes;
+std::vector<scenes::SceneChange> scene_changes(const std::vector<std::string>& set) {
+  std::vector<scenes::SceneChange> changes;
   for (const std::string& text : set) {
     const auto [key, value] = set_pair(text);
     changes.push_back({key, value});
@@ -61,19 +62,19 @@ std::vector<SceneChange> scene_changes(const std::vector<std::string>& set) {
   return changes;
 }
 
-int for_each_scene(const SceneOptions& options, const Common& common,
+int for_each_scene(const SceneOptions& options, const program::Common& common,
                    const std::function<int(const std::string& scene)>& work) {
   if (!options.several()) return work(options.scenes.front());
-  int code = kDone;
+  int code = program::kDone;
   const char* between = "[\n";
   for (const std::string& scene : options.scenes) {
-    if (common.json) write_output(between);
+    if (common.json) render::write_output(between);
     between = ",\n";
-    const int own = guarded(common, [&] { return work(scene); });
-    if (code == kDone) code = own;
-    if (own == kInterrupted || own == kTerminated) break;
+    const int own = program::guarded(common, [&] { return work(scene); });
+    if (code == program::kDone) code = own;
+    if (own == program::kInterrupted || own == program::kTerminated) break;
   }
-  if (common.json) write_output("]\n");
+  if (common.json) render::write_output("]\n");
   return code;
 }
 
@@ -87,4 +88,4 @@ std::string scene_name(const std::string& scene) {
   return scene == "-" ? kInput : fs::path(scene).stem().string();
 }
 
-}  // namespace taut::cli
+}  // namespace taut::options

@@ -9,7 +9,7 @@
 #include "render/program/command.h"
 #include "scenes/scene/scene.h"
 
-namespace taut::cli {
+namespace taut::options {
 
 struct SceneOptions {
   std::vector<std::string> scenes;  // files; - is standard input
@@ -19,7 +19,8 @@ struct SceneOptions {
 };
 
 /// SCENE..., which is returned, and, where the command has none of its own, --set.
-Option add_scene_options(Command& command, SceneOptions& options, bool with_set = true);
+program::Option add_scene_options(program::Command& command, SceneOptions& options,
+                                  bool with_set = true);
 
 /// A pair of --set.
 struct SetPair {
@@ -29,12 +30,12 @@ struct SetPair {
 SetPair set_pair(const std::string& text);
 
 /// The changes of a command that has no settings of a method to set. Throws Misuse.
-std::vector<SceneChange> scene_changes(const std::vector<std::string>& set);
+std::vector<scenes::SceneChange> scene_changes(const std::vector<std::string>& set);
 
 /// Runs `work` for each scene, one after another; with --json and several scenes their results are
 /// the elements of one list. A scene that fails does not keep the others from their turn. Returns
 /// the first exit code that is not 0.
-int for_each_scene(const SceneOptions& options, const Common& common,
+int for_each_scene(const SceneOptions& options, const program::Common& common,
                    const std::function<int(const std::string& scene)>& work);
 
 /// Where the results of a scene go: `out` or, where that is empty, a folder below `base` by the
@@ -46,4 +47,4 @@ std::filesystem::path results_folder(const std::string& scene, const std::string
 /// What files of a scene's results are called: the file's name without its ending.
 std::string scene_name(const std::string& scene);
 
-}  // namespace taut::cli
+}  // namespace taut::options

@@ -13,17 +13,17 @@
 #include "scenes/load_scene.h"
 #include "sim/motion/hash.h"
 
-namespace taut::cli {
+namespace taut::options {
 namespace {
 
 std::vector<Contender> all_contenders() {
   std::vector<Contender> all;
-  const auto list = methods();
+  const auto list = all_methods();
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (list[i].reference) continue;
     const std::string name(list[i].name);
-    all.push_back({name, &list[i], {name, {}}, method_style(i)});
-    Style style = method_style(i);
+    all.push_back({name, &list[i], {name, {}}, chart::method_style(i)});
+    chart::Style style = chart::method_style(i);
     style.hollow = true;
     for (const MethodForm& form : list[i].forms) {
       ++style.dash;
@@ -35,7 +35,7 @@ std::vector<Contender> all_contenders() {
 
 }  // namespace
 
-void add_study_options(Command& command, StudyOptions& options, double budget) {
+void add_study_options(program::Command& command, StudyOptions& options, double budget) {
   options.budget = budget;
   add_scene_options(command, options.inputs);
   command.add_option("--out", options.out,
@@ -58,7 +58,8 @@ std::vector<Contender> chosen_contenders(const StudyOptions& options) {
     if (std::ranges::find(all, name, &Contender::label) != all.end()) continue;
     std::string known;
     for (const Contender& one : all) known += (known.empty() ? "" : ", ") + one.label;
-    throw Misuse(fmt::format("--methods: there is no {}, expected some of: {}", name, known));
+    throw program::Misuse(
+        fmt::format("--methods: there is no {}, expected some of: {}", name, known));
   }
   std::vector<Contender> chosen;
   for (const Contender& one : all) {
@@ -74,11 +75,12 @@ std::vector<Contender> contenders_on(const StudyOptions& options, const World& w
   const auto unable = std::ranges::stable_partition(
       all, [&](const Contender& one) { return follows(*one.method, world); });
   if (!options.methods.empty() && !unable.empty()) {
-    throw Misuse(fmt::format("--methods: {} does not follow all that is in {}",
-                             unable.front().label, options.scene));
+    throw program::Misuse(fmt::format("--methods: {} does not follow all that is in {}",
+                                      unable.front().label, options.scene));
   }
   all.erase(unable.begin(), unable.end());
-  if (all.empty()) throw Misuse(fmt::format("{}: no method follows all of it", options.scene));
+  if (all.empty())
+    throw program::Misuse(fmt::format("{}: no method follows all of it", options.scene));
   return all;
 }
 
@@ -87,12 +89,14 @@ std::string legend_name(const Contender& contender) {
   return missing.empty() ? contender.label : contender.label + " (" + missing + ")";
 }
 
-std::vector<Candidate> candidates_of(const Contender& contender, bool quick) {
-  std::vector<Candidate> all;
+std::vector<study::Candidate> candidates_of(const Contender& contender, bool quick) {
+  std::vector<study::Candidate> all;
   if (!contender.method->missing.empty()) return all;
-  for (Candidate candidate : sweep(*contender.method, quick)) {
+  for (study::Candidate candidate : study::sweep(*contender.method, quick)) {
     for (const auto& [name, value] : contender.candidate.settings) candidate.settings[name] = value;
-    const auto same = [&](const Candidate& other) { return other.settings == candidate.settings; };
+    const auto same = [&](const study::Candidate& other) {
+      return other.settings == candidate.settings;
+    };
     if (std::ranges::none_of(all, same)) all.push_back(std::move(candidate));
   }
   return all;
@@ -102,7 +106,7 @@ std::filesystem::path study_folder(const StudyOptions& options) {
   return results_folder(options.scene, options.out, options.inputs.several());
 }
 
-int for_each_study(const StudyOptions& options, const Common& common,
+int for_each_study(const StudyOptions& options, const program::Common& common,
                    const std::function<int(const StudyOptions& one)>& study) {
   return for_each_scene(options.inputs, common, [&](const std::string& scene) {
     StudyOptions one = options;
@@ -111,48 +115,51 @@ int for_each_study(const StudyOptions& options, const Common& common,
   });
 }
 
-Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes,
-                  bool with_stage) {
-  std::vector<SceneChange> all = scene_changes(options.inputs.set);
+scenes::Scene study_scene(const StudyOptions& options,
+                          const std::vector<scenes::SceneChange>& changes, bool with_stage) {
+  std::vector<scenes::SceneChange> all = scene_changes(options.inputs.set);
   all.insert(all.end(), changes.begin(), changes.end());
-  Scene scene = load_scene(options.scene, with_stage, all);
+  scenes::Scene scene = scenes::load_scene(options.scene, with_stage, all);
   if (scene.world.connectors.empty()) {
-    throw Misuse(fmt::format("{}: has no connector to study", options.scene));
+    throw program::Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
   if (!scene.world.obstacles.empty() && !options.among_obstacles) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("{}: has obstacles, which bench, chart and compare follow, and "
                     "this command does not",
                     options.scene));
   }
   if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("{}: has pins, which chart, bench, compare and classify follow, and this "
                     "command does not",
                     options.scene));
   }
   if (!scene.timeline.cuts.empty() && options.follows != Follows::pins_and_cuts) {
-    throw Misuse(
+    throw program::Misuse(
         fmt::format("{}: has cuts, which compare and classify follow, and this command does not",
                     options.scene));
   }
   return scene;
 }
 
-Scene study_scene(const StudyOptions& options, std::size_t particles) {
-  const Scene scene = study_scene(options);
+scenes::Scene study_scene(const StudyOptions& options, std::size_t particles) {
+  const scenes::Scene scene = study_scene(options);
   return study_scene(options, {{connector_key(scene, "particles"), std::to_string(particles)}});
 }
 
 std::uint64_t stamp_of(const StudyOptions& options) {
   Hash hash;
-  hash.text(read_scene_text(options.scene));
+  hash.text(scenes::read_scene_text(options.scene));
   for (const std::string& set : options.inputs.set) hash.text(set);
   for (const std::string& method : options.methods) hash.text(method);
-  return hash.number(options.budget).number(options.quick).number(program_fingerprint()).value();
+  return hash.number(options.budget)
+      .number(options.quick)
+      .number(film::program_fingerprint())
+      .value();
 }
 
-std::string connector_key(const Scene& scene, const std::string& key) {
+std::string connector_key(const scenes::Scene& scene, const std::string& key) {
   return "connectors." + scene.world.connectors.front().name + "." + key;
 }
 
@@ -187,12 +194,12 @@ std::string percent(double share) {
   return (std::abs(value) < 1 ? fmt::format("{:.3g}", value) : rounded(value)) + "%";
 }
 
-void write_csv(const Table& table, const std::filesystem::path& base) {
+void write_csv(const chart::Table& table, const std::filesystem::path& base) {
   std::filesystem::path file = base;
   file += ".csv";
-  AtomicFile out(file);
-  out.write(to_csv(table));
+  render::AtomicFile out(file);
+  out.write(chart::to_csv(table));
   out.commit();
 }
 
-}  // namespace taut::cli
+}  // namespace taut::options

@@ -13,7 +13,7 @@
 #include "scenes/scene/scene.h"
 #include "sim/study/candidate.h"
 
-namespace taut::cli {
+namespace taut::options {
 
 /// What a study follows of what a scene's timeline has.
 enum class Follows { nothing, pins, pins_and_cuts };
@@ -25,20 +25,20 @@ struct StudyOptions {
   std::vector<std::string> methods;  // METHOD or METHOD:FORM; empty: all
   double budget = 0;                 // s of wall time
   bool quick = false;
-  PartOptions part;  // of chart and stability
+  program::PartOptions part;  // of chart and stability
   Follows follows = Follows::nothing;
   bool among_obstacles = false;  // whether the study takes scenes with obstacles
 };
 
 /// SCENE..., --set, --out, --methods, --budget (`budget` seconds unless told) and --quick.
-void add_study_options(Command& command, StudyOptions& options, double budget);
+void add_study_options(program::Command& command, StudyOptions& options, double budget);
 
 /// A row of a comparison: a method, or a form of it.
 struct Contender {
   std::string label;  // "dynamic-constraints:dense"
   const MethodInfo* method = nullptr;
-  Candidate candidate;  // at its defaults, with what the form sets
-  Style style;          // the same in every chart
+  study::Candidate candidate;  // at its defaults, with what the form sets
+  chart::Style style;          // the same in every chart
 };
 
 /// The contenders that the options name, in the order of the list of methods; those that this build
@@ -54,10 +54,10 @@ std::string legend_name(const Contender& contender);
 
 /// Every setting of a contender's sweep (only the ends and middle of numbers where `quick`), with
 /// what its form sets put over it.
-std::vector<Candidate> candidates_of(const Contender& contender, bool quick);
+std::vector<study::Candidate> candidates_of(const Contender& contender, bool quick);
 
 /// Calls `study` with the options of each of the scenes in turn, see for_each_scene().
-int for_each_study(const StudyOptions& options, const Common& common,
+int for_each_study(const StudyOptions& options, const program::Common& common,
                    const std::function<int(const StudyOptions& one)>& study);
 
 /// The folder that results go to.
@@ -65,16 +65,17 @@ std::filesystem::path study_folder(const StudyOptions& options);
 
 /// The scene, without its stage unless asked for. Throws Misuse where it has no connector, or
 /// obstacles, pins or cuts that the study does not follow.
-Scene study_scene(const StudyOptions& options, const std::vector<SceneChange>& changes = {},
-                  bool with_stage = false);
+scenes::Scene study_scene(const StudyOptions& options,
+                          const std::vector<scenes::SceneChange>& changes = {},
+                          bool with_stage = false);
 /// The scene with another number of particles in its first connector.
-Scene study_scene(const StudyOptions& options, std::size_t particles);
+scenes::Scene study_scene(const StudyOptions& options, std::size_t particles);
 
 /// Of everything that decides a study's results: program, scene file, methods, budget.
 std::uint64_t stamp_of(const StudyOptions& options);
 
 /// The key of a value of the scene's first connector: connectors.NAME.`key`.
-std::string connector_key(const Scene& scene, const std::string& key);
+std::string connector_key(const scenes::Scene& scene, const std::string& key);
 
 /// The processor, the compiler and the build, in a line.
 std::string machine();
@@ -85,6 +86,6 @@ std::string rounded(double value);
 std::string percent(double share);
 
 /// Writes BASE.csv; says so on standard error.
-void write_csv(const Table& table, const std::filesystem::path& base);
+void write_csv(const chart::Table& table, const std::filesystem::path& base);
 
-}  // namespace taut::cli
+}  // namespace taut::options

@@ -15,7 +15,7 @@ std::vector<std::string> choices_of(const CLI::Option& option) {
     std::string list = type.substr(open + 1, close - open - 1);
     for (std::string& word : CLI::detail::split(list, ',')) words.push_back(word);
   } else if (option.check_lname("method")) {
-    for (const MethodInfo& method : methods()) words.emplace_back(method.name);
+    for (const MethodInfo& method : all_methods()) words.emplace_back(method.name);
   }
   return words;
 }
@@ -24,7 +24,7 @@ DescribedOption described(const CLI::Option& option) {
   DescribedOption result;
   if (!option.get_snames().empty()) result.shorts = option.get_snames().front();
   if (!option.get_lnames().empty()) result.longs = option.get_lnames().front();
-  result.value = cli::value_of(option);
+  result.value = program::value_of(option);
   result.choices = choices_of(option);
   result.text = option.get_description();
   result.required = option.get_required();

@@ -14,8 +14,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   CLI::App app;
-  cli::Program program;
-  cli::describe_program(app, program, cli::kCommands);
+  program::Program program;
+  program::describe_program(app, program, cli::kCommands);
   const auto commands = package::described(app);
   const std::filesystem::path folder = argv[1];
   bool good = true;

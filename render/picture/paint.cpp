@@ -6,7 +6,7 @@
 #include <cstring>
 #include <sstream>
 
-namespace taut {
+namespace taut::picture {
 
 namespace {
 
@@ -93,4 +93,4 @@ std::vector<std::string> wrapped(Font& font, const std::string& text, double siz
   return lines;
 }
 
-}  // namespace taut
+}  // namespace taut::picture

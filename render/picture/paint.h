@@ -7,7 +7,7 @@
 #include "render/picture/rect.h"
 #include "render/picture/text.h"
 
-namespace taut {
+namespace taut::picture {
 
 /// Blends a colour over a rectangle (from the upper left corner), as far as it lies inside.
 void fill(Picture& picture, const Rect& rect, Rgb color, double opacity = 1);
@@ -25,4 +25,4 @@ Picture shrunk(const Picture& picture, int factor);
 /// Text broken into lines no wider than `width` pixels where its words allow.
 std::vector<std::string> wrapped(Font& font, const std::string& text, double size, double width);
 
-}  // namespace taut
+}  // namespace taut::picture

@@ -12,7 +12,7 @@
 #include "render/picture/png_file.h"
 #include "scenes/files/regular_file.h"
 
-namespace taut {
+namespace taut::picture {
 namespace {
 
 /// Puts the four bytes of a PNG's number, the highest first.
@@ -106,13 +106,13 @@ Picture finish_reading(png_image& image, int begun, const std::string& source) {
     if (ok) return;
     const std::string why = image.message;
     png_image_free(&image);
-    throw bad_asset(source, why);
+    throw scenes::bad_asset(source, why);
   };
   check(begun);
   if (image.width > kLargest || image.height > kLargest) {
     png_image_free(&image);
-    throw bad_asset(source, fmt::format("{} by {} pixels, expected at most {} by {}", image.width,
-                                        image.height, kLargest, kLargest));
+    throw scenes::bad_asset(source, fmt::format("{} by {} pixels, expected at most {} by {}",
+                                                image.width, image.height, kLargest, kLargest));
   }
   image.format = PNG_FORMAT_RGBA;
   Picture picture(int(image.width), int(image.height));
@@ -123,7 +123,7 @@ Picture finish_reading(png_image& image, int begun, const std::string& source) {
 }  // namespace
 
 Picture read_png(const std::filesystem::path& file) {
-  const std::string bytes = read_bytes(file);
+  const std::string bytes = scenes::read_bytes(file);
   return decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
                     file.string());
 }
@@ -135,4 +135,4 @@ Picture decode_png(std::span<const std::uint8_t> bytes, const std::string& sourc
                         source);
 }
 
-}  // namespace taut
+}  // namespace taut::picture

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace taut {
+namespace taut::picture {
 
 /// 8-bit sRGB pixels, four bytes each (red, green, blue, unused), the top row first.
 struct Picture {
@@ -32,4 +32,4 @@ Picture read_png(const std::filesystem::path& file);
 Picture decode_png(std::span<const std::uint8_t> bytes,
                    const std::string& source = "a PNG picture");
 
-}  // namespace taut
+}  // namespace taut::picture

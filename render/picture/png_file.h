@@ -7,7 +7,7 @@
 
 #include "render/picture/picture.h"
 
-namespace taut {
+namespace taut::picture {
 
 struct PngExtras {
   bool opacity = false;  // the fourth bytes are opacity; colours are not multiplied by it
@@ -17,4 +17,4 @@ struct PngExtras {
 /// The picture as a PNG file's bytes, RGB or RGBA, the texts in front of the pixels.
 std::vector<std::uint8_t> encode_png(const Picture& picture, const PngExtras& extras);
 
-}  // namespace taut
+}  // namespace taut::picture

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace taut {
+namespace taut::picture {
 
 /// A rectangle of pixels from the lower left corner.
 struct Rect {
@@ -54,4 +54,4 @@ class RectSet {
   std::vector<Rect> rects_;
 };
 
-}  // namespace taut
+}  // namespace taut::picture

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace taut {
+namespace taut::picture {
 namespace {
 
 constexpr const char* kFolder = "/usr/share/fonts/truetype/";
@@ -120,4 +120,4 @@ void Font::draw(Picture& picture, std::string_view text, double x, double y, dou
                  });
 }
 
-}  // namespace taut
+}  // namespace taut::picture

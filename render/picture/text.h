@@ -8,7 +8,7 @@
 
 #include "render/picture/picture.h"
 
-namespace taut {
+namespace taut::picture {
 
 using Rgb = std::array<std::uint8_t, 3>;  // sRGB
 
@@ -35,4 +35,4 @@ class Font {
   std::unique_ptr<Face> face_;
 };
 
-}  // namespace taut
+}  // namespace taut::picture

@@ -14,7 +14,7 @@
 #include "sim/study/refined.h"
 #include "sim/world/span.h"
 
-namespace taut::cli {
+namespace taut::planning {
 namespace {
 
 /// Shares of the links that are tried.
@@ -48,7 +48,8 @@ std::string original(const Connector& connector) {
 
 }  // namespace
 
-std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneChange>& written) {
+std::vector<SceneModel> models_of(const scenes::Scene& scene,
+                                  const std::vector<scenes::SceneChange>& written) {
   std::size_t most = 1;
   for (const Connector& connector : scene.world.connectors) {
     most = std::max(most, connector.links());
@@ -56,7 +57,7 @@ std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneCha
   std::vector<SceneModel> models;
   for (const double share : shares(most)) {
     std::map<std::string, std::size_t> particles;
-    std::vector<SceneChange> changes = written;
+    std::vector<scenes::SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
       if (is_copy(connector)) continue;
       const auto links = static_cast<std::size_t>(
@@ -67,7 +68,7 @@ std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneCha
     }
     if (!models.empty() && models.back().particles == particles) continue;
     try {
-      Scene changed = load_scene(scene.file, false, changes);
+      scenes::Scene changed = scenes::load_scene(scene.file, false, changes);
       take_masses(changed.world, scene.world);
       models.push_back({particles, {}, {few_copies(changed.world), changed.timeline, {}}, {}});
       SceneModel linked = models.back();
@@ -76,7 +77,7 @@ std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneCha
         linked.links.push_back(linked.model.world.bodies[b].name);
       }
       if (!linked.links.empty()) models.push_back(std::move(linked));
-    } catch (const BadScene&) {
+    } catch (const scenes::BadScene&) {
       // Its start, or one of its pins, needs more particles.
     }
   }
@@ -91,38 +92,40 @@ std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneCha
   return models;
 }
 
-ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& written,
-                         const std::vector<SceneModel>& models, const ReferenceSolution& reference,
-                         const Candidate& finely, const Distance& distance) {
+ModelErrors model_errors(const scenes::Scene& scene,
+                         const std::vector<scenes::SceneChange>& written,
+                         const std::vector<SceneModel>& models,
+                         const study::ReferenceSolution& reference, const study::Candidate& finely,
+                         const study::Distance& distance) {
   ModelErrors errors;
   if (reference.known < 2) return errors;
   const auto refined = [&](std::size_t times) {
-    std::vector<SceneChange> changes = written;
+    std::vector<scenes::SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
       if (is_copy(connector)) continue;
       changes.push_back({fmt::format("connectors.{}.particles", connector.name),
                          fmt::to_string(times * connector.links() + 1)});
     }
     try {
-      const Scene changed = load_scene(scene.file, false, changes);
-      return distance_between(reference, few_copies(changed.world), changed.timeline, finely,
-                              distance);
-    } catch (const BadScene&) {
+      const scenes::Scene changed = scenes::load_scene(scene.file, false, changes);
+      return study::distance_between(reference, few_copies(changed.world), changed.timeline, finely,
+                                     distance);
+    } catch (const scenes::BadScene&) {
       return std::numeric_limits<double>::infinity();  // points were given for so many particles
     }
   };
   errors.twice = refined(2);
   errors.four = refined(4);
-  errors.rope = error_of_chain(errors.twice, errors.four);
+  errors.rope = study::error_of_chain(errors.twice, errors.four);
   const SceneModel& last = models.back();
   if (last.particles.begin()->second == 0) {
     errors.span =
-        distance_between(reference, last.model.world, last.model.timeline, finely, distance);
+        study::distance_between(reference, last.model.world, last.model.timeline, finely, distance);
   }
   if (models.size() > 1 && !models[1].links.empty()) {
     const SceneModel& linked = models[1];
-    errors.link =
-        distance_between(reference, linked.model.world, linked.model.timeline, finely, distance);
+    errors.link = study::distance_between(reference, linked.model.world, linked.model.timeline,
+                                          finely, distance);
   }
   return errors;
 }
@@ -143,30 +146,31 @@ World few_copies(World world) {
   return world;
 }
 
-std::vector<Candidate> all_candidates(const World& world, int fps, double longest_step) {
-  std::vector<Candidate> all;
-  for (const Contender& contender : chosen_contenders({})) {
+std::vector<study::Candidate> all_candidates(const World& world, int fps, double longest_step) {
+  std::vector<study::Candidate> all;
+  for (const options::Contender& contender : options::chosen_contenders({})) {
     if (has_spans(world) && !contender.method->follows_spans) continue;
-    const std::vector<Candidate> some = candidates_of(contender, false);
+    const std::vector<study::Candidate> some = options::candidates_of(contender, false);
     all.insert(all.end(), some.begin(), some.end());
   }
-  for (Candidate& candidate : all) {
+  for (study::Candidate& candidate : all) {
     const auto step = candidate.settings.find("step");
     if (step == candidate.settings.end()) continue;
     double& seconds = std::get<double>(step->second);
     if (seconds > 0) seconds = 1 / (fps * std::ceil(1 / (fps * seconds) - 1e-6));
   }
-  std::erase_if(all, [&](const Candidate& candidate) {
+  std::erase_if(all, [&](const study::Candidate& candidate) {
     const auto step = candidate.settings.find("step");
     return step != candidate.settings.end() && std::get<double>(step->second) > longest_step;
   });
   // The one that is likely to be chosen first: what is dearer than its best is given up early.
-  std::ranges::stable_partition(
-      all, [](const Candidate& candidate) { return candidate.method == default_method().name; });
+  std::ranges::stable_partition(all, [](const study::Candidate& candidate) {
+    return candidate.method == scenes::default_method().name;
+  });
   return all;
 }
 
-std::string describe(const SceneModel& model, const Scene& scene) {
+std::string describe(const SceneModel& model, const scenes::Scene& scene) {
   std::string text;
   for (const Connector& connector : scene.world.connectors) {
     if (is_copy(connector)) continue;
@@ -183,4 +187,4 @@ std::string describe(const SceneModel& model, const Scene& scene) {
   return text.empty() ? "as it is written" : text;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::planning

@@ -10,24 +10,26 @@
 #include "scenes/scene/scene.h"
 #include "sim/study/planner.h"
 
-namespace taut::cli {
+namespace taut::planning {
 
 struct SceneModel {
   std::map<std::string, std::size_t> particles;  // of each connector, as Plan has them
   std::vector<std::string> links;                // bodies that are links, as Plan has them
-  PlanModel model;                               // with every method's settings as candidates
-  Trial alone;                                   // the model's own error: solved finely
+  study::PlanModel model;                        // with every method's settings as candidates
+  study::Trial alone;                            // the model's own error: solved finely
 };
 
 /// The scene as it is written, then with fewer and fewer particles: of each connector about 7/8,
 /// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one; each of these
 /// also with links for all bodies that can be links; and as massless spans. Candidates and trials
 /// are not yet set. `written` are the changes that the scene was read with.
-std::vector<SceneModel> models_of(const Scene& scene, const std::vector<SceneChange>& written);
+std::vector<SceneModel> models_of(const scenes::Scene& scene,
+                                  const std::vector<scenes::SceneChange>& written);
 
 /// Every method that follows the world, at every setting of its sweep, with steps that divide a
 /// frame of 1/`fps` s and are at most `longest_step` (s); the default method first.
-std::vector<Candidate> all_candidates(const World& world, int fps, double longest_step = INFINITY);
+std::vector<study::Candidate> all_candidates(const World& world, int fps,
+                                             double longest_step = INFINITY);
 
 /// What models cost in accuracy, whatever solves them, in the tolerance's unit.
 struct ModelErrors {
@@ -38,15 +40,17 @@ struct ModelErrors {
 };
 
 /// Solves the refined models by `finely`. A motion that is not predictable has no such errors.
-ModelErrors model_errors(const Scene& scene, const std::vector<SceneChange>& written,
-                         const std::vector<SceneModel>& models, const ReferenceSolution& reference,
-                         const Candidate& finely, const Distance& distance);
+ModelErrors model_errors(const scenes::Scene& scene,
+                         const std::vector<scenes::SceneChange>& written,
+                         const std::vector<SceneModel>& models,
+                         const study::ReferenceSolution& reference, const study::Candidate& finely,
+                         const study::Distance& distance);
 
 /// The world with a few of each connector's copies: as they are all alike, these show for all how
 /// good a model is. Copies that hang on bodies all stay.
 World few_copies(World world);
 
 /// "6 of 11 particles"; "as it is written".
-std::string describe(const SceneModel& model, const Scene& scene);
+std::string describe(const SceneModel& model, const scenes::Scene& scene);
 
-}  // namespace taut::cli
+}  // namespace taut::planning

@@ -13,7 +13,7 @@
 #include "sim/run/bodies_as_links.h"
 #include "sim/world/span.h"
 
-namespace taut::cli {
+namespace taut::planning {
 namespace {
 
 /// A cycle of the counts takes so long on a core of 3 GHz.
@@ -23,8 +23,8 @@ double milliseconds(double cycles) {
 
 /// Models beyond the tolerance however well they are solved, and of every other method what came
 /// nearest to being chosen.
-Table left_out(const Planned& planned) {
-  Table table{{"model", "method", "outcome"}, {}};
+chart::Table left_out(const Planned& planned) {
+  chart::Table table{{"model", "method", "outcome"}, {}};
   bool plain_is_good = true;  // of the model before with the same particles and rigid bodies
   for (const SceneModel& model : planned.models) {
     if (model.links.empty()) plain_is_good = !model.model.candidates.empty();
@@ -32,9 +32,9 @@ Table left_out(const Planned& planned) {
     table.add({describe(model, planned.scene), "any",
                outcome(model.alone, planned.asked, planned.reference)});
   }
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (method.name == planned.candidate().method) continue;
-    const Trial* trial = nearest(planned.search, planned.models, method.name);
+    const study::Trial* trial = nearest(planned.search, planned.models, method.name);
     if (!trial) continue;
     const SceneModel& model = planned.models[trial->model];
     table.add({describe(model, planned.scene), describe(model.model.candidates[trial->candidate]),
@@ -44,17 +44,17 @@ Table left_out(const Planned& planned) {
 }
 
 std::string times_less(double before, double now) {
-  return now <= before ? fmt::format("{} times less", rounded(before / now))
-                       : fmt::format("{} times more", rounded(now / before));
+  return now <= before ? fmt::format("{} times less", options::rounded(before / now))
+                       : fmt::format("{} times more", options::rounded(now / before));
 }
 
 /// What solved the reference solution again.
-std::string checked_by(const ReferenceSolution& reference) {
+std::string checked_by(const study::ReferenceSolution& reference) {
   const std::string itself = "direct, ten times as finely";
   if (reference.checked < 2) return "checked by " + itself;
   if (reference.checked == reference.known) return "checked by truth";
   return fmt::format("checked by truth until {} s, then by {}",
-                     rounded(reference.problem.times[reference.checked - 1]), itself);
+                     options::rounded(reference.problem.times[reference.checked - 1]), itself);
 }
 
 /// What became of each free body.
@@ -63,7 +63,7 @@ std::string bodies_text(const Planned& planned) {
   const World& world = planned.model().model.world;
   const std::vector<std::string>& links = planned.model().links;
   const bool direct = planned.candidate().method == "direct" && !has_spans(world);
-  const std::vector<bool> as_links = stepped_as_links(world);
+  const std::vector<bool> as_links = direct::stepped_as_links(world);
   std::string text;
   for (std::size_t b = 0; b < reference.bodies.size(); ++b) {
     const Body& body = reference.bodies[b];
@@ -82,51 +82,54 @@ std::string bodies_text(const Planned& planned) {
     text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", body.name, is);
   }
   if (const auto& off = planned.models_off.link) {
-    text += fmt::format("; links for bodies are {} {} off", rounded(*off), planned.asked.unit);
+    text +=
+        fmt::format("; links for bodies are {} {} off", options::rounded(*off), planned.asked.unit);
   }
   return text;
 }
 
 std::string clip_text(const Planned& planned) {
   return planned.clip_error ? fmt::format(", and {} {} at what the clip shows between them",
-                                          rounded(*planned.clip_error), planned.asked.unit)
+                                          options::rounded(*planned.clip_error), planned.asked.unit)
                             : "";
 }
 
 }  // namespace
 
-std::string outcome(const Trial& trial, const Asked& asked, const ReferenceSolution& reference) {
+std::string outcome(const study::Trial& trial, const Asked& asked,
+                    const study::ReferenceSolution& reference) {
   const std::string& unit = asked.unit;
-  const Difference &later = trial.later, &most = reference.most;
+  const study::Difference &later = trial.later, &most = reference.most;
   switch (trial.end) {
-    case Trial::End::within:
-      return fmt::format("{} {} off", rounded(trial.error), unit);
-    case Trial::End::beyond:
-      return fmt::format("at least {} {} off", rounded(trial.error), unit);
-    case Trial::End::unlike:
+    case study::Trial::End::within:
+      return fmt::format("{} {} off", options::rounded(trial.error), unit);
+    case study::Trial::End::beyond:
+      return fmt::format("at least {} {} off", options::rounded(trial.error), unit);
+    case study::Trial::End::unlike:
       if (later.energy > most.energy)
-        return fmt::format("energy off by {}%", rounded(100 * later.energy));
+        return fmt::format("energy off by {}%", options::rounded(100 * later.energy));
       if (later.stretch > most.stretch)
-        return fmt::format("stretches by {}%", rounded(100 * later.stretch));
-      return fmt::format("other speeds of {}% of the points", rounded(100 * later.speeds));
-    case Trial::End::dearer:
+        return fmt::format("stretches by {}%", options::rounded(100 * later.stretch));
+      return fmt::format("other speeds of {}% of the points", options::rounded(100 * later.speeds));
+    case study::Trial::End::dearer:
       return fmt::format("dearer: at least {} ms per simulated second",
-                         rounded(milliseconds(trial.work)));
-    case Trial::End::diverged:
+                         options::rounded(milliseconds(trial.work)));
+    case study::Trial::End::diverged:
       return "cannot run it";
   }
   return "";
 }
 
-const Trial* nearest(const Search& search, const std::vector<SceneModel>& models,
-                     std::string_view method) {
-  const auto rank = [](const Trial& trial) {
-    const bool by_work = trial.end == Trial::End::within || trial.end == Trial::End::dearer;
+const study::Trial* nearest(const study::Search& search, const std::vector<SceneModel>& models,
+                            std::string_view method) {
+  const auto rank = [](const study::Trial& trial) {
+    const bool by_work =
+        trial.end == study::Trial::End::within || trial.end == study::Trial::End::dearer;
     return std::tuple(trial.end, by_work ? trial.work : trial.error);
   };
-  const Trial* best = nullptr;
-  for (const Trial& trial : search.trials) {
-    const Candidate& candidate = models[trial.model].model.candidates[trial.candidate];
+  const study::Trial* best = nullptr;
+  for (const study::Trial& trial : search.trials) {
+    const study::Candidate& candidate = models[trial.model].model.candidates[trial.candidate];
     if (!method.empty() && candidate.method != method) continue;
     if (!best || rank(trial) < rank(*best)) best = &trial;
   }
@@ -134,11 +137,12 @@ const Trial* nearest(const Search& search, const std::vector<SceneModel>& models
 }
 
 std::string plan_text(const Planned& planned) {
-  const Scene& scene = planned.scene;
-  const ReferenceSolution& reference = planned.reference;
-  const Trial& best = planned.best;
+  const scenes::Scene& scene = planned.scene;
+  const study::ReferenceSolution& reference = planned.reference;
+  const study::Trial& best = planned.best;
   const std::string& unit = planned.asked.unit;
-  std::string text = fmt::format("{}: {}\n", scene.file.string(), certificate(planned.plan));
+  std::string text =
+      fmt::format("{}: {}\n", scene.file.string(), scenes::certificate(planned.plan));
   const auto line = [&](const char* what, const std::string& is) {
     text += fmt::format("  {:<10}{}\n", what, is);
   };
@@ -146,12 +150,13 @@ std::string plan_text(const Planned& planned) {
   line("method", describe(planned.candidate()));
   if (const std::string bodies = bodies_text(planned); !bodies.empty()) line("bodies", bodies);
   if (reference.known > 1) {
-    line("error", fmt::format("{} {} at most, of every particle and the ends of every body in {} "
-                              "frames{}",
-                              rounded(best.error), unit, reference.known, clip_text(planned)));
-    line("reference",
-         fmt::format("known to {} {}: {}", rounded(planned.asked.per_metre * reference.self_error),
-                     unit, checked_by(reference)));
+    line("error",
+         fmt::format("{} {} at most, of every particle and the ends of every body in {} "
+                     "frames{}",
+                     options::rounded(best.error), unit, reference.known, clip_text(planned)));
+    line("reference", fmt::format("known to {} {}: {}",
+                                  options::rounded(planned.asked.per_metre * reference.self_error),
+                                  unit, checked_by(reference)));
   } else {
     line("error",
          fmt::format("the motion is not predictable to {}: a nudge of a ten-thousandth of that "
@@ -161,7 +166,7 @@ std::string plan_text(const Planned& planned) {
   if (reference.known > 1 && reference.goes_on()) {
     line("until", fmt::format("{} s: {}a nudge of a ten-thousandth of {} then grows beyond a "
                               "hundredth of it",
-                              rounded(planned.plan.until),
+                              options::rounded(planned.plan.until),
                               planned.plan.end.empty() ? "" : planned.plan.end + ", and ",
                               planned.plan.tolerance));
   }
@@ -172,69 +177,74 @@ std::string plan_text(const Planned& planned) {
              "({}% would do)",
              reference.balanced ? "" : "mean ",
              reference.closed || !reference.balanced ? "" : ", less the work of what drives it,",
-             rounded(100 * best.later.energy), rounded(100 * reference.most.energy)));
+             options::rounded(100 * best.later.energy),
+             options::rounded(100 * reference.most.energy)));
     line("", fmt::format("links within {}% of their length ({}%)",
-                         rounded(100 * best.later.stretch), rounded(100 * reference.most.stretch)));
+                         options::rounded(100 * best.later.stretch),
+                         options::rounded(100 * reference.most.stretch)));
     line("", fmt::format("speeds of all points distributed within {}% ({}%, by how much reference "
                          "solutions differ)",
-                         rounded(100 * best.later.speeds), rounded(100 * reference.most.speeds)));
+                         options::rounded(100 * best.later.speeds),
+                         options::rounded(100 * reference.most.speeds)));
   }
   const ModelErrors& off = planned.models_off;
   if (off.rope) {
-    line("rope",
-         fmt::format("the scene's chains are {} {} from continuous ropes, as {} and {} {} "
-                     "from twice and four times the links tell",
-                     rounded(*off.rope), unit, rounded(off.twice), rounded(off.four), unit));
+    line("rope", fmt::format("the scene's chains are {} {} from continuous ropes, as {} and {} {} "
+                             "from twice and four times the links tell",
+                             options::rounded(*off.rope), unit, options::rounded(off.twice),
+                             options::rounded(off.four), unit));
   } else if (reference.known > 1) {
     line("rope", fmt::format("the scene's chains are {} and {} {} from twice and four times the "
                              "links: too few to tell where continuous ropes would be",
-                             rounded(off.twice), rounded(off.four), unit));
+                             options::rounded(off.twice), options::rounded(off.four), unit));
   }
   if (off.span) {
-    line("span",
-         fmt::format("massless spans are {} {} from the scene's chains{}", rounded(*off.span), unit,
-                     off.rope ? fmt::format(", so at most {} {} from continuous ropes",
-                                            rounded(*off.span + *off.rope), unit)
-                              : ""));
+    line("span", fmt::format("massless spans are {} {} from the scene's chains{}",
+                             options::rounded(*off.span), unit,
+                             off.rope ? fmt::format(", so at most {} {} from continuous ropes",
+                                                    options::rounded(*off.span + *off.rope), unit)
+                                      : ""));
   }
   if (const auto& blur = planned.blur) {
-    line("blur",
-         fmt::format("{} exposures of a frame at most, {} on average ({} as it is "
-                     "written): the fastest point comes {} px while the shutter is open, "
-                     "{} px from one to the next{}",
-                     blur->most, rounded(blur->mean), rounded(blur->mean_as_written),
-                     rounded(blur->way), rounded(blur->apart),
-                     blur->most < kMostStates ? ""
-                                              : fmt::format("; more change no pixel by more "
-                                                            "than 1/{} of its contrast",
-                                                            kMostStates)));
+    line("blur", fmt::format("{} exposures of a frame at most, {} on average ({} as it is "
+                             "written): the fastest point comes {} px while the shutter is open, "
+                             "{} px from one to the next{}",
+                             blur->most, options::rounded(blur->mean),
+                             options::rounded(blur->mean_as_written), options::rounded(blur->way),
+                             options::rounded(blur->apart),
+                             blur->most < scenes::kMostStates
+                                 ? ""
+                                 : fmt::format("; more change no pixel by more "
+                                               "than 1/{} of its contrast",
+                                               scenes::kMostStates)));
   }
-  const Candidate as_written{scene.method.name, scene.method.settings};
-  if (planned.as_written.end == Trial::End::diverged) {
+  const study::Candidate as_written{scene.method.name, scene.method.settings};
+  if (planned.as_written.end == study::Trial::End::diverged) {
     line("saving", fmt::format("as it is written, {} diverges", describe(as_written)));
   } else {
     line("saving",
          fmt::format("{} by counted work, {} measured, than as it is written: {}, {} {} off",
                      times_less(planned.as_written.work, best.work),
                      times_less(planned.cost_as_written, planned.cost), describe(as_written),
-                     rounded(planned.as_written.error), unit));
+                     options::rounded(planned.as_written.error), unit));
   }
   line("cost", fmt::format("{} ms of CPU time per simulated second predicted from the counts, {} "
                            "measured",
-                           rounded(milliseconds(best.work)), rounded(1e3 * planned.cost)));
-  return text + "\nLeft out:\n" + to_text(left_out(planned));
+                           options::rounded(milliseconds(best.work)),
+                           options::rounded(1e3 * planned.cost)));
+  return text + "\nLeft out:\n" + chart::to_text(left_out(planned));
 }
 
 std::string plan_json(const Planned& planned) {
-  const ReferenceSolution& reference = planned.reference;
+  const study::ReferenceSolution& reference = planned.reference;
   nlohmann::ordered_json json = {{"scene", planned.scene.file.string()},
                                  {"tolerance", planned.plan.tolerance},
-                                 {"certificate", certificate(planned.plan)},
+                                 {"certificate", scenes::certificate(planned.plan)},
                                  {"until", planned.plan.until},
                                  {"error", planned.plan.error},
                                  {"error_at_frames", planned.best.error},
                                  {"method", planned.plan.method.name},
-                                 {"settings", settings_json(planned.plan.method.settings)},
+                                 {"settings", options::settings_json(planned.plan.method.settings)},
                                  {"particles", planned.plan.particles},
                                  {"bodies_as_links", planned.plan.links},
                                  {"checked_by", checked_by(reference)},
@@ -257,14 +267,14 @@ std::string plan_json(const Planned& planned) {
                          {"pixels_apart", blur->apart}};
   }
   if (reference.goes_on()) {
-    const auto later = [](const Difference& difference) {
+    const auto later = [](const study::Difference& difference) {
       return nlohmann::ordered_json{{"energy", difference.energy},
                                     {"stretch", difference.stretch},
                                     {"speeds", difference.speeds}};
     };
     json["later"] = {{"found", later(planned.best.later)}, {"allowed", later(reference.most)}};
   }
-  if (planned.as_written.end == Trial::End::within) {
+  if (planned.as_written.end == study::Trial::End::within) {
     json["as_written"] = {{"error", planned.as_written.error},
                           {"predicted_ms_per_second", milliseconds(planned.as_written.work)},
                           {"measured_ms_per_second", 1e3 * planned.cost_as_written}};
@@ -275,4 +285,4 @@ std::string plan_json(const Planned& planned) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace taut::cli
+}  // namespace taut::planning

@@ -10,11 +10,11 @@
 #include "render/plan/plan_models.h"
 #include "sim/study/planner.h"
 
-namespace taut::cli {
+namespace taut::planning {
 
 /// The tolerance as it was given.
 struct Asked {
-  Tolerance tolerance;
+  study::Tolerance tolerance;
   std::string unit;      // "px" or "mm"
   double per_metre = 0;  // the most units that a metre has
 };
@@ -30,36 +30,37 @@ struct Blur {
 
 /// A plan with everything that led to it.
 struct Planned {
-  const Scene& scene;
+  const scenes::Scene& scene;
   const Asked& asked;
-  const ReferenceSolution& reference;
+  const study::ReferenceSolution& reference;
   const std::vector<SceneModel>& models;
-  const Search& search;
-  const Trial& best;
-  Plan plan = {};
+  const study::Search& search;
+  const study::Trial& best;
+  scenes::Plan plan = {};
   double scored = 0;  // m, the tolerance
   ModelErrors models_off = {};
   std::optional<Blur> blur = {};          // where there is a shutter
   std::optional<double> clip_error = {};  // at what the clip shows between frames
   double error = 0;                       // the largest of all that is compared
-  Trial as_written = {};                  // run to its end, whatever its error
+  study::Trial as_written = {};           // run to its end, whatever its error
   double cost = 0, cost_as_written = 0;   // measured: CPU s per simulated second
 
   const SceneModel& model() const { return models[best.model]; }
-  const Candidate& candidate() const { return model().model.candidates[best.candidate]; }
+  const study::Candidate& candidate() const { return model().model.candidates[best.candidate]; }
 };
 
 /// What became of a candidate, in a few words.
-std::string outcome(const Trial& trial, const Asked& asked, const ReferenceSolution& reference);
+std::string outcome(const study::Trial& trial, const Asked& asked,
+                    const study::ReferenceSolution& reference);
 /// The trial that came nearest to being chosen: the cheapest within, else the cheapest of those
 /// that were only too dear, else one that only differs later, else the least error; of one method
 /// where that is named.
-const Trial* nearest(const Search& search, const std::vector<SceneModel>& models,
-                     std::string_view method = {});
+const study::Trial* nearest(const study::Search& search, const std::vector<SceneModel>& models,
+                            std::string_view method = {});
 
 /// A few lines, and the table of what was left out.
 std::string plan_text(const Planned& planned);
 /// The same as JSON.
 std::string plan_json(const Planned& planned);
 
-}  // namespace taut::cli
+}  // namespace taut::planning

@@ -6,10 +6,10 @@
 #include "scenes/load_scene.h"
 #include "scenes/plan_file.h"
 
-namespace taut::cli {
+namespace taut::planning {
 namespace {
 
-std::string model_of(const Plan& plan) {
+std::string model_of(const scenes::Plan& plan) {
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
   for (const auto& [connector, particles] : plan.particles) {
@@ -21,28 +21,28 @@ std::string model_of(const Plan& plan) {
   return text;
 }
 
-std::string found_of(const Plan& plan) {
-  const std::string unit(read_length(plan.tolerance)->unit);
-  std::string text = plan.until > 0 ? fmt::format("{} {} until {} s", rounded(plan.error), unit,
-                                                  rounded(plan.until))
+std::string found_of(const scenes::Plan& plan) {
+  const std::string unit(scenes::read_length(plan.tolerance)->unit);
+  std::string text = plan.until > 0 ? fmt::format("{} {} until {} s", options::rounded(plan.error),
+                                                  unit, options::rounded(plan.until))
                                     : "not predictable";
   if (const auto& later = plan.afterwards) {
-    text += fmt::format("; then energy {}%", rounded(100 * later->energy));
+    text += fmt::format("; then energy {}%", options::rounded(100 * later->energy));
   }
   return text;
 }
 
-std::vector<std::string> row_of(const Scene& scene) {
+std::vector<std::string> row_of(const scenes::Scene& scene) {
   const std::string name = scene.file.stem().string();
   if (!scene.plan) {
     const char* const why = scene.strange_plan.empty() ? "has no plan" : "cannot be read";
     return {name, "-", "-", "-", why};
   }
-  const Plan& plan = *scene.plan;
-  const bool changed = plan.stamp != plan_stamp(scene.file);
-  const bool moves_otherwise = plan.program != method_stamp(plan.method);
+  const scenes::Plan& plan = *scene.plan;
+  const bool changed = plan.stamp != scenes::plan_stamp(scene.file);
+  const bool moves_otherwise = plan.program != scenes::method_stamp(plan.method);
   return {name, plan.tolerance, model_of(plan),
-          describe(Candidate{plan.method.name, plan.method.settings}),
+          study::describe(study::Candidate{plan.method.name, plan.method.settings}),
           changed           ? "the scene changed since"
           : moves_otherwise ? "the method moves otherwise since"
                             : found_of(plan)};
@@ -50,10 +50,10 @@ std::vector<std::string> row_of(const Scene& scene) {
 
 }  // namespace
 
-Table plan_table(const std::vector<std::string>& scenes) {
-  Table table{{"scene", "asked", "model", "method", "found"}, {}};
-  for (const std::string& scene : scenes) table.add(row_of(load_scene(scene, false)));
+chart::Table plan_table(const std::vector<std::string>& scenes) {
+  chart::Table table{{"scene", "asked", "model", "method", "found"}, {}};
+  for (const std::string& scene : scenes) table.add(row_of(scenes::load_scene(scene, false)));
   return table;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::planning

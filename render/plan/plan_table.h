@@ -6,10 +6,10 @@
 
 #include "render/chart/table.h"
 
-namespace taut::cli {
+namespace taut::planning {
 
 /// One row for each scene file: what was asked, what the plan takes, and what it keeps to. Throws
 /// BadScene.
-Table plan_table(const std::vector<std::string>& scenes);
+chart::Table plan_table(const std::vector<std::string>& scenes);
 
-}  // namespace taut::cli
+}  // namespace taut::planning

@@ -8,7 +8,7 @@
 #include "render/program/help.h"
 #include "scenes/files/asset_path.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 Option& Option::range(double least, double most) {
   option_->check(CLI::Range(least, most));
@@ -115,10 +115,10 @@ Command add_command(CLI::App& app, Program& program, const std::string& name,
       .range(0, 1024);
   command
       .add_text(
-          "--assets", [](const std::string& folder) { set_asset_folder(folder); },
+          "--assets", [](const std::string& folder) { scenes::set_asset_folder(folder); },
           "A folder in which the files that a scene names are looked for first")
       .existing_folder();
   return command;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

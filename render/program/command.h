@@ -14,7 +14,7 @@ class App;
 class Option;
 }  // namespace CLI
 
-namespace taut::cli {
+namespace taut::program {
 
 /// Options that every command takes.
 struct Common {
@@ -83,4 +83,4 @@ class Command {
 Command add_command(CLI::App& app, Program& program, const std::string& name,
                     const std::string& summary, const std::string& examples);
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -1,7 +1,7 @@
 // How the program ends. Scripts rely on these numbers.
 #pragma once
 
-namespace taut::cli {
+namespace taut::program {
 
 enum ExitCode : int {
   kDone = 0,
@@ -18,4 +18,4 @@ enum ExitCode : int {
   kTerminated = 143,
 };
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -9,7 +9,7 @@
 
 #include "render/program/command.h"
 
-namespace taut::cli {
+namespace taut::program {
 namespace {
 
 std::optional<int> whole_number(std::string_view text) {
@@ -55,4 +55,4 @@ std::pair<int, int> picture_size(const std::string& text) {
   return {width, height};
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace taut::cli {
+namespace taut::program {
 
 /// Reads "A-B,C": frame numbers and inclusive ranges, each below `total`; rising, without repeats.
 /// No text means every frame. Throws Misuse.
@@ -14,4 +14,4 @@ std::vector<int> frame_list(const std::optional<std::string>& text, int total);
 /// Reads "WxH". Throws Misuse.
 std::pair<int, int> picture_size(const std::string& text);
 
-}  // namespace taut::cli
+}  // namespace taut::program

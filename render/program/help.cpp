@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string>
 
-namespace taut::cli {
+namespace taut::program {
 namespace {
 
 constexpr std::size_t kWidth = 100, kColumn = 30;  // letters; where descriptions begin
@@ -83,4 +83,4 @@ std::shared_ptr<CLI::Formatter> help_format() {
   return std::make_shared<Format>();
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -5,11 +5,11 @@
 #include <memory>
 #include <string>
 
-namespace taut::cli {
+namespace taut::program {
 
 std::shared_ptr<CLI::Formatter> help_format();
 
 /// What an option takes, in capitals: its own name where it has no better word; empty for flags.
 std::string value_of(const CLI::Option& option);
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -13,7 +13,7 @@
 #include "render/error.h"
 #include "scenes/files/regular_file.h"
 
-namespace taut::cli {
+namespace taut::program {
 namespace {
 
 // Fields end with tabs, rows with newlines; neither stands in a key or cell.
@@ -32,7 +32,7 @@ std::string header(std::uint64_t stamp) {
 
 /// The file's text without a line that was cut short.
 std::string whole_lines(const std::filesystem::path& file) {
-  std::string text = read_bytes(file);
+  std::string text = scenes::read_bytes(file);
   text.resize(text.rfind('\n') + 1);  // npos + 1 is zero
   return text;
 }
@@ -43,18 +43,19 @@ Journal::Journal(std::filesystem::path file, std::uint64_t stamp) : name_(std::m
   std::error_code error;
   if (name_.has_parent_path()) std::filesystem::create_directories(name_.parent_path(), error);
   if (error) {
-    throw CannotWrite(fmt::format("{}: cannot be created: {}", name_.string(), error.message()));
+    throw render::CannotWrite(
+        fmt::format("{}: cannot be created: {}", name_.string(), error.message()));
   }
-  file_ = Descriptor(open(name_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND, 0644));
+  file_ = render::Descriptor(open(name_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND, 0644));
   if (!file_.is_open()) fail("cannot be created");
-  if (!try_to_lock(file_.get(), name_)) {
-    throw CannotWrite(fmt::format("{}: another run is writing it", name_.string()));
+  if (!render::try_to_lock(file_.get(), name_)) {
+    throw render::CannotWrite(fmt::format("{}: another run is writing it", name_.string()));
   }
   const std::string text = whole_lines(name_);
   const bool known = take_up(text, stamp);
   if (ftruncate(file_.get(), static_cast<off_t>(known ? text.size() : 0)) != 0)
     fail("cannot be cut");
-  if (!known && !write_all(file_.get(), header(stamp) + "\n")) fail("cannot be written");
+  if (!known && !render::write_all(file_.get(), header(stamp) + "\n")) fail("cannot be written");
   kept_ = rows_.size();
 }
 
@@ -93,17 +94,18 @@ void Journal::add(const std::string& key, const std::vector<std::string>& cells)
   for (const std::string& cell : cells) line += kField + plain(cell);
   line += kField;  // keeps an empty last cell
   line += '\n';
-  if (!write_all(file_.get(), line)) fail("cannot be written");
+  if (!render::write_all(file_.get(), line)) fail("cannot be written");
   rows_[plain(key)] = cells;
 }
 
 void Journal::finish() {
-  remove_output(name_);
+  render::remove_output(name_);
   file_.close();
 }
 
 void Journal::fail(const char* action) const {
-  throw CannotWrite(fmt::format("{}: {}: {}", name_.string(), action, std::strerror(errno)));
+  throw render::CannotWrite(
+      fmt::format("{}: {}: {}", name_.string(), action, std::strerror(errno)));
 }
 
 std::string exact(double value) {
@@ -114,4 +116,4 @@ double number_in(const std::string& text) {
   return std::strtod(text.c_str(), nullptr);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -9,7 +9,7 @@
 
 #include "render/descriptor.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 /// Rows of text under a key each. A row is on the disk when add() returns; a row that a crash cut
 /// short is forgotten.
@@ -38,7 +38,7 @@ class Journal {
   bool take_up(const std::string& text, std::uint64_t stamp);
 
   std::filesystem::path name_;
-  Descriptor file_;
+  render::Descriptor file_;
   std::size_t kept_ = 0;
   std::map<std::string, std::vector<std::string>> rows_;
 };
@@ -47,4 +47,4 @@ class Journal {
 std::string exact(double value);
 double number_in(const std::string& text);
 
-}  // namespace taut::cli
+}  // namespace taut::program

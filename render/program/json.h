@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace taut::cli {
+namespace taut::program {
 
 using Json = nlohmann::ordered_json;
 
@@ -13,4 +13,4 @@ inline Json number_or_null(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace taut::cli {
+namespace taut::program {
 
 /// Writes to standard error. A run goes on where nobody can read it; fmt::print
 /// throws there.
@@ -15,4 +15,4 @@ void note(fmt::format_string<Values...> format, Values&&... values) {
   std::fputs(fmt::format(format, std::forward<Values>(values)...).c_str(), stderr);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -1,9 +1,9 @@
 #include "render/program/output.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 bool to_standard_output(const std::string& name) {
-  return name == "-" || is_standard_output(name);
+  return name == "-" || render::is_standard_output(name);
 }
 
 Output::Output(const std::string& name) {
@@ -14,7 +14,7 @@ void Output::write(std::string_view bytes) {
   if (file_) {
     file_->write(bytes);
   } else {
-    write_output(bytes);
+    render::write_output(bytes);
   }
   written_ += bytes.size();
 }
@@ -23,4 +23,4 @@ void Output::finish() {
   if (file_) file_->commit();
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

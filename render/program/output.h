@@ -7,7 +7,7 @@
 
 #include "render/atomic_file.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 /// A file, or standard output where the name is - or what that goes to.
 class Output {
@@ -23,11 +23,11 @@ class Output {
   void finish();
 
  private:
-  std::optional<AtomicFile> file_;
+  std::optional<render::AtomicFile> file_;
   std::uint64_t written_ = 0;
 };
 
 /// True where such an output goes to standard output.
 bool to_standard_output(const std::string& name);
 
-}  // namespace taut::cli
+}  // namespace taut::program

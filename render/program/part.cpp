@@ -13,7 +13,7 @@
 #include "render/program/note.h"
 #include "render/program/progress.h"
 
-namespace taut::cli {
+namespace taut::program {
 namespace {
 
 namespace fs = std::filesystem;
@@ -103,7 +103,7 @@ std::vector<PartPath> found_parts(const fs::path& folder, const std::string& nam
     if (number > 0 && count > 0 && rest.empty()) parts.push_back({entry->path(), number, count});
   }
   if (error && error != std::errc::no_such_file_or_directory) {
-    throw CannotWrite(fmt::format("{}: {}", (folder / kFolder).string(), error.message()));
+    throw render::CannotWrite(fmt::format("{}: {}", (folder / kFolder).string(), error.message()));
   }
   std::ranges::sort(parts, {},
                     [](const PartPath& part) { return std::pair(part.count, part.number); });
@@ -141,7 +141,7 @@ int do_part(const PartOptions& part, const Pieces& pieces, const fs::path& folde
                       common.quiet);
     std::size_t done = 0;
     for (const std::size_t i : own) {
-      stop_if_interrupted();
+      render::stop_if_interrupted();
       if (!journal.find(pieces.keys[i])) journal.add(pieces.keys[i], work(i, journal));
       progress.update(++done);
     }
@@ -164,8 +164,8 @@ int say_part_done(const PartOptions& part, const fs::path& path, std::size_t pie
                   const Common& common) {
   const nlohmann::ordered_json report = {
       {"part", part.number}, {"parts", part.count}, {"pieces", pieces}, {"path", path.string()}};
-  write_output(common.json ? report.dump(2) + "\n" : path.string() + "\n");
+  render::write_output(common.json ? report.dump(2) + "\n" : path.string() + "\n");
   return kDone;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

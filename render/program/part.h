@@ -9,7 +9,7 @@
 #include "render/program/command.h"
 #include "render/program/journal.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 struct PartOptions {
   std::size_t number = 0, count = 0;  // --part number/count; 0: all of it
@@ -70,4 +70,4 @@ Journal merged_journal(const Pieces& pieces, const std::filesystem::path& folder
 int say_part_done(const PartOptions& part, const std::filesystem::path& path, std::size_t pieces,
                   const Common& common);
 
-}  // namespace taut::cli
+}  // namespace taut::program

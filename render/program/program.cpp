@@ -27,7 +27,7 @@
 #include "sim/interventions/timeline.h"
 #include "sim/run/method.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 namespace {
 
@@ -57,7 +57,7 @@ void terminate_for_memory() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
   } catch (const std::bad_alloc&) {
-    AtomicFile::remove_all();
+    render::AtomicFile::remove_all();
     _exit(say_out_of_memory());
   } catch (...) {  // a defect
   }
@@ -93,8 +93,8 @@ const char* cause_of(int code) {
   }
 }
 
-nlohmann::ordered_json json_of(const SceneFault& fault) {
-  const FaultPlace& place = fault.place;
+nlohmann::ordered_json json_of(const scenes::SceneFault& fault) {
+  const scenes::FaultPlace& place = fault.place;
   nlohmann::ordered_json json = {
       {"file", place.file}, {"key", place.key}, {"message", place.fault}};
   if (place.line > 0) json.update({{"line", place.line}, {"column", place.column}});
@@ -103,21 +103,21 @@ nlohmann::ordered_json json_of(const SceneFault& fault) {
 
 /// Says what went wrong; `faults` are those of a scene.
 int complain(const Common& common, ExitCode code, const std::string& message,
-             const std::vector<SceneFault>& faults = {}) {
+             const std::vector<scenes::SceneFault>& faults = {}) {
   const char* const name = is_colored(STDERR_FILENO) ? "\033[1;31mtaut:\033[0m" : "taut:";
   if (faults.size() > 1) {
-    for (const SceneFault& fault : faults) note("{} {}\n", name, fault.what());
+    for (const scenes::SceneFault& fault : faults) note("{} {}\n", name, fault.what());
   } else {
     note("{} {}\n", name, message);
   }
   if (!common.json) return code;
   nlohmann::ordered_json error = {
       {"exit_code", int(code)}, {"cause", cause_of(code)}, {"message", message}};
-  for (const SceneFault& fault : faults) error["faults"].push_back(json_of(fault));
+  for (const scenes::SceneFault& fault : faults) error["faults"].push_back(json_of(fault));
   // The error is told already where this fails, too.
   try {
-    write_output(nlohmann::ordered_json({{"error", error}}).dump(2) + "\n");
-  } catch (const CannotWrite&) {
+    render::write_output(nlohmann::ordered_json({{"error", error}}).dump(2) + "\n");
+  } catch (const render::CannotWrite&) {
   }
   return code;
 }
@@ -155,8 +155,8 @@ std::string unknown_word(const CLI::App& app) {
   for (const std::string& name : names) known.push_back(name);
   const std::string word = left.front().substr(0, left.front().find('='));
   const std::string of = chosen.empty() ? "" : " of taut " + from.get_name();
-  return is_option ? fmt::format("{} is no option{}{}", word, of, suggestion(word, known))
-                   : fmt::format("{} is no command{}", word, suggestion(word, known));
+  return is_option ? fmt::format("{} is no option{}{}", word, of, scenes::suggestion(word, known))
+                   : fmt::format("{} is no command{}", word, scenes::suggestion(word, known));
 }
 
 /// Tells what is wrong with the options, as with everything else.
@@ -197,7 +197,7 @@ int parse_and_run(int argc, char** argv, std::span<const AddCommand> commands) {
   }
   if (now && !program.common.quiet) note("taut: {} is called {} now\n", argv[1], now);
   return guarded(program.common, [&] {
-    catch_interrupts();
+    render::catch_interrupts();
     return program.run();
   });
 }
@@ -211,23 +211,23 @@ int guarded(const Common& common, const std::function<int()>& work) {
     return complain(common, kUsage, error.what());
   } catch (const BadScenes& error) {
     return complain(common, kBadScene, error.what(), error.all);
-  } catch (const SceneFault& error) {
+  } catch (const scenes::SceneFault& error) {
     return complain(common, kBadScene, error.what(), {error});
-  } catch (const BadScene& error) {
+  } catch (const scenes::BadScene& error) {
     return complain(common, kBadScene, error.what());
   } catch (const BadIntervention& error) {
     return complain(common, kBadScene, error.what());
-  } catch (const BadAsset& error) {
+  } catch (const scenes::BadAsset& error) {
     return complain(common, kBadScene, error.what());
-  } catch (const NoContext& error) {
+  } catch (const render::NoContext& error) {
     return complain(common, kNoContext, error.what());
-  } catch (const EncoderFailed& error) {
+  } catch (const render::EncoderFailed& error) {
     return complain(common, kEncoder, error.what());
-  } catch (const CannotWrite& error) {
+  } catch (const render::CannotWrite& error) {
     return complain(common, kCannotWrite, error.what());
   } catch (const Diverged& error) {
     return complain(common, kDiverged, error.what());
-  } catch (const Interrupted& error) {
+  } catch (const render::Interrupted& error) {
     const std::string far = left_off().empty() ? "" : "; " + left_off();
     return complain(common, error.signal == SIGINT ? kInterrupted : kTerminated,
                     error.what() + far);
@@ -243,7 +243,7 @@ void describe_program(CLI::App& app, Program& program, std::span<const AddComman
   app.description("Simulates flexible connectors (ropes, chains, cords) and renders them.");
   app.require_subcommand(1);
   app.formatter(help_format());
-  app.set_version_flag("--version", fmt::format("taut {}", version()));
+  app.set_version_flag("--version", fmt::format("taut {}", render::version()));
   app.footer(std::string("\n") + kExamples);
   for (const AddCommand add : commands) add(app, program);
 }
@@ -267,4 +267,4 @@ int run_program(int argc, char** argv, std::span<const AddCommand> commands) {
   }
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

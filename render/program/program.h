@@ -9,7 +9,7 @@
 #include "render/program/command.h"
 #include "scenes/files/fault.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 using AddCommand = void (*)(CLI::App& app, Program& program);
 
@@ -17,11 +17,11 @@ using AddCommand = void (*)(CLI::App& app, Program& program);
 void describe_program(CLI::App& app, Program& program, std::span<const AddCommand> commands);
 
 /// Several things that are wrong with a scene.
-class BadScenes : public BadScene {
+class BadScenes : public scenes::BadScene {
  public:
-  explicit BadScenes(std::vector<SceneFault> faults)
-      : BadScene(faults.front()), all(std::move(faults)) {}
-  std::vector<SceneFault> all;
+  explicit BadScenes(std::vector<scenes::SceneFault> faults)
+      : scenes::BadScene(faults.front()), all(std::move(faults)) {}
+  std::vector<scenes::SceneFault> all;
 };
 
 /// Does some work, and tells what it throws: in words on standard error and, with --json, as
@@ -35,4 +35,4 @@ int run_words(const Common& common, AddCommand add, std::vector<std::string> wor
 /// Returns the exit code.
 int run_program(int argc, char** argv, std::span<const AddCommand> commands);
 
-}  // namespace taut::cli
+}  // namespace taut::program

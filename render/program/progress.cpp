@@ -10,7 +10,7 @@
 #include "render/interrupt.h"
 #include "render/program/note.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 namespace {
 
@@ -35,7 +35,7 @@ Progress::Progress(std::string what, std::string unit, std::uint64_t total, bool
 
 Progress::~Progress() {
   std::string& text = left_off_text();
-  if (pending_interrupt() && text.empty() && std::uncaught_exceptions() > exceptions_) try {
+  if (render::pending_interrupt() && text.empty() && std::uncaught_exceptions() > exceptions_) try {
       text = unit_ == "%" ? fmt::format("{}: {}%", what_, done_)
                           : fmt::format("{}: {} of {} {}", what_, done_, total_, unit_);
     } catch (const std::bad_alloc&) {
@@ -76,4 +76,4 @@ std::string clock_text(double seconds) {
                       : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -7,7 +7,7 @@
 #include <exception>
 #include <string>
 
-namespace taut::cli {
+namespace taut::program {
 
 class Progress {
  public:
@@ -39,4 +39,4 @@ const std::string& left_off();
 /// A duration as h:mm:ss or m:ss.
 std::string clock_text(double seconds);
 
-}  // namespace taut::cli
+}  // namespace taut::program

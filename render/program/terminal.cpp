@@ -11,7 +11,7 @@
 
 #include "render/chart/fitted_table.h"
 
-namespace taut::cli {
+namespace taut::program {
 namespace {
 
 /// The value of a variable; empty where there is none.
@@ -41,8 +41,8 @@ bool is_colored(int stream) {
   return isatty(stream) && environment("TERM") != "dumb";
 }
 
-std::string table_text(const Table& table) {
-  const std::string text = to_text(table, output_width());
+std::string table_text(const chart::Table& table) {
+  const std::string text = chart::to_text(table, output_width());
   if (!is_colored(STDOUT_FILENO)) return text;
   // The first line of the table, or of each of its paragraphs.
   std::string colored;
@@ -57,4 +57,4 @@ std::string table_text(const Table& table) {
   return colored;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -6,7 +6,7 @@
 #include "render/interrupt.h"
 #include "render/program/program.h"
 
-namespace taut::cli {
+namespace taut::program {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,10 +30,10 @@ int watch(const std::vector<fs::path>& files, const Common& common,
     const int code = guarded(common, work);
     if (code == kInterrupted || code == kTerminated) return kDone;
     while (times_of(files) == seen) {
-      if (pending_interrupt()) return kDone;
+      if (render::pending_interrupt()) return kDone;
       std::this_thread::sleep_for(kBetween);
     }
   }
 }
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -7,11 +7,11 @@
 
 #include "render/program/command.h"
 
-namespace taut::cli {
+namespace taut::program {
 
 /// Calls `work` now and whenever one of the files changes, until the program is interrupted, which
 /// is how it ends well. What `work` throws is told, and waits for the next change.
 int watch(const std::vector<std::filesystem::path>& files, const Common& common,
           const std::function<int()>& work);
 
-}  // namespace taut::cli
+}  // namespace taut::program

@@ -90,9 +90,9 @@ class BatchObject {
       throw std::invalid_argument(fmt::format("step: found {}, expected a number above 0", step));
     }
     if (single) {
-      batch_.emplace<Batch<float>>(world_, step);
+      batch_.emplace<batch::Batch<float>>(world_, step);
     } else {
-      batch_.emplace<Batch<double>>(world_, step);
+      batch_.emplace<batch::Batch<double>>(world_, step);
     }
     read();
   }
@@ -130,7 +130,7 @@ class BatchObject {
 
   /// Looks for signals at multiples of the step, which changes no bit.
   template <class Scalar>
-  void go(Batch<Scalar>& batch, double until, int threads) {
+  void go(batch::Batch<Scalar>& batch, double until, int threads) {
     Signals signals;
     do {
       const double now = batch.time();
@@ -155,14 +155,14 @@ class BatchObject {
   }
   void store(const std::monostate&) {}
   template <class Scalar>
-  void store(const Batch<Scalar>& batch) {
+  void store(const batch::Batch<Scalar>& batch) {
     batch.store(world_);
   }
 
   World world_;
   double step_;
   double stride_ = 1;  // steps from one look for signals to the next
-  std::variant<std::monostate, Batch<float>, Batch<double>> batch_;
+  std::variant<std::monostate, batch::Batch<float>, batch::Batch<double>> batch_;
   py::array_t<double> positions_, velocities_;
   double* positions_data_ = positions_.mutable_data();
   double* velocities_data_ = velocities_.mutable_data();

@@ -119,7 +119,7 @@ const MethodInfo& existing_method(const std::string& name) {
   const MethodInfo* method = find_method(name);
   if (!method) {
     std::vector<std::string_view> known;
-    for (const MethodInfo& info : methods()) known.push_back(info.name);
+    for (const MethodInfo& info : all_methods()) known.push_back(info.name);
     throw std::invalid_argument(fmt::format("there is no method \"{}\", expected one of: {}", name,
                                             fmt::join(known, ", ")));
   }
@@ -132,8 +132,9 @@ const MethodInfo& existing_method(const std::string& name) {
 
 }  // namespace
 
-MethodChoice chosen_method(const Scene& scene, const std::string& name, const Settings& settings) {
-  MethodChoice choice = scene.method;
+scenes::MethodChoice chosen_method(const scenes::Scene& scene, const std::string& name,
+                                   const Settings& settings) {
+  scenes::MethodChoice choice = scene.method;
   if (!name.empty() && name != choice.name) choice = {name, {}};
   existing_method(choice.name);
   for (const auto& [key, value] : settings) {
@@ -143,17 +144,17 @@ MethodChoice chosen_method(const Scene& scene, const std::string& name, const Se
     if (!step) continue;
     choice.settings.erase("tolerance");
     if (!(*step > 0)) continue;
-    const auto exact = dividing_step(*step, scene.fps);
+    const auto exact = scenes::dividing_step(*step, scene.fps);
     if (!exact) {
       throw std::invalid_argument(
-          fmt::format("step {}: expected {}", *step, dividing_text(*step, scene.fps)));
+          fmt::format("step {}: expected {}", *step, scenes::dividing_text(*step, scene.fps)));
     }
     choice.settings["step"] = *exact;
   }
   return choice;
 }
 
-std::unique_ptr<Method> made_method(const World& world, const MethodChoice& choice) {
+std::unique_ptr<Method> made_method(const World& world, const scenes::MethodChoice& choice) {
   if (has_spans(world) && !existing_method(choice.name).follows_spans) {
     throw std::invalid_argument(
         fmt::format("{} follows no massless spans (model = \"span\")", choice.name));

@@ -5,7 +5,7 @@
 
 namespace taut::python {
 
-std::shared_ptr<DrawingThread> DrawingThread::of(Backend backend) {
+std::shared_ptr<DrawingThread> DrawingThread::of(gl::Backend backend) {
   static std::mutex mutex;
   static std::weak_ptr<DrawingThread> running;
   const std::lock_guard lock(mutex);
@@ -18,7 +18,7 @@ std::shared_ptr<DrawingThread> DrawingThread::of(Backend backend) {
   return thread;
 }
 
-DrawingThread::DrawingThread(Backend backend) : backend_(backend) {
+DrawingThread::DrawingThread(gl::Backend backend) : backend_(backend) {
   std::promise<void> ready;
   std::future<void> is_ready = ready.get_future();
   thread_ = std::thread(
@@ -40,8 +40,8 @@ DrawingThread::~DrawingThread() {
   thread_.join();
 }
 
-void DrawingThread::live(Backend backend, std::promise<void> ready) {
-  std::optional<Context> context;
+void DrawingThread::live(gl::Backend backend, std::promise<void> ready) {
+  std::optional<gl::Context> context;
   try {
     context.emplace(backend);
   } catch (...) {
@@ -58,7 +58,7 @@ void DrawingThread::live(Backend backend, std::promise<void> ready) {
   }
 }
 
-void DrawingThread::run(const std::function<void(const Context&)>& work) {
+void DrawingThread::run(const std::function<void(const gl::Context&)>& work) {
   const std::lock_guard turn(turn_);
   Job job(work);
   std::future<void> done = job.get_future();

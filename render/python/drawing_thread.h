@@ -18,20 +18,20 @@ class DrawingThread {
  public:
   /// The one that is running, or a new one. Throws NoContext, and std::invalid_argument where the
   /// one that is running draws by another backend.
-  static std::shared_ptr<DrawingThread> of(Backend backend);
+  static std::shared_ptr<DrawingThread> of(gl::Backend backend);
 
   ~DrawingThread();
 
   /// Does the work on the thread and waits for it; throws what it throws.
-  void run(const std::function<void(const Context&)>& work);
+  void run(const std::function<void(const gl::Context&)>& work);
 
-  explicit DrawingThread(Backend backend);
+  explicit DrawingThread(gl::Backend backend);
 
  private:
-  using Job = std::packaged_task<void(const Context&)>;
-  void live(Backend backend, std::promise<void> ready);
+  using Job = std::packaged_task<void(const gl::Context&)>;
+  void live(gl::Backend backend, std::promise<void> ready);
 
-  Backend backend_;
+  gl::Backend backend_;
   std::mutex mutex_;
   std::condition_variable changed_;
   Job* job_ = nullptr;

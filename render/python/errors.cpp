@@ -52,9 +52,9 @@ void translate(std::exception_ptr thrown) {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const py::builtin_exception&) {
     throw;
-  } catch (const BadScene& error) {
+  } catch (const scenes::BadScene& error) {
     raise(types.scene, scene_error(error));
-  } catch (const BadAsset& error) {
+  } catch (const scenes::BadAsset& error) {
     raise(types.asset, error.what());
   } catch (const Diverged& error) {
     py::object value = instance(types.diverged, error.what());
@@ -68,7 +68,7 @@ void translate(std::exception_ptr thrown) {
     raise_refused(error.what(), error.time);
   } catch (const Refused& error) {
     raise_refused(error.what(), error.time);
-  } catch (const NoContext& error) {
+  } catch (const render::NoContext& error) {
     raise(types.context, error.what());
   } catch (const std::invalid_argument& error) {
     raise(types.argument, error.what());
@@ -83,10 +83,10 @@ void translate(std::exception_ptr thrown) {
 
 }  // namespace
 
-py::object scene_error(const BadScene& error) {
+py::object scene_error(const scenes::BadScene& error) {
   py::object value = instance(types.scene, error.what());
-  const auto* fault = dynamic_cast<const SceneFault*>(&error);
-  const FaultPlace place = fault ? fault->place : FaultPlace{};
+  const auto* fault = dynamic_cast<const scenes::SceneFault*>(&error);
+  const scenes::FaultPlace place = fault ? fault->place : scenes::FaultPlace{};
   value.attr("file") = place.file;
   value.attr("line") = place.line;
   value.attr("column") = place.column;

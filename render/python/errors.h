@@ -21,6 +21,6 @@ class Refused : public std::runtime_error {
 void add_errors(pybind11::module_& module);
 
 /// An instance of taut.SceneError.
-pybind11::object scene_error(const BadScene& error);
+pybind11::object scene_error(const scenes::BadScene& error);
 
 }  // namespace taut::python

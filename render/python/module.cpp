@@ -11,7 +11,7 @@ PYBIND11_MODULE(taut, module) {
 
 SI units, y up, quaternions w, x, y, z. Everything that is raised derives from taut.Error, but for
 what Python itself raises (TypeError, MemoryError, KeyboardInterrupt).)";
-  module.attr("__version__") = taut::version();
+  module.attr("__version__") = taut::render::version();
   add_errors(module);
   add_world(module);
   add_simulation(module);

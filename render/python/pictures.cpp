@@ -15,9 +15,9 @@ namespace taut::python {
 namespace {
 
 /// Takes the picture's memory.
-py::array to_array(Picture picture) {
-  auto* const held = new Picture(std::move(picture));
-  const py::capsule base(held, [](void* memory) { delete static_cast<Picture*>(memory); });
+py::array to_array(picture::Picture picture) {
+  auto* const held = new picture::Picture(std::move(picture));
+  const py::capsule base(held, [](void* memory) { delete static_cast<picture::Picture*>(memory); });
   return py::array_t<std::uint8_t>({held->height, held->width, 4}, held->pixels.data(), base);
 }
 
@@ -25,7 +25,7 @@ PictureOptions picture_options(const py::object& size, int samples, const std::s
                                bool transparent) {
   PictureOptions options;
   options.samples = samples;
-  options.backend = backend_named(backend);
+  options.backend = gl::backend_named(backend);
   options.transparent = transparent;
   constexpr int kMost = 64;  // per pixel
   if (samples < 1 || samples > kMost) {
@@ -60,13 +60,13 @@ class RendererObject {
   RendererObject(const SceneObject& object, const PictureOptions& options) {
     const py::gil_scoped_release unlocked;
     Signals signals;
-    Scene staged = load_scene(object.scene.file, true, object.changes);
+    scenes::Scene staged = scenes::load_scene(object.scene.file, true, object.changes);
     renderer_.reset(
         new Renderer(std::move(staged), object.changes, options, [&] { signals.look(); }));
   }
 
   py::array frame(double time) {
-    Picture picture;
+    picture::Picture picture;
     {
       const Turn turn(taken_);
       const py::gil_scoped_release unlocked;
@@ -78,7 +78,7 @@ class RendererObject {
 
   py::array draw(const SimulationObject& simulation) {
     const Snapshot state = simulation.simulation().state();
-    Picture picture;
+    picture::Picture picture;
     {
       const Turn turn(taken_);
       const py::gil_scoped_release unlocked;

@@ -13,7 +13,7 @@ namespace taut::python {
 struct PictureOptions {
   int width = 0, height = 0;  // 0: the scene's
   int samples = 4;            // per pixel
-  Backend backend = Backend::automatic;
+  gl::Backend backend = gl::Backend::automatic;
   bool transparent = false;
 };
 
@@ -22,26 +22,26 @@ class Renderer {
  public:
   /// `scene` was read with its stage and with `changes`; calls `tick` while it looks for what the
   /// file leaves open. Throws BadScene, NoContext and std::invalid_argument.
-  Renderer(Scene scene, const std::vector<SceneChange>& changes, const PictureOptions& options,
-           const std::function<void()>& tick);
+  Renderer(scenes::Scene scene, const std::vector<scenes::SceneChange>& changes,
+           const PictureOptions& options, const std::function<void()>& tick);
   ~Renderer();
 
   /// The frame of the clip at `time` (s of the clip), from a simulation of its own.
-  Picture frame(double time, const std::function<void()>& tick);
+  picture::Picture frame(double time, const std::function<void()>& tick);
   /// A state, as the scene's camera sees it at the state's time. Throws std::invalid_argument where
   /// its particles are not those of the scene.
-  Picture draw(const Snapshot& state);
+  picture::Picture draw(const Snapshot& state);
 
-  const Scene& scene() const { return scene_; }
+  const scenes::Scene& scene() const { return scene_; }
 
  private:
-  Picture made(const std::function<Picture(Film&)>& draw);
+  picture::Picture made(const std::function<picture::Picture(film::Film&)>& draw);
 
-  Scene scene_;
+  scenes::Scene scene_;
   World shown_;  // the connectors that pictures have
   bool transparent_;
   std::shared_ptr<DrawingThread> thread_;
-  std::unique_ptr<Film> film_;  // only its thread touches it
+  std::unique_ptr<film::Film> film_;  // only its thread touches it
 };
 
 }  // namespace taut::python

@@ -50,8 +50,8 @@ std::string to_toml(const py::handle& value) {
       fmt::format("set: {} is no value of a scene", std::string(py::repr(value))));
 }
 
-std::vector<SceneChange> changes_of(const py::dict& set) {
-  std::vector<SceneChange> changes;
+std::vector<scenes::SceneChange> changes_of(const py::dict& set) {
+  std::vector<scenes::SceneChange> changes;
   for (const auto& [key, value] : set) changes.push_back({py::str(key), to_toml(value)});
   return changes;
 }
@@ -60,14 +60,14 @@ std::unique_ptr<SceneObject> load(const std::filesystem::path& file, const py::d
   auto object = std::make_unique<SceneObject>();
   object->changes = changes_of(set);
   const py::gil_scoped_release unlocked;
-  object->scene = load_scene(file, false, object->changes);
+  object->scene = scenes::load_scene(file, false, object->changes);
   return object;
 }
 
 std::shared_ptr<SimulationObject> start_simulation(const SceneObject& object,
                                                    const std::string& method,
                                                    const py::kwargs& settings) {
-  const Scene& scene = object.scene;
+  const scenes::Scene& scene = object.scene;
   return std::make_shared<SimulationObject>(
       scene.world, chosen_method(scene, method, settings_of(settings)), scene.timeline, scene.fps);
 }
@@ -80,7 +80,8 @@ struct Trajectory {
   py::dict poses;             // name: (frames, 7)
   std::vector<double*> rows;  // of the connectors, then of the bodies
 
-  Trajectory(const Scene& scene, std::string by) : method(std::move(by)), times(scene.frames()) {
+  Trajectory(const scenes::Scene& scene, std::string by)
+      : method(std::move(by)), times(scene.frames()) {
     const World world = divided(scene.world, scene.timeline);
     const py::ssize_t frames = scene.frames();
     const auto add = [&](py::dict& to, const std::string& name, std::vector<py::ssize_t> shape) {
@@ -110,8 +111,8 @@ struct Trajectory {
 
 Trajectory simulate(const SceneObject& object, const std::string& method,
                     const py::kwargs& settings) {
-  const Scene& scene = object.scene;
-  const MethodChoice choice = chosen_method(scene, method, settings_of(settings));
+  const scenes::Scene& scene = object.scene;
+  const scenes::MethodChoice choice = chosen_method(scene, method, settings_of(settings));
   Simulation simulation(scene.world, made_method(scene.world, choice), scene.timeline);
   Trajectory made(scene, choice.name);
   double* times = made.times.mutable_data();
@@ -131,8 +132,8 @@ Trajectory simulate(const SceneObject& object, const std::string& method,
 void add_scene(py::module_& module) {
   using namespace py::literals;
   module.def(
-      "set_asset_folder", [](const std::filesystem::path& folder) { set_asset_folder(folder); },
-      "folder"_a,
+      "set_asset_folder",
+      [](const std::filesystem::path& folder) { scenes::set_asset_folder(folder); }, "folder"_a,
       "The folder in which the files that scenes name are looked for first, from now on.");
   py::class_<Trajectory>(module, "Trajectory", "The frames of a scene.")
       .def_readonly("method", &Trajectory::method, "The method's name.")
@@ -194,7 +195,7 @@ set: values in place of the scene's by their dotted keys: {"connectors.rope.leng
       "faults",
       [](const std::filesystem::path& file, const py::dict& set) {
         py::list all;
-        for (const SceneFault& fault : faults_of(file, changes_of(set)))
+        for (const scenes::SceneFault& fault : scenes::faults_of(file, changes_of(set)))
           all.append(scene_error(fault));
         return all;
       },

@@ -9,8 +9,8 @@
 namespace taut::python {
 
 struct SceneObject {
-  Scene scene;  // without its stage
-  std::vector<SceneChange> changes;
+  scenes::Scene scene;  // without its stage
+  std::vector<scenes::SceneChange> changes;
 };
 
 void add_scene(py::module_& module);

@@ -13,30 +13,30 @@ namespace taut::python {
 namespace {
 
 struct TruthObject {
-  Problem problem;
-  Reference reference;
+  study::Problem problem;
+  study::Reference reference;
   double length = 0;  // m
   int fps = 60;
 };
 
 /// As `taut chart` solves it, `--quick` or not.
 std::unique_ptr<TruthObject> solve(const SceneObject& object, bool quick) {
-  const Scene& scene = object.scene;
+  const scenes::Scene& scene = object.scene;
   if (scene.world.connectors.empty() || !(scene.world.connectors.front().length > 0)) {
     throw std::invalid_argument("the scene has no connector with a length to measure errors by");
   }
   if (!scene.timeline.cuts.empty())
     throw std::invalid_argument("the scene has cuts, which no truth follows");
   auto made = std::make_unique<TruthObject>();
-  made->problem = {scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
+  made->problem = {scene.world, study::frame_times(scene.duration, scene.fps), scene.timeline};
   made->length = scene.world.connectors.front().length;
-  TruthOptions options;
+  truth::TruthOptions options;
   options.scored_error = made->length * (quick ? 1e-4 : 1e-6);
   if (quick) options.second_accuracy = 1e-7;
   const py::gil_scoped_release unlocked;
   Signals signals;
-  Truth truth = solve_truth(scene.world, made->problem.times, options, scene.timeline,
-                            [&] { signals.look(); });
+  truth::Truth truth = truth::solve_truth(scene.world, made->problem.times, options, scene.timeline,
+                                          [&] { signals.look(); });
   made->reference = {std::move(truth.frames), truth.horizon, truth.self_error};
   std::erase_if(made->problem.times, [&](double time) { return time > truth.horizon; });
   made->reference.frames.resize(made->problem.times.size());
@@ -48,20 +48,20 @@ std::unique_ptr<TruthObject> solve(const SceneObject& object, bool quick) {
   return made;
 }
 
-AccuracyRow score_one(const TruthObject& truth, const std::string& method, double cap,
-                      const py::kwargs& keywords) {
+study::AccuracyRow score_one(const TruthObject& truth, const std::string& method, double cap,
+                             const py::kwargs& keywords) {
   const Settings settings = settings_of(keywords);
   made_method(truth.problem.world, {method, settings});  // throws where it cannot be
-  const Metric metric = share_of_length(truth.length);
+  const study::Metric metric = study::share_of_length(truth.length);
   const py::gil_scoped_release unlocked;
   Signals signals;
-  return score(truth.problem, truth.reference, {&metric, 1}, {method, settings}, cap,
-               [&] { signals.look(); });
+  return study::score(truth.problem, truth.reference, {&metric, 1}, {method, settings}, cap,
+                      [&] { signals.look(); });
 }
 
-py::dict all_methods() {
+py::dict methods() {
   py::dict all;
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (method.missing.empty()) {
       all[std::string(method.name).c_str()] = to_dict(with_defaults(method, {}));
     }
@@ -73,7 +73,7 @@ std::vector<py::dict> swept(const std::string& name, bool quick) {
   const MethodInfo* method = find_method(name);
   if (!method) throw std::invalid_argument(fmt::format("there is no method \"{}\"", name));
   std::vector<py::dict> all;
-  for (const Candidate& candidate : sweep(*method, quick))
+  for (const study::Candidate& candidate : study::sweep(*method, quick))
     all.push_back(to_dict(candidate.settings));
   return all;
 }
@@ -82,35 +82,37 @@ std::vector<py::dict> swept(const std::string& name, bool quick) {
 
 void add_study(py::module_& module, py::class_<SceneObject>& scene) {
   using namespace py::literals;
-  module.def("methods", all_methods,
+  module.def("methods", methods,
              "The methods of this build, each with its settings at their defaults.");
   module.def("sweep", swept, "method"_a, "quick"_a = false,
              "The settings that `taut chart` (`--quick`) goes through, in its order.");
 
-  py::class_<AccuracyRow>(module, "Score", "A row of the chart of speed against accuracy.")
+  py::class_<study::AccuracyRow>(module, "Score", "A row of the chart of speed against accuracy.")
       .def_property_readonly(
-          "method", [](const AccuracyRow& row) { return row.candidate.method; },
+          "method", [](const study::AccuracyRow& row) { return row.candidate.method; },
           "The method's name.")
       .def_property_readonly(
-          "settings", [](const AccuracyRow& row) { return to_dict(row.candidate.settings); },
+          "settings", [](const study::AccuracyRow& row) { return to_dict(row.candidate.settings); },
           "As they were given.")
       .def_property_readonly(
-          "label", [](const AccuracyRow& row) { return describe(row.candidate.settings); },
+          "label",
+          [](const study::AccuracyRow& row) { return study::describe(row.candidate.settings); },
           "The settings as chart.csv has them.")
       .def_property_readonly(
-          "outcome", [](const AccuracyRow& row) { return text_of(row.end); },
+          "outcome", [](const study::AccuracyRow& row) { return study::text_of(row.end); },
           "\"done\", \"diverged\" or \"over its CPU cap\".")
-      .def_readonly("reason", &AccuracyRow::reason, "Why, where it is not done.")
+      .def_readonly("reason", &study::AccuracyRow::reason, "Why, where it is not done.")
       .def_property_readonly(
-          "error", [](const AccuracyRow& row) { return row.errors.front(); },
+          "error", [](const study::AccuracyRow& row) { return row.errors.front(); },
           "RMS of the distance of all particles from the truth, over all frames up to the\n"
           "horizon, as a share of the first connector's length; infinite unless done.")
       .def_property_readonly(
-          "cpu", [](const AccuracyRow& row) { return row.cpu.empty() ? NAN : row.cpu.front(); },
+          "cpu",
+          [](const study::AccuracyRow& row) { return row.cpu.empty() ? NAN : row.cpu.front(); },
           "s of CPU time per simulated second; nan unless done.")
-      .def_readonly("steps", &AccuracyRow::steps, "Per simulated second.")
-      .def_readonly("solves", &AccuracyRow::solves, "Per simulated second.")
-      .def_readonly("stretch", &AccuracyRow::stretch_max,
+      .def_readonly("steps", &study::AccuracyRow::steps, "Per simulated second.")
+      .def_readonly("solves", &study::AccuracyRow::solves, "Per simulated second.")
+      .def_readonly("stretch", &study::AccuracyRow::stretch_max,
                     "The largest |length / rest length - 1| of any link.");
 
   py::class_<TruthObject>(module, "Truth",

@@ -11,7 +11,7 @@
 #include "render/program/progress.h"
 #include "sim/run/method.h"
 
-namespace taut::cli {
+namespace taut::report {
 namespace {
 
 constexpr int kQualities[] = {70, 45, 20, 0};  // the first whose clip is small enough
@@ -22,8 +22,8 @@ struct ClipForm {
   double duration = 6;
 };
 
-RenderOptions small_clip(const StudyOptions& options, const ClipForm& form) {
-  RenderOptions clip;
+clips::RenderOptions small_clip(const options::StudyOptions& options, const ClipForm& form) {
+  clips::RenderOptions clip;
   clip.inputs.scenes = {options.scene};
   clip.scene = options.scene;
   clip.fps = form.fps;
@@ -35,14 +35,15 @@ RenderOptions small_clip(const StudyOptions& options, const ClipForm& form) {
 
 /// As many pixels high as the scene's picture asks for, both sides even; and the frames from the
 /// first that no card covers.
-void choose_frames(RenderOptions& clip, const ClipForm& form, const Common& common) {
-  RenderOptions whole = clip;
+void choose_frames(clips::RenderOptions& clip, const ClipForm& form,
+                   const program::Common& common) {
+  clips::RenderOptions whole = clip;
   whole.no_video = true;
-  const ClipJob job(whole, common);
+  const clips::ClipJob job(whole, common);
   const double aspect = double(job.scene.height) / job.scene.width;
   clip.size =
       fmt::format("{}x{}", form.width, 2 * std::max(1l, std::lround(form.width * aspect / 2)));
-  const auto open = std::ranges::find(job.clip, nullptr, &ClipFrame::card);
+  const auto open = std::ranges::find(job.clip, nullptr, &scenes::ClipFrame::card);
   const auto first = open == job.clip.end() ? 0 : open - job.clip.begin();
   const auto last = std::min<std::ptrdiff_t>(first + std::lround(form.fps * form.duration),
                                              std::ssize(job.clip)) -
@@ -50,24 +51,24 @@ void choose_frames(RenderOptions& clip, const ClipForm& form, const Common& comm
   clip.frames = fmt::format("{}-{}", first, last);
 }
 
-std::string command_of(const RenderOptions& clip) {
-  std::string words = quoted(clip.scene);
-  for (const std::string& set : clip.method.set) words += " --set " + quoted(set);
+std::string command_of(const clips::RenderOptions& clip) {
+  std::string words = options::quoted(clip.scene);
+  for (const std::string& set : clip.method.set) words += " --set " + options::quoted(set);
   return fmt::format(
       "taut render {} --method {} --size {} --fps {} --samples {} --frames {} "
       "--no-estimate --quality {} --out {} -o {}",
       words, clip.method.method, clip.size, clip.fps, clip.samples, *clip.frames,
-      clip.output.quality, quoted(clip.out), quoted(clip.output.file));
+      clip.output.quality, options::quoted(clip.out), options::quoted(clip.output.file));
 }
 
 /// Makes it smaller and smaller until it has at most so many bytes.
-ReportClip made(RenderOptions clip, std::size_t most, const Common& common) {
+ReportClip made(clips::RenderOptions clip, std::size_t most, const program::Common& common) {
   ReportClip result{clip.method.method, "", {}, ""};
   try {
     for (const int quality : kQualities) {
       clip.output.quality = quality;
       result.command = command_of(clip);
-      draw_clip(ClipJob(clip, common), common);
+      clips::draw_clip(clips::ClipJob(clip, common), common);
       if (std::filesystem::file_size(clip.output.file) > most) continue;
       result.file = clip.output.file;
       return result;
@@ -75,7 +76,7 @@ ReportClip made(RenderOptions clip, std::size_t most, const Common& common) {
     result.words = "larger than this page has room for";
   } catch (const Diverged& error) {
     result.words = error.what();
-  } catch (const Misuse& error) {
+  } catch (const program::Misuse& error) {
     result.words = error.what();
   }
   return result;
@@ -83,19 +84,19 @@ ReportClip made(RenderOptions clip, std::size_t most, const Common& common) {
 
 }  // namespace
 
-std::vector<ReportClip> report_clips(const StudyOptions& options,
-                                     const std::vector<Contender>& contenders,
+std::vector<ReportClip> report_clips(const options::StudyOptions& options,
+                                     const std::vector<options::Contender>& contenders,
                                      const std::filesystem::path& folder, std::size_t most,
-                                     const Common& common) {
+                                     const program::Common& common) {
   const ClipForm form = options.quick ? ClipForm{240, 12, 3} : ClipForm{};
-  const Common quiet{true, false, common.threads};
-  RenderOptions clip = small_clip(options, form);
+  const program::Common quiet{true, false, common.threads};
+  clips::RenderOptions clip = small_clip(options, form);
   choose_frames(clip, form, quiet);
   std::vector<ReportClip> clips;
-  Progress progress("rendering", "clips", contenders.size(), common.quiet);
+  program::Progress progress("rendering", "clips", contenders.size(), common.quiet);
   std::size_t done = 0;
-  for (const Contender& contender : contenders) {
-    stop_if_interrupted();
+  for (const options::Contender& contender : contenders) {
+    render::stop_if_interrupted();
     progress.update(++done);
     if (!contender.candidate.settings.empty() || !contender.method->missing.empty()) continue;
     clip.method.method = contender.label;
@@ -106,4 +107,4 @@ std::vector<ReportClip> report_clips(const StudyOptions& options,
   return clips;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::report

@@ -4,14 +4,14 @@
 #include "render/program/command.h"
 #include "render/report/report_page.h"
 
-namespace taut::cli {
+namespace taut::report {
 
 /// Makes a clip of each contender that is a method at its own settings, in folders of `folder`,
 /// each of at most `most` bytes. A method whose simulation diverges, or that the scene is not for,
 /// has none.
-std::vector<ReportClip> report_clips(const StudyOptions& options,
-                                     const std::vector<Contender>& contenders,
+std::vector<ReportClip> report_clips(const options::StudyOptions& options,
+                                     const std::vector<options::Contender>& contenders,
                                      const std::filesystem::path& folder, std::size_t most,
-                                     const Common& common);
+                                     const program::Common& common);
 
-}  // namespace taut::cli
+}  // namespace taut::report

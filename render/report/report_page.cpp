@@ -6,7 +6,7 @@
 #include "render/options/reproduce.h"
 #include "scenes/files/regular_file.h"
 
-namespace taut::cli {
+namespace taut::report {
 namespace {
 
 constexpr std::size_t kMostPoints = 60;  // of a method's errors over time
@@ -28,27 +28,28 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-Chart errors_chart(const SceneReport& report) {
-  const AccuracyStudy& study = report.accuracy;
-  Chart chart;
+chart::Chart errors_chart(const SceneReport& report) {
+  const studies::AccuracyStudy& study = report.accuracy;
+  chart::Chart chart;
   chart.title = "Errors over time, each method at its own settings";
   chart.subtitle = fmt::format(
       "{}: RMS over the particles of each frame, while the truth is "
       "predictable ({} s).",
-      study.title, rounded(study.horizon));
-  Panel panel;
+      study.title, options::rounded(study.horizon));
+  chart::Panel panel;
   panel.x = {"time (s)", false};
   panel.y = {"RMS position error (share of the length)", true};
   panel.y.maximum = 3;  // beyond, all is lost
   panel.rules.push_back({study.self_error, false, "the truth's own error"});
   for (const ReportErrors& one : report.errors) {
-    Series series{one.contender.label, one.contender.style, true, true, false, {}};
+    chart::Series series{one.contender.label, one.contender.style, true, true, false, {}};
     const std::string command =
-        score_command({study.scene, study.set}, one.contender.candidate, study.share);
+        options::score_command({study.scene, study.set}, one.contender.candidate, study.share);
     const std::size_t every = 1 + one.errors.size() / kMostPoints;
     for (std::size_t k = 0; k < one.errors.size(); k += every) {
       const ErrorAt& at = one.errors[k];
-      series.points.push_back({at.time, at.error, kAuto, kAuto, kAuto, kAuto, command});
+      series.points.push_back(
+          {at.time, at.error, chart::kAuto, chart::kAuto, chart::kAuto, chart::kAuto, command});
     }
     panel.series.push_back(std::move(series));
   }
@@ -63,13 +64,14 @@ std::string clips_section(const std::vector<ReportClip>& clips) {
       "<div class=\"grid\">\n";
   for (const ReportClip& clip : clips) {
     const std::string what =
-        clip.file.empty() ? fmt::format("<p class=\"note\">{}</p>", escape_html(clip.words))
-                          : fmt::format(
-                                "<video controls loop muted playsinline preload=\"auto\" "
-                                "aria-label=\"{}\" src=\"data:video/webm;base64,{}\"></video>",
-                                escape_html(clip.method), base64(read_bytes(clip.file)));
+        clip.file.empty()
+            ? fmt::format("<p class=\"note\">{}</p>", chart::escape_html(clip.words))
+            : fmt::format(
+                  "<video controls loop muted playsinline preload=\"auto\" "
+                  "aria-label=\"{}\" src=\"data:video/webm;base64,{}\"></video>",
+                  chart::escape_html(clip.method), base64(scenes::read_bytes(clip.file)));
     body += fmt::format("<figure>{}<figcaption>{}</figcaption>{}</figure>\n", what,
-                        escape_html(clip.method), html_command(clip.command));
+                        chart::escape_html(clip.method), chart::html_command(clip.command));
   }
   return body + "</div></div>\n";
 }
@@ -85,15 +87,15 @@ std::string report_page(const std::vector<SceneReport>& scenes) {
       "<p>Points of charts, cells of maps and clips say the command that makes them: choose one, "
       "and copy it. Series hide by their names; a rectangle drawn into a chart enlarges it.</p>"
       "<p class=\"note\">{}</p>\n",
-      escape_html(machine()));
+      chart::escape_html(options::machine()));
   std::string titles;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const SceneReport& report = scenes[i];
-    const AccuracyStudy& study = report.accuracy;
+    const studies::AccuracyStudy& study = report.accuracy;
     const auto id = [&](const char* name) { return fmt::format("{}-{}", name, i + 1); };
     titles += (titles.empty() ? "" : ", ") + study.title;
-    if (scenes.size() > 1) body += fmt::format("<h1>{}</h1>\n", escape_html(study.title));
-    body += fmt::format("<p>Scene: {}</p>\n<nav>", escape_html(study.scene));
+    if (scenes.size() > 1) body += fmt::format("<h1>{}</h1>\n", chart::escape_html(study.title));
+    body += fmt::format("<p>Scene: {}</p>\n<nav>", chart::escape_html(study.scene));
     for (const auto& [name, words] : {std::pair{"accuracy", "Speed against accuracy"},
                                       {"errors", "Errors over time"},
                                       {"clips", "Clips"},
@@ -101,15 +103,15 @@ std::string report_page(const std::vector<SceneReport>& scenes) {
       body += fmt::format("<a href=\"#{}\">{}</a>", id(name), words);
     }
     body += "</nav>\n";
-    body += section(id("accuracy"), "Speed against accuracy", accuracy_section(study));
-    body += section(id("errors"), "Errors over time", html_chart(errors_chart(report)));
+    body += section(id("accuracy"), "Speed against accuracy", studies::accuracy_section(study));
+    body += section(id("errors"), "Errors over time", chart::html_chart(errors_chart(report)));
     body += section(id("clips"), "Clips", clips_section(report.clips));
     body += section(id("stability"), "Stability",
                     report.stability.maps.empty()
                         ? "<p>The scene has pins, which maps do not follow.</p>\n"
-                        : stability_section(report.stability));
+                        : studies::stability_section(report.stability));
   }
-  return html_page(titles + ": report", body);
+  return chart::html_page(titles + ": report", body);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::report

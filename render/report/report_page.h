@@ -9,7 +9,7 @@
 #include "render/study/accuracy_page.h"
 #include "render/study/stability_maps.h"
 
-namespace taut::cli {
+namespace taut::report {
 
 /// A method's clip.
 struct ReportClip {
@@ -21,13 +21,13 @@ struct ReportClip {
 
 /// A method's errors over time, at its own settings.
 struct ReportErrors {
-  Contender contender;
+  options::Contender contender;
   std::vector<ErrorAt> errors;
 };
 
 struct SceneReport {
-  AccuracyStudy accuracy;
-  StabilityStudy stability;  // no maps: the scene has pins, which maps do not follow
+  studies::AccuracyStudy accuracy;
+  studies::StabilityStudy stability;  // no maps: the scene has pins, which maps do not follow
   std::vector<ReportErrors> errors;
   std::vector<ReportClip> clips;
 };
@@ -38,4 +38,4 @@ inline constexpr std::size_t kMostBytes = 5'000'000;
 /// The page, with its clips in it. Throws BadAsset where one cannot be read.
 std::string report_page(const std::vector<SceneReport>& scenes);
 
-}  // namespace taut::cli
+}  // namespace taut::report

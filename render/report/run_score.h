@@ -9,7 +9,7 @@
 #include "sim/study/reference.h"
 #include "sim/study/run.h"
 
-namespace taut::cli {
+namespace taut::report {
 
 /// An error at a time (s), as a share of the length.
 struct ErrorAt {
@@ -17,11 +17,12 @@ struct ErrorAt {
 };
 
 /// RMS over the particles of each frame, up to the horizon; as far as the run came.
-std::vector<ErrorAt> errors_over_time(const Run& run, const Reference& reference, double length);
+std::vector<ErrorAt> errors_over_time(const study::Run& run, const study::Reference& reference,
+                                      double length);
 
 /// Scores the scene's own method down to errors of `share` of the length, as `taut chart` does. The
 /// result as JSON: scene, method, settings, horizon_s, self_error, rms_error,
 /// cpu_ms_per_simulated_s, diverged_at_s, errors. Throws Misuse where there is nothing to score.
-nlohmann::ordered_json run_score(const Scene& scene, double share);
+nlohmann::ordered_json run_score(const scenes::Scene& scene, double share);
 
-}  // namespace taut::cli
+}  // namespace taut::report

@@ -11,30 +11,30 @@
 #include "render/options/method_options.h"
 #include "render/options/reproduce.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 constexpr std::size_t kShare = 0, kPixels = 1;  // the metrics of a row
 
 std::optional<std::size_t> reaching(const AccuracyBlock& block, double error,
                                     std::size_t metric = kShare) {
-  return cheapest(cost_and_error(block.rows, metric), error);
+  return study::cheapest(study::cost_and_error(block.rows, metric), error);
 }
 
 double least_error(const AccuracyBlock& block) {
   double least = INFINITY;
-  for (const AccuracyRow& row : block.rows) least = std::min(least, row.errors[kShare]);
+  for (const study::AccuracyRow& row : block.rows) least = std::min(least, row.errors[kShare]);
   return least;
 }
 
-double cost(const AccuracyRow& row) {
-  return spread(row.cpu).median;
+double cost(const study::AccuracyRow& row) {
+  return study::spread(row.cpu).median;
 }
 
 /// From the least to the most of a row's timings, and at least as far as the machine was unsteady:
 /// the few timings of one row may agree by chance.
-Spread drawn_spread(const AccuracyStudy& study, const AccuracyRow& row) {
-  Spread time = spread(row.cpu);
+study::Spread drawn_spread(const AccuracyStudy& study, const study::AccuracyRow& row) {
+  study::Spread time = study::spread(row.cpu);
   time.least = std::min(time.least, time.median * (1 - study.unsteadiness));
   time.most = std::max(time.most, time.median * (1 + study.unsteadiness));
   return time;
@@ -57,12 +57,13 @@ std::string finding(const AccuracyStudy& study) {
       second = &block;
     }
   }
-  if (!best) return fmt::format("No method comes within {} of the length", percent(kAsked));
-  std::string line = fmt::format("For an error of {} of the length {} is cheapest", percent(kAsked),
-                                 best->contender.label);
+  if (!best)
+    return fmt::format("No method comes within {} of the length", options::percent(kAsked));
+  std::string line = fmt::format("For an error of {} of the length {} is cheapest",
+                                 options::percent(kAsked), best->contender.label);
   if (second) {
-    line += fmt::format(": {} times cheaper than {}, the next", rounded(at(*second) / at(*best)),
-                        second->contender.label);
+    line += fmt::format(": {} times cheaper than {}, the next",
+                        options::rounded(at(*second) / at(*best)), second->contender.label);
   }
   std::string stuck;
   for (const AccuracyBlock& block : study.blocks) {
@@ -71,7 +72,7 @@ std::string finding(const AccuracyStudy& study) {
       continue;
     }
     stuck += fmt::format("{}{} above {}", stuck.empty() ? "; " : ", ", block.contender.label,
-                         percent(least));
+                         options::percent(least));
   }
   if (!stuck.empty()) line += stuck + " at any setting tried";
   return line;
@@ -81,13 +82,14 @@ std::string circumstances(const AccuracyStudy& study) {
   return fmt::format(
       "{}, {} particles: RMS error of all particles in the first {} s, where the truth is "
       "predictable (its own error: {} of the length).",
-      study.title, study.particles, rounded(study.horizon), percent(study.self_error));
+      study.title, study.particles, options::rounded(study.horizon),
+      options::percent(study.self_error));
 }
 
 }  // namespace
 
-Table points_table(const AccuracyStudy& study, bool exact) {
-  Table table{
+chart::Table points_table(const AccuracyStudy& study, bool exact) {
+  chart::Table table{
       {"method", "settings", "outcome", "error (share of length)", "CPU per simulated second (s)",
        "spread from (s)", "spread to (s)", "timings", "steps per second", "solves per second",
        "largest stretch", "on the front", "reason"},
@@ -100,20 +102,21 @@ Table points_table(const AccuracyStudy& study, bool exact) {
       cells[2] = block.contender.method->missing;
       table.add(std::move(cells));
     }
-    const std::vector<std::size_t> front = pareto_front(cost_and_error(block.rows, 0));
+    const std::vector<std::size_t> front =
+        study::pareto_front(study::cost_and_error(block.rows, 0));
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
-      const AccuracyRow& row = block.rows[i];
-      const Spread time = drawn_spread(study, row);
+      const study::AccuracyRow& row = block.rows[i];
+      const study::Spread time = drawn_spread(study, row);
       const auto text = [&](double value) {
-        return row.end == Run::End::done ? fmt::format("{:.9g}", value) : std::string();
+        return row.end == study::Run::End::done ? fmt::format("{:.9g}", value) : std::string();
       };
       const auto error = [&](double value) {
-        return exact && row.end == Run::End::done ? fmt::format("{}", value) : text(value);
+        return exact && row.end == study::Run::End::done ? fmt::format("{}", value) : text(value);
       };
       const bool best = std::ranges::find(front, i) != front.end();
       std::vector<std::string> cells{block.contender.label,
-                                     describe(row.candidate.settings),
-                                     text_of(row.end),
+                                     study::describe(row.candidate.settings),
+                                     study::text_of(row.end),
                                      error(row.errors[kShare]),
                                      text(time.median),
                                      text(time.least),
@@ -131,8 +134,8 @@ Table points_table(const AccuracyStudy& study, bool exact) {
   return table;
 }
 
-Table reach_table(const AccuracyStudy& study) {
-  Table table{{"method"}, {}};
+chart::Table reach_table(const AccuracyStudy& study) {
+  chart::Table table{{"method"}, {}};
   for (const double target : study.targets) {
     table.columns.push_back(fmt::format("ms/s for {:g}", target));
   }
@@ -144,24 +147,24 @@ Table reach_table(const AccuracyStudy& study) {
     std::string settings = block.rows.empty() ? std::string(block.contender.method->missing) : "";
     for (const double target : study.targets) {
       const auto found = reaching(block, target);
-      row.push_back(found ? rounded(1e3 * cost(block.rows[*found])) : "-");
-      if (found) settings = describe(block.rows[*found].candidate.settings);
+      row.push_back(found ? options::rounded(1e3 * cost(block.rows[*found])) : "-");
+      if (found) settings = study::describe(block.rows[*found].candidate.settings);
     }
     if (study.in_pixels) {
       const auto found = reaching(block, 1, kPixels);
-      row.push_back(found ? rounded(1e3 * cost(block.rows[*found])) : "-");
+      row.push_back(found ? options::rounded(1e3 * cost(block.rows[*found])) : "-");
     }
-    row.push_back(rounded(least_error(block)));
+    row.push_back(options::rounded(least_error(block)));
     row.push_back(settings);
     table.add(std::move(row));
   }
   return table;
 }
 
-Table best_table(const AccuracyStudy& study) {
-  Table table{{"error asked for", "cheapest", "settings", "ms per simulated second", "next",
-               "times as dear"},
-              {}};
+chart::Table best_table(const AccuracyStudy& study) {
+  chart::Table table{{"error asked for", "cheapest", "settings", "ms per simulated second", "next",
+                      "times as dear"},
+                     {}};
   struct Reach {
     const AccuracyBlock* block;
     std::size_t row;
@@ -179,41 +182,44 @@ Table best_table(const AccuracyStudy& study) {
     const Reach& best = reached.front();
     const bool more = reached.size() > 1;
     table.add({name, best.block->contender.label,
-               describe(best.block->rows[best.row].candidate.settings), rounded(1e3 * best.cost),
-               more ? reached[1].block->contender.label : "-",
-               more ? rounded(reached[1].cost / best.cost) : "-"});
+               study::describe(best.block->rows[best.row].candidate.settings),
+               options::rounded(1e3 * best.cost), more ? reached[1].block->contender.label : "-",
+               more ? options::rounded(reached[1].cost / best.cost) : "-"});
   };
-  for (const double target : study.targets) add(percent(target) + " of the length", target, kShare);
+  for (const double target : study.targets)
+    add(options::percent(target) + " of the length", target, kShare);
   if (study.in_pixels) add("1 px", 1, kPixels);
   return table;
 }
 
 namespace {
 
-Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
-  Panel panel;
+chart::Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
+  chart::Panel panel;
   panel.x = {"CPU time per simulated second (ms), one thread; left is faster", true};
   panel.y = {metric == kShare ? "RMS position error (share of the length); lower is better"
                               : "RMS position error (px of the scene's camera); lower is better",
              true};
   if (metric == kShare) panel.y.maximum = 3;  // beyond, all is lost
-  const auto command = [&](const AccuracyRow& row) {
-    return score_command({study.scene, study.set}, row.candidate, study.share);
+  const auto command = [&](const study::AccuracyRow& row) {
+    return options::score_command({study.scene, study.set}, row.candidate, study.share);
   };
   for (const AccuracyBlock& block : study.blocks) {
-    const std::vector<std::size_t> best = pareto_front(cost_and_error(block.rows, metric));
-    Series front{legend_name(block.contender), block.contender.style, true, true, false, {}};
-    Series rest{"", block.contender.style, false, true, true, {}};
+    const std::vector<std::size_t> best =
+        study::pareto_front(study::cost_and_error(block.rows, metric));
+    chart::Series front{
+        options::legend_name(block.contender), block.contender.style, true, true, false, {}};
+    chart::Series rest{"", block.contender.style, false, true, true, {}};
     for (const std::size_t i : best) {
-      const Spread time = drawn_spread(study, block.rows[i]);
+      const study::Spread time = drawn_spread(study, block.rows[i]);
       front.points.push_back({1e3 * time.median, block.rows[i].errors[metric], 1e3 * time.least,
-                              1e3 * time.most, kAuto, kAuto, command(block.rows[i])});
+                              1e3 * time.most, chart::kAuto, chart::kAuto, command(block.rows[i])});
     }
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
-      if (block.rows[i].end != Run::End::done) continue;
+      if (block.rows[i].end != study::Run::End::done) continue;
       if (std::ranges::find(best, i) != best.end()) continue;
-      rest.points.push_back({1e3 * cost(block.rows[i]), block.rows[i].errors[metric], kAuto, kAuto,
-                             kAuto, kAuto, command(block.rows[i])});
+      rest.points.push_back({1e3 * cost(block.rows[i]), block.rows[i].errors[metric], chart::kAuto,
+                             chart::kAuto, chart::kAuto, chart::kAuto, command(block.rows[i])});
     }
     panel.series.push_back(std::move(front));
     panel.series.push_back(std::move(rest));
@@ -228,14 +234,15 @@ Panel error_panel(const AccuracyStudy& study, std::size_t metric) {
 
 }  // namespace
 
-Chart accuracy_chart(const AccuracyStudy& study) {
-  Chart chart;
+chart::Chart accuracy_chart(const AccuracyStudy& study) {
+  chart::Chart chart;
   chart.title = finding(study);
   chart.subtitle = circumstances(study) +
                    " Lines: each method's best settings; faint: the rest. Points: the median of a "
                    "run's timings; bars: all of them";
   if (study.unsteadiness > 0) {
-    chart.subtitle += fmt::format(", and at least {} either way", percent(study.unsteadiness));
+    chart.subtitle +=
+        fmt::format(", and at least {} either way", options::percent(study.unsteadiness));
   }
   chart.subtitle += ".";
   chart.width = study.in_pixels ? 1500 : 1200;
@@ -258,7 +265,8 @@ std::string accuracy_section(const AccuracyStudy& study) {
 error, as a share of the length.</p>
 {}
 )",
-      html_chart(accuracy_chart(study)), to_html(best_table(study)), to_html(reach_table(study)));
+      chart::html_chart(accuracy_chart(study)), chart::to_html(best_table(study)),
+      chart::to_html(reach_table(study)));
 }
 
 std::string accuracy_page(const AccuracyStudy& study) {
@@ -268,18 +276,19 @@ std::string accuracy_page(const AccuracyStudy& study) {
         "<h2>What few particles miss</h2>\n<p>A chain of n particles is not the continuous rope "
         "that it stands for. This error is the model's: no solver and no step removes it.</p>\n{}\n"
         "{}",
-        html_chart(model_chart(study.model, study.title)), to_html(model_table(study.model)));
+        chart::html_chart(model_chart(study.model, study.title)),
+        chart::to_html(model_table(study.model)));
   }
-  return html_page(
+  return chart::html_page(
       study.title + ": speed against accuracy",
-      fmt::format("<p>Scene: {}. {}.</p>\n{}{}\n<h2>Every run</h2>\n{}", escape_html(study.scene),
-                  escape_html(machine()), accuracy_section(study), model,
-                  to_html(points_table(study, false))));
+      fmt::format("<p>Scene: {}. {}.</p>\n{}{}\n<h2>Every run</h2>\n{}",
+                  chart::escape_html(study.scene), chart::escape_html(options::machine()),
+                  accuracy_section(study), model, chart::to_html(points_table(study, false))));
 }
 
 std::string accuracy_json(const AccuracyStudy& study) {
   nlohmann::ordered_json json = {{"scene", study.scene},
-                                 {"machine", machine()},
+                                 {"machine", options::machine()},
                                  {"horizon_s", study.horizon},
                                  {"self_error", study.self_error}};
   json["methods"] = nlohmann::ordered_json::array();
@@ -292,7 +301,7 @@ std::string accuracy_json(const AccuracyStudy& study) {
       nlohmann::ordered_json reach = {{"error", target}, {"cpu_ms_per_simulated_s", nullptr}};
       if (found) {
         reach["cpu_ms_per_simulated_s"] = 1e3 * cost(block.rows[*found]);
-        reach["settings"] = settings_json(block.rows[*found].candidate.settings);
+        reach["settings"] = options::settings_json(block.rows[*found].candidate.settings);
       }
       one["reach"].push_back(std::move(reach));
     }
@@ -312,4 +321,4 @@ std::string accuracy_json(const AccuracyStudy& study) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

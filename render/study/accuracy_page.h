@@ -8,11 +8,11 @@
 #include "render/study/model_error.h"
 #include "sim/study/speed_accuracy.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 struct AccuracyBlock {
-  Contender contender;
-  std::vector<AccuracyRow> rows;  // empty: not in this build
+  options::Contender contender;
+  std::vector<study::AccuracyRow> rows;  // empty: not in this build
 };
 
 struct AccuracyStudy {
@@ -31,19 +31,19 @@ struct AccuracyStudy {
 
 /// Every run: settings, error, cost, steps, how it ended. `exact`: errors read back as the same
 /// numbers.
-Table points_table(const AccuracyStudy& study, bool exact);
+chart::Table points_table(const AccuracyStudy& study, bool exact);
 /// Per method, the cheapest cost that reaches each target (and one pixel), and the settings that
 /// do.
-Table reach_table(const AccuracyStudy& study);
+chart::Table reach_table(const AccuracyStudy& study);
 /// Per target, the cheapest contender that reaches it, its settings, and the next.
-Table best_table(const AccuracyStudy& study);
+chart::Table best_table(const AccuracyStudy& study);
 /// Fronts as lines, what they dominate as faint markers; a second panel in pixels where rows have
 /// them.
-Chart accuracy_chart(const AccuracyStudy& study);
+chart::Chart accuracy_chart(const AccuracyStudy& study);
 /// What a page says of the study: the chart, what to use, what an error costs.
 std::string accuracy_section(const AccuracyStudy& study);
 /// One HTML page that needs no other file.
 std::string accuracy_page(const AccuracyStudy& study);
 std::string accuracy_json(const AccuracyStudy& study);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -7,19 +7,20 @@
 #include "render/options/method_options.h"
 #include "render/program/json.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
-bool timed(const BenchRow& row) {
+bool timed(const study::BenchRow& row) {
   return row.failure.empty() && row.repeats > 0;
 }
 
 /// How many times as fast as the contender that others are compared with; zero where one of the two
 /// has no timing.
 double ratio(const BenchResults& results, const BenchBlock& block, std::size_t row) {
-  const auto other = std::ranges::find(results.contenders, results.against, &Contender::label);
+  const auto other =
+      std::ranges::find(results.contenders, results.against, &options::Contender::label);
   if (other == results.contenders.end()) return 0;
-  const BenchRow& against =
+  const study::BenchRow& against =
       block.rows[static_cast<std::size_t>(other - results.contenders.begin())];
   if (!timed(against) || !timed(block.rows[row])) return 0;
   return against.mean.median / block.rows[row].mean.median;
@@ -45,16 +46,16 @@ std::string finding(const BenchResults& results) {
   const double factor = ratio(results, block, fastest);
   std::string line = fmt::format("At {} particles {} is fastest with {} µs a frame",
                                  block.particles, results.contenders[fastest].label,
-                                 rounded(1e6 * block.rows[fastest].mean.median));
+                                 options::rounded(1e6 * block.rows[fastest].mean.median));
   if (factor > 0 && results.contenders[fastest].label != results.against) {
-    line += fmt::format(", {} times as fast as {}", rounded(factor), results.against);
+    line += fmt::format(", {} times as fast as {}", options::rounded(factor), results.against);
   }
   return line + fmt::format("; {} is slowest with {} µs", results.contenders[slowest].label,
-                            rounded(1e6 * block.rows[slowest].mean.median));
+                            options::rounded(1e6 * block.rows[slowest].mean.median));
 }
 
-Panel growth_panel(const BenchResults& results) {
-  Panel panel;
+chart::Panel growth_panel(const BenchResults& results) {
+  chart::Panel panel;
   panel.title = "mean of a frame";
   panel.x = {"particles", true};
   panel.y = {"CPU time per frame (µs)", true};
@@ -63,13 +64,17 @@ Panel growth_panel(const BenchResults& results) {
                               std::to_string(block.particles));
   }
   for (std::size_t c = 0; c < results.contenders.size(); ++c) {
-    Series means{
-        legend_name(results.contenders[c]), results.contenders[c].style, true, true, false, {}};
+    chart::Series means{options::legend_name(results.contenders[c]),
+                        results.contenders[c].style,
+                        true,
+                        true,
+                        false,
+                        {}};
     for (const BenchBlock& block : results.blocks) {
-      const Spread& mean = block.rows[c].mean;
+      const study::Spread& mean = block.rows[c].mean;
       if (!timed(block.rows[c])) continue;
-      means.points.push_back({static_cast<double>(block.particles), 1e6 * mean.median, kAuto, kAuto,
-                              1e6 * mean.low, 1e6 * mean.high});
+      means.points.push_back({static_cast<double>(block.particles), 1e6 * mean.median, chart::kAuto,
+                              chart::kAuto, 1e6 * mean.low, 1e6 * mean.high});
     }
     panel.series.push_back(std::move(means));
   }
@@ -77,15 +82,19 @@ Panel growth_panel(const BenchResults& results) {
   return panel;
 }
 
-Panel frames_panel(const BenchResults& results) {
+chart::Panel frames_panel(const BenchResults& results) {
   const BenchBlock& block = own_block(results);
-  Panel panel;
+  chart::Panel panel;
   panel.title = fmt::format("each frame, {} particles", block.particles);
   panel.x = {fmt::format("frame (1/{} s)", results.scene.fps)};
   panel.y = {"CPU time per frame (µs)", true};
   for (std::size_t c = 0; c < results.contenders.size(); ++c) {
-    Series line{
-        legend_name(results.contenders[c]), results.contenders[c].style, true, false, false, {}};
+    chart::Series line{options::legend_name(results.contenders[c]),
+                       results.contenders[c].style,
+                       true,
+                       false,
+                       false,
+                       {}};
     const auto& frames = block.rows[c].frames;
     for (std::size_t k = 0; k < frames.size(); ++k) {
       if (frames[k].median > 0) {
@@ -99,27 +108,27 @@ Panel frames_panel(const BenchResults& results) {
 }
 
 /// The particle system's cost over the paper's method's: as both come, and at equal error.
-Panel ratio_panel(const BenchResults& results) {
-  Panel panel;
+chart::Panel ratio_panel(const BenchResults& results) {
+  chart::Panel panel;
   panel.title = "cost of springs over cost of impulse";
   panel.x = {"particles", true};
   panel.y = {"ratio of CPU times", true};
   panel.rules.push_back({kPaperRatio, false, fmt::format("the paper: {}", kPaperRatio)});
   panel.rules.push_back({1, false, "equal"});
-  Series plain{
+  chart::Series plain{
       "ratio at default settings, errors not equal", {0x444444, 0, 6}, true, true, false, {}};
-  Series coarse{"ratio at the error of impulse with one step a frame",
-                {0xd55e00, 2, 4, true},
-                true,
-                true,
-                false,
-                {}};
-  Series fine{"ratio at the least error that impulse reaches",
-              {0x8c2981, 1, 7, true},
-              true,
-              true,
-              false,
-              {}};
+  chart::Series coarse{"ratio at the error of impulse with one step a frame",
+                       {0xd55e00, 2, 4, true},
+                       true,
+                       true,
+                       false,
+                       {}};
+  chart::Series fine{"ratio at the least error that impulse reaches",
+                     {0x8c2981, 1, 7, true},
+                     true,
+                     true,
+                     false,
+                     {}};
   for (const BenchBlock& block : results.blocks) {
     const auto n = static_cast<double>(block.particles);
     panel.x.tics.emplace_back(n, std::to_string(block.particles));
@@ -143,41 +152,44 @@ Panel ratio_panel(const BenchResults& results) {
   return panel;
 }
 
-Json json_of(const BenchResults& results, const BenchBlock& block, std::size_t index) {
-  const BenchRow& row = block.rows[index];
-  const auto micro = [&](double seconds) { return timed(row) ? Json(1e6 * seconds) : Json(); };
+program::Json json_of(const BenchResults& results, const BenchBlock& block, std::size_t index) {
+  const study::BenchRow& row = block.rows[index];
+  const auto micro = [&](double seconds) {
+    return timed(row) ? program::Json(1e6 * seconds) : program::Json();
+  };
   const double factor = ratio(results, block, index);
   return {{"particles", block.particles},
           {"method", results.contenders[index].label},
-          {"settings", settings_json(row.candidate.settings)},
-          {"steps_per_frame", timed(row) ? Json(row.steps) : Json()},
+          {"settings", options::settings_json(row.candidate.settings)},
+          {"steps_per_frame", timed(row) ? program::Json(row.steps) : program::Json()},
           {"cpu_us_per_frame", micro(row.mean.median)},
           {"low_quartile_us", micro(row.mean.low)},
           {"high_quartile_us", micro(row.mean.high)},
-          {"times_as_fast", factor > 0 ? Json(factor) : Json()},
+          {"times_as_fast", factor > 0 ? program::Json(factor) : program::Json()},
           {"repeats", row.repeats},
-          {"failure", row.failure.empty() ? Json() : Json(row.failure)}};
+          {"failure", row.failure.empty() ? program::Json() : program::Json(row.failure)}};
 }
 
-Json json_of(const PaperSetting& s) {
+program::Json json_of(const PaperSetting& s) {
   return {{"particles", s.particles},
           {"impulse_steps_per_frame", s.impulse_steps},
-          {"impulse_rms_error", number_or_null(s.impulse_error)},
+          {"impulse_rms_error", program::number_or_null(s.impulse_error)},
           {"springs_steps_per_frame", s.substeps},
           {"springs_stiffness_n_per_m", s.stiffness},
-          {"springs_rms_error", number_or_null(s.error)},
-          {"springs_stretch_max", number_or_null(s.stretch)},
-          {"cost_ratio", number_or_null(s.ratio)}};
+          {"springs_rms_error", program::number_or_null(s.error)},
+          {"springs_stretch_max", program::number_or_null(s.stretch)},
+          {"cost_ratio", program::number_or_null(s.ratio)}};
 }
 
-Json json_of(const EqualError& e) {
+program::Json json_of(const EqualError& e) {
   const bool known = e.cost > 0;
-  return {{"particles", e.particles},
-          {"rms_error", number_or_null(e.error)},
-          {"method", e.method},
-          {"impulse_cpu_ms_per_simulated_s", 1e3 * e.impulse_cost},
-          {"cpu_ms_per_simulated_s", known ? Json(1e3 * e.cost) : Json()},
-          {"cost_ratio", known ? number_or_null(e.cost / e.impulse_cost) : Json()}};
+  return {
+      {"particles", e.particles},
+      {"rms_error", program::number_or_null(e.error)},
+      {"method", e.method},
+      {"impulse_cpu_ms_per_simulated_s", 1e3 * e.impulse_cost},
+      {"cpu_ms_per_simulated_s", known ? program::Json(1e3 * e.cost) : program::Json()},
+      {"cost_ratio", known ? program::number_or_null(e.cost / e.impulse_cost) : program::Json()}};
 }
 
 }  // namespace
@@ -188,26 +200,30 @@ std::vector<PaperRatio> BenchResults::paper() const {
   return all;
 }
 
-Table bench_table(const BenchResults& results) {
-  Table table{{"particles", "method", "settings", "steps per frame", "µs per frame", "low quartile",
-               "high quartile", "times as fast as " + results.against, "repeats", "remark"},
-              {}};
+chart::Table bench_table(const BenchResults& results) {
+  chart::Table table{
+      {"particles", "method", "settings", "steps per frame", "µs per frame", "low quartile",
+       "high quartile", "times as fast as " + results.against, "repeats", "remark"},
+      {}};
   for (const BenchBlock& block : results.blocks) {
     for (std::size_t c = 0; c < results.contenders.size(); ++c) {
-      const BenchRow& row = block.rows[c];
-      const auto micro = [&](double seconds) { return timed(row) ? rounded(1e6 * seconds) : "-"; };
+      const study::BenchRow& row = block.rows[c];
+      const auto micro = [&](double seconds) {
+        return timed(row) ? options::rounded(1e6 * seconds) : "-";
+      };
       const double factor = ratio(results, block, c);
-      table.add({std::to_string(block.particles), results.contenders[c].label,
-                 describe(row.candidate.settings), timed(row) ? rounded(row.steps) : "-",
-                 micro(row.mean.median), micro(row.mean.low), micro(row.mean.high),
-                 factor > 0 ? rounded(factor) : "-", std::to_string(row.repeats), row.failure});
+      table.add(
+          {std::to_string(block.particles), results.contenders[c].label,
+           study::describe(row.candidate.settings), timed(row) ? options::rounded(row.steps) : "-",
+           micro(row.mean.median), micro(row.mean.low), micro(row.mean.high),
+           factor > 0 ? options::rounded(factor) : "-", std::to_string(row.repeats), row.failure});
     }
   }
   return table;
 }
 
-Table bench_frames_table(const BenchResults& results) {
-  Table table{
+chart::Table bench_frames_table(const BenchResults& results) {
+  chart::Table table{
       {"particles", "method", "frame", "median (s)", "low quartile (s)", "high quartile (s)"}, {}};
   for (const BenchBlock& block : results.blocks) {
     for (std::size_t c = 0; c < results.contenders.size(); ++c) {
@@ -222,16 +238,16 @@ Table bench_frames_table(const BenchResults& results) {
   return table;
 }
 
-Chart bench_chart(const BenchResults& results) {
-  Chart chart;
+chart::Chart bench_chart(const BenchResults& results) {
+  chart::Chart chart;
   chart.title = finding(results);
   chart.subtitle = fmt::format(
       "{}: time of stepping alone at each method's default settings, errors not equal. Medians and "
       "quartiles over interleaved repeats. {}",
-      results.scene.title, machine());
+      results.scene.title, options::machine());
   if (results.blocks.size() > 1) chart.panels.push_back(growth_panel(results));
   chart.panels.push_back(frames_panel(results));
-  const Panel paper = ratio_panel(results);
+  const chart::Panel paper = ratio_panel(results);
   if (results.blocks.size() > 1 && !paper.series.front().points.empty()) {
     chart.panels.push_back(paper);
   }
@@ -241,9 +257,12 @@ Chart bench_chart(const BenchResults& results) {
 }
 
 std::string bench_json(const BenchResults& results) {
-  Json json = {{"scene", results.scene.file.string()}, {"machine", machine()},
-               {"against", results.against},           {"rows", Json::array()},
-               {"paper_ratio", Json::array()},         {"equal_error", Json::array()}};
+  program::Json json = {{"scene", results.scene.file.string()},
+                        {"machine", options::machine()},
+                        {"against", results.against},
+                        {"rows", program::Json::array()},
+                        {"paper_ratio", program::Json::array()},
+                        {"equal_error", program::Json::array()}};
   for (const BenchBlock& block : results.blocks) {
     for (std::size_t c = 0; c < results.contenders.size(); ++c) {
       json["rows"].push_back(json_of(results, block, c));
@@ -256,4 +275,4 @@ std::string bench_json(const BenchResults& results) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -8,18 +8,18 @@
 #include "render/study/paper_ratio.h"
 #include "sim/study/bench.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 /// The timings at one number of particles.
 struct BenchBlock {
   std::size_t particles = 0;
-  std::vector<BenchRow> rows;  // one per contender
+  std::vector<study::BenchRow> rows;  // one per contender
   PaperRatio paper;
 };
 
 struct BenchResults {
-  Scene scene;
-  std::vector<Contender> contenders;
+  scenes::Scene scene;
+  std::vector<options::Contender> contenders;
   std::string against;  // the contender that others are compared with
   std::vector<BenchBlock> blocks;
 
@@ -27,15 +27,16 @@ struct BenchResults {
 };
 
 /// Times every contender at every number of particles, within about the options' budget.
-BenchResults measure_bench(const StudyOptions& options, const std::vector<std::size_t>& particles,
-                           const std::string& against, bool quiet);
+BenchResults measure_bench(const options::StudyOptions& options,
+                           const std::vector<std::size_t>& particles, const std::string& against,
+                           bool quiet);
 
 /// One row per number of particles and contender: time per frame, ratio, settings, failures.
-Table bench_table(const BenchResults& results);
+chart::Table bench_table(const BenchResults& results);
 /// The time of every frame.
-Table bench_frames_table(const BenchResults& results);
+chart::Table bench_frames_table(const BenchResults& results);
 /// Time by the number of particles, time of each frame, and the paper's ratio.
-Chart bench_chart(const BenchResults& results);
+chart::Chart bench_chart(const BenchResults& results);
 std::string bench_json(const BenchResults& results);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -8,19 +8,20 @@
 #include "render/program/command.h"
 #include "render/study/study_target.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 /// The scene's rope let go from where it hangs between its first end and a point beside that, with
 /// its middle particle held there: an intervention.
-Problem with_pin(const StudyOptions& options) {
-  const Scene scene = study_scene(options);
+study::Problem with_pin(const options::StudyOptions& options) {
+  const scenes::Scene scene = options::study_scene(options);
   const Connector& straight = scene.world.connectors.front();
   const Vec3 end = straight.position.front() + Vec3(0.6 * straight.length, 0, 0);
   const std::string start =
       fmt::format("{{ hanging_to = [{:.17g}, {:.17g}, {:.17g}] }}", end.x(), end.y(), end.z());
-  Problem problem{study_scene(options, {{connector_key(scene, "start"), start}}).world,
-                  frame_times(scene.duration / 2, scene.fps)};
+  study::Problem problem{
+      options::study_scene(options, {{options::connector_key(scene, "start"), start}}).world,
+      study::frame_times(scene.duration / 2, scene.fps)};
   Connector& rope = problem.world.connectors.front();
   Hold pin;
   pin.particle = rope.particles() / 2;
@@ -33,55 +34,56 @@ Problem with_pin(const StudyOptions& options) {
 
 }  // namespace
 
-Evidence gather_evidence(const StudyOptions& options, bool quiet) {
+Evidence gather_evidence(const options::StudyOptions& options, bool quiet) {
   Evidence evidence;
   evidence.bench = measure_bench(options, {kFew, kMany}, "springs", quiet);
-  const Scene scene = study_scene(options, kFew);
+  const scenes::Scene scene = options::study_scene(options, kFew);
   evidence.length = scene.world.connectors.front().length;
-  TruthOptions truth;
+  truth::TruthOptions truth;
   truth.scored_error = 1e-4 * evidence.length;
   truth.second_accuracy = 1e-7;
   const Target target = target_of(scene, scene.duration, truth);
   if (target.problem.times.size() < 2 || evidence.bench.blocks[0].paper.settings.empty()) {
-    throw Misuse(fmt::format("{}: nothing is predictable", options.scene));
+    throw program::Misuse(fmt::format("{}: nothing is predictable", options.scene));
   }
   evidence.horizon = target.reference.horizon;
-  const Metric metric = share_of_length(evidence.length);
+  const study::Metric metric = study::share_of_length(evidence.length);
   std::vector<std::vector<Snapshot>> all;
-  for (const Contender& one : evidence.bench.contenders) {
-    stop_if_interrupted();
+  for (const options::Contender& one : evidence.bench.contenders) {
+    render::stop_if_interrupted();
     all.emplace_back();
     if (one.method->missing.empty()) {
-      all.back() = taut::run(target.problem, one.candidate, 60).frames;
+      all.back() = taut::study::run(target.problem, one.candidate, 60).frames;
     }
     evidence.errors.push_back(
-        rms_error(all.back(), target.reference.frames, evidence.horizon, metric.distance));
+        study::rms_error(all.back(), target.reference.frames, evidence.horizon, metric.distance));
   }
   const auto& reference = all[evidence.at("dynamic-constraints")];
   for (const auto& frames : all) {
     double sum = 0;
     const std::size_t both = std::min(frames.size(), reference.size());
-    for (std::size_t k = 0; k < both; ++k) sum += segment_difference(frames[k], reference[k]);
+    for (std::size_t k = 0; k < both; ++k)
+      sum += study::segment_difference(frames[k], reference[k]);
     evidence.differences.push_back(both ? sum / static_cast<double>(both) : NAN);
   }
-  const Problem pinned = with_pin(options);
+  const study::Problem pinned = with_pin(options);
   const auto reference_pinned = quick_reference(pinned, 0.01 * evidence.length, 10);
-  for (const Contender& one : evidence.bench.contenders) {
-    stop_if_interrupted();
+  for (const options::Contender& one : evidence.bench.contenders) {
+    render::stop_if_interrupted();
     evidence.pinned.push_back(NAN);
     if (!one.method->missing.empty() || !reference_pinned) continue;
-    const Run result = taut::run(pinned, one.candidate, 60);
-    evidence.pinned.back() = rms_error(result.frames, reference_pinned->frames,
-                                       reference_pinned->horizon, metric.distance);
+    const study::Run result = taut::study::run(pinned, one.candidate, 60);
+    evidence.pinned.back() = study::rms_error(result.frames, reference_pinned->frames,
+                                              reference_pinned->horizon, metric.distance);
   }
   std::vector<double> with, without;
   for (int i = 0; i < 15; ++i) {
-    stop_if_interrupted();
-    with.push_back(time_run(target.problem, {"impulse", {}}));
-    without.push_back(time_run(target.problem, {"impulse", {{"h", 0.0}}}));
+    render::stop_if_interrupted();
+    with.push_back(study::time_run(target.problem, {"impulse", {}}));
+    without.push_back(study::time_run(target.problem, {"impulse", {{"h", 0.0}}}));
   }
-  evidence.always = spread(without).median / spread(with).median;
+  evidence.always = study::spread(without).median / study::spread(with).median;
   return evidence;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

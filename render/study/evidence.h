@@ -7,7 +7,7 @@
 
 #include "render/study/bench_results.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 // Particles: as many as the scenes of ropes have, and a long chain.
 inline constexpr std::size_t kFew = 21, kMany = 101;
@@ -23,7 +23,7 @@ struct Evidence {
   std::vector<double> pinned;       // as errors, with the connector's middle held as well
 
   std::size_t at(std::string_view label) const {
-    const auto found = std::ranges::find(bench.contenders, label, &Contender::label);
+    const auto found = std::ranges::find(bench.contenders, label, &options::Contender::label);
     return static_cast<std::size_t>(found - bench.contenders.begin());
   }
   bool has(std::string_view label) const {
@@ -37,10 +37,10 @@ struct Evidence {
   /// The interquartile range of the frames' medians, as a share of their median.
   double unevenness(std::string_view label) const {
     std::vector<double> frames;
-    for (const Spread& frame : bench.blocks[0].rows[at(label)].frames) {
+    for (const study::Spread& frame : bench.blocks[0].rows[at(label)].frames) {
       frames.push_back(frame.median);
     }
-    const Spread all = spread(std::move(frames));
+    const study::Spread all = study::spread(std::move(frames));
     return (all.high - all.low) / all.median;
   }
   double real_time() const { return 1.0 / bench.scene.fps; }
@@ -48,6 +48,6 @@ struct Evidence {
 
 /// Measures; says on standard error how far it is unless `quiet`. Throws Misuse where nothing of
 /// the scene is predictable.
-Evidence gather_evidence(const StudyOptions& options, bool quiet);
+Evidence gather_evidence(const options::StudyOptions& options, bool quiet);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -8,7 +8,7 @@
 #include "render/interrupt.h"
 #include "sim/study/run.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 constexpr std::size_t kCoarsest = 5;          // links
@@ -21,7 +21,7 @@ constexpr double kSpanPasses = 16;
 /// A run: a chain of so many links, by a method.
 struct ModelRun {
   std::size_t links = 0;
-  Candidate candidate;
+  study::Candidate candidate;
 };
 
 ModelRun exact_run(std::size_t doublings) {
@@ -51,12 +51,13 @@ struct Motion {
   double cost = 0;  // CPU s per simulated second
 };
 
-Motion motion_of(const StudyOptions& options, double duration, const ModelRun& chosen) {
-  stop_if_interrupted();
+Motion motion_of(const options::StudyOptions& options, double duration, const ModelRun& chosen) {
+  render::stop_if_interrupted();
   const std::size_t links = chosen.links;
-  const Scene scene = study_scene(options, links + 1);
-  const Problem problem{scene.world, frame_times(duration, scene.fps), scene.timeline};
-  const Run result = taut::run(problem, chosen.candidate, 60);
+  const scenes::Scene scene = options::study_scene(options, links + 1);
+  const study::Problem problem{scene.world, study::frame_times(duration, scene.fps),
+                               scene.timeline};
+  const study::Run result = study::run(problem, chosen.candidate, 60);
   Motion motion;
   for (const Snapshot& frame : result.frames) {
     std::vector<Vec3> points;
@@ -70,27 +71,28 @@ Motion motion_of(const StudyOptions& options, double duration, const ModelRun& c
 }
 
 std::vector<std::string> cells_of(const Motion& motion) {
-  std::vector<std::string> cells{exact(motion.cost)};
+  std::vector<std::string> cells{program::exact(motion.cost)};
   for (const auto& points : motion.frames) {
     for (const Vec3& point : points) {
-      for (const double x : point) cells.push_back(exact(x));
+      for (const double x : point) cells.push_back(program::exact(x));
     }
   }
   return cells;
 }
 
 /// The motion as it was written down or, where it was not, as it is.
-Motion known_motion(const StudyOptions& options, double duration, const ModelRun& chosen,
-                    Journal& journal) {
+Motion known_motion(const options::StudyOptions& options, double duration, const ModelRun& chosen,
+                    program::Journal& journal) {
   const std::string key = key_of(chosen);
   Motion motion;
   if (const auto* cells = journal.find(key)) {
-    motion.cost = number_in(cells->front());
+    motion.cost = program::number_in(cells->front());
     for (std::size_t i = 1; i + 3 * (kCoarsest + 1) <= cells->size(); i += 3 * (kCoarsest + 1)) {
       std::vector<Vec3> points;
       for (std::size_t p = 0; p <= kCoarsest; ++p) {
-        points.emplace_back(number_in((*cells)[i + 3 * p]), number_in((*cells)[i + 3 * p + 1]),
-                            number_in((*cells)[i + 3 * p + 2]));
+        points.emplace_back(program::number_in((*cells)[i + 3 * p]),
+                            program::number_in((*cells)[i + 3 * p + 1]),
+                            program::number_in((*cells)[i + 3 * p + 2]));
       }
       motion.frames.push_back(std::move(points));
     }
@@ -128,13 +130,14 @@ std::vector<std::string> model_keys() {
   return keys;
 }
 
-std::vector<std::string> model_row(const StudyOptions& options, double duration,
+std::vector<std::string> model_row(const options::StudyOptions& options, double duration,
                                    std::size_t index) {
   return cells_of(motion_of(options, duration, model_runs().at(index)));
 }
 
-ModelStudy model_study(const StudyOptions& options, double duration, Journal& journal) {
-  const Scene scene = study_scene(options);
+ModelStudy model_study(const options::StudyOptions& options, double duration,
+                       program::Journal& journal) {
+  const scenes::Scene scene = options::study_scene(options);
   const double length = scene.world.connectors.front().length;
   std::vector<Motion> motions;  // of 5, 10, ... 320 links
   for (std::size_t d = 0; d <= kDoublings + 1; ++d) {
@@ -159,27 +162,28 @@ ModelStudy model_study(const StudyOptions& options, double duration, Journal& jo
   return study;
 }
 
-Table model_table(const ModelStudy& study) {
-  Table table{{"particles", "rigid links: error (share of length)",
-               "massless span: error (share of length)", "direct: ms per simulated second"},
-              {}};
+chart::Table model_table(const ModelStudy& study) {
+  chart::Table table{{"particles", "rigid links: error (share of length)",
+                      "massless span: error (share of length)", "direct: ms per simulated second"},
+                     {}};
   for (const ModelRow& row : study.rows) {
-    table.add({std::to_string(row.particles), rounded(row.links), rounded(row.span),
-               rounded(1e3 * row.cost)});
+    table.add({std::to_string(row.particles), options::rounded(row.links),
+               options::rounded(row.span), options::rounded(1e3 * row.cost)});
   }
   return table;
 }
 
-Chart model_chart(const ModelStudy& study, const std::string& title) {
-  Chart chart;
+chart::Chart model_chart(const ModelStudy& study, const std::string& title) {
+  chart::Chart chart;
   chart.width = 1000;
   chart.height = 620;
   chart.title = "The continuous rope is not known long enough to score chains by";
-  Panel panel;
+  chart::Panel panel;
   panel.x = {"particles n", true};
   panel.y = {"RMS position error (share of the length)", true};
-  Series links{"rigid links", {0x0072b2, 0, 1}, true, true, false, {}};
-  Series span{"massless span (the model of impulse)", {0xd55e00, 1, 0}, true, true, false, {}};
+  chart::Series links{"rigid links", {0x0072b2, 0, 1}, true, true, false, {}};
+  chart::Series span{
+      "massless span (the model of impulse)", {0xd55e00, 1, 0}, true, true, false, {}};
   for (const ModelRow& row : study.rows) {
     const auto n = static_cast<double>(row.particles);
     links.points.push_back({n, row.links});
@@ -192,12 +196,12 @@ Chart model_chart(const ModelStudy& study, const std::string& title) {
     chart.title = fmt::format(
         "{} particles miss a continuous rope by {}% of its length, {} by {}%, in the end as "
         "1/n^{:.2g}; a massless span by {}%, however many",
-        first.particles, rounded(100 * first.links), last.particles, rounded(100 * last.links),
-        order, rounded(100 * last.span));
+        first.particles, options::rounded(100 * first.links), last.particles,
+        options::rounded(100 * last.links), order, options::rounded(100 * last.span));
     chart.subtitle = fmt::format(
         "{}: the model's error, whatever solves it, in the first {} s. The continuous rope: "
         "extrapolated from 161 and 321 particles, known to {}% of the length.",
-        title, rounded(study.until), rounded(100 * study.uncertainty));
+        title, options::rounded(study.until), options::rounded(100 * study.uncertainty));
     panel.rules.push_back({study.uncertainty, false, "how well the continuous rope is known"});
   }
   panel.series = {std::move(links), std::move(span)};
@@ -205,4 +209,4 @@ Chart model_chart(const ModelStudy& study, const std::string& title) {
   return chart;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

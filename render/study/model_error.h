@@ -9,7 +9,7 @@
 #include "render/options/study_options.h"
 #include "render/program/journal.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 struct ModelRow {
   std::size_t particles = 0;
@@ -27,13 +27,15 @@ struct ModelStudy {
 /// Errors of 6 to 161 particles over the first `duration` seconds. The continuous rope is what
 /// chains of 161 and 321 particles tend to: their errors fall with 1/n, since every particle has
 /// the mass m/n. Rows that the journal knows are not run again. `done` is called after each run.
-ModelStudy model_study(const StudyOptions& options, double duration, Journal& journal);
+ModelStudy model_study(const options::StudyOptions& options, double duration,
+                       program::Journal& journal);
 
 /// The runs that a model study makes, by the keys of their rows; and the row of the `index`-th.
 std::vector<std::string> model_keys();
-std::vector<std::string> model_row(const StudyOptions& options, double duration, std::size_t index);
+std::vector<std::string> model_row(const options::StudyOptions& options, double duration,
+                                   std::size_t index);
 
-Table model_table(const ModelStudy& study);
-Chart model_chart(const ModelStudy& study, const std::string& title);
+chart::Table model_table(const ModelStudy& study);
+chart::Chart model_chart(const ModelStudy& study, const std::string& title);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

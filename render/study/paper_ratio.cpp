@@ -8,7 +8,7 @@
 #include "render/study/study_target.h"
 #include "sim/study/speed_accuracy.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -18,37 +18,40 @@ constexpr const char* kParticleSystem = "springs";
 constexpr double kBorne = 0.9;  // of the stability limit, by the springs' steps
 constexpr int kRepeats = 5;
 
-const Contender* named(const std::vector<Contender>& contenders, std::string_view label) {
-  const auto found = std::ranges::find(contenders, label, &Contender::label);
+const options::Contender* named(const std::vector<options::Contender>& contenders,
+                                std::string_view label) {
+  const auto found = std::ranges::find(contenders, label, &options::Contender::label);
   return found == contenders.end() ? nullptr : &*found;
 }
 
 /// A candidate's cost (CPU s per simulated second), the median of a few runs in a row.
-double cost_of(const Problem& problem, const Candidate& candidate) {
+double cost_of(const study::Problem& problem, const study::Candidate& candidate) {
   std::vector<double> costs;
   for (int i = 0; i < kRepeats; ++i) {
-    stop_if_interrupted();
-    costs.push_back(time_run(problem, candidate) / problem.duration());
+    render::stop_if_interrupted();
+    costs.push_back(study::time_run(problem, candidate) / problem.duration());
   }
-  return spread(std::move(costs)).median;
+  return study::spread(std::move(costs)).median;
 }
 
 /// Springs at `substeps` equal steps a frame, as hard as these bear by the theory of a chain at
 /// rest: the longest stable step falls with the root of the stiffness.
-Candidate hardest(const Contender& springs, const World& world, double frame, double substeps) {
+study::Candidate hardest(const options::Contender& springs, const World& world, double frame,
+                         double substeps) {
   const Settings soft = with_defaults(*springs.method, {{"stiffness", 1.0}});
   const double step = frame / substeps;
   const double stiffness = std::pow(kBorne * springs.method->longest_step(world, soft) / step, 2);
   return {kParticleSystem, {{"step", step}, {"stiffness", stiffness}}};
 }
 
-AccuracyRow scored(const Target& target, double length, const Candidate& candidate) {
-  const Metric metric = share_of_length(length);
-  return score(target.problem, target.reference, std::span(&metric, 1), candidate, 60);
+study::AccuracyRow scored(const Target& target, double length, const study::Candidate& candidate) {
+  const study::Metric metric = study::share_of_length(length);
+  return study::score(target.problem, target.reference, std::span(&metric, 1), candidate, 60);
 }
 
-PaperSetting setting_at(const Target& target, const Scene& scene, const Contender& springs,
-                        const Candidate& impulse, double impulse_steps) {
+PaperSetting setting_at(const Target& target, const scenes::Scene& scene,
+                        const options::Contender& springs, const study::Candidate& impulse,
+                        double impulse_steps) {
   const Connector& rope = scene.world.connectors.front();
   const double frame = 1.0 / scene.fps;
   PaperSetting found;
@@ -66,32 +69,32 @@ PaperSetting setting_at(const Target& target, const Scene& scene, const Contende
     found.substeps =
         std::clamp(std::round(found.substeps * asked / cost(found.substeps)), 1.0, 1e5);
   }
-  const Candidate equal = hardest(springs, scene.world, frame, found.substeps);
+  const study::Candidate equal = hardest(springs, scene.world, frame, found.substeps);
   found.stiffness = number(equal.settings, "stiffness");
   found.ratio = cost(found.substeps) / found.impulse_cost;
-  const AccuracyRow row = scored(target, rope.length, equal);
+  const study::AccuracyRow row = scored(target, rope.length, equal);
   found.error = row.errors[0];
   found.stretch = row.stretch_max;
   return found;
 }
 
 /// Every contender's runs, cheap ones first, until its share of `seconds` is spent.
-std::vector<std::vector<AccuracyRow>> runs_of(const Target& target, double length,
-                                              const std::vector<Contender>& contenders,
-                                              double seconds, bool quick) {
-  std::vector<std::vector<AccuracyRow>> all;
+std::vector<std::vector<study::AccuracyRow>> runs_of(
+    const Target& target, double length, const std::vector<options::Contender>& contenders,
+    double seconds, bool quick) {
+  std::vector<std::vector<study::AccuracyRow>> all;
   const double share = seconds / static_cast<double>(contenders.size());
-  const Metric metric = share_of_length(length);
-  for (const Contender& one : contenders) {
+  const study::Metric metric = study::share_of_length(length);
+  for (const options::Contender& one : contenders) {
     const Clock::time_point start = Clock::now();
-    std::vector<AccuracyRow> rows;
-    for (const Candidate& candidate : candidates_of(one, quick)) {
-      stop_if_interrupted();
+    std::vector<study::AccuracyRow> rows;
+    for (const study::Candidate& candidate : options::candidates_of(one, quick)) {
+      render::stop_if_interrupted();
       const double spent = std::chrono::duration<double>(Clock::now() - start).count();
       if (spent > share) break;
-      rows.push_back(score(target.problem, target.reference, std::span(&metric, 1), candidate,
-                           (share - spent) / 2));
-      if (spent < share / 2) add_timing(target.problem, rows.back());
+      rows.push_back(study::score(target.problem, target.reference, std::span(&metric, 1),
+                                  candidate, (share - spent) / 2));
+      if (spent < share / 2) study::add_timing(target.problem, rows.back());
     }
     all.push_back(std::move(rows));
   }
@@ -100,18 +103,19 @@ std::vector<std::vector<AccuracyRow>> runs_of(const Target& target, double lengt
 
 }  // namespace
 
-PaperRatio paper_ratio(const StudyOptions& options, const std::vector<Contender>& contenders,
-                       std::size_t particles, double duration, double seconds) {
-  const Contender* impulse = named(contenders, kPaper);
-  const Contender* springs = named(contenders, kParticleSystem);
+PaperRatio paper_ratio(const options::StudyOptions& options,
+                       const std::vector<options::Contender>& contenders, std::size_t particles,
+                       double duration, double seconds) {
+  const options::Contender* impulse = named(contenders, kPaper);
+  const options::Contender* springs = named(contenders, kParticleSystem);
   PaperRatio result;
   if (!impulse || !springs) return result;
-  const Scene scene = study_scene(options, particles);
+  const scenes::Scene scene = options::study_scene(options, particles);
   // The paper's method follows none of these.
   if (!scene.world.obstacles.empty() || has_materials(scene.world)) return result;
   if (!scene.world.joints.empty()) return result;
   const double length = scene.world.connectors.front().length;
-  TruthOptions truth;  // errors of a hundredth of the length are asked for, and not less
+  truth::TruthOptions truth;  // errors of a hundredth of the length are asked for, and not less
   truth.scored_error = 0.01 * length;
   truth.local_error = 1e-9;
   truth.second_accuracy = 1e-5;
@@ -127,13 +131,13 @@ PaperRatio paper_ratio(const StudyOptions& options, const std::vector<Contender>
 
   const auto runs = runs_of(target, length, contenders, seconds, options.quick);
   const auto points =
-      cost_and_error(runs[static_cast<std::size_t>(impulse - contenders.data())], 0);
-  const std::vector<std::size_t> front = pareto_front(points);
+      study::cost_and_error(runs[static_cast<std::size_t>(impulse - contenders.data())], 0);
+  const std::vector<std::size_t> front = study::pareto_front(points);
   if (front.empty()) return result;
   for (const std::size_t at : {front.front(), front.back()}) {
     for (std::size_t c = 0; c < contenders.size(); ++c) {
       if (&contenders[c] == impulse) continue;
-      const auto cost = cost_at(cost_and_error(runs[c], 0), points[at].error);
+      const auto cost = study::cost_at(study::cost_and_error(runs[c], 0), points[at].error);
       result.equal.push_back(
           {particles, points[at].error, contenders[c].label, points[at].cost, cost.value_or(0)});
     }
@@ -142,34 +146,37 @@ PaperRatio paper_ratio(const StudyOptions& options, const std::vector<Contender>
   return result;
 }
 
-Table settings_table(const std::vector<PaperRatio>& all) {
-  Table table{{"particles", "impulse: steps per frame", "impulse: error (share of length)",
-               "springs: steps per frame", "springs: stiffness (N/m)",
-               "springs: error (share of length)", "springs: largest stretch", "springs / impulse"},
-              {}};
+chart::Table settings_table(const std::vector<PaperRatio>& all) {
+  chart::Table table{
+      {"particles", "impulse: steps per frame", "impulse: error (share of length)",
+       "springs: steps per frame", "springs: stiffness (N/m)", "springs: error (share of length)",
+       "springs: largest stretch", "springs / impulse"},
+      {}};
   for (const PaperRatio& one : all) {
     for (const PaperSetting& s : one.settings) {
-      table.add({std::to_string(s.particles), rounded(s.impulse_steps), rounded(s.impulse_error),
-                 rounded(s.substeps), rounded(s.stiffness), rounded(s.error), rounded(s.stretch),
-                 rounded(s.ratio)});
+      table.add({std::to_string(s.particles), options::rounded(s.impulse_steps),
+                 options::rounded(s.impulse_error), options::rounded(s.substeps),
+                 options::rounded(s.stiffness), options::rounded(s.error),
+                 options::rounded(s.stretch), options::rounded(s.ratio)});
     }
   }
   return table;
 }
 
-Table equal_error_table(const std::vector<PaperRatio>& all) {
-  Table table{{"particles", "error (share of length)", "method", "impulse: ms per second",
-               "method: ms per second", "method / impulse"},
-              {}};
+chart::Table equal_error_table(const std::vector<PaperRatio>& all) {
+  chart::Table table{{"particles", "error (share of length)", "method", "impulse: ms per second",
+                      "method: ms per second", "method / impulse"},
+                     {}};
   for (const PaperRatio& one : all) {
     for (const EqualError& e : one.equal) {
       const bool known = e.cost > 0;
-      table.add({std::to_string(e.particles), rounded(e.error), e.method,
-                 rounded(1e3 * e.impulse_cost), known ? rounded(1e3 * e.cost) : "-",
-                 known ? rounded(e.cost / e.impulse_cost) : "-"});
+      table.add({std::to_string(e.particles), options::rounded(e.error), e.method,
+                 options::rounded(1e3 * e.impulse_cost),
+                 known ? options::rounded(1e3 * e.cost) : "-",
+                 known ? options::rounded(e.cost / e.impulse_cost) : "-"});
     }
   }
   return table;
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

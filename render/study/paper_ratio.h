@@ -7,7 +7,7 @@
 
 #include "render/options/study_options.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 inline constexpr double kPaperRatio = 2.76;  // the particle system's time over the paper's method's
 
@@ -41,10 +41,11 @@ struct PaperRatio {
 
 /// Measures both at one number of particles, over the first `duration` seconds of the scene.
 /// `seconds`: about how long it may take. Empty where the contenders lack one of the two methods.
-PaperRatio paper_ratio(const StudyOptions& options, const std::vector<Contender>& contenders,
-                       std::size_t particles, double duration, double seconds);
+PaperRatio paper_ratio(const options::StudyOptions& options,
+                       const std::vector<options::Contender>& contenders, std::size_t particles,
+                       double duration, double seconds);
 
-Table settings_table(const std::vector<PaperRatio>& all);
-Table equal_error_table(const std::vector<PaperRatio>& all);
+chart::Table settings_table(const std::vector<PaperRatio>& all);
+chart::Table equal_error_table(const std::vector<PaperRatio>& all);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -8,7 +8,7 @@
 #include "render/interrupt.h"
 #include "render/program/progress.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -21,32 +21,32 @@ double seconds_since(Clock::time_point start) {
 
 std::string list_of(const std::vector<double>& numbers) {
   std::string list;
-  for (const double number : numbers) list += (list.empty() ? "" : " ") + exact(number);
+  for (const double number : numbers) list += (list.empty() ? "" : " ") + program::exact(number);
   return list;
 }
 
 std::vector<double> numbers_in(const std::string& list) {
   std::istringstream in(list);
   std::vector<double> numbers;
-  for (std::string word; in >> word;) numbers.push_back(number_in(word));
+  for (std::string word; in >> word;) numbers.push_back(program::number_in(word));
   return numbers;
 }
 
-std::vector<std::string> cells_of(const AccuracyRow& row) {
+std::vector<std::string> cells_of(const study::AccuracyRow& row) {
   std::vector<std::string> cells{std::to_string(static_cast<int>(row.end)),
                                  row.reason,
-                                 exact(row.steps),
-                                 exact(row.solves),
-                                 exact(row.stretch_max),
+                                 program::exact(row.steps),
+                                 program::exact(row.solves),
+                                 program::exact(row.stretch_max),
                                  list_of(row.cpu)};
-  for (const double error : row.errors) cells.push_back(exact(error));
+  for (const double error : row.errors) cells.push_back(program::exact(error));
   return cells;
 }
 
-AccuracyRow not_run(const Candidate& candidate, std::size_t metrics) {
-  AccuracyRow row;
+study::AccuracyRow not_run(const study::Candidate& candidate, std::size_t metrics) {
+  study::AccuracyRow row;
   row.candidate = candidate;
-  row.end = Run::End::over_cap;
+  row.end = study::Run::End::over_cap;
   row.reason = "the method's share of the budget was spent";
   row.errors.assign(metrics, std::numeric_limits<double>::infinity());
   return row;
@@ -56,34 +56,36 @@ AccuracyRow not_run(const Candidate& candidate, std::size_t metrics) {
 std::vector<bool> on_a_front(const AccuracyBlock& block, std::size_t metrics) {
   std::vector<bool> best(block.rows.size());
   for (std::size_t metric = 0; metric < metrics; ++metric) {
-    for (const std::size_t i : pareto_front(cost_and_error(block.rows, metric))) best[i] = true;
+    for (const std::size_t i : study::pareto_front(study::cost_and_error(block.rows, metric)))
+      best[i] = true;
   }
   return best;
 }
 
 }  // namespace
 
-AccuracyRow row_from(const Candidate& candidate, const std::vector<std::string>& cells) {
-  AccuracyRow row;
+study::AccuracyRow row_from(const study::Candidate& candidate,
+                            const std::vector<std::string>& cells) {
+  study::AccuracyRow row;
   row.candidate = candidate;
-  row.end = static_cast<Run::End>(number_in(cells.at(0)));
+  row.end = static_cast<study::Run::End>(program::number_in(cells.at(0)));
   row.reason = cells.at(1);
-  row.steps = number_in(cells.at(2));
-  row.solves = number_in(cells.at(3));
-  row.stretch_max = number_in(cells.at(4));
+  row.steps = program::number_in(cells.at(2));
+  row.solves = program::number_in(cells.at(3));
+  row.stretch_max = program::number_in(cells.at(4));
   row.cpu = numbers_in(cells.at(5));
-  for (std::size_t i = 6; i < cells.size(); ++i) row.errors.push_back(number_in(cells[i]));
+  for (std::size_t i = 6; i < cells.size(); ++i) row.errors.push_back(program::number_in(cells[i]));
   return row;
 }
 
-std::string score_key(const Candidate& candidate) {
-  return "score " + describe(candidate);
+std::string score_key(const study::Candidate& candidate) {
+  return "score " + study::describe(candidate);
 }
 
-std::vector<Candidate> all_candidates(const AccuracyStudy& study, bool quick) {
-  std::vector<Candidate> all;
+std::vector<study::Candidate> all_candidates(const AccuracyStudy& study, bool quick) {
+  std::vector<study::Candidate> all;
   for (const AccuracyBlock& block : study.blocks) {
-    for (Candidate& candidate : candidates_of(block.contender, quick)) {
+    for (study::Candidate& candidate : options::candidates_of(block.contender, quick)) {
       all.push_back(std::move(candidate));
     }
   }
@@ -94,43 +96,46 @@ double cap_of_a_run(const AccuracyStudy& study, double seconds) {
   return seconds / static_cast<double>(study.blocks.size()) / 4;
 }
 
-std::vector<std::string> scored_and_timed(const Target& target, const std::vector<Metric>& metrics,
-                                          const Candidate& candidate, double cap, double slow) {
-  AccuracyRow row = score(target.problem, target.reference, metrics, candidate, cap);
+std::vector<std::string> scored_and_timed(const Target& target,
+                                          const std::vector<study::Metric>& metrics,
+                                          const study::Candidate& candidate, double cap,
+                                          double slow) {
+  study::AccuracyRow row = study::score(target.problem, target.reference, metrics, candidate, cap);
   if (!row.cpu.empty()) {
     const bool is_slow = row.cpu.front() * target.problem.duration() > slow;
     row.cpu.clear();  // states were recorded between its steps
     for (int i = 0; i < (is_slow ? kSlowTimings : kTimings); ++i) {
-      stop_if_interrupted();
-      add_timing(target.problem, row);
+      render::stop_if_interrupted();
+      study::add_timing(target.problem, row);
     }
   }
   return cells_of(row);
 }
 
-void score_all(AccuracyStudy& study, const Target& target, const std::vector<Metric>& metrics,
-               double seconds, bool quick, Journal* journal, bool quiet) {
-  std::vector<std::vector<Candidate>> candidates;
+void score_all(AccuracyStudy& study, const Target& target,
+               const std::vector<study::Metric>& metrics, double seconds, bool quick,
+               program::Journal* journal, bool quiet) {
+  std::vector<std::vector<study::Candidate>> candidates;
   std::size_t total = 0;
   for (const AccuracyBlock& block : study.blocks) {
-    candidates.push_back(candidates_of(block.contender, quick));
+    candidates.push_back(options::candidates_of(block.contender, quick));
     total += candidates.back().size();
   }
-  Progress progress("scoring", "runs", total, quiet);
+  program::Progress progress("scoring", "runs", total, quiet);
   std::size_t done = 0;
   const double share = seconds / static_cast<double>(study.blocks.size());
   for (std::size_t b = 0; b < study.blocks.size(); ++b) {
     const Clock::time_point start = Clock::now();
-    for (const Candidate& candidate : candidates[b]) {
-      stop_if_interrupted();
+    for (const study::Candidate& candidate : candidates[b]) {
+      render::stop_if_interrupted();
       const std::string key = score_key(candidate);
       if (const auto* cells = journal ? journal->find(key) : nullptr) {
         study.blocks[b].rows.push_back(row_from(candidate, *cells));
       } else if (seconds_since(start) > share) {
         study.blocks[b].rows.push_back(not_run(candidate, metrics.size()));
       } else {
-        const AccuracyRow row = score(target.problem, target.reference, metrics, candidate,
-                                      cap_of_a_run(study, seconds));
+        const study::AccuracyRow row = study::score(target.problem, target.reference, metrics,
+                                                    candidate, cap_of_a_run(study, seconds));
         if (journal) journal->add(key, cells_of(row));
         study.blocks[b].rows.push_back(row);
       }
@@ -149,18 +154,18 @@ void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, d
       AccuracyBlock& block = study.blocks[b];
       const std::vector<bool> best = on_a_front(block, metrics);
       for (std::size_t i = 0; i < block.rows.size(); ++i) {
-        AccuracyRow& row = block.rows[i];
-        stop_if_interrupted();
+        study::AccuracyRow& row = block.rows[i];
+        render::stop_if_interrupted();
         if (seconds_since(start) > seconds) return;
         if (row.cpu.empty() || (!best[i] && (round < kTimings || timings[b][i] == kTimings)))
           continue;
         const bool is_slow = row.cpu.front() * target.problem.duration() > slow;
         if (is_slow && timings[b][i] >= kSlowTimings) continue;
         if (timings[b][i]++ == 0) row.cpu.clear();  // states were recorded between its steps
-        add_timing(target.problem, row);
+        study::add_timing(target.problem, row);
       }
     }
   }
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

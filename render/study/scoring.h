@@ -8,29 +8,33 @@
 #include "render/study/accuracy_page.h"
 #include "render/study/study_target.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 /// The key of a candidate's row in a journal.
-std::string score_key(const Candidate& candidate);
+std::string score_key(const study::Candidate& candidate);
 
 /// The candidates of all contenders, in the order in which they are scored.
-std::vector<Candidate> all_candidates(const AccuracyStudy& study, bool quick);
+std::vector<study::Candidate> all_candidates(const AccuracyStudy& study, bool quick);
 
 /// The CPU time (s) that one run may take where scoring may take `seconds`.
 double cap_of_a_run(const AccuracyStudy& study, double seconds);
 
 /// A candidate's row as a journal has it, scored within a CPU time of `cap` (s) and timed a few
 /// times, less often where it takes more than `slow` (s).
-std::vector<std::string> scored_and_timed(const Target& target, const std::vector<Metric>& metrics,
-                                          const Candidate& candidate, double cap, double slow);
+std::vector<std::string> scored_and_timed(const Target& target,
+                                          const std::vector<study::Metric>& metrics,
+                                          const study::Candidate& candidate, double cap,
+                                          double slow);
 
 /// The row that a journal has so.
-AccuracyRow row_from(const Candidate& candidate, const std::vector<std::string>& cells);
+study::AccuracyRow row_from(const study::Candidate& candidate,
+                            const std::vector<std::string>& cells);
 
 /// Scores every candidate of every contender, cheap ones first, within equal shares of `seconds`.
 /// Rows that the journal holds are taken from it, others added; null: there is none.
-void score_all(AccuracyStudy& study, const Target& target, const std::vector<Metric>& metrics,
-               double seconds, bool quick, Journal* journal, bool quiet);
+void score_all(AccuracyStudy& study, const Target& target,
+               const std::vector<study::Metric>& metrics, double seconds, bool quick,
+               program::Journal* journal, bool quiet);
 
 /// Times the fronts again and again, and once they are known well all others a few times, in turn,
 /// until `seconds` are over; those that take more than `slow` seconds less often, for they would
@@ -38,4 +42,4 @@ void score_all(AccuracyStudy& study, const Target& target, const std::vector<Met
 void time_all(AccuracyStudy& study, const Target& target, std::size_t metrics, double seconds,
               double slow);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

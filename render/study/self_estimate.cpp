@@ -6,7 +6,7 @@
 
 #include "sim/study/run.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -35,15 +35,15 @@ const std::string_view kEstimateHelp =
     "none\n"
     "in metres, a hundredth of the longest connector. --no-estimate saves its time.";
 
-SelfEstimate::SelfEstimate(const Scene& scene, bool on) {
+SelfEstimate::SelfEstimate(const scenes::Scene& scene, bool on) {
   if (on) estimate_.emplace(scene.world, scene.method.name, scene.method.settings, scene.timeline);
 }
 
 void SelfEstimate::follow(const Simulation& simulation) {
   if (!estimate_ || !estimate_->none().empty()) return;
-  const double before = thread_seconds();
+  const double before = study::thread_seconds();
   estimate_->follow(simulation);
-  seconds_ += thread_seconds() - before;
+  seconds_ += study::thread_seconds() - before;
   until_ = simulation.world().time;
 }
 
@@ -79,4 +79,4 @@ std::string SelfEstimate::line() const {
       why.empty() ? "" : "; " + why);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -9,7 +9,7 @@
 #include "scenes/scene/scene.h"
 #include "sim/run/error_estimate.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 /// What --help says of it.
 extern const std::string_view kEstimateHelp;
@@ -18,7 +18,7 @@ extern const std::string_view kEstimateHelp;
 /// is switched off.
 class SelfEstimate {
  public:
-  SelfEstimate(const Scene& scene, bool on);
+  SelfEstimate(const scenes::Scene& scene, bool on);
 
   /// Goes to where the simulation is now.
   void follow(const Simulation& simulation);
@@ -39,4 +39,4 @@ class SelfEstimate {
   double until_ = 0;    // s, where the simulation was last
 };
 
-}  // namespace taut::cli
+}  // namespace taut::studies

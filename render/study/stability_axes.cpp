@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 std::vector<double> thinned(std::vector<double> values, bool quick) {
@@ -17,7 +17,7 @@ std::vector<double> thinned(std::vector<double> values, bool quick) {
 }
 
 /// Mass (kg) at the last particle, beside its own.
-double load_of(const Scene& scene) {
+double load_of(const scenes::Scene& scene) {
   const Connector& rope = scene.world.connectors.front();
   const std::size_t last = rope.particles() - 1;
   for (const Hold& hold : rope.holds) {
@@ -33,55 +33,55 @@ std::string toml(const Vec3& v) {
   return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
 }
 
-MapAxis mass_ratio(const Scene& scene, double load) {
-  const std::string key = connector_key(scene, "mass");
+MapAxis mass_ratio(const scenes::Scene& scene, double load) {
+  const std::string key = options::connector_key(scene, "mass");
   return {"mass_ratio",
           "mass of the load / mass of the rope",
           true,
           {1, 10, 100, 1e3, 1e4, 1e5, 1e6},
           [key, load](double ratio) {
-            return std::vector<SceneChange>{{key, fmt::format("{:.17g}", load / ratio)}};
+            return std::vector<scenes::SceneChange>{{key, fmt::format("{:.17g}", load / ratio)}};
           },
           "",
           true};
 }
 
-MapAxis particles(const Scene& scene) {
+MapAxis particles(const scenes::Scene& scene) {
   return {"particles",
           "particles",
           true,
           {2, 5, 11, 41, 101, 321, 1000},
-          [key = connector_key(scene, "particles")](double n) {
-            return std::vector<SceneChange>{{key, fmt::format("{:.0f}", n)}};
+          [key = options::connector_key(scene, "particles")](double n) {
+            return std::vector<scenes::SceneChange>{{key, fmt::format("{:.0f}", n)}};
           },
           "",
           true};
 }
 
-MapAxis start_angle(const Scene& scene) {
+MapAxis start_angle(const scenes::Scene& scene) {
   return {"start_angle",
           "start, degrees from hanging",
           false,
           {5, 30, 60, 90, 120, 150, 175},
-          [key = connector_key(scene, "start")](double degrees) {
+          [key = options::connector_key(scene, "start")](double degrees) {
             const double a = degrees * std::numbers::pi / 180;
-            return std::vector<SceneChange>{
+            return std::vector<scenes::SceneChange>{
                 {key, fmt::format("{{ direction = {} }}", toml({std::sin(a), -std::cos(a), 0}))}};
           },
           ""};
 }
 
 /// The first end goes up by half the length from rest to rest: the lower end whips.
-MapAxis driven_speed(const Scene& scene) {
+MapAxis driven_speed(const scenes::Scene& scene) {
   const Connector& rope = scene.world.connectors.front();
   return {"driven_speed",
           "peak speed of the driven end (m/s)",
           true,
           {0.1, 0.3, 1, 3, 10, 30, 100},
-          [from = connector_key(scene, "from"), at = rope.holds.front().to.point,
+          [from = options::connector_key(scene, "from"), at = rope.holds.front().to.point,
            travel = rope.length / 2](double speed) {
             const double time = 1.875 * travel / speed;  // a quintic's peak is 15/8 of its mean
-            return std::vector<SceneChange>{
+            return std::vector<scenes::SceneChange>{
                 {"paths.study", fmt::format("{{ keys = [ {{ t = 0, position = {}, ease = true }}, "
                                             "{{ t = {:.17g}, position = {}, ease = true }} ] }}",
                                             toml(at), time, toml(at + Vec3(0, travel, 0)))},
@@ -99,7 +99,7 @@ MapAxis stiffness() {
 
 }  // namespace
 
-std::vector<MapAxis> map_axes(const Scene& scene, bool quick) {
+std::vector<MapAxis> map_axes(const scenes::Scene& scene, bool quick) {
   const Connector& rope = scene.world.connectors.front();
   std::vector<MapAxis> axes;
   if (const double load = load_of(scene); load > 0) axes.push_back(mass_ratio(scene, load));
@@ -114,7 +114,7 @@ std::vector<MapAxis> map_axes(const Scene& scene, bool quick) {
   return axes;
 }
 
-bool takes_part(const Contender& contender, const MapAxis& axis) {
+bool takes_part(const options::Contender& contender, const MapAxis& axis) {
   return axis.setting.empty() ||
          std::ranges::find(contender.method->settings, axis.setting, &SettingInfo::name) !=
              contender.method->settings.end();
@@ -143,4 +143,4 @@ std::vector<double> map_heights(const SettingInfo& setting, bool quick) {
   return thinned(std::move(values), quick);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

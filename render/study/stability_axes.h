@@ -8,7 +8,7 @@
 
 #include "render/options/study_options.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 struct MapAxis {
   std::string name;   // "mass_ratio"; in file names
@@ -16,7 +16,7 @@ struct MapAxis {
   bool log = true;
   std::vector<double> values;  // rising
   /// What a value changes in the scene; null: nothing.
-  std::function<std::vector<SceneChange>(double)> changes;
+  std::function<std::vector<scenes::SceneChange>(double)> changes;
   /// The setting that is the value, of those methods that have it; empty: none.
   std::string setting;
   /// Every value costs at least as much as the one before.
@@ -25,10 +25,10 @@ struct MapAxis {
 
 /// The axes that the scene has: mass ratio where it carries a load, start angle and driven speed
 /// where it hangs from one fixed point. `quick`: every other value.
-std::vector<MapAxis> map_axes(const Scene& scene, bool quick);
+std::vector<MapAxis> map_axes(const scenes::Scene& scene, bool quick);
 
 /// True where the map of `axis` shows the contender.
-bool takes_part(const Contender& contender, const MapAxis& axis);
+bool takes_part(const options::Contender& contender, const MapAxis& axis);
 
 /// The setting that maps show upwards: the step or, where sweeps leave that alone, the first number
 /// that they go through. Null where there is none.
@@ -36,4 +36,4 @@ const SettingInfo* map_height(const MethodInfo& method);
 /// Its values, rising.
 std::vector<double> map_heights(const SettingInfo& setting, bool quick);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -10,17 +10,17 @@
 #include "render/program/json.h"
 #include "render/study/stability_study.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 /// In the order of MotionClass; dark to light from bad to good, so that grey print keeps the order.
-std::vector<CellKind> kinds() {
-  return {{std::string(name_of(MotionClass::over_cap)), "-", 0xdddddd},
-          {std::string(name_of(MotionClass::failed)), "F", 0x3b0f70},
-          {std::string(name_of(MotionClass::stretched)), "S", 0x8c2981},
-          {std::string(name_of(MotionClass::over_damped)), "D", 0xde4968},
-          {std::string(name_of(MotionClass::accurate)), "A", 0xfcfdbf},
-          {std::string(name_of(MotionClass::plausible)), "P", 0xfe9f6d}};
+std::vector<chart::CellKind> kinds() {
+  return {{std::string(study::name_of(study::MotionClass::over_cap)), "-", 0xdddddd},
+          {std::string(study::name_of(study::MotionClass::failed)), "F", 0x3b0f70},
+          {std::string(study::name_of(study::MotionClass::stretched)), "S", 0x8c2981},
+          {std::string(study::name_of(study::MotionClass::over_damped)), "D", 0xde4968},
+          {std::string(study::name_of(study::MotionClass::accurate)), "A", 0xfcfdbf},
+          {std::string(study::name_of(study::MotionClass::plausible)), "P", 0xfe9f6d}};
 }
 
 /// Half way to the neighbours on either side of value `i`; `log`: of the logarithms.
@@ -41,14 +41,14 @@ std::size_t place(const std::vector<double>& values, double value) {
 }
 
 /// Where theory ends the stable steps, drawn over the map.
-Series law_of(const StabilityMap& map, const Contender& contender) {
+chart::Series law_of(const StabilityMap& map, const options::Contender& contender) {
   const MethodInfo& method = *contender.method;
-  Series law{fmt::format("theory, {}: {}", method.name, method.longest_step_law),
-             {0x000000, 1, 0},
-             true,
-             false,
-             false,
-             {}};
+  chart::Series law{fmt::format("theory, {}: {}", method.name, method.longest_step_law),
+                    {0x000000, 1, 0},
+                    true,
+                    false,
+                    false,
+                    {}};
   for (std::size_t i = 0; i < map.axis.values.size(); ++i) {
     Settings settings = with_defaults(method, contender.candidate.settings);
     if (!map.axis.setting.empty()) settings[map.axis.setting] = map.axis.values[i];
@@ -61,25 +61,27 @@ Series law_of(const StabilityMap& map, const Contender& contender) {
 /// A cell that took less than its cap has more of it in the command: another run of it may take
 /// longer.
 std::string command_of(const StabilityStudy& study, const StabilityMap& map,
-                       const Contender& contender, const MapCell& cell) {
-  Candidate candidate = contender.candidate;
+                       const options::Contender& contender, const MapCell& cell) {
+  study::Candidate candidate = contender.candidate;
   candidate.settings[std::string(map_height(*contender.method)->name)] = cell.y;
   if (!map.axis.setting.empty()) candidate.settings[map.axis.setting] = cell.x;
   const World& world = map.worlds[place(map.axis.values, cell.x)];
   const bool scored = study.scored && world.connectors.front().particles() <= kMostForTruth;
-  return classify_command({study.scene, study.set},
-                          map.axis.changes ? map.axis.changes(cell.x) : std::vector<SceneChange>(),
-                          contender.label, candidate, study.duration,
-                          cell.over ? study.cap : std::max(study.cap, kTruthCap), scored);
+  return options::classify_command(
+      {study.scene, study.set},
+      map.axis.changes ? map.axis.changes(cell.x) : std::vector<scenes::SceneChange>(),
+      contender.label, candidate, study.duration,
+      cell.over ? study.cap : std::max(study.cap, kTruthCap), scored);
 }
 
-Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std::size_t index) {
-  const Contender& contender = study.contenders[index];
-  Panel panel;
+chart::Panel panel_of(const StabilityStudy& study, const StabilityMap& map, std::size_t index) {
+  const options::Contender& contender = study.contenders[index];
+  chart::Panel panel;
   panel.title = contender.label;
   panel.x = {map.axis.label, map.axis.log};
   if (!map.axis.log) {
-    for (const double value : map.axis.values) panel.x.tics.emplace_back(value, rounded(value));
+    for (const double value : map.axis.values)
+      panel.x.tics.emplace_back(value, options::rounded(value));
   }
   const SettingInfo* setting = map_height(*contender.method);
   if (!contender.method->missing.empty() || !setting) {
@@ -119,8 +121,8 @@ std::string finding(const StabilityStudy& study, const StabilityMap& map) {
     for (const MapCell& cell : map.cells) {
       if (cell.contender != c) continue;
       ++share.all;
-      share.good += cell.classification.motion_class == MotionClass::accurate ||
-                    cell.classification.motion_class == MotionClass::plausible;
+      share.good += cell.classification.motion_class == study::MotionClass::accurate ||
+                    cell.classification.motion_class == study::MotionClass::plausible;
     }
     if (share.all > 0) shares.push_back(std::move(share));
   }
@@ -132,33 +134,34 @@ std::string finding(const StabilityStudy& study, const StabilityMap& map) {
 
 }  // namespace
 
-Table stability_table(const StabilityStudy& study) {
-  Table table{{"map", "value", "method", "setting", "at", "class", "energy gained", "energy lost",
-               "stretch", "error (share of length)", "reason"},
-              {}};
+chart::Table stability_table(const StabilityStudy& study) {
+  chart::Table table{{"map", "value", "method", "setting", "at", "class", "energy gained",
+                      "energy lost", "stretch", "error (share of length)", "reason"},
+                     {}};
   for (const StabilityMap& map : study.maps) {
     for (const MapCell& cell : map.cells) {
-      const Contender& contender = study.contenders[cell.contender];
-      const Classification& j = cell.classification;
-      table.add({map.axis.name, rounded(cell.x), contender.label,
-                 std::string(map_height(*contender.method)->name), rounded(cell.y),
-                 std::string(name_of(j.motion_class)), rounded(j.gain), rounded(j.loss),
-                 rounded(j.stretch), rounded(j.error), cell.reason});
+      const options::Contender& contender = study.contenders[cell.contender];
+      const study::Classification& j = cell.classification;
+      table.add({map.axis.name, options::rounded(cell.x), contender.label,
+                 std::string(map_height(*contender.method)->name), options::rounded(cell.y),
+                 std::string(study::name_of(j.motion_class)), options::rounded(j.gain),
+                 options::rounded(j.loss), options::rounded(j.stretch), options::rounded(j.error),
+                 cell.reason});
     }
   }
   return table;
 }
 
-Chart stability_chart(const StabilityStudy& study, const StabilityMap& map) {
-  Chart chart;
+chart::Chart stability_chart(const StabilityStudy& study, const StabilityMap& map) {
+  chart::Chart chart;
   chart.title = finding(study, map);
   chart.subtitle = fmt::format(
       "{}, runs of {} s. The first class that fits: failed (diverged or gained 10% of the energy), "
       "stretched (a link by 1%), over-damped (lost 10%), accurate (within 1% of the length of "
       "truth{}), plausible; the last two hold. A cell may take {} s of CPU time. {}",
-      study.title, rounded(study.duration),
-      study.scored ? "" : "; not told from plausible in a quick map", rounded(study.cap),
-      machine());
+      study.title, options::rounded(study.duration),
+      study.scored ? "" : "; not told from plausible in a quick map", options::rounded(study.cap),
+      options::machine());
   chart.kinds = kinds();
   for (std::size_t c = 0; c < study.contenders.size(); ++c) {
     if (takes_part(study.contenders[c], map.axis)) chart.panels.push_back(panel_of(study, map, c));
@@ -173,43 +176,44 @@ Chart stability_chart(const StabilityStudy& study, const StabilityMap& map) {
 std::string stability_section(const StabilityStudy& study) {
   std::string body;
   for (const StabilityMap& map : study.maps) {
-    body += fmt::format("<h3>{}</h3>\n{}", escape_html(map.axis.label),
-                        html_chart(stability_chart(study, map)));
+    body += fmt::format("<h3>{}</h3>\n{}", chart::escape_html(map.axis.label),
+                        chart::html_chart(stability_chart(study, map)));
   }
   return body;
 }
 
 std::string stability_page(const StabilityStudy& study) {
-  return html_page(study.title + ": where each method fails",
-                   fmt::format("<p>Scene: {}. {}.</p>\n{}<h2>Every cell</h2>\n{}",
-                               escape_html(study.scene), escape_html(machine()),
-                               stability_section(study), to_html(stability_table(study))));
+  return chart::html_page(
+      study.title + ": where each method fails",
+      fmt::format("<p>Scene: {}. {}.</p>\n{}<h2>Every cell</h2>\n{}",
+                  chart::escape_html(study.scene), chart::escape_html(options::machine()),
+                  stability_section(study), chart::to_html(stability_table(study))));
 }
 
 std::string stability_json(const StabilityStudy& study) {
-  Json json = {{"scene", study.scene},
-               {"machine", machine()},
-               {"duration_s", study.duration},
-               {"cpu_cap_s", study.cap},
-               {"cells", Json::array()}};
+  program::Json json = {{"scene", study.scene},
+                        {"machine", options::machine()},
+                        {"duration_s", study.duration},
+                        {"cpu_cap_s", study.cap},
+                        {"cells", program::Json::array()}};
   for (const StabilityMap& map : study.maps) {
     for (const MapCell& cell : map.cells) {
-      const Contender& contender = study.contenders[cell.contender];
-      const Classification& j = cell.classification;
+      const options::Contender& contender = study.contenders[cell.contender];
+      const study::Classification& j = cell.classification;
       json["cells"].push_back({{"map", map.axis.name},
                                {"x", cell.x},
                                {"method", contender.label},
                                {"setting", map_height(*contender.method)->name},
                                {"value", cell.y},
-                               {"verdict", name_of(j.motion_class)},
-                               {"energy_gain", number_or_null(j.gain)},
-                               {"energy_loss", number_or_null(j.loss)},
-                               {"stretch_max", number_or_null(j.stretch)},
-                               {"rms_error", number_or_null(j.error)},
+                               {"verdict", study::name_of(j.motion_class)},
+                               {"energy_gain", program::number_or_null(j.gain)},
+                               {"energy_loss", program::number_or_null(j.loss)},
+                               {"stretch_max", program::number_or_null(j.stretch)},
+                               {"rms_error", program::number_or_null(j.error)},
                                {"reason", cell.reason}});
     }
   }
   return json.dump(2) + "\n";
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

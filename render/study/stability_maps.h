@@ -7,12 +7,12 @@
 #include "render/study/stability_axes.h"
 #include "sim/study/stability.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 struct MapCell {
   std::size_t contender = 0;  // index
   double x = 0, y = 0;        // values of the map's axis and of the height
-  Classification classification;
+  study::Classification classification;
   std::string reason;  // of an end before the end
   bool over = false;   // it ran over its CPU cap, or was not run since a cheaper one did
 };
@@ -31,16 +31,16 @@ struct StabilityStudy {
   double cap = 0;                // s of CPU time, the most that a cell may take
   bool scored = true;            // there was a truth to tell accurate from plausible
   bool quick = false;
-  std::vector<Contender> contenders;
+  std::vector<options::Contender> contenders;
   std::vector<StabilityMap> maps;
 };
 
-Table stability_table(const StabilityStudy& study);
-Chart stability_chart(const StabilityStudy& study, const StabilityMap& map);
+chart::Table stability_table(const StabilityStudy& study);
+chart::Chart stability_chart(const StabilityStudy& study, const StabilityMap& map);
 /// What a page says of the study: its maps.
 std::string stability_section(const StabilityStudy& study);
 /// One HTML page that needs no other file.
 std::string stability_page(const StabilityStudy& study);
 std::string stability_json(const StabilityStudy& study);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -13,7 +13,7 @@
 #include "render/program/progress.h"
 #include "render/study/study_target.h"
 
-namespace taut::cli {
+namespace taut::studies {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -38,15 +38,15 @@ class Shares {
 
 /// One value of a map's axis.
 struct Column {
-  Problem problem;
-  std::optional<Reference> reference;
+  study::Problem problem;
+  std::optional<study::Reference> reference;
 };
 
-Column column_of(const StudyOptions& options, const MapAxis& axis, double value, double duration,
-                 bool with_truth) {
-  const Scene scene =
-      axis.changes ? study_scene(options, axis.changes(value)) : study_scene(options);
-  Column column{{scene.world, frame_times(duration, scene.fps)}, {}};
+Column column_of(const options::StudyOptions& options, const MapAxis& axis, double value,
+                 double duration, bool with_truth) {
+  const scenes::Scene scene = axis.changes ? options::study_scene(options, axis.changes(value))
+                                           : options::study_scene(options);
+  Column column{{scene.world, study::frame_times(duration, scene.fps)}, {}};
   const Connector& rope = scene.world.connectors.front();
   if (with_truth && rope.particles() <= kMostForTruth) {
     column.reference = quick_reference(column.problem, 0.01 * rope.length, kTruthCap);
@@ -57,31 +57,33 @@ Column column_of(const StudyOptions& options, const MapAxis& axis, double value,
 MapCell cell_from(std::size_t contender, double x, double y,
                   const std::vector<std::string>& cells) {
   MapCell cell{contender, x, y, {}, cells.at(5), cells.at(6) == "over"};
-  cell.classification.motion_class = static_cast<MotionClass>(number_in(cells.at(0)));
-  cell.classification.gain = number_in(cells.at(1));
-  cell.classification.loss = number_in(cells.at(2));
-  cell.classification.stretch = number_in(cells.at(3));
-  cell.classification.error = number_in(cells.at(4));
+  cell.classification.motion_class =
+      static_cast<study::MotionClass>(program::number_in(cells.at(0)));
+  cell.classification.gain = program::number_in(cells.at(1));
+  cell.classification.loss = program::number_in(cells.at(2));
+  cell.classification.stretch = program::number_in(cells.at(3));
+  cell.classification.error = program::number_in(cells.at(4));
   return cell;
 }
 
 std::vector<std::string> cells_of(const MapCell& cell) {
-  const Classification& j = cell.classification;
+  const study::Classification& j = cell.classification;
   return {std::to_string(static_cast<int>(j.motion_class)),
-          exact(j.gain),
-          exact(j.loss),
-          exact(j.stretch),
-          exact(j.error),
+          program::exact(j.gain),
+          program::exact(j.loss),
+          program::exact(j.stretch),
+          program::exact(j.error),
           cell.reason,
           cell.over ? "over" : "in time"};
 }
 
-std::string key_of(const MapAxis& axis, const Contender& contender, double x, double y) {
-  return fmt::format("{} {} {} {}", axis.name, contender.label, exact(x), exact(y));
+std::string key_of(const MapAxis& axis, const options::Contender& contender, double x, double y) {
+  return fmt::format("{} {} {} {}", axis.name, contender.label, program::exact(x),
+                     program::exact(y));
 }
 
 /// The heights of a contender's cells, from cheap to dear.
-std::vector<double> heights_of(const Contender& contender, bool quick) {
+std::vector<double> heights_of(const options::Contender& contender, bool quick) {
   std::vector<double> heights = map_heights(*map_height(*contender.method), quick);
   std::ranges::reverse(heights);
   return heights;
@@ -89,33 +91,33 @@ std::vector<double> heights_of(const Contender& contender, bool quick) {
 
 MapCell cell_not_run(std::size_t index, double x, double y) {
   MapCell cell{index, x, y, {}, "not run: a cheaper one was over its CPU cap", true};
-  cell.classification.motion_class = MotionClass::over_cap;
+  cell.classification.motion_class = study::MotionClass::over_cap;
   return cell;
 }
 
 /// A run's place in the map, with its class.
 MapCell cell_of(const MapAxis& axis, std::size_t index, const StabilityStudy& study,
                 const Column& column, double x, double y, double cap) {
-  const Contender& contender = study.contenders[index];
-  Candidate candidate = contender.candidate;
+  const options::Contender& contender = study.contenders[index];
+  study::Candidate candidate = contender.candidate;
   candidate.settings[std::string(map_height(*contender.method)->name)] = y;
   if (!axis.setting.empty()) candidate.settings[axis.setting] = x;
-  const Run result = taut::run(column.problem, candidate, cap);
-  const Reference* reference = column.reference ? &*column.reference : nullptr;
+  const study::Run result = taut::study::run(column.problem, candidate, cap);
+  const study::Reference* reference = column.reference ? &*column.reference : nullptr;
   return {index,
           x,
           y,
-          classify(column.problem, result, reference),
+          study::classify(column.problem, result, reference),
           result.reason,
-          result.end == Run::End::over_cap};
+          result.end == study::Run::End::over_cap};
 }
 
 /// Runs a contender over a map's cells, or takes them from the journal. Within `seconds`; a cell is
 /// not run where one that costs less was over its cap.
 void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
-          const std::vector<Column>& columns, double seconds, Journal& journal,
+          const std::vector<Column>& columns, double seconds, program::Journal& journal,
           const std::function<void()>& finished) {
-  const Contender& contender = study.contenders[index];
+  const options::Contender& contender = study.contenders[index];
   const std::vector<double> heights = heights_of(contender, study.quick);
   std::vector<bool> over_before(heights.size(), false);
   const Clock::time_point start = Clock::now();
@@ -123,7 +125,7 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
     const double x = map.axis.values[i];
     bool over = false;  // in this column
     for (std::size_t h = 0; h < heights.size(); ++h) {
-      stop_if_interrupted();
+      render::stop_if_interrupted();
       const double y = heights[h];
       const std::string key = key_of(map.axis, contender, x, y);
       over = over || (map.axis.dearer && over_before[h]);
@@ -145,7 +147,7 @@ void fill(StabilityMap& map, std::size_t index, const StabilityStudy& study,
   }
 }
 
-bool is_mapped(const Contender& contender, const MapAxis& axis) {
+bool is_mapped(const options::Contender& contender, const MapAxis& axis) {
   return contender.method->missing.empty() && map_height(*contender.method) &&
          takes_part(contender, axis);
 }
@@ -170,11 +172,11 @@ std::vector<CellPlace> all_places(const StabilityStudy& study, const std::vector
   return places;
 }
 
-Pieces shared_work(const StabilityStudy& study, const std::vector<MapAxis>& axes,
-                   const std::vector<CellPlace>& places) {
-  Pieces pieces{"stability", "cells", Share::neighbours, {}};
+program::Pieces shared_work(const StabilityStudy& study, const std::vector<MapAxis>& axes,
+                            const std::vector<CellPlace>& places) {
+  program::Pieces pieces{"stability", "cells", program::Share::neighbours, {}};
   for (const CellPlace& at : places) {
-    const Contender& contender = study.contenders[at.contender];
+    const options::Contender& contender = study.contenders[at.contender];
     pieces.keys.push_back(key_of(axes[at.axis], contender, axes[at.axis].values[at.column],
                                  heights_of(contender, study.quick)[at.height]));
   }
@@ -183,7 +185,7 @@ Pieces shared_work(const StabilityStudy& study, const std::vector<MapAxis>& axes
 
 }  // namespace
 
-StabilityStudy stability_study(const StudyOptions& options, const Scene& scene) {
+StabilityStudy stability_study(const options::StudyOptions& options, const scenes::Scene& scene) {
   StabilityStudy study;
   study.scene = options.scene;
   study.title = scene.title;
@@ -191,39 +193,41 @@ StabilityStudy stability_study(const StudyOptions& options, const Scene& scene) 
   study.quick = options.quick;
   study.scored = !options.quick;
   study.duration = options.quick ? 0.5 : 1.0;
-  study.contenders = chosen_contenders(options);
+  study.contenders = options::chosen_contenders(options);
   const std::size_t total = all_places(study, map_axes(scene, options.quick)).size();
   // Most cells take far less than their share, so a cell may take several.
   study.cap = 8 * options.budget / static_cast<double>(std::max<std::size_t>(1, total));
   return study;
 }
 
-Journal map_all(StabilityStudy& study, const StudyOptions& options, const Scene& scene,
-                const std::filesystem::path& folder, const std::string& journal_name,
-                const Common& common, const std::function<void(const StabilityMap&)>& mapped) {
+program::Journal map_all(StabilityStudy& study, const options::StudyOptions& options,
+                         const scenes::Scene& scene, const std::filesystem::path& folder,
+                         const std::string& journal_name, const program::Common& common,
+                         const std::function<void(const StabilityMap&)>& mapped) {
   const bool merge = options.part.merge;
   const std::vector<MapAxis> axes = map_axes(scene, options.quick);
   const std::vector<CellPlace> places = all_places(study, axes);
   std::size_t pieces = 0;
   for (const MapAxis& axis : axes) {
     pieces += std::size_t(std::ranges::count_if(
-        study.contenders, [&](const Contender& one) { return is_mapped(one, axis); }));
+        study.contenders, [&](const options::Contender& one) { return is_mapped(one, axis); }));
   }
-  Journal journal =
-      merge ? merged_journal(shared_work(study, axes, places), folder, stamp_of(options))
-            : Journal(folder / journal_name, stamp_of(options));
+  program::Journal journal =
+      merge ? program::merged_journal(shared_work(study, axes, places), folder,
+                                      options::stamp_of(options))
+            : program::Journal(folder / journal_name, options::stamp_of(options));
   if (!common.quiet && journal.kept() > 0 && !merge) {
-    note("going on after {} cells of maps that were stopped\n", journal.kept());
+    program::note("going on after {} cells of maps that were stopped\n", journal.kept());
   }
   {
-    Progress progress(merge ? "merging" : "mapping", "cells", places.size(), common.quiet);
+    program::Progress progress(merge ? "merging" : "mapping", "cells", places.size(), common.quiet);
     Shares shares(options.budget, pieces);
     std::size_t done = 0;
     for (const MapAxis& axis : axes) {
       StabilityMap map{axis, {}, {}};
       std::vector<Column> columns;
       for (const double value : axis.values) {
-        stop_if_interrupted();
+        render::stop_if_interrupted();
         columns.push_back(column_of(options, axis, value, study.duration, study.scored && !merge));
         map.worlds.push_back(columns.back().problem.world);
       }
@@ -238,16 +242,16 @@ Journal map_all(StabilityStudy& study, const StudyOptions& options, const Scene&
   return journal;
 }
 
-int map_part(const StabilityStudy& study, const StudyOptions& options, const Scene& scene,
-             const Common& common) {
+int map_part(const StabilityStudy& study, const options::StudyOptions& options,
+             const scenes::Scene& scene, const program::Common& common) {
   const std::vector<MapAxis> axes = map_axes(scene, options.quick);
   const std::vector<CellPlace> places = all_places(study, axes);
   std::optional<Column> column;
   CellPlace of_column;
-  const auto work = [&](std::size_t i, const Journal& journal) {
+  const auto work = [&](std::size_t i, const program::Journal& journal) {
     const CellPlace at = places[i];
     const MapAxis& axis = axes[at.axis];
-    const Contender& contender = study.contenders[at.contender];
+    const options::Contender& contender = study.contenders[at.contender];
     const std::vector<double> heights = heights_of(contender, study.quick);
     const double x = axis.values[at.column], y = heights[at.height];
     // What merging leaves out need not be run, as far as this part can tell.
@@ -265,8 +269,8 @@ int map_part(const StabilityStudy& study, const StudyOptions& options, const Sce
     }
     return cells_of(cell_of(axis, at.contender, study, *column, x, y, study.cap));
   };
-  return do_part(options.part, shared_work(study, axes, places), study_folder(options),
-                 stamp_of(options), common, work);
+  return program::do_part(options.part, shared_work(study, axes, places),
+                          options::study_folder(options), options::stamp_of(options), common, work);
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

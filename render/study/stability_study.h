@@ -8,7 +8,7 @@
 #include "render/program/journal.h"
 #include "render/study/stability_maps.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 /// Particles beyond which the truth costs more than the map, so that cells are not told accurate
 /// from plausible; and the CPU time (s) that each of its two solvers may take.
@@ -16,17 +16,18 @@ inline constexpr std::size_t kMostForTruth = 64;
 inline constexpr double kTruthCap = 2;
 
 /// What a study of the options is of, without cells.
-StabilityStudy stability_study(const StudyOptions& options, const Scene& scene);
+StabilityStudy stability_study(const options::StudyOptions& options, const scenes::Scene& scene);
 
 /// Fills the maps within the options' budget, or from all parts where they say so, and calls
 /// `mapped` for each that is complete. Cells that were done are in `journal` of the folder; returns
 /// it, to be finished once results are written.
-Journal map_all(StabilityStudy& study, const StudyOptions& options, const Scene& scene,
-                const std::filesystem::path& folder, const std::string& journal,
-                const Common& common, const std::function<void(const StabilityMap&)>& mapped);
+program::Journal map_all(StabilityStudy& study, const options::StudyOptions& options,
+                         const scenes::Scene& scene, const std::filesystem::path& folder,
+                         const std::string& journal, const program::Common& common,
+                         const std::function<void(const StabilityMap&)>& mapped);
 
 /// The cells of the options' part.
-int map_part(const StabilityStudy& study, const StudyOptions& options, const Scene& scene,
-             const Common& common);
+int map_part(const StabilityStudy& study, const options::StudyOptions& options,
+             const scenes::Scene& scene, const program::Common& common);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

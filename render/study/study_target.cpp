@@ -11,43 +11,45 @@
 #include "render/program/command.h"
 #include "render/program/progress.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
-Target target_of(const Scene& scene, double duration, const TruthOptions& options) {
-  Target target{{scene.world, frame_times(duration, scene.fps), scene.timeline}, {}};
+Target target_of(const scenes::Scene& scene, double duration, const truth::TruthOptions& options) {
+  Target target{{scene.world, study::frame_times(duration, scene.fps), scene.timeline}, {}};
   // Two solvers, the first of them three times: no more than so many frames.
-  Progress progress("solving the truth", "frames", 4 * target.problem.times.size(), true);
+  program::Progress progress("solving the truth", "frames", 4 * target.problem.times.size(), true);
   std::uint64_t done = 0;
-  Truth truth = solve_truth(scene.world, target.problem.times, options, scene.timeline, [&] {
-    stop_if_interrupted();
-    progress.update(++done);
-  });
+  truth::Truth truth =
+      truth::solve_truth(scene.world, target.problem.times, options, scene.timeline, [&] {
+        render::stop_if_interrupted();
+        progress.update(++done);
+      });
   target.reference = {std::move(truth.frames), truth.horizon, truth.self_error};
   std::erase_if(target.problem.times, [&](double time) { return time > truth.horizon; });
   target.reference.frames.resize(target.problem.times.size());
   return target;
 }
 
-Target predictable_target(const Scene& scene, const TruthOptions& options) {
+Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions& options) {
   Target target = target_of(scene, scene.duration, options);
   if (target.problem.times.size() < 2) {
-    throw Misuse(fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
-                             scene.file.string(), target.reference.horizon));
+    throw program::Misuse(
+        fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
+                    scene.file.string(), target.reference.horizon));
   }
   return target;
 }
 
-std::optional<Reference> quick_reference(const Problem& problem, double scored_error,
-                                         double cpu_cap) {
-  Run first = run(problem, {"truth", {{"local_error", 1e-9}}}, cpu_cap);
-  const Run second = run(problem, {"multibody", {{"accuracy", 1e-5}}}, cpu_cap);
-  const Distance metres = [](const Vec3& at, const Vec3& truth, double) {
+std::optional<study::Reference> quick_reference(const study::Problem& problem, double scored_error,
+                                                double cpu_cap) {
+  study::Run first = study::run(problem, {"truth", {{"local_error", 1e-9}}}, cpu_cap);
+  const study::Run second = study::run(problem, {"multibody", {{"accuracy", 1e-5}}}, cpu_cap);
+  const study::Distance metres = [](const Vec3& at, const Vec3& truth, double) {
     return (at - truth).norm();
   };
-  Reference reference;
+  study::Reference reference;
   const std::size_t both = std::min(first.frames.size(), second.frames.size());
   for (std::size_t k = 1; k < both; ++k) {
-    const double apart = frame_error(second.frames[k], first.frames[k], metres);
+    const double apart = study::frame_error(second.frames[k], first.frames[k], metres);
     if (apart > scored_error / 100) break;
     reference.horizon = first.frames[k].time;
     reference.self_error = std::max(reference.self_error, apart);
@@ -63,9 +65,9 @@ namespace {
 /// shots, or where none does the scene's own. Keeps the cameras of the last time.
 class Projector {
  public:
-  explicit Projector(const Scene& scene)
+  explicit Projector(const scenes::Scene& scene)
       : half_(scene.width / 2.0, scene.height / 2.0), camera_(scene.stage->camera) {
-    for (const Shot& shot : scene.stage->shots) shots_.push_back(shot);
+    for (const scenes::Shot& shot : scene.stage->shots) shots_.push_back(shot);
   }
 
   /// The largest distance (px) on any picture; infinite where one point is behind a camera.
@@ -85,32 +87,33 @@ class Projector {
   void look(double time) {
     time_ = time;
     cameras_.clear();
-    const auto add = [&](const std::vector<CameraKey>& keys) {
+    const auto add = [&](const std::vector<scenes::CameraKey>& keys) {
       cameras_.push_back(
-          camera_projection(camera_at(keys, time), half_.x() / half_.y()).cast<double>());
+          draw::camera_projection(scenes::camera_at(keys, time), half_.x() / half_.y())
+              .cast<double>());
     };
-    for (const Shot& shot : shots_) {
+    for (const scenes::Shot& shot : shots_) {
       if (shot.from <= time && time <= shot.until) add(shot.camera);
     }
     if (cameras_.empty()) add(camera_);
   }
 
   Eigen::Vector2d half_;  // px
-  std::vector<CameraKey> camera_;
-  std::vector<Shot> shots_;
+  std::vector<scenes::CameraKey> camera_;
+  std::vector<scenes::Shot> shots_;
   double time_ = std::numeric_limits<double>::quiet_NaN();  // s
   std::vector<Eigen::Matrix4d> cameras_;
 };
 
 }  // namespace
 
-std::optional<Metric> pixels_of(const Scene& scene) {
+std::optional<study::Metric> pixels_of(const scenes::Scene& scene) {
   if (!scene.stage || scene.stage->camera.empty()) return std::nullopt;
-  return Metric{
+  return study::Metric{
       "on the picture", "px",
       [projector = Projector(scene)](const Vec3& at, const Vec3& truth, double time) mutable {
         return projector.distance(at, truth, time);
       }};
 }
 
-}  // namespace taut::cli
+}  // namespace taut::studies

@@ -9,29 +9,29 @@
 #include "sim/study/run.h"
 #include "sim/truth/truth.h"
 
-namespace taut::cli {
+namespace taut::studies {
 
 /// A problem up to where its truth is predictable, and that truth.
 struct Target {
-  Problem problem;
-  Reference reference;
+  study::Problem problem;
+  study::Reference reference;
 };
 
 /// The scene's frames of its first `duration` seconds, cut at the horizon.
-Target target_of(const Scene& scene, double duration, const TruthOptions& options);
+Target target_of(const scenes::Scene& scene, double duration, const truth::TruthOptions& options);
 
 /// The whole scene up to its horizon. Throws Misuse where that is before the second frame.
-Target predictable_target(const Scene& scene, const TruthOptions& options);
+Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions& options);
 
 /// A reference good enough to tell runs that are within `scored_error` (m) of the truth: two
 /// independent solvers, up to where they agree to a hundredth of that. None where one of them
 /// cannot solve the problem within `cpu_cap` (s) or they disagree at once.
-std::optional<Reference> quick_reference(const Problem& problem, double scored_error,
-                                         double cpu_cap);
+std::optional<study::Reference> quick_reference(const study::Problem& problem, double scored_error,
+                                                double cpu_cap);
 
 /// Distance on the picture, px, the largest of any shot that shows the time; none where the scene
 /// has no stage. A point behind the camera is infinitely far from where it should be. Copies may be
 /// used at once, one by each thread.
-std::optional<Metric> pixels_of(const Scene& scene);
+std::optional<study::Metric> pixels_of(const scenes::Scene& scene);
 
-}  // namespace taut::cli
+}  // namespace taut::studies

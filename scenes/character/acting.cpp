@@ -5,7 +5,7 @@
 
 #include "scenes/character/soft.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 // The stance at rest, and where the right hand is at ease; m and rad, for a figure of 1.78 m.
@@ -82,4 +82,4 @@ Track act(const Figure& figure, const Path& path, double duration) {
   return {std::move(rows), acting_rate};
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 #include "scenes/character/track.h"
 #include "sim/motion/path.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Samples a second of everything that is worked out beforehand.
 constexpr double acting_rate = 120;
@@ -28,4 +28,4 @@ Track take_steps(const Track& hand);
 /// arm would be too short.
 void plan_arm(const Figure& figure, const Path& path, Track& controls);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -11,7 +11,7 @@
 #include "scenes/character/acting.h"
 #include "scenes/character/soft.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr int roll_count = 48, swivel_count = 15;  // roll all round
@@ -126,4 +126,4 @@ void plan_arm(const Figure& figure, const Path& path, Track& controls) {
   close_the_gap(figure, path, controls);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

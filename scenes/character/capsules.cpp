@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr std::size_t fewest = 12;  // vertices that make a bone a body of its own
@@ -121,4 +121,4 @@ double clearance(const Capsule& a, const Capsule& b) {
   return segment_distance(a.a, a.b, b.a, b.b) - a.radius - b.radius;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -5,7 +5,7 @@
 
 #include "scenes/model/model.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// All points within `radius` (m) of the segment from `a` to `b` (m).
 struct Capsule {
@@ -28,4 +28,4 @@ double segment_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Ve
 /// Distance between two capsules' surfaces; negative where they overlap, m.
 double clearance(const Capsule& a, const Capsule& b);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 #include "scenes/character/reach.h"
 #include "scenes/character/tails.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 class Player : public Performance {
@@ -86,4 +86,4 @@ Path bone_path(const Performance& performance, std::size_t bone, double duration
   return Path(std::move(keys));
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -8,7 +8,7 @@
 #include "scenes/model/model.h"
 #include "sim/motion/path.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// A stick in a hand. The path carries the grip's centre, on the stick's axis in the palm; its y
 /// axis is the stick's and points out of the thumb's side of the hand. The hand is free to roll
@@ -32,4 +32,4 @@ void check_figure(const Model& model, const HeldStick& right_hand);
 /// The path of a bone over [0, duration] (s), so that what hangs on it can be simulated.
 Path bone_path(const Performance& performance, std::size_t bone, double duration);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr double usual_radius = 0.008, usual_tip = 0.02;  // m, where there is no skin to measure
@@ -84,4 +84,4 @@ std::array<Vec3, 4> Digit::joints(const DigitTurns& turns) const {
   return at;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -7,7 +7,7 @@
 
 #include "scenes/character/skeleton.h"
 
-namespace taut {
+namespace taut::scenes {
 
 enum class Side { left, right };
 
@@ -62,4 +62,4 @@ class Digit {
   std::vector<Skin> skin_;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

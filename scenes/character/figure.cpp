@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 Quat turn(const Vec3& axis, double angle) {
@@ -194,4 +194,4 @@ void Figure::plant_feet(const Controls& controls, Posture& p) const {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

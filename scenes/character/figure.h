@@ -7,7 +7,7 @@
 #include "scenes/character/limb.h"
 #include "scenes/character/skeleton.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// What moves a figure. Angles in rad; yaw turns the figure to its left, lean bends it forward,
 /// tilt to its right. Lengths in m.
@@ -103,4 +103,4 @@ class Figure {
   HandAxes left_axes_;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -5,7 +5,7 @@
 #include "scenes/character/acting.h"
 #include "scenes/character/soft.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 const Vec3 opponent(0.35, 1.55, 3.0);      // m, for a figure of 1.78 m
@@ -73,4 +73,4 @@ void look_about(const Figure& figure, const Path& path, Track& controls) {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -10,7 +10,7 @@
 #include "scenes/character/capsules.h"
 #include "scenes/character/soft.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr double mm = 0.001;
@@ -324,4 +324,4 @@ std::vector<std::pair<std::size_t, Quat>> fist(const Model& model, const Skeleto
   return closed.fingers;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 
 #include "scenes/character/digit.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// The directions of a hand at rest, in the model's axes: from the wrist to the middle knuckle,
 /// across it to the thumb's side, and out of the palm. Orthonormal, of either handedness.
@@ -31,4 +31,4 @@ Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double 
 std::vector<std::pair<std::size_t, Quat>> fist(const Model& model, const Skeleton& skeleton,
                                                Side side);
 
-}  // namespace taut
+}  // namespace taut::scenes

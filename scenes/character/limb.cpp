@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// The rotation that takes x to `along` and z to `normal` (perpendicular to it).
@@ -43,4 +43,4 @@ double twist_about(const Quat& rotation, const Vec3& axis) {
   return std::remainder(angle, 2 * M_PI);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

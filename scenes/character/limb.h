@@ -3,7 +3,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// The two bones of a limb at rest: from its root joint to the middle one, and on to its end (m).
 struct Limb {
@@ -27,4 +27,4 @@ LimbTurns bend_limb(const Limb& limb, const Vec3& root, const Vec3& target, cons
 /// The part of a rotation that turns about `axis` (unit), rad in (-pi, pi].
 double twist_about(const Quat& rotation, const Vec3& axis);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -5,7 +5,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::scenes {
 
 class Performance {
  public:
@@ -14,4 +14,4 @@ class Performance {
   virtual std::vector<Pose> bones_at(double time) const = 0;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,10 +3,10 @@
 
 #include "scenes/character/performance.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// How much farther (m) the hand of a performance that make_performance() made is asked to be at
 /// `time` than a body that stands can bring it; 0: within its reach.
 double beyond_reach(const Performance& performance, double time);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -4,7 +4,7 @@
 
 #include "scenes/files/error.h"
 
-namespace taut {
+namespace taut::scenes {
 
 Skeleton::Skeleton(const Model& model) : model_(model) {
   for (const Bone& bone : model.bones) {
@@ -52,4 +52,4 @@ std::vector<Pose> Skeleton::poses(const Placement& placed) const {
   return poses;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

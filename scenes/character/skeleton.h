@@ -6,7 +6,7 @@
 
 #include "scenes/model/model.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Bones placed in the world. A bone's turn takes its rest pose in the model's axes to its present
 /// one, so that turns do not depend on how a file orients its bones.
@@ -47,4 +47,4 @@ class Skeleton {
   std::vector<Quat> rest_rotation_;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 
 inline constexpr double degree = M_PI / 180;  // rad
 
@@ -20,4 +20,4 @@ inline double soft(double x, double limit) {
   return limit * std::tanh(x / limit);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

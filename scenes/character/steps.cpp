@@ -3,7 +3,7 @@
 
 #include "scenes/character/acting.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr double settling = 0.33;        // s, over which the hand's place is averaged
@@ -60,4 +60,4 @@ Track take_steps(const Track& hand) {
   return steps;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

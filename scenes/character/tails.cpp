@@ -4,7 +4,7 @@
 
 #include "sim/world/rotation.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// The pelvis' share of what carries the jacket's skirt under a bend and under an end; so much of
@@ -123,4 +123,4 @@ void Tails::hang(const Eigen::VectorXd& offsets, Placement& placed) const {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -8,7 +8,7 @@
 #include "scenes/character/skeleton.h"
 #include "scenes/character/track.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Two tails of two bones each, hanging from the pelvis. At rest they lie where the cloth over
 /// pelvis and thighs carries them; when that moves, their bend and their end follow as pendulums
@@ -39,4 +39,4 @@ class Tails {
   std::vector<Tail> tails_;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 
 Track Track::sample(double duration, double rate,
                     const std::function<Eigen::VectorXd(double)>& value) {
@@ -76,4 +76,4 @@ Track Track::ahead(double shift) const {
   return out;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

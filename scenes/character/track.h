@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <functional>
 
-namespace taut {
+namespace taut::scenes {
 
 /// Samples in columns, from time 0 on, `rate` a second. All filters take the first and the last
 /// sample to hold for ever.
@@ -40,4 +40,4 @@ class Track {
   double rate_;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

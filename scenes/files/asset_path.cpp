@@ -6,7 +6,7 @@
 #include <new>
 #include <sstream>
 
-namespace taut {
+namespace taut::scenes {
 
 namespace fs = std::filesystem;
 
@@ -83,4 +83,4 @@ std::string places(const std::vector<AssetFolder>& folders) {
   return list;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <vector>
 
-namespace taut {
+namespace taut::scenes {
 
 /// A folder in which files are looked for, and why.
 struct AssetFolder {
@@ -33,4 +33,4 @@ std::filesystem::path installed_share();
 /// The places as messages list them: `--assets (/a), beside the scene (/b)`.
 std::string places(const std::vector<AssetFolder>& folders);
 
-}  // namespace taut
+}  // namespace taut::scenes

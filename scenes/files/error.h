@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace taut {
+namespace taut::scenes {
 
 /// A scene that cannot be read: the message starts with file:line:column and names the key, what
 /// was found and what was expected.
@@ -19,4 +19,4 @@ class BadAsset : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 
 #include "scenes/files/error.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Where a scene file is wrong. Lines and columns count from 1; 0: no place in a file.
 struct FaultPlace {
@@ -23,4 +23,4 @@ class SceneFault : public BadScene {
   FaultPlace place;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

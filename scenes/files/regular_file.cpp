@@ -11,7 +11,7 @@
 
 #include "scenes/files/standard_input.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// What a file is that is not regular, in words.
@@ -83,4 +83,4 @@ std::string read_bytes(const std::filesystem::path& file) {
   return read_regular_file(file, std::size_t{1} << 30, "a regular file");
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -7,7 +7,7 @@
 
 #include "scenes/files/error.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// A message in the form of all asset errors: the file's name, then the cause.
 BadAsset bad_asset(const std::filesystem::path& file, const std::string& cause);
@@ -21,4 +21,4 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t lim
 /// The same of anything up to 1 GiB.
 std::string read_bytes(const std::filesystem::path& file);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace taut {
+namespace taut::scenes {
 
 /// What stands for standard input where a scene file is asked for.
 inline constexpr std::string_view kStandardInput = "-";
@@ -18,4 +18,4 @@ std::string read_standard_input(std::size_t limit, std::string_view expected);
 /// BadScene.
 std::string read_scene_text(const std::filesystem::path& file);
 
-}  // namespace taut
+}  // namespace taut::scenes

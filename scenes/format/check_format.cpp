@@ -7,7 +7,7 @@
 #include "scenes/format/format.h"
 #include "scenes/format/format_faults.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -287,4 +287,4 @@ std::vector<SceneFault> format_faults(const Document& document) {
   return faults;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -11,7 +11,7 @@
 #include "scenes/files/regular_file.h"
 #include "scenes/files/standard_input.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -315,4 +315,4 @@ void change(Document& document, std::string_view path, const std::string& text) 
   }
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

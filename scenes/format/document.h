@@ -9,7 +9,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Line and column in the file, from 1; columns count characters.
 struct SourcePosition {
@@ -71,4 +71,4 @@ Document parse_document(const std::filesystem::path& file, std::string_view text
 /// text is no value.
 void change(Document& document, std::string_view path, const std::string& text);
 
-}  // namespace taut
+}  // namespace taut::scenes

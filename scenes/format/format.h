@@ -10,7 +10,7 @@
 
 #include "scenes/format/document.h"
 
-namespace taut {
+namespace taut::scenes {
 
 struct TableFormat;
 
@@ -71,4 +71,4 @@ void check_format(const Document& document, const TableFormat& format = scene_fo
 /// The same of one of the document's tables.
 void check_format(const Document& document, const Value& table, const TableFormat& format);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -4,7 +4,7 @@
 
 #include "scenes/format/format.h"
 
-namespace taut::format_keys {
+namespace taut::scenes::format_keys {
 
 using Type = KeyFormat::Type;
 
@@ -54,9 +54,9 @@ inline KeyFormat needed(KeyFormat key) {
   return key;
 }
 
-}  // namespace taut::format_keys
+}  // namespace taut::scenes::format_keys
 
-namespace taut {
+namespace taut::scenes {
 
 const TableFormat& path_format();
 const TableFormat& obstacle_format();
@@ -67,4 +67,4 @@ const TableFormat& net_format();
 const TableFormat& stage_format();
 const TableFormat& plan_format();
 
-}  // namespace taut
+}  // namespace taut::scenes

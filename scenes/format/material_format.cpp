@@ -1,6 +1,6 @@
 #include "scenes/format/format_keys.h"
 
-namespace taut {
+namespace taut::scenes {
 
 using namespace format_keys;
 
@@ -26,4 +26,4 @@ const TableFormat& air_format() {
   return format;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

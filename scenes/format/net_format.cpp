@@ -1,6 +1,6 @@
 #include "scenes/format/format_keys.h"
 
-namespace taut {
+namespace taut::scenes {
 
 using namespace format_keys;
 
@@ -60,4 +60,4 @@ const TableFormat& net_format() {
   return format;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

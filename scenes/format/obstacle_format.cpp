@@ -1,6 +1,6 @@
 #include "scenes/format/format_keys.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -66,4 +66,4 @@ const TableFormat& obstacle_format() {
   return format;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

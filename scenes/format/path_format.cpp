@@ -1,6 +1,6 @@
 #include "scenes/format/format_keys.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 using namespace format_keys;
@@ -64,4 +64,4 @@ const TableFormat& path_format() {
   return format;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 #include "scenes/format/scene_keys.h"
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -270,8 +270,8 @@ const std::map<std::string_view, TableFormat>& method_formats() {
   static const auto formats = [] {
     std::map<std::string_view, TableFormat> list;
     std::vector<std::string_view> names;
-    for (const MethodInfo& method : methods()) names.push_back(method.name);
-    for (const MethodInfo& method : methods()) {
+    for (const MethodInfo& method : all_methods()) names.push_back(method.name);
+    for (const MethodInfo& method : all_methods()) {
       TableFormat format{{needed(
           {.name = "name", .type = Type::choice, .meaning = method.summary, .choices = names})}};
       for (const SettingInfo& setting : method.settings) {
@@ -348,4 +348,4 @@ bool is_scene_key(std::string_view key) {
   return scene_format().find(key.substr(0, key.find_first_of(".["))) != nullptr;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-namespace taut {
+namespace taut::scenes {
 
 /// True where a key is one of the scene format, by its first word.
 bool is_scene_key(std::string_view key);
 
-}  // namespace taut
+}  // namespace taut::scenes

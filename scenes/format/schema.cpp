@@ -5,7 +5,7 @@
 
 #include "scenes/format/format.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -120,4 +120,4 @@ std::string scene_schema() {
   return json.dump(1) + '\n';
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,10 +3,10 @@
 
 #include <string>
 
-namespace taut {
+namespace taut::scenes {
 
 /// A JSON Schema (draft 7, which editors know best) of what load_scene accepts, made from the same
 /// description by which scenes are checked.
 std::string scene_schema();
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -7,7 +7,7 @@
 #include "scenes/model/gltf_source.h"
 #include "scenes/model/limits.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr std::size_t triangles = 4, triangle_fan = 6;
@@ -286,4 +286,4 @@ std::string checked_glb(const std::filesystem::path& file, const std::string& co
   }
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

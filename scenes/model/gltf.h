@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace taut {
+namespace taut::scenes {
 
 /// `content` of a .glb or .gltf file as one self-contained GLB that holds only triangles, skins,
 /// nodes and material factors, with every offset, count and index of the original proved to be in
@@ -12,4 +12,4 @@ namespace taut {
 /// beside it. Throws BadAsset.
 std::string checked_glb(const std::filesystem::path& file, const std::string& content);
 
-}  // namespace taut
+}  // namespace taut::scenes

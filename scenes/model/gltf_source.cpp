@@ -7,7 +7,7 @@
 
 #include "scenes/model/limits.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr int nesting_limit = 64;  // of JSON values
@@ -250,4 +250,4 @@ std::uint32_t GltfSource::integer(const GltfAccessor& a, std::size_t item,
   return little_endian(binary_, a.offset + item * a.stride + element * size, size);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

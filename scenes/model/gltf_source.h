@@ -14,7 +14,7 @@
 
 #include "scenes/files/regular_file.h"
 
-namespace taut {
+namespace taut::scenes {
 
 using Json = nlohmann::json;
 
@@ -78,4 +78,4 @@ class GltfSource {
   std::vector<std::pair<std::size_t, std::size_t>> buffers_;  // start in binary_, length
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

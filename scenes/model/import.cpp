@@ -15,7 +15,7 @@
 #include "scenes/model/obj.h"
 #include "scenes/model/obj_files.h"
 
-namespace taut {
+namespace taut::scenes {
 
 Model import_model(const std::filesystem::path& file, const std::string& content) {
   std::string kind = file.extension().string();
@@ -45,4 +45,4 @@ Model import_model(const std::filesystem::path& file, const std::string& content
   return from_imported(file, *scene);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

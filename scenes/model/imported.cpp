@@ -11,7 +11,7 @@
 #include "scenes/files/regular_file.h"
 #include "scenes/model/limits.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 using Mat4 = Eigen::Matrix4d;
@@ -271,4 +271,4 @@ Model from_imported(const std::filesystem::path& file, const aiScene& scene) {
   return Import(file, scene).run();
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -7,10 +7,10 @@
 
 struct aiScene;
 
-namespace taut {
+namespace taut::scenes {
 
 /// Every mesh of the scene in model space, its materials, and the nodes of its skeleton. Throws
 /// BadAsset for values that no model may hold.
 Model from_imported(const std::filesystem::path& file, const aiScene& scene);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace taut::model_limits {
+namespace taut::scenes::model_limits {
 
 constexpr std::size_t bytes = 64u << 20;  // of a file, and of all buffers together
 constexpr std::size_t meshes = 4096;  // pieces of one material: primitives, groups, uses of them
@@ -16,4 +16,4 @@ constexpr std::size_t indices = 24u << 20;
 constexpr std::size_t memory = 2048u << 20;
 constexpr std::size_t reply = 640u << 20;  // of that process: 8 million vertices with their indices
 
-}  // namespace taut::model_limits
+}  // namespace taut::scenes::model_limits

@@ -12,7 +12,7 @@
 #include "scenes/model/model_bytes.h"
 #include "scenes/model/sandbox.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr char kModel = 'm', kRefused = 'r', kFailed = 'f';  // what a reply starts with
@@ -80,4 +80,4 @@ Model load_model(const std::filesystem::path& file) {
                             : std::string("its reader gave no model"));
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -9,7 +9,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Surface of a mesh; physically based, linear colours.
 struct Material {
@@ -58,4 +58,4 @@ struct Model {
 /// anything that is missing, truncated, too large, inconsistent or not finite.
 Model load_model(const std::filesystem::path& file);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -7,7 +7,7 @@
 
 #include "scenes/model/limits.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 class Writer {
@@ -139,4 +139,4 @@ std::optional<Model> model_of_bytes(std::string_view bytes) {
   return model;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

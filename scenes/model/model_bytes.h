@@ -7,7 +7,7 @@
 
 #include "scenes/model/model.h"
 
-namespace taut {
+namespace taut::scenes {
 
 std::string to_bytes(const Model& model);
 
@@ -16,4 +16,4 @@ std::string to_bytes(const Model& model);
 /// finite.
 std::optional<Model> model_of_bytes(std::string_view bytes);
 
-}  // namespace taut
+}  // namespace taut::scenes

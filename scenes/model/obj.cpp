@@ -14,7 +14,7 @@
 #include "scenes/files/regular_file.h"
 #include "scenes/model/limits.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr std::size_t corner_limit = 256;  // of one face
@@ -123,4 +123,4 @@ void check_obj(const std::filesystem::path& file, const std::string& content) {
   ObjCheck(file).run(content);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <string>
 
-namespace taut {
+namespace taut::scenes {
 
 /// Accepts polygons, their groups and materials; refuses anything else, broken numbers, and faces
 /// whose vertices do not exist. Throws BadAsset naming the line.
 void check_obj(const std::filesystem::path& file, const std::string& content);
 
-}  // namespace taut
+}  // namespace taut::scenes

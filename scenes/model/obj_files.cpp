@@ -7,7 +7,7 @@
 #include "scenes/files/regular_file.h"
 #include "scenes/model/limits.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// Bytes as the importer reads a file.
@@ -59,4 +59,4 @@ Assimp::IOStream* ObjFiles::Open(const char* name, const char*) {
   return new Bytes(read_regular_file(file, model_limits::bytes, "a library of materials"));
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

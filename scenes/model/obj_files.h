@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace taut {
+namespace taut::scenes {
 
 /// Gives the importer the model as it was checked, and the material libraries that it names: only
 /// regular files of its own folder. Open() throws BadAsset for others.
@@ -25,4 +25,4 @@ class ObjFiles : public Assimp::IOSystem {
   const std::string& content_;
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

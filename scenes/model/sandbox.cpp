@@ -19,7 +19,7 @@
 
 #include "scenes/model/system_calls.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr int kReplyFile = 3;  // after the standard streams
@@ -190,4 +190,4 @@ SandboxResult run_in_sandbox(const SandboxLimits& limits,
   return result;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

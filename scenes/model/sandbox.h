@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace taut {
+namespace taut::scenes {
 
 struct SandboxLimits {
   std::size_t memory = 0;  // bytes, beyond what the process has at the fork
@@ -29,4 +29,4 @@ struct SandboxResult {
 /// of `work` end as crashes. Throws std::system_error where there can be no child.
 SandboxResult run_in_sandbox(const SandboxLimits& limits, const std::function<std::string()>& work);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -15,7 +15,7 @@
 #include <initializer_list>
 #include <vector>
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 #if defined(__x86_64__)
@@ -110,4 +110,4 @@ void allow_few_calls() {
   filter.install();
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -1,7 +1,7 @@
 // What a process that reads untrusted input may ask the system for.
 #pragma once
 
-namespace taut {
+namespace taut::scenes {
 
 /// From now on, until its end, this process can have memory, read files, write to what is open, and
 /// end; any other call kills it: none opens a connection, makes, changes or removes a file, starts
@@ -9,4 +9,4 @@ namespace taut {
 /// them, and on machines other than x86-64 and 64-bit ARM.
 void allow_few_calls();
 
-}  // namespace taut
+}  // namespace taut::scenes

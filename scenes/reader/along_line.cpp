@@ -2,7 +2,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -41,4 +41,4 @@ std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t parti
   return line;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -4,7 +4,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -92,4 +92,4 @@ std::vector<Body> read_bodies(const Document& document, Motions& motions) {
   return bodies;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -7,7 +7,7 @@
 #include "scenes/files/asset_path.h"
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace fs = std::filesystem;
 
@@ -131,4 +131,4 @@ Attachment read_attachment(const Document& document, const Value& table, std::st
   return to;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -12,7 +12,7 @@
 #include "scenes/reader/repeats.h"
 #include "sim/world/rotation.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -367,4 +367,4 @@ void read_connectors(const Document& document, Motions& motions, World& world) {
   Layout(document, motions, world).run();
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

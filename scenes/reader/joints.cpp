@@ -7,7 +7,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// Particles that are one, found together in nearly linear time.
@@ -134,4 +134,4 @@ void JoinedEnds::join(World& world) const {
   if (!flaw.empty()) document_.fail(*ends_.back().value, flaw + ", expected other places");
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

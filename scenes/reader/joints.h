@@ -10,7 +10,7 @@
 #include "scenes/reader/reader.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// The joined ends of a scene's connectors.
 class JoinedEnds {
@@ -44,4 +44,4 @@ class JoinedEnds {
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> index_;  // of own particles
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -120,4 +120,4 @@ Air read_air(const Document& document) {
   return {number_or(*air, "density", kAirDensity), vec3_or(*air, "wind", Vec3::Zero())};
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -4,7 +4,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 MethodChoice read_method(const Document& document, const Value* table, int fps) {
   if (!table) return default_method();
@@ -32,4 +32,4 @@ MethodChoice read_method(const Document& document, const Value* table, int fps) 
   return choice;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,7 +3,7 @@
 #include "scenes/character/character.h"
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -122,4 +122,4 @@ std::shared_ptr<const Path> Motions::bone(const Value& table) {
   return path;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

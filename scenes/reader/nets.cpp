@@ -9,7 +9,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr double kMostInANet = 1e6;  // of all cords of a net
@@ -298,4 +298,4 @@ void read_nets(const Document& document, World& world) {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

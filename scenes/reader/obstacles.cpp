@@ -4,7 +4,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -112,4 +112,4 @@ void check_obstacles(const Document& document, const World& world) {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

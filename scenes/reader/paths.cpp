@@ -8,7 +8,7 @@
 #include "scenes/reader/reader.h"
 #include "sim/world/rotation.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -150,4 +150,4 @@ std::vector<std::shared_ptr<const Path>> read_paths(const Document& document) {
   return paths;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,7 +3,7 @@
 #include "scenes/format/format_keys.h"
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 std::uint64_t hexadecimal(const Document& document, const Value& value) {
@@ -65,4 +65,4 @@ Plan read_plan(const Document& document, const Value& table, int fps) {
   return plan;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -7,7 +7,7 @@
 #include "scenes/format/format.h"
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// A method that follows links alone would take a massless span for one.
@@ -26,7 +26,7 @@ void refuse_obstacles(const Document& document, const MethodInfo& method) {
   const Value* obstacles = document.root.find("obstacles");
   if (!obstacles || obstacles->children.empty() || method.touches_obstacles) return;
   std::vector<std::string_view> able;
-  for (const MethodInfo& info : methods()) {
+  for (const MethodInfo& info : all_methods()) {
     if (info.touches_obstacles) able.push_back(info.name);
   }
   document.fail_at_key(obstacles->children.front(),
@@ -57,7 +57,7 @@ void refuse_materials(const Document& document, const MethodInfo& method) {
     }
     if (method.follows_materials) continue;
     std::vector<std::string_view> able;
-    for (const MethodInfo& info : methods()) {
+    for (const MethodInfo& info : all_methods()) {
       if (info.follows_materials) able.push_back(info.name);
     }
     document.fail_at_key(*key, fmt::format("is unknown to the method {}, expected one of: {}",
@@ -87,7 +87,7 @@ void refuse_joints(const Document& document, const MethodInfo& method) {
   }
   if (method.follows_joints) return;
   std::vector<std::string_view> able;
-  for (const MethodInfo& info : methods()) {
+  for (const MethodInfo& info : all_methods()) {
     if (info.follows_joints) able.push_back(info.name);
   }
   document.fail_at_key(*key, fmt::format("the method {} follows no connectors that are joined, "
@@ -149,4 +149,4 @@ Scene read_scene(Document document, bool with_stage) {
   return scene;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

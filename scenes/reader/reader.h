@@ -14,7 +14,7 @@
 #include "scenes/format/document.h"
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// The scene that a document describes. Throws BadScene.
 Scene read_scene(Document document, bool with_stage);
@@ -165,4 +165,4 @@ struct Winding {
 std::vector<Vec3> wound_line(const Obstacle& around, double radius, const Vec3& gravity,
                              const Winding& winding);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// The same path, later and beside; its frame keeps its directions.
@@ -63,4 +63,4 @@ Connector repeated(const Connector& first, std::size_t index, const Repeat& repe
   return copy;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

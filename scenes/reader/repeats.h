@@ -7,7 +7,7 @@
 #include "scenes/format/document.h"
 #include "sim/world/connector.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// A copy's place and time against those of the first.
 struct Repeat {
@@ -23,4 +23,4 @@ std::size_t repeat_count(const Value& connector);
 /// Copy number `index` of `first`, its fixed points and paths with it; called NAME#2 and so on.
 Connector repeated(const Connector& first, std::size_t index, const Repeat& repeat);
 
-}  // namespace taut
+}  // namespace taut::scenes

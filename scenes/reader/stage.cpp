@@ -7,7 +7,7 @@
 #include "scenes/scene/obstacle_model.h"
 #include "scenes/scene/shapes.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -230,4 +230,4 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
   scene.stage = std::move(stage);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

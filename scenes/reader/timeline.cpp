@@ -2,7 +2,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -98,4 +98,4 @@ Timeline read_timeline(const Document& document, Motions& motions, const World& 
   return timeline;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -3,7 +3,7 @@
 
 #include "scenes/reader/reader.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -40,4 +40,4 @@ std::vector<Vec3> wound_line(const Obstacle& around, double radius, const Vec3& 
   return corners;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -5,7 +5,7 @@
 
 #include "scenes/scene/exposure.h"
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 constexpr double kFade = 0.6;  // s, in which a card comes or goes
@@ -55,4 +55,4 @@ std::vector<double> shown_times(const Scene& scene, const std::vector<ClipFrame>
   return times;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

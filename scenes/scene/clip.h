@@ -5,7 +5,7 @@
 
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// One frame of a clip.
 struct ClipFrame {
@@ -23,4 +23,4 @@ std::vector<ClipFrame> clip_frames(const Scene& scene);
 /// The times (s, rising) of all states that these frames show while their shutters are open.
 std::vector<double> shown_times(const Scene& scene, const std::vector<ClipFrame>& frames);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -5,7 +5,7 @@
 
 #include "scenes/scene/exposure.h"
 
-namespace taut {
+namespace taut::scenes {
 
 // It stops for every frame of the clip: methods that choose their steps would go another way
 // without the stops.
@@ -54,4 +54,4 @@ std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<
   return states;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

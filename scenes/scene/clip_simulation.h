@@ -7,7 +7,7 @@
 
 #include "scenes/scene/clip.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Gives the states of frame after frame, in the order of the scene's time: shots may go back in
 /// time, a simulation does not. What it keeps are the states of one open shutter.
@@ -54,4 +54,4 @@ std::vector<std::vector<Snapshot>> record(const Scene& scene, const std::vector<
                                           const std::vector<int>& wanted,
                                           const ClipSimulation::Tick& tick);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// Into how many equal steps the scene's method divides a frame; for methods that choose their
@@ -39,4 +39,4 @@ std::vector<double> exposure_times(const Scene& scene, double time, double rate)
   return times;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

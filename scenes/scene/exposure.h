@@ -5,7 +5,7 @@
 
 #include "scenes/scene/scene.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// The times (s) of the states that the frame at `time` is made of, evenly apart while the shutter
 /// is open, the frame's own in the middle (the later one of two); `time` alone where the scene has
@@ -20,4 +20,4 @@ std::vector<double> exposure_times(const Scene& scene, double time, double rate 
 /// choose their steps end one anywhere; times are rounded for them, to far below a frame.
 double own_time(const Scene& scene, double time);
 
-}  // namespace taut
+}  // namespace taut::scenes

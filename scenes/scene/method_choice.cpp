@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 
 MethodChoice default_method() {
   return {"direct", {}};
@@ -24,4 +24,4 @@ std::string dividing_text(double step, int fps) {
                      1 / (fps * count), fps * count);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

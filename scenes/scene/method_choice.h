@@ -6,7 +6,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::scenes {
 
 struct MethodChoice {
   std::string name;
@@ -22,4 +22,4 @@ std::optional<double> dividing_step(double step, int fps);
 /// What to give instead, as messages say it.
 std::string dividing_text(double step, int fps);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -5,7 +5,7 @@
 
 #include "scenes/scene/shapes.h"
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -127,4 +127,4 @@ Model obstacle_model(const Shape& shape, double size, const Pose& place, const V
   return model;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 namespace {
 
 /// With two digits, never nearer than it is: rounded `up`, or down.
@@ -56,4 +56,4 @@ std::string certificate(const Plan& plan) {
   return text;
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

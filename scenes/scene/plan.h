@@ -13,7 +13,7 @@
 
 #include "scenes/scene/method_choice.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Of a planned frame. Each is a share of what a pixel shows: more would change none by more than a
 /// 32nd of its contrast, however far things come.
@@ -57,4 +57,4 @@ std::optional<Length> read_length(std::string_view text);
 /// within 0.01%, speeds within 4%".
 std::string certificate(const Plan& plan);
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 
 int frame_count(double duration, int fps) {
   const double count = duration * fps, nearest = std::round(count);
@@ -21,4 +21,4 @@ Simulation start(const Scene& scene, const MethodChoice& method) {
   return {scene.world, make_method(method.name, method.settings), scene.timeline};
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

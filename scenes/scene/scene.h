@@ -15,7 +15,7 @@
 #include "sim/run/trajectory.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::scenes {
 
 struct Scene {
   std::filesystem::path file;
@@ -51,4 +51,4 @@ struct SceneChange {
   std::string value;  // 41
 };
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -100,4 +100,4 @@ Model box_model(const Vec3& size, const Vec3& color) {
   return with_mesh("box", std::move(mesh), color);
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -6,7 +6,7 @@
 #include "scenes/model/model.h"
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::scenes {
 
 // Centred on the origin; sizes in m; `color` linear.
 Model cylinder_model(double length, double diameter, const Vec3& color);  // axis along y
@@ -18,4 +18,4 @@ std::uint32_t add_vertex(Mesh& mesh, const Vec3& position, const Vec3& normal);
 /// A four-sided face; a, b, c, d run counter-clockwise seen from outside.
 void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
 
-}  // namespace taut
+}  // namespace taut::scenes

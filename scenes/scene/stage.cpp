@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace taut {
+namespace taut::scenes {
 
 namespace {
 
@@ -41,4 +41,4 @@ CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
           between(keys, i, u, &CameraKey::field_of_view)};
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -9,7 +9,7 @@
 #include "scenes/model/model.h"
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::scenes {
 
 /// Where the camera is at `time`: it moves smoothly from each key to the next.
 struct CameraKey {
@@ -80,4 +80,4 @@ struct Stage {
 /// The camera at `time` (s); before its first and after its last key it stands still.
 CameraView camera_at(const std::vector<CameraKey>& keys, double time);
 
-}  // namespace taut
+}  // namespace taut::scenes

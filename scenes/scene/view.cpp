@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace taut {
+namespace taut::scenes {
 
 std::optional<Eigen::Vector2d> on_picture(const CameraView& camera, double aspect,
                                           const Vec3& point) {
@@ -15,4 +15,4 @@ std::optional<Eigen::Vector2d> on_picture(const CameraView& camera, double aspec
                          to.dot(right.cross(ahead)) / (far * half));
 }
 
-}  // namespace taut
+}  // namespace taut::scenes

@@ -8,7 +8,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::batch {
 namespace {
 
 constexpr std::align_val_t kAlignment{64};
@@ -190,4 +190,4 @@ void Batch<Scalar>::store(World& world) const {
 template class Batch<float>;
 template class Batch<double>;
 
-}  // namespace taut
+}  // namespace taut::batch

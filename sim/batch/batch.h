@@ -7,7 +7,7 @@
 #include "sim/batch/width.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::batch {
 
 /// The connectors of a world, all of as many particles, each hanging by its first particle from a
 /// fixed or driven point of its own, with its own lengths, masses and motion; their last particles
@@ -58,4 +58,4 @@ class Batch {
 extern template class Batch<float>;
 extern template class Batch<double>;
 
-}  // namespace taut
+}  // namespace taut::batch

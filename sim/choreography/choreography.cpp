@@ -6,7 +6,7 @@
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
 
-namespace taut {
+namespace taut::choreography {
 
 World with_hand_path(const World& world, std::size_t body, const std::vector<PathKey>& keys) {
   const std::shared_ptr<const Path> old = hand_path(world, body);
@@ -104,4 +104,4 @@ HandPath choreograph(const Choreography& problem, double within,
   return best;
 }
 
-}  // namespace taut
+}  // namespace taut::choreography

@@ -10,7 +10,7 @@
 #include "sim/motion/path.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::choreography {
 
 /// A place that is to be passed.
 struct Waypoint {
@@ -68,4 +68,4 @@ std::vector<double> misses(const Choreography& problem, const std::vector<PathKe
 HandPath choreograph(const Choreography& problem, double within,
                      const std::function<void(double miss)>& watch = {});
 
-}  // namespace taut
+}  // namespace taut::choreography

@@ -5,7 +5,7 @@
 
 #include "sim/run/bodies_as_links.h"
 
-namespace taut {
+namespace taut::choreography {
 namespace {
 
 bool is_on(const Hold& hold, std::size_t body) {
@@ -129,4 +129,4 @@ FlatChain coarser(const FlatChain& chain, std::size_t links) {
   return other;
 }
 
-}  // namespace taut
+}  // namespace taut::choreography

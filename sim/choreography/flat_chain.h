@@ -15,7 +15,7 @@
 #include "sim/interventions/timeline.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::choreography {
 
 /// A Taylor series in time: column k is the k-th derivative over k!, m/s^k.
 using TaylorSeries = Eigen::Matrix3Xd;
@@ -62,4 +62,4 @@ FlatChain flat_chain(World world, std::size_t body);
 /// particles that it lies between, so that the chain's moment about the driven end stays.
 FlatChain coarser(const FlatChain& chain, std::size_t links);
 
-}  // namespace taut
+}  // namespace taut::choreography

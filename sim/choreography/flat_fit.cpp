@@ -5,7 +5,7 @@
 #include <numbers>
 #include <unsupported/Eigen/NonLinearOptimization>
 
-namespace taut {
+namespace taut::choreography {
 namespace {
 
 constexpr std::size_t kNoWaypoint = static_cast<std::size_t>(-1);
@@ -214,4 +214,4 @@ double FlatFit::least_tension() const {
   return least;
 }
 
-}  // namespace taut
+}  // namespace taut::choreography

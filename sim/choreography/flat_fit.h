@@ -8,7 +8,7 @@
 #include "sim/choreography/gaussian_sum.h"
 #include "sim/choreography/hand_frame.h"
 
-namespace taut {
+namespace taut::choreography {
 
 /// Least squares over the coefficients of the free end's curve: how far the waypoints are missed,
 /// by how much limits are exceeded, and the hand's jerk, which people's hands keep low (Flash and
@@ -62,4 +62,4 @@ class FlatFit {
   bool fitted_ = false;
 };
 
-}  // namespace taut
+}  // namespace taut::choreography

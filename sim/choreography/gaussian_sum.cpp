@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::choreography {
 
 GaussianSum GaussianSum::between(double from, double until, double spacing) {
   const double room = (until - from) / spacing - 2 * kReach;
@@ -33,4 +33,4 @@ GaussianSum::Local GaussianSum::at(double time, Eigen::Index columns) const {
   return local;
 }
 
-}  // namespace taut
+}  // namespace taut::choreography

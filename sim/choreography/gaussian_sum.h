@@ -6,7 +6,7 @@
 
 #include "sim/choreography/flat_chain.h"
 
-namespace taut {
+namespace taut::choreography {
 
 /// Gaussians of standard deviation `spacing` (s) at first + k spacing, for k below `count`.
 struct GaussianSum {
@@ -26,4 +26,4 @@ struct GaussianSum {
   Local at(double time, Eigen::Index columns) const;
 };
 
-}  // namespace taut
+}  // namespace taut::choreography

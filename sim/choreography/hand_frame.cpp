@@ -2,7 +2,7 @@
 
 #include "sim/world/rotation.h"
 
-namespace taut {
+namespace taut::choreography {
 namespace {
 
 /// What holds the other end of the connector that the body hangs by.
@@ -46,4 +46,4 @@ Quat HandFrame::rotation(const Vec3& end) const {
   return (rotation_between(along_, end - rest_ + pivot_ * along_) * rest_rotation_).normalized();
 }
 
-}  // namespace taut
+}  // namespace taut::choreography

@@ -6,7 +6,7 @@
 
 #include "sim/choreography/flat_chain.h"
 
-namespace taut {
+namespace taut::choreography {
 
 /// A path carries the end at a lever from its origin. The lever points away from a pivot that
 /// rests, as a stick in a hand turns about the elbow; with the pivot infinitely far it keeps its
@@ -36,4 +36,4 @@ class HandFrame {
 /// The path that drives the connector of that body.
 std::shared_ptr<const Path> hand_path(const World& world, std::size_t body);
 
-}  // namespace taut
+}  // namespace taut::choreography

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace taut {
+namespace taut::contact {
 namespace {
 
 constexpr double kBandSingular = 1e-13;  // of a column's largest entry: a pivot below is rounding
@@ -74,4 +74,4 @@ void BandSystem::solve(std::span<double> x) const {
   for (std::size_t j = 0; j < size_; ++j) x[j] *= scale_[j];
 }
 
-}  // namespace taut
+}  // namespace taut::contact

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace taut {
+namespace taut::contact {
 
 /// A x = b by Gaussian elimination with row pivoting, where A(i, j) is zero beyond `half` places
 /// from the diagonal: linear time in the size. Columns are scaled to their largest entry, so that
@@ -30,4 +30,4 @@ class BandSystem {
   std::vector<std::size_t> pivot_;
 };
 
-}  // namespace taut
+}  // namespace taut::contact

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace taut {
+namespace taut::contact {
 namespace {
 
 using Map = Eigen::Map<Vec3>;
@@ -86,4 +86,4 @@ void BeadContacts::stop(const Mechanism& mechanism, double time, double dt,
   }
 }
 
-}  // namespace taut
+}  // namespace taut::contact

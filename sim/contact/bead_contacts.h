@@ -6,7 +6,7 @@
 #include "sim/links/mechanism.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::contact {
 
 /// For methods of fixed steps on a Mechanism, after the step. Contact is found where the step ends:
 /// a bead that passes through an obstacle within a step is not stopped.
@@ -43,4 +43,4 @@ class BeadContacts {
   std::vector<Met> met_;
 };
 
-}  // namespace taut
+}  // namespace taut::contact

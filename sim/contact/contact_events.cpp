@@ -7,7 +7,7 @@
 #include "sim/contact/damping.h"
 #include "sim/motion/hash.h"
 
-namespace taut {
+namespace taut::contact {
 namespace {
 
 using Map = Eigen::Map<Vec3>;
@@ -306,4 +306,4 @@ void ContactMotion::resolve(double time, State& state) {
   centre();
 }
 
-}  // namespace taut
+}  // namespace taut::contact

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::contact {
 namespace {
 
 using Map = Eigen::Map<Vec3>;
@@ -246,4 +246,4 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
   }
 }
 
-}  // namespace taut
+}  // namespace taut::contact

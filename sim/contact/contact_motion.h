@@ -10,7 +10,7 @@
 #include "sim/links/mechanism.h"
 #include "sim/world/obstacle.h"
 
-namespace taut {
+namespace taut::contact {
 
 /// Between events the set of closed touches stays, and each of them slides or sticks: then links
 /// and touches are equations, and accelerations follow from one linear system. Events are: a bead
@@ -97,4 +97,4 @@ class ContactMotion {
   std::uint64_t solves_ = 0;
 };
 
-}  // namespace taut
+}  // namespace taut::contact

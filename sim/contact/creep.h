@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace taut {
+namespace taut::contact {
 
 /// The creep of what sticks, see respond().
 inline constexpr double kCreep = 1e-14;
@@ -38,4 +38,4 @@ double approach_friction(const Solve& solve, const Keep& keep, const Restore& re
   return creep;
 }
 
-}  // namespace taut
+}  // namespace taut::contact

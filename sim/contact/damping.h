@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace taut {
+namespace taut::contact {
 
 inline constexpr int kIterations = 80;  // of Newton's method, at most
 
@@ -32,4 +32,4 @@ class Damping {
   std::uint64_t last_ = 0;
 };
 
-}  // namespace taut
+}  // namespace taut::contact

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::contact {
 namespace {
 
 constexpr double kSingular = 1e-12;    // of a row's own mobility: a pivot below is rounding
@@ -142,4 +142,4 @@ void RowSystem::solve(std::span<double> x) const {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::contact

@@ -7,7 +7,7 @@
 
 #include "sim/links/mechanism.h"
 
-namespace taut {
+namespace taut::contact {
 
 /// The ends of rows at free bodies that rows meet in several points; indices into row_ends().
 std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism);
@@ -44,4 +44,4 @@ class RowSystem {
   mutable Eigen::VectorXd share_;
 };
 
-}  // namespace taut
+}  // namespace taut::contact

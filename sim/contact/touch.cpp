@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-namespace taut {
+namespace taut::contact {
 namespace {
 
 constexpr double kParallel = 1e-6;  // of the sine of the angle between two normals
@@ -221,4 +221,4 @@ Mat3 response_to_turning(const Vec3& free, const Touch& touch, const Mat3& norma
   return carried + slips - touch.slide * (ahead * pushes.transpose() + touch.push * turns);
 }
 
-}  // namespace taut
+}  // namespace taut::contact

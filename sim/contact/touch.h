@@ -6,7 +6,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::contact {
 
 /// One surface at a bead, in one stage of a step. Impulses are over the bead's mass, so that they
 /// are velocities (m/s).
@@ -51,4 +51,4 @@ Response respond(const Vec3& free, std::span<Touch> touches, double creep = 0);
 Mat3 response_to_turning(const Vec3& free, const Touch& touch, const Mat3& normal,
                          const Vec3& least, double creep);
 
-}  // namespace taut
+}  // namespace taut::contact

@@ -45,7 +45,7 @@ World nunchaku() {
 }  // namespace
 
 int main() {
-  Choreography routine;
+  choreography::Choreography routine;
   routine.world = nunchaku();
   routine.body = 1;
   routine.point = Vec3(0, -0.15, 0);  // the tip
@@ -63,7 +63,7 @@ int main() {
   routine.limits = {.shoulder = Vec3(-0.2, 1.4, 0), .reach = 0.7, .speed = 2, .acceleration = 20};
   routine.pivot = 0.67;
 
-  const HandPath path = choreograph(routine, 0.001);
+  const choreography::HandPath path = choreography::choreograph(routine, 0.001);
   std::puts("t,x,y,z,qw,qx,qy,qz");
   for (const PathKey& key : path.keys) {
     std::printf("%.4f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n", key.time, key.position.x(),

@@ -30,11 +30,13 @@ int main() {
   add_method({.name = "follow", .summary = "each after its neighbour", .make = make});
   Connector rope = straight_connector("rope", 1, 0.2, 21, Vec3::Zero(), Vec3::UnitX());
   rope.holds = {{.particle = 0, .to = {.point = Vec3::Zero()}}};
-  const Problem problem{World{.connectors = {rope}}, frame_times(1.0, 60)};
-  const Run exact = run(problem, {"direct", direct::settings({.tolerance = 1e-8})}, 60);
-  const Metric metric = share_of_length(1);
-  for (const Candidate& candidate : {Candidate{"follow", {}}, {"xpbd", {}}, {"direct", {}}}) {
-    const auto row = score(problem, {exact.frames, 1.0, 1e-8}, {&metric, 1}, candidate, 60);
+  const study::Problem problem{World{.connectors = {rope}}, study::frame_times(1.0, 60)};
+  const study::Run exact =
+      study::run(problem, {"direct", direct::settings({.tolerance = 1e-8})}, 60);
+  const study::Metric metric = study::share_of_length(1);
+  for (const study::Candidate& candidate :
+       {study::Candidate{"follow", {}}, {"xpbd", {}}, {"direct", {}}}) {
+    const auto row = study::score(problem, {exact.frames, 1.0, 1e-8}, {&metric, 1}, candidate, 60);
     std::printf("%-8s error %.1e of the length\n", candidate.method.c_str(), row.errors[0]);
   }
 }

@@ -18,7 +18,7 @@ int main() {
     world.connectors.push_back(rope);
   }
 
-  Batch<float> batch(world, 1e-3);
+  batch::Batch<float> batch(world, 1e-3);
   const auto start = std::chrono::steady_clock::now();
   batch.advance(1.0, static_cast<int>(std::thread::hardware_concurrency()));
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;

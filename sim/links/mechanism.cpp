@@ -242,7 +242,7 @@ std::optional<Mechanism::Link> Mechanism::broken_link(const double* state) const
     const double bound = row.rest > 0 ? longest * longest : std::numeric_limits<double>::max();
     if (!(squared <= bound)) return Link{row.connector, row.link};  // not finite fails too
   }
-  for (const StretchElement& link : material_.stretches()) {
+  for (const material::StretchElement& link : material_.stretches()) {
     const double squared = (vector(state + 3 * link.b) - vector(state + 3 * link.a)).squaredNorm();
     if (!std::isfinite(squared)) return Link{link.connector, link.link};
   }

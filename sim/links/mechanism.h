@@ -84,7 +84,7 @@ class Mechanism {
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }
   const Vec3& gravity() const { return gravity_; }
   /// The forces of what stretches, bends and meets the air; place() turns its clamps.
-  const MaterialForces& material() const { return material_; }
+  const material::MaterialForces& material() const { return material_; }
 
   // Offsets into the state.
   std::size_t position(std::size_t point) const { return 3 * point; }
@@ -172,7 +172,7 @@ class Mechanism {
   std::vector<Vec3> direction_;
   std::vector<Vec3> point_acceleration_;  // per point, m/s^2: its acceleration without tensions
   std::vector<double> violation_, rate_, velocity_term_;
-  MaterialForces material_;
+  material::MaterialForces material_;
   std::vector<Vec3> force_;  // N, per point, of the material
   std::vector<BodyPush> body_push_;
 };

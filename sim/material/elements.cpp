@@ -1,6 +1,6 @@
 #include "sim/material/elements.h"
 
-namespace taut {
+namespace taut::material {
 namespace {
 
 Mat3 across(const Vec3& unit) {
@@ -101,4 +101,4 @@ Mat3 drag_slope(const Vec3& edge, const Vec3& speed, double density_area, double
   return density_area / 2 * slope;
 }
 
-}  // namespace taut
+}  // namespace taut::material

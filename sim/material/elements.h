@@ -4,7 +4,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::material {
 
 /// The bend between two edges (m) in a row, in the discrete curvature of Bergou and others,
 /// Discrete elastic rods, SIGGRAPH 2008: with t0, t1 the edges' directions and a the angle between
@@ -53,4 +53,4 @@ Vec3 drag_force(const Vec3& edge, const Vec3& speed, double density_area, double
 Mat3 drag_slope(const Vec3& edge, const Vec3& speed, double density_area, double across,
                 double along);
 
-}  // namespace taut
+}  // namespace taut::material

@@ -7,7 +7,7 @@
 #include "sim/material/elements.h"
 #include "sim/measure/measure.h"
 
-namespace taut {
+namespace taut::material {
 namespace {
 
 Eigen::Map<const Vec3> point(const double* values, std::size_t index) {
@@ -138,7 +138,7 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
     add_stretches(connector, c, first, stretches_);
     add_drags(connector, world.air, first, drags_);
     const auto before = static_cast<std::uint32_t>(clamps_.size());
-    const std::uint32_t clamps = taut::add_bends(connector, before, first, bends_);
+    const std::uint32_t clamps = material::add_bends(connector, before, first, bends_);
     for (std::size_t h = 0; h < connector.holds.size() && clamps > 0; ++h) {
       if (!is_clamped(connector.holds[h])) continue;
       if (!is_prescribed(world, connector.holds[h].to)) {
@@ -317,4 +317,4 @@ double elastic_energy(const World& world) {
   return energy;
 }
 
-}  // namespace taut
+}  // namespace taut::material

@@ -7,7 +7,7 @@
 
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::material {
 
 /// A link that stretches: it pulls with stiffness (length - rest) + damping d(length)/dt.
 struct StretchElement {
@@ -103,4 +103,4 @@ class MaterialForces {
   std::vector<Lengths> lengths_;  // of the edges of each bend
 };
 
-}  // namespace taut
+}  // namespace taut::material

@@ -9,7 +9,7 @@
 #include "sim/methods/stepped.h"
 #include "sim/run/companion.h"
 
-namespace taut {
+namespace taut::methods {
 namespace {
 
 constexpr std::string_view kDynamicConstraints = "dynamic-constraints";
@@ -175,4 +175,4 @@ MethodInfo dynamic_constraints_method() {
   };
 }
 
-}  // namespace taut
+}  // namespace taut::methods

@@ -3,7 +3,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::methods {
 
 /// Per evaluation, tensions T of all links at once such that each link's excess C (m) returns to
 /// zero critically damped: C'' + (2/tau) C' + C/tau^2 = 0, tau the time constant. With the system's
@@ -13,4 +13,4 @@ namespace taut {
 /// that come closest are taken.
 MethodInfo dynamic_constraints_method();
 
-}  // namespace taut
+}  // namespace taut::methods

@@ -9,7 +9,7 @@
 #include "sim/world/room.h"
 #include "sim/world/span.h"
 
-namespace taut {
+namespace taut::methods {
 namespace {
 
 constexpr std::string_view kImpulse = "impulse";
@@ -318,4 +318,4 @@ MethodInfo impulse_method() {
   };
 }
 
-}  // namespace taut
+}  // namespace taut::methods

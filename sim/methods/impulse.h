@@ -4,7 +4,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::methods {
 
 /// Bodies and particles move freely. A span longer than its length whose ends separate gives them
 /// the impulse of equation (5). Particles are repositioned where a neighbour is nearer or farther
@@ -19,4 +19,4 @@ namespace taut {
 /// and keeps momentum, angular momentum and, while a span stays taut, energy.
 MethodInfo impulse_method();
 
-}  // namespace taut
+}  // namespace taut::methods

@@ -8,26 +8,25 @@
 #include "sim/methods/xpbd.h"
 #include "sim/run/add_method.h"
 
-namespace taut {
+namespace taut::methods {
 namespace {
 
 std::vector<MethodInfo>& list_of_methods() {
   static std::vector<MethodInfo> list = {
-      impulse_method(), dynamic_constraints_method(), springs_method(), xpbd_method(),
-      direct_method(),
+      impulse_method(), dynamic_constraints_method(), springs_method(),
+      xpbd_method(),    direct::direct_method(),
   };
   return list;
 }
 
 }  // namespace
+}  // namespace taut::methods
 
-std::span<const MethodInfo> methods() {
-  return list_of_methods();
+std::span<const taut::MethodInfo> taut::all_methods() {
+  return methods::list_of_methods();
 }
 
-void add_method(MethodInfo method, std::string_view before) {
-  auto& list = list_of_methods();
+void taut::add_method(MethodInfo method, std::string_view before) {
+  auto& list = methods::list_of_methods();
   list.insert(std::ranges::find(list, before, &MethodInfo::name), std::move(method));
 }
-
-}  // namespace taut

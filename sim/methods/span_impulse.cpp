@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::methods {
 namespace {
 
 constexpr double kExact = 1e-12;  // of the length: a span so near its limit is at it
@@ -244,4 +244,4 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   return true;
 }
 
-}  // namespace taut
+}  // namespace taut::methods

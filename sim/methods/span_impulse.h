@@ -7,7 +7,7 @@
 #include "sim/world/rotation.h"
 #include "sim/world/span.h"
 
-namespace taut {
+namespace taut::methods {
 
 /// The limits between which the ends of a link may be, as parts of its rest length. A span of more
 /// than one link folds, so that only the longest applies to it.
@@ -38,4 +38,4 @@ class SpanImpulses {
   std::vector<FreeRotation> rotations_;  // one per body
 };
 
-}  // namespace taut
+}  // namespace taut::methods

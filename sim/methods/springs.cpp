@@ -11,7 +11,7 @@
 #include "sim/methods/stepped.h"
 #include "sim/run/companion.h"
 
-namespace taut {
+namespace taut::methods {
 namespace {
 
 constexpr double kSafety = 0.9;     // of the stability limit, when the step is left open
@@ -104,7 +104,7 @@ class Springs : public SteppedMethod {
   Integrator integrator_;
   double limit_;  // of its stable steps, as a multiple of 1/w
   Stepper stepper_;
-  BeadContacts contacts_;
+  contact::BeadContacts contacts_;
   std::vector<double> mobility_;  // per row, 1/kg
 };
 
@@ -161,4 +161,4 @@ MethodInfo springs_method() {
   };
 }
 
-}  // namespace taut
+}  // namespace taut::methods

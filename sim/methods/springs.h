@@ -3,8 +3,8 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::methods {
 
 MethodInfo springs_method();
 
-}  // namespace taut
+}  // namespace taut::methods

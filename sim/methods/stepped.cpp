@@ -3,7 +3,7 @@
 #include <cmath>
 #include <complex>
 
-namespace taut {
+namespace taut::methods {
 namespace {
 
 /// |R(q)|, the growth over a step of x' = q x / dt under RK4.
@@ -127,4 +127,4 @@ void Stepper::normalize(const Mechanism& mechanism, std::vector<double>& state) 
   }
 }
 
-}  // namespace taut
+}  // namespace taut::methods

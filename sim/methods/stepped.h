@@ -8,7 +8,7 @@
 #include "sim/links/projection.h"
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::methods {
 
 /// Moves a mechanism by equal steps. A method says what one step is. Everything that depends on the
 /// topology is made anew in place, in room that is there from the start.
@@ -117,4 +117,4 @@ class Stepper {
   std::vector<double> tension_, stage_, k1_, k2_, k3_, k4_;
 };
 
-}  // namespace taut
+}  // namespace taut::methods

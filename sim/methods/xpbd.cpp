@@ -9,7 +9,7 @@
 #include "sim/methods/xpbd_material.h"
 #include "sim/run/companion.h"
 
-namespace taut {
+namespace taut::methods {
 namespace {
 
 constexpr std::string_view kXpbd = "xpbd";
@@ -48,7 +48,7 @@ class Xpbd final : public SteppedMethod {
   std::vector<Carriers> carriers_;          // per row
   std::vector<double> multiplier_, flown_;  // kg m per row; the state after free motion
   std::vector<double> started_;             // the state before it
-  BeadContacts contacts_;
+  contact::BeadContacts contacts_;
   XpbdMaterial material_;
 };
 
@@ -217,4 +217,4 @@ MethodInfo xpbd_method() {
   };
 }
 
-}  // namespace taut
+}  // namespace taut::methods

@@ -3,7 +3,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::methods {
 
 /// Per step everything moves freely; then passes over the links, in order, move their ends towards
 /// the rest length, and velocities follow from positions. With compliance a (m/N) each pass adds
@@ -12,4 +12,4 @@ namespace taut {
 /// it; at a rigid body w is 1/m + (r x n).I^-1 (r x n) (Mueller et al. 2020).
 MethodInfo xpbd_method();
 
-}  // namespace taut
+}  // namespace taut::methods

@@ -5,10 +5,10 @@
 
 #include "sim/material/elements.h"
 
-namespace taut {
+namespace taut::methods {
 
 void XpbdMaterial::rebuild(const Mechanism& mechanism) {
-  const MaterialForces& material = mechanism.material();
+  const material::MaterialForces& material = mechanism.material();
   any_ = material.any();
   if (!any_) return;
   multiplier_.reserve(2 * (mechanism.state_room() / 6));
@@ -54,9 +54,9 @@ void XpbdMaterial::project(const Mechanism& mechanism, double dt, double stiffne
 }
 
 void XpbdMaterial::pass(const Mechanism& mechanism, double dt, double* state) {
-  const MaterialForces& material = mechanism.material();
+  const material::MaterialForces& material = mechanism.material();
   double* multiplier = multiplier_.data();
-  for (const StretchElement& link : material.stretches()) {
+  for (const material::StretchElement& link : material.stretches()) {
     const Vec3 gap = Eigen::Map<const Vec3>(state + mechanism.position(link.b)) -
                      Eigen::Map<const Vec3>(state + mechanism.position(link.a));
     const double length = gap.norm();
@@ -68,9 +68,9 @@ void XpbdMaterial::pass(const Mechanism& mechanism, double dt, double* state) {
     ++multiplier;
   }
   Vec3 e0, e1, by_e0, by_e1;
-  for (const BendElement& bend : material.bends()) {
+  for (const material::BendElement& bend : material.bends()) {
     material.edges(bend, state, e0, e1);
-    const Bend shape(e0, e1);
+    const material::Bend shape(e0, e1);
     // The gradient of C is that of C^2 / 2 over C.
     const double value = std::sqrt(2 * shape.energy(1));
     if (value > 0) {
@@ -85,4 +85,4 @@ void XpbdMaterial::pass(const Mechanism& mechanism, double dt, double* state) {
   }
 }
 
-}  // namespace taut
+}  // namespace taut::methods

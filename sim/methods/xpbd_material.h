@@ -5,7 +5,7 @@
 
 #include "sim/links/mechanism.h"
 
-namespace taut {
+namespace taut::methods {
 
 /// Macklin, Mueller and Chentanez, XPBD, 2016: a constraint C of energy k C^2 / 2 has a multiplier
 /// (kg m) of its own, and damping c acts on what C has changed by since the step began.
@@ -36,4 +36,4 @@ class XpbdMaterial {
   std::vector<Vec3> force_;
 };
 
-}  // namespace taut
+}  // namespace taut::methods

@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(std::filesystem::path(argv[1]).parent_path());
   std::ofstream out(argv[1]);
   out << kHead;
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (!method.settings.empty()) write_method(out, method);
   }
   out << "\n}  // namespace taut\n";

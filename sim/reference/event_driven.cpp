@@ -6,7 +6,7 @@
 #include "sim/contact/contact_motion.h"
 #include "sim/reference/runge_kutta.h"
 
-namespace taut {
+namespace taut::reference {
 namespace {
 
 constexpr double kStepAfterEvent = 1e-5;  // s
@@ -37,7 +37,7 @@ class EventDriven final : public Method {
 
   reference::Stepper stepper_;
   reference::Explicit explicit_;
-  ContactMotion motion_;
+  contact::ContactMotion motion_;
   const World* world_ = nullptr;
   bool built_ = false;
   std::uint64_t topology_ = 0;
@@ -87,7 +87,7 @@ void EventDriven::advance(World& world, double until) {
       const auto key = std::ranges::upper_bound(keys_, time_);
       step(key == keys_.end() ? until : std::min(*key, until));
     }
-  } catch (const ContactMotion::Unresolved& stop) {
+  } catch (const contact::ContactMotion::Unresolved& stop) {
     give_up(stop.row, stop.what);
   }
   motion_.store(state_, until, world);
@@ -198,4 +198,4 @@ std::unique_ptr<Method> make_event_driven(double local_error) {
   return std::make_unique<EventDriven>(local_error);
 }
 
-}  // namespace taut
+}  // namespace taut::reference

@@ -5,11 +5,11 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::reference {
 
 /// Runge-Kutta-Fehlberg 7(8) on ContactMotion, `local_error` in a step (m, m/s). Where a step
 /// passes an event it is taken again, to end there. For worlds with obstacles and without free
 /// bodies.
 std::unique_ptr<Method> make_event_driven(double local_error);
 
-}  // namespace taut
+}  // namespace taut::reference

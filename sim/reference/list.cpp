@@ -6,9 +6,9 @@
 
 /// What links against this library asks for this name, which takes this file out of the archive.
 extern "C" const bool taut_reference_methods = [] {
-  using namespace taut;
-  add_method(sdfast_method(), "springs");
-  add_method(multibody_method(), "springs");
-  add_method(truth_method());
+  using namespace taut::reference;
+  taut::add_method(sdfast_method(), "springs");
+  taut::add_method(multibody_method(), "springs");
+  taut::add_method(truth_method());
   return true;
 }();

@@ -7,7 +7,7 @@
 #include "sim/run/companion.h"
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::reference {
 namespace {
 
 constexpr std::string_view kMultibody = "multibody";
@@ -97,4 +97,4 @@ MethodInfo multibody_method() {
           .cost = {.memory = 8000, .step = 2e-5}};
 }
 
-}  // namespace taut
+}  // namespace taut::reference

@@ -3,9 +3,9 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::reference {
 
 /// A SimbodyModel of the world; its integrator's error is controlled by the accuracy.
 MethodInfo multibody_method();
 
-}  // namespace taut
+}  // namespace taut::reference

@@ -9,7 +9,7 @@
 #include "sim/reference/runge_kutta.h"
 #include "sim/run/companion.h"
 
-namespace taut {
+namespace taut::reference {
 namespace {
 
 constexpr std::string_view kTruth = "truth";
@@ -161,4 +161,4 @@ MethodInfo truth_method() {
           .cost = {.memory = 1500, .step = 1e-6, .eliminates = true}};
 }
 
-}  // namespace taut
+}  // namespace taut::reference

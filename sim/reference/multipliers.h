@@ -4,7 +4,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::reference {
 
 /// The method `truth`. Accelerations from the tensions that keep every link's length (index-1
 /// equations of motion), integrated by Runge-Kutta-Fehlberg 7(8) of Boost.odeint; after every
@@ -16,4 +16,4 @@ namespace taut {
 /// Throws Diverged where the links' lengths cannot be kept (ends pulled apart beyond the length).
 MethodInfo truth_method();
 
-}  // namespace taut
+}  // namespace taut::reference

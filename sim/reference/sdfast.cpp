@@ -13,7 +13,7 @@
 #include "sim/run/companion.h"
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::reference {
 namespace {
 
 using sdfast::Chain;
@@ -27,8 +27,8 @@ class SdFast final : public Method {
  public:
   explicit SdFast(const Settings& settings)
       : tolerance_(number(settings, "tolerance")),
-        formulation_(text(settings, "formulation") == "kane" ? Formulation::kane
-                                                             : Formulation::order_n),
+        formulation_(text(settings, "formulation") == "kane" ? sdfast::Formulation::kane
+                                                             : sdfast::Formulation::order_n),
         always_ball_(text(settings, "joints") == "ball") {}
   ~SdFast() override {
     if (user_ == this) user_ = nullptr;
@@ -43,17 +43,17 @@ class SdFast final : public Method {
   void integrate(World& world, double until);
   void store(World& world, double until);
   void check(const World& world) const;
-  bool planar() const { return model_->joints == Joints::pin; }
+  bool planar() const { return model_->joints == sdfast::Joints::pin; }
   static void look(double time);
   [[noreturn]] void give_up(const World& world, const std::string& what) const;
 
   static SdFast* user_;  // of all models: whose numbers theirs are
 
   double tolerance_;
-  Formulation formulation_;
+  sdfast::Formulation formulation_;
   bool always_ball_;
-  const Model* model_ = nullptr;
-  Chain chain_;
+  const sdfast::Model* model_ = nullptr;
+  sdfast::Chain chain_;
   Plane plane_;                               // of pins
   const World* moving_ = nullptr;             // while a model integrates
   std::uint64_t topology_ = 0, left_at_ = 0;  // hash of the world as this left it
@@ -79,14 +79,14 @@ void SdFast::choose(const World& world) {
   } catch (const std::invalid_argument& error) {
     give_up(world, error.what());
   }
-  Joints joints = chain_.held ? Joints::ball : Joints::free;
+  sdfast::Joints joints = chain_.held ? sdfast::Joints::ball : sdfast::Joints::free;
   const auto plane = always_ball_ ? std::nullopt : sdfast::plane_of(world, chain_);
   if (plane) {
-    joints = Joints::pin;
+    joints = sdfast::Joints::pin;
     plane_ = *plane;
   }
   const auto models = sdfast::models();
-  const auto found = std::ranges::find_if(models, [&](const Model& model) {
+  const auto found = std::ranges::find_if(models, [&](const sdfast::Model& model) {
     return static_cast<std::size_t>(model.links) == chain_.links && model.joints == joints &&
            model.formulation == formulation_;
   });
@@ -221,4 +221,4 @@ MethodInfo sdfast_method() {
       .cost = {.memory = 8000, .step = 2e-6}};
 }
 
-}  // namespace taut
+}  // namespace taut::reference

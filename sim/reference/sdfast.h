@@ -3,7 +3,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::reference {
 
 /// Equations of motion in joint coordinates, written as C by SD/FAST's generator when taut was
 /// built, and its own integrator, Runge-Kutta-Merson with steps by error control. Follows one
@@ -13,4 +13,4 @@ namespace taut {
 /// connectors. `missing` where the generator was not installed.
 MethodInfo sdfast_method();
 
-}  // namespace taut
+}  // namespace taut::reference

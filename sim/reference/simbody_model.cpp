@@ -11,7 +11,7 @@
 
 #include "sim/world/rotation.h"
 
-namespace taut {
+namespace taut::reference {
 namespace {
 
 constexpr int kAttempts = 200000;  // steps tried in one advance; more: the motion is not smooth
@@ -413,4 +413,4 @@ int SimbodyModel::realizations() const {
   return impl_->run->getNumRealizations();
 }
 
-}  // namespace taut
+}  // namespace taut::reference

@@ -6,7 +6,7 @@
 
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::reference {
 
 /// Links are massless lines with a particle at their far end, on two-axis joints that know every
 /// direction (a quaternion and two speeds), so that no coordinates are singular; rigid bodies hang
@@ -32,4 +32,4 @@ class SimbodyModel {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace taut
+}  // namespace taut::reference

@@ -5,9 +5,9 @@
 
 namespace taut {
 
-/// Adds a method to methods(), for every part of the program: before the one called `before`, or at
-/// the end. Call before anything else has looked at the list; `method` names storage that outlives
-/// the program.
+/// Adds a method to all_methods(), for every part of the program: before the one called `before`,
+/// or at the end. Call before anything else has looked at the list; `method` names storage that
+/// outlives the program.
 void add_method(MethodInfo method, std::string_view before = {});
 
 }  // namespace taut

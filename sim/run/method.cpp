@@ -17,7 +17,7 @@ bool follows(const MethodInfo& method, const World& world) {
 }
 
 const MethodInfo* find_method(std::string_view name) {
-  const auto list = methods();
+  const auto list = all_methods();
   const auto found = std::ranges::find(list, name, &MethodInfo::name);
   return found == list.end() ? nullptr : &*found;
 }
@@ -89,7 +89,7 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
   const MethodInfo* info = find_method(name);
   if (!info) {
     std::vector<std::string_view> known;
-    for (const MethodInfo& method : methods()) known.push_back(method.name);
+    for (const MethodInfo& method : all_methods()) known.push_back(method.name);
     throw std::invalid_argument("there is no method " + std::string(name) +
                                 ", expected one of: " + join(known));
   }

@@ -142,7 +142,7 @@ struct MethodInfo {
 bool follows(const MethodInfo& method, const World& world);
 
 /// Every method, in the order in which tables show them.
-std::span<const MethodInfo> methods();
+std::span<const MethodInfo> all_methods();
 
 /// The method of that name, or null.
 const MethodInfo* find_method(std::string_view name);

@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 struct Sum {
@@ -67,4 +67,4 @@ double segment_difference(const Snapshot& frame, const Snapshot& reference) {
   return count ? sum / static_cast<double>(count) : 0;
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -7,7 +7,7 @@
 
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::study {
 
 /// How far a particle at `at` is from where it should be (`truth`), both m, at `time` (s); in
 /// whatever unit the metric has.
@@ -33,4 +33,4 @@ double frame_error(const Snapshot& frame, const Snapshot& truth, const Distance&
 /// Mean distance (m) of the segments' midpoints: the measure of the paper's Figure 6.
 double segment_difference(const Snapshot& frame, const Snapshot& reference);
 
-}  // namespace taut
+}  // namespace taut::study

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 /// What two looks at the clock cost with nothing between them (s).
@@ -67,4 +67,4 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> c
   return rows;
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -9,7 +9,7 @@
 #include "sim/study/front.h"
 #include "sim/study/run.h"
 
-namespace taut {
+namespace taut::study {
 
 struct BenchRow {
   Candidate candidate;
@@ -32,4 +32,4 @@ struct BenchOptions {
 std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> candidates,
                             const BenchOptions& options);
 
-}  // namespace taut
+}  // namespace taut::study

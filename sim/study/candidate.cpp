@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 struct Text {
@@ -52,4 +52,4 @@ std::vector<Candidate> sweep(const MethodInfo& method, bool thin) {
   return candidates;
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -6,7 +6,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::study {
 
 struct Candidate {
   std::string method;
@@ -22,4 +22,4 @@ std::string describe(const Settings& settings);
 /// `thin`: of each number only the ends and the middle.
 std::vector<Candidate> sweep(const MethodInfo& method, bool thin);
 
-}  // namespace taut
+}  // namespace taut::study

@@ -5,7 +5,7 @@
 
 #include "sim/measure/measure.h"
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 /// The larger one; keeps what is no number, as if it were larger than all.
@@ -62,4 +62,4 @@ double ComparedRun::work() const {
   return simulation_.method().counters().cycles;
 }
 
-}  // namespace taut
+}  // namespace taut::study

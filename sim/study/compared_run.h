@@ -6,7 +6,7 @@
 #include "sim/study/reference_solution.h"
 #include "sim/study/statistics.h"
 
-namespace taut {
+namespace taut::study {
 
 /// Goes from frame to frame of the reference solution, with any world that has the same connectors
 /// and bodies, whatever chain of particles stands for a connector.
@@ -43,4 +43,4 @@ class ComparedRun {
   Speeds speeds_;
 };
 
-}  // namespace taut
+}  // namespace taut::study

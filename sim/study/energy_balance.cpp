@@ -6,7 +6,7 @@
 #include "sim/measure/measure.h"
 #include "sim/world/span.h"
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 // Gauss's rule of four points on [0, 1].
@@ -111,4 +111,4 @@ double EnergyBalance::work(const World& world, const Part& before, const Part& a
          after.mass * world.gravity.dot(end.position - start.position);
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -7,7 +7,7 @@
 #include "sim/world/components.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::study {
 
 /// Follows a motion from frame to frame: by how much its energy differs from what it was after the
 /// last intervention and what driven ends have added since.
@@ -49,4 +49,4 @@ class EnergyBalance {
   double level_ = 0;  // J: what the energy should be
 };
 
-}  // namespace taut
+}  // namespace taut::study

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-namespace taut {
+namespace taut::study {
 
 std::vector<std::size_t> pareto_front(std::span<const CostAndError> points) {
   std::vector<std::size_t> order(points.size());
@@ -58,4 +58,4 @@ Spread spread(std::vector<double> values) {
   return {values.front(), quantile(0.25), quantile(0.5), quantile(0.75), values.back()};
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace taut {
+namespace taut::study {
 
 struct CostAndError {
   double cost = 0;   // CPU seconds per simulated second
@@ -30,4 +30,4 @@ struct Spread {
 };
 Spread spread(std::vector<double> values);
 
-}  // namespace taut
+}  // namespace taut::study

@@ -10,7 +10,7 @@
 
 #include "sim/study/side_by_side.h"
 
-namespace taut {
+namespace taut::study {
 
 namespace {
 
@@ -167,4 +167,4 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
   return result;
 }
 
-}  // namespace taut
+}  // namespace taut::study

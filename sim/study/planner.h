@@ -9,7 +9,7 @@
 
 #include "sim/study/compared_run.h"
 
-namespace taut {
+namespace taut::study {
 
 /// One way to model what happens, and what may solve it.
 struct PlanModel {
@@ -61,4 +61,4 @@ Trial run_through(const PlanModel& model, const Candidate& candidate,
 Search search(std::span<const PlanModel> models, const ReferenceSolution& reference,
               const Tolerance& tolerance, const std::function<void(std::size_t)>& tried);
 
-}  // namespace taut
+}  // namespace taut::study

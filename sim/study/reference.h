@@ -5,7 +5,7 @@
 
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::study {
 
 struct Reference {
   std::vector<Snapshot> frames;  // at Problem::times
@@ -13,4 +13,4 @@ struct Reference {
   double self_error = 0;         // m, by how much two independent solutions differ until then
 };
 
-}  // namespace taut
+}  // namespace taut::study

@@ -13,7 +13,7 @@
 #include "sim/truth/truth.h"
 #include "sim/world/span.h"
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 constexpr double kFiner = 1e-5;       // of the scored error: the tolerance of what is compared with
@@ -89,7 +89,7 @@ Candidate direct_within(double tolerance) {
 }
 
 World nudged_with_bodies(const World& world, double distance, bool rough) {
-  World start = nudged(world, distance, rough);
+  World start = truth::nudged(world, distance, rough);
   for (Body& body : start.bodies) {
     if (!body.driven()) body.position += distance * Vec3(1, 2, 0.5).normalized();
   }
@@ -145,9 +145,9 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
   const SamplePoints sample_points(
       problem.world,
       Simulation(problem.world, make_method("direct", {}), problem.timeline).state());
-  const World starts[] = {problem.world,
-                          nudged_with_bodies(problem.world, kTruthNudge * scored_error, false),
-                          nudged_with_bodies(problem.world, kTruthNudge * scored_error, true)};
+  const World starts[] = {
+      problem.world, nudged_with_bodies(problem.world, truth::kTruthNudge * scored_error, false),
+      nudged_with_bodies(problem.world, truth::kTruthNudge * scored_error, true)};
   Motion motions[std::size(starts)];
   side_by_side(std::size(starts), [&](std::size_t i) {
     motions[i] = solve(problem, starts[i], sample_points, direct(kFiner), look);
@@ -162,7 +162,7 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
   own.times.resize(motion.points.size());
 
   // How long it is predictable.
-  const double apart = kTruthAgreement * scored_error;
+  const double apart = truth::kTruthAgreement * scored_error;
   double ignored = 0;
   reference.known = motion.points.size();
   for (const Motion& other : others) {
@@ -218,4 +218,4 @@ ReferenceSolution at_times(const ReferenceSolution& reference, double scored_err
   return other;
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -8,7 +8,7 @@
 #include "sim/study/run.h"
 #include "sim/study/sample_points.h"
 
-namespace taut {
+namespace taut::study {
 
 /// By how much a motion differs from the reference where neither is predictable.
 struct Difference {
@@ -60,4 +60,4 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
 ReferenceSolution at_times(const ReferenceSolution& reference, double scored_error,
                            std::vector<double> times, const std::function<void(double)>& tick);
 
-}  // namespace taut
+}  // namespace taut::study

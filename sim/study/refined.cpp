@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace taut {
+namespace taut::study {
 
 double distance_between(const ReferenceSolution& reference, const World& world,
                         const Timeline& timeline, const Candidate& candidate,
@@ -24,4 +24,4 @@ std::optional<double> error_of_chain(double twice, double four) {
   return twice / (1 - factor);
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -5,7 +5,7 @@
 
 #include "sim/study/compared_run.h"
 
-namespace taut {
+namespace taut::study {
 
 /// The largest distance of any of the reference solution's points in the frames that can be
 /// compared, for a world that models the same in another way; infinite where it cannot be run that
@@ -19,4 +19,4 @@ double distance_between(const ReferenceSolution& reference, const World& world,
 /// (1 - r) and (1 - r^2) times the first one's. None where they do not shrink.
 std::optional<double> error_of_chain(double twice, double four);
 
-}  // namespace taut
+}  // namespace taut::study

@@ -7,7 +7,7 @@
 
 #include "sim/measure/measure.h"
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 constexpr double kSlice = 0.02;  // s of CPU time between two looks at the cap
@@ -143,4 +143,4 @@ const char* text_of(Run::End end) {
   return "";
 }
 
-}  // namespace taut
+}  // namespace taut::study

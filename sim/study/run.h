@@ -8,7 +8,7 @@
 #include "sim/run/simulation.h"
 #include "sim/study/candidate.h"
 
-namespace taut {
+namespace taut::study {
 
 /// What is run: a world, the times (s, rising, from the world's own on) at which it is looked at,
 /// and what happens to it.
@@ -55,4 +55,4 @@ double time_run(const Problem& problem, const Candidate& candidate);
 /// CPU time (s) of the calling thread.
 double thread_seconds();
 
-}  // namespace taut
+}  // namespace taut::study

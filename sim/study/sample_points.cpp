@@ -4,7 +4,7 @@
 #include <array>
 #include <stdexcept>
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 /// Of every particle, how far along the connector it is, as a share of the length.
@@ -51,4 +51,4 @@ std::vector<Vec3> SamplePoints::places(const SamplePoints& of, const Snapshot& s
   return places;
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -6,7 +6,7 @@
 #include "sim/run/trajectory.h"
 #include "sim/world/world.h"
 
-namespace taut {
+namespace taut::study {
 
 /// The material points of one world: every particle of its connectors, and of each body the ends of
 /// the box with its mass and inertia (for a stick, the ends of the stick).
@@ -25,4 +25,4 @@ class SamplePoints {
   std::vector<std::vector<Vec3>> ends_;     // [body], m, body frame
 };
 
-}  // namespace taut
+}  // namespace taut::study

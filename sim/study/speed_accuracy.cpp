@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace taut {
+namespace taut::study {
 
 AccuracyRow score(const Problem& problem, const Reference& reference,
                   std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap,
@@ -48,4 +48,4 @@ std::vector<CostAndError> cost_and_error(std::span<const AccuracyRow> rows, std:
   return points;
 }
 
-}  // namespace taut
+}  // namespace taut::study

@@ -11,7 +11,7 @@
 #include "sim/study/reference.h"
 #include "sim/study/run.h"
 
-namespace taut {
+namespace taut::study {
 
 struct AccuracyRow {
   Candidate candidate;
@@ -39,4 +39,4 @@ double unsteadiness(std::span<const AccuracyRow> rows);
 /// Median cost and error of every row under one metric.
 std::vector<CostAndError> cost_and_error(std::span<const AccuracyRow> rows, std::size_t metric);
 
-}  // namespace taut
+}  // namespace taut::study

@@ -6,7 +6,7 @@
 #include "sim/measure/measure.h"
 #include "sim/study/accuracy.h"
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 /// The lowest that potential energy (J) can get: every particle as far below a prescribed hold as
@@ -117,4 +117,4 @@ std::string_view name_of(MotionClass motion_class) {
   return "";
 }
 
-}  // namespace taut
+}  // namespace taut::study

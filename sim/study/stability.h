@@ -8,7 +8,7 @@
 #include "sim/study/reference.h"
 #include "sim/study/run.h"
 
-namespace taut {
+namespace taut::study {
 
 /// The first that fits, in this order.
 enum class MotionClass {
@@ -51,4 +51,4 @@ Classification classify(const Problem& problem, const Run& run, const Reference*
 /// One word or two for tables and legends.
 std::string_view name_of(MotionClass motion_class);
 
-}  // namespace taut
+}  // namespace taut::study

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace taut {
+namespace taut::study {
 namespace {
 
 /// By how much the share of `a` below some value exceeds that of `b` below a `same` larger one.
@@ -49,4 +49,4 @@ double distribution_distance(std::span<const double> a, std::span<const double> 
   return std::max(excess(a, b, same), excess(b, a, same));
 }
 
-}  // namespace taut
+}  // namespace taut::study

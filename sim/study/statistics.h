@@ -8,7 +8,7 @@
 
 #include "sim/motion/types.h"
 
-namespace taut {
+namespace taut::study {
 
 /// The speeds of points from frame to frame.
 class Speeds {
@@ -42,4 +42,4 @@ class EnergyDifference {
 /// shares that lie below any value. Values that differ by at most `same` count as equal.
 double distribution_distance(std::span<const double> a, std::span<const double> b, double same);
 
-}  // namespace taut
+}  // namespace taut::study

@@ -6,7 +6,7 @@
 
 #include "sim/run/simulation.h"
 
-namespace taut {
+namespace taut::truth {
 namespace {
 
 // s/m, the second solver's step among obstacles over the scored error: of first order, and on ropes
@@ -106,4 +106,4 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
   return truth;
 }
 
-}  // namespace taut
+}  // namespace taut::truth

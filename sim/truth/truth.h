@@ -9,7 +9,7 @@
 #include "sim/run/method.h"
 #include "sim/run/trajectory.h"
 
-namespace taut {
+namespace taut::truth {
 
 /// Of the scored error: how far a start is nudged, and how far apart solutions may be.
 inline constexpr double kTruthNudge = 1e-4, kTruthAgreement = 1e-2;
@@ -50,4 +50,4 @@ Truth solve_truth(const World& world, std::span<const double> times,
 /// lengths right again.
 World nudged(World world, double distance, bool rough);
 
-}  // namespace taut
+}  // namespace taut::truth

@@ -124,17 +124,17 @@ Snapshot state() {
 }
 
 std::vector<std::string> goldens() {
-  return {golden_text({{"driver", "processor"}, 12345, state()})};
+  return {golden::golden_text({{"driver", "processor"}, 12345, state()})};
 }
 
 std::vector<std::string> trajectories() {
-  return {trajectory_text({"machine", {{"fps", "60"}}, 678, {state(), state()}})};
+  return {golden::trajectory_text({"machine", {{"fps", "60"}}, 678, {state(), state()}})};
 }
 
 std::vector<std::string> pictures() {
   std::vector<std::string> inputs;
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {32, 18}}) {
-    const auto bytes = encode_png(Picture(width, height));
+    const auto bytes = picture::encode_png(picture::Picture(width, height));
     inputs.emplace_back(bytes.begin(), bytes.end());
   }
   return inputs;
@@ -155,7 +155,7 @@ template <typename Read>
 void with_meant_errors(const Read& read) {
   try {
     read();
-  } catch (const BadAsset&) {
+  } catch (const scenes::BadAsset&) {
   }
 }
 
@@ -167,15 +167,15 @@ const Reader kReaders[] = {
     {"PathCsv", paths, fuzz_path},
     {"GoldenRecord", goldens,
      [](std::string_view bytes) {
-       with_meant_errors([&] { golden_from(std::string(bytes), "f"); });
+       with_meant_errors([&] { golden::golden_from(std::string(bytes), "f"); });
      }},
     {"GoldenTrajectory", trajectories,
      [](std::string_view bytes) {
-       with_meant_errors([&] { trajectory_from(std::string(bytes), "f"); });
+       with_meant_errors([&] { golden::trajectory_from(std::string(bytes), "f"); });
      }},
     {"Png", pictures, [](std::string_view bytes) {
        with_meant_errors([&] {
-         decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+         picture::decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
        });
      }}};
 
@@ -194,7 +194,7 @@ class Fuzz : public testing::TestWithParam<Reader> {
   void run(long mutations, unsigned seed) {
     const std::vector<std::string> inputs = GetParam().inputs();
     ASSERT_FALSE(inputs.empty());
-    const double start = thread_seconds();
+    const double start = study::thread_seconds();
     for (const std::string& input : inputs) read(input);
     std::mt19937 chance(seed);
     for (long i = 0; i < mutations && !HasFatalFailure(); ++i)
@@ -202,16 +202,16 @@ class Fuzz : public testing::TestWithParam<Reader> {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
     EXPECT_LT(peak_memory(), kMemory);
 #endif
-    rate_ = static_cast<double>(mutations) / (thread_seconds() - start);
+    rate_ = static_cast<double>(mutations) / (study::thread_seconds() - start);
   }
 
   double rate_ = 0;  // inputs per second of CPU time
 
  private:
   void read(const std::string& input) {
-    const double start = thread_seconds();
+    const double start = study::thread_seconds();
     GetParam().read(input);
-    ASSERT_LT(thread_seconds() - start, kPatience) << input;
+    ASSERT_LT(study::thread_seconds() - start, kPatience) << input;
   }
 };
 using LongFuzz = Fuzz;

@@ -71,16 +71,16 @@ template <typename V, typename Scalar>
     x = factor / x;
     hold(x);
   };
-  const double start = thread_seconds();
+  const double start = study::thread_seconds();
   for (std::size_t i = 0; i < repeats; ++i) {
     both(x0, y0), both(x1, y1), both(x2, y2), both(x3, y3);
     both(x4, y4), both(x5, y5), both(x6, y6);
   }
-  const double middle = thread_seconds();
+  const double middle = study::thread_seconds();
   for (std::size_t i = 0; i < repeats / 10; ++i) {
     divide(x0), divide(x1), divide(x2), divide(x3), divide(x4), divide(x5), divide(x6);
   }
-  const double end = thread_seconds();
+  const double end = study::thread_seconds();
   constexpr double kChains = 7;
   pair = (middle - start) / (static_cast<double>(repeats) * kChains);
   quotient = (end - middle) / (static_cast<double>(repeats / 10) * kChains);
@@ -115,12 +115,12 @@ template <typename Scalar>
 /// s per particle and step: as many additions and multiplications as the kernel's, the two side by
 /// side, and its divisions, with every unit busy all the time.
 template <typename Scalar>
-double floor_of(Width width) {
+double floor_of(batch::Width width) {
   static const Operations operations;
-  const auto function = width == Width::single ? busy_single<Scalar>
-                        : width == Width::sse2 ? busy_sse2<Scalar>
-                        : width == Width::avx2 ? busy_avx2<Scalar>
-                                               : busy_avx512<Scalar>;
+  const auto function = width == batch::Width::single ? busy_single<Scalar>
+                        : width == batch::Width::sse2 ? busy_sse2<Scalar>
+                        : width == batch::Width::avx2 ? busy_avx2<Scalar>
+                                                      : busy_avx512<Scalar>;
   double least = INFINITY;
   for (int repeat = 0; repeat < 5; ++repeat) {
     double pair = 0, quotient = 0;
@@ -133,7 +133,7 @@ double floor_of(Width width) {
 }
 
 World ropes(std::size_t count) {
-  World world = load_scene(TAUT_SOURCE_DIR "/scenes/bench_swing.toml", false).world;
+  World world = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/bench_swing.toml", false).world;
   const Connector rope = world.connectors[0];
   world.connectors.assign(count, rope);
   return world;
@@ -143,18 +143,18 @@ constexpr double kStep = 1.0 / 1920, kFrame = 1.0 / 60;  // s; an error of 0.3% 
 
 template <typename Scalar>
 void Step(benchmark::State& state) {
-  const auto width = static_cast<Width>(state.range(0));
+  const auto width = static_cast<batch::Width>(state.range(0));
   if (width > batch::widest()) return state.SkipWithError("not on this processor");
   const World world = ropes(256);
-  Batch<Scalar> batch(world, kStep, width);
+  batch::Batch<Scalar> batch(world, kStep, width);
   double frame = 0, spent = 0;
   for (auto _ : state) {
-    const double before = thread_seconds();
+    const double before = study::thread_seconds();
     batch.advance(++frame * kFrame);
-    spent += thread_seconds() - before;
+    spent += study::thread_seconds() - before;
     if (frame == 60) {
       state.PauseTiming();
-      batch = Batch<Scalar>(world, kStep, width);
+      batch = batch::Batch<Scalar>(world, kStep, width);
       frame = 0;
       state.ResumeTiming();
     }
@@ -176,7 +176,7 @@ void TenThousandRopes(benchmark::State& state) {
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   for (auto _ : state) {
     state.PauseTiming();
-    Batch<Scalar> batch(world, kStep);
+    batch::Batch<Scalar> batch(world, kStep);
     state.ResumeTiming();
     for (int frame = 1; frame <= 60; ++frame) batch.advance(frame * kFrame, threads);
   }

@@ -81,9 +81,9 @@ BENCHMARK(CalmFrame);
 /// CPU seconds that `what` takes.
 template <class Work>
 double timed(Work what) {
-  const double before = thread_seconds();
+  const double before = study::thread_seconds();
   what();
-  return thread_seconds() - before;
+  return study::thread_seconds() - before;
 }
 
 struct Cost {
@@ -153,7 +153,7 @@ void Intervention(benchmark::State& state, std::string_view method) {
 }
 
 const bool registered = [] {
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (!method.missing.empty() || method.name == "sdfast") continue;
     const std::string name = "Intervention/" + std::string(method.name);
     auto* row = benchmark::RegisterBenchmark(name.c_str(), Intervention, method.name);

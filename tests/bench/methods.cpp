@@ -15,17 +15,17 @@ namespace {
 constexpr double kDuration = 0.25, kFrame = 1.0 / 60;  // s, before the whip of the swing
 
 void swing(benchmark::State& state, const std::string& method) {
-  const Scene scene = load_scene(TAUT_SOURCE_DIR "/scenes/bench_swing.toml", false);
+  const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/bench_swing.toml", false);
   double spent = 0, steps = 0, solves = 0;
   for (auto _ : state) {
-    Simulation simulation = start(scene, {method, {}});
+    Simulation simulation = scenes::start(scene, {method, {}});
     simulation.advance_to(kFrame);  // workspaces are made
     const Counters before = simulation.method().counters();
-    const double from = thread_seconds();
+    const double from = study::thread_seconds();
     for (int frame = 2; frame * kFrame <= kDuration; ++frame) {
       simulation.advance_to(frame * kFrame);
     }
-    spent += thread_seconds() - from;
+    spent += study::thread_seconds() - from;
     const Counters& after = simulation.method().counters();
     steps += static_cast<double>(after.steps - before.steps);
     solves += static_cast<double>(after.solves - before.solves);
@@ -40,7 +40,7 @@ void swing(benchmark::State& state, const std::string& method) {
 }
 
 const bool kRegistered = [] {
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (method.reference || !method.missing.empty()) continue;
     const std::string name(method.name);
     benchmark::RegisterBenchmark(("Swing/" + name).c_str(), swing, name)

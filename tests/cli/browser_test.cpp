@@ -213,8 +213,8 @@ TEST_F(LongBrowser, AReportIsReadFromAPhoneToAWall) {
 }
 
 TEST_F(LongBrowser, GoldensAreInTheSameStyle) {
-  const GoldenFailure failure{"throw", "differs by <much>", true};
-  const nlohmann::json page = seen(golden_page({&failure, 1}), 500, 800);
+  const golden::GoldenFailure failure{"throw", "differs by <much>", true};
+  const nlohmann::json page = seen(golden::golden_page({&failure, 1}), 500, 800);
   EXPECT_EQ(page.at("faults"), nlohmann::json::array());
   EXPECT_LE(page.at("overflow"), 0);
   EXPECT_NE(page.at("paper"), page.at("other_paper"));

@@ -29,7 +29,9 @@ class Certified : public testing::Test {
   nlohmann::json clip() const {
     return nlohmann::json::parse(read_file(folder_.path() / "clip" / "clip.json"));
   }
-  Picture picture() const { return read_png(folder_.path() / "clip/frames/000003.png"); }
+  picture::Picture picture() const {
+    return picture::read_png(folder_.path() / "clip/frames/000003.png");
+  }
 
   Folder folder_;
   fs::path scene_ = folder_.write("swing.toml", swing_scene(0.2));
@@ -69,7 +71,7 @@ TEST_F(Certified, NotAtOtherFramesThanThePlans) {
 
 TEST_F(Certified, OnThePictureWhereThatIsAskedFor) {
   ASSERT_EQ(render({}).code, 0);
-  const Picture plain = picture();
+  const picture::Picture plain = picture();
   ASSERT_EQ(render({"--certificate"}).code, 0);
   EXPECT_NE(picture().pixels, plain.pixels);
 }

@@ -57,8 +57,8 @@ TEST_F(Compare, SixMethodsInAClip) {
     EXPECT_GT(method.at("cpu_us_per_frame"), 0);
   }
   EXPECT_TRUE(fs::exists(out_ / "swing.mp4"));
-  EXPECT_EQ(read_png(frame(9)).width, 480);
-  const Table table = from_csv(read_file(out_ / "compare.csv"));
+  EXPECT_EQ(picture::read_png(frame(9)).width, 480);
+  const chart::Table table = chart::from_csv(read_file(out_ / "compare.csv"));
   EXPECT_EQ(table.rows.size(), 6u);
   for (const auto& row : table.rows) {
     // What converges to the truth is nearer to it than what does not.
@@ -80,22 +80,22 @@ TEST_F(Compare, CellsDifferWhereMethodsDo) {
   EXPECT_FALSE(fs::exists(frame(1)));
   // At the start both cells show the same; later not. The label's strip and the scale bar, which
   // one cell has, are left out.
-  const auto differ = [&](const Picture& picture) {
+  const auto differ = [&](const picture::Picture& picture) {
     int count = 0;
     for (int y = 40; y < 150; ++y)
       for (int x = 4; x < 236; ++x)
         count += std::abs(*picture.at(x, y) - *picture.at(x + 240, y)) > 8;
     return count;
   };
-  EXPECT_EQ(differ(read_png(frame(0))), 0);
-  EXPECT_GT(differ(read_png(frame(9))), 60);
+  EXPECT_EQ(differ(picture::read_png(frame(0))), 0);
+  EXPECT_GT(differ(picture::read_png(frame(9))), 60);
 }
 
 TEST_F(Compare, MethodsOverEachOtherAreToldApartByTheirColours) {
   ASSERT_EQ(compare({"--methods", "impulse,xpbd", "--frames", "9", "--no-video", "--over"}).code,
             0);
   EXPECT_FALSE(fs::exists(frame(9))) << "the other layout's";
-  const Picture picture = read_png(out_ / "frames_over/000009.png");
+  const picture::Picture picture = picture::read_png(out_ / "frames_over/000009.png");
   // Of the panel below the legend: orange (213, 94, 0) and purple (204, 121, 167) in the light.
   int orange = 0, purple = 0;
   for (int y = 80; y < 250; ++y)

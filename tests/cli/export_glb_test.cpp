@@ -20,14 +20,14 @@ constexpr double kAtFrames = 1e-6, kBetween = 1e-4;  // m
 class GlbMotion : public testing::TestWithParam<const char*> {};
 
 TEST_P(GlbMotion, ParticlesAndBodiesAreWhereTheSimulationHadThem) {
-  const Scene scene = scene_of(GetParam());
+  const scenes::Scene scene = scene_of(GetParam());
   const GlbFile file(exported(scene, glb_writer));
   const World world = divided(scene.world, scene.timeline);
-  const std::vector<double> reaches = body_reaches(scene);
+  const std::vector<double> reaches = exporting::body_reaches(scene);
   const std::vector<double> keys = file.keys();
   double at_frames = 0, between = 0, bodies = 0;
   std::size_t frame = 0;
-  for (const ExportState& state : states_of(scene)) {
+  for (const exporting::ExportState& state : states_of(scene)) {
     // A key's time is a float.
     const double time = state.frame ? double(float(state.state.time)) : state.state.time;
     if (state.frame) {
@@ -63,9 +63,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, GlbMotion,
 
 TEST(GlbExport, PartsOfACutRopeAreWhereTheyAre) {
   Folder folder;
-  Scene scene = load_scene(folder.write("cut.toml", kPinnedAndCut), true);
+  scenes::Scene scene = scenes::load_scene(folder.write("cut.toml", kPinnedAndCut), true);
   const GlbFile file(exported(scene, glb_writer));
-  for (const ExportState& state : states_of(scene)) {
+  for (const exporting::ExportState& state : states_of(scene)) {
     const double time = state.frame ? double(float(state.state.time)) : state.state.time;
     const char* names[] = {"cord", "rope", "rope'"};
     for (std::size_t c = 0; c < 3; ++c)
@@ -80,10 +80,10 @@ TEST(GlbExport, PartsOfACutRopeAreWhereTheyAre) {
 // Whatever happens between frames, and however the method chooses its steps: a rope caught by a pin
 // soon goes another way after the smallest change.
 TEST(GlbExport, FramesAreThoseOfARunThatStopsAtNothingElse) {
-  const Scene scene = scene_of("pin.toml");
+  const scenes::Scene scene = scene_of("pin.toml");
   ASSERT_EQ(scene.method.name, "direct");
   const GlbFile file(exported(scene, glb_writer));
-  Simulation simulation = start(scene);
+  Simulation simulation = scenes::start(scene);
   const std::size_t first = file.node("rope.0");
   for (int frame = 0; frame < scene.frames(); ++frame) {
     simulation.advance_to(double(frame) / scene.fps);
@@ -100,7 +100,7 @@ TEST(GlbExport, FramesAreThoseOfARunThatStopsAtNothingElse) {
 
 // The rings of a tube that belong to one particle alone are circles about it.
 TEST(GlbExport, ATubeGoesThroughItsParticles) {
-  const Scene scene = scene_of("rope_swing.toml");
+  const scenes::Scene scene = scene_of("rope_swing.toml");
   const GlbFile file(exported(scene, glb_writer));
   const std::size_t tube = file.node("rope tube");
   const auto& attributes = file.attributes_of(tube, 0);
@@ -130,7 +130,7 @@ TEST(GlbExport, ATubeGoesThroughItsParticles) {
 class DemoGlb : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    scene_ = new Scene(scene_of("nunchaku.toml"));
+    scene_ = new scenes::Scene(scene_of("nunchaku.toml"));
     scene_->stage->scenery.clear();
     bytes_ = new std::string(exported(*scene_, glb_writer));
   }
@@ -138,10 +138,10 @@ class DemoGlb : public testing::Test {
     delete scene_;
     delete bytes_;
   }
-  static Scene* scene_;
+  static scenes::Scene* scene_;
   static std::string* bytes_;
 };
-Scene* DemoGlb::scene_ = nullptr;
+scenes::Scene* DemoGlb::scene_ = nullptr;
 std::string* DemoGlb::bytes_ = nullptr;
 
 TEST_F(DemoGlb, IsSmall) {
@@ -153,7 +153,7 @@ TEST_F(DemoGlb, ChainAndSticksAreWhereTheSimulationHadThem) {
   double at_frames = 0, between = 0, links = 0;
   std::size_t count = 0;
   const std::size_t first = file.node("chain.0"), link = file.node("chain link 0");
-  for (const ExportState& state : states_of(*scene_)) {
+  for (const exporting::ExportState& state : states_of(*scene_)) {
     if (!state.frame && ++count % 8 != 0) continue;  // enough of them
     const double time = state.frame ? double(float(state.state.time)) : state.state.time;
     const auto& particles = state.state.connectors[0];
@@ -174,14 +174,14 @@ TEST_F(DemoGlb, ChainAndSticksAreWhereTheSimulationHadThem) {
 
 TEST_F(DemoGlb, TheSkinIsThatOfThePictures) {
   const GlbFile file(*bytes_);
-  const Model& model = *scene_->stage->characters[0];
+  const scenes::Model& model = *scene_->stage->characters[0];
   const std::size_t skin_node = file.node("character skin");
   for (const int frame : {0, 200, 600}) {
     const double time = double(frame) / scene_->fps;
-    const auto bones = bone_matrices(model, scene_->performances[0]->bones_at(time));
-    std::vector<MovingVertex> expected;
+    const auto bones = mesh::bone_matrices(model, scene_->performances[0]->bones_at(time));
+    std::vector<mesh::MovingVertex> expected;
     for (const std::size_t mesh : {std::size_t(0), std::size_t(7)}) {
-      skin(model.meshes[mesh], bones, expected);
+      mesh::skin(model.meshes[mesh], bones, expected);
       const std::vector<Vec3> vertices = file.skinned(skin_node, mesh, double(float(time)));
       ASSERT_EQ(vertices.size(), expected.size());
       double most = 0;
@@ -194,10 +194,10 @@ TEST_F(DemoGlb, TheSkinIsThatOfThePictures) {
 
 TEST_F(DemoGlb, CamerasAndTheLightLookWhereTheStageSays) {
   const GlbFile file(*bytes_);
-  const std::vector<CameraKey>& keys = scene_->stage->shots[0].camera;
+  const std::vector<scenes::CameraKey>& keys = scene_->stage->shots[0].camera;
   const std::size_t node = file.node("camera of shot 1");
   for (const double time : {0.0, 2.5}) {
-    const CameraView view = camera_at(keys, time);
+    const scenes::CameraView view = scenes::camera_at(keys, time);
     const Eigen::Affine3d place = file.world(node, time);
     EXPECT_LT((place.translation() - view.position).norm(), 1e-3);
     const Vec3 along = place.linear() * Vec3(0, 0, -1);
@@ -211,9 +211,9 @@ TEST_F(DemoGlb, CamerasAndTheLightLookWhereTheStageSays) {
 // The importer of scenes checks every index and offset, and reads it through assimp.
 TEST_F(DemoGlb, IsReadAsAModel) {
   Folder folder;
-  const Model model = load_model(folder.write("demo.glb", *bytes_));
+  const scenes::Model model = scenes::load_model(folder.write("demo.glb", *bytes_));
   std::size_t vertices = 0, triangles = 0;
-  for (const Mesh& mesh : model.meshes) {
+  for (const scenes::Mesh& mesh : model.meshes) {
     vertices += mesh.vertices.size();
     triangles += mesh.indices.size() / 3;
   }

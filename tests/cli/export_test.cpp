@@ -34,8 +34,8 @@ class Export : public testing::Test {
     return outcome.output;
   }
   std::vector<Snapshot> states(const std::string& name) const {
-    const Scene scene = load_scene(folder_.path() / name, false);
-    Simulation simulation = start(scene);
+    const scenes::Scene scene = scenes::load_scene(folder_.path() / name, false);
+    Simulation simulation = scenes::start(scene);
     std::vector<Snapshot> result;
     for (int frame = 0; frame < scene.frames(); ++frame) {
       simulation.advance_to(double(frame) / scene.fps);
@@ -80,13 +80,13 @@ TEST_F(Export, ArraysAreTheStates) {
 // steps.
 TEST_F(Export, VelocitiesAreThoseOfTheShownParticles) {
   for (const char* name : {"cut.toml", "link.toml"}) {
-    Scene scene = load_scene(folder_.path() / name, false);
+    scenes::Scene scene = scenes::load_scene(folder_.path() / name, false);
     if (scene.world.connectors.size() == 1) scene.world.bodies[0].model = BodyModel::link;
     const ShownVelocities velocities(scene.world, scene.timeline);
     constexpr double kStep = 0.0005;
     int compared = 0;
     for (const double time : {0.05, 0.12, 0.19}) {
-      Simulation simulation = start(scene);
+      Simulation simulation = scenes::start(scene);
       std::vector<Snapshot> around;
       std::vector<std::vector<Vec3>> middle;
       for (int i = -1; i <= 1; ++i) {

@@ -52,12 +52,12 @@ std::vector<double> sample_at(const Samples& samples, double code) {
   return value;
 }
 
-void expect_particles(const Scene& scene, const std::string& usda,
+void expect_particles(const scenes::Scene& scene, const std::string& usda,
                       const std::vector<std::string>& prims) {
   std::vector<Samples> curves;
   for (const std::string& prim : prims) curves.push_back(samples(usda, prim, "points"));
   double at_frames = 0, between = 0;
-  for (const ExportState& state : states_of(scene))
+  for (const exporting::ExportState& state : states_of(scene))
     for (std::size_t c = 0; c < prims.size(); ++c) {
       const auto numbers = sample_at(curves[c], state.state.time * scene.fps);
       ASSERT_EQ(numbers.size(), 3 * state.state.connectors[c].size());
@@ -75,14 +75,14 @@ void expect_particles(const Scene& scene, const std::string& usda,
 TEST(UsdaExport, ParticlesAreWhereTheSimulationHadThem) {
   for (const auto& [file, connector] :
        {std::pair("rope_swing.toml", "rope"), {"two_bodies.toml", "cord"}}) {
-    const Scene scene = scene_of(file);
+    const scenes::Scene scene = scene_of(file);
     expect_particles(scene, exported(scene, usda_writer), {connector});
   }
 }
 
 TEST(UsdaExport, ASceneWithoutAStageHasItsConnectorsAndBodies) {
   Folder folder;
-  const Scene scene = load_scene(folder.write("cut.toml", kPinnedAndCut), false);
+  const scenes::Scene scene = scenes::load_scene(folder.write("cut.toml", kPinnedAndCut), false);
   ASSERT_FALSE(scene.stage);
   const std::string usda = exported(scene, usda_writer);
   expect_particles(scene, usda, {"cord", "rope", "rope_"});
@@ -90,13 +90,13 @@ TEST(UsdaExport, ASceneWithoutAStageHasItsConnectorsAndBodies) {
 }
 
 TEST(UsdaExport, BodiesTurnAndCamerasLookAsTheyDo) {
-  const Scene scene = scene_of("two_bodies.toml");
+  const scenes::Scene scene = scene_of("two_bodies.toml");
   const std::string usda = exported(scene, usda_writer);
   EXPECT_EQ(usda.substr(0, 10), "#usda 1.0\n");
   EXPECT_NE(usda.find("upAxis = \"Y\""), std::string::npos);
   const Samples positions = samples(usda, "right", "xformOp:translate"),
                 turns = samples(usda, "right", "xformOp:orient");
-  Simulation simulation = start(scene);
+  Simulation simulation = scenes::start(scene);
   for (int frame = 0; frame < scene.frames(); ++frame) {
     simulation.advance_to(double(frame) / scene.fps);
     const Pose pose = simulation.state().bodies[1];
@@ -105,7 +105,7 @@ TEST(UsdaExport, BodiesTurnAndCamerasLookAsTheyDo) {
     EXPECT_LT(Quat(q[0], q[1], q[2], q[3]).angularDistance(pose.rotation), 1e-6);
   }
   const auto focal = samples(usda, "camera", "focalLength");
-  const CameraView view = camera_at(scene.stage->camera, 0);
+  const scenes::CameraView view = scenes::camera_at(scene.stage->camera, 0);
   EXPECT_NEAR(2 * std::atan(12 / focal.at(0)[0]), view.field_of_view, 1e-6);
 }
 
@@ -168,9 +168,9 @@ struct Bvh {
 
 TEST(BvhExport, EveryJointIsWhereTheCharacterHasIt) {
   for (const char* name : {"nunchaku.toml", "earring.toml"}) {
-    const Scene scene = scene_of(name);
+    const scenes::Scene scene = scene_of(name);
     const Bvh bvh(exported(scene, bvh_writer));
-    const Model& model = *scene.stage->characters[0];
+    const scenes::Model& model = *scene.stage->characters[0];
     ASSERT_EQ(bvh.names.size(), model.bones.size());
     ASSERT_EQ(int(bvh.rows.size()), scene.frames());
     double most = 0;
@@ -186,11 +186,11 @@ TEST(BvhExport, EveryJointIsWhereTheCharacterHasIt) {
 }
 
 TEST(BvhExport, ASceneWithoutACharacterIsRefused) {
-  const Scene scene = scene_of("rope_swing.toml");
+  const scenes::Scene scene = scene_of("rope_swing.toml");
   try {
     bvh_writer(scene, [](std::string_view) {});
     FAIL();
-  } catch (const BadScene& error) {
+  } catch (const scenes::BadScene& error) {
     EXPECT_NE(std::string(error.what()).find("has 0 characters on its stage, expected one"),
               std::string::npos);
   }

@@ -10,35 +10,35 @@
 namespace taut {
 
 /// The states at frames and between, as formats are given them.
-inline std::vector<ExportState> states_of(const Scene& scene) {
-  class Keeper final : public FrameWriter {
+inline std::vector<exporting::ExportState> states_of(const scenes::Scene& scene) {
+  class Keeper final : public exporting::FrameWriter {
    public:
     explicit Keeper(int parts) : parts_(parts) {}
     int states_per_frame() const override { return parts_; }
-    void add(const ExportState& state) override { states.push_back(state); }
+    void add(const exporting::ExportState& state) override { states.push_back(state); }
     void finish() override {}
-    std::vector<ExportState> states;
+    std::vector<exporting::ExportState> states;
 
    private:
     int parts_;
   };
-  Keeper keeper(parts_of_frame(scene));
-  play(scene, keeper, [](int) {});
+  Keeper keeper(exporting::parts_of_frame(scene));
+  exporting::play(scene, keeper, [](int) {});
   return keeper.states;
 }
 
 /// The bytes of a format.
 template <typename MakeWriter>
-std::string exported(const Scene& scene, MakeWriter make) {
+std::string exported(const scenes::Scene& scene, MakeWriter make) {
   std::string bytes;
   const auto writer = make(scene, [&](std::string_view more) { bytes += more; });
-  play(scene, *writer, [](int) {});
+  exporting::play(scene, *writer, [](int) {});
   return bytes;
 }
 
 /// A scene of the repository.
-inline Scene scene_of(const std::string& name) {
-  return load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes" / name, true);
+inline scenes::Scene scene_of(const std::string& name) {
+  return scenes::load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes" / name, true);
 }
 
 }  // namespace taut

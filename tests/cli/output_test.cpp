@@ -30,7 +30,9 @@ class Output : public testing::Test {
                                       .wait();
     return nlohmann::json::parse(outcome.output);
   }
-  Picture picture(const std::string& name) const { return read_png(folder_.path() / name); }
+  picture::Picture picture(const std::string& name) const {
+    return picture::read_png(folder_.path() / name);
+  }
 
   Folder folder_;
   fs::path scene_ = folder_.write("swing.toml", kShortSwing);
@@ -38,7 +40,7 @@ class Output : public testing::Test {
 
 TEST_F(Output, ASceneWithoutAStageIsSeen) {
   ASSERT_EQ(render({"-o", "poster.png", "--poster", "0"}).code, 0);
-  const Picture seen = picture("poster.png");
+  const picture::Picture seen = picture("poster.png");
   EXPECT_EQ(seen.width, 96);
   // Hemp is redder than the ground and the background.
   int hemp = 0, background = 0;
@@ -87,7 +89,7 @@ TEST_F(Output, PresetsAreSizes) {
 
 TEST_F(Output, APreviewIsSmallAndStandsApart) {
   ASSERT_EQ(render({"--preview", "--no-video", "--out", "clip"}).code, 0);
-  EXPECT_EQ(read_png(folder_.path() / "clip/preview/frames/000000.png").width, 480);
+  EXPECT_EQ(picture::read_png(folder_.path() / "clip/preview/frames/000000.png").width, 480);
   EXPECT_FALSE(fs::exists(folder_.path() / "clip/frames"));
   const auto record = nlohmann::json::parse(read_file(folder_.path() / "clip/preview/clip.json"));
   EXPECT_LE(record.at("fps"), 24);
@@ -99,7 +101,7 @@ TEST_F(Output, ABackgroundComesOutAsItIsAsked) {
       render({"-o", "green.png", "--set", "stage.background=[0,1,0]", "--set", "stage.scenery=[]"})
           .code,
       0);
-  const Picture green = picture("green.png");
+  const picture::Picture green = picture("green.png");
   EXPECT_EQ(green.at(1, 1)[0], 0);
   EXPECT_EQ(green.at(1, 1)[1], 255);
   EXPECT_EQ(green.at(1, 1)[2], 0);
@@ -113,7 +115,7 @@ TEST_F(Output, TransparentPicturesHaveNoBackground) {
     return render(words);
   };
   ASSERT_EQ(with({"-o", "clear.png", "--poster", "0"}).code, 0);
-  const Picture clear = picture("clear.png");
+  const picture::Picture clear = picture("clear.png");
   int solid = 0, nothing = 0;
   for (int y = 0; y < clear.height; ++y)
     for (int x = 0; x < clear.width; ++x) {

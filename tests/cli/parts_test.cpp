@@ -67,18 +67,18 @@ class Parts : public testing::Test {
 
 TEST(Part, EveryPieceIsOfOnePartAndPartsAreEven) {
   using namespace cli;
-  for (const Share share : {Share::neighbours, Share::in_turn}) {
+  for (const program::Share share : {program::Share::neighbours, program::Share::in_turn}) {
     for (const std::size_t total : {0u, 1u, 7u, 100u, 101u}) {
       for (const std::size_t count : {1u, 2u, 7u, 100u, 150u}) {
         std::vector<int> owners(total);
         for (std::size_t k = 1; k <= count; ++k) {
-          const auto pieces = pieces_of({k, count, false}, total, share);
+          const auto pieces = program::pieces_of({k, count, false}, total, share);
           EXPECT_GE(pieces.size(), total / count);
           EXPECT_LE(pieces.size(), (total + count - 1) / count);
           for (std::size_t i = 0; i < pieces.size(); ++i) {
             ++owners.at(pieces[i]);
             if (i == 0) continue;
-            EXPECT_EQ(pieces[i] - pieces[i - 1], share == Share::in_turn ? count : 1);
+            EXPECT_EQ(pieces[i] - pieces[i - 1], share == program::Share::in_turn ? count : 1);
           }
         }
         for (const int owner : owners) EXPECT_EQ(owner, 1);
@@ -152,7 +152,7 @@ TEST_F(Parts, OfStabilityMapsMakeTheBytesOfOneRun) {
 
 /// A table's cells but those of columns that hold times or follow from them.
 std::vector<Words> untimed(const fs::path& file) {
-  Table table = from_csv(read_file(file));
+  chart::Table table = chart::from_csv(read_file(file));
   std::vector<Words> rows{table.columns};
   rows.insert(rows.end(), table.rows.begin(), table.rows.end());
   for (Words& row : rows) {

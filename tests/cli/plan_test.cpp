@@ -34,24 +34,25 @@ nlohmann::json plan_of(const fs::path& scene, const std::string& options) {
 }
 
 /// What one unit of a tolerance measures.
-Distance distance_of(const Scene& scene, const std::string& tolerance) {
-  if (tolerance.ends_with("px")) return cli::pixels_of(scene)->distance;
+study::Distance distance_of(const scenes::Scene& scene, const std::string& tolerance) {
+  if (tolerance.ends_with("px")) return studies::pixels_of(scene)->distance;
   return [](const Vec3& at, const Vec3& truth, double) { return 1e3 * (at - truth).norm(); };
 }
 
 /// The planned motion stays within the tolerance of the truth, which is solved far more finely than
 /// the planner does.
 void expect_within(const fs::path& file) {
-  const Scene exact = load_scene(file, true), planned = load_planned(file, false);
-  const Plan& plan = *exact.plan;
-  const Distance distance = distance_of(exact, plan.tolerance);
-  const World world = cli::few_copies(exact.world);
+  const scenes::Scene exact = scenes::load_scene(file, true),
+                      planned = scenes::load_planned(file, false);
+  const scenes::Plan& plan = *exact.plan;
+  const study::Distance distance = distance_of(exact, plan.tolerance);
+  const World world = planning::few_copies(exact.world);
   Simulation truth(world, make_method("truth", {{"local_error", 1e-11}}), exact.timeline);
-  Simulation found(cli::few_copies(planned.world),
+  Simulation found(planning::few_copies(planned.world),
                    make_method(planned.method.name, planned.method.settings), planned.timeline);
-  const SamplePoints sample_points(world, truth.state()), own(found.world(), found.state());
+  const study::SamplePoints sample_points(world, truth.state()), own(found.world(), found.state());
   double error = 0;
-  for (const double time : frame_times(plan.until, exact.fps)) {
+  for (const double time : study::frame_times(plan.until, exact.fps)) {
     truth.advance_to(time);
     found.advance_to(time);
     const std::vector<Vec3> at = own.places(sample_points, found.state());
@@ -67,9 +68,10 @@ TEST(PlannedScenes, StayWithinTheirToleranceOfAnIndependentTruth) {
   std::size_t planned = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(kScenes)) {
     if (entry.path().extension() != ".toml") continue;
-    const Scene scene = load_scene(entry.path(), false);
+    const scenes::Scene scene = scenes::load_scene(entry.path(), false);
     ASSERT_TRUE(scene.plan.has_value()) << entry.path();
-    ASSERT_EQ(scene.plan->stamp, plan_stamp(entry.path())) << entry.path() << " changed since";
+    ASSERT_EQ(scene.plan->stamp, scenes::plan_stamp(entry.path()))
+        << entry.path() << " changed since";
     if (scene.plan->until > 0) expect_within(entry.path());
     ++planned;
   }
@@ -184,19 +186,20 @@ TEST(LongPlanned, ScenesOfEveryKind) {
 void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
   const nlohmann::json plan = plan_of(kScenes / name, fmt::format("--tolerance {}", tolerance));
   const double enough = plan.at("cycles_per_second").get<double>() / 1.5;
-  const Scene scene = load_scene(kScenes / name, true);
-  const Tolerance asked{distance_of(scene, tolerance), std::stod(tolerance)};
+  const scenes::Scene scene = scenes::load_scene(kScenes / name, true);
+  const study::Tolerance asked{distance_of(scene, tolerance), std::stod(tolerance)};
   const double metres = plan.at("scored_metres").get<double>();
-  const ReferenceSolution reference = solve_reference(
-      {cli::few_copies(scene.world), frame_times(scene.duration, scene.fps), scene.timeline},
-      metres, 1e9, [](double) {});
+  const study::ReferenceSolution reference =
+      study::solve_reference({planning::few_copies(scene.world),
+                              study::frame_times(scene.duration, scene.fps), scene.timeline},
+                             metres, 1e9, [](double) {});
   std::size_t tried = 0;
-  for (const cli::SceneModel& one : cli::models_of(scene, {})) {
-    for (const Candidate& candidate : cli::all_candidates(one.model.world, scene.fps)) {
-      const Trial trial = attempt(one.model, candidate, reference, asked, enough);
-      EXPECT_NE(trial.end, Trial::End::within)
-          << name << ": " << cli::describe(one, scene) << ", " << describe(candidate) << " costs "
-          << trial.work << " of " << 1.5 * enough;
+  for (const planning::SceneModel& one : planning::models_of(scene, {})) {
+    for (const study::Candidate& candidate : planning::all_candidates(one.model.world, scene.fps)) {
+      const study::Trial trial = study::attempt(one.model, candidate, reference, asked, enough);
+      EXPECT_NE(trial.end, study::Trial::End::within)
+          << name << ": " << planning::describe(one, scene) << ", " << describe(candidate)
+          << " costs " << trial.work << " of " << 1.5 * enough;
       ++tried;
     }
   }

@@ -53,12 +53,12 @@ class RenderFaults : public testing::Test {
   }
 
   /// Every finished frame by its name. What has a final name must be whole.
-  std::map<std::string, Picture> finished() const {
-    std::map<std::string, Picture> pictures;
+  std::map<std::string, picture::Picture> finished() const {
+    std::map<std::string, picture::Picture> pictures;
     if (!fs::exists(frames())) return pictures;
     for (const auto& entry : fs::directory_iterator(frames()))
       if (entry.path().extension() == ".png")
-        pictures.emplace(entry.path().filename(), read_png(entry.path()));
+        pictures.emplace(entry.path().filename(), picture::read_png(entry.path()));
     return pictures;
   }
 

@@ -43,7 +43,7 @@ TEST_F(Render, MakesFramesAndVideo) {
   EXPECT_TRUE(fs::exists(out_ / "swing.mp4"));
   EXPECT_TRUE(fs::exists(out_ / "clip.json"));
   for (int i = 0; i < 10; ++i) {
-    const Picture picture = read_png(frame(i));
+    const picture::Picture picture = picture::read_png(frame(i));
     EXPECT_EQ(picture.width, 64);
     EXPECT_EQ(picture.height, 36);
   }
@@ -154,8 +154,8 @@ TEST_F(Render, Stills) {
       " { from = 0.1, until = 0.2, text = \"falls\" }]\n";
   scene_ = folder_.write("stills.toml", kStickSwing + captions);
   ASSERT_EQ(render({"--contact-sheet", "--poster", "0.1", "--size", "96x54"}).code, 0);
-  EXPECT_EQ(read_png(out_ / "contact_sheet.png").height, 18);
-  EXPECT_EQ(read_png(out_ / "poster.png").width, 96);
+  EXPECT_EQ(picture::read_png(out_ / "contact_sheet.png").height, 18);
+  EXPECT_EQ(picture::read_png(out_ / "poster.png").width, 96);
   EXPECT_FALSE(fs::exists(out_ / "frames"));
 }
 
@@ -163,7 +163,7 @@ TEST_F(Render, SceneWithoutAStage) {
   const std::string text = kStickSwing;
   scene_ = folder_.write("bare.toml", text.substr(0, text.find("[stage]")));
   ASSERT_EQ(render({"--poster", "0.1", "--size", "96x54"}).code, 0);
-  EXPECT_EQ(read_png(out_ / "poster.png").width, 96);
+  EXPECT_EQ(picture::read_png(out_ / "poster.png").width, 96);
 }
 
 TEST_F(Render, OutputUnderAFile) {
@@ -199,9 +199,9 @@ TEST_F(Render, FfmpegThatFailsOrStopsShort) {
 
 TEST_F(Render, BackendsGiveTheSamePixels) {
   ASSERT_EQ(render({"--frames", "5", "--no-video", "--backend", "egl"}).code, 0);
-  const Picture egl = read_png(frame(5));
+  const picture::Picture egl = picture::read_png(frame(5));
   ASSERT_EQ(render({"--frames", "5", "--no-video", "--backend", "osmesa"}).code, 0);
-  EXPECT_EQ(egl.pixels, read_png(frame(5)).pixels);
+  EXPECT_EQ(egl.pixels, picture::read_png(frame(5)).pixels);
 }
 
 }  // namespace

@@ -169,8 +169,9 @@ TEST(Quoted, IsOneWordOfAShell) {
   const Folder folder;
   for (const std::string word :
        {"plain", "with space", "it's", "$HOME", "a\"b", "`x`", "", "{ a = 1 }"}) {
-    EXPECT_EQ(Child({"sh", "-c", "printf %s " + cli::quoted(word)}, folder.path()).wait().output,
-              word);
+    EXPECT_EQ(
+        Child({"sh", "-c", "printf %s " + options::quoted(word)}, folder.path()).wait().output,
+        word);
   }
 }
 

@@ -32,11 +32,11 @@ to = { path = "hand" }
 start = { hanging_to = [0.19, 0.6, 0] }
 )";
 
-std::size_t column(const Table& table, const std::string& name) {
+std::size_t column(const chart::Table& table, const std::string& name) {
   return static_cast<std::size_t>(std::ranges::find(table.columns, name) - table.columns.begin());
 }
 
-std::vector<std::string> cells(const Table& table, const std::string& name) {
+std::vector<std::string> cells(const chart::Table& table, const std::string& name) {
   std::vector<std::string> list;
   for (const auto& row : table.rows) list.push_back(row.at(column(table, name)));
   return list;
@@ -113,7 +113,7 @@ TEST(Bench, TimesEveryFrameAndFindsThePapersRatio) {
     EXPECT_GT(row.at("springs_stiffness_n_per_m"), 0);
   }
   const fs::path out = folder.path() / "out/scene";
-  const Table frames = from_csv(read_file(out / "bench_frames.csv"));
+  const chart::Table frames = chart::from_csv(read_file(out / "bench_frames.csv"));
   EXPECT_EQ(frames.rows.size(), 2u * 2u * 100u);
   for (const char* name : {"bench.csv", "bench.svg", "bench.png"})
     EXPECT_TRUE(fs::exists(out / name));
@@ -127,7 +127,7 @@ TEST(Bench, ADivergenceIsSaidAndOthersGoOn) {
                 "dynamic-constraints,springs,xpbd", "--particles", "4", "--against", "xpbd"},
                folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
-  const Table table = from_csv(read_file(folder.path() / "out/torn/bench.csv"));
+  const chart::Table table = chart::from_csv(read_file(folder.path() / "out/torn/bench.csv"));
   const auto remarks = cells(table, "remark"), times = cells(table, "µs per frame");
   EXPECT_NE(remarks.at(0).find("diverged"), std::string::npos) << remarks.at(0);
   EXPECT_EQ(times.at(0), "-");
@@ -144,7 +144,7 @@ TEST(Bench, AmongObstaclesItTimesTheMethodsThatKnowContact) {
                 "--particles", "4", "--against", "xpbd"},
                folder.path());
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
-  const Table table = from_csv(read_file(folder.path() / "out/floor/bench.csv"));
+  const chart::Table table = chart::from_csv(read_file(folder.path() / "out/floor/bench.csv"));
   EXPECT_NE(cells(table, "remark").at(0), "");
   EXPECT_GT(std::stod(cells(table, "µs per frame").at(1)), 0);
   const ProgramResult stability = run_taut({"stability", "floor.toml"}, folder.path());
@@ -190,7 +190,7 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   EXPECT_EQ(page.find("src="), std::string::npos) << "the page needs another file";
 
   // The direct method follows its tolerance, so it reaches every target.
-  const Table reach = from_csv(read_file(out / "chart_reach.csv"));
+  const chart::Table reach = chart::from_csv(read_file(out / "chart_reach.csv"));
   const auto methods = cells(reach, "method");
   const auto at = static_cast<std::size_t>(std::ranges::find(methods, "direct") - methods.begin());
   EXPECT_GT(std::stod(cells(reach, "ms/s for 1e-06").at(at)), 0);
@@ -209,7 +209,7 @@ TEST(WorkPrecision, SaysWhatAnErrorCostsSceneBesideScene) {
   EXPECT_NE(outcome.output.find("| Short swing: 100 mm | Short swing: 0.01 mm |"),
             std::string::npos)
       << outcome.output;
-  const Table table = from_csv(read_file(folder.path() / "out/work_precision.csv"));
+  const chart::Table table = chart::from_csv(read_file(folder.path() / "out/work_precision.csv"));
   const auto errors = cells(table, "error (m)"), asked = cells(table, "error asked for (m)");
   for (std::size_t i = 0; i < errors.size(); ++i) {
     EXPECT_LE(std::stod(errors[i]), std::stod(asked[i])) << i;
@@ -261,7 +261,7 @@ TEST(Stability, MapsHaveEveryCellAndGoOn) {
   ASSERT_EQ(second.code, 0) << second.messages;
   EXPECT_NE(second.messages.find("going on after"), std::string::npos) << second.messages;
   EXPECT_EQ(second.output.rfind("cells    accurate  plausible", 0), 0u) << second.output;
-  const Table table = from_csv(read_file(out / "stability.csv"));
+  const chart::Table table = chart::from_csv(read_file(out / "stability.csv"));
   // Four values of each of five axes and five steps; impulse has no stiffness.
   EXPECT_EQ(table.rows.size(), 4u * 5u * (5u + 4u));
   const auto maps = cells(table, "map"), classes = cells(table, "class");
@@ -357,7 +357,7 @@ TEST(LongStability, FullMapsOfTheRopeSwing) {
             TAUT_SOURCE_DIR)
           .wait(std::chrono::seconds(900));
   ASSERT_EQ(outcome.code, 0) << outcome.messages;
-  const Table table = from_csv(read_file(folder.path() / "stability.csv"));
+  const chart::Table table = chart::from_csv(read_file(folder.path() / "stability.csv"));
   const auto maps = cells(table, "map"), values = cells(table, "value"),
              methods = cells(table, "method"), classes = cells(table, "class"),
              errors = cells(table, "error (share of length)"), at = cells(table, "at");

@@ -149,13 +149,13 @@ TEST_F(Usage, SeveralScenesAtOnce) {
 }
 
 TEST(ResultsFolder, IsEachScenesOwn) {
-  using cli::results_folder;
-  EXPECT_EQ(results_folder("scenes/rope.toml", "", false), "out/rope");
-  EXPECT_EQ(results_folder("./scenes/sub/rope.toml", "", false), "out/sub/rope");
-  EXPECT_EQ(results_folder("other/rope.toml", "", false), "out/other/rope");
-  EXPECT_EQ(results_folder("/far/away/rope.toml", "", false), "out/far/away/rope");
-  EXPECT_EQ(results_folder("scenes/rope.toml", "here", false), "here");
-  EXPECT_EQ(results_folder("scenes/sub/rope.toml", "here", true), "here/sub/rope");
+  using options::results_folder;
+  EXPECT_EQ(options::results_folder("scenes/rope.toml", "", false), "out/rope");
+  EXPECT_EQ(options::results_folder("./scenes/sub/rope.toml", "", false), "out/sub/rope");
+  EXPECT_EQ(options::results_folder("other/rope.toml", "", false), "out/other/rope");
+  EXPECT_EQ(options::results_folder("/far/away/rope.toml", "", false), "out/far/away/rope");
+  EXPECT_EQ(options::results_folder("scenes/rope.toml", "here", false), "here");
+  EXPECT_EQ(options::results_folder("scenes/sub/rope.toml", "here", true), "here/sub/rope");
 }
 
 TEST_F(Usage, ReachAndPlansAreJson) {

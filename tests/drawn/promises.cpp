@@ -33,7 +33,7 @@ constexpr const char* kEnded = "ended\t\n";
 constexpr const char* kUnknown = "unknown\t\n";
 constexpr const char* kMissed = "missed\t\n";
 
-std::string run_twice(const Scene& scene, const MethodChoice& method) {
+std::string run_twice(const scenes::Scene& scene, const scenes::MethodChoice& method) {
   const bool claims = method.name == "direct" || method.name == "truth";
   Watch first(scene, method);
   try {
@@ -62,18 +62,19 @@ std::string run_twice(const Scene& scene, const MethodChoice& method) {
 }
 
 /// How far `direct` is off, where that can be told.
-std::string compare(const Scene& scene) {
-  const Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
+std::string compare(const scenes::Scene& scene) {
+  const study::Problem problem{scene.world, study::frame_times(scene.duration, scene.fps),
+                               scene.timeline};
   const double length = length_scale(scene.world);
   const promise::Reference reference = promise::make_reference(problem, length, 2 * kShare);
   if (!reference.usable()) return kUnknown;
   const Settings settings = with_defaults(*find_method("direct"), scene.method.settings);
-  const Run found = run(problem, {"direct", settings}, kShare);
+  const study::Run found = study::run(problem, {"direct", settings}, kShare);
   const double tolerance = number(settings, "tolerance");
   const auto distance = [](const Vec3& a, const Vec3& b, double) { return (a - b).norm(); };
   bool missed = false;
   for (std::size_t k = 0; k < std::min(reference.frames.size(), found.frames.size()); ++k) {
-    const double error = frame_error(found.frames[k], reference.frames[k], distance);
+    const double error = study::frame_error(found.frames[k], reference.frames[k], distance);
     if (!(error <= kMostTolerances * tolerance)) {
       return fmt::format("error\tframe {}: {:.3g} m, expected at most {:.3g}, growth {:.3g}\n", k,
                          error, kMostTolerances * tolerance, reference.growth);
@@ -93,12 +94,12 @@ bool takes(const MethodInfo& method, const World& world) {
 
 /// A run of a scene, or a comparison of one with the truth.
 struct Task {
-  MethodChoice method;
+  scenes::MethodChoice method;
   bool compares = false;
 };
 
 /// What came of the task: method, promise and finding, a line each.
-std::string perform(const Scene& scene, const Task& task) {
+std::string perform(const scenes::Scene& scene, const Task& task) {
   const std::string found = task.compares ? compare(scene) : run_twice(scene, task.method);
   std::string told;
   for (std::size_t at = 0; at < found.size();) {
@@ -121,18 +122,18 @@ std::vector<Broken> parse(const std::string& told) {
   return found;
 }
 
-SandboxResult apart(double cpu_time, const std::function<std::string()>& work) {
-  return run_in_sandbox({kMemory, 1u << 20, cpu_time, 20 * cpu_time}, work);
+scenes::SandboxResult apart(double cpu_time, const std::function<std::string()>& work) {
+  return scenes::run_in_sandbox({kMemory, 1u << 20, cpu_time, 20 * cpu_time}, work);
 }
 
 /// What came of a task in a process of its own. Where a frame takes longer than a run may, the run
 /// has to go on in slices; and what ends in slices ought to end in frames.
-std::vector<Broken> alone(const Scene& scene, const Task& task) {
-  using End = SandboxResult::End;
+std::vector<Broken> alone(const scenes::Scene& scene, const Task& task) {
+  using End = scenes::SandboxResult::End;
   const auto ends = [&](const std::string& how) {
     return std::vector<Broken>{{task.method.name, "ends", how}};
   };
-  SandboxResult result = apart(kAlone, [&] { return perform(scene, task); });
+  scenes::SandboxResult result = apart(kAlone, [&] { return perform(scene, task); });
   if (result.end == End::no_time && task.compares) return {{task.method.name, "unknown", ""}};
   if (result.end == End::no_time) {
     result = apart(kAlone + kPatience, [&] {
@@ -155,13 +156,13 @@ std::vector<Broken> alone(const Scene& scene, const Task& task) {
 }
 
 /// Most tasks do well, all in one process; else each has its own.
-std::vector<Broken> all(const Scene& scene, const std::vector<Task>& tasks) {
-  const SandboxResult together = apart(kTogether, [&] {
+std::vector<Broken> all(const scenes::Scene& scene, const std::vector<Task>& tasks) {
+  const scenes::SandboxResult together = apart(kTogether, [&] {
     std::string told;
     for (const Task& task : tasks) told += perform(scene, task);
     return told;
   });
-  if (together.end == SandboxResult::End::replied) return parse(together.reply);
+  if (together.end == scenes::SandboxResult::End::replied) return parse(together.reply);
   std::vector<Broken> found;
   for (const Task& task : tasks) std::ranges::move(alone(scene, task), std::back_inserter(found));
   return found;
@@ -171,17 +172,17 @@ std::vector<Broken> all(const Scene& scene, const std::vector<Task>& tasks) {
 
 Verdict check_promises(const std::string& text, const std::string& only) {
   Verdict verdict;
-  std::optional<Scene> scene;
+  std::optional<scenes::Scene> scene;
   try {
-    scene = read_scene(parse_document("drawn.toml", text), false);
-  } catch (const BadScene& error) {
+    scene = scenes::read_scene(scenes::parse_document("drawn.toml", text), false);
+  } catch (const scenes::BadScene& error) {
     verdict.refusal = error.what();
     return verdict;
   }
   std::vector<Task> tasks;
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (!takes(method, scene->world) || (!only.empty() && method.name != only)) continue;
-    MethodChoice choice{std::string(method.name), {}};
+    scenes::MethodChoice choice{std::string(method.name), {}};
     if (method.name == scene->method.name) choice = scene->method;
     choice.settings = with_defaults(method, choice.settings);
     tasks.push_back({choice, false});

@@ -25,7 +25,7 @@ inline constexpr double kStretch = 1e-6;     // of a link's length
 /// One run, frame by frame.
 class Watch {
  public:
-  Watch(const Scene& scene, const MethodChoice& method)
+  Watch(const scenes::Scene& scene, const scenes::MethodChoice& method)
       : scene_(scene),
         method_(method),
         simulation_(start(scene, method)),
@@ -41,8 +41,8 @@ class Watch {
   std::string look(int most) {
     Snapshot before = simulation_.state();
     double speed = fastest();
-    const double start = thread_seconds();
-    for (int frame = 1; frame <= most && thread_seconds() - start < kShare; ++frame) {
+    const double start = study::thread_seconds();
+    for (int frame = 1; frame <= most && study::thread_seconds() - start < kShare; ++frame) {
       simulation_.advance_to(frame / static_cast<double>(scene_.fps));
       const Snapshot now = simulation_.state();
       if (!is_finite(now)) return fmt::format("finite\tframe {}\n", frame);
@@ -60,9 +60,9 @@ class Watch {
 
   /// Goes in slices instead; whether to the end.
   bool slice() {
-    const double start = thread_seconds();
+    const double start = study::thread_seconds();
     for (double time = kSlice; time < scene_.duration; time += kSlice) {
-      if (thread_seconds() - start > kShare) return false;
+      if (study::thread_seconds() - start > kShare) return false;
       simulation_.advance_to(time);
     }
     return true;
@@ -212,8 +212,8 @@ class Watch {
         fmt::format("{}frame {}: {:.3g}, expected at most {:.3g}\n", start, frame, found, expected);
   }
 
-  const Scene& scene_;
-  const MethodChoice& method_;
+  const scenes::Scene& scene_;
+  const scenes::MethodChoice& method_;
   Simulation simulation_;
   bool closed_, claims_;
   double error_;  // m

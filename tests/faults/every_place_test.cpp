@@ -163,7 +163,7 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
     std::string cause = std::strerror(kErrors[fault.kind]);
     switch (fault.kind) {
       case kMemory:
-        EXPECT_EQ(code, cli::kNoMemory);
+        EXPECT_EQ(code, program::kNoMemory);
         cause = "out of memory";
         break;
       case kThread:
@@ -174,10 +174,10 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
         EXPECT_EQ(code, subject_.child_code);
         break;
       case kWrite:
-        EXPECT_TRUE(code == cli::kCannotWrite || code == subject_.child_code);
+        EXPECT_TRUE(code == program::kCannotWrite || code == subject_.child_code);
         break;
       default:
-        EXPECT_EQ(code, cli::kCannotWrite);
+        EXPECT_EQ(code, program::kCannotWrite);
     }
     if (fault.kind == kSay && fault.how == How::fail_from_there_on) return;  // also of its message
     EXPECT_TRUE(outcome.messages.starts_with("taut: "));
@@ -266,7 +266,7 @@ TEST(ClosedStreams, AreNoOutputs) {
   std::vector<std::string> arguments = render.arguments;
   arguments.push_back("--no-video");
   const ProgramResult outcome = run_taut(arguments, folder.path(), [] { close(STDOUT_FILENO); });
-  EXPECT_EQ(outcome.code, cli::kCannotWrite);
+  EXPECT_EQ(outcome.code, program::kCannotWrite);
   EXPECT_EQ(outcome.messages, "taut: standard output: Bad file descriptor\n");
   EXPECT_EQ(read_file(folder.path() / "clip/frames/lock"), "");
 }

@@ -14,16 +14,16 @@ namespace taut {
 /// As a scene file without a stage.
 inline void fuzz_scene(std::string_view bytes) {
   try {
-    read_scene(parse_document("fuzz.toml", bytes), false);
-  } catch (const BadScene&) {
+    scenes::read_scene(scenes::parse_document("fuzz.toml", bytes), false);
+  } catch (const scenes::BadScene&) {
   }
 }
 
 /// As a model, read in this process, so that a fault of the importer's is seen where it happens.
 inline void fuzz_model(const char* name, std::string_view bytes) {
   try {
-    import_model(name, std::string(bytes));
-  } catch (const BadAsset&) {
+    scenes::import_model(name, std::string(bytes));
+  } catch (const scenes::BadAsset&) {
   }
 }
 
@@ -37,8 +37,8 @@ inline void fuzz_mesh(std::string_view bytes) {
 /// As a path's CSV file.
 inline void fuzz_path(std::string_view bytes) {
   try {
-    path_from_csv(std::string(bytes), "fuzz.csv");
-  } catch (const BadAsset&) {
+    scenes::path_from_csv(std::string(bytes), "fuzz.csv");
+  } catch (const scenes::BadAsset&) {
   }
 }
 

@@ -10,35 +10,37 @@ namespace {
 
 constexpr int kWidth = 480, kHeight = 270;
 
-Picture draw(StageRenderer& renderer, Canvas& canvas, const FrameState& instant) {
-  const View view{{0, 0, kWidth, kHeight}, instant.camera};
+picture::Picture draw(draw::StageRenderer& renderer, gl::Canvas& canvas,
+                      const draw::FrameState& instant) {
+  const draw::View view{{0, 0, kWidth, kHeight}, instant.camera};
   renderer.begin(canvas, {&view, 1});
   renderer.draw(canvas, view.viewport, instant);
   return canvas.finish();
 }
 
 TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
-  const Scene scene =
-      load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
-  const Context context(Backend::automatic);
-  StageRenderer renderer(context, *scene.stage, scene.world);
-  Canvas canvas(context, kWidth, kHeight, 4);
+  const scenes::Scene scene =
+      scenes::load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
+  const gl::Context context(gl::Backend::automatic);
+  draw::StageRenderer renderer(context, *scene.stage, scene.world);
+  gl::Canvas canvas(context, kWidth, kHeight, 4);
 
   // The camera stands for a while, steps aside for one frame, and comes back; by then the hand is
   // where it was not before.
   Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
-  std::vector<FrameState> instants;
+  std::vector<draw::FrameState> instants;
   for (int i = 0; i < 7; ++i) {
     const double time = i == 6 ? 2.2 : 0.25 * i;
     simulation.advance_to(time);
-    FrameState instant{snapshot(simulation.world()), {}, camera_at(scene.stage->camera, 0)};
+    draw::FrameState instant{
+        snapshot(simulation.world()), {}, scenes::camera_at(scene.stage->camera, 0)};
     for (const auto& performance : scene.performances)
       instant.bones.push_back(performance->bones_at(time));
     if (i == 5) instant.camera.position += Vec3(0.5, 0, 0);
     instants.push_back(instant);
   }
   for (std::size_t i = 0; i < instants.size(); ++i) {
-    Canvas alone(context, kWidth, kHeight, 4);
+    gl::Canvas alone(context, kWidth, kHeight, 4);
     EXPECT_EQ(draw(renderer, canvas, instants[i]).pixels, draw(renderer, alone, instants[i]).pixels)
         << i;
   }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWidth = 400, kHeight = 100, kStates = 32;
 constexpr double kDistance = 4, kFieldOfView = 0.2;
-const CameraView kCamera{Vec3(0, 0, kDistance), Vec3::Zero(), kFieldOfView};
+const scenes::CameraView kCamera{Vec3(0, 0, kDistance), Vec3::Zero(), kFieldOfView};
 /// Pixels to a metre at the boxes' front sides.
 const double kMetre = kHeight / (2 * (kDistance - 0.01) * std::tan(kFieldOfView / 2));
 
@@ -24,22 +24,22 @@ double light(int value) {
 
 class Blur : public testing::Test {
  protected:
-  static Stage boxes() {
-    Stage stage;
+  static scenes::Stage boxes() {
+    scenes::Stage stage;
     stage.background.setZero();
     stage.light = {Vec3(0, 0, -1), Vec3::Zero(), Vec3::Ones(), Vec3::Ones()};
     const Vec3 white = Vec3::Ones();
     // One flies through the picture, one stands at its left.
     for (int i = 0; i < 2; ++i)
       stage.body_models.push_back(
-          std::make_shared<const Model>(box_model(Vec3(0.2, 0.2, 0.02), white)));
+          std::make_shared<const scenes::Model>(scenes::box_model(Vec3(0.2, 0.2, 0.02), white)));
     return stage;
   }
   Blur() { world_.bodies.resize(2); }
 
   /// The first box at `x` (m).
-  FrameState instant(double x, double time = 0) const {
-    FrameState result{snapshot(world_), {}, kCamera};
+  draw::FrameState instant(double x, double time = 0) const {
+    draw::FrameState result{snapshot(world_), {}, kCamera};
     result.state.time = time;
     result.state.bodies[0].position = Vec3(x, 0, 0);
     result.state.bodies[1].position = Vec3(-0.6, 0, 0);
@@ -47,45 +47,46 @@ class Blur : public testing::Test {
   }
 
   /// The first box passes `at` (m) in the middle of the shutter, and comes `pixels` meanwhile.
-  std::vector<FrameState> shutter(double at, double pixels) const {
-    std::vector<FrameState> instants;
+  std::vector<draw::FrameState> shutter(double at, double pixels) const {
+    std::vector<draw::FrameState> instants;
     for (int i = 0; i < kStates; ++i)
       instants.push_back(
           instant(at + (i - kStates / 2) * pixels / kMetre / (kStates - 1), i / 3840.0));
     return instants;
   }
 
-  Picture expose(std::span<const FrameState> instants, int* count = nullptr) {
+  picture::Picture expose(std::span<const draw::FrameState> instants, int* count = nullptr) {
     return expose(canvas_, instants, count);
   }
-  Picture expose(Canvas& canvas, std::span<const FrameState> instants, int* count = nullptr) {
-    const View view{{0, 0, kWidth, kHeight}, kCamera};
+  picture::Picture expose(gl::Canvas& canvas, std::span<const draw::FrameState> instants,
+                          int* count = nullptr) {
+    const draw::View view{{0, 0, kWidth, kHeight}, kCamera};
     renderer_.begin(canvas, {&view, 1});
     const int exposures = renderer_.expose(canvas, view.viewport, instants);
     if (count) *count = exposures;
     return canvas.finish();
   }
 
-  const Stage stage_ = boxes();
+  const scenes::Stage stage_ = boxes();
   World world_;
-  Context context_{Backend::automatic};
-  StageRenderer renderer_{context_, stage_, World()};
-  Canvas canvas_{context_, kWidth, kHeight, 4};
+  gl::Context context_{gl::Backend::automatic};
+  draw::StageRenderer renderer_{context_, stage_, World()};
+  gl::Canvas canvas_{context_, kWidth, kHeight, 4};
 };
 
 TEST_F(Blur, APixelHasTheLightOfTheTimeForWhichItIsCovered) {
   const double kTravel = 120, kSide = 0.2 * kMetre, kAt = 0.2;
-  const std::vector<FrameState> instants = shutter(kAt, kTravel);
+  const std::vector<draw::FrameState> instants = shutter(kAt, kTravel);
   int count = 0;
-  const Picture picture = expose(instants, &count);
+  const picture::Picture picture = expose(instants, &count);
   EXPECT_EQ(count, kStates);
-  const Picture sharp = expose({&instants[kStates / 2], 1});
+  const picture::Picture sharp = expose({&instants[kStates / 2], 1});
   const double full = light(*sharp.at(kWidth / 2 + int(kAt * kMetre), kHeight / 2));
   EXPECT_GT(full, 0.1);
   int partly = 0;
   for (int x = kWidth / 2 - 50; x < kWidth; ++x) {
     double covered = 0;
-    for (const FrameState& i : instants) {
+    for (const draw::FrameState& i : instants) {
       const double left = kWidth / 2 + i.state.bodies[0].position.x() * kMetre - kSide / 2;
       covered += std::clamp(std::min(x + 1.0, left + kSide) - std::max(double(x), left), 0.0, 1.0);
     }
@@ -102,12 +103,12 @@ TEST_F(Blur, MoreWayTakesMoreExposuresUpToTheStates) {
   expose(shutter(0, 3), &slowest);
   expose(shutter(0, 20), &slow);
   expose(shutter(0, 30), &fast);
-  const Picture picture = expose(shutter(0, 0), &still);
+  const picture::Picture picture = expose(shutter(0, 0), &still);
   EXPECT_EQ(slowest, 2);
   EXPECT_EQ(slow, 4);
   EXPECT_EQ(fast, 8);
   EXPECT_EQ(still, 1);
-  const FrameState alone = instant(0);
+  const draw::FrameState alone = instant(0);
   EXPECT_EQ(picture.pixels, expose({&alone, 1}).pixels);
 }
 
@@ -123,7 +124,7 @@ TEST_F(Blur, ExposuresAreAtMostSixPixelsApartAndNoMoreThanThatTakes) {
 }
 
 TEST_F(Blur, UnevenStatesCountByTheLongestTimeBetweenThem) {
-  std::vector<FrameState> instants;
+  std::vector<draw::FrameState> instants;
   for (int i = 0; i < kStates; ++i) {
     const int step = i + (i >= 5);  // one is left out
     instants.push_back(instant(0.1 + step * 0.7 / kMetre, step / 3840.0));
@@ -134,11 +135,11 @@ TEST_F(Blur, UnevenStatesCountByTheLongestTimeBetweenThem) {
 }
 
 TEST_F(Blur, TheFastestThingsLeaveNoStripes) {
-  const std::vector<FrameState> instants = shutter(0.1, 180);
+  const std::vector<draw::FrameState> instants = shutter(0.1, 180);
   int count = 0;
-  const Picture picture = expose(instants, &count);
+  const picture::Picture picture = expose(instants, &count);
   EXPECT_EQ(count, kStates);
-  const Picture sharp = expose({&instants[kStates / 2], 1});
+  const picture::Picture sharp = expose({&instants[kStates / 2], 1});
   const double full = light(*sharp.at(kWidth / 2 + int(0.1 * kMetre), kHeight / 2));
   // Behind it light falls evenly to its rear end, a 32nd at a time.
   const double front = kWidth / 2 + (instants.back().state.bodies[0].position.x() - 0.1) * kMetre;
@@ -150,8 +151,8 @@ TEST_F(Blur, TheFastestThingsLeaveNoStripes) {
 }
 
 TEST_F(Blur, WhatStandsIsDrawnAsWithoutAShutter) {
-  const std::vector<FrameState> instants = shutter(0.1, 60);
-  const Picture blurred = expose(instants), sharp = expose({&instants[kStates / 2], 1});
+  const std::vector<draw::FrameState> instants = shutter(0.1, 60);
+  const picture::Picture blurred = expose(instants), sharp = expose({&instants[kStates / 2], 1});
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth / 2 - 60; ++x)
       for (int k = 0; k < 3; ++k)
@@ -160,8 +161,8 @@ TEST_F(Blur, WhatStandsIsDrawnAsWithoutAShutter) {
 
 TEST_F(Blur, AFrameDependsOnItsShutterAlone) {
   for (const double way : {60.0, 0.0, 8.0, 60.0, 20.0, 60.0}) {
-    const std::vector<FrameState> instants = shutter(way / 200, way);
-    Canvas alone(context_, kWidth, kHeight, 4);
+    const std::vector<draw::FrameState> instants = shutter(way / 200, way);
+    gl::Canvas alone(context_, kWidth, kHeight, 4);
     EXPECT_EQ(expose(instants).pixels, expose(alone, instants).pixels) << way;
   }
 }

@@ -14,17 +14,17 @@ namespace {
 constexpr int kSize = 257;  // odd: a pixel's centre is on the axis
 constexpr double kRadius = 0.5, kDistance = 4, kFieldOfView = 0.3;
 
-std::shared_ptr<const Model> sphere(const Material& material) {
-  auto model = std::make_shared<Model>();
+std::shared_ptr<const scenes::Model> sphere(const scenes::Material& material) {
+  auto model = std::make_shared<scenes::Model>();
   model->materials = {material};
-  Mesh mesh;
+  scenes::Mesh mesh;
   constexpr std::uint32_t kRings = 200, kSides = 400;
   for (std::uint32_t i = 0; i <= kRings; ++i)
     for (std::uint32_t j = 0; j < kSides; ++j) {
       const double polar = std::numbers::pi * i / kRings, turn = -2 * std::numbers::pi * j / kSides;
       const Vec3 n(std::sin(polar) * std::cos(turn), -std::cos(polar),
                    std::sin(polar) * std::sin(turn));
-      Vertex v;
+      scenes::Vertex v;
       for (int k = 0; k < 3; ++k) {
         v.normal[std::size_t(k)] = float(n[k]);
         v.position[std::size_t(k)] = float(kRadius * n[k]);
@@ -48,14 +48,14 @@ double display(double radiance) {
   return 255 * (y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055);
 }
 
-Picture render(const Stage& stage, const Vec3& camera) {
+picture::Picture render(const scenes::Stage& stage, const Vec3& camera) {
   World world;
   Body body;
   world.bodies.push_back(body);
-  const Context context(Backend::automatic);
-  Canvas canvas(context, kSize, kSize, 4);
-  StageRenderer renderer(context, stage, world);
-  const View view{{0, 0, kSize, kSize}, {camera, Vec3::Zero(), kFieldOfView}};
+  const gl::Context context(gl::Backend::automatic);
+  gl::Canvas canvas(context, kSize, kSize, 4);
+  draw::StageRenderer renderer(context, stage, world);
+  const draw::View view{{0, 0, kSize, kSize}, {camera, Vec3::Zero(), kFieldOfView}};
   renderer.begin(canvas, {&view, 1});
   renderer.draw(canvas, view.viewport, {snapshot(world), {}, view.camera});
   return canvas.finish();
@@ -72,8 +72,8 @@ Vec3 normal_at(int column, int row) {
   return (eye + (-b - std::sqrt(b * b - c)) * ray) / kRadius;
 }
 
-Stage plain_stage(double albedo) {
-  Stage stage;
+scenes::Stage plain_stage(double albedo) {
+  scenes::Stage stage;
   stage.light = {Vec3(0, 0, -1), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   const auto a = float(albedo);
   stage.body_models = {sphere({.name = "matt", .base_color = {a, a, a}, .roughness = 1})};
@@ -82,11 +82,11 @@ Stage plain_stage(double albedo) {
 
 TEST(HandComputed, SphereUnderTheKeyLight) {
   constexpr double kAlbedo = 0.5, kKey = 1.2;
-  Stage stage = plain_stage(kAlbedo);
+  scenes::Stage stage = plain_stage(kAlbedo);
   const Vec3 light = Vec3(0.4, 0.3, 1).normalized();
   stage.light.direction = -light;
   stage.light.color = Vec3::Constant(kKey);
-  const Picture picture = render(stage, Vec3(0, 0, kDistance));
+  const picture::Picture picture = render(stage, Vec3(0, 0, kDistance));
   for (const auto& [column, row] :
        {std::pair(128, 128), {150, 128}, {128, 90}, {100, 150}, {165, 110}}) {
     // GGX at roughness 1, Schlick's visibility with k = 1/2, Fresnel from 0.04.
@@ -103,9 +103,9 @@ TEST(HandComputed, SphereUnderTheKeyLight) {
 
 TEST(HandComputed, SphereInEvenLight) {
   constexpr double kAlbedo = 0.5, kSky = 0.7;
-  Stage stage = plain_stage(kAlbedo);
+  scenes::Stage stage = plain_stage(kAlbedo);
   stage.light.sky = stage.light.ground = Vec3::Constant(kSky);
-  const Picture picture = render(stage, Vec3(0, 0, kDistance));
+  const picture::Picture picture = render(stage, Vec3(0, 0, kDistance));
   // Lambert's part is exact; the specular part of the fit at normal incidence and roughness 1:
   // r = (0, 0.015, 0.468, -0.018), grazing 0.015, so 0.04 * 0.4524 - 0.0024.
   const double radiance = kSky * (kAlbedo + 0.04 * 0.4524 - 0.0024);
@@ -113,30 +113,30 @@ TEST(HandComputed, SphereInEvenLight) {
 }
 
 TEST(HandComputed, Background) {
-  Stage stage = plain_stage(0.5);
+  scenes::Stage stage = plain_stage(0.5);
   stage.background = Vec3(0.1, 1, 0);
-  const Picture picture = render(stage, Vec3(0, 0, kDistance));
+  const picture::Picture picture = render(stage, Vec3(0, 0, kDistance));
   EXPECT_NEAR(picture.at(2, 2)[0], 255 * (1.055 * std::pow(0.1, 1 / 2.4) - 0.055), 1.1);
   EXPECT_EQ(picture.at(2, 2)[1], 255) << "as it was asked for";
   EXPECT_EQ(picture.at(2, 2)[2], 0);
 }
 
 TEST(HandComputed, HalfTheLightIsSeen) {
-  Stage stage = plain_stage(0.5);
+  scenes::Stage stage = plain_stage(0.5);
   stage.light.color = Vec3::Constant(1.2);
   const Vec3 camera(0, 0, kDistance);
-  const Picture full = render(stage, camera);
+  const picture::Picture full = render(stage, camera);
   stage.light.color *= 0.5;
   EXPECT_GT(int(*full.at(128, 128)) - int(*render(stage, camera).at(128, 128)), 30);
 }
 
 /// A square in a horizontal plane, seen from above.
-std::shared_ptr<const Model> square(double half_side, const Material& material) {
-  auto model = std::make_shared<Model>();
+std::shared_ptr<const scenes::Model> square(double half_side, const scenes::Material& material) {
+  auto model = std::make_shared<scenes::Model>();
   model->materials = {material};
-  Mesh mesh;
+  scenes::Mesh mesh;
   for (const auto& [x, z] : {std::pair(-1, -1), {-1, 1}, {1, 1}, {1, -1}}) {
-    Vertex v;
+    scenes::Vertex v;
     v.position = {float(half_side * x), 0, float(half_side * z)};
     v.normal = {0, 1, 0};
     mesh.vertices.push_back(v);
@@ -150,8 +150,8 @@ TEST(HandComputed, AShadowEndsWhereTheLightGoesPast) {
   // A plate of 0.6 m, 0.5 m above the floor, in light that falls half as far sideways as down:
   // its shadow reaches from x = -0.05 to 0.55 m.
   constexpr double kHeight = 0.5, kHalf = 0.3, kSlope = 0.5;
-  Stage stage;
-  const Material matt{.name = "matt", .base_color = {0.5f, 0.5f, 0.5f}, .roughness = 1};
+  scenes::Stage stage;
+  const scenes::Material matt{.name = "matt", .base_color = {0.5f, 0.5f, 0.5f}, .roughness = 1};
   stage.scenery = {square(3, matt)};
   stage.body_models = {square(kHalf, matt)};
   stage.light = {Vec3(kSlope, -1, 0), Vec3::Constant(1.2), Vec3::Zero(), Vec3::Zero()};
@@ -160,16 +160,16 @@ TEST(HandComputed, AShadowEndsWhereTheLightGoesPast) {
   plate.position = Vec3(0, kHeight, 0);
   world.bodies.push_back(plate);
 
-  const Context context(Backend::automatic);
+  const gl::Context context(gl::Backend::automatic);
   constexpr int kWide = 401;
-  Canvas canvas(context, kWide, kWide, 4);
-  StageRenderer renderer(context, stage, world);
-  const CameraView camera{Vec3(0.25, 3, 4), Vec3(0.25, 0, 0.25), 0.35};
-  const Rect whole{0, 0, kWide, kWide};
-  const View view{whole, camera};
+  gl::Canvas canvas(context, kWide, kWide, 4);
+  draw::StageRenderer renderer(context, stage, world);
+  const scenes::CameraView camera{Vec3(0.25, 3, 4), Vec3(0.25, 0, 0.25), 0.35};
+  const picture::Rect whole{0, 0, kWide, kWide};
+  const draw::View view{whole, camera};
   renderer.begin(canvas, {&view, 1});
   renderer.draw(canvas, whole, {snapshot(world), {}, camera});
-  const Picture picture = canvas.finish();
+  const picture::Picture picture = canvas.finish();
 
   // The camera looks along x = 0.25, so a line of the floor across it is a row of the picture.
   const double distance = (camera.target - camera.position).norm();

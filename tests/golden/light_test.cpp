@@ -15,31 +15,31 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 360;
 constexpr double kBox = 0.3, kFloor = 6, kTop = 0.1;  // m: sides, and the height of the floor's top
-const CameraView kCamera{Vec3(0.6, 1.6, 2.4), Vec3(0.2, 0.2, 0), 0.5};
+const scenes::CameraView kCamera{Vec3(0.6, 1.6, 2.4), Vec3(0.2, 0.2, 0), 0.5};
 // With this box's extent the map is 1.5 m wide at most.
-constexpr double kTexel = 1.5 / Shading().map_size;
+constexpr double kTexel = 1.5 / draw::Shading().map_size;
 
 class LightTest : public testing::Test {
  protected:
-  static Stage stage(const Vec3& light) {
-    Stage result;
+  static scenes::Stage stage(const Vec3& light) {
+    scenes::Stage result;
     result.background.setConstant(0.2);
     result.light = {light.normalized(), Vec3::Ones(), Vec3::Zero(), Vec3::Zero()};
     return result;
   }
-  static std::shared_ptr<const Model> box(const Vec3& sides) {
-    return std::make_shared<const Model>(box_model(sides, Vec3::Constant(0.6)));
+  static std::shared_ptr<const scenes::Model> box(const Vec3& sides) {
+    return std::make_shared<const scenes::Model>(scenes::box_model(sides, Vec3::Constant(0.6)));
   }
   /// A body at a height (m), or nothing but scenery.
-  Picture draw(const Stage& stage, std::optional<double> height) {
+  picture::Picture draw(const scenes::Stage& stage, std::optional<double> height) {
     World world;
     world.bodies.resize(stage.body_models.size());
-    StageRenderer renderer(context_, stage, World());
-    Canvas canvas(context_, kWidth, kHeight, 4);
-    const View view{{0, 0, kWidth, kHeight}, kCamera};
+    draw::StageRenderer renderer(context_, stage, World());
+    gl::Canvas canvas(context_, kWidth, kHeight, 4);
+    const draw::View view{{0, 0, kWidth, kHeight}, kCamera};
     renderer.begin(canvas, {&view, 1});
     if (height) {
-      FrameState instant{snapshot(world), {}, kCamera};
+      draw::FrameState instant{snapshot(world), {}, kCamera};
       instant.state.bodies[0].position = Vec3(0, *height, 0);
       renderer.draw(canvas, view.viewport, instant);
     }
@@ -47,26 +47,26 @@ class LightTest : public testing::Test {
   }
   /// Where a point is on the picture, -1 to 1 both ways.
   static Eigen::Vector2f place(const Vec3& point) {
-    const Eigen::Vector4f q =
-        camera_projection(kCamera, double(kWidth) / kHeight) * point.cast<float>().homogeneous();
+    const Eigen::Vector4f q = draw::camera_projection(kCamera, double(kWidth) / kHeight) *
+                              point.cast<float>().homogeneous();
     return q.head<2>() / q.w();
   }
   static bool is_seen(const Vec3& point) { return place(point).cwiseAbs().maxCoeff() < 0.99f; }
-  static int value(const Picture& picture, const Vec3& point) {
+  static int value(const picture::Picture& picture, const Vec3& point) {
     const Eigen::Vector2f at = place(point);
     return *picture.at(int((0.5f + 0.5f * at.x()) * kWidth), int((0.5f - 0.5f * at.y()) * kHeight));
   }
 
-  Context context_{Backend::automatic};
+  gl::Context context_{gl::Backend::automatic};
 };
 
 TEST_F(LightTest, SidesInTheLightHaveNoAcne) {
   // A convex body does not shade itself: it looks as scenery does, which nothing shades.
   for (const double steep : {0.05, 0.2, 0.5, 1.0, 3.0, 10.0}) {
-    Stage shaded = stage(Vec3(-0.4, -steep, -0.7)), plain = shaded;
+    scenes::Stage shaded = stage(Vec3(-0.4, -steep, -0.7)), plain = shaded;
     shaded.body_models.push_back(box(Vec3::Constant(kBox)));
     plain.scenery.push_back(box(Vec3::Constant(kBox)));
-    const Picture picture = draw(shaded, 0.0), right = draw(plain, {});
+    const picture::Picture picture = draw(shaded, 0.0), right = draw(plain, {});
     int wrong = 0;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) wrong += std::abs(*picture.at(x, y) - *right.at(x, y)) > 2;
@@ -75,11 +75,11 @@ TEST_F(LightTest, SidesInTheLightHaveNoAcne) {
 }
 
 TEST_F(LightTest, ShadowsBeginAtTheFootOfWhatThrowsThemAndEndWhereTheyShould) {
-  Stage scene = stage(Vec3(1, -1, 0));
+  scenes::Stage scene = stage(Vec3(1, -1, 0));
   scene.scenery.push_back(box(Vec3(kFloor, 2 * kTop, kFloor)));
-  const Picture bare = draw(scene, {});
+  const picture::Picture bare = draw(scene, {});
   scene.body_models.push_back(box(Vec3::Constant(kBox)));
-  const Picture picture = draw(scene, kTop + kBox / 2);
+  const picture::Picture picture = draw(scene, kTop + kBox / 2);
   // Light falls at 45 degrees: the shadow is as long as the box is high. Beside the true edge it
   // may stray by the filter's two texels and the offsets of one and a half each, both slanted.
   const double stray = 2 * std::sqrt(2.0) * (2 + 1.5 + 1.5) * kTexel;
@@ -92,11 +92,11 @@ TEST_F(LightTest, ShadowsBeginAtTheFootOfWhatThrowsThemAndEndWhereTheyShould) {
 }
 
 TEST_F(LightTest, NothingIsShadedBeyondTheMap) {
-  Stage scene = stage(Vec3(1, -1, 0.2));
+  scenes::Stage scene = stage(Vec3(1, -1, 0.2));
   scene.scenery.push_back(box(Vec3(kFloor, 2 * kTop, kFloor)));
-  const Picture bare = draw(scene, {});
+  const picture::Picture bare = draw(scene, {});
   scene.body_models.push_back(box(Vec3::Constant(kBox)));
-  const Picture picture = draw(scene, kTop + kBox / 2);
+  const picture::Picture picture = draw(scene, kTop + kBox / 2);
   int seen = 0;
   for (double x = -2; x < 2; x += 0.01)
     for (double z = -2.5; z < 1.5; z += 0.01) {
@@ -111,12 +111,13 @@ TEST_F(LightTest, NothingIsShadedBeyondTheMap) {
 
 TEST_F(LightTest, SlowGradientsHaveNoBands) {
   // A ball that fills the middle of the picture, a little brighter where the light comes from.
-  Stage scene = stage(Vec3(-1, -1, -0.5));
+  scenes::Stage scene = stage(Vec3(-1, -1, -0.5));
   scene.light.color.setConstant(0.15);
   scene.light.sky.setConstant(0.5);
   scene.light.ground.setConstant(0.5);
-  scene.scenery.push_back(std::make_shared<const Model>(sphere_model(2, Vec3::Constant(0.6))));
-  const Picture picture = draw(scene, {});
+  scene.scenery.push_back(
+      std::make_shared<const scenes::Model>(scenes::sphere_model(2, Vec3::Constant(0.6))));
+  const picture::Picture picture = draw(scene, {});
   constexpr int kBlock = 16;
   double low = 255, high = 0, worst = 0;
   for (int y = 80; y + kBlock <= 280; y += kBlock) {

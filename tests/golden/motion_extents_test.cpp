@@ -16,12 +16,12 @@ using Eigen::Vector3f;
 
 /// A ribbon of `columns` squares of 10 cm along x, at z = 0, facing the camera on +z.
 struct Ribbon {
-  explicit Ribbon(const Gl& gl, std::uint32_t columns)
-      : drawable(gl, std::make_shared<const RestShape>(gl, indices(columns), rest(columns)),
-                 Material{}, Surface::plain) {}
+  explicit Ribbon(const gl::Gl& gl, std::uint32_t columns)
+      : drawable(gl, std::make_shared<const draw::RestShape>(gl, indices(columns), rest(columns)),
+                 scenes::Material{}, draw::Surface::plain) {}
 
-  static std::vector<RestVertex> rest(std::uint32_t columns) {
-    std::vector<RestVertex> result;
+  static std::vector<mesh::RestVertex> rest(std::uint32_t columns) {
+    std::vector<mesh::RestVertex> result;
     for (std::uint32_t i = 0; i <= columns; ++i)
       for (const float y : {0.0f, 0.1f})
         result.push_back({Vector3f(0.1f * float(i), y, 0), Vector3f::Ones()});
@@ -36,29 +36,29 @@ struct Ribbon {
   /// Each vertex moved by what `offset` says of its x.
   template <typename Offset>
   void move(std::uint32_t columns, Offset offset) {
-    std::vector<MovingVertex> vertices;
-    for (const RestVertex& v : rest(columns))
+    std::vector<mesh::MovingVertex> vertices;
+    for (const mesh::RestVertex& v : rest(columns))
       vertices.push_back({v.rest + offset(v.rest.x()), Vector3f::UnitZ()});
     drawable.move(vertices);
   }
-  Drawable drawable;
+  draw::Drawable drawable;
 };
 
 class MotionExtentsTest : public testing::Test {
  protected:
-  static constexpr Rect kView{0, 0, 1000, 1000};
+  static constexpr picture::Rect kView{0, 0, 1000, 1000};
   // A metre at z = 0 is 1000 / (2 * 4 tan 0.25) pixels.
   const Matrix4f projection_ = camera_projection({Vec3(0, 0, 4), Vec3::Zero(), 0.5}, 1);
   const double metre_ = 1000 / (8 * std::tan(0.25));
-  Context context_{Backend::automatic};
+  gl::Context context_{gl::Backend::automatic};
   Ribbon ribbon_{context_.gl(), 10};
-  MotionExtents extents_;
+  draw::MotionExtents extents_;
   double time_ = 0;  // s
 
   template <typename Offset>
   void add(Offset offset) {
     ribbon_.move(10, offset);
-    const DrawItem item(ribbon_.drawable, Matrix4f::Identity());
+    const draw::DrawItem item(ribbon_.drawable, Matrix4f::Identity());
     extents_.add({&item, 1}, time_ += 0.001);
   }
 };
@@ -68,7 +68,7 @@ TEST_F(MotionExtentsTest, TravelIsTheWayOfTheFastestPoint) {
   add([](float) { return Vector3f(Vector3f::Zero()); });
   add([](float x) { return Vector3f(0, 0.05f * x, 0); });
   add([](float) { return Vector3f(Vector3f::Zero()); });
-  const MotionExtents::Travel travel = extents_.find_moving(projection_, kView);
+  const draw::MotionExtents::Travel travel = extents_.find_moving(projection_, kView);
   EXPECT_NEAR(travel.way, 2 * 0.05 * metre_, 0.01);
   EXPECT_NEAR(travel.speed, 0.05 * metre_ / 0.001, 10);
 }
@@ -117,14 +117,14 @@ TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
   behind.move(10, [](float) { return Vector3f(0, 0, -0.5f); });
   for (const float by : {-0.02f, 0.0f, 0.02f}) {
     ribbon_.move(10, [by](float x) { return Vector3f(0, x > 0.65f ? by : 0.0f, 0); });
-    const DrawItem items[] = {{ribbon_.drawable, Matrix4f::Identity()},
-                              {behind.drawable, Matrix4f::Identity()}};
+    const draw::DrawItem items[] = {{ribbon_.drawable, Matrix4f::Identity()},
+                                    {behind.drawable, Matrix4f::Identity()}};
     extents_.add(items, time_ += 0.001);
   }
   extents_.find_moving(projection_, kView);
-  ShadowCover cover;
+  draw::ShadowCover cover;
   const Eigen::AlignedBox3d casters(Vec3(0, -0.1, -0.6), Vec3(1, 0.2, 0.1));
-  cover.start(light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f);
+  cover.start(draw::light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f);
   const double limits[] = {0.001};  // px/s: everything that moves is faster
   extents_.grade(limits);
   extents_.shade(cover, 2);

@@ -21,13 +21,13 @@ constexpr double kLeftOut = 0.09;
 constexpr double kPixel = 2.0 / 32;  // of the pictures, m at 1 m
 
 /// A wall that faces the room: its middle, and half its sides, the first times the second inwards.
-Mesh wall(std::size_t material, const Vec3& middle, const Vec3& right, const Vec3& up) {
-  Mesh mesh;
+scenes::Mesh wall(std::size_t material, const Vec3& middle, const Vec3& right, const Vec3& up) {
+  scenes::Mesh mesh;
   mesh.material = material;
   const Vec3 normal = right.cross(up).normalized();
   for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
     const Vec3 p = middle + x * right + y * up;
-    Vertex& v = mesh.vertices.emplace_back();
+    scenes::Vertex& v = mesh.vertices.emplace_back();
     for (int k = 0; k < 3; ++k) {
       v.position[std::size_t(k)] = float(p[k]);
       v.normal[std::size_t(k)] = float(normal[k]);
@@ -37,10 +37,10 @@ Mesh wall(std::size_t material, const Vec3& middle, const Vec3& right, const Vec
   return mesh;
 }
 
-Model room() {
+scenes::Model room() {
   const Vec3 x = Vec3::UnitX() * (kWide / 2), y = Vec3::UnitY() * (kHigh / 2),
              z = Vec3::UnitZ() * (kDeep / 2);
-  Model model;
+  scenes::Model model;
   // Metal without colour mirrors and scatters nothing.
   model.materials = {{"paper", {kAlbedo, kAlbedo, kAlbedo}, 1, 0}, {"soot", {0, 0, 0}, 1, 1}};
   model.meshes = {wall(0, y - z, x, y), wall(1, y + z, -x, y),        wall(1, y - x, -z, y),
@@ -49,7 +49,7 @@ Model room() {
 }
 
 /// Behind the paper: it reaches no wall from inside.
-Light light() {
+scenes::Light light() {
   return {Vec3::UnitZ(), Vec3::Ones(), Vec3::Zero(), Vec3::Zero()};
 }
 
@@ -68,9 +68,9 @@ double angle(double a, double b, double c) {
 class RoomLightTest : public testing::Test {
  protected:
   /// The red light on a vertex.
-  static double on(const RoomLight& light, const Vec3& place, const Vec3& normal) {
-    Mesh mesh;
-    Vertex& v = mesh.vertices.emplace_back();
+  static double on(const draw::RoomLight& light, const Vec3& place, const Vec3& normal) {
+    scenes::Mesh mesh;
+    scenes::Vertex& v = mesh.vertices.emplace_back();
     for (int k = 0; k < 3; ++k) {
       v.position[std::size_t(k)] = float(place[k]);
       v.normal[std::size_t(k)] = float(normal[k]);
@@ -78,12 +78,12 @@ class RoomLightTest : public testing::Test {
     return double(light.on(mesh).front().x());
   }
 
-  Context context_{Backend::automatic};
+  gl::Context context_{gl::Backend::automatic};
 };
 
 TEST_F(RoomLightTest, AWallThatGlowsLightsWhatFacesItByItsShareOfTheView) {
-  std::vector<Drawable> things = drawables(context_.gl(), room());
-  const RoomLight room(context_.gl(), light(), things, Vec3(0, 1, 0));
+  std::vector<draw::Drawable> things = draw::drawables(context_.gl(), room());
+  const draw::RoomLight room(context_.gl(), light(), things, Vec3(0, 1, 0));
   ASSERT_TRUE(room.encloses());
   // Points of the grid, where nothing is interpolated: 0.25 m from the floor and the wall opposite.
   for (const double share : {1.0 / 3, 2.0 / 3, 1.0}) {
@@ -104,18 +104,18 @@ TEST_F(RoomLightTest, AWallThatGlowsLightsWhatFacesItByItsShareOfTheView) {
 }
 
 TEST_F(RoomLightTest, WhatFacesAwayIsDark) {
-  std::vector<Drawable> things = drawables(context_.gl(), room());
-  const RoomLight room(context_.gl(), light(), things, Vec3(0, 1, 0));
+  std::vector<draw::Drawable> things = draw::drawables(context_.gl(), room());
+  const draw::RoomLight room(context_.gl(), light(), things, Vec3(0, 1, 0));
   const Vec3 place(0, 1, kDeep / 2 - 0.25);
   EXPECT_LT(on(room, place, Vec3::UnitZ()), kLeftOut * on(room, place, -Vec3::UnitZ()));
 }
 
 TEST_F(RoomLightTest, AFloorAloneIsNoRoom) {
-  Model model = room();
+  scenes::Model model = room();
   model.meshes = {model.meshes[4]};
-  std::vector<Drawable> things = drawables(context_.gl(), model);
-  EXPECT_FALSE(RoomLight(context_.gl(), light(), things, Vec3::Zero()).encloses());
-  EXPECT_FALSE(RoomLight(context_.gl(), light(), {}, Vec3::Zero()).encloses());
+  std::vector<draw::Drawable> things = draw::drawables(context_.gl(), model);
+  EXPECT_FALSE(draw::RoomLight(context_.gl(), light(), things, Vec3::Zero()).encloses());
+  EXPECT_FALSE(draw::RoomLight(context_.gl(), light(), {}, Vec3::Zero()).encloses());
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ constexpr int kSeldom = 10000;  // pixels, of which one may differ
 constexpr double kTorn = 8;     // of 255, of a mean over pixels
 
 /// How many pixels differ by more than one of 255.
-int differing(const Picture& a, const Picture& b) {
+int differing(const picture::Picture& a, const picture::Picture& b) {
   int count = 0;
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x)
@@ -32,7 +32,7 @@ int differing(const Picture& a, const Picture& b) {
 
 /// The largest difference of a channel's mean over 8 x 8 pixels: what is torn differs here, too,
 /// and what is smeared by more exposures hardly.
-double smooth_difference(const Picture& a, const Picture& b) {
+double smooth_difference(const picture::Picture& a, const picture::Picture& b) {
   constexpr int kSide = 8;
   double most = 0;
   for (int top = 0; top + kSide <= a.height; top += kSide / 2)
@@ -56,7 +56,7 @@ class Clip {
     scene_.stage->exposures_apart *= apart * shrink_;
     scene_.width = height * scene_.width / scene_.height;
     scene_.height = height;
-    frames_ = clip_frames(scene_);
+    frames_ = scenes::clip_frames(scene_);
   }
 
   /// Calls `compare(frame, its states)` for every `step`-th frame.
@@ -64,21 +64,21 @@ class Clip {
   void each(int step, Compare compare) const {
     std::vector<int> wanted;
     for (int k = 0; k < std::ssize(frames_); k += step) wanted.push_back(k);
-    const auto states = record(scene_, frames_, wanted, [] {});
+    const auto states = scenes::record(scene_, frames_, wanted, [] {});
     for (std::size_t i = 0; i < wanted.size(); ++i)
       compare(frames_[std::size_t(wanted[i])], states[i]);
   }
 
-  Film film(const Context& context, Savings savings) const {
+  film::Film film(const gl::Context& context, draw::Savings savings) const {
     return {context,       scene_,   scene_.width,
             scene_.height, kSamples, {.map_size = 512, .savings = savings, .still = shrink_}};
   }
-  int number(const ClipFrame& frame) const { return int(&frame - frames_.data()); }
+  int number(const scenes::ClipFrame& frame) const { return int(&frame - frames_.data()); }
 
  private:
-  Scene scene_;
+  scenes::Scene scene_;
   double shrink_;
-  std::vector<ClipFrame> frames_;
+  std::vector<scenes::ClipFrame> frames_;
 };
 
 /// Every `step`-th frame of a clip has the same pixels with all savings as with all drawn whole,
@@ -88,11 +88,12 @@ class Clip {
 /// two faces of the scenery have one depth, the last is in front: seldom a pixel.
 void expect_nothing_shows(const std::string& name, int height, int step, double apart) {
   const Clip clip(name, height, apart);
-  const Context context(Backend::automatic);
-  Film saving = clip.film(context, Savings::all), whole = clip.film(context, Savings::exposures);
-  clip.each(step, [&](const ClipFrame& frame, const std::vector<Snapshot>& states) {
-    const std::vector<FrameState> shutter = saving.shutter(frame, states);
-    const Film::Frame a = saving.draw(frame, shutter), b = whole.draw(frame, shutter);
+  const gl::Context context(gl::Backend::automatic);
+  film::Film saving = clip.film(context, draw::Savings::all),
+             whole = clip.film(context, draw::Savings::exposures);
+  clip.each(step, [&](const scenes::ClipFrame& frame, const std::vector<Snapshot>& states) {
+    const std::vector<draw::FrameState> shutter = saving.shutter(frame, states);
+    const film::Film::Frame a = saving.draw(frame, shutter), b = whole.draw(frame, shutter);
     ASSERT_EQ(a.exposures, b.exposures);
     EXPECT_LE(differing(a.picture, b.picture), 1 + a.picture.width * a.picture.height / kSeldom)
         << name << ", frame " << clip.number(frame) << ", " << a.exposures << " exposures";
@@ -136,10 +137,11 @@ INSTANTIATE_TEST_SUITE_P(Long, LongSavingsShow, testing::ValuesIn(clips()),
 // how slow things are smeared.
 TEST(SlowThings, LookAsWithMoreExposures) {
   const Clip clip("nunchaku", 90, 2);
-  const Context context(Backend::automatic);
-  Film saving = clip.film(context, Savings::all), whole = clip.film(context, Savings::none);
-  clip.each(80, [&](const ClipFrame& frame, const std::vector<Snapshot>& states) {
-    const std::vector<FrameState> shutter = saving.shutter(frame, states);
+  const gl::Context context(gl::Backend::automatic);
+  film::Film saving = clip.film(context, draw::Savings::all),
+             whole = clip.film(context, draw::Savings::none);
+  clip.each(80, [&](const scenes::ClipFrame& frame, const std::vector<Snapshot>& states) {
+    const std::vector<draw::FrameState> shutter = saving.shutter(frame, states);
     EXPECT_LT(
         smooth_difference(saving.draw(frame, shutter).picture, whole.draw(frame, shutter).picture),
         kTorn)
@@ -150,22 +152,22 @@ TEST(SlowThings, LookAsWithMoreExposures) {
 // A piece of the floor without the shadow that falls there, as a scissor cuts it out.
 TEST(PlantedTear, IsSeen) {
   const Clip clip("nunchaku", 180, 2);
-  const Context context(Backend::automatic);
-  Film film = clip.film(context, Savings::all);
-  clip.each(740, [&](const ClipFrame& frame, const std::vector<Snapshot>& states) {
+  const gl::Context context(gl::Backend::automatic);
+  film::Film film = clip.film(context, draw::Savings::all);
+  clip.each(740, [&](const scenes::ClipFrame& frame, const std::vector<Snapshot>& states) {
     if (clip.number(frame) != 740) return;
-    std::vector<FrameState> shutter = film.shutter(frame, states);
-    const Picture whole = film.draw(frame, shutter).picture;
-    for (FrameState& instant : shutter) {  // everybody has left
+    std::vector<draw::FrameState> shutter = film.shutter(frame, states);
+    const picture::Picture whole = film.draw(frame, shutter).picture;
+    for (draw::FrameState& instant : shutter) {  // everybody has left
       for (auto& bones : instant.bones)
         for (Pose& bone : bones) bone.position.y() += 50;
       for (Pose& body : instant.state.bodies) body.position.y() += 50;
       for (auto& particles : instant.state.connectors)
         for (Vec3& p : particles) p.y() += 50;
     }
-    const Picture empty = film.draw(frame, shutter).picture;
+    const picture::Picture empty = film.draw(frame, shutter).picture;
     // The first shadow from the left, above the captions.
-    Picture torn = whole;
+    picture::Picture torn = whole;
     constexpr int kWide = 14, kHigh = 6;
     int left = 0, top = 0;
     const auto shaded = [&](int x, int y) { return empty.at(x, y)[0] - whole.at(x, y)[0] > 30; };

@@ -23,7 +23,7 @@ TYPED_TEST(OptionsOf, AMethodAreItsOwnChoiceUnlessGiven) {
 
 TEST(Options, EveryMethodWithSettingsHasThem) {
   std::size_t count = 0;
-  for (const MethodInfo& method : methods()) count += !method.settings.empty();
+  for (const MethodInfo& method : all_methods()) count += !method.settings.empty();
   EXPECT_EQ(count, 8u);
 }
 

@@ -13,10 +13,10 @@ namespace {
 constexpr const char* kScene = TAUT_SOURCE_DIR "/scenes/choreography/turning_eight.toml";
 
 TEST(ChoreographyScene, TheTipIsWithinFiveMillimetresOfTheTurningEight) {
-  const Scene scene = load_scene(kScene, false);
+  const scenes::Scene scene = scenes::load_scene(kScene, false);
   ASSERT_EQ(scene.method.name, "direct");
   const Vec3 end = scene.world.connectors.at(0).position.front();
-  Simulation simulation = start(scene);
+  Simulation simulation = scenes::start(scene);
   double worst = 0;
   for (int k = 0; k <= 32; ++k) {
     const double along = std::numbers::pi / 4 * k;
@@ -31,7 +31,7 @@ TEST(ChoreographyScene, TheTipIsWithinFiveMillimetresOfTheTurningEight) {
 }
 
 TEST(ChoreographyScene, TheHandKeepsToItsLimitsAndRestsAtTheEnd) {
-  const Scene scene = load_scene(kScene, false);
+  const scenes::Scene scene = scenes::load_scene(kScene, false);
   const std::shared_ptr<const Path> hand = scene.world.bodies.at(0).path;
   double speed = 0, acceleration = 0, reach = 0;
   for (double time = 0; time < scene.duration; time += 1e-3) {
@@ -43,7 +43,7 @@ TEST(ChoreographyScene, TheHandKeepsToItsLimitsAndRestsAtTheEnd) {
   EXPECT_LT(speed, 2);
   EXPECT_LT(acceleration, 20);
   EXPECT_LT(reach, 0.7);
-  Simulation simulation = start(scene);
+  Simulation simulation = scenes::start(scene);
   simulation.advance_to(scene.duration);
   EXPECT_LT(simulation.world().bodies.at(1).velocity.norm(), 0.05);
 }

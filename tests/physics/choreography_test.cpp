@@ -44,9 +44,9 @@ PathKey forward() {
 }
 
 /// On a circle that lies askew, to the columns that are asked for.
-TaylorSeries circle(double time, Eigen::Index columns) {
+choreography::TaylorSeries circle(double time, Eigen::Index columns) {
   const double rate = 2 * std::numbers::pi / kLap;
-  TaylorSeries series(3, columns);
+  choreography::TaylorSeries series(3, columns);
   double share = kRadius;
   for (Eigen::Index k = 0; k < columns; ++k) {
     const double angle = rate * time + std::numbers::pi / 2 * static_cast<double>(k);
@@ -61,14 +61,15 @@ TEST(FlatChain, AConicalPendulumHasTheTensionOfItsRadius) {
   const double length = 0.5, rate = 6, gravity = 9.81, mass = 0.3;
   const double height = gravity / (rate * rate),
                radius = std::sqrt(length * length - height * height);
-  TaylorSeries series(3, 4);
+  choreography::TaylorSeries series(3, 4);
   double share = radius;
   for (Eigen::Index k = 0; k < 4; ++k) {
     const double angle = std::numbers::pi / 2 * static_cast<double>(k);
     series.col(k) = share * Vec3(std::cos(angle), 0, std::sin(angle));
     share *= rate / static_cast<double>(k + 1);
   }
-  const FlatMotion motion = flat_motion({Vec3(0, -gravity, 0), {mass}, {length}}, series);
+  const choreography::FlatMotion motion =
+      choreography::flat_motion({Vec3(0, -gravity, 0), {mass}, {length}}, series);
   EXPECT_NEAR(motion.tension[0], mass * rate * rate * length, 1e-12);
   EXPECT_LT((motion.particles[1].col(0) - Vec3(0, height, 0)).norm(), 1e-12);
   EXPECT_LT(motion.particles[1].col(1).norm(), 1e-12);
@@ -79,18 +80,19 @@ TEST(FlatChain, AConicalPendulumHasTheTensionOfItsRadius) {
 TEST(FlatChain, TheSimulationGivesTheFlatOutputBack) {
   for (const std::size_t particles : {2u, 3u, 11u}) {
     World world = nunchaku(particles, {forward()});
-    const FlatChain chain = flat_chain(world, 1);
+    const choreography::FlatChain chain = choreography::flat_chain(world, 1);
     ASSERT_EQ(chain.length.size(), particles);
     std::vector<PathKey> keys;
     constexpr double kStep = 0.01;      // s
     for (int k = -40; k <= 340; ++k) {  // a path is at rest at its first and last key
-      const TaylorSeries end =
-          flat_motion(chain, circle(kStep * k, chain.columns(1))).particles.back();
+      const choreography::TaylorSeries end =
+          choreography::flat_motion(chain, circle(kStep * k, chain.columns(1))).particles.back();
       keys.push_back({kStep * k, end.col(0), Quat::Identity()});
     }
     Connector& line = world.connectors[0];
     line.holds[0].to = worlds::on_path(std::make_shared<const Path>(keys));
-    const FlatMotion start = flat_motion(chain, circle(0, chain.columns(2)));
+    const choreography::FlatMotion start =
+        choreography::flat_motion(chain, circle(0, chain.columns(2)));
     const std::size_t last = start.particles.size() - 1;
     for (std::size_t i = 0; i < particles; ++i) {
       line.position[i] = start.particles[last - i].col(0);
@@ -119,11 +121,11 @@ TEST(FlatChain, TheSimulationGivesTheFlatOutputBack) {
 
 /// The driven end is no part of a flat chain, and what is there has no arm about it.
 TEST(FlatChain, CoarserKeepsLengthAndMomentAboutTheDrivenEnd) {
-  const FlatChain fine = flat_chain(nunchaku(11, {forward()}), 1);
-  const FlatChain coarse = coarser(fine, 4);
+  const choreography::FlatChain fine = choreography::flat_chain(nunchaku(11, {forward()}), 1);
+  const choreography::FlatChain coarse = choreography::coarser(fine, 4);
   ASSERT_EQ(coarse.length.size(), 5u);
   EXPECT_EQ(coarse.mass[0], fine.mass[0]);
-  const auto moment = [](const FlatChain& chain) {
+  const auto moment = [](const choreography::FlatChain& chain) {
     double length = 0, sum = 0;
     for (std::size_t i = chain.length.size(); i-- > 0;) {
       length += chain.length[i];
@@ -132,24 +134,26 @@ TEST(FlatChain, CoarserKeepsLengthAndMomentAboutTheDrivenEnd) {
     return Eigen::Vector2d(length, sum);
   };
   EXPECT_LT((moment(coarse) - moment(fine)).norm(), 1e-15);
-  EXPECT_EQ(coarser(fine, 10).length, fine.length);
+  EXPECT_EQ(choreography::coarser(fine, 10).length, fine.length);
 }
 
 TEST(FlatChain, SaysWhatIsNotFlat) {
   World world = nunchaku(11, {forward()});
-  EXPECT_EQ(why_not_flat(world, {}, 1), "");
-  EXPECT_EQ(why_not_flat(world, {}, 0), "driven");
+  EXPECT_EQ(choreography::why_not_flat(world, {}, 1), "");
+  EXPECT_EQ(choreography::why_not_flat(world, {}, 0), "driven");
   World fixed = world;
   fixed.connectors[0].holds[0].to = worlds::fixed_at(Vec3::Zero());
-  EXPECT_EQ(why_not_flat(fixed, {}, 1), "on a connector whose other end follows no path");
+  EXPECT_EQ(choreography::why_not_flat(fixed, {}, 1),
+            "on a connector whose other end follows no path");
   world.bodies[1].bare.inertia(2, 2) *= 1.1;
-  EXPECT_EQ(why_not_flat(world, {}, 1), "not of even moment about the line it hangs by");
+  EXPECT_EQ(choreography::why_not_flat(world, {}, 1),
+            "not of even moment about the line it hangs by");
 }
 
 TEST(GaussianSum, SeriesIsThatOfTheGaussian) {
-  const GaussianSum sum{0.2, 0.1, 5};
+  const choreography::GaussianSum sum{0.2, 0.1, 5};
   constexpr double kLater = 0.03;
-  const GaussianSum::Local here = sum.at(0.33, 24), there = sum.at(0.33 + kLater, 1);
+  const choreography::GaussianSum::Local here = sum.at(0.33, 24), there = sum.at(0.33 + kLater, 1);
   ASSERT_EQ(here.series.rows(), there.series.rows());
   for (Eigen::Index i = 0; i < here.series.rows(); ++i) {
     double value = 0;
@@ -159,8 +163,8 @@ TEST(GaussianSum, SeriesIsThatOfTheGaussian) {
 }
 
 /// A figure-eight that the tip goes through twice, a lap in 1.6 s.
-Choreography figure_eight() {
-  Choreography problem;
+choreography::Choreography figure_eight() {
+  choreography::Choreography problem;
   problem.world = nunchaku(11, {forward()});
   problem.body = 1;
   problem.point = Vec3(0, -0.15, 0);
@@ -177,9 +181,10 @@ Choreography figure_eight() {
 }
 
 TEST(Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) {
-  const Choreography problem = figure_eight();
+  const choreography::Choreography problem = figure_eight();
   double told = 1;
-  const HandPath found = choreograph(problem, 0.002, [&](double miss) { told = miss; });
+  const choreography::HandPath found =
+      choreography::choreograph(problem, 0.002, [&](double miss) { told = miss; });
   EXPECT_LE(told, 0.002);
   EXPECT_LE(found.reach, problem.limits.reach);
   EXPECT_LE(found.speed, problem.limits.speed);
@@ -187,16 +192,16 @@ TEST(Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) {
   EXPECT_GT(found.tension, 0.1);
   EXPECT_EQ(found.keys.front().position, Vec3::Zero());
   // Again by a finer simulation.
-  const std::vector<double> again = misses(problem, found.keys, 1e-7);
+  const std::vector<double> again = choreography::misses(problem, found.keys, 1e-7);
   ASSERT_EQ(again.size(), problem.waypoints.size());
   for (std::size_t k = 0; k < again.size(); ++k) EXPECT_NEAR(again[k], found.miss[k], 1e-4);
   // The held stick points away from its pivot, and stick and hand rest at the end.
-  const HandFrame frame(problem.world, 1, problem.pivot);
+  const choreography::HandFrame frame(problem.world, 1, problem.pivot);
   const PathKey& key = found.keys[found.keys.size() / 2];
   const Vec3 pivot = forward().rotation * Vec3(0, 0.135 - problem.pivot, 0);
   const Vec3 along = key.rotation * Vec3::UnitY(), from = key.position - pivot;
   EXPECT_LT(along.cross(from).norm(), 1e-9);
-  Simulation simulation(with_hand_path(problem.world, 1, found.keys),
+  Simulation simulation(choreography::with_hand_path(problem.world, 1, found.keys),
                         make_method("direct", {{"tolerance", 1e-6}}));
   simulation.advance_to(problem.until);
   EXPECT_LT(simulation.world().bodies[1].velocity.norm(), 0.05);
@@ -204,20 +209,21 @@ TEST(Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) {
 }
 
 TEST(Choreography, HasTheSameBitsAgain) {
-  Choreography problem = figure_eight();
+  choreography::Choreography problem = figure_eight();
   problem.waypoints.resize(5);
   problem.until = 3.2;
-  const HandPath one = choreograph(problem, 0.002), other = choreograph(problem, 0.002);
+  const choreography::HandPath one = choreography::choreograph(problem, 0.002),
+                               other = choreography::choreograph(problem, 0.002);
   ASSERT_EQ(one.keys.size(), other.keys.size());
   EXPECT_EQ(Path(one.keys).fingerprint(), Path(other.keys).fingerprint());
 }
 
 TEST(Choreography, TellsHowFarItStaysOffWhereTheHandCannot) {
-  Choreography problem = figure_eight();
+  choreography::Choreography problem = figure_eight();
   problem.waypoints.resize(3);
   problem.until = 3;
   problem.waypoints[1].position.x() += 2;  // m, from one point to the next and back in 0.4 s
-  const HandPath found = choreograph(problem, 0.002);
+  const choreography::HandPath found = choreography::choreograph(problem, 0.002);
   EXPECT_GT(*std::ranges::max_element(found.miss), 0.1);
 }
 

@@ -100,8 +100,8 @@ TEST(ContactTruth, TwoSolversAgree) {
 TEST(ContactTruth, StatesHowFarItIsKnown) {
   std::vector<double> times;
   for (int frame = 0; frame <= 18; ++frame) times.push_back(frame / 30.0);
-  const TruthOptions options;
-  const Truth truth = solve_truth(against_a_post(0.3), times, options);
+  const truth::TruthOptions options;
+  const truth::Truth truth = truth::solve_truth(against_a_post(0.3), times, options);
   EXPECT_GE(truth.horizon, 0.4);
   EXPECT_GT(truth.self_error, 0);
   EXPECT_LE(truth.self_error, options.scored_error / 100);

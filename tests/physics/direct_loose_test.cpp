@@ -20,8 +20,9 @@ double distance(const Vec3& a, const Vec3& b, double) {
 }
 
 /// The first frames of a scene.
-Problem first_frames(const Scene& scene, std::size_t frames) {
-  Problem problem{scene.world, frame_times(scene.duration, scene.fps), scene.timeline};
+study::Problem first_frames(const scenes::Scene& scene, std::size_t frames) {
+  study::Problem problem{scene.world, study::frame_times(scene.duration, scene.fps),
+                         scene.timeline};
   problem.times.resize(frames + 1);
   return problem;
 }
@@ -54,14 +55,15 @@ TEST(DirectLoose, TenthsOfTheLengthAreDelivered) {
                                      {"scenes/bench_swing.toml", 60},
                                      {"scenes/bench_heavy.toml", 60}}) {
     SCOPED_TRACE(name);
-    const Scene scene = load_scene(TAUT_SOURCE_DIR "/" + name, false);
-    const Problem problem = first_frames(scene, frames);
+    const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/" + name, false);
+    const study::Problem problem = first_frames(scene, frames);
     const double length = scene.world.connectors[0].length;
-    const auto exact = run(problem, {"direct", {{"tolerance", kFine}}}, 60);
+    const auto exact = study::run(problem, {"direct", {{"tolerance", kFine}}}, 60);
     for (const double share : {0.1, 0.05, 0.02, 0.01, 0.005}) {
       SCOPED_TRACE(share);
-      const auto loose = run(problem, {"direct", {{"tolerance", share * length}}}, 60);
-      const double error = rms_error(loose.frames, exact.frames, problem.times.back(), distance);
+      const auto loose = study::run(problem, {"direct", {{"tolerance", share * length}}}, 60);
+      const double error =
+          study::rms_error(loose.frames, exact.frames, problem.times.back(), distance);
       promise.add(error / (share * length));
     }
   }
@@ -91,12 +93,13 @@ TEST(DirectLoose, RandomStartsInSpaceDeliverWhatIsAskedFor) {
     for (std::size_t i = 0; i < particles; ++i) chain.velocity[i] = spin.cross(chain.position[i]);
     world.connectors = {chain};
     finish(world);
-    const Problem problem{world, frame_times(kUntil, 60), {}};
-    const auto exact = run(problem, {"direct", {{"tolerance", kFine}}}, 60);
+    const study::Problem problem{world, study::frame_times(kUntil, 60), {}};
+    const auto exact = study::run(problem, {"direct", {{"tolerance", kFine}}}, 60);
     for (const double share : {0.1, 0.06, 0.03, 0.01, 0.003}) {
-      const auto loose = run(problem, {"direct", {{"tolerance", share * length}}}, 60);
+      const auto loose = study::run(problem, {"direct", {{"tolerance", share * length}}}, 60);
       SCOPED_TRACE(share);
-      promise.add(rms_error(loose.frames, exact.frames, kUntil, distance) / (share * length));
+      promise.add(study::rms_error(loose.frames, exact.frames, kUntil, distance) /
+                  (share * length));
     }
   }
 }

@@ -16,8 +16,9 @@ namespace {
 
 constexpr double kStill = 3.45;  // s, when the head has stopped
 
-const Scene& scene() {
-  static const Scene earring = load_scene(TAUT_SOURCE_DIR "/scenes/earring.toml", true);
+const scenes::Scene& scene() {
+  static const scenes::Scene earring =
+      scenes::load_scene(TAUT_SOURCE_DIR "/scenes/earring.toml", true);
   return earring;
 }
 
@@ -71,7 +72,7 @@ class DrivenPendulum {
 // A pendulum of one bead and the earring's slow frequency goes the same way. What it lacks is the
 // fast mode, five times as fast, whose answer to the shaking is (1/5)^2 of the slow one's at most.
 TEST(EarringScene, WhileTheHeadShakesItGoesWithADrivenPendulum) {
-  Simulation simulation = start(scene());
+  Simulation simulation = scenes::start(scene());
   const World& world = simulation.world();
   const double w = slow_swing(world);
   DrivenPendulum pendulum(worlds::kGravity / (w * w), direction(world));
@@ -93,7 +94,7 @@ TEST(EarringScene, WhileTheHeadShakesItGoesWithADrivenPendulum) {
 // Free: the largest and least angles from straight down, a and b, come twice a period each, with
 // the frequency w (1 - (a^2 + b^2)/16) of a spherical pendulum to second order.
 TEST(EarringScene, OnceTheHeadStopsItSwingsAtItsOwnFrequency) {
-  Simulation simulation = start(scene());
+  Simulation simulation = scenes::start(scene());
   const World& world = simulation.world();
   constexpr double look = 1e-3;  // s
   std::vector<double> peaks;     // s
@@ -115,10 +116,10 @@ TEST(EarringScene, OnceTheHeadStopsItSwingsAtItsOwnFrequency) {
 }
 
 TEST(EarringScene, ItsEndStaysInTheEarAndItsDropClearOfTheSkin) {
-  Simulation simulation = start(scene());
+  Simulation simulation = scenes::start(scene());
   const World& world = simulation.world();
-  const Model& model = *scene().stage->characters[0];
-  std::vector<MovingVertex> skinned;
+  const scenes::Model& model = *scene().stage->characters[0];
+  std::vector<mesh::MovingVertex> skinned;
   const auto head = static_cast<std::size_t>(model.bone("Head"));
   for (int frame = 0; frame < scene().frames(); frame += 2) {
     const double time = frame / 60.0;
@@ -127,10 +128,10 @@ TEST(EarringScene, ItsEndStaysInTheEarAndItsDropClearOfTheSkin) {
     const Vec3 ear = bones[head].to_world(world.connectors[0].holds[0].to.point);
     EXPECT_LT((world.connectors[0].position[0] - ear).norm(), 1e-6) << time;
     double clear = INFINITY;
-    const std::vector<BoneMatrix> matrices = bone_matrices(model, bones);
-    for (const Mesh& mesh : model.meshes) {
-      skin(mesh, matrices, skinned);
-      for (const MovingVertex& vertex : skinned) {
+    const std::vector<mesh::BoneMatrix> matrices = mesh::bone_matrices(model, bones);
+    for (const scenes::Mesh& mesh : model.meshes) {
+      mesh::skin(mesh, matrices, skinned);
+      for (const mesh::MovingVertex& vertex : skinned) {
         const Vec3 at(vertex.position[0], vertex.position[1], vertex.position[2]);
         clear = std::min(clear, (at - world.bodies[0].position).norm());
       }
@@ -140,7 +141,8 @@ TEST(EarringScene, ItsEndStaysInTheEarAndItsDropClearOfTheSkin) {
 }
 
 TEST(EarringScene, TheMethodIsAsAccurateAsItSays) {
-  Simulation direct = start(scene()), truth = start(scene(), {"truth", {{"local_error", 1e-10}}});
+  Simulation direct = scenes::start(scene()),
+             truth = scenes::start(scene(), {"truth", {{"local_error", 1e-10}}});
   for (int frame = 1; frame <= 240; ++frame) {
     direct.advance_to(frame / 60.0);
     truth.advance_to(frame / 60.0);

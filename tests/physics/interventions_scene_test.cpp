@@ -11,8 +11,8 @@
 namespace taut {
 namespace {
 
-Scene scene(const char* name) {
-  return load_scene(std::string(TAUT_SOURCE_DIR "/scenes/") + name, false);
+scenes::Scene scene(const char* name) {
+  return scenes::load_scene(std::string(TAUT_SOURCE_DIR "/scenes/") + name, false);
 }
 
 // A particle that is added for a pin has no mass: no bound on a step comes of it.
@@ -22,7 +22,7 @@ TEST(PinnedRope, IsFollowedByEveryMethodAsItIs) {
   timeline.pins = {{0, 0.27, 0.1, 0.2, {}}};
   Simulation truth(rope, make_method("truth", {}), timeline);
   truth.advance_to(0.3);
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (method.name == "sdfast") continue;  // follows no pinned chain
     Simulation simulation(rope, make_method(method.name, {}), timeline);
     simulation.advance_to(0.3);
@@ -36,8 +36,8 @@ TEST(PinnedRope, IsFollowedByEveryMethodAsItIs) {
 // Caught in its middle, the rope's lower half and the object swing as one stiff pendulum about the
 // pin: the rope is light, and stays straight but for some thousandths.
 TEST(PinScene, TheCaughtRopeSwingsWithThePeriodOfTheShorterPendulum) {
-  const Scene pin = scene("pin.toml");
-  Simulation simulation = start(pin);
+  const scenes::Scene pin = scene("pin.toml");
+  Simulation simulation = scenes::start(pin);
   const TimedPin& caught = pin.timeline.pins.at(0);
   simulation.advance_to(caught.from);
   const Vec3 place = caught.to->point, met = simulation.world().connectors[0].position[12];
@@ -82,8 +82,8 @@ TEST(PinScene, TheCaughtRopeSwingsWithThePeriodOfTheShorterPendulum) {
 
 // Without gravity, what has been let go keeps its momentum, and so does each part of what is cut.
 TEST(HoseScene, WhatIsReleasedAndCutKeepsItsMomentum) {
-  const Scene hose = scene("hose.toml");
-  Simulation simulation = start(hose);
+  const scenes::Scene hose = scene("hose.toml");
+  Simulation simulation = scenes::start(hose);
   const World& world = simulation.world();
   const TimedPin& pull = hose.timeline.pins.at(0);
   const TimedCut& cut = hose.timeline.cuts.at(0);

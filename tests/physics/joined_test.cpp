@@ -205,14 +205,14 @@ TEST(Joined, TheStepOfSpringsIsStable) {
 
 TEST(Joined, TheTwoSolversOfTheTruthAgree) {
   const std::vector<double> times{0.1, 0.2};
-  const Truth truth = solve_truth(net(3, 0.2), times);
+  const truth::Truth truth = truth::solve_truth(net(3, 0.2), times);
   EXPECT_EQ(truth.horizon, 0.2);
   EXPECT_LT(truth.self_error, 1e-6);
 }
 
 TEST(Joined, OthersRefuseByName) {
   std::size_t refused = 0;
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (method.follows_joints || !method.missing.empty()) continue;
     World world = branch(4);
     try {

@@ -95,7 +95,8 @@ TEST(MaterialMethods, SpringsStayStable) {
 
 TEST(MaterialMethods, TheTwoSolversOfTheTruthAgree) {
   const std::vector<double> times{0.1, 0.2, 0.3};
-  const Truth truth = solve_truth(falling(damped(300, 0.05), true, {1.2, 0.1}), times);
+  const truth::Truth truth =
+      truth::solve_truth(falling(damped(300, 0.05), true, {1.2, 0.1}), times);
   EXPECT_EQ(truth.horizon, 0.3);
   EXPECT_LT(truth.self_error, 1e-6);
 }
@@ -141,7 +142,7 @@ TEST(MaterialMethods, NoStiffnessCollapsesTheStep) {
 
 TEST(MaterialMethods, OthersRefuseByName) {
   const World start = falling(section(kRigid, 0.1), false);
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     if (method.follows_materials || !method.missing.empty()) continue;
     World world = start;
     try {

@@ -30,8 +30,8 @@ Instance instance(const World& world) {
 
 Routine Routine::play(bool with_stage, int split, double passes) {
   Routine routine;
-  routine.scene = load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", with_stage);
-  const Scene& scene = routine.scene;
+  routine.scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", with_stage);
+  const scenes::Scene& scene = routine.scene;
   Settings settings = scene.method.settings;
   routine.step = number(settings, "step") / split;
   settings["step"] = routine.step;
@@ -54,8 +54,8 @@ const Routine& Routine::shipped() {
   return routine;
 }
 
-const Caption& Routine::caption(std::string_view beginning) const {
-  for (const Caption& caption : scene.stage->captions)
+const scenes::Caption& Routine::caption(std::string_view beginning) const {
+  for (const scenes::Caption& caption : scene.stage->captions)
     if (caption.text.starts_with(beginning)) return caption;
   throw std::out_of_range("no caption begins with " + std::string(beginning));
 }
@@ -67,7 +67,7 @@ std::vector<Instance> Routine::between(double from, double until) const {
   return found;
 }
 
-double Routine::rest(const Caption& caption) const {
+double Routine::rest(const scenes::Caption& caption) const {
   for (const Instance& i : between(caption.from, caption.until))
     if (i.hand.velocity.norm() < 1e-9) return i.time;
   throw std::out_of_range("the hand does not come to rest in " + caption.text);

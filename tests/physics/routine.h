@@ -21,7 +21,7 @@ struct Instance {
 };
 
 struct Routine {
-  Scene scene;
+  scenes::Scene scene;
   std::vector<Instance> steps;
   std::vector<Event> events;
   double mass = 0;    // kg, of the free stick and the chain's end that it carries
@@ -34,11 +34,11 @@ struct Routine {
   static const Routine& shipped();
 
   /// The first caption whose text begins so. Throws std::out_of_range where there is none.
-  const Caption& caption(std::string_view beginning) const;
+  const scenes::Caption& caption(std::string_view beginning) const;
   /// The steps whose time is in [from, until].
   std::vector<Instance> between(double from, double until) const;
   /// The moment at which the hand has come to rest within a caption (s).
-  double rest(const Caption& caption) const;
+  double rest(const scenes::Caption& caption) const;
 };
 
 }  // namespace taut

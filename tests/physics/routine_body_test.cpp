@@ -35,22 +35,22 @@ class RoutineBody : public testing::Test {
   double stick_radius() const { return 0.014; }
 
   const Routine& routine_ = Routine::shipped();
-  const Model& model_ = *routine_.scene.stage->characters[0];
-  const Performance& performance_ = *routine_.scene.performances[0];
+  const scenes::Model& model_ = *routine_.scene.stage->characters[0];
+  const scenes::Performance& performance_ = *routine_.scene.performances[0];
 };
 
 TEST_F(RoutineBody, TheFreeStickMissesHimAndTheHeldStick) {
-  const auto fitted = fit_capsules(model_);
+  const auto fitted = scenes::fit_capsules(model_);
   std::map<std::string, double> least;
   double sticks = 1;
   each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
-    const Capsule stick{i.top, i.tip, stick_radius(), 0};
-    for (const Capsule& part : place_capsules(fitted, model_, bones)) {
+    const scenes::Capsule stick{i.top, i.tip, stick_radius(), 0};
+    for (const scenes::Capsule& part : scenes::place_capsules(fitted, model_, bones)) {
       const auto [entry, fresh] = least.try_emplace(model_.bones[part.bone].name, 1.0);
-      entry->second = std::min(entry->second, clearance(stick, part));
+      entry->second = std::min(entry->second, scenes::clearance(stick, part));
     }
     const Vec3 butt = i.from + 2 * (i.grip - i.from) / (0.15 - 0.015) * 0.15;
-    sticks = std::min(sticks, clearance(stick, {i.from, butt, stick_radius(), 0}));
+    sticks = std::min(sticks, scenes::clearance(stick, {i.from, butt, stick_radius(), 0}));
   });
   EXPECT_GT(least.size(), 20u);
   for (const auto& [part, distance] : least) EXPECT_GT(distance, 0.02) << part;
@@ -58,9 +58,10 @@ TEST_F(RoutineBody, TheFreeStickMissesHimAndTheHeldStick) {
 }
 
 TEST_F(RoutineBody, TheHandStaysOnItsPath) {
-  const Skeleton skeleton(model_);
+  const scenes::Skeleton skeleton(model_);
   const std::size_t hand = skeleton.find("RightHand");
-  const Grip grip = grip_stick(model_, skeleton, Side::right, stick_radius());
+  const scenes::Grip grip =
+      scenes::grip_stick(model_, skeleton, scenes::Side::right, stick_radius());
   const Eigen::Affine3d bind(model_.bones[hand].inverse_bind.cast<double>());
   const Vec3 held = bind * Vec3(skeleton.rest(hand) + grip.centre);  // in the bone's own axes
   each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
@@ -106,13 +107,13 @@ TEST_F(RoutineBody, MovesWithoutJumps) {
 /// A foot stands flat where it stands and never slides; it goes through the air where it steps, its
 /// skin above the floor, and the other stands meanwhile and carries.
 TEST_F(RoutineBody, BothFeetStepAndNeitherSlides) {
-  const Skeleton skeleton(model_);
-  const Placement rest = skeleton.place(skeleton.upright());
+  const scenes::Skeleton skeleton(model_);
+  const scenes::Placement rest = skeleton.place(skeleton.upright());
   constexpr std::array<const char*, 2> names = {"LeftFoot", "RightFoot"};
   std::array<double, 2> in_the_air{}, way{}, leaning{};  // s, m, m
   Vec3 left_from = Vec3::Zero();                         // m, of the pelvis
   std::vector<Pose> before;
-  std::vector<MovingVertex> skin_now;
+  std::vector<mesh::MovingVertex> skin_now;
   each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
     int lifted = 0;
     for (std::size_t f = 0; f < 2; ++f) {
@@ -127,10 +128,10 @@ TEST_F(RoutineBody, BothFeetStepAndNeitherSlides) {
         EXPECT_GT(up.y(), 1 - 1e-9) << names[f] << " is flat at " << i.time;
       }
       if (is_up) {
-        const Mesh& mesh =
-            *std::ranges::find(model_.meshes, f == 0 ? "FootL" : "FootR", &Mesh::name);
-        skin(mesh, bone_matrices(model_, bones), skin_now);
-        for (const MovingVertex& v : skin_now) ASSERT_GT(v.position.y(), -0.004f) << i.time;
+        const scenes::Mesh& mesh =
+            *std::ranges::find(model_.meshes, f == 0 ? "FootL" : "FootR", &scenes::Mesh::name);
+        mesh::skin(mesh, mesh::bone_matrices(model_, bones), skin_now);
+        for (const mesh::MovingVertex& v : skin_now) ASSERT_GT(v.position.y(), -0.004f) << i.time;
         // The weight is on the other: the pelvis goes there from where it was as the foot left.
         const Vec3 other = bones[foot(names[1 - f])].position, hips = joint(bones, "Hips");
         if (!was_up) left_from = hips;
@@ -160,7 +161,9 @@ TEST_F(RoutineBody, BothFeetStepAndNeitherSlides) {
 TEST_F(RoutineBody, TheShouldersStayInTheirRange) {
   const auto chest = static_cast<std::size_t>(model_.bone("Chest"));
   const Quat rest =
-      Skeleton(model_).poses(Skeleton(model_).place(Skeleton(model_).upright()))[chest].rotation;
+      scenes::Skeleton(model_)
+          .poses(scenes::Skeleton(model_).place(scenes::Skeleton(model_).upright()))[chest]
+          .rotation;
   each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
     for (const auto& [side, out] : {std::pair<std::string, double>{"Right", -1}, {"Left", 1}}) {
       const Vec3 arm =
@@ -178,7 +181,9 @@ TEST_F(RoutineBody, TheShouldersStayInTheirRange) {
 TEST_F(RoutineBody, TheEyesAreOnTheOpponentOrTheStick) {
   const auto eye = static_cast<std::size_t>(model_.bone("RightEye"));
   const Quat rest =
-      Skeleton(model_).poses(Skeleton(model_).place(Skeleton(model_).upright()))[eye].rotation;
+      scenes::Skeleton(model_)
+          .poses(scenes::Skeleton(model_).place(scenes::Skeleton(model_).upright()))[eye]
+          .rotation;
   const Vec3 opponent(0.35, 1.55, 3.0);
   int off = 0, frames = 0;
   each_frame([&](const Instance& i, const std::vector<Pose>& bones) {

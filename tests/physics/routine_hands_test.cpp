@@ -19,12 +19,12 @@ constexpr double kDegree = M_PI / 180, kStick = 0.014;  // m, radius
 
 using Skin = std::map<std::string, std::vector<Vec3>>;  // by the bone that it moves most with
 
-double gap(const Vec3& p, const Capsule& c) {
-  return clearance(c, {p, p, 0, 0});
+double gap(const Vec3& p, const scenes::Capsule& c) {
+  return scenes::clearance(c, {p, p, 0, 0});
 }
 
 /// The least distance of skin from a capsule's surface.
-double gap(const std::vector<Vec3>& skin, const Capsule& c) {
+double gap(const std::vector<Vec3>& skin, const scenes::Capsule& c) {
   double least = 1;
   for (const Vec3& p : skin) least = std::min(least, gap(p, c));
   return least;
@@ -41,12 +41,12 @@ class RoutineHands : public testing::Test {
 
   /// The skin of one hand.
   Skin skin_of(const std::string& mesh, const std::vector<Pose>& bones) const {
-    const Mesh& hand = *std::ranges::find(model_.meshes, mesh, &Mesh::name);
-    std::vector<MovingVertex> vertices;
-    skin(hand, bone_matrices(model_, bones), vertices);
+    const scenes::Mesh& hand = *std::ranges::find(model_.meshes, mesh, &scenes::Mesh::name);
+    std::vector<mesh::MovingVertex> vertices;
+    skin(hand, mesh::bone_matrices(model_, bones), vertices);
     Skin result;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const Vertex& v = hand.vertices[i];
+      const scenes::Vertex& v = hand.vertices[i];
       const auto most = std::size_t(std::ranges::max_element(v.weights) - v.weights.begin());
       result[model_.bones[v.bones[most]].name].push_back(vertices[i].position.cast<double>());
     }
@@ -54,9 +54,9 @@ class RoutineHands : public testing::Test {
   }
 
   /// A finger's outer two phalanges as capsules, half as thick as its skin lies from them.
-  std::vector<Capsule> phalanges(const Skin& skin, const std::string& finger,
-                                 const std::vector<Pose>& bones) const {
-    std::vector<Capsule> result;
+  std::vector<scenes::Capsule> phalanges(const Skin& skin, const std::string& finger,
+                                         const std::vector<Pose>& bones) const {
+    std::vector<scenes::Capsule> result;
     for (const int k : {2, 3}) {
       const std::string name = finger + std::to_string(k);
       const Vec3 from = joint(bones, name);
@@ -80,8 +80,8 @@ class RoutineHands : public testing::Test {
     return bones[std::size_t(model_.bone(name))].position;
   }
 
-  const Scene scene_ = load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
-  const Model& model_ = *scene_.stage->characters[0];
+  const scenes::Scene scene_ = load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
+  const scenes::Model& model_ = *scene_.stage->characters[0];
 };
 
 /// How far off a stick may be, m.
@@ -105,7 +105,7 @@ class Holding : public RoutineHands {
           const Pose path = held.path->at(time).pose();
           const Vec3 axis = path.rotation * Vec3::UnitY();
           const Vec3 middle = path.position - path.rotation * held.grip + away(bones, off);
-          const Capsule wood{middle - 0.14 * axis, middle + 0.14 * axis, kStick, 0};
+          const scenes::Capsule wood{middle - 0.14 * axis, middle + 0.14 * axis, kStick, 0};
           const Skin skin = skin_of("HandR", bones);
           const auto expect = [&](const std::string& part, double x, const Range& range) {
             if (!within(x, range) && found.size() < 300)
@@ -157,7 +157,7 @@ TEST_F(RoutineHands, ThumbsLieOverTheFingersAndEnterNone) {
           const std::string hand = side + "Hand";
           double over = 1;
           for (const char* finger : {"Index", "Middle", "Ring", "Pinky"})
-            for (const Capsule& c : phalanges(skin, hand + finger, bones)) {
+            for (const scenes::Capsule& c : phalanges(skin, hand + finger, bones)) {
               const double off = gap(skin.at(hand + "Thumb3"), c);
               EXPECT_GT(off, -0.002) << side << finger << time;
               if (side == "Left" || finger == std::string("Index")) over = std::min(over, off);
@@ -180,14 +180,14 @@ TEST_F(RoutineHands, WristsBendLessThan45Degrees) {
 
 /// Hands and fore arms against the trunk, the head and the legs, with what they wear.
 TEST_F(RoutineHands, EnterNothingThatHeWears) {
-  const auto fitted = fit_capsules(model_);
+  const auto fitted = scenes::fit_capsules(model_);
   each_frame(
       [&](double time, const std::vector<Pose>& bones) {
-        const auto placed = place_capsules(fitted, model_, bones);
+        const auto placed = scenes::place_capsules(fitted, model_, bones);
         for (const char* mesh : {"HandR", "HandL"})
           for (const auto& [bone, skin] : skin_of(mesh, bones)) {
             if (bone.find("Hand") == bone.npos) continue;
-            for (const Capsule& part : placed) {
+            for (const scenes::Capsule& part : placed) {
               const std::string& name = model_.bones[part.bone].name;
               if (name.find("Arm") != name.npos || name.find("Hand") != name.npos ||
                   name.find("Shoulder") != name.npos)

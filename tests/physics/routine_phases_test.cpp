@@ -13,7 +13,7 @@ const Routine& routine() {
   return Routine::shipped();
 }
 std::vector<Instance> during(std::string_view phase) {
-  const Caption& caption = routine().caption(phase);
+  const scenes::Caption& caption = routine().caption(phase);
   return routine().between(caption.from, caption.until);
 }
 constexpr double kSlack = 1e-4;             // m below the chain's length
@@ -36,7 +36,7 @@ double off_free_fall(const std::vector<Instance>& fall) {
 TEST(RoutinePhases, EachButTheImpulseLastsLongEnough) {
   double before = 0;
   for (const char* phase : {"a", "b", "c", "d", "f"}) {
-    const Caption& caption = routine().caption(phase);
+    const scenes::Caption& caption = routine().caption(phase);
     EXPECT_GE(caption.from, before) << phase;
     EXPECT_GE(caption.until - caption.from, 0.15 - 1e-9) << phase;
     before = caption.until;
@@ -85,7 +85,7 @@ TEST(RoutinePhases, ItFallsFreelyWhileTheChainIsSlack) {
 
 /// The impulse is the jump of the free stick's momentum in the step in which it is.
 TEST(RoutinePhases, TheChainGoesTautWithAnImpulse) {
-  const Caption& caption = routine().caption("e");
+  const scenes::Caption& caption = routine().caption("e");
   int impulses = 0;
   double largest = 0;
   for (const Event& event : routine().events) {

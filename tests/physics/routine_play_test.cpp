@@ -14,7 +14,7 @@ const Routine& routine() {
   return Routine::shipped();
 }
 std::vector<Instance> during(std::string_view part) {
-  const Caption& caption = routine().caption(part);
+  const scenes::Caption& caption = routine().caption(part);
   return routine().between(caption.from, caption.until);
 }
 
@@ -103,7 +103,7 @@ TEST(RoutinePlay, IsNotLuck) {
 
 TEST(RoutinePlay, HasTheSameBitsTwice) {
   const auto hash = [] {
-    const Scene& scene = routine().scene;
+    const scenes::Scene& scene = routine().scene;
     Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
     for (int k = 1; k <= scene.frames(); ++k) simulation.advance_to(double(k) / scene.fps);
     return state_hash(simulation.world());

@@ -139,7 +139,7 @@ TEST(Boundary, OpenStepsAreStable) {
 // Energy that the links hold counts too. Explicit Euler multiplies the energy of a swing w by
 // 1 + (w dt)^2 in each step: the gain is in proportion to the step.
 TEST(Boundary, ExplicitEulerWithoutDampingGainsEnergyAtAnyStep) {
-  EXPECT_EQ(stability_limit(Integrator::explicit_euler, 0), 0);
+  EXPECT_EQ(methods::stability_limit(methods::Integrator::explicit_euler, 0), 0);
   constexpr double stiffness = 200;
   const World world = worlds::pendulum(0.5, 60);
   const auto energy = [&](const World& at) {

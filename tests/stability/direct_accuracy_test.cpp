@@ -111,18 +111,18 @@ double distance(const Vec3& a, const Vec3& b, double) {
 }
 
 /// The time (s) up to which the motion can be foretold.
-double horizon(const Run& one, const Run& other, const World& world) {
+double horizon(const study::Run& one, const study::Run& other, const World& world) {
   const double apart = kPredictable * kTurn * world.connectors[0].length / std::sqrt(3.0);
   double time = 0;
   for (std::size_t k = 0; k < std::min(one.frames.size(), other.frames.size()); ++k) {
-    if (frame_error(one.frames[k], other.frames[k], distance) > apart) break;
+    if (study::frame_error(one.frames[k], other.frames[k], distance) > apart) break;
     time = one.frames[k].time;
   }
   return time;
 }
 
-Run go(const World& world, const char* method, const Settings& settings) {
-  return run({world, frame_times(kDuration, 60)}, {method, settings}, kCap);
+study::Run go(const World& world, const char* method, const Settings& settings) {
+  return run({world, study::frame_times(kDuration, 60)}, {method, settings}, kCap);
 }
 
 /// Errors against the direct method's own converged solution, which is checked against the truth
@@ -132,17 +132,17 @@ void sweep(unsigned first, unsigned last, bool with_truth) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const World world = draw(seed).world;
     const Settings finest = {{"tolerance", kReference}};
-    const Run reference = go(world, "direct", finest);
+    const study::Run reference = go(world, "direct", finest);
     const double until = horizon(reference, go(twin(world), "direct", finest), world);
-    const auto error = [&](const Run& run) {
-      return rms_error(run.frames, reference.frames, until, distance);
+    const auto error = [&](const study::Run& run) {
+      return study::rms_error(run.frames, reference.frames, until, distance);
     };
     if (with_truth) {
       EXPECT_LT(error(go(world, "truth", {})), 1e-6);
     }
     for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
-      const Run result = go(world, "direct", {{"tolerance", tolerance}});
-      EXPECT_EQ(result.end, Run::End::done) << result.reason;
+      const study::Run result = go(world, "direct", {{"tolerance", tolerance}});
+      EXPECT_EQ(result.end, study::Run::End::done) << result.reason;
       EXPECT_LE(error(result), kMostOfAsked * tolerance) << "up to " << until << " s";
     }
   }

@@ -86,7 +86,7 @@ World world_of(const Case& c) {
 /// The times (s) at which a motion is looked at: its frames and, where a hand moves, enough between
 /// them to follow its work, among them those at which its acceleration jumps.
 std::vector<double> looks(const Case& c, double duration) {
-  const std::vector<double> frames = frame_times(duration, c.fps);
+  const std::vector<double> frames = study::frame_times(duration, c.fps);
   if (c.whip == 0) return frames;
   std::vector<double> times = frames;
   const auto between = static_cast<int>(std::ceil(1 / (c.fps * kLongest) - 1e-9));
@@ -110,13 +110,13 @@ double explained(double mass, double kinetic) {
 
 void follow(const Case& c, double duration, double cpu_cap) {
   Simulation simulation(world_of(c), make_method("direct", {{"tolerance", kTolerance}}));
-  EnergyBalance balance({});
+  study::EnergyBalance balance({});
   const double mass = kMass * (1 + c.mass_ratio);
   double cpu = 0, stretch = 0, left = 0, kinetic = 0;
   for (const double time : looks(c, duration)) {
-    const double before = thread_seconds();
+    const double before = study::thread_seconds();
     simulation.advance_to(time);
-    cpu += thread_seconds() - before;
+    cpu += study::thread_seconds() - before;
     ASSERT_LT(cpu, cpu_cap) << "at " << time;
     stretch = std::max(stretch, stretch_max(simulation.world()));
     kinetic = std::max(kinetic, kinetic_energy(simulation.world()));
@@ -155,7 +155,7 @@ TEST(DirectSweep, FrameRatesChangeNothingBeyondTheTolerance) {
   const World world = world_of({4, 21, 24, 90, 0});
   const auto end = [&](int fps) {
     Simulation simulation(world, make_method("direct", {{"tolerance", kTolerance}}));
-    for (const double time : frame_times(0.5, fps)) simulation.advance_to(time);
+    for (const double time : study::frame_times(0.5, fps)) simulation.advance_to(time);
     return simulation.world().connectors[0].position;
   };
   const std::vector<Vec3> slow = end(24), fast = end(240);

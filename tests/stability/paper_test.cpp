@@ -13,8 +13,8 @@ namespace {
 constexpr double kLength = 0.2;  // m
 
 /// A horizontal rope of 50 g with a handle `ratio` times as heavy at its end.
-Problem swing(double ratio) {
-  Problem problem{{}, frame_times(0.5, 60)};
+study::Problem swing(double ratio) {
+  study::Problem problem{{}, study::frame_times(0.5, 60)};
   problem.world.connectors = {
       straight_connector("rope", kLength, 0.05, 21, Vec3::Zero(), Vec3::UnitX())};
   Connector& rope = problem.world.connectors[0];
@@ -25,16 +25,17 @@ Problem swing(double ratio) {
 }
 
 /// RMS over particles and frames, as a share of the length.
-double error(const Problem& problem, double step) {
-  const Run truth = run(problem, {"direct", {{"tolerance", 1e-7}}}, 60);
-  const Run paper = run(problem, {"impulse", {{"step", step}}}, 60);
-  return rms_error(paper.frames, truth.frames, 0.5, share_of_length(kLength).distance);
+double error(const study::Problem& problem, double step) {
+  const study::Run truth = study::run(problem, {"direct", {{"tolerance", 1e-7}}}, 60);
+  const study::Run paper = study::run(problem, {"impulse", {{"step", step}}}, 60);
+  return study::rms_error(paper.frames, truth.frames, 0.5,
+                          study::share_of_length(kLength).distance);
 }
 
 // The rope's inertia and weight never reach the handle: that is left at any step. It is the less,
 // the smaller the rope's share of the mass.
 TEST(Paper, ErrorStopsFallingAtWhatTheModelMisses) {
-  const Problem light = swing(4), heavy = swing(40);
+  const study::Problem light = swing(4), heavy = swing(40);
   const double coarse = error(light, 1.0 / 960), fine = error(light, 1.0 / 15360);
   EXPECT_NEAR(fine / coarse, 1, 0.5) << "sixteen times finer, and no better";
   EXPECT_NEAR(fine, 0.04, 0.02);

@@ -76,7 +76,7 @@ class FaultTable {
 
   static std::string method_names() {
     std::string names;
-    for (const MethodInfo& method : methods()) {
+    for (const MethodInfo& method : all_methods()) {
       names += (names.empty() ? "" : ", ") + std::string(method.name);
     }
     return names;

@@ -9,11 +9,11 @@ namespace taut {
 
 /// Whether the kernel takes filters; a container may forbid them.
 inline bool has_filters() {
-  const SandboxLimits limits{1u << 30, 1u << 20, 10, 10};
+  const scenes::SandboxLimits limits{1u << 30, 1u << 20, 10, 10};
   const auto connect = [] {
     return std::string(1, socket(AF_INET, SOCK_STREAM, 0) < 0 ? 'n' : 'y');
   };
-  return run_in_sandbox(limits, connect).end == SandboxResult::End::forbidden;
+  return scenes::run_in_sandbox(limits, connect).end == scenes::SandboxResult::End::forbidden;
 }
 
 }  // namespace taut

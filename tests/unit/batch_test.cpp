@@ -48,8 +48,8 @@ World ropes(std::size_t count) {
 }
 
 template <typename Scalar>
-World after(World world, double duration, double step, Width width, int threads) {
-  Batch<Scalar> batch(world, step, width);
+World after(World world, double duration, double step, batch::Width width, int threads) {
+  batch::Batch<Scalar> batch(world, step, width);
   for (int frame = 1; frame <= 4; ++frame) batch.advance(duration * frame / 4, threads);
   batch.store(world);
   return world;
@@ -62,14 +62,15 @@ TYPED_TEST_SUITE(BatchOf, Scalars);
 
 TYPED_TEST(BatchOf, HasTheBitsOfEachAloneAtEveryWidthAndNumberOfThreads) {
   const World start = ropes(37);
-  const World single = after<TypeParam>(start, 0.25, 1e-3, Width::single, 1);
+  const World single = after<TypeParam>(start, 0.25, 1e-3, batch::Width::single, 1);
   for (std::size_t i = 0; i < start.connectors.size(); ++i) {
     World alone = start;
     alone.connectors = {start.connectors[i]};
-    alone = after<TypeParam>(alone, 0.25, 1e-3, Width::single, 1);
+    alone = after<TypeParam>(alone, 0.25, 1e-3, batch::Width::single, 1);
     ASSERT_EQ(alone.connectors[0].position, single.connectors[i].position) << i;
   }
-  for (const Width width : {Width::single, Width::sse2, Width::avx2, Width::avx512}) {
+  for (const batch::Width width :
+       {batch::Width::single, batch::Width::sse2, batch::Width::avx2, batch::Width::avx512}) {
     if (width > batch::widest()) continue;
     for (const int threads : {1, 2, 3, 16}) {
       const World world = after<TypeParam>(start, 0.25, 1e-3, width, threads);
@@ -119,7 +120,7 @@ TEST(Batch, FloatsAreNearDoubles) {
 
 TEST(Batch, RefusesWhatIsNotOfOneKind) {
   const auto refuses = [](const World& world) {
-    EXPECT_THROW(Batch<double>(world, 1e-3), std::invalid_argument);
+    EXPECT_THROW(batch::Batch<double>(world, 1e-3), std::invalid_argument);
   };
   refuses(World{});
   World world = ropes(2);
@@ -135,7 +136,7 @@ TEST(Batch, RefusesWhatIsNotOfOneKind) {
 }
 
 TEST(Batch, SaysWhichConnectorDiverged) {
-  Batch<double> batch(ropes(3), 0.1);
+  batch::Batch<double> batch(ropes(3), 0.1);
   EXPECT_THROW(batch.advance(20), Diverged);
 }
 

@@ -11,9 +11,10 @@ namespace {
 
 constexpr double start = 2.0, lasts = 0.20;  // s, of the hand's move
 
-const Figure& figure() {
-  static const Model model = load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
-  static const Figure figure(model, 0.014);
+const scenes::Figure& figure() {
+  static const scenes::Model model =
+      scenes::load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
+  static const scenes::Figure figure(model, 0.014);
   return figure;
 }
 
@@ -27,15 +28,15 @@ Path move(const Vec3& way) {
                {6, ease + way, turn, true}});
 }
 
-Track controls(const Path& path) {
-  Track track = act(figure(), path, 6);
-  look_about(figure(), path, track);
+scenes::Track controls(const Path& path) {
+  scenes::Track track = scenes::act(figure(), path, 6);
+  scenes::look_about(figure(), path, track);
   return track;
 }
 
 /// A control as the hand's move changes it, breath taken off.
-std::vector<double> change(Control control, const Vec3& way) {
-  const Track moved = controls(move(way)), still = controls(move(Vec3::Zero()));
+std::vector<double> change(scenes::Control control, const Vec3& way) {
+  const scenes::Track moved = controls(move(way)), still = controls(move(Vec3::Zero()));
   std::vector<double> values;
   for (Eigen::Index i = 0; i < moved.count(); ++i)
     values.push_back(moved[i][control] - still[i][control]);
@@ -43,11 +44,11 @@ std::vector<double> change(Control control, const Vec3& way) {
 }
 
 /// When a control has made half of its way, later than the hand (s).
-double lag(Control control, const Vec3& way) {
+double lag(scenes::Control control, const Vec3& way) {
   const std::vector<double> values = change(control, way);
   const double half = values.back() / 2;
   for (std::size_t i = values.size(); i-- > 0;)
-    if (values[i] / half < 1) return double(i + 1) / acting_rate - (start + lasts / 2);
+    if (values[i] / half < 1) return double(i + 1) / scenes::acting_rate - (start + lasts / 2);
   return INFINITY;
 }
 
@@ -70,10 +71,10 @@ TEST(CharacterActing, TorsoShouldersAndHeadFollowTheHandLate) {
 
 /// Before the hand goes anywhere, weight and torso have gone the other way.
 TEST(CharacterActing, TheBodyPreparesForAMove) {
-  const auto before = [](Control control, const Vec3& way) {
+  const auto before = [](scenes::Control control, const Vec3& way) {
     const std::vector<double> values = change(control, way);
     double most = 0;
-    for (std::size_t i = 0; double(i) < start * acting_rate; ++i)
+    for (std::size_t i = 0; double(i) < start * scenes::acting_rate; ++i)
       most = std::max(most, -values[i] / values.back());
     return most;
   };
@@ -84,7 +85,7 @@ TEST(CharacterActing, TheBodyPreparesForAMove) {
 }
 
 TEST(CharacterActing, AStillBodyBreathes) {
-  const Track still = controls(move(Vec3::Zero()));
+  const scenes::Track still = controls(move(Vec3::Zero()));
   double low = INFINITY, high = -INFINITY;
   std::vector<double> turns;  // s: when the shoulders are at their highest
   for (Eigen::Index i = 1; i + 1 < still.count(); ++i) {
@@ -100,7 +101,7 @@ TEST(CharacterActing, AStillBodyBreathes) {
 }
 
 TEST(CharacterActing, TheLidsBlinkNowAndThen) {
-  const Track track = controls(move(Vec3::Zero()));
+  const scenes::Track track = controls(move(Vec3::Zero()));
   int blinks = 0, closed = 0;
   for (Eigen::Index i = 1; i < track.count(); ++i) {
     const double lid = track[i][lids];
@@ -110,7 +111,7 @@ TEST(CharacterActing, TheLidsBlinkNowAndThen) {
     closed += lid > 0.5;
   }
   EXPECT_EQ(blinks, 2);  // in 6 s
-  EXPECT_LT(closed / acting_rate, 0.5);
+  EXPECT_LT(closed / scenes::acting_rate, 0.5);
 }
 
 }  // namespace

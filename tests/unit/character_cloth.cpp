@@ -18,9 +18,9 @@ class CharacterCloth : public testing::Test {
  protected:
   /// Both upper arms so far above the horizontal and so far forward (degrees). The shoulder blades
   /// take a third of the way up, as they do.
-  std::vector<BoneMatrix> raised(double above, double forward) const {
-    const Skeleton skeleton(model_);
-    Posture posture = skeleton.upright();
+  std::vector<mesh::BoneMatrix> raised(double above, double forward) const {
+    const scenes::Skeleton skeleton(model_);
+    scenes::Posture posture = skeleton.upright();
     constexpr double at_rest = 40;  // degrees below the horizontal
     const double way = (above + at_rest) * degree, blade = way / 3;
     for (const auto& [side, sign] : {std::pair<std::string, double>{"Left", 1}, {"Right", -1}}) {
@@ -31,32 +31,34 @@ class CharacterCloth : public testing::Test {
       posture.turn[skeleton.find(side + "Arm")] =
           about(Vec3::UnitY(), -forward * degree) * about(Vec3::UnitZ(), way - blade);
     }
-    return bone_matrices(model_, skeleton.poses(skeleton.place(posture)));
+    return mesh::bone_matrices(model_, skeleton.poses(skeleton.place(posture)));
   }
 
-  const Mesh& mesh(std::string_view name) const {
-    for (const Mesh& m : model_.meshes)
+  const scenes::Mesh& mesh(std::string_view name) const {
+    for (const scenes::Mesh& m : model_.meshes)
       if (m.name == name) return m;
     throw std::out_of_range(std::string(name));
   }
 
-  std::vector<MovingVertex> skinned(const Mesh& m, const std::vector<BoneMatrix>& bones) const {
-    std::vector<MovingVertex> vertices;
-    skin(m, bones, vertices);
+  std::vector<mesh::MovingVertex> skinned(const scenes::Mesh& m,
+                                          const std::vector<mesh::BoneMatrix>& bones) const {
+    std::vector<mesh::MovingVertex> vertices;
+    mesh::skin(m, bones, vertices);
     return vertices;
   }
-  std::vector<MovingVertex> at_rest(const Mesh& m) const {
-    std::vector<MovingVertex> vertices;
-    for (const Vertex& v : m.vertices)
+  std::vector<mesh::MovingVertex> at_rest(const scenes::Mesh& m) const {
+    std::vector<mesh::MovingVertex> vertices;
+    for (const scenes::Vertex& v : m.vertices)
       vertices.push_back({Vec3f(v.position.data()), Vec3f(v.normal.data())});
     return vertices;
   }
 
-  const Model model_ = load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
+  const scenes::Model model_ = load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
 };
 
 /// Whether a triangle faces against the normals of its corners.
-bool is_inside_out(const MovingVertex& a, const MovingVertex& b, const MovingVertex& c) {
+bool is_inside_out(const mesh::MovingVertex& a, const mesh::MovingVertex& b,
+                   const mesh::MovingVertex& c) {
   return (b.position - a.position)
              .cross(c.position - a.position)
              .dot(a.normal + b.normal + c.normal) < 0;
@@ -65,7 +67,7 @@ bool is_inside_out(const MovingVertex& a, const MovingVertex& b, const MovingVer
 /// Arms straight up take the way from elbow to belt from 0.43 m over the arm pit to 0.67 m past it:
 /// cloth that shares this evenly stretches to 1.6 of its length, and some threads more than others.
 TEST_F(CharacterCloth, ARaisedArmNeitherTearsTheJacketNorTurnsItInsideOut) {
-  const Mesh& jacket = mesh("Jacket");
+  const scenes::Mesh& jacket = mesh("Jacket");
   const auto rest = at_rest(jacket);
   for (const auto& [above, forward] :
        {std::pair{-75, 20}, {0, 0}, {0, 60}, {30, 0}, {30, 60}, {60, 0}, {60, 60}, {90, 0}}) {
@@ -96,7 +98,7 @@ TEST_F(CharacterCloth, ARaisedArmNeitherTearsTheJacketNorTurnsItInsideOut) {
 /// Every edge has a triangle on either side, so that no pose opens a crack; but edges between
 /// vertices at one place, which have the same weights and stay together.
 TEST_F(CharacterCloth, TheJacketHasNoCracksWithTheArmsStraightUp) {
-  const Mesh& jacket = mesh("Jacket");
+  const scenes::Mesh& jacket = mesh("Jacket");
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
   for (std::size_t i = 0; i < jacket.indices.size(); i += 3)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -112,7 +114,8 @@ TEST_F(CharacterCloth, TheJacketHasNoCracksWithTheArmsStraightUp) {
 }
 
 /// How often the ray from `from` along `direction` meets a mesh within a hand's breadth.
-int crossings(const Vec3f& from, const Vec3f& direction, const std::vector<MovingVertex>& vertices,
+int crossings(const Vec3f& from, const Vec3f& direction,
+              const std::vector<mesh::MovingVertex>& vertices,
               const std::vector<std::uint32_t>& indices) {
   int count = 0;
   for (std::size_t i = 0; i < indices.size(); i += 3) {
@@ -131,20 +134,20 @@ int crossings(const Vec3f& from, const Vec3f& direction, const std::vector<Movin
 }
 
 TEST_F(CharacterCloth, TheForeArmStaysInItsSleeve) {
-  const Mesh &jacket = mesh("Jacket"), &hand = mesh("HandR");
+  const scenes::Mesh &jacket = mesh("Jacket"), &hand = mesh("HandR");
   const auto cloth = at_rest(jacket), arm = at_rest(hand);
   std::vector<std::size_t> covered;
   for (std::size_t i = 0; i < arm.size(); i += 3)
     if (crossings(arm[i].position, arm[i].normal, cloth, jacket.indices) > 0) covered.push_back(i);
   ASSERT_GT(covered.size(), 100u);
-  const Skeleton skeleton(model_);
+  const scenes::Skeleton skeleton(model_);
   for (const double bend : {0.0, 50.0, 100.0}) {
-    Posture posture = skeleton.upright();
+    scenes::Posture posture = skeleton.upright();
     const Vec3 upper =
         skeleton.rest(skeleton.find("RightForeArm")) - skeleton.rest(skeleton.find("RightArm"));
     const Vec3 hinge = upper.cross(Vec3::UnitZ()).normalized();  // the fore arm rises forward
     posture.turn[skeleton.find("RightForeArm")] = Eigen::AngleAxisd(bend * degree, hinge);
-    const auto bones = bone_matrices(model_, skeleton.poses(skeleton.place(posture)));
+    const auto bones = mesh::bone_matrices(model_, skeleton.poses(skeleton.place(posture)));
     const auto bent = skinned(jacket, bones), skin_now = skinned(hand, bones);
     int bare = 0;
     for (const std::size_t i : covered)

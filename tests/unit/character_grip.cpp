@@ -12,9 +12,9 @@
 namespace taut {
 namespace {
 
-std::shared_ptr<const Model> artist() {
-  static const auto model =
-      std::make_shared<const Model>(load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb"));
+std::shared_ptr<const scenes::Model> artist() {
+  static const auto model = std::make_shared<const scenes::Model>(
+      scenes::load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb"));
   return model;
 }
 
@@ -24,7 +24,7 @@ std::shared_ptr<const Path> still(const Vec3& position, const Vec3& axis) {
       std::vector<PathKey>{{0, position, rotation, true}, {1, position, rotation, true}});
 }
 
-Vec3 skinned(const Vertex& v, const Model& model, const std::vector<Pose>& bones) {
+Vec3 skinned(const scenes::Vertex& v, const scenes::Model& model, const std::vector<Pose>& bones) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 4; ++k) {
     if (v.weights[k] == 0) continue;
@@ -35,7 +35,7 @@ Vec3 skinned(const Vertex& v, const Model& model, const std::vector<Pose>& bones
   return sum;
 }
 
-std::size_t strongest_bone(const Vertex& v) {
+std::size_t strongest_bone(const scenes::Vertex& v) {
   return v.bones[static_cast<std::size_t>(std::max_element(v.weights.begin(), v.weights.end()) -
                                           v.weights.begin())];
 }
@@ -43,11 +43,11 @@ std::size_t strongest_bone(const Vertex& v) {
 TEST(CharacterGrip, EveryFingerTouchesTheStickAndNothingEntersIt) {
   const double radius = 0.014;
   const Vec3 centre(-0.28, 1.05, 0.45), axis = Vec3(-0.85, 0.3, 0.43).normalized();
-  const auto performance = make_performance(artist(), {still(centre, axis), 2 * radius}, 1);
+  const auto performance = scenes::make_performance(artist(), {still(centre, axis), 2 * radius}, 1);
   const auto bones = performance->bones_at(0.5);
   std::map<std::string, double> gap;  // by bone, to the stick's surface
-  for (const Mesh& mesh : artist()->meshes) {
-    for (const Vertex& v : mesh.vertices) {
+  for (const scenes::Mesh& mesh : artist()->meshes) {
+    for (const scenes::Vertex& v : mesh.vertices) {
       const std::string name = artist()->bones[strongest_bone(v)].name;
       if (name.rfind("RightHand", 0) != 0) continue;
       const Vec3 p = skinned(v, *artist(), bones) - centre;
@@ -68,7 +68,7 @@ TEST(CharacterGrip, EveryFingerTouchesTheStickAndNothingEntersIt) {
 }
 
 TEST(CharacterGrip, AThickerStickOpensTheFingers) {
-  const Figure thin(*artist(), 0.010), thick(*artist(), 0.018);
+  const scenes::Figure thin(*artist(), 0.010), thick(*artist(), 0.018);
   double closed = 0, opened = 0;
   for (std::size_t i = 0; i < thin.grip().fingers.size(); ++i) {
     closed += Eigen::AngleAxisd(thin.grip().fingers[i].second).angle();
@@ -78,25 +78,26 @@ TEST(CharacterGrip, AThickerStickOpensTheFingers) {
 }
 
 TEST(CharacterGrip, AModelWithoutABoneIsRefusedByName) {
-  auto broken = std::make_shared<Model>(*artist());
+  auto broken = std::make_shared<scenes::Model>(*artist());
   broken->bones[static_cast<std::size_t>(broken->bone("RightForeArm"))].name = "Stump";
   try {
-    make_performance(broken, {still(Vec3(-0.28, 1.05, 0.45), Vec3::UnitX()), 0.028}, 1);
+    scenes::make_performance(broken, {still(Vec3(-0.28, 1.05, 0.45), Vec3::UnitX()), 0.028}, 1);
     FAIL() << "accepted";
-  } catch (const BadAsset& error) {
+  } catch (const scenes::BadAsset& error) {
     EXPECT_STREQ(error.what(), "martial_artist: has no bone \"RightForeArm\"");
   }
 }
 
 TEST(CharacterCapsules, HoldTheSkin) {
-  const Model& model = *artist();
-  const auto capsules = fit_capsules(model);
+  const scenes::Model& model = *artist();
+  const auto capsules = scenes::fit_capsules(model);
   std::size_t outside = 0, total = 0;
-  for (const Mesh& mesh : model.meshes) {
-    for (const Vertex& v : mesh.vertices) {
+  for (const scenes::Mesh& mesh : model.meshes) {
+    for (const scenes::Vertex& v : mesh.vertices) {
       const Vec3 p(v.position[0], v.position[1], v.position[2]);
       double least = 1;
-      for (const Capsule& c : capsules) least = std::min(least, clearance(c, {p, p, 0, 0}));
+      for (const scenes::Capsule& c : capsules)
+        least = std::min(least, scenes::clearance(c, {p, p, 0, 0}));
       outside += least > 0.01;
       ++total;
     }

@@ -17,8 +17,8 @@ constexpr double swings_from = 1, swings_for = 0.3, way = 0.15;  // s, s, m
 class CharacterTails : public testing::Test {
  protected:
   /// The body, shifted to its left by so much.
-  Placement shifted(double aside) const {
-    Posture posture = skeleton_.upright();
+  scenes::Placement shifted(double aside) const {
+    scenes::Posture posture = skeleton_.upright();
     posture.shift.x() = aside;
     return skeleton_.place(posture);
   }
@@ -28,13 +28,13 @@ class CharacterTails : public testing::Test {
     return way * u * u * (3 - 2 * u);
   }
 
-  const Model model_ = load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
-  const Skeleton skeleton_{model_};
-  const Tails tails_{skeleton_};
+  const scenes::Model model_ = load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
+  const scenes::Skeleton skeleton_{model_};
+  const scenes::Tails tails_{skeleton_};
 };
 
 TEST_F(CharacterTails, LagSwingOnAndSettle) {
-  const Track swing = tails_.swing(6, 120, [&](double t) { return shifted(place(t)); });
+  const scenes::Track swing = tails_.swing(6, 120, [&](double t) { return shifted(place(t)); });
   const Eigen::VectorXd rest = swing.at(swings_from);
   for (const Eigen::Index point : {0, 1, 2, 3}) {  // bend and end of the left tail, of the right
     const auto aside = [&](double t) { return swing.at(t)[3 * point] - rest[3 * point]; };
@@ -52,7 +52,7 @@ TEST_F(CharacterTails, LagSwingOnAndSettle) {
 }
 
 TEST_F(CharacterTails, AStillBodysTailsHangStill) {
-  const Track swing = tails_.swing(2, 120, [&](double) { return shifted(0); });
+  const scenes::Track swing = tails_.swing(2, 120, [&](double) { return shifted(0); });
   for (Eigen::Index i = 240; i-- > 120;) EXPECT_LT((swing[i] - swing[240]).norm(), 0.001);
   // Forward only, before the cloth.
   for (const Eigen::Index point : {0, 1, 2, 3}) {
@@ -64,7 +64,7 @@ TEST_F(CharacterTails, AStillBodysTailsHangStill) {
 }
 
 TEST_F(CharacterTails, AreAsLongAsEver) {
-  Placement placed = shifted(0);
+  scenes::Placement placed = shifted(0);
   Eigen::VectorXd offsets = Eigen::VectorXd::Zero(12);
   offsets << 0.03, 0, 0.02, 0.08, 0, 0.03, -0.02, 0.01, 0.02, 0.05, 0.02, 0.06;
   tails_.hang(offsets, placed);
@@ -86,20 +86,20 @@ bool meets(const Eigen::Vector3f& from, const Eigen::Vector3f& direction, const 
 }
 
 TEST_F(CharacterTails, StayBeforeTheSkirtOverTheRoutine) {
-  const Scene scene = load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
-  const Model& model = *scene.stage->characters[0];
-  const auto mesh = [&](std::string_view name) -> const Mesh& {
-    return *std::ranges::find(model.meshes, name, &Mesh::name);
+  const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
+  const scenes::Model& model = *scene.stage->characters[0];
+  const auto mesh = [&](std::string_view name) -> const scenes::Mesh& {
+    return *std::ranges::find(model.meshes, name, &scenes::Mesh::name);
   };
-  const Mesh &belt = mesh("Belt"), &jacket = mesh("Jacket");
+  const scenes::Mesh &belt = mesh("Belt"), &jacket = mesh("Jacket");
   const auto hips = std::size_t(model.bone("Hips"));
   int hidden = 0, all = 0;
-  std::vector<MovingVertex> tails, cloth;
+  std::vector<mesh::MovingVertex> tails, cloth;
   for (double time = 0; time < scene.duration; time += 0.2) {
     const std::vector<Pose> poses = scene.performances[0]->bones_at(time);
-    const auto bones = bone_matrices(model, poses);
-    skin(belt, bones, tails);
-    skin(jacket, bones, cloth);
+    const auto bones = mesh::bone_matrices(model, poses);
+    mesh::skin(belt, bones, tails);
+    mesh::skin(jacket, bones, cloth);
     const Eigen::Vector3f front = (poses[hips].rotation * Vec3::UnitZ()).cast<float>();
     for (std::size_t i = 0; i < tails.size(); i += 4) {
       if (belt.vertices[i].position[1] > 0.99f) continue;  // the belt itself

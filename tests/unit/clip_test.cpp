@@ -17,29 +17,30 @@
 namespace taut {
 namespace {
 
-Scene swinging() {
-  Scene scene;
+scenes::Scene swinging() {
+  scenes::Scene scene;
   scene.duration = 2;
   scene.fps = 60;
   scene.method = {"impulse", {{"step", 1.0 / 2400}}};
   scene.world = worlds::chain(5, 1, Vec3::UnitX());
   scene.stage.emplace();
-  scene.stage->shots = {{.until = 2, .camera = {CameraKey{}}}};
+  scene.stage->shots = {{.until = 2, .camera = {scenes::CameraKey{}}}};
   return scene;
 }
 
 TEST(Clip, ASceneWithoutShotsIsPlayedOnce) {
-  const Scene scene = swinging();
-  const std::vector<ClipFrame> frames = clip_frames(scene);
+  const scenes::Scene scene = swinging();
+  const std::vector<scenes::ClipFrame> frames = scenes::clip_frames(scene);
   ASSERT_EQ(int(frames.size()), scene.frames());
   for (std::size_t k = 0; k < frames.size(); ++k) EXPECT_EQ(frames[k].time, double(k) / 60);
 }
 
 TEST(Clip, ShotsFollowEachOtherAtTheirOwnRates) {
-  Scene scene = swinging();
-  scene.stage->shots = {{.from = 0, .until = 1, .camera = {CameraKey{}}},
-                        {.from = 0.5, .until = 0.75, .rate = 0.25, .camera = {CameraKey{}}}};
-  const std::vector<ClipFrame> frames = clip_frames(scene);
+  scenes::Scene scene = swinging();
+  scene.stage->shots = {
+      {.from = 0, .until = 1, .camera = {scenes::CameraKey{}}},
+      {.from = 0.5, .until = 0.75, .rate = 0.25, .camera = {scenes::CameraKey{}}}};
+  const std::vector<scenes::ClipFrame> frames = scenes::clip_frames(scene);
   ASSERT_EQ(frames.size(), 60u + 60u);
   EXPECT_EQ(frames[59].time, 59.0 / 60);
   for (int k = 0; k < 60; ++k) {
@@ -49,10 +50,10 @@ TEST(Clip, ShotsFollowEachOtherAtTheirOwnRates) {
 }
 
 TEST(Clip, CardsStandOverTheFirstAndTheLastPicture) {
-  Scene scene = swinging();
+  scenes::Scene scene = swinging();
   scene.stage->title = {.duration = 1, .heading = "title", .text = ""};
   scene.stage->end = {.duration = 0.5, .heading = "end", .text = ""};
-  const std::vector<ClipFrame> frames = clip_frames(scene);
+  const std::vector<scenes::ClipFrame> frames = scenes::clip_frames(scene);
   ASSERT_EQ(frames.size(), 60u + 120u + 30u);
   EXPECT_EQ(frames[0].card, &scene.stage->title);
   EXPECT_EQ(frames[0].card_shown, 1);
@@ -65,17 +66,18 @@ TEST(Clip, CardsStandOverTheFirstAndTheLastPicture) {
 }
 
 TEST(Clip, SlowMotionShowsStatesOfTheSameMotion) {
-  Scene scene = swinging();
+  scenes::Scene scene = swinging();
   scene.stage->shutter = 0.5;
-  const std::vector<ClipFrame> straight = clip_frames(scene);
+  const std::vector<scenes::ClipFrame> straight = scenes::clip_frames(scene);
   const auto tick = [] {};
   const std::vector<int> wanted = {30, 44};
-  const auto normal = record(scene, straight, wanted, tick);
-  scene.stage->shots = {{.from = 0, .until = 1, .camera = {CameraKey{}}},
-                        {.from = 0.5, .until = 0.75, .rate = 0.25, .camera = {CameraKey{}}}};
-  const std::vector<ClipFrame> again = clip_frames(scene);
+  const auto normal = scenes::record(scene, straight, wanted, tick);
+  scene.stage->shots = {
+      {.from = 0, .until = 1, .camera = {scenes::CameraKey{}}},
+      {.from = 0.5, .until = 0.75, .rate = 0.25, .camera = {scenes::CameraKey{}}}};
+  const std::vector<scenes::ClipFrame> again = scenes::clip_frames(scene);
   // Frames 60 and 60 + 4 * 14 of the second clip have the times of 30 and 44.
-  const auto slow = record(scene, again, {60, 60 + 4 * 14}, tick);
+  const auto slow = scenes::record(scene, again, {60, 60 + 4 * 14}, tick);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const Snapshot& a = normal[i][normal[i].size() / 2];
     const Snapshot& b = slow[i][slow[i].size() / 2];
@@ -90,7 +92,7 @@ TEST(Clip, SlowMotionShowsStatesOfTheSameMotion) {
 }
 
 TEST(ClipSimulation, KeepsTheStatesOfOneShutterHoweverLongTheClip) {
-  Scene scene = swinging();
+  scenes::Scene scene = swinging();
   scene.world = worlds::chain(2000, 1, Vec3::UnitX());
   scene.stage->shutter = 0.5;
   const auto allocated = [] {
@@ -99,16 +101,17 @@ TEST(ClipSimulation, KeepsTheStatesOfOneShutterHoweverLongTheClip) {
   };
   std::size_t shown = 0;
   const auto most_allocated = [&](double until) {
-    scene.stage->shots = {{.from = 0, .until = until, .camera = {CameraKey{}}},
-                          {.from = 0.05, .until = 0.1, .rate = 0.25, .camera = {CameraKey{}}}};
-    const std::vector<ClipFrame> frames = clip_frames(scene);
+    scene.stage->shots = {
+        {.from = 0, .until = until, .camera = {scenes::CameraKey{}}},
+        {.from = 0.05, .until = 0.1, .rate = 0.25, .camera = {scenes::CameraKey{}}}};
+    const std::vector<scenes::ClipFrame> frames = scenes::clip_frames(scene);
     std::vector<int> wanted(frames.size());
     std::iota(wanted.begin(), wanted.end(), 0);
     const double before = allocated();
-    ClipSimulation simulation(scene, frames, wanted, [] {});
+    scenes::ClipSimulation simulation(scene, frames, wanted, [] {});
     double most = 0;
     while (!simulation.done()) {
-      const ClipSimulation::Shutter shutter = simulation.next();
+      const scenes::ClipSimulation::Shutter shutter = simulation.next();
       shown = shutter.states.size();
       most = std::max(most, allocated() - before);
     }
@@ -121,12 +124,12 @@ TEST(ClipSimulation, KeepsTheStatesOfOneShutterHoweverLongTheClip) {
 }
 
 /// The hose's scene with other shots.
-Scene with_shots(const std::string& shots) {
-  return load_scene(TAUT_SOURCE_DIR "/scenes/hose.toml", true, {{"stage.shots", shots}});
+scenes::Scene with_shots(const std::string& shots) {
+  return scenes::load_scene(TAUT_SOURCE_DIR "/scenes/hose.toml", true, {{"stage.shots", shots}});
 }
 
 TEST(Clip, ShotsAreReadAndThoseThatCannotBeAreTold) {
-  const Scene scene = with_shots("[ { from = 0.5, until = 1.0, rate = 0.5 } ]");
+  const scenes::Scene scene = with_shots("[ { from = 0.5, until = 1.0, rate = 0.5 } ]");
   ASSERT_EQ(scene.stage->shots.size(), 1u);
   EXPECT_EQ(scene.stage->shots[0].rate, 0.5);
   EXPECT_EQ(scene.stage->shots[0].camera.size(), scene.stage->camera.size()) << "the stage's own";
@@ -138,7 +141,7 @@ TEST(Clip, ShotsAreReadAndThoseThatCannotBeAreTold) {
     try {
       with_shots(shots);
       ADD_FAILURE() << shots;
-    } catch (const BadScene& error) {
+    } catch (const scenes::BadScene& error) {
       EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
     }
   }
@@ -146,12 +149,12 @@ TEST(Clip, ShotsAreReadAndThoseThatCannotBeAreTold) {
 
 TEST(Clip, CamerasOfTheDemonstrationMoveLessThanAPixelWhileTheShutterIsOpen) {
   // Frames show the camera at one time, so its moves must be too slow to blur.
-  const Scene scene =
-      load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
+  const scenes::Scene scene =
+      scenes::load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
   const double open = scene.stage->shutter / scene.fps;
-  const auto pixel = [&](const CameraView& view, const Vec3& p) {
-    const Eigen::Vector4f q =
-        camera_projection(view, double(scene.width) / scene.height) * p.cast<float>().homogeneous();
+  const auto pixel = [&](const scenes::CameraView& view, const Vec3& p) {
+    const Eigen::Vector4f q = draw::camera_projection(view, double(scene.width) / scene.height) *
+                              p.cast<float>().homogeneous();
     const Eigen::Vector2f at = q.head<2>() / q.w();
     const bool seen = q.w() > 0.05f && at.cwiseAbs().maxCoeff() < 1;
     return std::pair(
@@ -159,13 +162,13 @@ TEST(Clip, CamerasOfTheDemonstrationMoveLessThanAPixelWhileTheShutterIsOpen) {
   };
   float most = 0;
   int moving = 0;
-  for (const Shot& shot : scene.stage->shots)
+  for (const scenes::Shot& shot : scene.stage->shots)
     for (double time = shot.from; time < shot.until; time += 0.05) {
-      const CameraView first = camera_at(shot.camera, time - shot.rate * open / 2);
-      const CameraView last = camera_at(shot.camera, time + shot.rate * open / 2);
+      const scenes::CameraView first = scenes::camera_at(shot.camera, time - shot.rate * open / 2);
+      const scenes::CameraView last = scenes::camera_at(shot.camera, time + shot.rate * open / 2);
       moving += first.position != last.position;
       for (const auto& model : scene.stage->scenery)
-        for (const Mesh& mesh : model->meshes)
+        for (const scenes::Mesh& mesh : model->meshes)
           for (std::size_t v = 0; v < mesh.vertices.size(); v += 20) {
             const Vec3 p = Eigen::Vector3f(mesh.vertices[v].position.data()).cast<double>();
             const auto [seen, from] = pixel(first, p);
@@ -174,7 +177,7 @@ TEST(Clip, CamerasOfTheDemonstrationMoveLessThanAPixelWhileTheShutterIsOpen) {
           }
     }
   EXPECT_GT(moving, 40);
-  EXPECT_LT(most, float(MotionExtents::kStill));
+  EXPECT_LT(most, float(draw::MotionExtents::kStill));
 }
 
 }  // namespace

@@ -61,16 +61,16 @@ TEST(Touch, AnswersByTheLaws) {
   Dice dice(2);
   int slid = 0, stuck = 0, open = 0;
   for (int k = 0; k < 3000; ++k) {
-    std::vector<Touch> touches(1 + static_cast<std::size_t>(k % 3));
-    for (Touch& touch : touches) {
+    std::vector<contact::Touch> touches(1 + static_cast<std::size_t>(k % 3));
+    for (contact::Touch& touch : touches) {
       touch.normal = dice.direction();
       touch.stick = touch.slide = dice.between(0, 1.5);
     }
     const Vec3 free = dice.within(1);
-    std::vector<Touch> answered = touches;
-    const Response response = respond(free, answered);
+    std::vector<contact::Touch> answered = touches;
+    const contact::Response response = contact::respond(free, answered);
     Vec3 given = Vec3::Zero();
-    for (const Touch& touch : answered) {
+    for (const contact::Touch& touch : answered) {
       const double leaving = touch.normal.dot(response.velocity) - touch.least;
       EXPECT_GE(leaving, -1e-9);
       EXPECT_GE(touch.push, 0);
@@ -80,20 +80,22 @@ TEST(Touch, AnswersByTheLaws) {
     }
     if (touches.size() > 1) continue;
     EXPECT_LT((free + given - response.velocity).norm(), 1e-12);
-    const Touch& touch = answered[0];
-    open += touch.state == Touch::State::open;
-    stuck += touch.state == Touch::State::sticks;
-    if (touch.state != Touch::State::slides) continue;
+    const contact::Touch& touch = answered[0];
+    open += touch.state == contact::Touch::State::open;
+    stuck += touch.state == contact::Touch::State::sticks;
+    if (touch.state != contact::Touch::State::slides) continue;
     ++slid;
     EXPECT_NEAR(touch.rub.norm(), touch.slide * touch.push, 1e-12);
     EXPECT_LT((touch.rub.normalized() + response.velocity.normalized()).norm(), 1e-6);
     for (int axis = 0; axis < 3; ++axis) {
       constexpr double step = 1e-7;
-      std::vector<Touch> more = touches, less = touches;
-      const Vec3 rise = (respond(free + step * Vec3::Unit(axis), more).velocity -
-                         respond(free - step * Vec3::Unit(axis), less).velocity) /
+      std::vector<contact::Touch> more = touches, less = touches;
+      const Vec3 rise = (contact::respond(free + step * Vec3::Unit(axis), more).velocity -
+                         contact::respond(free - step * Vec3::Unit(axis), less).velocity) /
                         (2 * step);
-      if (more[0].state != Touch::State::slides || less[0].state != Touch::State::slides) continue;
+      if (more[0].state != contact::Touch::State::slides ||
+          less[0].state != contact::Touch::State::slides)
+        continue;
       EXPECT_LT((rise - response.derivative.col(axis)).norm(), 1e-5);
     }
   }

@@ -34,25 +34,25 @@ start = { direction = [0, 0, -1] }
 
 class DefaultStage : public testing::Test {
  protected:
-  Scene staged(const std::string& text) {
-    Scene scene = load_scene(folder_.write("scene.toml", text), true);
-    complete_stage(scene, {}, [] {});
+  scenes::Scene staged(const std::string& text) {
+    scenes::Scene scene = scenes::load_scene(folder_.write("scene.toml", text), true);
+    scenes::complete_stage(scene, {}, [] {});
     return scene;
   }
   Folder folder_;
 };
 
 TEST_F(DefaultStage, TheCameraSeesAllThatMovesOverTheWholeClip) {
-  const Scene scene = staged(kRope);
+  const scenes::Scene scene = staged(kRope);
   ASSERT_TRUE(scene.stage);
-  const CameraView camera = camera_at(scene.stage->shots.at(0).camera, 0);
-  Simulation simulation = start(scene);
+  const scenes::CameraView camera = scenes::camera_at(scene.stage->shots.at(0).camera, 0);
+  Simulation simulation = scenes::start(scene);
   double widest = 0;
   for (int frame = 0; frame < scene.frames(); ++frame) {
     simulation.advance_to(static_cast<double>(frame) / scene.fps);
-    for (const Outline& thing : outlines(scene, simulation.state()))
+    for (const scenes::Outline& thing : scenes::outlines(scene, simulation.state()))
       for (const Vec3& point : thing.points) {
-        const auto at = on_picture(camera, 16.0 / 9, point);
+        const auto at = scenes::on_picture(camera, 16.0 / 9, point);
         ASSERT_TRUE(at) << thing.name;
         widest = std::max(widest, at->cwiseAbs().maxCoeff());
       }
@@ -62,15 +62,15 @@ TEST_F(DefaultStage, TheCameraSeesAllThatMovesOverTheWholeClip) {
 }
 
 TEST_F(DefaultStage, TheGroundIsWhereNothingGoesBelow) {
-  const Scene scene = staged(kRope);
+  const scenes::Scene scene = staged(kRope);
   ASSERT_EQ(scene.stage->scenery.size(), 1u);
   double top = -1e9, lowest = 1e9;
-  for (const Vertex& vertex : scene.stage->scenery[0]->meshes[0].vertices)
+  for (const scenes::Vertex& vertex : scene.stage->scenery[0]->meshes[0].vertices)
     top = std::max(top, static_cast<double>(vertex.position[1]));
-  Simulation simulation = start(scene);
+  Simulation simulation = scenes::start(scene);
   for (int frame = 0; frame < scene.frames(); ++frame) {
     simulation.advance_to(static_cast<double>(frame) / scene.fps);
-    for (const Outline& thing : outlines(scene, simulation.state()))
+    for (const scenes::Outline& thing : scenes::outlines(scene, simulation.state()))
       for (const Vec3& point : thing.points) lowest = std::min(lowest, point.y());
   }
   EXPECT_LT(top, lowest);
@@ -78,7 +78,7 @@ TEST_F(DefaultStage, TheGroundIsWhereNothingGoesBelow) {
 }
 
 TEST_F(DefaultStage, TheBallOfAPointMassLiesOnTheGround) {
-  const Scene scene = staged(R"(duration = 0.1
+  const scenes::Scene scene = staged(R"(duration = 0.1
 fps = 30
 [connectors.rope]
 length = 1
@@ -88,30 +88,30 @@ from = { fixed = [0, 1, 0] }
 to = { point_mass = 1 }
 )");
   double top = -1e9;
-  for (const Vertex& vertex : scene.stage->scenery.at(0)->meshes[0].vertices)
+  for (const scenes::Vertex& vertex : scene.stage->scenery.at(0)->meshes[0].vertices)
     top = std::max(top, static_cast<double>(vertex.position[1]));
   EXPECT_LT(top, -0.031) << "steel of 1 kg has a radius of 31 mm";
   EXPECT_GT(top, -0.06);
 }
 
 TEST_F(DefaultStage, LooksAreByKindAndBodiesHaveOne) {
-  const Scene scene = staged(kRope);
-  using Kind = ConnectorLook::Kind;
+  const scenes::Scene scene = staged(kRope);
+  using Kind = scenes::ConnectorLook::Kind;
   EXPECT_EQ(scene.stage->connector_looks.at(0).kind, Kind::rope);
   EXPECT_EQ(scene.stage->connector_looks.at(1).kind, Kind::cord);
   EXPECT_TRUE(scene.stage->body_models.at(0)) << "an inertia alone is drawn as its box";
 }
 
 TEST_F(DefaultStage, WhatIsWrittenStays) {
-  const Scene camera = staged(kRope +
-                              "[stage]\ncamera = [{ t = 0, position = [0, 0, 9], "
-                              "target = [0, 0, 0] }]\n");
+  const scenes::Scene camera = staged(kRope +
+                                      "[stage]\ncamera = [{ t = 0, position = [0, 0, 9], "
+                                      "target = [0, 0, 0] }]\n");
   EXPECT_EQ(camera.stage->camera.at(0).position, Vec3(0, 0, 9));
   EXPECT_TRUE(camera.stage->scenery.empty());
-  const Scene bare = staged(kRope + "[stage]\nscenery = []\nbackground = [0, 1, 0]\n");
+  const scenes::Scene bare = staged(kRope + "[stage]\nscenery = []\nbackground = [0, 1, 0]\n");
   EXPECT_TRUE(bare.stage->scenery.empty());
   EXPECT_EQ(bare.stage->background, Vec3(0, 1, 0));
-  EXPECT_NE(bare.stage->camera.at(0).position, CameraKey().position);
+  EXPECT_NE(bare.stage->camera.at(0).position, scenes::CameraKey().position);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ struct Found {
 Found follow(const World& world, const Timeline& timeline, const char* method,
              const Settings& settings) {
   Simulation simulation(world, make_method(method, settings), timeline);
-  EnergyBalance balance(timeline);
+  study::EnergyBalance balance(timeline);
   const auto energy = [&] {
     return kinetic_energy(simulation.world()) + potential_energy(simulation.world());
   };

@@ -12,10 +12,10 @@
 namespace taut {
 namespace {
 
-const int kStates = Stage().exposures;
+const int kStates = scenes::Stage().exposures;
 
-Scene with_shutter(double shutter, const char* method, Settings settings) {
-  Scene scene;
+scenes::Scene with_shutter(double shutter, const char* method, Settings settings) {
+  scenes::Scene scene;
   scene.duration = 2;
   scene.method = {method, std::move(settings)};
   scene.stage.emplace();
@@ -24,14 +24,14 @@ Scene with_shutter(double shutter, const char* method, Settings settings) {
 }
 
 TEST(Exposure, AClosedShutterShowsTheFramesOwnInstant) {
-  const Scene scene = with_shutter(0, "impulse", {{"step", 1.0 / 3840}});
-  EXPECT_EQ(exposure_times(scene, 0.5), std::vector<double>{0.5});
+  const scenes::Scene scene = with_shutter(0, "impulse", {{"step", 1.0 / 3840}});
+  EXPECT_EQ(scenes::exposure_times(scene, 0.5), std::vector<double>{0.5});
 }
 
 TEST(Exposure, TimesAreTheMethodsOwnSteps) {
   const double step = 1.0 / 3840;  // 32 in half a frame
-  const Scene scene = with_shutter(0.5, "impulse", {{"step", step}});
-  const std::vector<double> times = exposure_times(scene, 0.5);
+  const scenes::Scene scene = with_shutter(0.5, "impulse", {{"step", step}});
+  const std::vector<double> times = scenes::exposure_times(scene, 0.5);
   ASSERT_EQ(times.size(), std::size_t(kStates));
   EXPECT_EQ(times[kStates / 2], 0.5);
   for (int i = 0; i < kStates; ++i)
@@ -41,8 +41,8 @@ TEST(Exposure, TimesAreTheMethodsOwnSteps) {
 TEST(Exposure, EachTimeIsAnotherState) {
   const double step = 1.0 / 3840;
   for (const double rate : {0.25, 0.3, 0.5, 1 / 32.0, 0.01}) {
-    const Scene scene = with_shutter(0.5, "impulse", {{"step", step}});
-    const std::vector<double> times = exposure_times(scene, 0.5, rate);
+    const scenes::Scene scene = with_shutter(0.5, "impulse", {{"step", step}});
+    const std::vector<double> times = scenes::exposure_times(scene, 0.5, rate);
     // As many as the steps are enough for, or half as many: a power of two.
     EXPECT_LE(double(times.size()), std::max(rate * kStates, 1.0) + 1e-6) << rate;
     EXPECT_GT(double(times.size()), rate * kStates / 2) << rate;
@@ -57,36 +57,36 @@ TEST(Exposure, EachTimeIsAnotherState) {
 
 TEST(Exposure, ATimeHasTheSameBitsHoweverItWasComeBy) {
   for (const double step : {1.0 / 2040, 0.0}) {
-    const Scene scene = with_shutter(0.5, step > 0 ? "impulse" : "direct",
-                                     step > 0 ? Settings{{"step", step}} : Settings{});
-    for (int k = 0; k < 100; ++k) EXPECT_EQ(own_time(scene, k / 60.0), k / 60.0);
+    const scenes::Scene scene = with_shutter(0.5, step > 0 ? "impulse" : "direct",
+                                             step > 0 ? Settings{{"step", step}} : Settings{});
+    for (int k = 0; k < 100; ++k) EXPECT_EQ(scenes::own_time(scene, k / 60.0), k / 60.0);
     for (const double time : {0.3, 0.7, 1.1})
-      EXPECT_EQ(own_time(scene, time + 1e-15), own_time(scene, time - 1e-15));
+      EXPECT_EQ(scenes::own_time(scene, time + 1e-15), scenes::own_time(scene, time - 1e-15));
   }
 }
 
 TEST(Exposure, MethodsThatChooseTheirStepsStopAnywhere) {
-  const Scene scene = with_shutter(1, "direct", {{"tolerance", 1e-4}});
-  const std::vector<double> times = exposure_times(scene, 0.5);
+  const scenes::Scene scene = with_shutter(1, "direct", {{"tolerance", 1e-4}});
+  const std::vector<double> times = scenes::exposure_times(scene, 0.5);
   for (std::size_t i = 1; i < times.size(); ++i)
     EXPECT_NEAR(times[i] - times[i - 1], 1.0 / 60 / kStates, 1e-12);
 }
 
 TEST(Exposure, NothingIsBeforeTheStart) {
-  const Scene scene = with_shutter(0.5, "direct", {});
-  const std::vector<double> times = exposure_times(scene, 0);
+  const scenes::Scene scene = with_shutter(0.5, "direct", {});
+  const std::vector<double> times = scenes::exposure_times(scene, 0);
   EXPECT_EQ(times.front(), 0);
   EXPECT_TRUE(std::ranges::is_sorted(times));
 }
 
 TEST(Exposure, TheShutterChangesNoBitOfTheTrajectory) {
-  const Scene scene = load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
+  const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
   ASSERT_GT(scene.stage->shutter, 0);
-  Simulation closed = start(scene), open = start(scene);
+  Simulation closed = scenes::start(scene), open = scenes::start(scene);
   for (int frame = 1; frame <= 2 * scene.fps; ++frame) {
     const double own = double(frame) / scene.fps;
     closed.advance_to(own);
-    for (const double time : exposure_times(scene, own)) {
+    for (const double time : scenes::exposure_times(scene, own)) {
       open.advance_to(time);
       if (time == own) {
         ASSERT_EQ(state_hash(open.world()), state_hash(closed.world())) << own;
@@ -98,7 +98,7 @@ TEST(Exposure, TheShutterChangesNoBitOfTheTrajectory) {
 TEST(Exposure, SlowThingsTakeFewAndFastOnesAsManyAsTheirWayAsksFor) {
   const auto counts = [](double way, int samples, int states) {
     std::vector<int> result;
-    for (const Exposures& e : exposures(way, samples, states)) {
+    for (const draw::Exposures& e : draw::exposures(way, samples, states)) {
       EXPECT_EQ(e.way, (e.count < samples ? 2.0 : 6.0) * e.count);
       result.push_back(e.count);
     }
@@ -120,10 +120,10 @@ TEST(Exposure, SlowThingsTakeFewAndFastOnesAsManyAsTheirWayAsksFor) {
 TEST(Exposure, ShadowsSoftenWithTheDistanceFromWhatThrowsThem) {
   const Eigen::AlignedBox3d box(Vec3(-1, 0, -1), Vec3(1, 2, 1));
   const Vec3 down(0, -1, 0);
-  const Eigen::Matrix4f straight = light_map(down, box, 1024).projection;
+  const Eigen::Matrix4f straight = draw::light_map(down, box, 1024).projection;
   const double width = 1 / straight.row(0).head<3>().norm();  // m, of the map
   for (int i = 0; i < 16; ++i) {
-    const Eigen::Matrix4f moved = moved_light(straight, box.center(), i);
+    const Eigen::Matrix4f moved = draw::moved_light(straight, box.center(), i);
     const auto shift = [&](const Vec3& p) {
       const Eigen::Vector4f h = p.cast<float>().homogeneous();
       return width * double(((moved - straight) * h).norm());

@@ -15,13 +15,13 @@ class Extends : public testing::Test {
   void SetUp() override {
     folder_.write("base.toml", read_file(TAUT_SOURCE_DIR "/scenes/rope_swing.toml"));
   }
-  Scene scene(const std::string& text) {
-    return load_scene(folder_.write("scene.toml", text), false);
+  scenes::Scene scene(const std::string& text) {
+    return scenes::load_scene(folder_.write("scene.toml", text), false);
   }
   std::string error(const std::string& text) {
     try {
       scene(text);
-    } catch (const BadScene& bad) {
+    } catch (const scenes::BadScene& bad) {
       return bad.what();
     }
     return "none";
@@ -30,8 +30,8 @@ class Extends : public testing::Test {
 };
 
 TEST_F(Extends, TakesWhatItDoesNotSay) {
-  const Scene base = load_scene(folder_.path() / "base.toml", false);
-  const Scene both = scene(
+  const scenes::Scene base = scenes::load_scene(folder_.path() / "base.toml", false);
+  const scenes::Scene both = scene(
       "extends = \"base.toml\"\n"
       "[method]\nname = \"direct\"\ntolerance = 1e-6\n");
   EXPECT_EQ(both.title, base.title);

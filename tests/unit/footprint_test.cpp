@@ -83,7 +83,7 @@ void expect_within(const MethodInfo& method, const Settings& settings, const Wor
 }
 
 TEST(Footprint, IsWhatAMethodTakes) {
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     // SD/FAST's models are made for a number of particles beforehand.
     if (!method.missing.empty() || method.name == "sdfast") continue;
     expect_within(method, {}, rope_of(4000));

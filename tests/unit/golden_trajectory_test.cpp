@@ -21,22 +21,25 @@ start = { direction = [1, 0, 0] }
 
 TEST(GoldenTrajectory, SaysWhatOfTheSceneChanged) {
   const Folder folder;
-  GoldenTrajectory golden;
+  scenes::GoldenTrajectory golden;
   golden.scene = folder.write("scene.toml", kSwing);
   golden.last = 3;
   golden.method = {"direct", {}};
   golden.within = 1e-9;
-  const TrajectoryRecord before = record_of(golden);
-  const auto kept = read_trajectory(folder.write("kept.json", trajectory_text(before)));
-  EXPECT_EQ(compare(before, kept, golden.within).failure, "");
+  const golden::TrajectoryRecord before = golden::record_of(golden);
+  const auto kept =
+      golden::read_trajectory(folder.write("kept.json", golden::trajectory_text(before)));
+  EXPECT_EQ(golden::compare(before, kept, golden.within).failure, "");
   std::string other = kSwing;
   folder.write("scene.toml", other.replace(other.find("length = 0.2"), 12, "length = 0.3"));
-  const std::string failure = compare(record_of(golden), kept, golden.within).failure;
+  const std::string failure =
+      golden::compare(golden::record_of(golden), kept, golden.within).failure;
   EXPECT_NE(failure.find("since it was accepted connectors.rope.length was 0.2 and is 0.3"),
             std::string::npos)
       << failure;
   golden.method = {"direct", {{"tolerance", 1e-7}}};
-  EXPECT_NE(compare(record_of(golden), kept, golden.within).failure.find("method.tolerance is new"),
+  EXPECT_NE(golden::compare(golden::record_of(golden), kept, golden.within)
+                .failure.find("method.tolerance is new"),
             std::string::npos);
 }
 

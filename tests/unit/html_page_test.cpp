@@ -18,22 +18,22 @@ json data_of(const std::string& chart) {
   return json::parse(chart.substr(begin, end - begin));
 }
 
-Chart chart_of(const Panel& panel) {
-  Chart chart;
+chart::Chart chart_of(const chart::Panel& panel) {
+  chart::Chart chart;
   chart.title = "a < b </script>";
   chart.panels = {panel};
   return chart;
 }
 
 TEST(HtmlChart, HasWhatTheChartHas) {
-  Panel panel;
+  chart::Panel panel;
   panel.x = {"time (s)", true, 0.5};
   panel.series.push_back({"one", {0x0072b2, 1, 2}, true, true, false, {{1, 2}}});
   panel.series.back().points.push_back({3, NAN, 2.5, 3.5});
   panel.series.back().points.back().command = "taut </script>";
   panel.series.push_back({"", {0x0072b2, 1, 2}, false, true, true, {{5, 6}}});
   panel.rules.push_back({1e3, true, "real time"});
-  const std::string text = html_chart(chart_of(panel));
+  const std::string text = chart::html_chart(chart_of(panel));
   EXPECT_NE(text.find("<h3>a &lt; b &lt;/script&gt;</h3>"), std::string::npos);
   const json data = data_of(text);
   EXPECT_EQ(data.at("title"), "a < b </script>");
@@ -52,18 +52,18 @@ TEST(HtmlChart, HasWhatTheChartHas) {
 }
 
 TEST(HtmlChart, CellsSayWhatTheyStandFor) {
-  Panel panel;
+  chart::Panel panel;
   panel.cells.push_back({1, 3, 10, 30, 1, 2, 20, "taut classify"});
-  Chart chart = chart_of(panel);
+  chart::Chart chart = chart_of(panel);
   chart.kinds = {{"bad", "B", 0x3b0f70}, {"good", "G", 0xfcfdbf}};
-  const json data = data_of(html_chart(chart));
+  const json data = data_of(chart::html_chart(chart));
   EXPECT_EQ(data.at("panels").at(0).at("cells").at(0),
             json::parse(R"([1, 3, 10, 30, 1, 2, 20, "taut classify"])"));
   EXPECT_EQ(data.at("kinds").at(1).at("letter"), "G");
 }
 
 TEST(HtmlPage, NeedsNoOtherFile) {
-  const std::string page = html_page("a < b", html_command("taut render 'a & b'"));
+  const std::string page = chart::html_page("a < b", chart::html_command("taut render 'a & b'"));
   EXPECT_NE(page.find("<title>a &lt; b</title>"), std::string::npos);
   EXPECT_NE(page.find("<code>taut render 'a &amp; b'</code>"), std::string::npos);
   for (const char* address : {"src=", "https:", "url(h", "@import"}) {

@@ -38,13 +38,13 @@ std::string net(const std::string& kind, const std::string& held, const std::str
 
 class JoinedScene : public testing::Test {
  protected:
-  Scene read(const std::string& text, bool staged = false) const {
-    return load_scene(folder_.write("scene.toml", text), staged);
+  scenes::Scene read(const std::string& text, bool staged = false) const {
+    return scenes::load_scene(folder_.write("scene.toml", text), staged);
   }
   std::string said(const std::string& text) const {
     try {
       read(text);
-    } catch (const BadScene& error) {
+    } catch (const scenes::BadScene& error) {
       return error.what();
     }
     return "nothing";
@@ -148,7 +148,7 @@ TEST_F(JoinedScene, FaultsOfLoopsAreNamed) {
 }
 
 TEST_F(JoinedScene, OtherMethodsAndObstaclesAreRefused) {
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     std::string text = kHead + kTrunk + branch("connector = \"trunk\", at = 0.4");
     text.replace(text.find("direct"), 6, method.name);
     if (method.follows_joints) {
@@ -181,7 +181,7 @@ TEST_F(JoinedScene, NetsLaddersAndWebs) {
   };
   for (const Case& each : cases) {
     SCOPED_TRACE(each.text);
-    const Scene scene = read(kHead + each.text + "[stage]\n", true);
+    const scenes::Scene scene = read(kHead + each.text + "[stage]\n", true);
     const World& world = scene.world;
     EXPECT_EQ(world.connectors.size(), each.cords);
     EXPECT_EQ(scene.stage->connector_looks.size(), each.cords);

@@ -22,7 +22,7 @@ double angle(const Vec3& a, const Vec3& b) {
 
 TEST(LinkFrames, AStraightChainsLinksStandAtRightAngles) {
   const std::vector<Vec3> particles = {Vec3(0, 0, 0), Vec3(0, -1, 0), Vec3(0, -2, 0)};
-  const auto links = link_frames(particles, 4, {}, {});
+  const auto links = mesh::link_frames(particles, 4, {}, {});
   ASSERT_EQ(links.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_LT((links[i].from - Vec3(0, -0.5 * double(i), 0)).norm(), 1e-15);
@@ -42,8 +42,8 @@ TEST(LinkFrames, AFoldedChainIsNotTwisted) {
   particles.emplace_back(0.1, -4.99, 0);
   for (int i = 4; i >= 0; --i) particles.emplace_back(0.2, -i, 0);
   const Vec3 down(0, -1, 0);
-  const auto links =
-      link_frames(particles, 10, ChainHold{down, Vec3::UnitZ()}, ChainHold{down, Vec3::UnitZ()});
+  const auto links = mesh::link_frames(particles, 10, mesh::ChainHold{down, Vec3::UnitZ()},
+                                       mesh::ChainHold{down, Vec3::UnitZ()});
   for (std::size_t i = 0; i < links.size(); ++i)
     EXPECT_NEAR(std::abs(links[i].wide.z()), i % 2 ? 0 : 1, 1e-12) << i;
 }
@@ -52,34 +52,35 @@ TEST(LinkFrames, AFoldedChainIsNotTwisted) {
 /// s, how far neighbours are from right angles, and what is between a link and the next or what
 /// holds it.
 TEST(LinkFrames, LinksNeverSpinOverTheRoutine) {
-  const Scene scene = load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", false);
-  Simulation simulation = start(scene);
+  const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", false);
+  Simulation simulation = scenes::start(scene);
   const Connector& chain = scene.world.connectors[0];
   const auto hold = [&](std::size_t end) {
     const Attachment& to = chain.holds[end].to;
     const Quat turn = simulation.state().bodies[to.body].rotation;
-    return ChainHold{turn * Vec3::UnitY(), turn * Vec3::UnitX()};
+    return mesh::ChainHold{turn * Vec3::UnitY(), turn * Vec3::UnitX()};
   };
-  std::vector<LinkFrame> last;
+  std::vector<mesh::LinkFrame> last;
   double roll = 0, swing = 0;
   std::size_t fast = 0, twisted = 0, all = 0;
   for (int k = 0; k <= 960 * scene.duration; ++k) {
     simulation.advance_to(k / 960.0);
     const Snapshot state = simulation.state();
     const auto& particles = state.connectors[0];
-    const BarEnd bars[] = {{particles.front(), hold(0).axis, 0.015, 0.004},
-                           {particles.back(), hold(1).axis, 0.015, 0.004}};
-    const auto links = link_frames(clear_of(bars, particles), 10, hold(0), hold(1));
+    const mesh::BarEnd bars[] = {{particles.front(), hold(0).axis, 0.015, 0.004},
+                                 {particles.back(), hold(1).axis, 0.015, 0.004}};
+    const auto links = mesh::link_frames(mesh::clear_of(bars, particles), 10, hold(0), hold(1));
     for (std::size_t i = 0; i < links.size(); ++i) {
       const Vec3& next = i + 1 < links.size() ? links[i + 1].from : particles.back();
       ASSERT_LT((links[i].to - next).norm(), 1e-12);
       if (i > 0) {
-        const Vec3 wide = transport(links[i - 1].wide, links[i - 1].axis, links[i].axis);
+        const Vec3 wide = mesh::transport(links[i - 1].wide, links[i - 1].axis, links[i].axis);
         twisted += std::abs(angle(wide, links[i].wide) / kDegree - 90) > 60;
       }
       if (last.empty()) continue;
       const double turned =
-          angle(transport(last[i].wide, last[i].axis, links[i].axis), links[i].wide) / kDegree;
+          angle(mesh::transport(last[i].wide, last[i].axis, links[i].axis), links[i].wide) /
+          kDegree;
       roll = std::max(roll, turned);
       swing = std::max(swing, angle(last[i].axis, links[i].axis) / kDegree);
       fast += turned > 10;

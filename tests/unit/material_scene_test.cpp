@@ -21,14 +21,14 @@ std::string rope_with(const std::string& keys, const std::string& from = "fixed 
 
 class MaterialScene : public testing::Test {
  protected:
-  Scene read(const std::string& text) const {
-    return load_scene(folder_.write("scene.toml", text), false);
+  scenes::Scene read(const std::string& text) const {
+    return scenes::load_scene(folder_.write("scene.toml", text), false);
   }
   Connector rope(const std::string& text) const { return read(text).world.connectors[0]; }
   std::string said(const std::string& text) const {
     try {
       read(text);
-    } catch (const BadScene& error) {
+    } catch (const scenes::BadScene& error) {
       return error.what();
     }
     return "nothing";
@@ -128,7 +128,7 @@ TEST_F(MaterialScene, ClampsNeedADirectionToHold) {
 
 TEST_F(MaterialScene, OtherMethodsAndObstaclesAreRefused) {
   const std::string keys = "mass = 1\nbending_stiffness = 1";
-  for (const MethodInfo& method : methods()) {
+  for (const MethodInfo& method : all_methods()) {
     const std::string text = rope_with(keys, "fixed = [0, 1, 0]", "", std::string(method.name));
     if (method.follows_materials) {
       EXPECT_EQ(said(text), "nothing") << method.name;

@@ -10,8 +10,8 @@ namespace taut {
 namespace {
 
 TEST(Methods, EveryRowMakesItsMethodFromItsDefaults) {
-  ASSERT_FALSE(methods().empty());
-  for (const MethodInfo& method : methods()) {
+  ASSERT_FALSE(all_methods().empty());
+  for (const MethodInfo& method : all_methods()) {
     EXPECT_EQ(find_method(method.name), &method);
     EXPECT_FALSE(method.summary.empty());
     Settings all;

@@ -18,8 +18,9 @@ using ModelBroken = ModelFiles;
 /// In this process: some thousand files are read, and a sanitizer sees what happens.
 std::string complaint_about(const std::filesystem::path& file) {
   try {
-    import_model(file, read_regular_file(file, model_limits::bytes, "a model"));
-  } catch (const BadAsset& error) {
+    scenes::import_model(file,
+                         scenes::read_regular_file(file, scenes::model_limits::bytes, "a model"));
+  } catch (const scenes::BadAsset& error) {
     return error.what();
   }
   return "accepted";

@@ -27,14 +27,14 @@ friction = 0.4
 
 class ObstacleScene : public testing::Test {
  protected:
-  Scene read(const std::string& text, bool with_stage = false) const {
-    return load_scene(folder_.write("scene.toml", text), with_stage);
+  scenes::Scene read(const std::string& text, bool with_stage = false) const {
+    return scenes::load_scene(folder_.write("scene.toml", text), with_stage);
   }
   /// What is said of the scene with `more` behind it.
   std::string said(const std::string& more, const std::string& scene = kScene) const {
     try {
       read(scene + more);
-    } catch (const BadScene& error) {
+    } catch (const scenes::BadScene& error) {
       return error.what();
     }
     return "nothing";
@@ -49,7 +49,7 @@ class ObstacleScene : public testing::Test {
 };
 
 TEST_F(ObstacleScene, IsReadAsItSays) {
-  const Scene scene = read(std::string(kScene) + R"([paths.hand]
+  const scenes::Scene scene = read(std::string(kScene) + R"([paths.hand]
 keys = [{ t = 0, position = [0, 0, 5] }, { t = 1, position = [1, 0, 5] }]
 [obstacles.post]
 shape = { cylinder = { length = 2, diameter = 0.1, rounding = 0.02 } }
@@ -60,7 +60,7 @@ static_friction = 0.5
 friction = 0.2
 restitution = 0.3
 )",
-                           true);
+                                   true);
   ASSERT_EQ(scene.world.obstacles.size(), 2u);
   const Obstacle &floor = scene.world.obstacles[0], &post = scene.world.obstacles[1];
   EXPECT_EQ(floor.shape.kind, Shape::Kind::plane);
@@ -81,7 +81,7 @@ restitution = 0.3
 }
 
 TEST_F(ObstacleScene, IsSeen) {
-  const Scene scene = read(std::string(kScene) + R"([paths.hand]
+  const scenes::Scene scene = read(std::string(kScene) + R"([paths.hand]
 keys = [{ t = 0, position = [0, 0, 5] }, { t = 1, position = [1, 0, 5] }]
 [obstacles.ball]
 shape = { sphere = { diameter = 0.2 } }
@@ -95,17 +95,17 @@ shape = { box = { size = [1, 0.2, 1], rounding = 0.02 } }
 position = [3, 0, 0]
 [stage]
 )",
-                           true);
+                                   true);
   ASSERT_TRUE(scene.stage);
   ASSERT_EQ(scene.stage->scenery.size(), 3u);  // floor, bar and step
   ASSERT_EQ(scene.stage->body_models.size(), 1u);
   // The vertices of each lie on its surface, and normals are those of the surface.
   std::size_t seen = 0;
   for (const Obstacle& obstacle : scene.world.obstacles) {
-    const Model& model =
+    const scenes::Model& model =
         obstacle.path ? *scene.stage->body_models[0] : *scene.stage->scenery[seen++];
     const Pose place = obstacle.place;
-    for (const Vertex& vertex : model.meshes[0].vertices) {
+    for (const scenes::Vertex& vertex : model.meshes[0].vertices) {
       const Vec3 at(double(vertex.position[0]), double(vertex.position[1]),
                     double(vertex.position[2]));
       const Vec3 normal(double(vertex.normal[0]), double(vertex.normal[1]),
@@ -115,7 +115,7 @@ position = [3, 0, 0]
           << obstacle.name;
     }
     // Triangles face outwards.
-    const std::vector<Vertex>& vertices = model.meshes[0].vertices;
+    const std::vector<scenes::Vertex>& vertices = model.meshes[0].vertices;
     const auto at = [&](std::uint32_t index) {
       const auto& p = vertices[index].position;
       return Vec3(double(p[0]), double(p[1]), double(p[2]));
@@ -177,7 +177,7 @@ TEST_F(ObstacleScene, ARopeLiesOverAPost) {
     const std::string start =
         "start = { over = { obstacle = \"post\", before = 0.4, turns = " + std::to_string(turns) +
         " } }\n";
-    const Scene scene = read(head + rope + start + post);
+    const scenes::Scene scene = read(head + rope + start + post);
     const Connector& laid = scene.world.connectors[0];
     std::size_t touching = 0;
     for (std::size_t i = 0; i < laid.particles(); ++i) {
@@ -217,7 +217,7 @@ TEST_F(ObstacleScene, TooFewBeadsAreToldWithHowManyWouldDo) {
       "[obstacles.post]\nshape = { capsule = { length = 1, diameter = 0.02 } }\n"
       "position = [0.5, 0.4, 0]\n";
   const auto warnings = [&](const std::string& scene) {
-    return warnings_of(read(scene), 1, [] {});
+    return scenes::warnings_of(read(scene), 1, [] {});
   };
   const std::vector<std::string> found = warnings(kScene + post);
   ASSERT_EQ(found.size(), 1u);

@@ -20,14 +20,14 @@ to = { free = true }
 start = { direction = [1, 0, 0] }
 )";
 
-Plan a_plan() {
-  Plan plan;
+scenes::Plan a_plan() {
+  scenes::Plan plan;
   plan.tolerance = "1px";
   plan.error = 0.4;
   plan.until = 4.1;
-  plan.afterwards = {Plan::Afterwards::Work::none, 0.001, 1e-4, 0.04};
+  plan.afterwards = {scenes::Plan::Afterwards::Work::none, 0.001, 1e-4, 0.04};
   plan.method = {"xpbd", {{"step", 1.0 / 960}, {"iterations", 4.0}}};
-  plan.program = method_stamp(plan.method);
+  plan.program = scenes::method_stamp(plan.method);
   plan.particles = {{"rope", 6}};
   return plan;
 }
@@ -36,9 +36,9 @@ class PlanFile : public testing::Test {
  protected:
   /// The scene with a plan made for it as it is.
   void plan() {
-    Plan plan = a_plan();
-    plan.stamp = plan_stamp(file_);
-    folder_.write("scene.toml", with_plan(read_file(file_), plan));
+    scenes::Plan plan = a_plan();
+    plan.stamp = scenes::plan_stamp(file_);
+    folder_.write("scene.toml", scenes::with_plan(read_file(file_), plan));
   }
 
   Folder folder_;
@@ -47,33 +47,33 @@ class PlanFile : public testing::Test {
 
 TEST_F(PlanFile, IsReadAsItWasWritten) {
   plan();
-  const Scene scene = load_scene(file_, false);
+  const scenes::Scene scene = scenes::load_scene(file_, false);
   ASSERT_TRUE(scene.plan.has_value());
   EXPECT_EQ(scene.plan->tolerance, "1px");
   EXPECT_EQ(scene.plan->until, 4.1);
   ASSERT_TRUE(scene.plan->afterwards.has_value());
-  EXPECT_EQ(scene.plan->afterwards->work, Plan::Afterwards::Work::none);
+  EXPECT_EQ(scene.plan->afterwards->work, scenes::Plan::Afterwards::Work::none);
   EXPECT_EQ(scene.plan->afterwards->energy, 0.001);
   EXPECT_EQ(scene.plan->afterwards->stretch, 1e-4);
   EXPECT_EQ(scene.plan->afterwards->speeds, 0.04);
   EXPECT_EQ(scene.plan->method.settings, a_plan().method.settings);
   EXPECT_EQ(scene.world.connectors[0].particles(), 21u) << "the scene itself stays";
-  const Scene planned = load_planned(file_, false);
+  const scenes::Scene planned = scenes::load_planned(file_, false);
   EXPECT_EQ(planned.method.name, "xpbd");
   EXPECT_EQ(planned.world.connectors[0].particles(), 6u);
 }
 
 TEST_F(PlanFile, MayTakeAConnectorForAMasslessSpan) {
-  Plan plan = a_plan();
+  scenes::Plan plan = a_plan();
   plan.method = {"direct", {{"tolerance", 1e-3}}};
-  plan.program = method_stamp(plan.method);
+  plan.program = scenes::method_stamp(plan.method);
   plan.particles = {{"rope", 0}};
-  plan.stamp = plan_stamp(file_);
-  folder_.write("scene.toml", with_plan(read_file(file_), plan));
-  const Connector rope = load_planned(file_, false).world.connectors[0];
+  plan.stamp = scenes::plan_stamp(file_);
+  folder_.write("scene.toml", scenes::with_plan(read_file(file_), plan));
+  const Connector rope = scenes::load_planned(file_, false).world.connectors[0];
   EXPECT_EQ(rope.model, ConnectorModel::span);
   EXPECT_EQ(rope.particles(), 21u);
-  EXPECT_EQ(load_scene(file_, false).world.connectors[0].model, ConnectorModel::links);
+  EXPECT_EQ(scenes::load_scene(file_, false).world.connectors[0].model, ConnectorModel::links);
 }
 
 TEST_F(PlanFile, ReplacesAnOlderOne) {
@@ -81,7 +81,7 @@ TEST_F(PlanFile, ReplacesAnOlderOne) {
   const std::string once = read_file(file_);
   plan();
   EXPECT_EQ(read_file(file_), once);
-  EXPECT_EQ(load_planned(file_, false).method.name, "xpbd");
+  EXPECT_EQ(scenes::load_planned(file_, false).method.name, "xpbd");
 }
 
 /// TOML writes one table in many ways, and what looks like its heading may be text.
@@ -100,43 +100,43 @@ TEST_F(PlanFile, ReplacesAnOlderOneHoweverThatIsWritten) {
       {title + once, title + scene},
   };
   for (const auto& [before, after] : ways) {
-    Plan plan = a_plan();
+    scenes::Plan plan = a_plan();
     plan.stamp = 7;
-    EXPECT_EQ(with_plan(before, plan), with_plan(after, plan)) << before;
+    EXPECT_EQ(scenes::with_plan(before, plan), scenes::with_plan(after, plan)) << before;
   }
 }
 
 TEST_F(PlanFile, LeavesTheRemarksBehindThePlanItReplaces) {
   const std::string behind = "# The second.\n[connectors.other]\nlength = 1\n";
   const std::string text =
-      with_plan(std::string(kPlanned) + "[plan]\nuntil = 1\n\n" + behind, a_plan());
+      scenes::with_plan(std::string(kPlanned) + "[plan]\nuntil = 1\n\n" + behind, a_plan());
   EXPECT_EQ(text.find(behind), std::string_view(kPlanned).size());
 }
 
 TEST_F(PlanFile, OfASceneThatChangedIsRefused) {
-  EXPECT_THROW(load_planned(file_, false), BadScene);
+  EXPECT_THROW(scenes::load_planned(file_, false), scenes::BadScene);
   plan();
   std::string text = read_file(file_);
   text.replace(text.find("mass = 0.05"), 11, "mass = 0.06");
   folder_.write("scene.toml", text);
-  EXPECT_NO_THROW(load_scene(file_, false)) << "only the plan is of no use any more";
+  EXPECT_NO_THROW(scenes::load_scene(file_, false)) << "only the plan is of no use any more";
   try {
-    load_planned(file_, false);
+    scenes::load_planned(file_, false);
     FAIL() << "taken";
-  } catch (const BadScene& error) {
+  } catch (const scenes::BadScene& error) {
     EXPECT_NE(std::string(error.what()).find("changed since its plan was made"), std::string::npos);
   }
 }
 
 TEST_F(PlanFile, OfAnotherProgramIsRefused) {
-  Plan older = a_plan();
-  older.stamp = plan_stamp(file_);
+  scenes::Plan older = a_plan();
+  older.stamp = scenes::plan_stamp(file_);
   older.program ^= 1;
-  folder_.write("scene.toml", with_plan(read_file(file_), older));
+  folder_.write("scene.toml", scenes::with_plan(read_file(file_), older));
   try {
-    load_planned(file_, false);
+    scenes::load_planned(file_, false);
     FAIL() << "taken";
-  } catch (const BadScene& error) {
+  } catch (const scenes::BadScene& error) {
     EXPECT_NE(std::string(error.what()).find("this program's method moves otherwise"),
               std::string::npos)
         << error.what();
@@ -158,26 +158,26 @@ TEST_F(PlanFile, OfAnotherFormatIsRefusedAlone) {
     std::string text = read_file(file_);
     text.replace(text.find(is), std::string_view(is).size(), was);
     folder_.write("scene.toml", text);
-    EXPECT_NO_THROW(load_scene(file_, false)) << was;
+    EXPECT_NO_THROW(scenes::load_scene(file_, false)) << was;
     try {
-      load_planned(file_, false);
+      scenes::load_planned(file_, false);
       ADD_FAILURE() << "taken: " << was;
-    } catch (const BadScene& error) {
+    } catch (const scenes::BadScene& error) {
       const std::string what = error.what();
       EXPECT_NE(what.find("its plan is of another version of taut"), std::string::npos) << what;
       EXPECT_NE(what.find("scene.toml:"), std::string::npos) << "names the place: " << what;
       EXPECT_NE(what.find("--write makes one"), std::string::npos) << what;
     }
     plan();
-    EXPECT_NO_THROW(load_planned(file_, false)) << "planned anew after " << was;
+    EXPECT_NO_THROW(scenes::load_planned(file_, false)) << "planned anew after " << was;
   }
 }
 
 TEST(MethodStamp, TellsMethodsAndSettingsApart) {
-  const MethodChoice direct{"direct", {{"tolerance", 1e-4}}};
-  EXPECT_EQ(method_stamp(direct), method_stamp(direct));
-  EXPECT_NE(method_stamp(direct), method_stamp({"direct", {{"tolerance", 1e-2}}}));
-  EXPECT_NE(method_stamp(direct), method_stamp({"impulse", {}}));
+  const scenes::MethodChoice direct{"direct", {{"tolerance", 1e-4}}};
+  EXPECT_EQ(scenes::method_stamp(direct), scenes::method_stamp(direct));
+  EXPECT_NE(scenes::method_stamp(direct), scenes::method_stamp({"direct", {{"tolerance", 1e-2}}}));
+  EXPECT_NE(scenes::method_stamp(direct), scenes::method_stamp({"impulse", {}}));
 }
 
 TEST_F(PlanFile, MayTakeABodyForALinkAndExposuresForTheShutter) {
@@ -196,19 +196,19 @@ start = { direction = [1, 0, 0] }
 [stage]
 shutter = 0.5
 )");
-  Plan plan = a_plan();
+  scenes::Plan plan = a_plan();
   plan.tolerance = "1.5px";
   plan.links = {"stick"};
   plan.exposures = 32;
-  plan.stamp = plan_stamp(file_);
-  folder_.write("scene.toml", with_plan(read_file(file_), plan));
-  const Scene planned = load_planned(file_, true);
+  plan.stamp = scenes::plan_stamp(file_);
+  folder_.write("scene.toml", scenes::with_plan(read_file(file_), plan));
+  const scenes::Scene planned = scenes::load_planned(file_, true);
   EXPECT_EQ(planned.world.bodies[0].model, BodyModel::link);
   EXPECT_EQ(planned.stage->exposures, 32);
   EXPECT_EQ(planned.stage->exposures_apart, 3);
-  const Scene written = load_scene(file_, true);
+  const scenes::Scene written = scenes::load_scene(file_, true);
   EXPECT_EQ(written.world.bodies[0].model, BodyModel::rigid);
-  EXPECT_EQ(written.stage->exposures, Stage().exposures);
+  EXPECT_EQ(written.stage->exposures, scenes::Stage().exposures);
 }
 
 TEST_F(PlanFile, TablesAfterItStay) {
@@ -219,43 +219,44 @@ TEST_F(PlanFile, TablesAfterItStay) {
   const std::string text = read_file(file_);
   EXPECT_NE(text.find("[paths.hand]"), std::string::npos);
   EXPECT_EQ(text.find("[plan]"), text.rfind("[plan]"));
-  EXPECT_NO_THROW(load_planned(file_, false));
+  EXPECT_NO_THROW(scenes::load_planned(file_, false));
 }
 
 TEST(Certificate, SaysHowFarAndHowLong) {
   EXPECT_EQ(
-      certificate(a_plan()),
+      scenes::certificate(a_plan()),
       "within 0.4 px of the reference solution until 4.1 s; afterwards energy within 0.1%, stretch "
       "within 0.01%, speeds within 4%");
-  Plan to_its_end = a_plan();
+  scenes::Plan to_its_end = a_plan();
   to_its_end.afterwards.reset();
   to_its_end.tolerance = "0.5mm";
-  EXPECT_EQ(certificate(to_its_end), "within 0.4 mm of the reference solution until 4.1 s");
-  Plan chaos = a_plan();
+  EXPECT_EQ(scenes::certificate(to_its_end), "within 0.4 mm of the reference solution until 4.1 s");
+  scenes::Plan chaos = a_plan();
   chaos.until = 0;
-  EXPECT_EQ(certificate(chaos),
+  EXPECT_EQ(scenes::certificate(chaos),
             "of an unpredictable motion; energy within 0.1%, stretch within 0.01%, "
             "speeds within 4%");
 }
 
 TEST(Certificate, SaysWhatIsDoneToIt) {
-  Plan plan = a_plan();
+  scenes::Plan plan = a_plan();
   plan.end = "a pin comes";
-  plan.afterwards->work = Plan::Afterwards::Work::known;
+  plan.afterwards->work = scenes::Plan::Afterwards::Work::known;
   EXPECT_EQ(
-      certificate(plan),
+      scenes::certificate(plan),
       "within 0.4 px of the reference solution until 4.1 s, when a pin comes; afterwards energy, "
       "less the work of what drives it, within 0.1%, stretch within 0.01%, speeds within 4%");
-  plan.afterwards->work = Plan::Afterwards::Work::unknown;
-  EXPECT_NE(certificate(plan).find("afterwards mean energy within 0.1%"), std::string::npos);
+  plan.afterwards->work = scenes::Plan::Afterwards::Work::unknown;
+  EXPECT_NE(scenes::certificate(plan).find("afterwards mean energy within 0.1%"),
+            std::string::npos);
 }
 
 TEST(Certificate, NeverClaimsMoreThanWasFound) {
-  Plan plan = a_plan();
+  scenes::Plan plan = a_plan();
   plan.error = 0.401;
   plan.until = 4.19;
   plan.afterwards->energy = 0.001001;
-  EXPECT_EQ(certificate(plan),
+  EXPECT_EQ(scenes::certificate(plan),
             "within 0.41 px of the reference solution until 4.1 s; afterwards energy within 0.11%, "
             "stretch within 0.01%, speeds within 4%");
 }

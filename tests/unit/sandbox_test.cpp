@@ -22,13 +22,14 @@
 namespace taut {
 namespace {
 
-using End = SandboxResult::End;
+using End = scenes::SandboxResult::End;
 
-constexpr SandboxLimits kLimits = {
+constexpr scenes::SandboxLimits kLimits = {
     .memory = 256u << 20, .reply = 1u << 20, .cpu_time = 1, .wall_time = 60};
 
-SandboxResult run(const std::function<std::string()>& work, const SandboxLimits& limits = kLimits) {
-  return run_in_sandbox(limits, work);
+scenes::SandboxResult run(const std::function<std::string()>& work,
+                          const scenes::SandboxLimits& limits = kLimits) {
+  return scenes::run_in_sandbox(limits, work);
 }
 
 std::size_t open_files() {
@@ -39,7 +40,7 @@ std::size_t open_files() {
 TEST(Sandbox, WorkIsAnswered) {
   for (const std::size_t size : {0, 1, 1 << 20}) {
     const std::string answer(size, 'a');
-    const SandboxResult result = run([&] { return answer; });
+    const scenes::SandboxResult result = run([&] { return answer; });
     EXPECT_EQ(result.end, End::replied);
     EXPECT_EQ(result.reply, answer);
   }
@@ -59,11 +60,11 @@ TEST(Sandbox, NothingOfTheChildStays) {
 
 TEST(Sandbox, ACrashIsNamedByItsSignal) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE}) {
-    const SandboxResult result = run([&] { return raise(signal), std::string(); });
+    const scenes::SandboxResult result = run([&] { return raise(signal), std::string(); });
     EXPECT_EQ(result.end, End::crashed);
     EXPECT_EQ(result.status, 128 + signal);
   }
-  const SandboxResult result = run([]() -> std::string { _exit(7); });
+  const scenes::SandboxResult result = run([]() -> std::string { _exit(7); });
   EXPECT_EQ(result.end, End::crashed);
   EXPECT_EQ(result.status, 7);
 }
@@ -78,7 +79,7 @@ TEST(Sandbox, WorkWithoutEndIsEnded) {
   const auto sleep = []() -> std::string {
     for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
   };
-  SandboxLimits limits = kLimits;
+  scenes::SandboxLimits limits = kLimits;
   limits.wall_time = 0.1;
   EXPECT_EQ(run(sleep, limits).end, End::no_time);
   const auto silent = [&]() -> std::string {

@@ -12,8 +12,8 @@ namespace {
 
 class SceneTest : public testing::Test {
  protected:
-  Scene read(const std::string& text, bool with_stage = false) const {
-    return load_scene(folder_.write("scene.toml", "duration = 1.0\n" + text), with_stage);
+  scenes::Scene read(const std::string& text, bool with_stage = false) const {
+    return scenes::load_scene(folder_.write("scene.toml", "duration = 1.0\n" + text), with_stage);
   }
 
   Folder folder_;
@@ -24,7 +24,7 @@ void expect_near(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {
 }
 
 TEST_F(SceneTest, LittleIsNeeded) {
-  const Scene scene = read("");
+  const scenes::Scene scene = read("");
   EXPECT_EQ(scene.title, "scene");
   EXPECT_EQ(scene.fps, 60);
   EXPECT_EQ(scene.frames(), 60);
@@ -34,7 +34,7 @@ TEST_F(SceneTest, LittleIsNeeded) {
 }
 
 TEST_F(SceneTest, FramesAreThoseBeforeTheEnd) {
-  Scene scene;
+  scenes::Scene scene;
   for (const auto& [duration, fps, frames] :
        {std::tuple(1.0, 60, 60), {0.1, 30, 3}, {0.11, 30, 4}, {12.0, 24, 288}, {1e-3, 60, 1}}) {
     scene.duration = duration;
@@ -44,15 +44,15 @@ TEST_F(SceneTest, FramesAreThoseBeforeTheEnd) {
 }
 
 TEST_F(SceneTest, StepsThatDivideAFrame) {
-  EXPECT_EQ(dividing_step(1.0 / 960, 60), 1.0 / 960);
-  EXPECT_EQ(dividing_step(0.00104166667, 60), 1.0 / 960);  // as people round it
-  EXPECT_EQ(dividing_step(0.02, 50), 0.02);
-  EXPECT_FALSE(dividing_step(0.005, 60));
-  EXPECT_FALSE(dividing_step(0.02, 60));
+  EXPECT_EQ(scenes::dividing_step(1.0 / 960, 60), 1.0 / 960);
+  EXPECT_EQ(scenes::dividing_step(0.00104166667, 60), 1.0 / 960);  // as people round it
+  EXPECT_EQ(scenes::dividing_step(0.02, 50), 0.02);
+  EXPECT_FALSE(scenes::dividing_step(0.005, 60));
+  EXPECT_FALSE(scenes::dividing_step(0.02, 60));
 }
 
 TEST_F(SceneTest, ABodyHangsFromWhereItsConnectorEnds) {
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [bodies.stick]
 mass = 0.1
 shape = { cylinder = { length = 0.30, diameter = 0.028 } }
@@ -76,7 +76,7 @@ start = { direction = [1, 0, 0] }
 
 TEST_F(SceneTest, ChainsOfConnectorsAreLaidFromWhatHolds) {
   // Written in the order in which they cannot be laid, and the second from its end.
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [bodies.upper]
 mass = 0.1
 shape = { sphere = { diameter = 0.1 } }
@@ -105,7 +105,7 @@ to = { body = "upper", point = [0, 0.05, 0] }
 
 TEST_F(SceneTest, ABodyOnAHandsPathIsHeldAtItsGrip) {
   folder_.write("artist.glb", read_file(TAUT_SOURCE_DIR "/assets/martial_artist.glb"));
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 characters.player = { mesh = "artist.glb", right_hand = "hand" }
 [paths.hand]
 keys = [{ t = 0, position = [0, 1, 0], axis = [1, 0, 0] }, { t = 1, position = [0, 2, 0] }]
@@ -121,7 +121,7 @@ grip = [0, -0.1, 0]
 }
 
 TEST_F(SceneTest, PathsTurnTheShortestWayAndRestWhereTheyHold) {
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [paths.p]
 keys = [
   { t = 0.0, position = [0, 0, 0], axis = [0, 1, 0] },
@@ -146,7 +146,7 @@ driven_by = { path = "p" }
 
 TEST_F(SceneTest, PathsComeFromCsvFilesToo) {
   folder_.write("hand.csv", "t,x,y,z,qw,qx,qy,qz\n0, 0,1,0, 1,0,0,0\r\n1.5, 3,1,0, 0,0,2,0\n");
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [paths.p]
 file = "hand.csv"
 [bodies.b]
@@ -163,7 +163,7 @@ driven_by = { path = "p" }
 
 TEST_F(SceneTest, ALineOfPointsKeepsEveryLinksLength) {
   // Corners that are not a whole number of links apart; the first goes back on itself.
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [connectors.rope]
 length = 1.0
 mass = 0.1
@@ -181,7 +181,7 @@ start = { points = [[0, 1, 0], [0.31, 1, 0], [0.1, 1, 0], [0.1, 1.77, 0], [3, 3,
 }
 
 TEST_F(SceneTest, EndsWithPlacesHangBetweenThem) {
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [connectors.rope]
 length = 1.0
 mass = 0.1
@@ -196,7 +196,7 @@ to = { fixed = [0.6, 1, 0] }
 }
 
 TEST_F(SceneTest, JointsOfNoLengthAndSpansWithoutMass) {
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [bodies.b]
 mass = 1.0
 inertia = [1.0, 1.2, 0.9, 0.1, 0, 0]
@@ -229,7 +229,7 @@ to = { body = "b" }
 }
 
 TEST_F(SceneTest, PinsSayWhatHoldsWhatWhen) {
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [bodies.b]
 mass = 1.0
 shape = { sphere = { diameter = 1 } }
@@ -263,7 +263,7 @@ point = [0, 0.6, 0]
 }
 
 TEST_F(SceneTest, AStageShowsShapesWhereNoMeshIsNamed) {
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [bodies.b]
 mass = 1.0
 shape = { box = { size = [0.1, 0.2, 0.3] } }
@@ -276,7 +276,7 @@ position = [0, 0, 0]
 [stage]
 light = { direction = [0, -2, 0] }
 )",
-                           true);
+                                   true);
   ASSERT_TRUE(scene.stage);
   const auto& models = scene.stage->body_models;
   ASSERT_EQ(models.size(), 2u);
@@ -291,14 +291,15 @@ light = { direction = [0, -2, 0] }
 const std::filesystem::path kNunchaku = TAUT_SOURCE_DIR "/scenes/nunchaku.toml";
 
 TEST(NunchakuScene, OneKeyMovesHandArmStickAndCord) {
-  const Scene before = load_scene(kNunchaku, true);
+  const scenes::Scene before = scenes::load_scene(kNunchaku, true);
   std::string text = read_file(kNunchaku);
   // The first number of the first key's position, with another one in its place.
   const std::size_t list = text.find('[', text.find("\nkeys = "));
   const std::size_t x = text.find("position = [", list) + 12;
   text.replace(x, text.find(',', x) - x, "-0.2");
   const std::string keys = text.substr(list, text.find("\n]", list) + 2 - list);
-  const Scene after = load_scene(kNunchaku, true, {{"paths.right_hand.keys", keys}});
+  const scenes::Scene after =
+      scenes::load_scene(kNunchaku, true, {{"paths.right_hand.keys", keys}});
 
   const Vec3 shift =
       after.world.bodies[0].path->at(0).position - before.world.bodies[0].path->at(0).position;
@@ -307,23 +308,23 @@ TEST(NunchakuScene, OneKeyMovesHandArmStickAndCord) {
   expect_near(after.world.connectors[0].position[0] - before.world.connectors[0].position[0], shift,
               1e-9);
   expect_near(after.world.bodies[1].position - before.world.bodies[1].position, shift, 1e-9);
-  const Model& model = *after.stage->characters[0];
-  const auto bone = [&](const Scene& scene, const char* name) {
+  const scenes::Model& model = *after.stage->characters[0];
+  const auto bone = [&](const scenes::Scene& scene, const char* name) {
     return scene.performances[0]->bones_at(0)[static_cast<std::size_t>(model.bone(name))].position;
   };
   expect_near(bone(after, "RightHand") - bone(before, "RightHand"), shift, 0.02);
 }
 
 TEST(NunchakuScene, AnotherMeshReplacesTheStick) {
-  const Scene before = load_scene(kNunchaku, true);
-  const Scene after =
-      load_scene(kNunchaku, true, {{"bodies.held.mesh", "\"assets/stick_lacquer.glb\""}});
+  const scenes::Scene before = scenes::load_scene(kNunchaku, true);
+  const scenes::Scene after =
+      scenes::load_scene(kNunchaku, true, {{"bodies.held.mesh", "\"assets/stick_lacquer.glb\""}});
   EXPECT_EQ(before.stage->body_models[0], before.stage->body_models[1]) << "one file, one model";
   EXPECT_NE(after.stage->body_models[0]->name, after.stage->body_models[1]->name);
 }
 
 TEST_F(SceneTest, RepeatsAConnectorInPlaceAndTime) {
-  const Scene scene = read(R"(
+  const scenes::Scene scene = read(R"(
 [paths.top]
 keys = [{ t = 0, position = [0, 2, 0], ease = true }, { t = 0.1, position = [0.1, 2, 0], ease = true }]
 
@@ -344,7 +345,7 @@ to = { free = true }
 
 [stage]
 )",
-                           true);
+                                   true);
   const auto& all = scene.world.connectors;
   ASSERT_EQ(all.size(), 7u);
   EXPECT_EQ(all[1].name, "other");  // what the file names comes first
@@ -364,7 +365,7 @@ to = { free = true }
 /// The scenes of the comparison with engines: what is fixed by it.
 TEST(BenchScenes, AreWhatEnginesAreComparedOn) {
   const auto read = [](const std::string& name) {
-    return load_scene(TAUT_SOURCE_DIR "/scenes/bench_" + name + ".toml", false);
+    return scenes::load_scene(TAUT_SOURCE_DIR "/scenes/bench_" + name + ".toml", false);
   };
   const auto expect_swing = [](const World& world, std::size_t particles, double handle) {
     const Connector& rope = world.connectors.at(0);
@@ -380,7 +381,7 @@ TEST(BenchScenes, AreWhatEnginesAreComparedOn) {
   expect_swing(read("swing").world, 21, 0.2);
   expect_swing(read("heavy").world, 51, 5.0);
 
-  const Scene scene = read("stick");
+  const scenes::Scene scene = read("stick");
   const Connector& cord = scene.world.connectors.at(0);
   EXPECT_EQ(cord.particles(), 11u);
   expect_near(cord.position.back() - cord.position.front(), {0, -0.1, 0});

@@ -180,6 +180,72 @@ TEST(SourceTree, NoIncludeRunsTheWrongWay) {
   EXPECT_GT(seen, 1000u) << "the includes are found at all";
 }
 
+/// The namespace of each room, within taut. The core of sim is the library's own: taut itself.
+const std::map<std::string, std::string> kNamespaces = {
+    {"sim/motion", ""},
+    {"sim/world", ""},
+    {"sim/measure", ""},
+    {"sim/links", ""},
+    {"sim/interventions", ""},
+    {"sim/run", ""},
+    {"sim/options", ""},
+    {"sim/material", "material"},
+    {"sim/contact", "contact"},
+    {"sim/batch", "batch"},
+    {"sim/choreography", "choreography"},
+    {"sim/methods", "methods"},
+    {"sim/methods/direct", "direct"},
+    {"sim/reference", "reference"},
+    {"sim/reference/sdfast", "sdfast"},
+    {"sim/truth", "truth"},
+    {"sim/study", "study"},
+    {"scenes", "scenes"},
+    {"scenes/files", "scenes"},
+    {"scenes/model", "scenes"},
+    {"scenes/character", "scenes"},
+    {"scenes/scene", "scenes"},
+    {"scenes/format", "scenes"},
+    {"scenes/reader", "scenes"},
+    {"render", "render"},
+    {"render/picture", "picture"},
+    {"render/chart", "chart"},
+    {"render/gl", "gl"},
+    {"render/mesh", "mesh"},
+    {"render/draw", "draw"},
+    {"render/film", "film"},
+    {"render/golden", "golden"},
+    {"render/export", "exporting"},
+    {"render/program", "program"},
+    {"render/options", "options"},
+    {"render/study", "studies"},
+    {"render/plan", "planning"},
+    {"render/clip", "clips"},
+    {"render/report", "report"},
+    {"render/cli", "cli"},
+    {"render/package", "package"},
+    {"render/python", "python"},
+};
+
+TEST(SourceTree, EachRoomHasItsNamespace) {
+  const fs::path root = TAUT_SOURCE_DIR;
+  const std::regex opened("\\nnamespace taut(?:::([a-z_]+))?[a-z_:]* \\{");
+  std::size_t seen = 0;
+  for (const auto& [room, name] : kNamespaces) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(root / room)) {
+      const std::string extension = entry.path().extension();
+      if (extension != ".h" && extension != ".cpp") continue;
+      const std::string text = read_file(entry.path());
+      std::sregex_iterator i(text.begin(), text.end(), opened), end;
+      EXPECT_TRUE(i != end || extension == ".cpp") << entry.path() << " has no namespace";
+      for (; i != end; ++i, ++seen) EXPECT_EQ((*i)[1], name) << entry.path();
+    }
+  }
+  EXPECT_GT(seen, 500u) << "the namespaces are found at all";
+  for (const auto& [room, others] : kSees) {
+    EXPECT_TRUE(kNamespaces.contains(room) || room == "sim/examples") << room;
+  }
+}
+
 TEST(SourceTree, EveryModelHasLimits) {
   const fs::path assets = fs::path(TAUT_SOURCE_DIR) / "assets";
   const std::string checks = read_file(assets / "make/check.py");

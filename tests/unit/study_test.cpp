@@ -37,61 +37,62 @@ MethodInfo made_up() {
 }
 
 TEST(Sweep, GoesThroughEveryCombinationOnce) {
-  const std::vector<Candidate> all = sweep(made_up(), false);
+  const std::vector<study::Candidate> all = study::sweep(made_up(), false);
   ASSERT_EQ(all.size(), 10u);
-  EXPECT_EQ(describe(all[0]), "made-up (solver a, step 0.008)");
-  EXPECT_EQ(describe(all[9]), "made-up (solver b, step 0.0005)");
-  const std::vector<Candidate> thin = sweep(made_up(), true);
+  EXPECT_EQ(study::describe(all[0]), "made-up (solver a, step 0.008)");
+  EXPECT_EQ(study::describe(all[9]), "made-up (solver b, step 0.0005)");
+  const std::vector<study::Candidate> thin = study::sweep(made_up(), true);
   ASSERT_EQ(thin.size(), 6u);
-  EXPECT_EQ(describe(thin[1].settings), "solver a, step 0.002");
+  EXPECT_EQ(study::describe(thin[1].settings), "solver a, step 0.002");
 }
 
 TEST(Sweep, LeavesAMethodWithoutValuesAtItsDefaults) {
   MethodInfo info = made_up();
   for (SettingInfo& setting : info.settings) setting.sweep.clear();
-  const std::vector<Candidate> all = sweep(info, false);
+  const std::vector<study::Candidate> all = study::sweep(info, false);
   ASSERT_EQ(all.size(), 1u);
-  EXPECT_EQ(describe(all[0].settings), "defaults");
+  EXPECT_EQ(study::describe(all[0].settings), "defaults");
 }
 
 TEST(Front, HoldsWhatNothingBeatsInBoth) {
-  const CostAndError points[] = {{3, 0.1}, {1, 1.0}, {2, 2.0},
-                                 {2, 0.5}, {5, 0.1}, {0.5, kInfinity}};
-  EXPECT_EQ(pareto_front(points), (std::vector<std::size_t>{1, 3, 0}));
-  EXPECT_EQ(cheapest(points, 0.5), 3u);
-  EXPECT_EQ(cheapest(points, 0.1), 0u);
-  EXPECT_FALSE(cheapest(points, 0.01));
+  const study::CostAndError points[] = {{3, 0.1}, {1, 1.0}, {2, 2.0},
+                                        {2, 0.5}, {5, 0.1}, {0.5, kInfinity}};
+  EXPECT_EQ(study::pareto_front(points), (std::vector<std::size_t>{1, 3, 0}));
+  EXPECT_EQ(study::cheapest(points, 0.5), 3u);
+  EXPECT_EQ(study::cheapest(points, 0.1), 0u);
+  EXPECT_FALSE(study::cheapest(points, 0.01));
 }
 
 TEST(Front, CostOfAnErrorLiesBetweenItsNeighbours) {
-  const std::vector<CostAndError> points{{1, 1e-1}, {50, 1}, {100, 1e-3}, {kInfinity, kInfinity}};
-  EXPECT_DOUBLE_EQ(cost_at(points, 1e-1).value(), 1);
-  EXPECT_NEAR(cost_at(points, 1e-2).value(), 10, 1e-9);
-  EXPECT_DOUBLE_EQ(cost_at(points, 1e-3).value(), 100);
-  EXPECT_FALSE(cost_at(points, 1e-4));
-  EXPECT_DOUBLE_EQ(cost_at(points, 0.5).value(), 1);
-  EXPECT_FALSE(cost_at({}, 1));
+  const std::vector<study::CostAndError> points{
+      {1, 1e-1}, {50, 1}, {100, 1e-3}, {kInfinity, kInfinity}};
+  EXPECT_DOUBLE_EQ(study::cost_at(points, 1e-1).value(), 1);
+  EXPECT_NEAR(study::cost_at(points, 1e-2).value(), 10, 1e-9);
+  EXPECT_DOUBLE_EQ(study::cost_at(points, 1e-3).value(), 100);
+  EXPECT_FALSE(study::cost_at(points, 1e-4));
+  EXPECT_DOUBLE_EQ(study::cost_at(points, 0.5).value(), 1);
+  EXPECT_FALSE(study::cost_at({}, 1));
 }
 
 TEST(Front, SpreadIsMedianQuartilesAndEnds) {
-  const Spread s = spread({4, 1, 3, 2, 5});
+  const study::Spread s = study::spread({4, 1, 3, 2, 5});
   EXPECT_EQ(s.least, 1);
   EXPECT_EQ(s.most, 5);
   EXPECT_EQ(s.low, 2);
   EXPECT_EQ(s.median, 3);
   EXPECT_EQ(s.high, 4);
-  EXPECT_EQ(spread({1, 2}).median, 1.5);
-  EXPECT_EQ(spread({}).median, 0);
+  EXPECT_EQ(study::spread({1, 2}).median, 1.5);
+  EXPECT_EQ(study::spread({}).median, 0);
 }
 
 TEST(Front, UnsteadinessIsTheMedianRowsLargestDistance) {
-  std::vector<AccuracyRow> rows(4);
+  std::vector<study::AccuracyRow> rows(4);
   rows[0].cpu = {1.0, 1.1, 0.98};  // 10%
   rows[1].cpu = {2.0, 2.0, 1.6};   // 20%
   rows[2].cpu = {1.0, 1.3, 1.0};   // 30%
   rows[3].cpu = {1.0, 9.0};        // too few
-  EXPECT_DOUBLE_EQ(unsteadiness(rows), 0.2);
-  EXPECT_EQ(unsteadiness(std::span(rows).last(1)), 0);
+  EXPECT_DOUBLE_EQ(study::unsteadiness(rows), 0.2);
+  EXPECT_EQ(study::unsteadiness(std::span(rows).last(1)), 0);
 }
 
 std::vector<Snapshot> two_frames(double shift) {
@@ -106,30 +107,32 @@ std::vector<Snapshot> two_frames(double shift) {
 
 TEST(Accuracy, IsTheRootMeanSquareUpToTheHorizon) {
   const auto truth = two_frames(0), off = two_frames(0.3);
-  const Metric metric = share_of_length(2);
-  EXPECT_DOUBLE_EQ(rms_error(off, truth, 1, metric.distance), 0.15 * std::sqrt(2.0 / 6));
-  EXPECT_EQ(rms_error(off, truth, 0.5, metric.distance), 0);
-  EXPECT_DOUBLE_EQ(frame_error(off[1], truth[1], metric.distance), 0.15 * std::sqrt(2.0 / 3));
-  EXPECT_EQ(rms_error(std::span(off).first(1), truth, 1, metric.distance), kInfinity);
+  const study::Metric metric = study::share_of_length(2);
+  EXPECT_DOUBLE_EQ(study::rms_error(off, truth, 1, metric.distance), 0.15 * std::sqrt(2.0 / 6));
+  EXPECT_EQ(study::rms_error(off, truth, 0.5, metric.distance), 0);
+  EXPECT_DOUBLE_EQ(study::frame_error(off[1], truth[1], metric.distance),
+                   0.15 * std::sqrt(2.0 / 3));
+  EXPECT_EQ(study::rms_error(std::span(off).first(1), truth, 1, metric.distance), kInfinity);
 }
 
 TEST(Accuracy, SegmentDifferenceIsTheMeanOfMidpoints) {
   const auto truth = two_frames(0), off = two_frames(0.3);
   // Midpoints move by (0.15, 0) and (0.15, 0.15).
-  EXPECT_DOUBLE_EQ(segment_difference(off[1], truth[1]), (0.15 + 0.15 * std::sqrt(2.0)) / 2);
+  EXPECT_DOUBLE_EQ(study::segment_difference(off[1], truth[1]), (0.15 + 0.15 * std::sqrt(2.0)) / 2);
 }
 
 TEST(Accuracy, RefusesAnotherWorld) {
   auto truth = two_frames(0), off = two_frames(0);
   off[1].connectors[0].pop_back();
-  EXPECT_THROW(rms_error(off, truth, 1, share_of_length(1).distance), std::invalid_argument);
+  EXPECT_THROW(study::rms_error(off, truth, 1, study::share_of_length(1).distance),
+               std::invalid_argument);
 }
 
 TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
-  const Problem problem{swinging_rope(11), frame_times(0.5, 60)};
-  const Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
-  const auto result = run(problem, candidate, 10);
-  ASSERT_EQ(result.end, ::taut::Run::End::done);
+  const study::Problem problem{swinging_rope(11), study::frame_times(0.5, 60)};
+  const study::Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
+  const auto result = study::run(problem, candidate, 10);
+  ASSERT_EQ(result.end, study::Run::End::done);
   ASSERT_EQ(result.frames.size(), 31u);
   Simulation simulation(problem.world, make_method("impulse", candidate.settings));
   simulation.advance_to(0.5);
@@ -139,31 +142,31 @@ TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
 }
 
 TEST(StudyRun, FollowsPinsAndCuts) {
-  Problem problem{swinging_rope(11), frame_times(0.5, 60)};
+  study::Problem problem{swinging_rope(11), study::frame_times(0.5, 60)};
   problem.timeline.pins = {{0, 0.113, 0.1, 0.3, {}}};
   problem.timeline.cuts = {{0, 0.15, 0.4}};
-  const Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
-  const auto result = run(problem, candidate, 10);
-  ASSERT_EQ(result.end, ::taut::Run::End::done);
+  const study::Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
+  const auto result = study::run(problem, candidate, 10);
+  ASSERT_EQ(result.end, study::Run::End::done);
   Simulation simulation(problem.world, make_method("impulse", candidate.settings),
                         problem.timeline);
   simulation.advance_to(0.5);
   EXPECT_EQ(result.frames.back().connectors, simulation.state().connectors);
   EXPECT_EQ(result.frames.back().connectors.size(), 2u);
   problem.timeline.pins[0].to.emplace().point = Vec3(9, 9, 9);  // out of reach when its time comes
-  EXPECT_EQ(run(problem, candidate, 10).end, ::taut::Run::End::diverged);
+  EXPECT_EQ(study::run(problem, candidate, 10).end, study::Run::End::diverged);
 }
 
 TEST(StudyRun, StopsAtItsCap) {
-  const Problem problem{swinging_rope(101), frame_times(100, 1)};
-  const auto result = run(problem, {"impulse", {{"step", 1e-5}}}, 0.05);
-  EXPECT_EQ(result.end, ::taut::Run::End::over_cap);
+  const study::Problem problem{swinging_rope(101), study::frame_times(100, 1)};
+  const auto result = study::run(problem, {"impulse", {{"step", 1e-5}}}, 0.05);
+  EXPECT_EQ(result.end, study::Run::End::over_cap);
   EXPECT_LT(result.cpu, 0.5);
   EXPECT_LT(result.reached, 100);
 }
 
 TEST(StudyRun, FrameTimesHoldBothEnds) {
-  const std::vector<double> times = frame_times(2, 60);
+  const std::vector<double> times = study::frame_times(2, 60);
   ASSERT_EQ(times.size(), 121u);
   EXPECT_EQ(times.front(), 0);
   EXPECT_EQ(times.back(), 2);

@@ -45,13 +45,14 @@ void ContactStep::respond_all(std::span<Vec3> velocity) {
   const auto& mobile = mechanism_.inverse_mass();
   std::ranges::copy(velocity, bare_.begin());
   for (std::size_t p = 0; p < answer_.size(); ++p) answer_[p] = mobile[p] * Mat3::Identity();
-  std::array<Touch, 3> touches;
+  std::array<contact::Touch, 3> touches;
   for (std::size_t i = 0; i < touches_.size();) {
     const std::size_t point = touches_[i].point;
     std::size_t count = 0;
     while (i + count < touches_.size() && touches_[i + count].point == point) ++count;
     for (std::size_t k = 0; k < count; ++k) touches[k] = touches_[i + k].touch;
-    const Response answer = respond(velocity[point], std::span(touches).first(count), creep_);
+    const contact::Response answer =
+        contact::respond(velocity[point], std::span(touches).first(count), creep_);
     velocity[point] = answer.velocity;
     answer_[point] = mobile[point] * answer.derivative;
     for (std::size_t k = 0; k < count; ++k) touches_[i + k].touch = touches[k];
@@ -62,8 +63,8 @@ void ContactStep::respond_all(std::span<Vec3> velocity) {
 /// Whether no bead that sticks creeps so far in the step that one could see it. Between surfaces
 /// that carry its ends apart, or toward each other, a link may have no other solution.
 bool ContactStep::sticks() const {
-  return creep_ > kCreep || std::ranges::all_of(touches_, [&](const BeadTouch& at) {
-           return at.touch.state != Touch::State::sticks ||
+  return creep_ > contact::kCreep || std::ranges::all_of(touches_, [&](const BeadTouch& at) {
+           return at.touch.state != contact::Touch::State::sticks ||
                   h_ * creep_ * at.touch.rub.norm() <= touching_;
          });
 }
@@ -105,24 +106,24 @@ void ContactStep::relax_row(std::size_t row, const Vec3& along, double share) {
   if (is_carried_[a] || is_carried_[b] || mobile_a + mobile_b == 0) return;
   const auto answer = [&](std::size_t point, const Vec3& velocity) {
     const std::span<const BeadTouch> near = touches_of(point);
-    if (near.empty()) return Response{velocity};
+    if (near.empty()) return contact::Response{velocity};
     if (near.size() == 1) {
-      Touch touch = near[0].touch;
-      return respond(velocity, std::span(&touch, 1), creep_);
+      contact::Touch touch = near[0].touch;
+      return contact::respond(velocity, std::span(&touch, 1), creep_);
     }
-    std::array<Touch, 3> touches;
+    std::array<contact::Touch, 3> touches;
     std::size_t count = 0;
     for (const BeadTouch& at : near) touches[count++] = at.touch;
-    return respond(velocity, std::span(touches).first(count), creep_);
+    return contact::respond(velocity, std::span(touches).first(count), creep_);
   };
-  const auto mobility = [&](double mobile, const Response& found) {
+  const auto mobility = [&](double mobile, const contact::Response& found) {
     const double answers = to_[row].dot(found.derivative * along);
     return std::abs(answers) > kImmobile ? mobile * answers : 0;
   };
   Vec3 velocity_a = bare_[a], velocity_b = bare_[b];
   double more = 0;
   for (int i = 0; i < kTrials; ++i) {
-    const Response at_a = answer(a, velocity_a), at_b = answer(b, velocity_b);
+    const contact::Response at_a = answer(a, velocity_a), at_b = answer(b, velocity_b);
     const double apart = to_[row].dot(at_b.velocity - at_a.velocity) - change_[row];
     if (std::abs(apart) <= kRelaxed * (1 + at_a.velocity.norm())) break;
     const double slope = mobility(mobile_a, at_a) + mobility(mobile_b, at_b);

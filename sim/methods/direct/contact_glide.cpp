@@ -93,17 +93,19 @@ double ContactStep::wave_turn(double h) const {
 /// there are or, where that leads nowhere, with friction that first is viscous.
 bool ContactStep::pull(double time, double h) {
   kept_pull_ = pull_;
-  if (pull_creeping(time, h, kCreep, true)) return true;
+  if (pull_creeping(time, h, contact::kCreep, true)) return true;
   pull_ = kept_pull_;
-  const double creep = approach_friction([&](double to) { return pull_creeping(time, h, to); },
-                                         [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
-  if (creep <= kCreep) return true;
-  return h <= kLastResort && with_less_friction([&] { return pull_creeping(time, h, kCreep); });
+  const double creep =
+      contact::approach_friction([&](double to) { return pull_creeping(time, h, to); },
+                                 [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
+  if (creep <= contact::kCreep) return true;
+  return h <= kLastResort &&
+         with_less_friction([&] { return pull_creeping(time, h, contact::kCreep); });
 }
 
 /// Where it is a trial, few iterations have to do, and none may lead far away.
 bool ContactStep::pull_creeping(double time, double h, double creep, bool trial) {
-  Damping damping;
+  contact::Damping damping;
   double first = 0, before = std::numeric_limits<double>::infinity();
   creep_ = creep;
   const auto& rows = mechanism_.rows();
@@ -266,7 +268,8 @@ void ContactStep::bend(double h) {
       normal.col(axis) = (moved.touch.normal - at.touch.normal) / nudge;
       least[axis] = (moved.touch.least - at.touch.least) / nudge;
     }
-    bend_[at.point] = response_to_turning(bare_[at.point], at.touch, normal, least, creep_);
+    bend_[at.point] =
+        contact::response_to_turning(bare_[at.point], at.touch, normal, least, creep_);
   }
 }
 

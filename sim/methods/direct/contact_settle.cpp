@@ -38,7 +38,7 @@ void ContactStep::kick(std::span<const double> impulse, std::span<const Vec3> al
 /// which it has been stopped: that is no speed of its own, and a bounce of it would be work from
 /// nowhere.
 double ContactStep::arriving(const BeadTouch& at, double h) const {
-  const Touch& touch = at.touch;
+  const contact::Touch& touch = at.touch;
   const auto coming = [&](const Vec3& velocity) {
     return -touch.normal.dot(velocity - touch.surface);
   };
@@ -55,7 +55,7 @@ void ContactStep::aim_velocities(double h, double least) {
     return at.gap > (at.hits ? kShortOf * touching_ : touching_);
   });
   for (BeadTouch& at : touches_) {
-    Touch& touch = at.touch;
+    contact::Touch& touch = at.touch;
     touch.pushed = 2 * touch.push * touch.normal;
     touch.rubbed = 2 * touch.rub;
     const FrameMotion& end = end_[at.obstacle];
@@ -102,12 +102,14 @@ bool ContactStep::settle(double time, double h, double lowest) {
 bool ContactStep::stop(double stopped) {
   rub(1);
   std::ranges::fill(pull_, 0.0);
-  if (stop_creeping(stopped, kCreep)) return true;
+  if (stop_creeping(stopped, contact::kCreep)) return true;
   if (touches_.empty()) return false;
   std::ranges::fill(pull_, 0.0);
-  const double creep = approach_friction([&](double to) { return stop_creeping(stopped, to); },
-                                         [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
-  return creep <= kCreep || with_less_friction([&] { return stop_creeping(stopped, kCreep); });
+  const double creep =
+      contact::approach_friction([&](double to) { return stop_creeping(stopped, to); },
+                                 [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
+  return creep <= contact::kCreep ||
+         with_less_friction([&] { return stop_creeping(stopped, contact::kCreep); });
 }
 
 /// All touches have that share of their friction.
@@ -140,7 +142,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
             next_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)));
   kick(pull_, to_, 1);
   creep_ = creep;
-  Damping damping;
+  contact::Damping damping;
   const std::vector<Row>& rows = mechanism_.rows();
   for (int i = 0; i < kIterations; ++i) {
     free_ = middle_;

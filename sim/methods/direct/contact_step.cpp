@@ -115,7 +115,7 @@ void ContactStep::add_touch(const Hit& hit, std::size_t sorted) {
   made.touch.slide = obstacle.kinetic_friction;
   const auto before = of(before_, before_.size());
   const auto was = std::ranges::find_if(before, same);
-  const bool stuck = was != before.end() && was->touch.state == Touch::State::sticks;
+  const bool stuck = was != before.end() && was->touch.state == contact::Touch::State::sticks;
   if (!stuck) {
     const FrameMotion& start = start_[hit.obstacle];
     const Vec3 from = position(state_, hit.point) - start.position;

@@ -52,7 +52,7 @@ class ContactStep {
     bool hits = false;  // it came to be in this step
     Vec3 anchor, side;  // m, and the normal there: where it began, in the obstacle's frame
     double gap = 0;     // m, at the end
-    Touch touch;
+    contact::Touch touch;
   };
   struct Hit {
     double share = 1;  // of the step
@@ -98,7 +98,7 @@ class ContactStep {
 
   const std::vector<Obstacle>* obstacles_ = nullptr;
   Mechanism mechanism_;
-  RowSystem system_;
+  contact::RowSystem system_;
   GlideSystem glide_system_;
   double touching_ = 0;
   double exact_ = 0;                    // m: roundings of positions

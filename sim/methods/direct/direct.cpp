@@ -13,7 +13,7 @@
 #include "sim/run/companion.h"
 #include "sim/world/room.h"
 
-namespace taut {
+namespace taut::direct {
 namespace {
 
 using direct::Integrator;
@@ -277,4 +277,4 @@ MethodInfo direct_method() {
       .cost = {.memory = 1000, .step = 2e-7}};
 }
 
-}  // namespace taut
+}  // namespace taut::direct

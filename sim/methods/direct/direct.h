@@ -5,7 +5,7 @@
 
 #include "sim/run/method.h"
 
-namespace taut {
+namespace taut::direct {
 
 /// The row of the list of methods.
 MethodInfo direct_method();
@@ -14,4 +14,4 @@ MethodInfo direct_method();
 /// point and moves in a plane; as far as the world's present state tells.
 std::vector<bool> stepped_as_links(const World& world);
 
-}  // namespace taut
+}  // namespace taut::direct

@@ -47,7 +47,7 @@ void ElasticSystem::rebuild(const World& world) {
   stiffness_.resize(size() * (kHalf + 1));
   damped_ = !material_.drags().empty() ||
             std::ranges::any_of(material_.bends(),
-                                [](const BendElement& bend) { return bend.damping > 0; });
+                                [](const material::BendElement& bend) { return bend.damping > 0; });
   damping_.assign(damped_ ? stiffness_.size() : 0, 0.0);
   direction_.resize(links);
   led_.resize(links);
@@ -121,7 +121,7 @@ void ElasticSystem::add_edge(std::uint32_t a, std::uint32_t b, const Mat3& block
   add_block(b, a, -block, band);
 }
 
-void ElasticSystem::add_bend(const BendElement& bend, const Mat3& h00, const Mat3& h01,
+void ElasticSystem::add_bend(const material::BendElement& bend, const Mat3& h00, const Mat3& h01,
                              const Mat3& h11, Band& band) {
   if (!bend.clamped_before()) add_edge(bend.a, bend.b, h00, band);
   if (!bend.clamped_behind()) add_edge(bend.b, bend.c, h11, band);
@@ -152,19 +152,19 @@ void ElasticSystem::differentiate(const double* x, const double* v, const double
     }
   }
   Vec3 e0, e1;
-  for (const BendElement& bend : material_.bends()) {
+  for (const material::BendElement& bend : material_.bends()) {
     material_.edges(bend, x, e0, e1);
-    const Bend shape(e0, e1);
-    const Bend::Stiffness second = shape.stiffness(bend.stiffness);
+    const material::Bend shape(e0, e1);
+    const material::Bend::Stiffness second = shape.stiffness(bend.stiffness);
     add_bend(bend, second.e0_e0, second.e0_e1, second.e1_e1, stiffness_);
     if (bend.damping == 0) continue;
-    const Bend::Stiffness damped = shape.damping(bend.damping);
+    const material::Bend::Stiffness damped = shape.damping(bend.damping);
     add_bend(bend, damped.e0_e0, damped.e0_e1, damped.e1_e1, damping_);
   }
-  for (const DragElement& link : material_.drags()) {
+  for (const material::DragElement& link : material_.drags()) {
     const Vec3 speed = (at(v, link.a) + at(v, link.b)) / 2 - material_.wind();
-    const Mat3 slope = drag_slope(at(x, link.b) - at(x, link.a), speed, link.density_area,
-                                  link.across, link.along) /
+    const Mat3 slope = material::drag_slope(at(x, link.b) - at(x, link.a), speed, link.density_area,
+                                            link.across, link.along) /
                        4;
     add_block(link.a, link.a, slope, damping_);
     add_block(link.b, link.b, slope, damping_);

@@ -67,13 +67,13 @@ class ElasticSystem {
   using Band = std::vector<double>;  // rows of kHalf + 1 as in BandLdlt
   void add_edge(std::uint32_t a, std::uint32_t b, const Mat3& block, Band& band);
   void add_block(std::size_t row, std::size_t column, const Mat3& block, Band& band);
-  void add_bend(const BendElement& bend, const Mat3& h00, const Mat3& h01, const Mat3& h11,
-                Band& band);
+  void add_bend(const material::BendElement& bend, const Mat3& h00, const Mat3& h01,
+                const Mat3& h11, Band& band);
   void fill_directions(const double* x);
   void solve_links(double* right);
 
   const World* world_ = nullptr;
-  MaterialForces material_;
+  material::MaterialForces material_;
   Vec3 gravity_ = Vec3::Zero();
   double length_ = 0;
   std::vector<double> mass_;                            // kg, per particle

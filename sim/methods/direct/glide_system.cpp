@@ -41,7 +41,7 @@ void GlideSystem::rebuild(const Mechanism& mechanism) {
   }
   // Neighbours' velocities couple.
   for (const Row& row : rows) half_ = std::max(half_, first_[row.b] + 2 - first_[row.a]);
-  border_ = ends_that_meet(mechanism);
+  border_ = contact::ends_that_meet(mechanism);
   border_rows_.clear();
   for (const std::size_t end : border_) border_rows_.push_back(mechanism.row_ends()[end].row);
 }

@@ -38,7 +38,7 @@ class GlideSystem {
   std::vector<std::size_t> first_;  // per point: its velocity's first unknown
   std::vector<std::size_t> row_;    // per row: its unknown
   std::size_t size_ = 0, half_ = 0;
-  BandSystem band_;
+  contact::BandSystem band_;
   std::vector<double> values_;
   std::vector<std::size_t> border_, border_rows_;  // ends of rows at bodies that have several
   std::vector<double> columns_;  // what a pull along each of those rows does through others

@@ -14,6 +14,6 @@ int main(int argc, char** argv) {
 #ifdef TAUT_ODE
   add_method(engines::ode_method());
 #endif
-  constexpr cli::AddCommand kCommands[] = {cli::add_work_precision, cli::add_chart};
-  return cli::run_program(argc, argv, kCommands);
+  constexpr program::AddCommand kCommands[] = {cli::add_work_precision, cli::add_chart};
+  return program::run_program(argc, argv, kCommands);
 }

@@ -37,8 +37,8 @@ Setting parsed(const std::string& text) {
   return text;
 }
 
-Candidate candidate(const Options& options) {
-  Candidate result{options.method, {}};
+study::Candidate candidate(const Options& options) {
+  study::Candidate result{options.method, {}};
   for (const std::string& pair : options.set) {
     const std::size_t equals = pair.find('=');
     if (equals == std::string::npos) throw std::invalid_argument(pair + ": not name=value");
@@ -69,7 +69,7 @@ struct Results {
 /// Adds what came of one scene.
 class Work {
  public:
-  Work(const Options& options, Candidate candidate)
+  Work(const Options& options, study::Candidate candidate)
       : options_(options), candidate_(std::move(candidate)), cache_(options.cache) {}
 
   void go(unsigned seed) {
@@ -107,7 +107,7 @@ class Work {
 
  private:
   const Options& options_;
-  Candidate candidate_;
+  study::Candidate candidate_;
   Cache cache_;
   std::mutex mutex_;
   Results results_;

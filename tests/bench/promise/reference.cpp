@@ -33,7 +33,7 @@ World twin(World world, double distance, bool rough) {
       body.rotation = Quat(Eigen::AngleAxisd(distance / radius, side)) * body.rotation;
     }
   }
-  return nudged(std::move(world), distance, rough);
+  return truth::nudged(std::move(world), distance, rough);
 }
 
 /// Whether something of the timeline happens after `from`, until `until`.
@@ -48,10 +48,10 @@ bool happens(const Timeline& timeline, double from, double until) {
 }  // namespace
 
 Reference make_reference(const Drawn& drawn, double cap) {
-  return make_reference({drawn.world, frame_times(kDuration, kFps)}, drawn.length, cap);
+  return make_reference({drawn.world, study::frame_times(kDuration, kFps)}, drawn.length, cap);
 }
 
-Reference make_reference(const Problem& problem, double length, double cap) {
+Reference make_reference(const study::Problem& problem, double length, double cap) {
   const double nudge = kNudge * length;
   const Settings settings{{"local_error", std::max(kFinest, kLocalError * length)}};
   const auto made = [&](World world) {
@@ -61,7 +61,7 @@ Reference make_reference(const Problem& problem, double length, double cap) {
   Simulation smooth = made(twin(problem.world, nudge, false));
   Simulation rough = made(twin(problem.world, nudge, true));
   Reference reference;
-  const double start = thread_seconds();
+  const double start = study::thread_seconds();
   double before = 0;
   try {
     for (const double time : problem.times) {
@@ -74,7 +74,7 @@ Reference make_reference(const Problem& problem, double length, double cap) {
           smooth.world() = twin(smooth.world(), nudge, false);
           rough.world() = twin(rough.world(), nudge, true);
         }
-        reference.cpu = thread_seconds() - start;
+        reference.cpu = study::thread_seconds() - start;
         if (reference.cpu > cap) {
           reference.end = Reference::End::over_cap;
           return reference;
@@ -82,8 +82,8 @@ Reference make_reference(const Problem& problem, double length, double cap) {
       }
       before = time;
       Snapshot frame = truth.state();
-      const double parted = std::max(frame_error(smooth.state(), frame, distance),
-                                     frame_error(rough.state(), frame, distance)) /
+      const double parted = std::max(study::frame_error(smooth.state(), frame, distance),
+                                     study::frame_error(rough.state(), frame, distance)) /
                             nudge;
       if (parted > kGrowth) break;
       frame.bodies.clear();

@@ -38,7 +38,7 @@ struct Reference {
 Reference make_reference(const Drawn& drawn, double cap);
 /// Of any problem whose largest connector has that length (m). Twins are nudged again after each
 /// pin and cut.
-Reference make_reference(const Problem& problem, double length, double cap);
+Reference make_reference(const study::Problem& problem, double length, double cap);
 
 /// References kept in a folder, one file each.
 class Cache {

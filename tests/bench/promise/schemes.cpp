@@ -20,7 +20,7 @@ void follow(const Drawn& drawn, double tolerance, std::ostream& out) {
   Division division;
   direct::StepOptions options;
   options.tolerance = tolerance * drawn.length;
-  std::deque<Integrator> parts;
+  std::deque<direct::Integrator> parts;
   for (const Component& component : division.divide(world)) {
     parts.emplace_back(options).follow(component);
     parts.back().load(world);
@@ -28,12 +28,12 @@ void follow(const Drawn& drawn, double tolerance, std::ostream& out) {
   Counters counters;
   for (int frame = 1; frame <= kDuration * kFps; ++frame) {
     const double time = frame / static_cast<double>(kFps);
-    for (Integrator& part : parts) part.advance(world, time, counters);
+    for (direct::Integrator& part : parts) part.advance(world, time, counters);
     world.time = time;
     place_prescribed(world, time);
-    for (Integrator& part : parts) {
+    for (direct::Integrator& part : parts) {
       part.store(world);
-      const Integrator::Step& step = part.last_step();
+      const direct::Integrator::Step& step = part.last_step();
       out << fmt::format("{},{},{},{:.4g},{:.4g},{},{}\n", drawn.seed, kKinds[drawn.kind],
                          tolerance, step.waves, step.length,
                          kLimits[static_cast<std::size_t>(step.limit)], kNames[step.scheme]);
@@ -48,7 +48,8 @@ void write_schemes(const Drawn& drawn, std::span<const double> tolerances, std::
   for (const double tolerance : tolerances) {
     try {
       follow(drawn, tolerance, out);
-    } catch (const Integrator::StepTooSmall&) {  // links at their full length between two holds
+    } catch (
+        const direct::Integrator::StepTooSmall&) {  // links at their full length between two holds
     }
   }
 }

@@ -14,22 +14,22 @@ double apart(const Vec3& a, const Vec3& b, double) {
   return (a - b).norm();
 }
 
-double largest(const Run& run, const Reference& reference) {
+double largest(const study::Run& run, const Reference& reference) {
   if (run.frames.size() < reference.frames.size()) return std::numeric_limits<double>::infinity();
   double error = 0;
   for (std::size_t k = 0; k < reference.frames.size(); ++k) {
-    error = std::max(error, frame_error(run.frames[k], reference.frames[k], apart));
+    error = std::max(error, study::frame_error(run.frames[k], reference.frames[k], apart));
   }
   return error;
 }
 
 }  // namespace
 
-Score score(const Drawn& drawn, const Reference& reference, Candidate candidate, double tolerance,
-            double asked, double cap) {
+Score score(const Drawn& drawn, const Reference& reference, study::Candidate candidate,
+            double tolerance, double asked, double cap) {
   const double allowed = tolerance * drawn.length;
   candidate.settings["tolerance"] = asked * allowed;
-  const Run result = run({drawn.world, frame_times(kDuration, kFps)}, candidate, cap);
+  const study::Run result = run({drawn.world, study::frame_times(kDuration, kFps)}, candidate, cap);
   Score score;
   score.seed = drawn.seed;
   score.kind = drawn.kind;
@@ -43,12 +43,12 @@ Score score(const Drawn& drawn, const Reference& reference, Candidate candidate,
   score.solves = static_cast<double>(result.counters.solves) / simulated;
   score.rejected = static_cast<double>(result.counters.rejected) / simulated;
   score.ms = 1e3 * result.cpu / simulated;
-  score.diverged = result.end == Run::End::diverged;
+  score.diverged = result.end == study::Run::End::diverged;
   return score;
 }
 
-void add_estimate(Score& score, const Drawn& drawn, const Reference& reference, Candidate candidate,
-                  double asked) {
+void add_estimate(Score& score, const Drawn& drawn, const Reference& reference,
+                  study::Candidate candidate, double asked) {
   const double allowed = score.tolerance * drawn.length;
   candidate.settings["tolerance"] = asked * allowed;
   Simulation simulation(drawn.world, make_method(candidate.method, candidate.settings));
@@ -56,11 +56,11 @@ void add_estimate(Score& score, const Drawn& drawn, const Reference& reference, 
   double stepping = 0, following = 0;  // s of CPU time
   try {
     for (const Snapshot& frame : reference.frames) {
-      const double start = thread_seconds();
+      const double start = study::thread_seconds();
       simulation.advance_to(frame.time);
-      const double middle = thread_seconds();
+      const double middle = study::thread_seconds();
       estimate.follow(simulation);
-      following += thread_seconds() - middle;
+      following += study::thread_seconds() - middle;
       stepping += middle - start;
     }
   } catch (const Diverged&) {

@@ -35,11 +35,11 @@ inline bool near(const Score& score) {
 /// Runs the scene for all of its duration with the candidate's `tolerance` set to `asked` times
 /// that share of the length. The error is the largest of all frames up to the horizon, each the RMS
 /// over all particles.
-Score score(const Drawn& drawn, const Reference& reference, Candidate candidate, double tolerance,
-            double asked, double cap);
+Score score(const Drawn& drawn, const Reference& reference, study::Candidate candidate,
+            double tolerance, double asked, double cap);
 
 /// Runs it again, up to the horizon, and sets what the run estimates of its own error.
-void add_estimate(Score& score, const Drawn& drawn, const Reference& reference, Candidate candidate,
-                  double asked);
+void add_estimate(Score& score, const Drawn& drawn, const Reference& reference,
+                  study::Candidate candidate, double asked);
 
 }  // namespace taut::promise
