@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "scenes/format/format_faults.h"
+#include "scenes/format/old_keys.h"
 #include "scenes/reader/reader.h"
 
 namespace taut::scenes {
@@ -51,6 +52,7 @@ class Search {
   explicit Search(Document document) : document_(std::move(document)) {}
 
   std::vector<SceneFault> run() && {
+    rename_old_keys(document_);
     for (const SceneFault& fault : format_faults(document_)) note(fault);
     for (const std::string& entry : wrong_) leave_out(entry);
     while (!stuck_ && found_.size() < kMost) {

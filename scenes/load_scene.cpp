@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scenes/format/old_keys.h"
 #include "scenes/plan_file.h"
 #include "scenes/reader/reader.h"
 #include "sim/run/bodies_as_links.h"
@@ -19,6 +20,11 @@ Scene load_scene(const std::filesystem::path& file, bool with_stage,
   if (!scene.stage) Motions(document).check_characters();
   if (!scene.stage && with_stage) check_models(document);
   return scene;
+}
+
+std::vector<std::string> old_keys(const std::filesystem::path& file) {
+  Document document = read_document(file);
+  return rename_old_keys(document);
 }
 
 namespace {

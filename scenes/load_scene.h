@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "scenes/scene/scene.h"
@@ -12,6 +13,9 @@ namespace taut::scenes {
 /// unless `with_stage`.
 Scene load_scene(const std::filesystem::path& file, bool with_stage,
                  const std::vector<SceneChange>& changes = {});
+
+/// A sentence for each key of the file that has another name now, with its place. Throws BadScene.
+std::vector<std::string> old_keys(const std::filesystem::path& file);
 
 /// Reads a scene as its plan models and solves it. Throws BadScene, also where it has no plan or
 /// changed since the plan was made.

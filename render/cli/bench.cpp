@@ -17,81 +17,16 @@
 namespace taut::cli {
 namespace {
 
-constexpr int kFrames = 100;
-
 struct Options {
   options::StudyOptions study;
   std::vector<std::size_t> particles;
   std::string against;  // empty: springs or, without them, the first method
 };
 
-study::Problem frames_of(const scenes::Scene& scene) {
-  study::Problem problem{scene.world, {}, scene.timeline};
-  for (int k = 1; k <= kFrames; ++k) problem.times.push_back(static_cast<double>(k) / scene.fps);
-  return problem;
-}
-
-studies::BenchBlock measure(const options::StudyOptions& options,
-                            const std::vector<options::Contender>& contenders,
-                            std::size_t particles, double seconds) {
-  const scenes::Scene scene = options::study_scene(options, particles);
-  std::vector<study::Candidate> candidates;
-  for (const options::Contender& one : contenders) {
-    if (one.method->missing.empty()) candidates.push_back(one.candidate);
-  }
-  study::BenchOptions limits;
-  limits.repeats = options.quick ? 5 : 25;
-  limits.seconds = seconds / 2 / static_cast<double>(std::max<std::size_t>(1, candidates.size()));
-  limits.pause = render::stop_if_interrupted;
-  std::vector<study::BenchRow> measured = study::bench(frames_of(scene), candidates, limits);
-  studies::BenchBlock block;
-  block.particles = particles;
-  std::size_t next = 0;
-  for (const options::Contender& one : contenders) {
-    if (one.method->missing.empty()) {
-      block.rows.push_back(std::move(measured[next++]));
-    } else {
-      study::BenchRow row;
-      row.candidate = one.candidate;
-      row.failure = one.method->missing;
-      block.rows.push_back(std::move(row));
-    }
-  }
-  const double duration = static_cast<double>(kFrames) / scene.fps;
-  block.paper = studies::paper_ratio(options, contenders, particles, duration, seconds / 2);
-  return block;
-}
-
-}  // namespace
-
-studies::BenchResults measure_bench(const options::StudyOptions& options,
-                                    const std::vector<std::size_t>& particles,
-                                    const std::string& asked, bool quiet) {
-  const std::vector<options::Contender> contenders = options::chosen_contenders(options);
-  const bool springs =
-      std::ranges::find(contenders, "springs", &options::Contender::label) != contenders.end();
-  const std::string against = !asked.empty() ? asked
-                              : springs      ? "springs"
-                                             : contenders.front().label;
-  studies::BenchResults results{options::study_scene(options), contenders, against, {}};
-  if (std::ranges::find(results.contenders, against, &options::Contender::label) ==
-      results.contenders.end()) {
-    throw program::Misuse(fmt::format("--against: {} is not among the methods timed", against));
-  }
-  const double seconds = options.budget / static_cast<double>(particles.size());
-  for (const std::size_t n : particles) {
-    if (!quiet) program::note("timing {} particles\n", n);
-    results.blocks.push_back(measure(options, results.contenders, n, seconds));
-  }
-  return results;
-}
-
-namespace {
-
 int run(const Options& options, const program::Common& common) {
   chart::require_gnuplot();
   const studies::BenchResults results =
-      measure_bench(options.study, options.particles, options.against, common.quiet);
+      studies::measure_bench(options.study, options.particles, options.against, common.quiet);
   const std::filesystem::path folder = options::study_folder(options.study);
   options::write_csv(studies::bench_table(results), folder / "bench");
   options::write_csv(studies::bench_frames_table(results), folder / "bench_frames");

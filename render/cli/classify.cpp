@@ -164,6 +164,7 @@ int run(const Options& options, const program::Common& common) {
   program::Json json = {{"scenes", program::Json::array()}};
   {
     const std::vector<std::string>& scenes = options.study.inputs.scenes;
+    options::tell_old_keys(options.study.inputs, common);
     program::Progress progress("classifying", "scenes", scenes.size(), common.quiet);
     for (const std::string& file : scenes) {
       const Classified one = classified(options, file, contenders);

@@ -87,6 +87,7 @@ program::Json json_of(const report::SceneReport& report) {
 
 int run(const options::StudyOptions& options, const program::Common& common) {
   film::require_ffmpeg();
+  options::tell_old_keys(options.inputs, common);
   const std::size_t methods = std::size_t(std::ranges::count_if(
       options::chosen_contenders(options),
       [](const options::Contender& one) { return one.candidate.settings.empty(); }));

@@ -286,6 +286,7 @@ int run(Options options, const program::Common& common) {
   const program::PartOptions& part = options.study.part;
   if (part.is_part()) return SharedRuns(options).run_part(common);
   if (part.merge) studies = SharedRuns(options).merged();
+  options::tell_old_keys(options.study.inputs, common);
   for (const std::string& scene : options.study.inputs.scenes) {
     if (part.merge) break;
     options.study.scene = scene;

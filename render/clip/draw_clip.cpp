@@ -104,7 +104,7 @@ FramesMade draw_frames(const ClipJob& job, ClipStates& states, film::RenderWorke
     }
     progress.update(++done);
   };
-  workers.run([&]() -> RenderWorkers::Work {
+  workers.run([&]() -> film::RenderWorkers::Work {
     if (states.done()) return {};
     return [&draw, open = states.next()](film::Film& film) { draw(film, open); };
   });

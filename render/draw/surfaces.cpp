@@ -43,12 +43,12 @@ Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundi
       frame_(gl::make_buffer(gl)),
       noise_(make_noise_texture(gl)),
       mirror_(around.mirror),
-      constants_(fmt::format(
-          "#define OUTPUT {}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define "
-          "CONTACT_REACH {:.1f}\n{}{}{}",
-          int(output), kExposure, shadow_map_size, kContactReach,
-          light_constants(light, around.ambient), mirror_constants(around), shaders::frame_block)) {
-}
+      constants_(
+          fmt::format("#define OUTPUT {}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define "
+                      "CONTACT_REACH {:.1f}\n{}{}{}",
+                      int(output), kExposure, shadow_map_size, kContactReach,
+                      light_constants(light, around.ambient), mirror_constants(around),
+                      gl::shaders::frame_block)) {}
 
 const gl::Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool bathed) {
   auto& slot = programs_[{surface, shade, glossy, bathed}];
@@ -58,7 +58,7 @@ const gl::Program& Surfaces::program(Surface surface, Shade shade, bool glossy, 
         fmt::format("#define SURFACE {}\n#define SHADE {}\n#define GLOSSY {:d}\n#define BATHED "
                     "{:d}\n{}",
                     int(surface), int(shade), glossy, bathed, constants_),
-        shaders::surface_vertex, shaders::surface_fragment);
+        gl::shaders::surface_vertex, gl::shaders::surface_fragment);
   return *slot;
 }
 

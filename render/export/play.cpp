@@ -1,4 +1,5 @@
 #include <optional>
+#include <utility>
 
 #include "render/export/frame_writer.h"
 #include "scenes/scene/exposure.h"
@@ -13,15 +14,13 @@ namespace {
 class Between {
  public:
   explicit Between(const scenes::Scene& scene) : simulation_(start(scene)) {
-    simulation_.advance_to(simulation_.world().time);  // what happens at the start
+    simulation_.advance_to(std::as_const(simulation_).world().time);  // what happens at the start
   }
 
   /// The states at `times`, of a simulation that was at `first` and is at `last` now.
   std::vector<Snapshot> states(const World& first, const std::vector<double>& times,
                                const Snapshot& last) {
-    World& world = simulation_.world();
-    world = first;
-    world.topology += ++begun_;  // methods begin anew, too
+    simulation_.go_on_from(first);
     std::vector<Snapshot> states;
     for (const double time : times) {
       simulation_.advance_to(time);
@@ -48,7 +47,6 @@ class Between {
   }
 
   Simulation simulation_;
-  std::uint64_t begun_ = 0;
 };
 
 /// Times between frame `frame` and the next at which a method of equal steps stops by itself.

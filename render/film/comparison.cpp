@@ -9,7 +9,7 @@
 #include "render/film/framing.h"
 #include "render/picture/paint.h"
 
-namespace taut {
+namespace taut::film {
 namespace {
 
 constexpr float kGhost = 0.35f;     // opacity
@@ -22,7 +22,7 @@ constexpr int kMostColumns = 6;
 constexpr double kCharts = 0.58;  // of the picture's width; the rest is the table's
 
 /// sRGB to linear light (IEC 61966-2-1).
-Vec3 linear(Rgb color) {
+Vec3 linear(picture::Rgb color) {
   Vec3 light;
   for (std::size_t k = 0; k < 3; ++k) {
     const double x = color[k] / 255.0;
@@ -32,24 +32,24 @@ Vec3 linear(Rgb color) {
 }
 
 /// The stage with what moves in one colour, but for people.
-Stage coloured(const Stage& stage, const Vec3& color) {
-  Stage result = stage;
+scenes::Stage coloured(const scenes::Stage& stage, const Vec3& color) {
+  scenes::Stage result = stage;
   result.characters.clear();
-  for (ConnectorLook& look : result.connector_looks) look.color = color;
+  for (scenes::ConnectorLook& look : result.connector_looks) look.color = color;
   for (auto& model : result.body_models) {
     if (!model) continue;
-    Model painted = *model;
-    for (Material& material : painted.materials)
+    scenes::Model painted = *model;
+    for (scenes::Material& material : painted.materials)
       for (std::size_t k = 0; k < 3; ++k) material.base_color[k] = float(color[Eigen::Index(k)]);
-    model = std::make_shared<const Model>(std::move(painted));
+    model = std::make_shared<const scenes::Model>(std::move(painted));
   }
   return result;
 }
 
 /// Cells in rows of so many, from the upper left.
-std::vector<Rect> cells(std::size_t count, int columns, int width, int height) {
+std::vector<picture::Rect> cells(std::size_t count, int columns, int width, int height) {
   const int rows = (int(count) + columns - 1) / columns;
-  std::vector<Rect> result;
+  std::vector<picture::Rect> result;
   for (int i = 0; i < int(count); ++i) {
     const int x = width * (i % columns) / columns, y = height * (i / columns) / rows;
     result.push_back(
@@ -91,7 +91,7 @@ std::string millimetres(double metres) {
 
 }  // namespace
 
-ComparisonFilm::ComparisonFilm(const Context& context, const Scene& scene,
+ComparisonFilm::ComparisonFilm(const gl::Context& context, const scenes::Scene& scene,
                                const Comparison& comparison, int width, int height, int samples,
                                Layout layout)
     : scene_(scene),
@@ -106,9 +106,9 @@ ComparisonFilm::ComparisonFilm(const Context& context, const Scene& scene,
   if (layout_ == Layout::over) {
     for (const ComparedMethod& method : comparison_.methods)
       coloured_.push_back(coloured(*scene.stage, linear(rgb(method.style.color))));
-    for (const Stage& stage : coloured_)
-      overlays_.push_back(
-          std::make_unique<StageRenderer>(context, stage, divided(scene.world, scene.timeline)));
+    for (const scenes::Stage& stage : coloured_)
+      overlays_.push_back(std::make_unique<draw::StageRenderer>(
+          context, stage, divided(scene.world, scene.timeline)));
   }
   lay_out();
   draw_charts();
@@ -134,15 +134,16 @@ void ComparisonFilm::lay_out() {
   cells_ = cells(count, usual, areas_.cells.width, areas_.cells.height);
   // People, and cameras that move, are seen as the scene has them.
   if (!scene_.stage->characters.empty() || scene_.stage->camera.size() != 1) return;
-  const CameraView camera = camera_at(scene_.stage->camera, 0);
+  const scenes::CameraView camera = scenes::camera_at(scene_.stage->camera, 0);
   const std::vector<Vec3> points = moving_points(comparison_, layout_);
   double best = 0;  // px to a metre
   for (int columns = 1; columns <= std::min(int(count), kMostColumns); ++columns) {
-    std::vector<Rect> tried = cells(count, columns, areas_.cells.width, areas_.cells.height);
-    const Rect& cell = tried.front();
+    std::vector<picture::Rect> tried =
+        cells(count, columns, areas_.cells.width, areas_.cells.height);
+    const picture::Rect& cell = tried.front();
     if (cell.width < 1 || cell.height < 1) continue;
-    const CameraView view = framed(camera, points, double(cell.width) / cell.height,
-                                   std::min(kHeading * height_ / cell.height, 0.4));
+    const scenes::CameraView view = framed(camera, points, double(cell.width) / cell.height,
+                                           std::min(kHeading * height_ / cell.height, 0.4));
     const double scale = pixels_per_metre(view, cell.height);
     if (scale <= best) continue;
     best = scale;
@@ -151,39 +152,39 @@ void ComparisonFilm::lay_out() {
   }
 }
 
-CameraView ComparisonFilm::camera(double time) const {
-  return camera_ ? *camera_ : camera_at(scene_.stage->camera, time);
+scenes::CameraView ComparisonFilm::camera(double time) const {
+  return camera_ ? *camera_ : scenes::camera_at(scene_.stage->camera, time);
 }
 
 /// A length in the first cell, as long as it is where the camera looks.
-void ComparisonFilm::draw_scale(Picture& picture) {
+void ComparisonFilm::draw_scale(picture::Picture& picture) {
   if (!camera_) return;
-  const Rect& cell = cells_.front();
+  const picture::Rect& cell = cells_.front();
   const double metre = pixels_per_metre(*camera_, cell.height);
   const double length = round_length(0.4 * cell.width / metre), size = 0.0168 * height_;
   const int wide = std::max(int(std::lround(length * metre)), 1),
             thick = std::max(height_ / 360, 1);
   const int left = cell.x + int(size), bottom = cell.top() - int(size);
-  fill(picture, {left, bottom - thick, wide, thick}, kInk);
+  picture::fill(picture, {left, bottom - thick, wide, thick}, kInk);
   for (const int x : {left, left + wide - thick})
-    fill(picture, {x, bottom - 3 * thick, thick, 3 * thick}, kInk);
+    picture::fill(picture, {x, bottom - 3 * thick, thick, 3 * thick}, kInk);
   const std::string text = length >= 1      ? fmt::format("{:g} m", length)
                            : length >= 0.01 ? fmt::format("{:g} cm", 1e2 * length)
                                             : fmt::format("{:g} mm", 1e3 * length);
   font_.draw(picture, text, left, bottom - 4 * thick - 0.2 * size, size, kInk);
 }
 
-FrameState ComparisonFilm::instant(const Snapshot& state, double time) const {
-  FrameState instant{state, {}, camera(time)};
+draw::FrameState ComparisonFilm::instant(const Snapshot& state, double time) const {
+  draw::FrameState instant{state, {}, camera(time)};
   for (const auto& performance : scene_.performances)
     instant.bones.push_back(performance->bones_at(time));
   return instant;
 }
 
-Picture ComparisonFilm::draw(std::size_t frame) {
+picture::Picture ComparisonFilm::draw(std::size_t frame) {
   const double time = comparison_.times[frame];
-  std::vector<View> views;
-  for (const Rect& cell : cells_)
+  std::vector<draw::View> views;
+  for (const picture::Rect& cell : cells_)
     views.push_back(
         {{cell.x, areas_.cells.height - cell.top(), cell.width, cell.height}, camera(time)});
   renderer_.begin(canvas_, views);
@@ -191,9 +192,9 @@ Picture ComparisonFilm::draw(std::size_t frame) {
     draw_over(views.front(), frame);
   else
     draw_beside(views, frame);
-  Picture picture = still_;
-  paste(canvas_.finish(), picture, 0, 0);
-  for (const Rect& cell : cells_) draw_truth_note(picture, cell, frame);
+  picture::Picture picture = still_;
+  picture::paste(canvas_.finish(), picture, 0, 0);
+  for (const picture::Rect& cell : cells_) draw_truth_note(picture, cell, frame);
   if (layout_ == Layout::over)
     draw_legend(picture, frame);
   else
@@ -208,7 +209,7 @@ const Snapshot& ComparisonFilm::state_of(const ComparedMethod& method, std::size
   return last ? method.frames[last - 1] : comparison_.truth.front();
 }
 
-void ComparisonFilm::draw_beside(std::span<const View> views, std::size_t frame) {
+void ComparisonFilm::draw_beside(std::span<const draw::View> views, std::size_t frame) {
   const double time = comparison_.times[frame];
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Snapshot& state = state_of(comparison_.methods[i], frame);
@@ -219,7 +220,7 @@ void ComparisonFilm::draw_beside(std::span<const View> views, std::size_t frame)
   }
 }
 
-void ComparisonFilm::draw_over(const View& view, std::size_t frame) {
+void ComparisonFilm::draw_over(const draw::View& view, std::size_t frame) {
   const double time = comparison_.times[frame];
   const bool known = time <= comparison_.horizon;
   const Snapshot& shown =
@@ -236,22 +237,23 @@ void ComparisonFilm::draw_over(const View& view, std::size_t frame) {
 }
 
 /// Whose colour is whose, and how far each is from what distances are measured from.
-void ComparisonFilm::draw_legend(Picture& picture, std::size_t frame) {
-  const Rect& cell = cells_.front();
+void ComparisonFilm::draw_legend(picture::Picture& picture, std::size_t frame) {
+  const picture::Rect& cell = cells_.front();
   const double size = 0.024 * height_, row = 1.6 * size;
   double column = 0;
   for (const ComparedMethod& method : comparison_.methods)
     column = std::max(column, bold_.width(method.label, size));
   double y = cell.y + 1.2 * row;
   const double values = font_.width("0.00000 mm", size);
-  fill(picture,
-       {int(cell.x), int(cell.y), int(column + values + 4.4 * size),
-        int(row * (double(comparison_.methods.size()) + 1))},
-       kPaper, 0.72);
+  picture::fill(picture,
+                {int(cell.x), int(cell.y), int(column + values + 4.4 * size),
+                 int(row * (double(comparison_.methods.size()) + 1))},
+                kPaper, 0.72);
   for (const ComparedMethod& method : comparison_.methods) {
     const bool stopped = !method.failure.empty() && frame >= method.frames.size();
-    fill(picture, {int(cell.x + size), int(y - 0.7 * size), int(0.8 * size), int(0.8 * size)},
-         rgb(method.style.color));
+    picture::fill(picture,
+                  {int(cell.x + size), int(y - 0.7 * size), int(0.8 * size), int(0.8 * size)},
+                  rgb(method.style.color));
     bold_.draw(picture, method.label, cell.x + 2.4 * size, y, size, kInk);
     const std::string text = stopped                          ? "stopped"
                              : frame < method.distance.size() ? millimetres(method.distance[frame])
@@ -262,7 +264,8 @@ void ComparisonFilm::draw_legend(Picture& picture, std::size_t frame) {
 }
 
 /// Behind the truth's horizon a cell says that the ghost is gone, and why.
-void ComparisonFilm::draw_truth_note(Picture& picture, const Rect& cell, std::size_t frame) {
+void ComparisonFilm::draw_truth_note(picture::Picture& picture, const picture::Rect& cell,
+                                     std::size_t frame) {
   const double time = comparison_.times[frame], size = 0.0168 * height_;
   const std::string text =
       time <= comparison_.horizon
@@ -270,28 +273,29 @@ void ComparisonFilm::draw_truth_note(Picture& picture, const Rect& cell, std::si
           : fmt::format("no truth after {:.2g} s: not predictable", comparison_.horizon);
   const double wide = font_.width(text, size);
   const double x = std::max(cell.right() - size - wide, double(cell.x) + size);
-  fill(picture,
-       {int(x - 0.4 * size), int(cell.top() - 2 * size), int(wide + 0.8 * size), int(1.4 * size)},
-       kPaper, 0.6);
+  picture::fill(
+      picture,
+      {int(x - 0.4 * size), int(cell.top() - 2 * size), int(wide + 0.8 * size), int(1.4 * size)},
+      kPaper, 0.6);
   font_.draw(picture, text, x, cell.top() - size, size,
-             time <= comparison_.horizon ? kGrey : Rgb{150, 60, 20});
+             time <= comparison_.horizon ? kGrey : picture::Rgb{150, 60, 20});
 }
 
-void ComparisonFilm::draw_cell(Picture& picture, std::size_t index, std::size_t frame) {
+void ComparisonFilm::draw_cell(picture::Picture& picture, std::size_t index, std::size_t frame) {
   const ComparedMethod& method = comparison_.methods[index];
-  const Rect& cell = cells_[index];
+  const picture::Rect& cell = cells_[index];
   const double size = 0.021 * height_, small = 0.8 * size, gap = 0.5 * size;
   const bool stopped = !method.failure.empty() && frame >= method.frames.size();
-  if (stopped) fill(picture, cell, kPaper, 0.55);
+  if (stopped) picture::fill(picture, cell, kPaper, 0.55);
 
   const int bar = std::max(height_ / 180, 1);
-  fill(picture, {cell.x, cell.y, cell.width, bar}, rgb(method.style.color));
+  picture::fill(picture, {cell.x, cell.y, cell.width, bar}, rgb(method.style.color));
   for (const int x : {cell.x, cell.right() - 1})
-    fill(picture, {x, cell.y, 1, cell.height}, kPaper, 0.8);
+    picture::fill(picture, {x, cell.y, 1, cell.height}, kPaper, 0.8);
   const double line = cell.y + bar + gap + size;
-  const auto lines = wrapped(font_, method.settings, small, cell.width - 2 * gap);
+  const auto lines = picture::wrapped(font_, method.settings, small, cell.width - 2 * gap);
   const double band = bar + 1.8 * gap + size + 1.3 * small * double(lines.size());
-  fill(picture, {cell.x, cell.y + bar, cell.width, int(band) - bar}, kPaper, 0.72);
+  picture::fill(picture, {cell.x, cell.y + bar, cell.width, int(band) - bar}, kPaper, 0.72);
   bold_.draw(picture, method.label, cell.x + gap, line, size, kInk);
   for (std::size_t k = 0; k < lines.size(); ++k)
     font_.draw(picture, lines[k], cell.x + gap, line + 1.3 * small * double(k + 1), small, kGrey);
@@ -301,7 +305,8 @@ void ComparisonFilm::draw_cell(Picture& picture, std::size_t index, std::size_t 
     const double reached = method.frames.empty() ? 0 : method.frames.back().time;
     bold_.draw(picture, fmt::format("Stopped after {:.3g} s", reached), cell.x + 2 * gap, y, size,
                {170, 20, 20});
-    for (const std::string& text : wrapped(font_, method.failure, small, cell.width - 4 * gap))
+    for (const std::string& text :
+         picture::wrapped(font_, method.failure, small, cell.width - 4 * gap))
       font_.draw(picture, text, cell.x + 2 * gap, y += 1.4 * small, small, kInk);
   } else if (frame < method.distance.size()) {
     const std::string text = millimetres(method.distance[frame]);
@@ -313,4 +318,4 @@ void ComparisonFilm::draw_cell(Picture& picture, std::size_t index, std::size_t 
   }
 }
 
-}  // namespace taut
+}  // namespace taut::film

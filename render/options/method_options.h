@@ -44,7 +44,7 @@ Settings full_settings(const scenes::MethodChoice& choice);
 /// Settings as a JSON object.
 nlohmann::ordered_json settings_json(const Settings& settings);
 
-/// Settings as one line: step = 0.001, elasticity = 0.2
+/// Settings as one line: step = 0.001, restitution = 0.2
 std::string settings_text(const Settings& settings);
 
 }  // namespace taut::options

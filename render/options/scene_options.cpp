@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include "render/atomic_file.h"
+#include "render/program/note.h"
 #include "render/program/program.h"
+#include "scenes/files/error.h"
+#include "scenes/load_scene.h"
 
 namespace taut::options {
 namespace {
@@ -62,8 +65,19 @@ std::vector<scenes::SceneChange> scene_changes(const std::vector<std::string>& s
   return changes;
 }
 
+void tell_old_keys(const SceneOptions& options, const program::Common& common) {
+  if (common.quiet) return;
+  for (const std::string& scene : options.scenes) {
+    try {
+      for (const std::string& told : scenes::old_keys(scene)) program::note("{}\n", told);
+    } catch (const scenes::BadScene&) {  // whoever reads it for its work says so
+    }
+  }
+}
+
 int for_each_scene(const SceneOptions& options, const program::Common& common,
                    const std::function<int(const std::string& scene)>& work) {
+  tell_old_keys(options, common);
   if (!options.several()) return work(options.scenes.front());
   int code = program::kDone;
   const char* between = "[\n";

@@ -32,6 +32,9 @@ SetPair set_pair(const std::string& text);
 /// The changes of a command that has no settings of a method to set. Throws Misuse.
 std::vector<scenes::SceneChange> scene_changes(const std::vector<std::string>& set);
 
+/// Tells of keys in the scenes that have another name now, unless the run is quiet.
+void tell_old_keys(const SceneOptions& options, const program::Common& common);
+
 /// Runs `work` for each scene, one after another; with --json and several scenes their results are
 /// the elements of one list. A scene that fails does not keep the others from their turn. Returns
 /// the first exit code that is not 0.

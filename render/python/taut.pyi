@@ -58,7 +58,7 @@ class World:
         mass: float,
         *,
         velocities: ArrayLike | None = None,
-        elasticity: float = 0.0,
+        restitution: float = 0.0,
         model: str = "links",
     ) -> None: ...
     def add_body(

@@ -76,7 +76,7 @@ std::shared_ptr<const Path> path_of(const py::object& times, const py::object& p
 }  // namespace
 
 void WorldObject::add_connector(const std::string& name, const py::object& positions, double mass,
-                                const py::object& velocities, double elasticity,
+                                const py::object& velocities, double restitution,
                                 const std::string& model) {
   refuse_second(world_.connectors, name, "connector");
   Connector made;
@@ -97,10 +97,10 @@ void WorldObject::add_connector(const std::string& name, const py::object& posit
         positive((made.position[i + 1] - made.position[i]).norm(), "length of a link"));
     made.length += made.rest.back();
   }
-  if (!(elasticity >= 0 && elasticity <= 1)) {
-    throw std::invalid_argument(fmt::format("elasticity: found {}, expected 0 to 1", elasticity));
+  if (!(restitution >= 0 && restitution <= 1)) {
+    throw std::invalid_argument(fmt::format("restitution: found {}, expected 0 to 1", restitution));
   }
-  made.elasticity = elasticity;
+  made.restitution = restitution;
   if (model != "links" && model != "span") {
     throw std::invalid_argument(
         fmt::format("model: found \"{}\", expected \"links\" or \"span\"", model));
@@ -172,11 +172,11 @@ them.)")
            }),
            "gravity"_a = py::make_tuple(0.0, -9.81, 0.0))
       .def("add_connector", &WorldObject::add_connector, "name"_a, "positions"_a, "mass"_a,
-           py::kw_only(), "velocities"_a = py::none(), "elasticity"_a = 0.0, "model"_a = "links",
+           py::kw_only(), "velocities"_a = py::none(), "restitution"_a = 0.0, "model"_a = "links",
            R"(Adds a rope, chain or cord.
 
 positions: (n, 3) m; links are as long as they are here. mass: kg, shared evenly by the particles.
-velocities: (n, 3) m/s, or None: at rest. elasticity: 0 to 1, when the span goes taut. model:
+velocities: (n, 3) m/s, or None: at rest. restitution: 0 to 1, when the span goes taut. model:
 "links", or "span" for a massless span.)")
       .def(
           "add_body",

@@ -14,7 +14,7 @@ class WorldObject : public std::enable_shared_from_this<WorldObject> {
   explicit WorldObject(const Vec3& gravity) { world_.gravity = gravity; }
 
   void add_connector(const std::string& name, const py::object& positions, double mass,
-                     const py::object& velocities, double elasticity, const std::string& model);
+                     const py::object& velocities, double restitution, const std::string& model);
   void add_body(Body body);
   void add_mass(const std::string& connector, py::ssize_t particle, double mass);
   void hold(const std::string& connector, py::ssize_t particle, const Attachment& to);

@@ -43,6 +43,7 @@ struct KeyFormat {
   std::size_t least = 0, most = std::numeric_limits<std::size_t>::max();  // elements of a list
   std::vector<std::string_view> choices = {};
   const TableFormat* table = nullptr;
+  std::string_view formerly = "";  // a name that it had; files with that one are read, with a note
 };
 
 /// Keys of which a table needs exactly one (or, when not `required`, may have at most one).

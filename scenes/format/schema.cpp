@@ -97,6 +97,11 @@ Json table_schema(const TableFormat& format) {
     Json& property = properties[std::string(key.name)];
     property["description"] = described(key);
     property.update(key_schema(key));
+    if (!key.formerly.empty()) {
+      Json& old = properties[std::string(key.formerly)] = key_schema(key);
+      old["description"] = "Is called " + std::string(key.name) + " now.";
+      old["deprecated"] = true;
+    }
     if (key.required) required.push_back(key.name);
   }
   for (const Alternatives& group : format.alternatives) groups.push_back(group_schema(group));

@@ -99,7 +99,7 @@ class Layout {
     Connector connector =
         straight_connector(value.name, length, mass, particles, Vec3::Zero(), Vec3::UnitY());
     if (text_or(value, "model", "links") == "span") connector.model = ConnectorModel::span;
-    connector.elasticity = number_or(value, "elasticity", 0);
+    connector.restitution = number_or(value, "restitution", 0);
     connector.radius =
         number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
     read_sections(document_, value, connector);

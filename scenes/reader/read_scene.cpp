@@ -5,6 +5,7 @@
 
 #include "scenes/files/standard_input.h"
 #include "scenes/format/format.h"
+#include "scenes/format/old_keys.h"
 #include "scenes/reader/reader.h"
 
 namespace taut::scenes {
@@ -117,6 +118,7 @@ void try_plan(const Document& document, const Value& plan, Scene& scene) {
 
 Scene read_scene(Document document, bool with_stage) {
   const std::optional<Value> plan = take_plan(document);
+  rename_old_keys(document);
   check_format(document);
   const Value& root = document.root;
   Scene scene;

@@ -70,6 +70,11 @@ std::vector<double> misses(const Choreography& problem, const std::vector<PathKe
 
 HandPath choreograph(const Choreography& problem, double within,
                      const std::function<void(double)>& watch) {
+  if (problem.world.topology == 0) {
+    Choreography finished = problem;
+    finish(finished.world);
+    return choreograph(finished, within, watch);
+  }
   const std::vector<PathKey> before = hand_path(problem.world, problem.body)->keys();
   const double from = before.back().time;
   FlatFit fit(problem, from);

@@ -30,7 +30,7 @@ struct HandLimits {
 /// The problem. The path that drives the other end of the body's connector rests from its last key
 /// on; there the hand's path begins, and there it ends.
 struct Choreography {
-  World world;  // finished, at its start
+  World world;  // at its start
   Timeline timeline;
   std::size_t body = 0;             // for which why_not_flat() has no reason
   Vec3 point = Vec3::Zero();        // m, body frame, on the line that the body hangs by

@@ -22,12 +22,9 @@ struct Follow final : Method {
   }
 };
 
-std::unique_ptr<Method> make(const Settings&) {
-  return std::make_unique<Follow>();
-}
-
 int main() {
-  add_method({.name = "follow", .summary = "each after its neighbour", .make = make});
+  add_method({.name = "follow",
+              .make = [](const Settings&) { return std::unique_ptr<Method>(new Follow); }});
   Connector rope = straight_connector("rope", 1, 0.2, 21, Vec3::Zero(), Vec3::UnitX());
   rope.holds = {{.particle = 0, .to = {.point = Vec3::Zero()}}};
   const study::Problem problem{World{.connectors = {rope}}, study::frame_times(1.0, 60)};

@@ -111,7 +111,7 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   cut_off_.push_back(0);
   second.name = world.connectors[original].name;
   add_mark(second.name, ++cut_off_[original]);
-  second.elasticity = first.elasticity;
+  second.restitution = first.restitution;
   second.model = first.model;
   // The longer part keeps the arrays: many cuts, one behind the other, take no more room.
   const bool head_is_shorter = 2 * at < first.particles();

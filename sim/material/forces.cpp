@@ -296,25 +296,4 @@ double MaterialForces::work() const {
   return 45 * count(stretches_) + 130 * count(bends_) + 60 * count(drags_);
 }
 
-double elastic_energy(const World& world) {
-  MaterialForces material;
-  material.rebuild(world, 0);
-  material.place(world, world.time);
-  std::vector<Vec3> position;
-  for (const Connector& connector : world.connectors) {
-    position.insert(position.end(), connector.position.begin(), connector.position.end());
-  }
-  double energy = 0;
-  for (const StretchElement& link : material.stretches()) {
-    const double longer = (position[link.b] - position[link.a]).norm() - link.rest;
-    energy += link.stiffness * longer * longer / 2;
-  }
-  Vec3 e0, e1;
-  for (const BendElement& bend : material.bends()) {
-    material.edges(bend, position.data()->data(), e0, e1);
-    energy += Bend(e0, e1).energy(bend.stiffness);
-  }
-  return energy;
-}
-
 }  // namespace taut::material

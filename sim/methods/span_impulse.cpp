@@ -122,7 +122,7 @@ bool close_joint(const Side& a, const Side& b, double dt) {
 /// of inertia is a number (about the axis that resists most), and nothing clamps it. It has moved
 /// with the mean of its velocities before and after. Returns the larger of the two impulses, N s.
 double printed_impulse(const Side& a, const Side& b, const Span& span, const Vec3& along,
-                       double separation_speed, double elasticity, double dt) {
+                       double separation_speed, double restitution, double dt) {
   double largest = 0;
   const auto apply = [&](const Side& side, const Vec3& toward_other) {
     if (side.inverse_mass == 0) return;
@@ -133,7 +133,7 @@ double printed_impulse(const Side& a, const Side& b, const Span& span, const Vec
       if (moment > 0) inverse += side.arm.squaredNorm() / moment;
     }
     const double size =
-        separation_speed * (1 + elasticity) / inverse * mass_ratio(span, side.inverse_mass);
+        separation_speed * (1 + restitution) / inverse * mass_ratio(span, side.inverse_mass);
     side.kick(size * toward_other, side.arm);
     side.shift(dt / 2 * size * toward_other, side.arm);
     largest = std::max(largest, size);
@@ -184,10 +184,11 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   const double limit = is_long ? reach.longest : reach.shortest;
   const Vec3 along = gap / distance;
   const double separation_speed = sign * along.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm));
-  const double elasticity = world.connectors[span.connector].elasticity;
+  const double restitution = world.connectors[span.connector].restitution;
   if (as_printed_) {
     if (separation_speed <= 0) return false;
-    const double size = printed_impulse(a, b, span, sign * along, separation_speed, elasticity, dt);
+    const double size =
+        printed_impulse(a, b, span, sign * along, separation_speed, restitution, dt);
     if (!span.taut) {
       log(Event::Kind::taut, time, 0);
       log(Event::Kind::impulse, time, size);
@@ -227,7 +228,7 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
         a.inverse_mass_along(line, arm_a, arm_a) + b.inverse_mass_along(line, arm_b, arm_b);
     const double speed = sign * line.dot(b.velocity_of(arm_b) - a.velocity_of(arm_a));
     // Thrown back at the moment of the impact, and pulled since; else the span stays taut.
-    const double back = elasticity * mass_ratio(span, inverse_mass) * (speed - pull * ago);
+    const double back = restitution * mass_ratio(span, inverse_mass) * (speed - pull * ago);
     const bool rebounds = back > pull * ago;
     const double wanted = rebounds ? pull * ago - back : 0;
     size = sign * (wanted - speed) / line.dot(then);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/measure/measure.h"
 #include "sim/world/room.h"
@@ -42,7 +43,7 @@ ErrorEstimate::ErrorEstimate(const World& world, std::string_view method, const 
   }
   other_method_ = companion_.method.get();
   other_.emplace(world, std::move(companion_.method), timeline);
-  const World& stepped = other_->world();
+  const World& stepped = std::as_const(*other_).world();
   for (std::size_t b = 0; b < stepped.bodies.size(); ++b) {
     const Body& body = stepped.bodies[b];
     if (!body.driven() && stepped.connectors.empty()) ends_.push_back({b, box_ends(body.bare)});
@@ -89,7 +90,7 @@ bool ErrorEstimate::due(const Simulation& simulation) {
 }
 
 void ErrorEstimate::advance_companion(const Simulation& simulation) {
-  const double from = other_->world().time, until = simulation.world().time;
+  const double from = std::as_const(*other_).world().time, until = simulation.world().time;
   if (companion_.heed) companion_.heed(*other_method_, simulation.method());
   const int parts = companion_.frames > 0 ? uncompared_ + 1 : 1;
   for (int i = 1; i < parts; ++i) other_->advance_to(from + (until - from) * i / parts);
@@ -110,7 +111,7 @@ void ErrorEstimate::sample(const World& world, Points& points) const {
 void ErrorEstimate::compare(const Simulation& simulation) {
   const World& world = simulation.world();
   sample(world, points_);
-  sample(other_->world(), other_points_);
+  sample(std::as_const(*other_).world(), other_points_);
   if (points_.size() != other_points_.size()) {
     throw std::invalid_argument("the simulation had interventions that its error estimate did not");
   }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -84,6 +85,8 @@ class Method {
   const std::vector<Event>& events() const { return events_; }
   /// Forgets the events and keeps their memory. Whoever advances for long calls it now and then.
   void clear_events() { events_.clear(); }
+  /// The same events, which the method forgets.
+  std::vector<Event> take_events() { return std::exchange(events_, {}); }
 
  protected:
   Counters counters_;

@@ -41,6 +41,7 @@ Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline tim
 void Simulation::advance_to(double time) {
   if (!(time >= world_.time)) throw std::invalid_argument("a simulation cannot go back in time");
   method_->clear_events();
+  if (is_shared_) refresh(world_);
   for (; next_ < entries_.size() && entries_[next_].time <= time; ++next_) {
     const Entry& entry = entries_[next_];
     if (entry.time > world_.time) method_->advance(world_, entry.time);
@@ -48,6 +49,11 @@ void Simulation::advance_to(double time) {
   }
   if (time > world_.time) method_->advance(world_, time);
   bodies_as_links_.follow(world_);
+}
+
+void Simulation::go_on_from(const World& world) {
+  world_ = world;
+  world_.topology += ++begun_;
 }
 
 void Simulation::enact(const Entry& entry) {

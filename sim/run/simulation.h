@@ -27,6 +27,10 @@ class Simulation {
   /// The method's events are those of this call afterwards. Throws Diverged and BadIntervention.
   void advance_to(double time);
 
+  /// Goes on from `world`, a state of this simulation's own at its present or later, where the
+  /// method begins anew.
+  void go_on_from(const World& world);
+
   const World& world() const { return world_; }
 
   /// The visible state, with all bodies of the world that was given; every connector keeps its
@@ -36,8 +40,15 @@ class Simulation {
 
   const Method& method() const { return *method_; }
 
-  // For what nobody foresaw, between two advances.
-  World& world() { return world_; }
+  /// The events since the last advance, which are nobody else's from now on.
+  std::vector<Event> take_events() { return method_->take_events(); }
+
+  /// For what nobody foresaw, between two advances. What is changed there by hand is made
+  /// consistent before the next one (refresh()), however long the reference is kept.
+  World& world() {
+    is_shared_ = true;
+    return world_;
+  }
   Interventions& interventions() { return interventions_; }
 
  private:
@@ -58,6 +69,8 @@ class Simulation {
   };
 
   World world_;
+  bool is_shared_ = false;   // somebody may change it
+  std::uint64_t begun_ = 0;  // how often the method began anew
   BodiesAsLinks bodies_as_links_;
   std::unique_ptr<Method> method_;
   Interventions interventions_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/measure/measure.h"
 
@@ -31,14 +32,15 @@ bool ComparedRun::next() {
   simulation_.advance_to(times[k]);
   const std::vector<Vec3> points =
       sample_points_.places(reference_.sample_points, simulation_.state());
-  const double energy = reference_.goes_on() ? balance_.next(simulation_.world()) : 0;
+  const double energy =
+      reference_.goes_on() ? balance_.next(std::as_const(simulation_).world()) : 0;
   if (k < reference_.known) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       raise(error_, distance_(points[i], reference_.points[k][i], times[k]));
     }
   } else {
     energy_.add(energy - reference_.energy[k]);
-    raise(stretch_, stretch_max(simulation_.world()));
+    raise(stretch_, stretch_max(std::as_const(simulation_).world()));
   }
   if (k + 1 >= reference_.known) speeds_.add(points, k > 0 ? times[k] - times[k - 1] : 1);
   return true;

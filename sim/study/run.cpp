@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/measure/measure.h"
 
@@ -25,8 +26,8 @@ class Slices {
 
   /// False where the cap stopped it.
   bool advance(Simulation& simulation, double until, double& cpu) {
-    while (simulation.world().time < until) {
-      const double now = simulation.world().time;
+    while (std::as_const(simulation).world().time < until) {
+      const double now = std::as_const(simulation).world().time;
       double next = until;
       if (step_ > 0 && now + (count_ + 1) * step_ < until) {
         next = std::round(now / step_ + count_) * step_;
@@ -81,8 +82,8 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
         result.reason = text_of(Run::End::over_cap);
         break;
       }
-      const double gained = energy(simulation.world()) - at_start;
-      const double stretch = stretch_max(simulation.world());
+      const double gained = energy(std::as_const(simulation).world()) - at_start;
+      const double stretch = stretch_max(std::as_const(simulation).world());
       if (!std::isfinite(gained) || !std::isfinite(stretch)) {
         result.end = Run::End::diverged;
         result.reason = "not finite";

@@ -41,7 +41,7 @@ struct Body {
   std::string name;
   BodyModel model = BodyModel::rigid;
   MassProperties mass_properties;    // with the particles that the body carries
-  MassProperties bare;               // without them; set by finish()
+  MassProperties bare;               // without them; set by finish(), changed by hand since
   std::shared_ptr<const Path> path;  // null: a free body
   Vec3 grip = Vec3::Zero();          // m, body frame; the point that the path carries
 

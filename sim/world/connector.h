@@ -78,10 +78,10 @@ enum class ConnectorModel {
 /// particle (n) or link (n-1).
 struct Connector {
   std::string name;
-  double length = 0;      // m, the sum of `rest`
-  double mass = 0;        // kg, of all particles, ends included; without point masses at the ends
-  double elasticity = 0;  // coefficient of restitution when the span goes taut, 0 to 1
-  double radius = 0;      // m, of the beads that touch obstacles: each particle is one
+  double length = 0;       // m, the sum of `rest`
+  double mass = 0;         // kg, of all particles, ends included; without point masses at the ends
+  double restitution = 0;  // coefficient of restitution when the span goes taut, 0 to 1
+  double radius = 0;       // m, of the beads that touch obstacles: each particle is one
   ConnectorModel model = ConnectorModel::links;
   std::vector<Hold> holds;  // sorted by particle; at most one per particle
 

@@ -54,10 +54,12 @@ void reweigh_holder(World& world, const Attachment& by) {
   if (!is_prescribed(world, by)) reweigh(world.bodies[by.body], laden(world, by.body));
 }
 
-void finish(World& world) {
-  if (const std::string flaw = joint_flaw(world); !flaw.empty()) throw std::invalid_argument(flaw);
-  std::vector<MassProperties> laden;  // of every body, as laden() adds them up
-  for (Body& body : world.bodies) laden.push_back(body.bare = body.mass_properties);
+namespace {
+
+/// The mass properties of every body, as laden() adds them up.
+std::vector<MassProperties> all_laden(const World& world) {
+  std::vector<MassProperties> laden;
+  for (const Body& body : world.bodies) laden.push_back(body.bare);
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     for (const Hold& hold : world.connectors[c].holds) {
       if (hold.to.kind != Attachment::Kind::body) continue;
@@ -66,6 +68,29 @@ void finish(World& world) {
       properties = with_point_mass(properties, mass, hold.to.point);
     }
   }
+  return laden;
+}
+
+}  // namespace
+
+void finish(World& world) {
+  if (const std::string flaw = joint_flaw(world); !flaw.empty()) throw std::invalid_argument(flaw);
+  for (Body& body : world.bodies) body.bare = body.mass_properties;
+  const std::vector<MassProperties> laden = all_laden(world);
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    if (!world.bodies[i].driven()) reweigh(world.bodies[i], laden[i]);
+  }
+  place_held(world, world.time);
+  world.topology = structure(world);
+}
+
+void refresh(World& world) {
+  if (structure(world) == world.topology) return;
+  if (const std::string flaw = joint_flaw(world); !flaw.empty()) throw std::invalid_argument(flaw);
+  for (Body& body : world.bodies) {
+    if (body.bare.mass == 0) body.bare = body.mass_properties;  // it is new
+  }
+  const std::vector<MassProperties> laden = all_laden(world);
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     if (!world.bodies[i].driven()) reweigh(world.bodies[i], laden[i]);
   }
@@ -91,12 +116,15 @@ std::uint64_t structure(const World& world) {
     hash.word(properties.mass);
     add(properties.centre);
     for (const double moment : properties.inertia.reshaped()) hash.word(moment);
+    hash.word(body.bare.mass);
+    add(body.bare.centre);
+    for (const double moment : body.bare.inertia.reshaped()) hash.word(moment);
     add_path(body.path);
     add(body.grip);
   }
   for (const Connector& connector : world.connectors) {
     hash.word(connector.particles()).word(static_cast<std::uint64_t>(connector.model));
-    hash.word(connector.elasticity);
+    hash.word(connector.restitution);
     for (const double rest : connector.rest) hash.word(rest);
     for (const double mass : connector.particle_mass) hash.word(mass);
     hash.word(connector.holds.size());

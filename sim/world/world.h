@@ -36,12 +36,18 @@ struct World {
 /// world. Throws std::invalid_argument where joint_flaw() finds one.
 void finish(World& world);
 
+/// Makes a finished world consistent again after changes by hand to connectors, holds, joints,
+/// obstacles or a body's `bare` mass, or after more bodies: free bodies weigh what they hold now,
+/// everything held is in its place, and the topology is numbered. Does nothing where nothing that
+/// structure() tells has changed. A Simulation calls it. Throws like finish().
+void refresh(World& world);
+
 /// Whether some connector stretches, resists bending or meets the air (Connector::sections).
 bool has_materials(const World& world);
 
 /// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
 /// them and joins them, bodies with their mass properties, paths, obstacles. Methods build on it,
-/// so World::topology is this number; whoever changes any of it by hand numbers it again.
+/// so World::topology is this number, which refresh() takes anew.
 std::uint64_t structure(const World& world);
 
 /// The mass properties of a free body with the particles that it holds.

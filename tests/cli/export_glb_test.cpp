@@ -21,7 +21,7 @@ class GlbMotion : public testing::TestWithParam<const char*> {};
 
 TEST_P(GlbMotion, ParticlesAndBodiesAreWhereTheSimulationHadThem) {
   const scenes::Scene scene = scene_of(GetParam());
-  const GlbFile file(exported(scene, glb_writer));
+  const GlbFile file(exported(scene, exporting::glb_writer));
   const World world = divided(scene.world, scene.timeline);
   const std::vector<double> reaches = exporting::body_reaches(scene);
   const std::vector<double> keys = file.keys();
@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, GlbMotion,
 TEST(GlbExport, PartsOfACutRopeAreWhereTheyAre) {
   Folder folder;
   scenes::Scene scene = scenes::load_scene(folder.write("cut.toml", kPinnedAndCut), true);
-  const GlbFile file(exported(scene, glb_writer));
+  const GlbFile file(exported(scene, exporting::glb_writer));
   for (const exporting::ExportState& state : states_of(scene)) {
     const double time = state.frame ? double(float(state.state.time)) : state.state.time;
     const char* names[] = {"cord", "rope", "rope'"};
@@ -82,7 +82,7 @@ TEST(GlbExport, PartsOfACutRopeAreWhereTheyAre) {
 TEST(GlbExport, FramesAreThoseOfARunThatStopsAtNothingElse) {
   const scenes::Scene scene = scene_of("pin.toml");
   ASSERT_EQ(scene.method.name, "direct");
-  const GlbFile file(exported(scene, glb_writer));
+  const GlbFile file(exported(scene, exporting::glb_writer));
   Simulation simulation = scenes::start(scene);
   const std::size_t first = file.node("rope.0");
   for (int frame = 0; frame < scene.frames(); ++frame) {
@@ -101,7 +101,7 @@ TEST(GlbExport, FramesAreThoseOfARunThatStopsAtNothingElse) {
 // The rings of a tube that belong to one particle alone are circles about it.
 TEST(GlbExport, ATubeGoesThroughItsParticles) {
   const scenes::Scene scene = scene_of("rope_swing.toml");
-  const GlbFile file(exported(scene, glb_writer));
+  const GlbFile file(exported(scene, exporting::glb_writer));
   const std::size_t tube = file.node("rope tube");
   const auto& attributes = file.attributes_of(tube, 0);
   const auto joints = file.numbers(attributes["JOINTS_0"]);
@@ -132,7 +132,7 @@ class DemoGlb : public testing::Test {
   static void SetUpTestSuite() {
     scene_ = new scenes::Scene(scene_of("nunchaku.toml"));
     scene_->stage->scenery.clear();
-    bytes_ = new std::string(exported(*scene_, glb_writer));
+    bytes_ = new std::string(exported(*scene_, exporting::glb_writer));
   }
   static void TearDownTestSuite() {
     delete scene_;

@@ -76,7 +76,7 @@ TEST(UsdaExport, ParticlesAreWhereTheSimulationHadThem) {
   for (const auto& [file, connector] :
        {std::pair("rope_swing.toml", "rope"), {"two_bodies.toml", "cord"}}) {
     const scenes::Scene scene = scene_of(file);
-    expect_particles(scene, exported(scene, usda_writer), {connector});
+    expect_particles(scene, exported(scene, exporting::usda_writer), {connector});
   }
 }
 
@@ -84,14 +84,14 @@ TEST(UsdaExport, ASceneWithoutAStageHasItsConnectorsAndBodies) {
   Folder folder;
   const scenes::Scene scene = scenes::load_scene(folder.write("cut.toml", kPinnedAndCut), false);
   ASSERT_FALSE(scene.stage);
-  const std::string usda = exported(scene, usda_writer);
+  const std::string usda = exported(scene, exporting::usda_writer);
   expect_particles(scene, usda, {"cord", "rope", "rope_"});
   EXPECT_NE(usda.find("def Xform \"free\""), std::string::npos);
 }
 
 TEST(UsdaExport, BodiesTurnAndCamerasLookAsTheyDo) {
   const scenes::Scene scene = scene_of("two_bodies.toml");
-  const std::string usda = exported(scene, usda_writer);
+  const std::string usda = exported(scene, exporting::usda_writer);
   EXPECT_EQ(usda.substr(0, 10), "#usda 1.0\n");
   EXPECT_NE(usda.find("upAxis = \"Y\""), std::string::npos);
   const Samples positions = samples(usda, "right", "xformOp:translate"),
@@ -169,7 +169,7 @@ struct Bvh {
 TEST(BvhExport, EveryJointIsWhereTheCharacterHasIt) {
   for (const char* name : {"nunchaku.toml", "earring.toml"}) {
     const scenes::Scene scene = scene_of(name);
-    const Bvh bvh(exported(scene, bvh_writer));
+    const Bvh bvh(exported(scene, exporting::bvh_writer));
     const scenes::Model& model = *scene.stage->characters[0];
     ASSERT_EQ(bvh.names.size(), model.bones.size());
     ASSERT_EQ(int(bvh.rows.size()), scene.frames());
@@ -188,7 +188,7 @@ TEST(BvhExport, EveryJointIsWhereTheCharacterHasIt) {
 TEST(BvhExport, ASceneWithoutACharacterIsRefused) {
   const scenes::Scene scene = scene_of("rope_swing.toml");
   try {
-    bvh_writer(scene, [](std::string_view) {});
+    exporting::bvh_writer(scene, [](std::string_view) {});
     FAIL();
   } catch (const scenes::BadScene& error) {
     EXPECT_NE(std::string(error.what()).find("has 0 characters on its stage, expected one"),

@@ -66,7 +66,6 @@ class Parts : public testing::Test {
 };
 
 TEST(Part, EveryPieceIsOfOnePartAndPartsAreEven) {
-  using namespace cli;
   for (const program::Share share : {program::Share::neighbours, program::Share::in_turn}) {
     for (const std::size_t total : {0u, 1u, 7u, 100u, 101u}) {
       for (const std::size_t count : {1u, 2u, 7u, 100u, 150u}) {

@@ -334,21 +334,6 @@ TEST(Classify, SaysOneClassPerMethodAndScene) {
   EXPECT_GT(judged(1, "xpbd").at("stretch_max"), 0.01);
 }
 
-TEST(Renamed, CommandsWorkUnderTheirFormerNames) {
-  const Folder folder;
-  folder.write("scene.toml", kShortSwing);
-  const ProgramResult now =
-      run_taut({"classify", "scene.toml", "--methods", "direct"}, folder.path());
-  const ProgramResult before =
-      run_taut({"judge", "scene.toml", "--methods", "direct"}, folder.path());
-  EXPECT_EQ(before.code, 0) << before.messages;
-  EXPECT_EQ(before.output, now.output);
-  EXPECT_NE(before.messages.find("taut: judge is called classify now\n"), std::string::npos)
-      << before.messages;
-  EXPECT_EQ(now.messages.find("is called"), std::string::npos) << now.messages;
-  EXPECT_EQ(run_taut({"reach", "--help"}, folder.path()).code, 0);
-}
-
 TEST(LongStability, FullMapsOfTheRopeSwing) {
   const Folder folder;
   const ProgramResult outcome =

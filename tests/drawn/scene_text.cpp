@@ -161,7 +161,7 @@ class Scene {
     lengths_[number] = length;
     line("length = {}", length);
     if (span) {
-      line("model = \"span\"\nparticles = 2\nmass = 0\nelasticity = {}", dice_.between(0, 1));
+      line("model = \"span\"\nparticles = 2\nmass = 0\nrestitution = {}", dice_.between(0, 1));
     } else {
       line("mass = {}", dice_.scale(1e-3, 1));
       line("particles = {}", static_cast<int>(dice_.scale(straight ? 2 : 4, most_)));

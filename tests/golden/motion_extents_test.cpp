@@ -48,7 +48,7 @@ class MotionExtentsTest : public testing::Test {
  protected:
   static constexpr picture::Rect kView{0, 0, 1000, 1000};
   // A metre at z = 0 is 1000 / (2 * 4 tan 0.25) pixels.
-  const Matrix4f projection_ = camera_projection({Vec3(0, 0, 4), Vec3::Zero(), 0.5}, 1);
+  const Matrix4f projection_ = draw::camera_projection({Vec3(0, 0, 4), Vec3::Zero(), 0.5}, 1);
   const double metre_ = 1000 / (8 * std::tan(0.25));
   gl::Context context_{gl::Backend::automatic};
   Ribbon ribbon_{context_.gl(), 10};

@@ -19,10 +19,10 @@ const std::filesystem::path kFolder =
 
 class PlantedFaults : public testing::Test {
  protected:
-  scenes::GoldenSuite suite_ = load_golden_suite(kFolder);
-  scenes::Scene scene_ = load_scene(suite_.frames.front().scene, true);
+  scenes::GoldenSuite suite_ = scenes::load_golden_suite(kFolder);
+  scenes::Scene scene_ = scenes::load_scene(suite_.frames.front().scene, true);
   gl::Context context_{gl::Backend::automatic};
-  golden::Renderer here_ = renderer_of(context_.description());
+  golden::Renderer here_ = golden::renderer_of(context_.description());
   golden::Renderer same_driver_{here_.driver, "another processor"};
   golden::Renderer other_driver_{"another driver", "another processor"};
 

@@ -51,7 +51,7 @@ double smooth_difference(const picture::Picture& a, const picture::Picture& b) {
 class Clip {
  public:
   Clip(const std::string& name, int height, double apart)
-      : scene_(load_scene(kScenes / (name + ".toml"), true)),
+      : scene_(scenes::load_scene(kScenes / (name + ".toml"), true)),
         shrink_(double(height) / scene_.height) {
     scene_.stage->exposures_apart *= apart * shrink_;
     scene_.width = height * scene_.width / scene_.height;
@@ -127,7 +127,8 @@ INSTANTIATE_TEST_SUITE_P(All, SavingsShow, testing::ValuesIn(clips()),
 class LongSavingsShow : public testing::TestWithParam<std::string> {};
 
 TEST_P(LongSavingsShow, InNoFrameOfFullSize) {
-  expect_nothing_shows(GetParam(), load_scene(kScenes / (GetParam() + ".toml"), true).height, 1, 1);
+  expect_nothing_shows(GetParam(),
+                       scenes::load_scene(kScenes / (GetParam() + ".toml"), true).height, 1, 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Long, LongSavingsShow, testing::ValuesIn(clips()),

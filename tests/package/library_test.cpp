@@ -29,6 +29,11 @@ TEST(InstalledLibrary, ShowsItsOwnNamesAlone) {
     const bool own = name.find("taut::") < name.find_first_of("(<") || name == "TAUT_0@@TAUT_0" ||
                      name == "TAUT_0";
     EXPECT_TRUE(own) << line;
+    const bool cloned = line.find(" i ") < line.find(name) || name.find("[clone") < name.size();
+    for (const char* inside : {"methods", "direct"}) {
+      const bool shown = name.find("taut::" + std::string(inside) + "::") < name.size();
+      EXPECT_TRUE(cloned || !shown) << line;
+    }
   }
   EXPECT_GT(count, 100);
 }
@@ -65,6 +70,14 @@ TEST(InstalledLibrary, PassesOnNoFlagsAndNoPlaces) {
     for (const char* word : {"-Wall", "-Werror", "-Wconversion", "taut_flags", TAUT_SOURCE_DIR}) {
       EXPECT_EQ(text.find(word), std::string::npos) << file << ": " << word;
     }
+  }
+}
+
+TEST(InstalledLibrary, ExamplesAreShort) {
+  for (const char* name : {"swing", "pin_and_release", "ten_thousand_ropes", "own_method"}) {
+    const std::string text = read_file(fs::path(TAUT_SOURCE_DIR "/sim/examples") / name += ".cpp");
+    EXPECT_GT(std::ranges::count(text, '\n'), 10) << name;
+    EXPECT_LE(std::ranges::count(text, '\n'), 40) << name;
   }
 }
 
@@ -131,7 +144,7 @@ target_link_libraries(rooms PRIVATE taut::render)
   folder.write("rooms.cpp", R"cpp(#include <taut/render/picture/picture.h>
 #include <taut/scenes/load_scene.h>
                                   int main() {
-                                    return taut::find_method("multibody") && taut::frame_count(1, 60) == 60 ? 0 : 1;
+                                    return taut::find_method("multibody") && taut::scenes::frame_count(1, 60) == 60 ? 0 : 1;
                                   }
   )cpp");
   const std::string build = (folder.path() / "build").string();

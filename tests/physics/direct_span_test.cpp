@@ -16,11 +16,11 @@ using worlds::kGravity;
 constexpr double kLength = 0.5, kMass = 0.2;  // m, kg
 
 /// A point mass on a massless span from the origin.
-World weight_at(const Vec3& place, const Vec3& velocity, double elasticity) {
+World weight_at(const Vec3& place, const Vec3& velocity, double restitution) {
   World world;
   Connector cord = straight_connector("cord", kLength, 0, 6, Vec3::Zero(), -Vec3::UnitY());
   cord.model = ConnectorModel::span;
-  cord.elasticity = elasticity;
+  cord.restitution = restitution;
   cord.particle_mass.back() = kMass;
   cord.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
   for (std::size_t k = 0; k <= 5; ++k) {
@@ -44,20 +44,20 @@ const Event* first(const Method& method, Event::Kind kind) {
 }
 
 TEST(DirectSpan, AFallIsFreeUntilTheSpanIsTautAndReboundsAsStated) {
-  for (const double elasticity : {0.0, 0.3, 0.8}) {
-    Simulation simulation = direct(weight_at(Vec3(0, -0.1, 0), Vec3::Zero(), elasticity));
+  for (const double restitution : {0.0, 0.3, 0.8}) {
+    Simulation simulation = direct(weight_at(Vec3(0, -0.1, 0), Vec3::Zero(), restitution));
     const double fall = std::sqrt(2 * (kLength - 0.1) / kGravity), speed = kGravity * fall;
     const double later = 0.01;  // s, before it would be taut again
     simulation.advance_to(fall + later);
     const Event* taut = first(simulation.method(), Event::Kind::taut);
     const Event* impulse = first(simulation.method(), Event::Kind::impulse);
-    ASSERT_TRUE(taut && impulse) << elasticity;
+    ASSERT_TRUE(taut && impulse) << restitution;
     EXPECT_NEAR(taut->time, fall, 1e-8);
-    EXPECT_NEAR(impulse->size, kMass * (1 + elasticity) * speed, 1e-6);
-    const double back = elasticity * speed;
+    EXPECT_NEAR(impulse->size, kMass * (1 + restitution) * speed, 1e-6);
+    const double back = restitution * speed;
     const double height =
         back > 0 ? -kLength + back * later - kGravity * later * later / 2 : -kLength;
-    EXPECT_NEAR(simulation.world().connectors[0].position[5].y(), height, 1e-7) << elasticity;
+    EXPECT_NEAR(simulation.world().connectors[0].position[5].y(), height, 1e-7) << restitution;
   }
 }
 
@@ -77,8 +77,8 @@ TEST(DirectSpan, AWeightLeavesTheCircleWhereTheTensionIsZero) {
   EXPECT_NEAR(place.norm(), kLength, 1e-9);
 }
 
-TEST(DirectSpan, BodiesKeepTheirMomentumAndLoseWhatTheElasticityTakes) {
-  constexpr double elasticity = 0.4;
+TEST(DirectSpan, BodiesKeepTheirMomentumAndLoseWhatTheRestitutionTakes) {
+  constexpr double restitution = 0.4;
   World world;
   world.gravity.setZero();
   world.bodies = {worlds::box("a"), worlds::box("b")};
@@ -88,7 +88,7 @@ TEST(DirectSpan, BodiesKeepTheirMomentumAndLoseWhatTheElasticityTakes) {
   for (Body& body : world.bodies) body.mass_properties.centre.setZero();
   Connector cord = straight_connector("cord", kLength, 0, 3, Vec3::Zero(), Vec3::UnitX());
   cord.model = ConnectorModel::span;
-  cord.elasticity = elasticity;
+  cord.restitution = restitution;
   cord.holds = {{0, worlds::on_body(0, Vec3::Zero())}, {2, worlds::on_body(1, Vec3::Zero())}};
   world.connectors = {cord};
   finish(world);
@@ -100,7 +100,7 @@ TEST(DirectSpan, BodiesKeepTheirMomentumAndLoseWhatTheElasticityTakes) {
   EXPECT_LT((linear_momentum(now) - linear).norm(), 1e-13 * linear.norm());
   EXPECT_LT((angular_momentum(now) - angular).norm(), 1e-13 * linear.norm());
   const double a = world.bodies[0].mass_properties.mass, b = world.bodies[1].mass_properties.mass;
-  const double loss = a * b / (a + b) * 4 * (1 - elasticity * elasticity) / 2;
+  const double loss = a * b / (a + b) * 4 * (1 - restitution * restitution) / 2;
   EXPECT_NEAR(before - kinetic_energy(now), loss, 1e-9 * before);
 }
 
@@ -119,7 +119,7 @@ TEST(DirectSpan, ReboundsComeToAnEndWithoutGravityToo) {
   world.bodies = {stick, box};
   Connector cord = straight_connector("cord", 0.5, 0, 11, Vec3::Zero(), Vec3::UnitX());
   cord.model = ConnectorModel::span;
-  cord.elasticity = 0.3;
+  cord.restitution = 0.3;
   cord.holds = {{0, worlds::on_body(0, Vec3(0, 0.15, 0))},
                 {10, worlds::on_body(1, Vec3(-0.05, 0, 0))}};
   world.connectors = {cord};

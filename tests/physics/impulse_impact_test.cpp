@@ -63,35 +63,35 @@ double reduced_mass(const World& world, const Vec3& along) {
   return 1 / inverse;
 }
 
-World stick_on_a_fixed_cord(double elasticity) {
+World stick_on_a_fixed_cord(double restitution) {
   World world;
   world.bodies = {stick(Vec3(0.05, -0.1, 0.02), Vec3(0.4, -2, 0.3), Vec3(3, 2, -5))};
   Connector line = cord(0.2, 0, 5, Vec3(0, 0.15, 0), world.bodies[0].point(Vec3(0, 0.15, 0.01)));
   line.holds = {{0, fixed(Vec3(0, 0.15, 0))}, {4, on_body(0, Vec3(0, 0.15, 0.01))}};
-  line.elasticity = elasticity;
+  line.restitution = restitution;
   world.connectors = {line};
   return world;
 }
 
-TEST(Impulse, AGoingTautReversesThePartingByTheElasticity) {
-  for (const double elasticity : {0.0, 0.3, 1.0}) {
-    for (const World& world : {stick_on_a_fixed_cord(elasticity), two_sticks(elasticity)}) {
+TEST(Impulse, AGoingTautReversesThePartingByTheRestitution) {
+  for (const double restitution : {0.0, 0.3, 1.0}) {
+    for (const World& world : {stick_on_a_fixed_cord(restitution), two_sticks(restitution)}) {
       const Impact hit = impact(world, {{"step", 1e-4}});
       const double before = separation_speed(hit.before, hit.along),
                    after = separation_speed(hit.after, hit.along);
       ASSERT_GT(before, 0.5);
       // The bodies turn by up to spin * step = 6e-4 rad within the step of the impact.
-      EXPECT_NEAR(after, -elasticity * before, 2e-3 * before);
-      const double loss =
-          reduced_mass(hit.before, hit.along) * before * before * (1 - elasticity * elasticity) / 2;
+      EXPECT_NEAR(after, -restitution * before, 2e-3 * before);
+      const double loss = reduced_mass(hit.before, hit.along) * before * before *
+                          (1 - restitution * restitution) / 2;
       EXPECT_NEAR(hit.lost, loss, 3e-3 * kinetic_energy(hit.before));
     }
   }
 }
 
 TEST(Impulse, TwoFreeBodiesKeepTheirMomentum) {
-  for (const double elasticity : {0.0, 0.6}) {
-    World world = two_sticks(elasticity);
+  for (const double restitution : {0.0, 0.6}) {
+    World world = two_sticks(restitution);
     world.gravity = Vec3::Zero();
     finish(world);
     const Vec3 linear = linear_momentum(world), angular = angular_momentum(world);
@@ -134,22 +134,22 @@ TEST(Impulse, ThePrintedFormReboundsFullyBetweenEqualMasses) {
   }
 }
 
-TEST(Impulse, ThePrintedFormLetsAHandleSinkWhereElasticityIsSmallerThanTheMassRatio) {
+TEST(Impulse, ThePrintedFormLetsAHandleSinkWhereRestitutionIsSmallerThanTheMassRatio) {
   // Each step gravity adds g dt to a hanging handle's speed and the impulse leaves the part
   // f = 1 - (1 + e) m_a / (m_c + m_a) of it: it settles at f/(1-f) g dt, downwards for f > 0,
   // which is e < m_c/m_a. Over a step it moves with the mean of its speeds.
   const double handle = 0.4, rope = 0.1, dt = 0.001;
-  for (const double elasticity : {0.0, 0.1, 0.2, 0.24}) {
+  for (const double restitution : {0.0, 0.1, 0.2, 0.24}) {
     World world;
     Connector line = cord(1, rope, 2, Vec3::Zero(), Vec3(0, -1, 0));
     line.holds = {{0, fixed(Vec3::Zero())}};
     line.particle_mass[1] = handle;
-    line.elasticity = elasticity;
+    line.restitution = restitution;
     world.connectors = {line};
     finish(world);
     World corrected = world;
     make_method("impulse", {{"step", dt}, {"as_printed", true}})->advance(world, 2.0);
-    const double left = 1 - (1 + elasticity) * handle / (rope + handle);
+    const double left = 1 - (1 + restitution) * handle / (rope + handle);
     const double rate = left / (1 - left) * kGravity * dt;
     const double sunk = -1 - world.connectors[0].position[1].y();
     EXPECT_GT(left, 0);

@@ -89,7 +89,7 @@ TEST(Impulse, EventsTellWhenAndHowMuch) {
   world.connectors[0] = cord(1, 0, 5, Vec3::Zero(), Vec3(0, -0.4, 0));
   world.connectors[0].holds = {{0, fixed(Vec3::Zero())}};
   world.connectors[0].particle_mass[4] = 0.5;
-  world.connectors[0].elasticity = 0.5;
+  world.connectors[0].restitution = 0.5;
   finish(world);
   const auto method = make_method("impulse", {{"step", 0.0005}});
   method->advance(world, 1.0);

@@ -47,7 +47,7 @@ inline World pendulum(const Vec3& place) {
   return world;
 }
 
-inline World two_sticks(double elasticity, double cord_mass = 0) {
+inline World two_sticks(double restitution, double cord_mass = 0) {
   World world;
   world.bodies = {stick(Vec3(0, 0, 0), Vec3(0.2, 1.5, 0), Vec3(1, 2, 3)),
                   stick(Vec3(0.05, -0.45, 0), Vec3(-0.1, -1, 0.4), Vec3(-2, 1, 4))};
@@ -55,7 +55,7 @@ inline World two_sticks(double elasticity, double cord_mass = 0) {
   Connector line = cord(0.2, cord_mass, 5, world.bodies[0].point(Vec3(0, -0.15, 0)),
                         world.bodies[1].point(Vec3(0, 0.15, 0)));
   line.holds = {{0, on_body(0, Vec3(0, -0.15, 0))}, {4, on_body(1, Vec3(0, 0.15, 0))}};
-  line.elasticity = elasticity;
+  line.restitution = restitution;
   world.connectors = {line};
   return world;
 }

@@ -80,7 +80,7 @@ class RoutineHands : public testing::Test {
     return bones[std::size_t(model_.bone(name))].position;
   }
 
-  const scenes::Scene scene_ = load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
+  const scenes::Scene scene_ = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
   const scenes::Model& model_ = *scene_.stage->characters[0];
 };
 

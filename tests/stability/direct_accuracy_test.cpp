@@ -122,7 +122,7 @@ double horizon(const study::Run& one, const study::Run& other, const World& worl
 }
 
 study::Run go(const World& world, const char* method, const Settings& settings) {
-  return run({world, study::frame_times(kDuration, 60)}, {method, settings}, kCap);
+  return study::run({world, study::frame_times(kDuration, 60)}, {method, settings}, kCap);
 }
 
 /// Errors against the direct method's own converged solution, which is checked against the truth

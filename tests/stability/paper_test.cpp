@@ -43,14 +43,14 @@ TEST(Paper, ErrorStopsFallingAtWhatTheModelMisses) {
 }
 
 /// How often a hanging handle of four times the cord's mass turns round in a second.
-int turns(double elasticity) {
+int turns(double restitution) {
   constexpr double kStep = 0.001;
   World world;
   world.connectors = {straight_connector("cord", 1, 0.1, 2, Vec3::Zero(), -Vec3::UnitY())};
   Connector& cord = world.connectors[0];
   cord.holds = {{0, {}}};
   cord.particle_mass[1] = 0.4;
-  cord.elasticity = elasticity;
+  cord.restitution = restitution;
   finish(world);
   Simulation simulation(world, make_method("impulse", {{"step", kStep}, {"as_printed", true}}));
   int count = 0;
@@ -65,8 +65,8 @@ int turns(double elasticity) {
 }
 
 // Of the speed v that a handle parts with, the printed form leaves v (1 - (1 + e) m_a/(m_c + m_a)):
-// more elasticity e than the cord's share m_c/m_a, and each catch throws it back, without end.
-TEST(Paper, TooMuchElasticityMakesARestingHandleJitter) {
+// more restitution e than the cord's share m_c/m_a, and each catch throws it back, without end.
+TEST(Paper, TooMuchRestitutionMakesARestingHandleJitter) {
   EXPECT_EQ(turns(0.2), 0);
   EXPECT_EQ(turns(0.24), 0);
   EXPECT_GT(turns(0.4), 100);

@@ -8,11 +8,11 @@
 #include <optional>
 #include <random>
 
-#include "../physics/worlds.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 #include "sim/run/trajectory.h"
 #include "sim/study/run.h"
+#include "tests/stability/flail.h"
 
 namespace taut {
 namespace {
@@ -36,30 +36,6 @@ struct Weather {
   double per_step = 0;
 };
 
-/// A rope between two boxes, all thrown and spinning, and a stick that flies with it. Nothing pulls
-/// from outside, so that momentum changes by the pins alone.
-World flail() {
-  World world = worlds::thrown(kParticles);
-  world.gravity.setZero();
-  Body stick;
-  stick.name = "stick";
-  stick.mass_properties = solid_cylinder(0.3, 0.4, 0.03);
-  stick.position = Vec3(0.2, 0.05, 0.03);
-  stick.velocity = Vec3(0.4, 1, 0.2);
-  world.bodies.push_back(stick);
-  finish(world);
-  return world;
-}
-
-double mass(const World& world) {
-  double sum = 0;
-  for (const Body& body : world.bodies) sum += body.bare.mass;
-  for (const Connector& connector : world.connectors) {
-    sum += std::accumulate(connector.particle_mass.begin(), connector.particle_mass.end(), 0.0);
-  }
-  return sum;
-}
-
 std::size_t particles(const World& world) {
   std::size_t sum = 0;
   for (const Connector& connector : world.connectors) sum += connector.particles();
@@ -70,7 +46,7 @@ class Storm {
  public:
   Storm(const Weather& weather, unsigned seed)
       : weather_(weather),
-        simulation_(flail(), make_method(weather.method, weather.settings)),
+        simulation_(flail(kParticles), make_method(weather.method, weather.settings)),
         random_(seed) {
     const World& world = simulation_.world();
     mass_ = mass(world);
@@ -283,7 +259,7 @@ class Storm {
 /// up to dt times the change of their velocity: angular momentum changes by sum m (dv)^2 dt at
 /// most. A snap turns velocities round at the utmost, which is 8 times their energy.
 double snapped(double step) {
-  const World world = flail();
+  const World world = flail(kParticles);
   return 8 * kinetic_energy(world) * step / angular_momentum(world).norm();
 }
 
@@ -336,7 +312,7 @@ TEST_P(LongInStorms, NothingIsLost) {
 
 TEST_P(InStorms, APinAndItsReleaseBetweenTheSameStepsLeaveNoTrace) {
   const auto run = [&](bool pinned) {
-    Simulation simulation(flail(), method());
+    Simulation simulation(flail(kParticles), method());
     for (int frame = 1; frame <= 6; ++frame) {
       simulation.advance_to(frame / 60.0);
       if (!pinned) continue;
@@ -355,7 +331,7 @@ TEST_P(InStorms, APinAndItsReleaseBetweenTheSameStepsLeaveNoTrace) {
 // A pin a tenth of a millimetre from a particle lets it turn about the pin some thousand times a
 // second: a method may find its step too long for that, and says so.
 TEST_P(InStorms, APinTooNearToAParticleIsFollowedOrNamed) {
-  Simulation simulation(flail(), method());
+  Simulation simulation(flail(kParticles), method());
   simulation.advance_to(0.05);
   ASSERT_EQ(simulation.interventions().pin(simulation.world(), 0, 0.2001).outcome, Outcome::done);
   try {

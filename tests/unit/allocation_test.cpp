@@ -48,7 +48,7 @@ namespace {
 World stick_on_a_rope() {
   World world;
   Connector rope = straight_connector("rope", 1, 0.2, 21, Vec3::Zero(), Vec3(1, -1, 0));
-  rope.elasticity = 0.5;
+  rope.restitution = 0.5;
   Body stick;
   stick.mass_properties = solid_cylinder(0.3, 0.4, 0.03);
   rope.position.back() = Vec3(0.3, -0.3, 0);  // slack at first

@@ -54,16 +54,16 @@ double lag(scenes::Control control, const Vec3& way) {
 
 TEST(CharacterActing, TorsoShouldersAndHeadFollowTheHandLate) {
   const Vec3 aside(0.15, 0, 0), ahead(0, 0, 0.12), up(0, 0.15, 0);
-  for (const auto& [control, way] : {std::pair{spine_yaw, aside},
-                                     {pelvis_yaw, aside},
-                                     {spine_tilt, aside},
-                                     {spine_tilt, up},
-                                     {spine_lean, ahead},
-                                     {right_shoulder_up, up},
-                                     {right_shoulder_forward, ahead},
-                                     {guard_z, ahead},
-                                     {head_yaw, aside},
-                                     {head_lean, up}}) {
+  for (const auto& [control, way] : {std::pair{scenes::spine_yaw, aside},
+                                     {scenes::pelvis_yaw, aside},
+                                     {scenes::spine_tilt, aside},
+                                     {scenes::spine_tilt, up},
+                                     {scenes::spine_lean, ahead},
+                                     {scenes::right_shoulder_up, up},
+                                     {scenes::right_shoulder_forward, ahead},
+                                     {scenes::guard_z, ahead},
+                                     {scenes::head_yaw, aside},
+                                     {scenes::head_lean, up}}) {
     EXPECT_GT(lag(control, way), 0.080) << control;
     EXPECT_LT(lag(control, way), 0.120) << control;
   }
@@ -78,10 +78,10 @@ TEST(CharacterActing, TheBodyPreparesForAMove) {
       most = std::max(most, -values[i] / values.back());
     return most;
   };
-  EXPECT_GT(before(spine_yaw, Vec3(0.15, 0, 0)), 0.2);
-  EXPECT_GT(before(pelvis_yaw, Vec3(0.15, 0, 0)), 0.2);
-  EXPECT_GT(before(root_x, Vec3(0.15, 0, 0)), 0.2);
-  EXPECT_GT(before(root_y, Vec3(0, 0.15, 0)), 0.2);  // it sinks before the hand rises
+  EXPECT_GT(before(scenes::spine_yaw, Vec3(0.15, 0, 0)), 0.2);
+  EXPECT_GT(before(scenes::pelvis_yaw, Vec3(0.15, 0, 0)), 0.2);
+  EXPECT_GT(before(scenes::root_x, Vec3(0.15, 0, 0)), 0.2);
+  EXPECT_GT(before(scenes::root_y, Vec3(0, 0.15, 0)), 0.2);  // it sinks before the hand rises
 }
 
 TEST(CharacterActing, AStillBodyBreathes) {
@@ -89,7 +89,7 @@ TEST(CharacterActing, AStillBodyBreathes) {
   double low = INFINITY, high = -INFINITY;
   std::vector<double> turns;  // s: when the shoulders are at their highest
   for (Eigen::Index i = 1; i + 1 < still.count(); ++i) {
-    const auto at = [&](Eigen::Index k) { return still[k][left_shoulder_up]; };
+    const auto at = [&](Eigen::Index k) { return still[k][scenes::left_shoulder_up]; };
     low = std::min(low, at(i));
     high = std::max(high, at(i));
     if (at(i) > at(i - 1) && at(i) >= at(i + 1)) turns.push_back(still.time(i));
@@ -104,10 +104,10 @@ TEST(CharacterActing, TheLidsBlinkNowAndThen) {
   const scenes::Track track = controls(move(Vec3::Zero()));
   int blinks = 0, closed = 0;
   for (Eigen::Index i = 1; i < track.count(); ++i) {
-    const double lid = track[i][lids];
+    const double lid = track[i][scenes::lids];
     EXPECT_GE(lid, 0);
     EXPECT_LE(lid, 1);
-    blinks += lid > 0.9 && track[i - 1][lids] <= 0.9;
+    blinks += lid > 0.9 && track[i - 1][scenes::lids] <= 0.9;
     closed += lid > 0.5;
   }
   EXPECT_EQ(blinks, 2);  // in 6 s

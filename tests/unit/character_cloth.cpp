@@ -53,7 +53,7 @@ class CharacterCloth : public testing::Test {
     return vertices;
   }
 
-  const scenes::Model model_ = load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
+  const scenes::Model model_ = scenes::load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
 };
 
 /// Whether a triangle faces against the normals of its corners.

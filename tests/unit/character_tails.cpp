@@ -28,7 +28,7 @@ class CharacterTails : public testing::Test {
     return way * u * u * (3 - 2 * u);
   }
 
-  const scenes::Model model_ = load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
+  const scenes::Model model_ = scenes::load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb");
   const scenes::Skeleton skeleton_{model_};
   const scenes::Tails tails_{skeleton_};
 };

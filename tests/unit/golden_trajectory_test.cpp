@@ -19,7 +19,7 @@ to = { free = true }
 start = { direction = [1, 0, 0] }
 )";
 
-TEST(GoldenTrajectory, SaysWhatOfTheSceneChanged) {
+TEST(scenes::GoldenTrajectory, SaysWhatOfTheSceneChanged) {
   const Folder folder;
   scenes::GoldenTrajectory golden;
   golden.scene = folder.write("scene.toml", kSwing);

@@ -21,7 +21,7 @@ World swing(std::size_t particles) {
   return world;
 }
 
-TEST(SamplePoints, LieBetweenTheParticlesOfACoarserChain) {
+TEST(study::SamplePoints, LieBetweenTheParticlesOfACoarserChain) {
   const World fine = swing(5), coarse = swing(2);
   const study::SamplePoints sample_points(fine, snapshot(fine)), own(coarse, snapshot(coarse));
   const std::vector<Vec3> places = own.places(sample_points, snapshot(coarse));
@@ -31,7 +31,7 @@ TEST(SamplePoints, LieBetweenTheParticlesOfACoarserChain) {
   }
 }
 
-TEST(SamplePoints, OfAStickAreItsEnds) {
+TEST(study::SamplePoints, OfAStickAreItsEnds) {
   World world;
   Body stick;
   stick.mass_properties = solid_cylinder(0.2, 0.3, 0.02);
@@ -61,9 +61,9 @@ TEST(Distributions, DifferByTheLargestShare) {
   EXPECT_DOUBLE_EQ(study::distribution_distance(a, b, 2), 0);
 }
 
-TEST(ReferenceSolution, OfASwingIsKnownToItsEnd) {
+TEST(study::ReferenceSolution, OfASwingIsKnownToItsEnd) {
   const study::ReferenceSolution reference =
-      solve_reference({swing(21), study::frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
+      study::solve_reference({swing(21), study::frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
   EXPECT_EQ(reference.known, reference.points.size());
   EXPECT_EQ(reference.checked, reference.known) << "by the truth";
   EXPECT_FALSE(reference.goes_on());
@@ -82,9 +82,9 @@ World drop(std::size_t particles) {
   return world;
 }
 
-TEST(ReferenceSolution, BeyondTheHorizonKeepsWhatAllMotionsHaveInCommon) {
+TEST(study::ReferenceSolution, BeyondTheHorizonKeepsWhatAllMotionsHaveInCommon) {
   const study::ReferenceSolution reference =
-      solve_reference({drop(21), study::frame_times(1.5, 60)}, 1e-3, 1e9, no_tick);
+      study::solve_reference({drop(21), study::frame_times(1.5, 60)}, 1e-3, 1e9, no_tick);
   ASSERT_TRUE(reference.goes_on());
   EXPECT_LT(reference.known, 20u);
   EXPECT_NEAR(reference.most.energy, 1e-3 / 0.2, 1e-4) << "a closed world keeps its energy";
@@ -112,7 +112,7 @@ TEST(ErrorOfAChain, IsWhereTwiceAndFourTimesTheLinksLeadTo) {
 /// links must be what far more links show.
 TEST(ErrorOfAChain, IsThatOfFarMoreLinks) {
   const study::ReferenceSolution reference =
-      solve_reference({swing(6), study::frame_times(0.3, 60)}, 1e-3, 1e9, no_tick);
+      study::solve_reference({swing(6), study::frame_times(0.3, 60)}, 1e-3, 1e9, no_tick);
   const auto from = [&](std::size_t particles) {
     return study::distance_between(reference, swing(particles), {},
                                    {"direct", {{"tolerance", 1e-6}}}, metres);
@@ -142,7 +142,7 @@ class Planner : public testing::Test {
   }
 
   const study::ReferenceSolution reference_ =
-      solve_reference({swing(21), study::frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
+      study::solve_reference({swing(21), study::frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
   std::vector<study::PlanModel> models_;
 };
 

@@ -214,7 +214,7 @@ length = 0.5
 mass = 0
 particles = 5
 model = "span"
-elasticity = 0.25
+restitution = 0.25
 from = { fixed = [0, 1, 0] }
 to = { body = "b" }
 )");
@@ -225,7 +225,7 @@ to = { body = "b" }
   EXPECT_EQ(body.mass_properties.inertia(1, 0), 0.1);
   EXPECT_EQ(scene.world.connectors[0].position[0], scene.world.connectors[0].position[1]);
   EXPECT_EQ(scene.world.connectors[1].model, ConnectorModel::span);
-  EXPECT_EQ(scene.world.connectors[1].elasticity, 0.25);
+  EXPECT_EQ(scene.world.connectors[1].restitution, 0.25);
 }
 
 TEST_F(SceneTest, PinsSayWhatHoldsWhatWhen) {

@@ -173,7 +173,7 @@ TEST(World, TopologyIsAllThatMethodsBuildOn) {
   EXPECT_TRUE(changed([](World& w, Connector&) { w.bodies[0].mass_properties.mass *= 2; }));
   EXPECT_TRUE(changed([&](World& w, Connector&) { w.bodies[0].path = path(1); }));
   EXPECT_TRUE(changed([](World&, Connector& cord) { cord.model = ConnectorModel::span; }));
-  EXPECT_TRUE(changed([](World&, Connector& cord) { cord.elasticity = 0.5; }));
+  EXPECT_TRUE(changed([](World&, Connector& cord) { cord.restitution = 0.5; }));
   EXPECT_TRUE(changed([](World&, Connector& cord) { cord.holds[0].to.approach.arrival = 1; }));
 }
 

@@ -78,7 +78,7 @@ void Spans::prepare(const World& world) {
     const auto takes_part = [](const SpanEnd& end) { return end.kind != SpanEnd::Kind::follower; };
     if (!takes_part(span.a) || !takes_part(span.b)) continue;
     ties_.push_back({s, attachment(world, span, span.a), attachment(world, span, span.b),
-                     connector.elasticity});
+                     connector.restitution});
   }
   inner_ = world;
   for (const PointMass& p : point_masses_) {
@@ -252,7 +252,7 @@ void Spans::advance_to_break(double until) {
 bool Spans::rebounds(Tie& tie, std::vector<Event>& events) {
   const Ends ends = ends_of(inner_, tie.a, tie.b);
   const double mobility = answer(inner_, tie.a, ends.line) + answer(inner_, tie.b, ends.line);
-  const double back = tie.elasticity * ends.parting;
+  const double back = tie.restitution * ends.parting;
   const bool flies = back > 0 && inner_.time - tie.thrown_back > kShortestFlight;
   const double impulse = (ends.parting + (flies ? back : 0)) / mobility;
   const Span& span = spans_[tie.span];

@@ -18,7 +18,7 @@ namespace taut::direct {
 /// ends and a slack one is not there; a point mass at an end is a body that nothing turns. What
 /// changes there is found between two looks and located in time: a slack span that gets longer than
 /// it is goes taut, a taut one whose tension turns negative goes slack. Going taut, the ends are
-/// thrown back with the connector's elasticity; where that is none, or they were thrown back just
+/// thrown back with the connector's restitution; where that is none, or they were thrown back just
 /// before, the link takes their parting away, which keeps all momenta.
 class Spans {
  public:
@@ -42,7 +42,7 @@ class Spans {
   struct Tie {
     std::size_t span = 0;  // index into spans_
     Attachment a, b;       // in the inner world
-    double elasticity = 0;
+    double restitution = 0;
     double longest = 0;          // m: a slack one goes taut beyond it
     std::size_t system = kNone;  // index into systems_, while it is taut and something can move
     std::size_t link = 0;        // of that system

@@ -1,0 +1,76 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "render/interrupt.h"
+#include "render/program/note.h"
+#include "render/program/program.h"
+#include "render/study/bench_results.h"
+
+namespace taut::studies {
+namespace {
+
+constexpr int kFrames = 100;
+
+study::Problem frames_of(const scenes::Scene& scene) {
+  study::Problem problem{scene.world, {}, scene.timeline};
+  for (int k = 1; k <= kFrames; ++k) problem.times.push_back(static_cast<double>(k) / scene.fps);
+  return problem;
+}
+
+BenchBlock measure(const options::StudyOptions& options,
+                   const std::vector<options::Contender>& contenders, std::size_t particles,
+                   double seconds) {
+  const scenes::Scene scene = options::study_scene(options, particles);
+  std::vector<study::Candidate> candidates;
+  for (const options::Contender& one : contenders) {
+    if (one.method->missing.empty()) candidates.push_back(one.candidate);
+  }
+  study::BenchOptions limits;
+  limits.repeats = options.quick ? 5 : 25;
+  limits.seconds = seconds / 2 / static_cast<double>(std::max<std::size_t>(1, candidates.size()));
+  limits.pause = render::stop_if_interrupted;
+  std::vector<study::BenchRow> measured = study::bench(frames_of(scene), candidates, limits);
+  BenchBlock block;
+  block.particles = particles;
+  std::size_t next = 0;
+  for (const options::Contender& one : contenders) {
+    if (one.method->missing.empty()) {
+      block.rows.push_back(std::move(measured[next++]));
+    } else {
+      study::BenchRow row;
+      row.candidate = one.candidate;
+      row.failure = one.method->missing;
+      block.rows.push_back(std::move(row));
+    }
+  }
+  const double duration = static_cast<double>(kFrames) / scene.fps;
+  block.paper = paper_ratio(options, contenders, particles, duration, seconds / 2);
+  return block;
+}
+
+}  // namespace
+
+BenchResults measure_bench(const options::StudyOptions& options,
+                           const std::vector<std::size_t>& particles, const std::string& asked,
+                           bool quiet) {
+  const std::vector<options::Contender> contenders = options::chosen_contenders(options);
+  const bool springs =
+      std::ranges::find(contenders, "springs", &options::Contender::label) != contenders.end();
+  const std::string against = !asked.empty() ? asked
+                              : springs      ? "springs"
+                                             : contenders.front().label;
+  BenchResults results{options::study_scene(options), contenders, against, {}};
+  if (std::ranges::find(results.contenders, against, &options::Contender::label) ==
+      results.contenders.end()) {
+    throw program::Misuse(fmt::format("--against: {} is not among the methods timed", against));
+  }
+  const double seconds = options.budget / static_cast<double>(particles.size());
+  for (const std::size_t n : particles) {
+    if (!quiet) program::note("timing {} particles\n", n);
+    results.blocks.push_back(measure(options, results.contenders, n, seconds));
+  }
+  return results;
+}
+
+}  // namespace taut::studies
