@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <set>
 #include <utility>
@@ -222,8 +223,9 @@ std::string as_text(const scenes::Scene& scene, bool staged,
                      obstacle.kinetic_friction, obstacle.restitution));
   }
   for (const TimedPin& pin : scene.timeline.pins) {
-    line(fmt::format("pin: {} at {} m, from {} s until {} s", world.connectors[pin.connector].name,
-                     pin.along, pin.from, pin.until));
+    line(fmt::format("pin: {} at {} m, from {} s {}", world.connectors[pin.connector].name,
+                     pin.along, pin.from,
+                     std::isfinite(pin.until) ? fmt::format("until {} s", pin.until) : "on"));
   }
   for (const TimedCut& cut : scene.timeline.cuts) {
     line(fmt::format("cut: {} at {} m, at {} s", world.connectors[cut.connector].name, cut.along,

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <set>
 
 #include "render/error.h"
 #include "render/options/method_options.h"
 #include "render/program/note.h"
 #include "scenes/files/error.h"
 #include "sim/run/footprint.h"
+#include "sim/world/room.h"
 
 namespace taut::options {
 namespace {
@@ -19,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kProgram = 2e7;       // bytes: libraries, the scene file as it was read
+constexpr double kPart = 3e4;          // bytes
+constexpr double kRoom = 700;          // bytes, for a particle: that of the error's estimate, too
 constexpr double kPathKey = 500;       // bytes, of a key and the section behind it
 constexpr double kColumn = 19;         // bytes of a number in a CSV, mostly
 constexpr double kPixelOnDisk = 0.5;   // bytes: of the frame as PNG, and of the video
@@ -52,6 +56,13 @@ Footprint footprint_of(const scenes::Scene& scene) {
   Footprint sum =
       footprint(*find_method(scene.method.name), scene.world, full_settings(scene.method));
   sum.memory += kProgram;
+  // What is kept for each part that they leave, and the room that is made for all beforehand.
+  const auto divisions = double(scene.timeline.pins.size() + scene.timeline.cuts.size());
+  double particles = divisions;
+  for (const Connector& connector : scene.world.connectors) {
+    particles += double(connector.particles());
+  }
+  sum.memory += kPart * divisions + kRoom * std::min(divisions * particles, kMostRoom);
   sum.memory += 2.0 * double(scene.timeline.pins.size() * (sizeof(TimedPin) + sizeof(Hold)) +
                              scene.timeline.cuts.size() * (sizeof(TimedCut) + sizeof(Connector)));
   const auto add_path = [&](const Path* path) {
@@ -119,12 +130,24 @@ double clip_length(const scenes::Scene& scene) {
   return sum;
 }
 
+/// Steps that pins and cuts cost, of a method that controls its error and begins anew after each:
+/// measured with a thousand on a rope of 1001.
+double restarts(const scenes::Scene& scene) {
+  constexpr double kRestart = 20;
+  if (steps_per_frame(scene) > 0) return 0;
+  std::set<double> times;
+  for (const TimedPin& pin : scene.timeline.pins) times.insert({pin.from, pin.until});
+  for (const TimedCut& cut : scene.timeline.cuts) times.insert(cut.time);
+  times.erase(times.upper_bound(scene.duration), times.end());
+  return kRestart * double(times.size());
+}
+
 Needs simulation_needs(const scenes::Scene& scene) {
   const Footprint method = footprint_of(scene);
   const double frames = std::ceil(scene.duration * scene.fps);
   const double row = kColumn * numbers_shown(scene);
-  return {method.memory + 2 * row, frames * row,
-          frames * std::max(steps_per_frame(scene), 1.0) * method.step};
+  const double steps = frames * std::max(steps_per_frame(scene), 1.0);
+  return {method.memory + 2 * row, frames * row, (steps + restarts(scene)) * method.step};
 }
 
 Needs clip_needs(const scenes::Scene& scene, double frames, int samples) {

@@ -40,7 +40,7 @@ class Interventions {
  public:
   /// Makes room in `world` for so many pins on each connector at a time and so many cuts, so that
   /// neither interventions nor what methods make anew for them allocate; none where so many would
-  /// take hundreds of megabytes. They work without room, too. A copy of the world has none.
+  /// take more than tens of megabytes. They work without room, too. A copy of the world has none.
   void reserve(World& world, std::size_t pins, std::size_t cuts);
 
   /// Holds the connector at `along` (m), and what is joined to it there. A particle is added where

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim/links/joined_tension.h"
@@ -36,8 +37,9 @@ class TensionSystem {
   /// time. Where A is singular: the x of least norm among those that come closest.
   void solve_dense(const std::vector<double>& right, std::vector<double>& x);
 
-  /// solve_banded(), or solve_dense() where that cannot. True where solve_banded() solved it. Of
-  /// joined connectors JoinedTension solves all.
+  /// solve_banded(), or where that cannot, as solve_dense(): each block of rows that couple by
+  /// itself, so that one which is singular costs no others anything. True where solve_banded()
+  /// solved it. Of joined connectors JoinedTension solves all.
   bool solve(const std::vector<double>& right, std::vector<double>& x);
 
   /// The cycles (see Counters::work) of assemble(), a right side and solve(), in linear time: a row
@@ -76,6 +78,10 @@ class TensionSystem {
   std::uint32_t entry(const Mechanism& mechanism, std::size_t row, std::size_t other);
   void find_terms(const Mechanism& mechanism);
   void find_border();
+  void find_blocks();
+  void solve_blocks(const std::vector<double>& right, std::vector<double>& x);
+  void solve_block(std::span<const std::uint32_t> rows, std::span<const std::uint32_t> entries,
+                   const std::vector<double>& right, std::vector<double>& x);
   bool eliminate();
   template <class Vector>
   void sweep(Vector&& x) const;
@@ -94,6 +100,9 @@ class TensionSystem {
   std::vector<std::uint32_t> border_;        // rows
   std::vector<Entry> border_entries_;        // every entry of a border row: {row, other, value}
 
+  std::vector<std::uint32_t> block_;               // per row: the first of its block
+  std::vector<std::uint32_t> block_rows_, place_;  // sorted by blocks; of a row in its block
+  std::vector<std::uint32_t> block_entries_;       // indices into entries_, sorted by blocks
   std::vector<double> inverse_pivot_, factor_;
   std::vector<double> columns_;  // one of rows_ numbers per border row
   Eigen::MatrixXd schur_, dense_;

@@ -72,9 +72,9 @@ class MaterialForces {
   void add_bends(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   void add_drag(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
 
-  /// A bound on the frequency (rad/s) of the fastest way in which it stretches and bends, by the
-  /// points' inverse masses (1/kg): Gershgorin's on M^-1 K of the straight connector. And on the
-  /// share of critical damping of that way.
+  /// Frequency (rad/s) and share of critical damping of an oscillator for which no longer step is
+  /// stable than for all that stretches and bends, by the points' inverse masses (1/kg):
+  /// Gershgorin's bounds on M^-1 K and M^-1 C of the straight connector.
   struct Fastest {
     double frequency = 0, damping_ratio = 0;
   };

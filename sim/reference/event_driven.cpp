@@ -82,6 +82,7 @@ void EventDriven::advance(World& world, double until) {
     if (fresh) {
       motion_.project(time_, state_);
       motion_.resolve(time_, state_);
+      if (!reference::is_finite(state_)) give_up(0, "not finite");
     }
     while (time_ < until) {
       const auto key = std::ranges::upper_bound(keys_, time_);
@@ -103,13 +104,15 @@ void EventDriven::step(double until) {
   const auto system = [this](const reference::State& x, reference::State& dxdt, double t) {
     slope(x, dxdt, t);
   };
-  if (stepper_.try_step(system, next_, end, taken) == reference::odeint::fail) {
+  const bool fails = stepper_.try_step(system, next_, end, taken) == reference::odeint::fail;
+  if (fails || !reference::is_finite(next_)) {
     ++counters_.rejected;
-    step_ = taken;  // now shorter
+    step_ = fails ? taken : h / 4;  // now shorter
     if (!(step_ > kShortestStep)) give_up(0, "the motion is not smooth");
     return;
   }
-  if (!std::isfinite(motion_.project(time_ + h, next_))) give_up(0, "not finite");
+  motion_.project(time_ + h, next_);
+  if (!reference::is_finite(next_)) give_up(0, "not finite");
   motion_.events(time_, state_, values_);
   motion_.events(time_ + h, next_, next_values_);
   if (std::ranges::any_of(next_values_, [](double value) { return value < 0; })) {
@@ -168,6 +171,7 @@ void EventDriven::locate(double h) {
     }
   }
   attempt(after);
+  if (!reference::is_finite(next_)) give_up(0, "not finite");
   time_ += after;
   if (time_ > brief_ + kBrief) {
     brief_ = time_;

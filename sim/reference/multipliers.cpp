@@ -42,7 +42,7 @@ class Multipliers final : public Method {
   std::uint64_t topology_ = 0;
   std::vector<double> keys_;  // s, rising: times at which a path is not smooth
   double step_ = kFirstStep;  // s, the next one to try
-  reference::State state_, scratch_, right_, tension_;
+  reference::State state_, before_, scratch_, right_, tension_;
   std::unique_ptr<Method> among_obstacles_;
 };
 
@@ -51,7 +51,8 @@ void Multipliers::prepare(const World& world) {
   mechanism_.rebuild(world);
   system_.rebuild(mechanism_);
   projection_.rebuild(mechanism_);
-  for (reference::State* state : {&state_, &scratch_}) state->reserve(mechanism_.state_room());
+  for (reference::State* state : {&state_, &before_, &scratch_})
+    state->reserve(mechanism_.state_room());
   for (reference::State* rows : {&right_, &tension_}) rows->reserve(mechanism_.row_room());
   if (!built_) stepper_.adjust_size(reference::State(mechanism_.state_room()));
   built_ = true;
@@ -98,9 +99,17 @@ void Multipliers::step(double& time, double until) {
   };
   const double wanted = step_;
   const bool last = time + wanted * (1 + 1e-9) >= until;
+  const double from = time;
   double taken = last ? until - time : wanted;
-  if (stepper_.try_step(system, state_, time, taken) == reference::odeint::fail) {
+  before_ = state_;
+  const bool fails = stepper_.try_step(system, state_, time, taken) == reference::odeint::fail;
+  if (fails || !reference::is_finite(state_)) {
     ++counters_.rejected;
+    if (!fails) {
+      state_ = before_;
+      time = from;
+      taken = (last ? until - from : wanted) / 4;
+    }
     step_ = taken;  // now shorter
     if (!(step_ > kShortest)) give_up(time, 0, "the motion is not smooth");
     return;

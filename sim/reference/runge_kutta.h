@@ -1,9 +1,11 @@
 // Runge-Kutta-Fehlberg 7(8) with error control, by Boost, as the truth steps with it.
 #pragma once
 
+#include <algorithm>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/generation.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <cmath>
 #include <vector>
 
 namespace taut::reference {
@@ -11,6 +13,11 @@ namespace taut::reference {
 namespace odeint = boost::numeric::odeint;
 
 using State = std::vector<double>;
+
+/// Far beyond what is stable errors overflow, and what is not a number compares as no error at all.
+inline bool is_finite(const State& state) {
+  return std::ranges::all_of(state, [](double x) { return std::isfinite(x); });
+}
 
 // Workspaces follow the state's size, which interventions change.
 using Explicit = odeint::runge_kutta_fehlberg78<

@@ -7,9 +7,9 @@
 
 namespace taut {
 
-/// Room for so many particles is made beforehand at most, hundreds of MB: every part that pins and
+/// Room for so many particles is made beforehand at most, tens of MB: every part that pins and
 /// cuts may leave gets room for the whole connector, which for thousands of them no machine has.
-constexpr double kMostRoom = 1e6;
+constexpr double kMostRoom = 1e5;
 
 /// What the connectors' arrays can hold without growing, all connectors together. A workspace that
 /// reserves as much, once, does not grow before the world's own arrays do.

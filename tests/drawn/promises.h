@@ -25,21 +25,19 @@ struct Verdict {
 /// Each has 0.05 s of CPU time; what it has reached by then is judged. The promises, with their
 /// names:
 /// ends: within its time or else with no slice of 1 ms of the scene that takes more than 5 s;
-/// within 1 GB, with no fault and by no error but Diverged.
-/// finite: every place and velocity of every frame.
-/// continuous: between two frames nothing goes farther than at three times its greatest speed,
-/// unless a pin is released between them, which lays links straight, or a connector is cut that the
-/// method stretches.
-/// same: a second run has the same bits.
-/// And of `direct` and `truth`:
-/// follows: to the end, unless what holds an end, a body for instance, gets into an obstacle.
-/// stretch: links keep their length to 1e-6 of it.
-/// energy: a closed scene without pins and cuts gains no more than the error that is claimed lets
-/// in.
-/// error (direct, without obstacles): up to where the motion can be foretold, within 10 tolerances
-/// of the truth; Verdict::missed counts those beyond 3.
-/// Where places that are held leave the links between them no motion, at full length or folded,
-/// none of follows, stretch and continuous is promised. Of one method alone where it is named.
+/// within 1 GB, with no fault and by no error but Diverged. Simbody's steps (`multibody`), which
+/// may be as short as they like where links between holds are, have no such end. finite: every
+/// place and velocity of every frame. continuous: between two frames nothing goes farther than at
+/// three times its greatest speed, unless a pin takes a place at once between them or is released,
+/// which lays links straight, or a connector is cut that the method stretches. same: a second run
+/// has the same bits. And of `direct` and `truth`: follows: to the end, unless what holds an end, a
+/// body for instance, gets into an obstacle, or joined links that are rigid have no room to move,
+/// as a net that is flat. stretch: links keep their length to 1e-6 of it. energy: a closed scene
+/// without pins and cuts gains no more than the error that is claimed lets in. error (direct,
+/// without obstacles): up to where the motion can be foretold, within 10 tolerances of the truth;
+/// Verdict::missed counts those beyond 3. Where places that are held leave the links between them
+/// no motion, at full length or folded, none of follows, stretch and continuous is promised. Of one
+/// method alone where it is named.
 Verdict check_promises(const std::string& scene, const std::string& only = {});
 
 }  // namespace taut::drawn

@@ -3,21 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
-#include "tests/support/dice.h"
+#include "tests/drawn/pieces.h"
 
 namespace taut::drawn {
 namespace {
 
-std::string text(const Vec3& v) {
-  return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
-}
-
 constexpr const char* kFree = "{ free = true }";
 
-class Scene {
+class Scene : Pieces {
  public:
-  explicit Scene(unsigned seed) : dice_(seed) {}
+  explicit Scene(unsigned seed) : Pieces(seed) {}
 
   std::string drawn() {
     constexpr int kRates[] = {1, 5, 24, 24, 30, 30, 60, 60, 60, 120, 120, 240};
@@ -29,84 +26,43 @@ class Scene {
         fmt::format("duration = 1.0\nfps = {}\ngravity = {}\n\n[method]\nname = \"direct\"\n",
                     kRates[dice_.pick(std::size(kRates))], text(falls ? gravity : Vec3::Zero()));
     text_ += fmt::format("tolerance = {}\n", length_ * dice_.scale(1e-6, 1e-1));
-    const bool spans = chance(0.15);
     most_ = chance(0.1) ? 40 : 10;
+    const double kind = dice_.between(0, 1);
+    const bool spans = kind < 0.15;
+    const bool obstacles = kind > 0.85;
+    const bool joins = kind > 0.5 && kind < 0.7;
+    sections_ = kind > 0.35 && kind < 0.55;
+    if (sections_) add_air();
     const int connectors = 1 + dice_.pick(3);
-    for (int i = 0; i < connectors; ++i) add_connector(i, spans && chance(0.7));
-    if (!spans) {
-      for (int i = 0; i < connectors; ++i) {
-        while (chance(0.25)) add_pin(i);
-        while (chance(0.15)) add_cut(i);
+    for (int i = 0; i < connectors; ++i) {
+      if (joins && chance(0.25)) {
+        i == 0 && chance(0.4) ? add_loop() : add_net();
+      } else if (joins && !strands_.empty() && chance(0.8)) {
+        add_branch();
+      } else {
+        add_connector(spans && chance(0.7));
       }
     }
-    if (!spans && chance(0.25)) {
+    if (obstacles) {
       for (int i = 1 + dice_.pick(2); i > 0; --i) add_obstacle(i);
+    }
+    if (!spans) {
+      for (const Strand& strand : std::vector(strands_)) {
+        while (chance(0.25)) add_pin(strand);
+        while (chance(0.15)) add_cut(strand);
+      }
     }
     return text_;
   }
 
  private:
-  bool chance(double share) { return dice_.between(0, 1) < share; }
-
-  template <typename... Args>
-  void line(fmt::format_string<Args...> format, Args&&... args) {
-    text_ += fmt::format(format, std::forward<Args>(args)...) + '\n';
-  }
-
-  /// A path from that place on, at walking pace.
-  std::string add_path(const Vec3& start) {
-    const std::string name = fmt::format("path{}", paths_++);
-    line("\n[paths.{}]", name);
-    if (chance(0.4)) {
-      const Vec3 axis = dice_.direction();
-      const Vec3 radius = dice_.scale(0.02, 0.3) * length_ * axis.unitOrthogonal();
-      line("circle = {{ centre = {}, start = {}, axis = {}, frequency = {}, ramp = {} }}",
-           text(start + radius), text(start), text(axis), dice_.between(0.2, 2),
-           dice_.between(0.1, 0.6));
-      return name;
-    }
-    std::string keys = fmt::format("{{ t = 0, position = {}, ease = true }}", text(start));
-    Vec3 place = start;
-    double time = 0;
-    for (int i = dice_.pick(4); i > 0; --i) {
-      time += dice_.between(0.15, 0.6);
-      place += dice_.within(0.1 * length_);
-      keys += fmt::format(", {{ t = {}, position = {}{}{} }}", time, text(place),
-                          chance(0.3) ? ", ease = true" : "",
-                          chance(0.2) ? fmt::format(", axis = {}", text(dice_.direction())) : "");
-    }
-    line("keys = [{}]", keys);
-    return name;
-  }
-
-  std::string shape() {
-    const double size = length_ * dice_.scale(0.02, 0.3);
-    switch (dice_.pick(3)) {
-      case 0:
-        return fmt::format("{{ sphere = {{ diameter = {} }} }}", size);
-      case 1:
-        return fmt::format("{{ cylinder = {{ length = {}, diameter = {} }} }}",
-                           size * dice_.between(1, 4), size * dice_.between(0.1, 1));
-      default:
-        return fmt::format("{{ box = {{ size = {} }} }}",
-                           text(size * (Vec3::Constant(1.2) + dice_.within(1))));
-    }
-  }
-
-  std::string add_body(const std::string& how) {
-    const std::string name = fmt::format("body{}", bodies_++);
-    line("\n[bodies.{}]", name);
-    line("mass = {}", dice_.scale(1e-3, 10));
-    if (chance(0.8)) {
-      line("shape = {}", shape());
-    } else {
-      const double moment = dice_.scale(1e-5, 1e-2);
-      line("inertia = [{}, {}, {}]", moment, moment * dice_.between(0.5, 1),
-           moment * dice_.between(0.6, 1.4));
-    }
-    line("{}", how);
-    return name;
-  }
+  /// What can be pinned, cut and joined to.
+  struct Strand {
+    std::string name;
+    double length = 0;  // m
+    int particles = 0;
+    Vec3 place;  // m, of its first end, or near
+  };
 
   /// What holds the first end, and where that is.
   std::string first_end(Vec3& place, bool span) {
@@ -149,55 +105,177 @@ class Scene {
     return fmt::format("{{ body = \"{}\" }}", body);
   }
 
-  void add_connector(int number, bool span) {
+  void add_connector(bool span) {
     constexpr const char* kLooks[] = {"chain", "rope", "cord"};
     Vec3 place;
-    const std::string from = first_end(place, span);
+    std::string from = first_end(place, span);
     const Vec3 along = dice_.direction();
     const double length = length_ * dice_.between(0.3, 1);
     bool straight = true;
-    const std::string to = last_end(place, along, length, straight, span);
-    line("\n[connectors.c{}]", number);
-    lengths_[number] = length;
-    line("length = {}", length);
+    std::string to = last_end(place, along, length, straight, span);
+    const int particles = span ? 2 : static_cast<int>(dice_.scale(straight ? 2 : 4, most_));
+    std::string section;
+    // Few methods follow a free body on what stretches.
+    if (sections_ && !span && (is_led(from) || chance(0.05)) && (is_led(to) || chance(0.05))) {
+      const Vec3 way = chance(0.8) ? along : dice_.direction();
+      section = add_section(length, from, to, way);
+    }
+    const std::string name = begin_connector(length, particles, place);
+    line("length = {}\nparticles = {}", length, particles);
     if (span) {
-      line("model = \"span\"\nparticles = 2\nmass = 0\nrestitution = {}", dice_.between(0, 1));
-    } else {
-      line("mass = {}", dice_.scale(1e-3, 1));
-      line("particles = {}", static_cast<int>(dice_.scale(straight ? 2 : 4, most_)));
+      line("model = \"span\"\nmass = 0\nrestitution = {}", dice_.between(0, 1));
+    } else if (section.find("density") == section.npos) {
+      line("mass = {}", mass_);
     }
     line("from = {}\nto = {}", from, to);
     // Without a start it hangs between its ends, or straight down from the one that has a place.
     const bool adrift = from == kFree;
     if (straight && (adrift || chance(0.8))) {
-      line("start = {{ {} = {} }}", adrift ? "points" : "direction",
-           adrift ? fmt::format("[{}, {}]", text(place), text(place + 1.001 * length * along))
-                  : text(along));
+      std::string start = fmt::format("direction = {}", text(along));
+      if (adrift) {
+        start = fmt::format("points = [{}, {}]", text(place), text(place + 1.001 * length * along));
+      } else if (to == kFree && particles > 3 && chance(0.2)) {
+        start =
+            fmt::format("hanging_to = {}", text(place + dice_.between(0.2, 0.95) * length * along));
+      } else if (to == kFree && chance(0.3)) {
+        start += fmt::format(", spin = {}", text(dice_.within(5)));
+      }
+      line("start = {{ {} }}", start);
     }
     line("look = \"{}\"", kLooks[dice_.pick(3)]);
     line("radius = {}", length * dice_.scale(1e-3, 1e-2));
-    if (from.find("fixed") != from.npos && to.find("body") == to.npos && chance(0.1)) {
+    text_ += section;
+    if (from.find("fixed") != from.npos && to.find("path") == to.npos && is_led(to) &&
+        chance(0.1)) {
       line("repeat = [{{ count = {}, by = {} }}]", 1 + dice_.pick(4), text(dice_.within(length)));
     }
   }
 
-  void add_pin(int number) {
-    line("\n[[pins]]\nconnector = \"c{}\"", number);
-    line("at = {}", lengths_[number] * dice_.between(0, 1));
+  static bool is_led(const std::string& end) { return end.find("body") == end.npos; }
+
+  /// The table of a connector; all that follows stands in it.
+  std::string begin_connector(double length, int particles, const Vec3& place) {
+    const std::string name = fmt::format("c{}", strands_.size());
+    strands_.push_back({name, length, particles, place});
+    mass_ = dice_.scale(1e-3, 1);
+    line("\n[connectors.{}]", name);
+    return name;
+  }
+
+  /// The place of one of its particles.
+  std::string joined_to(const Strand& strand, int particle) const {
+    return fmt::format("{{ connector = \"{}\", at = {} }}", strand.name,
+                       strand.length / (strand.particles - 1) * particle);
+  }
+
+  /// Hangs from a particle of one that there is.
+  void add_branch() {
+    const Strand trunk =
+        strands_[static_cast<std::size_t>(dice_.pick(static_cast<int>(strands_.size())))];
+    if (trunk.name.starts_with("net")) return add_net();
+    const Vec3 along = dice_.direction();
+    const double length = length_ * dice_.between(0.2, 1), kind = dice_.between(0, 1);
+    std::string to = kFree;
+    if (kind < 0.3) to = fmt::format("{{ point_mass = {} }}", dice_.scale(1e-3, 10));
+    if (kind > 0.7) {
+      to = fmt::format("{{ body = \"{}\", point = {} }}",
+                       add_body(fmt::format("hangs = {}", text(along))),
+                       text(dice_.scale(0.01, 0.1) * length_ * dice_.direction()));
+    }
+    const int particles = static_cast<int>(dice_.scale(2, most_));
+    begin_connector(length, particles, trunk.place);
+    line("length = {}\nparticles = {}\nmass = {}", length, particles, mass_);
+    line("from = {}\nto = {}", joined_to(trunk, dice_.pick(trunk.particles)), to);
+    line("start = {{ direction = {} }}", text(along));
+  }
+
+  void add_loop() {
+    const Vec3 centre = dice_.within(length_);
+    const double length = length_ * dice_.between(0.5, 2);
+    const int particles = 5 + dice_.pick(static_cast<int>(most_));
+    const std::string name = begin_connector(length, particles, centre);
+    line("length = {}\nparticles = {}\nmass = {}", length, particles, mass_);
+    line("from = {}\nto = {{ connector = \"{}\", at = 0.0 }}", kFree, name);
+    line("start = {{ circle = {{ centre = {}, axis = {} }}{} }}", text(centre),
+         text(dice_.direction()),
+         chance(0.5) ? fmt::format(", spin = {}", text(dice_.within(8))) : "");
+    if (chance(0.7)) return;
+    const double spoke = length * dice_.between(0.3, 1);  // the circle is a sixth of it away
+    begin_connector(spoke, 5, centre);
+    line("length = {}\nparticles = 5\nmass = {}", spoke, mass_);
+    line("from = {{ fixed = {} }}\nto = {{ connector = \"{}\", at = 0.0 }}", text(centre), name);
+  }
+
+  void add_net() {
+    constexpr const char* kKinds[] = {"net", "net", "ladder", "web"};
+    constexpr const char* kHeld[] = {"nothing", "upper corners", "upper edge", "corners", "edges"};
+    const std::string kind = kKinds[dice_.pick(4)];
+    const bool web = kind == "web";
+    const std::string held = web ? kHeld[4 * dice_.pick(2)] : kHeld[dice_.pick(5)];
+    const Vec3 across = dice_.direction(), place = dice_.within(length_);
+    const double width = length_ * dice_.between(0.3, 1), height = length_ * dice_.between(0.3, 1);
+    const std::string name = fmt::format("net{}", nets_++);
+    line("\n[nets.{}]\nkind = \"{}\"\nheld = \"{}\"", name, kind, held);
+    line("origin = {}\nacross = {}\ndown = {}", text(place), text(across),
+         text(across.unitOrthogonal()));
+    const bool stretches = chance(0.4);
+    const bool waves = (!stretches && held != "nothing") || chance(0.3);
+    const int least = waves ? 4 : 1;  // cells: a wave is of four links
+    line("size = [{}, {}]\ncells = [{}, {}]\nlinks = {}", width, height,
+         std::max(least, web ? 3 : 1) + dice_.pick(3), least + dice_.pick(3), 1 + dice_.pick(3));
+    line("mass = {}", dice_.scale(1e-3, 1));
+    if (stretches) line("axial_stiffness = {}", dice_.scale(0.1, 1e5));
+    if (stretches && chance(0.5)) line("axial_damping = {}", dice_.scale(1e-4, 1));
+    if (waves) line("slack = {}", dice_.between(0.02, 0.2));
+    strands_.push_back({name + "#1", std::min(width, height), 2, place});
+  }
+
+  void add_pin(const Strand& strand) {
+    line("\n[[pins]]\nconnector = \"{}\"", strand.name);
+    const double at = strand.length * dice_.between(0, 1);
+    line("at = {}", at);
     const double from = dice_.between(0, 0.9);
     line("from = {}", from);
     if (chance(0.7)) line("until = {}", from + dice_.scale(1e-3, 0.5));
+    if (paths_ > 0 && chance(0.1)) {
+      line("path = \"path{}\"", dice_.pick(paths_));
+    } else if (chance(0.2)) {
+      line("point = {}", text(strand.place + dice_.within(0.5 * at)));
+    } else {
+      return;
+    }
+    line("over = {}", dice_.scale(0.01, 0.5));  // taken there at once, links are torn
   }
 
-  void add_cut(int number) {
-    line("\n[[cuts]]\nconnector = \"c{}\"", number);
-    line("at = {}\nt = {}", lengths_[number] * dice_.between(0.01, 0.99), dice_.between(0, 0.99));
+  void add_cut(const Strand& strand) {
+    line("\n[[cuts]]\nconnector = \"{}\"", strand.name);
+    line("at = {}\nt = {}", strand.length * dice_.between(0.01, 0.99), dice_.between(0, 0.99));
+  }
+
+  /// Over a round obstacle that stands still, or wound on it.
+  void add_wound(const std::string& obstacle, double diameter) {
+    const double turns = chance(0.6) ? 0.5 : dice_.between(0.3, 2.5);
+    const double before = length_ * dice_.between(0.1, 1), radius = 0.005 * length_;
+    const double wound = 3.2 * (diameter + 2 * radius) * turns;
+    const double length = 1.1 * wound + before + length_ * dice_.between(0.1, 1);
+    begin_connector(length, static_cast<int>(dice_.scale(10, 4 * most_)), Vec3::Zero());
+    line("length = {}\nparticles = {}\nmass = {}", length, strands_.back().particles, mass_);
+    for (const char* end : {"from", "to"}) {
+      line("{} = {}", end,
+           chance(0.3) ? std::string(kFree)
+                       : fmt::format("{{ point_mass = {} }}", dice_.scale(1e-3, 10)));
+    }
+    line("start = {{ over = {{ obstacle = \"{}\", turns = {}, before = {} }} }}", obstacle, turns,
+         before);
+    line("radius = {}", radius);
   }
 
   void add_obstacle(int number) {
     constexpr const char* kRound[] = {"capsule", "cylinder"};
+    const std::string name = fmt::format("o{}", number);
     const double size = length_ * dice_.scale(0.03, 0.5);
     const bool plane = number == 1 && chance(0.5);
+    bool round = false;
     std::string shape = "plane = {}", path;
     if (!plane) {
       switch (dice_.pick(3)) {
@@ -209,27 +287,36 @@ class Scene {
                               text(size * (Vec3::Constant(1.1) + dice_.within(0.8))), 0.1 * size);
           break;
         default:
+          round = true;
           shape = fmt::format("{} = {{ length = {}, diameter = {} }}", kRound[dice_.pick(2)],
                               size * dice_.between(1, 5), size);
       }
       if (chance(0.2)) path = add_path(2 * length_ * dice_.direction());
     }
-    line("\n[obstacles.o{}]\nshape = {{ {} }}", number, shape);
+    line("\n[obstacles.{}]\nshape = {{ {} }}", name, shape);
     if (!path.empty()) line("path = \"{}\"", path);
     const Vec3 below = Vec3(0, -length_ * dice_.between(0.5, 2), 0);
     line("position = {}", text(plane          ? below
                                : path.empty() ? Vec3(below + dice_.within(length_))
                                               : Vec3::Zero()));
-    if (chance(0.6)) line("friction = {}", dice_.scale(0.01, 2));
+    if (path.empty() && chance(0.2)) {
+      line("rotation = [1, {}, {}, {}]", dice_.between(-1, 1), dice_.between(-1, 1),
+           dice_.between(-1, 1));
+    }
+    const double friction = chance(0.6) ? dice_.scale(0.01, 2) : 0;
+    if (friction > 0) line("friction = {}", friction);
+    if (friction > 0 && chance(0.2)) {
+      line("static_friction = {}", friction * dice_.between(1, 2));
+    }
     if (chance(0.3)) line("restitution = {}", dice_.between(0, 1));
+    if (round && path.empty() && chance(0.3)) add_wound(name, size);
   }
 
-  Dice dice_;
-  std::string text_;
-  double length_ = 1;  // m, which all sizes go by
-  double lengths_[3] = {};
-  double most_ = 0;  // particles: few find as much as many, and take less time
-  int paths_ = 0, bodies_ = 0;
+  double most_ = 0;        // particles: few find as much as many, and take less time
+  double mass_ = 1;        // kg, of the last connector
+  bool sections_ = false;  // connectors stretch, bend or meet the air
+  std::vector<Strand> strands_;
+  int nets_ = 0;
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "scenes/scene/scene.h"
@@ -73,22 +73,22 @@ class Watch {
   bool is_at_full_length(double time) const {
     constexpr double kNear = 1e-3;  // of the length
     const World& world = simulation_.world();
+    if (!world.joints.empty() && is_drawn_apart(time)) return true;
     for (const Connector& c : world.connectors) {
-      const Hold* before = nullptr;
-      for (const Hold& hold : c.holds) {
-        if (!is_prescribed(world, hold.to)) continue;
-        if (const Hold* other = std::exchange(before, &hold)) {
-          double length = 0, longest = 0;
-          for (std::size_t i = other->particle; i < hold.particle; ++i) {
-            length += c.rest[i];
-            longest = std::max(longest, c.rest[i]);
-          }
-          const double apart = (hold_motion(world, hold.to, time).position -
-                                hold_motion(world, other->to, time).position)
-                                   .norm();
+      if (c.stretches()) continue;
+      std::optional<Vec3> before;  // where the last place that is held was
+      double length = 0, longest = 0;
+      for (std::size_t i = 0; i < c.particles(); ++i) {
+        if (const auto place = held_place({index(c), i}, time)) {
+          const double apart = before ? (*place - *before).norm() : length / 2;
           const bool folded = apart < 2 * longest - length + kNear * length;
-          if (apart > (1 - kNear) * length || folded) return true;
+          if (before && (apart > (1 - kNear) * length || folded)) return true;
+          before = place;
+          length = longest = 0;
         }
+        if (i == c.links()) break;
+        length += c.rest[i];
+        longest = std::max(longest, c.rest[i]);
       }
     }
     return false;
@@ -96,6 +96,68 @@ class Watch {
 
  private:
   double energy() const { return taut::energy(simulation_.world()); }
+
+  std::size_t index(const Connector& connector) const {
+    return static_cast<std::size_t>(&connector - simulation_.world().connectors.data());
+  }
+
+  /// Where the particle, or one that it is joined with, is held by what no motion moves.
+  std::optional<Vec3> held_place(const Joint::Particle& at, double time) const {
+    const World& world = simulation_.world();
+    const Joint* joint = find_joint(world, at.connector, at.particle);
+    for (const Joint::Particle& one : joint ? joint->particles : std::vector{at}) {
+      for (const Hold& hold : world.connectors[one.connector].holds) {
+        if (hold.particle == one.particle && is_prescribed(world, hold.to)) {
+          return hold_motion(world, hold.to, time).position;
+        }
+      }
+    }
+    return {};
+  }
+
+  /// The same across joints: whether no way along links between two places that are held is longer
+  /// than they are apart.
+  bool is_drawn_apart(double time) const {
+    constexpr double kNear = 1e-3;  // of the way
+    const World& world = simulation_.world();
+    std::vector<std::uint32_t> leaders;
+    find_leaders(world, leaders);
+    struct Link {
+      std::uint32_t a, b;
+      double rest;
+    };
+    std::vector<Link> links;
+    std::vector<std::pair<std::uint32_t, Vec3>> held;
+    std::uint32_t first = 0;
+    for (const Connector& c : world.connectors) {
+      for (std::uint32_t i = 0; i < c.particles(); ++i) {
+        if (i < c.links() && !c.stretches()) {
+          links.push_back({leaders[first + i], leaders[first + i + 1], c.rest[i]});
+        }
+        const auto place = held_place({index(c), i}, time);
+        if (place) held.emplace_back(leaders[first + i], *place);
+      }
+      first += static_cast<std::uint32_t>(c.particles());
+    }
+    for (const auto& [from, start] : held) {
+      std::vector<double> way(leaders.size(), INFINITY);
+      way[from] = 0;
+      for (bool shorter = true; shorter;) {
+        shorter = false;
+        for (const Link& link : links) {
+          for (const auto& [a, b] : {std::pair(link.a, link.b), std::pair(link.b, link.a)}) {
+            if (!(way[a] + link.rest < way[b])) continue;
+            way[b] = way[a] + link.rest;
+            shorter = true;
+          }
+        }
+      }
+      for (const auto& [to, end] : held) {
+        if (to != from && (end - start).norm() > (1 - kNear) * way[to]) return true;
+      }
+    }
+    return false;
+  }
 
   bool is_finite(const Snapshot& frame) const {
     const auto finite = [](const std::vector<Vec3>& places) {
@@ -110,11 +172,12 @@ class Watch {
            std::ranges::all_of(world.connectors, finite, &Connector::velocity);
   }
 
-  /// A span may be as short as it likes.
+  /// A span may be as short as it likes, and what stretches as long.
   static double stretch(const World& world) {
     World links;
     double longest = 0;
     for (const Connector& c : world.connectors) {
+      if (c.stretches()) continue;
       if (c.model == ConnectorModel::links) {
         links.connectors.push_back(c);
       } else {
@@ -132,13 +195,16 @@ class Watch {
     return speed;
   }
 
-  /// A pin that stood on a link lets the link go straight, and what a method had stretched comes
-  /// back, also by a cut.
-  bool is_released(int frame) const {
+  /// A pin may take its place at once; one that stood on a link lets the link go straight, and what
+  /// a method had stretched comes back, also by a cut.
+  bool may_jump(int frame) const {
     const auto is_in = [&](double time) {
       return time * scene_.fps > frame - 1 && time * scene_.fps <= frame;
     };
-    return std::ranges::any_of(scene_.timeline.pins, is_in, &TimedPin::until) ||
+    const auto jumps = [&](const TimedPin& pin) {
+      return is_in(pin.until) || (pin.to && pin.over == 0 && is_in(pin.from));
+    };
+    return std::ranges::any_of(scene_.timeline.pins, jumps) ||
            (!claims_ && std::ranges::any_of(scene_.timeline.cuts, is_in, &TimedCut::time));
   }
 
@@ -153,15 +219,19 @@ class Watch {
     };
     const double way = farthest(before, now);
     if (scene_.fps < 60 || way <= most(speed, time) + near) return;
-    if (is_released(frame) || is_at_full_length(frame * time)) return;
-    constexpr int kParts = 64;
+    if (may_jump(frame) || is_at_full_length(frame * time)) return;
+    // What has steps of its own is looked at after each: shorter ones would be another run.
+    const auto step = method_.settings.find("step");
+    const double* own =
+        step == method_.settings.end() ? nullptr : std::get_if<double>(&step->second);
+    const int parts = own && *own > 0 ? static_cast<int>(step_count(time, *own)) : 64;
     Watch finer(scene_, method_);
     finer.simulation_.advance_to((frame - 1) * time);
     double accounted = near, last = finer.fastest();
-    for (int part = 1; part <= kParts; ++part) {
-      finer.simulation_.advance_to((frame - 1 + part / double(kParts)) * time);
+    for (int part = 1; part <= parts; ++part) {
+      finer.simulation_.advance_to((frame - 1 + part / double(parts)) * time);
       const double next = finer.fastest();
-      accounted += most(std::max(last, next), time / kParts);
+      accounted += most(std::max(last, next), time / parts);
       last = next;
     }
     if (way > accounted) tell("continuous", frame, way, accounted);
@@ -187,8 +257,11 @@ class Watch {
       tell("stretch", frame, most_stretched, kStretch);
     }
     if (!closed_) return;
+    double held = 0;  // J, that roundings of places put into links that stretch
+    const double rounded = 1e-15 * length_scale(world);
     for (const Connector& c : world.connectors) {
       for (std::size_t i = 0; i < c.links(); ++i) {
+        if (c.stretches()) held += c.sections[i].axial_stiffness / c.rest[i] * rounded * rounded;
         if (c.rest[i] > 0) {
           rate_ = std::max(rate_, (c.velocity[i + 1] - c.velocity[i]).norm() / c.rest[i]);
         }
@@ -200,7 +273,7 @@ class Watch {
     momentum_ = std::max(momentum_, std::sqrt(2 * mass_ * kinetic_energy(world)));
     const double most = mass_ * world.gravity.norm() * error_ + momentum_ * velocity +
                         mass_ * velocity * velocity / 2 + 1e-9 * energy_scale(scene_.world) +
-                        mass_ * rounding * rounding;
+                        mass_ * rounding * rounding + held;
     const double gained = energy() - at_start_;
     if (!(gained <= most)) tell("energy", frame, gained, most);
   }

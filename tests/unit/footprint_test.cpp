@@ -90,6 +90,25 @@ TEST(Footprint, IsWhatAMethodTakes) {
   }
 }
 
+// Each leaves a part to the method; that of one after another grew with the square of their number.
+TEST(Footprint, LastingPinsOneAfterAnotherTakeLittleMore) {
+  const MethodInfo& method = *find_method("direct");
+  World world = rope_of(2001);
+  Connector& rope = world.connectors[0];
+  rope.position = hanging_points(rope, Vec3::Zero(), Vec3(0.5, -0.5, 0), world.gravity);
+  finish(world);
+  const double taken = memory_of([&] {
+    Simulation simulation(world, make_method(method.name, {}));
+    for (int i = 1; i <= 800; ++i) {
+      simulation.advance_to(1e-6 * i);
+      simulation.interventions().pin(simulation.world(), 0, 1 - 0.0011 * i);
+    }
+    simulation.advance_to(1e-3);
+  });
+  constexpr double kPart = 3e4;  // bytes
+  EXPECT_LE(taken, footprint(method, world, with_defaults(method, {})).memory + 800 * kPart);
+}
+
 TEST(Footprint, GrowsWithTheSquareOfBodiesThatHangFromEachOther) {
   for (const char* method : {"dynamic-constraints", "truth"}) {
     expect_within(*find_method(method), {}, chain_of_bodies(500));

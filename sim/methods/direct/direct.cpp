@@ -128,20 +128,43 @@ class Direct : public Method {
     topology_ = world.topology;
     const std::span<const Component> parts = division_.divide(world);
     if (integrators_.size() < parts.size()) make_room(world, parts);
+    if (!changes_) align(parts);
     followed_ = parts.size();
     for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->follow(parts[k]);
     noted_.clear();
+  }
+
+  static std::size_t links_of(const Component& part) {
+    std::size_t links = part.bodies.size();
+    for (const SpanRange& span : part.spans) links += span.last - span.first;
+    return links;
+  }
+
+  /// What integrators have grown to they keep: where one part has become two, all others stay with
+  /// theirs, and a new one gets the smaller half. So thousands of pins, one after another, take
+  /// little more room than the longest part.
+  void align(std::span<const Component> parts) {
+    std::size_t first = 0;
+    const auto same = [&](std::size_t k) { return links_of(parts[k]) == links_[k]; };
+    while (first < std::min(links_.size(), parts.size()) && same(first)) ++first;
+    const auto begin = integrators_.begin() + static_cast<std::ptrdiff_t>(first);
+    if (parts.size() == links_.size() + 1) {
+      const bool left =
+          first + 1 == parts.size() || links_of(parts[first]) <= links_of(parts[first + 1]);
+      const auto added = integrators_.begin() + static_cast<std::ptrdiff_t>(links_.size());
+      std::rotate(left || begin == added ? begin : begin + 1, added, added + 1);
+    } else if (parts.size() + 1 == links_.size()) {
+      std::rotate(begin, begin + 1, integrators_.begin() + static_cast<std::ptrdiff_t>(followed_));
+    }
+    links_.clear();
+    for (const Component& part : parts) links_.push_back(links_of(part));
   }
 
   /// Makes integrators for the parts, and for those into which the pins that the world has room for
   /// can divide them.
   void make_room(const World& world, std::span<const Component> parts) {
     std::size_t largest = 0, spare = 0, pins = 0;  // links, particles
-    for (const Component& part : parts) {
-      std::size_t links = part.bodies.size();
-      for (const SpanRange& span : part.spans) links += span.last - span.first;
-      largest = std::max(largest, links);
-    }
+    for (const Component& part : parts) largest = std::max(largest, links_of(part));
     for (const Connector& connector : world.connectors) {
       spare += connector.position.capacity() - connector.particles();
       pins += connector.holds.capacity() - connector.holds.size();
@@ -198,7 +221,8 @@ class Direct : public Method {
   Division division_;
   std::vector<std::unique_ptr<Integrator>> integrators_;  // more than are followed, to have room
   std::size_t followed_ = 0;
-  bool changes_ = false;  // interventions may come, for which room is kept
+  std::vector<std::size_t> links_;  // of the parts that are followed, where no room is kept
+  bool changes_ = false;            // interventions may come, for which room is kept
   VelocityProjection velocity_projection_;
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
   std::unique_ptr<direct::Contacts> contacts_;  // where it has obstacles

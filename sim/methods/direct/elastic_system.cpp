@@ -14,6 +14,7 @@ using ConstMapVec = Eigen::Map<const Vec3>;
 
 constexpr int kProjections = 8;        // Newton steps back to the lengths, at most
 constexpr double kRoundedOff = 4e-15;  // of the length: what is left of a violation
+constexpr double kSingular = 1e-12;    // of what a pivot was made from: below it is rounding
 
 ConstMapVec at(const double* values, std::size_t particle) {
   return ConstMapVec(values + 3 * particle);
@@ -242,6 +243,8 @@ void ElasticSystem::solve_links(double* right) {
   for (std::size_t k = 0; k < rest_.size(); ++k) {
     const double before = k > 0 ? beside_[k] / factor_[k - 1] : 0;
     factor_[k] = diagonal_[k] - before * beside_[k];
+    // A link that others determine already, as in a straight rod between two holds, pulls nothing.
+    if (!(factor_[k] > kSingular * diagonal_[k])) factor_[k] = INFINITY;
     if (k > 0) right[k] -= before * right[k - 1];
   }
   for (std::size_t k = rest_.size(); k-- > 0;) {

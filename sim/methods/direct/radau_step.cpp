@@ -179,7 +179,8 @@ RadauStep::Result RadauStep::attempt(double time, double h, double within, doubl
     if (moved <= floor || moved * contraction / (1 - std::min(contraction, kSlow)) <= within ||
         (slow && moved <= kNoise * system_.length())) {
       if (!finish(time, h)) return {};
-      return {true, estimate(time, h, limit)};
+      const double error = estimate(time, h, limit);
+      return {std::isfinite(error), error};
     }
     if (slow) return {};
   }

@@ -1,0 +1,143 @@
+// Paths, bodies, the air and what connectors are made of, drawn.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "tests/support/dice.h"
+
+namespace taut::drawn {
+
+inline std::string text(const Vec3& v) {
+  return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
+}
+
+/// A scene that grows.
+class Pieces {
+ protected:
+  explicit Pieces(unsigned seed) : dice_(seed) {}
+
+  bool chance(double share) { return dice_.between(0, 1) < share; }
+
+  template <typename... Args>
+  void line(fmt::format_string<Args...> format, Args&&... args) {
+    text_ += fmt::format(format, std::forward<Args>(args)...) + '\n';
+  }
+
+  /// A path from that place on, at walking pace.
+  std::string add_path(const Vec3& start) {
+    const std::string name = fmt::format("path{}", paths_++);
+    line("\n[paths.{}]", name);
+    if (chance(0.4)) {
+      const Vec3 axis = dice_.direction();
+      const Vec3 radius = dice_.scale(0.02, 0.3) * length_ * axis.unitOrthogonal();
+      line("circle = {{ centre = {}, start = {}, axis = {}, frequency = {}, ramp = {} }}",
+           text(start + radius), text(start), text(axis), dice_.between(0.2, 2),
+           dice_.between(0.1, 0.6));
+      return name;
+    }
+    std::string keys = fmt::format("{{ t = 0, position = {}, ease = true }}", text(start));
+    Vec3 place = start;
+    double time = 0;
+    for (int i = dice_.pick(4); i > 0; --i) {
+      time += dice_.between(0.15, 0.6);
+      place += dice_.within(0.1 * length_);
+      keys += fmt::format(", {{ t = {}, position = {}{}{} }}", time, text(place),
+                          chance(0.3) ? ", ease = true" : "",
+                          chance(0.2) ? fmt::format(", axis = {}", text(dice_.direction())) : "");
+      if (chance(0.1)) {
+        keys.replace(keys.size() - 2, 2, fmt::format(", hold = {} }}", dice_.between(0.05, 0.2)));
+        time += 0.2;
+      }
+    }
+    line("keys = [{}]", keys);
+    return name;
+  }
+
+  std::string shape() {
+    const double size = length_ * dice_.scale(0.02, 0.3);
+    switch (dice_.pick(3)) {
+      case 0:
+        return fmt::format("{{ sphere = {{ diameter = {} }} }}", size);
+      case 1:
+        return fmt::format("{{ cylinder = {{ length = {}, diameter = {} }} }}",
+                           size * dice_.between(1, 4), size * dice_.between(0.1, 1));
+      default:
+        return fmt::format("{{ box = {{ size = {} }} }}",
+                           text(size * (Vec3::Constant(1.2) + dice_.within(1))));
+    }
+  }
+
+  std::string add_body(const std::string& how) {
+    const std::string name = fmt::format("body{}", bodies_++);
+    line("\n[bodies.{}]", name);
+    line("mass = {}", dice_.scale(1e-3, 10));
+    if (chance(0.8)) {
+      line("shape = {}", shape());
+    } else {
+      const double moment = dice_.scale(1e-5, 1e-2);
+      line("inertia = [{}, {}, {}]", moment, moment * dice_.between(0.5, 1),
+           moment * dice_.between(0.6, 1.4));
+    }
+    line("{}", how);
+    if (how.starts_with("position") && chance(0.3)) {
+      line("rotation = [{}, {}, {}, {}]", dice_.between(0.1, 1), dice_.between(-1, 1),
+           dice_.between(-1, 1), dice_.between(-1, 1));
+    }
+    return name;
+  }
+
+  void add_air() {
+    const std::string density =
+        chance(0.3) ? fmt::format("density = {}, ", dice_.scale(0.1, 100)) : "";
+    text_.insert(0, fmt::format("air = {{ {}wind = {} }}\n", density,
+                                text(chance(0.5) ? dice_.within(10) : Vec3::Zero())));
+  }
+
+  /// What it is made of; clamps of its ends stand in these.
+  std::string add_section(double length, std::string& from, std::string& to, const Vec3& along) {
+    std::string section;
+    const auto key = [&](const char* name, double value) {
+      section += fmt::format("{} = {}\n", name, value);
+    };
+    const double weight = 10 * dice_.scale(1e-3, 1);  // N, about
+    bool bends = true;
+    if (chance(0.2)) {
+      section += fmt::format("material = {{ youngs_modulus = {}, diameter = {}, density = {} }}\n",
+                             dice_.scale(1e5, 1e9), length * dice_.scale(1e-3, 5e-2),
+                             dice_.scale(100, 8000));
+    } else {
+      const bool stretches = chance(0.6);
+      bends = chance(0.6);
+      const double axial = weight * dice_.scale(3, 1e6);
+      if (stretches) key("axial_stiffness", axial);
+      if (stretches && chance(0.5)) key("axial_damping", axial * dice_.scale(1e-6, 1e-3));
+      const double bending = weight * length * length * dice_.scale(1e-6, 0.1);
+      if (bends) key("bending_stiffness", bending);
+      if (bends && chance(0.5)) key("bending_damping", bending * dice_.scale(1e-6, 1e-3));
+    }
+    if (chance(0.4)) {
+      section += fmt::format("drag = {{ across = {}, along = {} }}\n", dice_.between(0.1, 2),
+                             dice_.between(0, 0.1));
+    }
+    if (chance(0.2)) {
+      section += fmt::format("taper = [{}, {}, {}]\n", dice_.between(0.3, 1), dice_.between(0.3, 1),
+                             dice_.between(0.3, 1));
+    }
+    for (std::string* end : {&from, &to}) {
+      const bool held = end->find("fixed") != end->npos || end->find("path") != end->npos;
+      if (bends && held && chance(0.3)) {
+        end->replace(end->size() - 2, 2, fmt::format(", clamp = {} }}", text(along)));
+      }
+    }
+    return section;
+  }
+
+  Dice dice_;
+  std::string text_;
+  double length_ = 1;  // m, which all sizes go by
+  int paths_ = 0, bodies_ = 0;
+};
+
+}  // namespace taut::drawn
