@@ -153,14 +153,14 @@ std::optional<double> error_of_clip(const planning::Planned& planned, double sco
 }
 
 /// What the timeline does between two frames, in words.
-std::string event_between(const Timeline& truth::timeline, double from, double until) {
+std::string event_between(const Timeline& timeline, double from, double until) {
   const auto within = [&](double time) { return time >= from && time <= until; };
-  for (const TimedPin& pin : truth::timeline.pins) {
+  for (const TimedPin& pin : timeline.pins) {
     if (within(pin.from)) return "a pin comes";
     if (within(pin.from + pin.over)) return "a pin arrives";
     if (within(pin.until)) return "a pin lets go";
   }
-  for (const TimedCut& cut : truth::timeline.cuts) {
+  for (const TimedCut& cut : timeline.cuts) {
     if (within(cut.time)) return "it is cut";
   }
   return {};

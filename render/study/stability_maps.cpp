@@ -115,9 +115,9 @@ std::string finding(const StabilityStudy& study, const StabilityMap& map) {
     double good = 0, all = 0;
     double percent() const { return 100 * good / all; }
   };
-  std::vector<program::Share> shares;
+  std::vector<Share> shares;
   for (std::size_t c = 0; c < study.contenders.size(); ++c) {
-    program::Share share{study.contenders[c].label, 0, 0};
+    Share share{study.contenders[c].label, 0, 0};
     for (const MapCell& cell : map.cells) {
       if (cell.contender != c) continue;
       ++share.all;
@@ -127,7 +127,7 @@ std::string finding(const StabilityStudy& study, const StabilityMap& map) {
     if (share.all > 0) shares.push_back(std::move(share));
   }
   if (shares.empty()) return "No method took part";
-  const auto [worst, best] = std::ranges::minmax(shares, {}, &program::Share::percent);
+  const auto [worst, best] = std::ranges::minmax(shares, {}, &Share::percent);
   return fmt::format("By {}: {} holds in {:.0f}% of its cells, {} in {:.0f}%", map.axis.label,
                      best.label, best.percent(), worst.label, worst.percent());
 }

@@ -132,13 +132,13 @@ void measure_afterwards(ReferenceSolution& reference, const Motion& motion,
 }  // namespace
 
 ReferenceSolution solve_reference(Problem problem, double scored_error, double most_work,
-                                  const std::function<void(double)>& truth::tick) {
+                                  const std::function<void(double)>& tick) {
   const auto frames = static_cast<double>(problem.times.size());
   double done = 0;
   std::mutex one_at_a_time;
   const auto look = [&](const Motion&, const Simulation&) {
     const std::lock_guard lock(one_at_a_time);
-    truth::tick(++done / (frames * kRuns));
+    tick(++done / (frames * kRuns));
     return true;
   };
   const auto direct = [&](double finer) { return direct_within(finer * scored_error); };
@@ -195,13 +195,12 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
     reference.known = std::min(reference.known, agree(motion, check, apart, reference.self_error));
   }
   measure_afterwards(reference, motion, others, scored_error);
-  truth::tick(1);
+  tick(1);
   return reference;
 }
 
 ReferenceSolution at_times(const ReferenceSolution& reference, double scored_error,
-                           std::vector<double> times,
-                           const std::function<void(double)>& truth::tick) {
+                           std::vector<double> times, const std::function<void(double)>& tick) {
   std::erase_if(times, [&](double time) { return time > reference.horizon(); });
   const auto all = static_cast<double>(times.size());
   ReferenceSolution other{
@@ -211,7 +210,7 @@ ReferenceSolution at_times(const ReferenceSolution& reference, double scored_err
   other.points = solve(other.problem, other.problem.world, reference.sample_points,
                        direct_within(kFiner * scored_error),
                        [&](const Motion& so_far, const Simulation&) {
-                         truth::tick(static_cast<double>(so_far.points.size()) / all);
+                         tick(static_cast<double>(so_far.points.size()) / all);
                          return true;
                        })
                      .points;

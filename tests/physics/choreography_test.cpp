@@ -56,7 +56,7 @@ choreography::TaylorSeries circle(double time, Eigen::Index columns) {
   return series;
 }
 
-TEST(choreography::FlatChain, AConicalPendulumHasTheTensionOfItsRadius) {
+TEST(FlatChain, AConicalPendulumHasTheTensionOfItsRadius) {
   // A bead that goes round on a link of length l, the other end at rest: cos a = g / (w^2 l).
   const double length = 0.5, rate = 6, gravity = 9.81, mass = 0.3;
   const double height = gravity / (rate * rate),
@@ -77,7 +77,7 @@ TEST(choreography::FlatChain, AConicalPendulumHasTheTensionOfItsRadius) {
 
 /// The hand's path in closed form, simulated: the stick's centre of oscillation goes round the
 /// circle that it was made from, for every number of particles.
-TEST(choreography::FlatChain, TheSimulationGivesTheFlatOutputBack) {
+TEST(FlatChain, TheSimulationGivesTheFlatOutputBack) {
   for (const std::size_t particles : {2u, 3u, 11u}) {
     World world = nunchaku(particles, {forward()});
     const choreography::FlatChain chain = choreography::flat_chain(world, 1);
@@ -120,7 +120,7 @@ TEST(choreography::FlatChain, TheSimulationGivesTheFlatOutputBack) {
 }
 
 /// The driven end is no part of a flat chain, and what is there has no arm about it.
-TEST(choreography::FlatChain, CoarserKeepsLengthAndMomentAboutTheDrivenEnd) {
+TEST(FlatChain, CoarserKeepsLengthAndMomentAboutTheDrivenEnd) {
   const choreography::FlatChain fine = choreography::flat_chain(nunchaku(11, {forward()}), 1);
   const choreography::FlatChain coarse = choreography::coarser(fine, 4);
   ASSERT_EQ(coarse.length.size(), 5u);
@@ -137,7 +137,7 @@ TEST(choreography::FlatChain, CoarserKeepsLengthAndMomentAboutTheDrivenEnd) {
   EXPECT_EQ(choreography::coarser(fine, 10).length, fine.length);
 }
 
-TEST(choreography::FlatChain, SaysWhatIsNotFlat) {
+TEST(FlatChain, SaysWhatIsNotFlat) {
   World world = nunchaku(11, {forward()});
   EXPECT_EQ(choreography::why_not_flat(world, {}, 1), "");
   EXPECT_EQ(choreography::why_not_flat(world, {}, 0), "driven");
@@ -150,7 +150,7 @@ TEST(choreography::FlatChain, SaysWhatIsNotFlat) {
             "not of even moment about the line it hangs by");
 }
 
-TEST(choreography::GaussianSum, SeriesIsThatOfTheGaussian) {
+TEST(GaussianSum, SeriesIsThatOfTheGaussian) {
   const choreography::GaussianSum sum{0.2, 0.1, 5};
   constexpr double kLater = 0.03;
   const choreography::GaussianSum::Local here = sum.at(0.33, 24), there = sum.at(0.33 + kLater, 1);
@@ -180,7 +180,7 @@ choreography::Choreography figure_eight() {
   return problem;
 }
 
-TEST(choreography::Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) {
+TEST(Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) {
   const choreography::Choreography problem = figure_eight();
   double told = 1;
   const choreography::HandPath found =
@@ -208,7 +208,7 @@ TEST(choreography::Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) 
   EXPECT_LT((frame.rest() - simulation.world().connectors[0].position[0]).norm(), 1e-9);
 }
 
-TEST(choreography::Choreography, HasTheSameBitsAgain) {
+TEST(Choreography, HasTheSameBitsAgain) {
   choreography::Choreography problem = figure_eight();
   problem.waypoints.resize(5);
   problem.until = 3.2;
@@ -218,7 +218,7 @@ TEST(choreography::Choreography, HasTheSameBitsAgain) {
   EXPECT_EQ(Path(one.keys).fingerprint(), Path(other.keys).fingerprint());
 }
 
-TEST(choreography::Choreography, TellsHowFarItStaysOffWhereTheHandCannot) {
+TEST(Choreography, TellsHowFarItStaysOffWhereTheHandCannot) {
   choreography::Choreography problem = figure_eight();
   problem.waypoints.resize(3);
   problem.until = 3;

@@ -60,14 +60,14 @@ void expect_mode(std::size_t beads, double ratio) {
   }
 }
 
-TEST(truth::Truth, SmallSwingsHaveTheFrequenciesOfTheLaguerreZeros) {
+TEST(Truth, SmallSwingsHaveTheFrequenciesOfTheLaguerreZeros) {
   for (const double ratio : {1.17385464, 2.70084163, 4.25246152}) expect_mode(10, ratio);
   for (const double ratio : {1.18777009, 2.72810124, 4.28154669}) expect_mode(20, ratio);
   // The double pendulum: w^2 = (2 -+ sqrt 2) g/l, l half the length.
   for (const double sign : {-1.0, 1.0}) expect_mode(2, std::sqrt(2 * (2 + sign * std::sqrt(2.0))));
 }
 
-TEST(truth::Truth, LargeSwingsHaveThePeriodOfTheEllipticIntegral) {
+TEST(Truth, LargeSwingsHaveThePeriodOfTheEllipticIntegral) {
   const std::pair<double, double> table[] = {
       {60, 1.0731820072}, {90, 1.1803405990}, {120, 1.3728805006}, {170, 2.4393627197}};
   for (const auto& [degrees, ratio] : table) {
@@ -83,7 +83,7 @@ TEST(truth::Truth, LargeSwingsHaveThePeriodOfTheEllipticIntegral) {
 
 // Beads in balance between two points: tan(theta) of the links rises by m g / H from one to the
 // next, H the pull at the lowest. They stay.
-TEST(truth::Truth, ACatenaryOfBeadsStaysAtRest) {
+TEST(Truth, ACatenaryOfBeadsStaysAtRest) {
   constexpr std::size_t links = 12;
   World world = worlds::chain(links + 1, 1.2, Vec3::UnitX());
   Connector& chain = world.connectors[0];
@@ -129,14 +129,14 @@ double fall_ratio(std::size_t links) {
 // The tip of a folded chain is pulled down by the part that hangs, v^2 = g x (2L-x)/(L-x): in the
 // limit of many links it needs 0.847213 of the time of free fall. The fold is as wide as a link,
 // which is an error in proportion to a link's length: extrapolated, its square remains.
-TEST(truth::Truth, AFoldedChainFallsFasterThanFreely) {
+TEST(Truth, AFoldedChainFallsFasterThanFreely) {
   const double coarse = fall_ratio(11), fine = fall_ratio(21), finest = fall_ratio(41);
   EXPECT_NEAR((coarse - 0.847213) / (fine - 0.847213), 21.0 / 11, 0.25);
   EXPECT_NEAR((fine - 0.847213) / (finest - 0.847213), 41.0 / 21, 0.25);
   EXPECT_NEAR((41 * finest - 21 * fine) / 20, 0.847213, 0.005);
 }
 
-TEST(truth::Truth, EnergyIsKeptToABillionth) {
+TEST(Truth, EnergyIsKeptToABillionth) {
   const World worlds_at_rest[] = {worlds::chain(21, 1, Vec3::UnitX()), worlds::chain_with_box(11),
                                   worlds::garland()};
   for (const World& world : worlds_at_rest) {
@@ -145,7 +145,7 @@ TEST(truth::Truth, EnergyIsKeptToABillionth) {
   }
 }
 
-TEST(truth::Truth, AFreeFlightKeepsMomentum) {
+TEST(Truth, AFreeFlightKeepsMomentum) {
   World world = worlds::thrown(11);
   world.gravity.setZero();
   const World end = after(world, 1);
@@ -154,12 +154,12 @@ TEST(truth::Truth, AFreeFlightKeepsMomentum) {
   EXPECT_NEAR(energy(end), energy(world), 1e-9 * energy(world));
 }
 
-TEST(truth::Truth, LengthsHoldToRounding) {
+TEST(Truth, LengthsHoldToRounding) {
   EXPECT_LT(stretch_max(after(worlds::garland(), 1)), 1e-12);
   EXPECT_LT(stretch_max(after(worlds::driven_chain(21), 0.5)), 1e-12);
 }
 
-TEST(truth::Truth, TwoSolversAgreeToAHundredMillionthOverASwing) {
+TEST(Truth, TwoSolversAgreeToAHundredMillionthOverASwing) {
   const World swing = worlds::chain(21, 0.2, Vec3::UnitX());
   const truth::Truth truth = truth::solve_truth(swing, frames(2, 30), {.scored_error = 1e-6 * 0.2});
   EXPECT_GT(truth.horizon, 0.7);
@@ -168,7 +168,7 @@ TEST(truth::Truth, TwoSolversAgreeToAHundredMillionthOverASwing) {
   EXPECT_EQ(truth.frames.size(), 61u);
 }
 
-TEST(truth::Truth, TwoSolversAgreeOnBodiesAndDrivenEnds) {
+TEST(Truth, TwoSolversAgreeOnBodiesAndDrivenEnds) {
   for (const World& world : {worlds::chain_with_box(11), worlds::driven_chain(11),
                              worlds::thrown(11), worlds::garland()}) {
     const truth::Truth truth = truth::solve_truth(world, frames(0.5, 20), {.scored_error = 1e-6});
@@ -177,7 +177,7 @@ TEST(truth::Truth, TwoSolversAgreeOnBodiesAndDrivenEnds) {
   }
 }
 
-TEST(truth::Truth, TwoSolversAgreeOnAPinThatStopsAMovingParticle) {
+TEST(Truth, TwoSolversAgreeOnAPinThatStopsAMovingParticle) {
   Timeline timeline;
   timeline.pins.push_back({.connector = 0, .along = 0.5, .from = 0.2, .until = 0.4, .to = {}});
   const World swing = worlds::chain(11, 1, Vec3::UnitX());
@@ -189,14 +189,14 @@ TEST(truth::Truth, TwoSolversAgreeOnAPinThatStopsAMovingParticle) {
   EXPECT_GT((truth.frames[3].connectors[0][5] - truth.frames[4].connectors[0][5]).norm(), 1e-2);
 }
 
-TEST(truth::Truth, UprightStartsAreSoonUnpredictable) {
+TEST(Truth, UprightStartsAreSoonUnpredictable) {
   const World drop = worlds::chain(21, 1, worlds::from_down(175));
   const truth::Truth truth = truth::solve_truth(drop, frames(1, 60), {.scored_error = 1e-4});
   EXPECT_LT(truth.horizon, 0.25);
   EXPECT_EQ(truth.frames.size(), 61u);
 }
 
-TEST(truth::Truth, SaysWhereLengthsCannotBeKept) {
+TEST(Truth, SaysWhereLengthsCannotBeKept) {
   World world = worlds::chain(5, 0.4, Vec3::UnitX());
   world.connectors[0].holds.push_back({4, worlds::fixed_at(Vec3(0.5, 0, 0))});
   finish(world);

@@ -79,7 +79,7 @@ TYPED_TEST(BatchOf, HasTheBitsOfEachAloneAtEveryWidthAndNumberOfThreads) {
   }
 }
 
-TEST(batch::Batch, IsOfSecondOrderAndKeepsLengths) {
+TEST(Batch, IsOfSecondOrderAndKeepsLengths) {
   const World start = ropes(6);
   const World truth = [&] {
     World world = start;
@@ -106,7 +106,7 @@ TEST(batch::Batch, IsOfSecondOrderAndKeepsLengths) {
   EXPECT_LT(finest, 1e-5);
 }
 
-TEST(batch::Batch, FloatsAreNearDoubles) {
+TEST(Batch, FloatsAreNearDoubles) {
   const World start = ropes(5);
   const World fine = after<double>(start, 0.25, 1e-3, batch::widest(), 1);
   const World coarse = after<float>(start, 0.25, 1e-3, batch::widest(), 1);
@@ -118,7 +118,7 @@ TEST(batch::Batch, FloatsAreNearDoubles) {
   }
 }
 
-TEST(batch::Batch, RefusesWhatIsNotOfOneKind) {
+TEST(Batch, RefusesWhatIsNotOfOneKind) {
   const auto refuses = [](const World& world) {
     EXPECT_THROW(batch::Batch<double>(world, 1e-3), std::invalid_argument);
   };
@@ -135,7 +135,7 @@ TEST(batch::Batch, RefusesWhatIsNotOfOneKind) {
   refuses(world);
 }
 
-TEST(batch::Batch, SaysWhichConnectorDiverged) {
+TEST(Batch, SaysWhichConnectorDiverged) {
   batch::Batch<double> batch(ropes(3), 0.1);
   EXPECT_THROW(batch.advance(20), Diverged);
 }

@@ -43,14 +43,14 @@ unsigned big_endian(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-TEST(chart::Chart, PngHasTheAskedSize) {
+TEST(Chart, PngHasTheAskedSize) {
   const std::string png = chart::draw_chart(small_chart(), chart::ChartFormat::png);
   ASSERT_EQ(png.substr(0, 4), "\x89PNG");
   EXPECT_EQ(big_endian(png, 16), 640u);
   EXPECT_EQ(big_endian(png, 20), 400u);
 }
 
-TEST(chart::Chart, SvgSaysWhatItShows) {
+TEST(Chart, SvgSaysWhatItShows) {
   const std::string svg = chart::draw_chart(small_chart(), chart::ChartFormat::svg);
   for (const char* text : {"Halving the step quarters the error", "step (s)", "error (m)",
                            "springs", "rgb(230, 159,   0)", "10⁻³"}) {
@@ -58,7 +58,7 @@ TEST(chart::Chart, SvgSaysWhatItShows) {
   }
 }
 
-TEST(chart::Chart, LinesOfAnSvgAreCalledByTheirNames) {
+TEST(Chart, LinesOfAnSvgAreCalledByTheirNames) {
   const std::string svg = chart::draw_chart(small_chart(), chart::ChartFormat::svg);
   EXPECT_EQ(svg.find("gnuplot_plot_1a</title>"), std::string::npos);
   EXPECT_EQ(svg.find("<title>Gnuplot"), std::string::npos);
@@ -66,13 +66,13 @@ TEST(chart::Chart, LinesOfAnSvgAreCalledByTheirNames) {
   EXPECT_NE(svg.find("<g id=\"gnuplot_plot_2a\" ><title>springs</title>"), std::string::npos);
 }
 
-TEST(chart::Chart, IsTheSameEachTime) {
+TEST(Chart, IsTheSameEachTime) {
   EXPECT_EQ(chart::draw_chart(small_chart(), chart::ChartFormat::svg),
             chart::draw_chart(small_chart(), chart::ChartFormat::svg));
 }
 
 // Text of a chart comes from scene files: it must reach the picture as it is and run nothing.
-TEST(chart::Chart, TextIsNeverCode) {
+TEST(Chart, TextIsNeverCode) {
   const std::filesystem::path trap = std::filesystem::temp_directory_path() / "taut_chart_trap";
   std::filesystem::remove(trap);
   chart::Chart chart = small_chart();
@@ -85,7 +85,7 @@ TEST(chart::Chart, TextIsNeverCode) {
   EXPECT_NE(svg.find("x set output ’y’"), std::string::npos);
 }
 
-TEST(chart::Chart, StylesDifferInColourAndWithoutIt) {
+TEST(Chart, StylesDifferInColourAndWithoutIt) {
   std::set<std::uint32_t> colors;
   std::set<std::tuple<int, int>> forms;
   for (std::size_t i = 0; i < 8; ++i) {
@@ -98,7 +98,7 @@ TEST(chart::Chart, StylesDifferInColourAndWithoutIt) {
   EXPECT_EQ(forms.size(), 9u);
 }
 
-TEST(chart::Chart, RangeHoldsEverySpreadAndSkipsWhatALogAxisCannotShow) {
+TEST(Chart, RangeHoldsEverySpreadAndSkipsWhatALogAxisCannotShow) {
   chart::Panel panel = small_chart().panels[0];
   panel.series[0].points.push_back({0.0, -1.0});
   panel.series[0].points.push_back({chart::kAuto, chart::kAuto});
@@ -111,7 +111,7 @@ TEST(chart::Chart, RangeHoldsEverySpreadAndSkipsWhatALogAxisCannotShow) {
   EXPECT_EQ(chart::x_range(panel).first, 0.5);
 }
 
-TEST(chart::Chart, MapFillsItsPanel) {
+TEST(Chart, MapFillsItsPanel) {
   chart::Chart chart = small_chart();
   chart.kinds = {{"failed", "F", 0x3b0f70}, {"accurate", "A", 0xfcfdbf}};
   chart.panels[0].series.clear();
@@ -122,7 +122,7 @@ TEST(chart::Chart, MapFillsItsPanel) {
   EXPECT_NE(svg.find("accurate"), std::string::npos);
 }
 
-TEST(chart::Chart, PanelsLieApartInsideThePicture) {
+TEST(Chart, PanelsLieApartInsideThePicture) {
   chart::Chart chart = small_chart();
   chart.panels.resize(5, chart.panels[0]);
   chart.columns = 3;
@@ -140,7 +140,7 @@ TEST(chart::Chart, PanelsLieApartInsideThePicture) {
   }
 }
 
-TEST(chart::Chart, WritesBothFilesAndLeavesNoParts) {
+TEST(Chart, WritesBothFilesAndLeavesNoParts) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "taut_chart_test";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
@@ -154,7 +154,7 @@ TEST(chart::Chart, WritesBothFilesAndLeavesNoParts) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(chart::Chart, MissingGnuplotIsSaid) {
+TEST(Chart, MissingGnuplotIsSaid) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nonexistent", 1);
   try {

@@ -91,7 +91,7 @@ TEST(Clip, SlowMotionShowsStatesOfTheSameMotion) {
   }
 }
 
-TEST(scenes::ClipSimulation, KeepsTheStatesOfOneShutterHoweverLongTheClip) {
+TEST(ClipSimulation, KeepsTheStatesOfOneShutterHoweverLongTheClip) {
   scenes::Scene scene = swinging();
   scene.world = worlds::chain(2000, 1, Vec3::UnitX());
   scene.stage->shutter = 0.5;

@@ -57,7 +57,7 @@ TEST(Shape, NormalsAreTheWayDistancesRise) {
 
 // Signorini and Coulomb for any velocity and any one to three surfaces; where one surface closes,
 // the derivative is that of differences.
-TEST(contact::Touch, AnswersByTheLaws) {
+TEST(Touch, AnswersByTheLaws) {
   Dice dice(2);
   int slid = 0, stuck = 0, open = 0;
   for (int k = 0; k < 3000; ++k) {

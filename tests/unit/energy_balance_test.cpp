@@ -53,7 +53,7 @@ Found follow(const World& world, const Timeline& timeline, const char* method,
   return found;
 }
 
-TEST(study::EnergyBalance, LeavesNothingOfWhatADriveDoes) {
+TEST(EnergyBalance, LeavesNothingOfWhatADriveDoes) {
   const Found found = follow(driven(), {}, "direct", {{"tolerance", 1e-8}});
   EXPECT_TRUE(found.complete);
   EXPECT_GT(found.gain, 0.05);
@@ -61,12 +61,12 @@ TEST(study::EnergyBalance, LeavesNothingOfWhatADriveDoes) {
   EXPECT_LT(found.left, 1e-4 * found.gain);
 }
 
-TEST(study::EnergyBalance, ShowsWhatAMethodLoses) {
+TEST(EnergyBalance, ShowsWhatAMethodLoses) {
   const Found found = follow(driven(), {}, "xpbd", {{"step", 1.0 / 120}, {"compliance", 1e-3}});
   EXPECT_GT(found.left, 1e-2 * found.gain);
 }
 
-TEST(study::EnergyBalance, StartsAnewAfterAnIntervention) {
+TEST(EnergyBalance, StartsAnewAfterAnIntervention) {
   World world = driven();
   world.connectors[0].holds[0].to = Attachment{};
   world.connectors[0].velocity.back() = {1, 0, 0};
@@ -81,7 +81,7 @@ TEST(study::EnergyBalance, StartsAnewAfterAnIntervention) {
   EXPECT_LT(found.left, 1e-6 * found.gain);
 }
 
-TEST(study::EnergyBalance, TwoDrivesAreNotToldApart) {
+TEST(EnergyBalance, TwoDrivesAreNotToldApart) {
   World world = driven();
   Connector& chain = world.connectors[0];
   Attachment other;

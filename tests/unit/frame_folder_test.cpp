@@ -26,7 +26,7 @@ void fill(film::FrameFolder& frames) {
   for (int k = 0; k < kFrames; ++k) frames.put(k, static_cast<std::uint64_t>(k), picture(k));
 }
 
-TEST(film::FrameFolder, WritesEveryFrameAndKnowsItAgain) {
+TEST(FrameFolder, WritesEveryFrameAndKnowsItAgain) {
   const Folder folder;
   {
     film::FrameFolder frames(folder.path() / "frames", true, kSize);
@@ -41,7 +41,7 @@ TEST(film::FrameFolder, WritesEveryFrameAndKnowsItAgain) {
   }
 }
 
-TEST(film::FrameFolder, HasFramesOfOneSizeAlone) {
+TEST(FrameFolder, HasFramesOfOneSizeAlone) {
   const Folder folder;
   { fill(*std::make_unique<film::FrameFolder>(folder.path(), true, kSize)); }
   const film::FrameFolder larger(folder.path(), true, film::FrameFolder::Size{128, 96});
@@ -51,20 +51,20 @@ TEST(film::FrameFolder, HasFramesOfOneSizeAlone) {
   }
 }
 
-TEST(film::FrameFolder, WritesWhatItWasGivenBeforeItGoes) {
+TEST(FrameFolder, WritesWhatItWasGivenBeforeItGoes) {
   const Folder folder;
   { fill(*std::make_unique<film::FrameFolder>(folder.path(), true, kSize)); }
   const film::FrameFolder again(folder.path(), true, kSize);
   for (int k = 0; k < kFrames; ++k) EXPECT_TRUE(again.knows(k));
 }
 
-TEST(film::FrameFolder, IsOneRunsAlone) {
+TEST(FrameFolder, IsOneRunsAlone) {
   const Folder folder;
   const film::FrameFolder first(folder.path(), true, kSize);
   EXPECT_THROW(film::FrameFolder(folder.path(), true, kSize), render::CannotWrite);
 }
 
-TEST(film::FrameFolder, SaysThatAFrameCouldNotBeWritten) {
+TEST(FrameFolder, SaysThatAFrameCouldNotBeWritten) {
   const Folder folder;
   film::FrameFolder frames(folder.path(), true, kSize);
   folder.write("000003.png/in the way", "");

@@ -19,7 +19,7 @@ to = { free = true }
 start = { direction = [1, 0, 0] }
 )";
 
-TEST(scenes::GoldenTrajectory, SaysWhatOfTheSceneChanged) {
+TEST(GoldenTrajectory, SaysWhatOfTheSceneChanged) {
   const Folder folder;
   scenes::GoldenTrajectory golden;
   golden.scene = folder.write("scene.toml", kSwing);

@@ -7,7 +7,7 @@
 namespace taut {
 namespace {
 
-TEST(golden::PictureDifference, CountsPixelsThatDifferByMoreThanTwo) {
+TEST(PictureDifference, CountsPixelsThatDifferByMoreThanTwo) {
   picture::Picture a(100, 100), b(100, 100);
   EXPECT_TRUE(golden::same_rendering(golden::difference(a, b)));
   b.at(50, 50)[1] = 252;  // 3 off, in one pixel of 10,000
@@ -19,14 +19,14 @@ TEST(golden::PictureDifference, CountsPixelsThatDifferByMoreThanTwo) {
   EXPECT_FALSE(golden::same_rendering(d));
 }
 
-TEST(golden::PictureDifference, FindsPixelsThatMovedByOneAgain) {
+TEST(PictureDifference, FindsPixelsThatMovedByOneAgain) {
   picture::Picture still(100, 100), moved(100, 100), far(100, 100);
   still.at(50, 50)[2] = moved.at(51, 50)[2] = far.at(52, 50)[2] = 0;
   EXPECT_EQ(golden::difference(moved, still).near_above_8, 0);
   EXPECT_GT(golden::difference(far, still).near_above_8, 0);
 }
 
-TEST(golden::PictureDifference, NeedsPicturesOfOneSize) {
+TEST(PictureDifference, NeedsPicturesOfOneSize) {
   EXPECT_THROW(golden::difference(picture::Picture(100, 100), picture::Picture(10, 10)),
                std::invalid_argument);
 }

@@ -16,7 +16,7 @@ picture::Picture gradient(int width, int height) {
   return picture;
 }
 
-TEST(picture::Picture, ComesBackFromItsFile) {
+TEST(Picture, ComesBackFromItsFile) {
   const Folder folder;
   for (const auto& [width, height] : {std::pair(1, 1), {1, 5}, {7, 1}, {63, 41}, {640, 360}}) {
     const picture::Picture picture = gradient(width, height);
@@ -29,7 +29,7 @@ TEST(picture::Picture, ComesBackFromItsFile) {
   }
 }
 
-TEST(picture::Picture, DamageIsNoticed) {
+TEST(Picture, DamageIsNoticed) {
   const Folder folder;
   const auto bytes = picture::encode_png(gradient(63, 41));
   for (std::size_t at = 29; at < bytes.size(); at += 97) {  // from the header's checksum on

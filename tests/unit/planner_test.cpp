@@ -21,7 +21,7 @@ World swing(std::size_t particles) {
   return world;
 }
 
-TEST(study::SamplePoints, LieBetweenTheParticlesOfACoarserChain) {
+TEST(SamplePoints, LieBetweenTheParticlesOfACoarserChain) {
   const World fine = swing(5), coarse = swing(2);
   const study::SamplePoints sample_points(fine, snapshot(fine)), own(coarse, snapshot(coarse));
   const std::vector<Vec3> places = own.places(sample_points, snapshot(coarse));
@@ -31,7 +31,7 @@ TEST(study::SamplePoints, LieBetweenTheParticlesOfACoarserChain) {
   }
 }
 
-TEST(study::SamplePoints, OfAStickAreItsEnds) {
+TEST(SamplePoints, OfAStickAreItsEnds) {
   World world;
   Body stick;
   stick.mass_properties = solid_cylinder(0.2, 0.3, 0.02);
@@ -61,7 +61,7 @@ TEST(Distributions, DifferByTheLargestShare) {
   EXPECT_DOUBLE_EQ(study::distribution_distance(a, b, 2), 0);
 }
 
-TEST(study::ReferenceSolution, OfASwingIsKnownToItsEnd) {
+TEST(ReferenceSolution, OfASwingIsKnownToItsEnd) {
   const study::ReferenceSolution reference =
       study::solve_reference({swing(21), study::frame_times(0.5, 60)}, 1e-3, 1e9, no_tick);
   EXPECT_EQ(reference.known, reference.points.size());
@@ -82,7 +82,7 @@ World drop(std::size_t particles) {
   return world;
 }
 
-TEST(study::ReferenceSolution, BeyondTheHorizonKeepsWhatAllMotionsHaveInCommon) {
+TEST(ReferenceSolution, BeyondTheHorizonKeepsWhatAllMotionsHaveInCommon) {
   const study::ReferenceSolution reference =
       study::solve_reference({drop(21), study::frame_times(1.5, 60)}, 1e-3, 1e9, no_tick);
   ASSERT_TRUE(reference.goes_on());

@@ -13,7 +13,7 @@ namespace {
 using Box = Eigen::AlignedBox3f;
 using Eigen::Vector3f;
 
-TEST(picture::RectSet, OverlapsBecomeOne) {
+TEST(RectSet, OverlapsBecomeOne) {
   picture::RectSet set;
   set.add({0, 0, 10, 10});
   set.add({20, 0, 10, 10});

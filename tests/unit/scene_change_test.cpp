@@ -16,7 +16,7 @@ scenes::Scene changed(const std::vector<scenes::SceneChange>& changes) {
   return scenes::load_scene(kSwing, false, changes);
 }
 
-TEST(scenes::SceneChange, TakesThePlaceOfTheFilesValue) {
+TEST(SceneChange, TakesThePlaceOfTheFilesValue) {
   const scenes::Scene scene = changed({{"connectors.rope.particles", "41"},
                                        {"connectors.rope.start", "{ direction = [0, 1, 0] }"},
                                        {"gravity", "[0, -1.6, 0]"}});
@@ -27,7 +27,7 @@ TEST(scenes::SceneChange, TakesThePlaceOfTheFilesValue) {
   EXPECT_EQ(scenes::load_scene(kSwing, false).world.connectors[0].particles(), 21u);
 }
 
-TEST(scenes::SceneChange, IsCheckedLikeTheFile) {
+TEST(SceneChange, IsCheckedLikeTheFile) {
   for (const scenes::SceneChange& wrong :
        std::vector<scenes::SceneChange>{{"connectors.rope.particles", "1"},
                                         {"connectors.rope.particles", "x y"},
@@ -44,7 +44,7 @@ TEST(scenes::SceneChange, IsCheckedLikeTheFile) {
   }
 }
 
-TEST(scenes::SceneChange, SpinTurnsTheConnectorAsOnePiece) {
+TEST(SceneChange, SpinTurnsTheConnectorAsOnePiece) {
   const scenes::Scene scene =
       changed({{"connectors.rope.start", "{ direction = [1, 0, 0], spin = [0, 0, 3] }"}});
   const Connector& rope = scene.world.connectors.at(0);

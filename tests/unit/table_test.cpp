@@ -16,27 +16,27 @@ chart::Table sample() {
   return table;
 }
 
-TEST(chart::Table, CsvComesBackAsItWas) {
+TEST(Table, CsvComesBackAsItWas) {
   const chart::Table back = chart::from_csv(chart::to_csv(sample()));
   EXPECT_EQ(back.columns, sample().columns);
   EXPECT_EQ(back.rows, sample().rows);
 }
 
-TEST(chart::Table, RefusesRowsThatDoNotFit) {
+TEST(Table, RefusesRowsThatDoNotFit) {
   EXPECT_THROW(sample().add({"one"}), std::invalid_argument);
   EXPECT_THROW(chart::from_csv("a,b\n1\n"), std::invalid_argument);
   EXPECT_THROW(chart::from_csv("a,b\n1,\"2"), std::invalid_argument);
   EXPECT_THROW(chart::from_csv(""), std::invalid_argument);
 }
 
-TEST(chart::Table, TextAlignsNumbersToTheRight) {
+TEST(Table, TextAlignsNumbersToTheRight) {
   chart::Table table{{"n", "µs"}, {}};
   table.add({"one", "1"});
   table.add({"ten", "10.5"});
   EXPECT_EQ(chart::to_text(table), "n      µs\none     1\nten  10.5\n");
 }
 
-TEST(chart::Table, MarkupEscapesItsOwnCharacters) {
+TEST(Table, MarkupEscapesItsOwnCharacters) {
   chart::Table table{{"a|b", "<x>"}, {}};
   table.add({"1 & 2", "\"q\""});
   EXPECT_EQ(chart::to_markdown(table), "| a\\|b | <x> |\n|---:|---|\n| 1 & 2 | \"q\" |\n");
@@ -45,7 +45,7 @@ TEST(chart::Table, MarkupEscapesItsOwnCharacters) {
             "<tr><td class=\"number\">1 &amp; 2</td><td>&quot;q&quot;</td></tr>\n</table>\n");
 }
 
-TEST(chart::Table, FitsIntoAWidth) {
+TEST(Table, FitsIntoAWidth) {
   const chart::Table table{{"method", "a long heading", "another long heading"},
                            {{"impulse", "1", "2"}, {"direct", "3", "4"}}};
   EXPECT_EQ(chart::to_text(table, 100), chart::to_text(table));

@@ -30,9 +30,12 @@ double Integrator::allowed_error(Scheme scheme, double h) const {
          h * system_.velocity_time() * rounding;
 }
 
-/// The error of a step of h of the scheme, as a share of the one that it may make.
+/// The error of a step of h of the scheme, as a share of the one that it may make. Waves are passed
+/// over only where they are as quick at the step's end: what damps an error under tensions that are
+/// gone says nothing of it.
 double Integrator::share_of_allowed(Scheme scheme, double h, const StepError& error) const {
-  const double followed = error.followed / allowed_error(scheme, h);
+  const bool lasting = h * system_.wave_frequency() > Dop853Step::kStable;
+  const double followed = (lasting ? error.followed : error.all) / allowed_error(scheme, h);
   const double once = kConstants.passed_over * asked_error() / larger_[scheme];
   return std::max(followed, error.passed_over / once);
 }

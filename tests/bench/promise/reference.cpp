@@ -37,10 +37,10 @@ World twin(World world, double distance, bool rough) {
 }
 
 /// Whether something of the timeline happens after `from`, until `until`.
-bool happens(const Timeline& truth::timeline, double from, double until) {
+bool happens(const Timeline& timeline, double from, double until) {
   const auto is_in = [&](double time) { return time > from && time <= until; };
-  return std::ranges::any_of(truth::timeline.cuts, is_in, &TimedCut::time) ||
-         std::ranges::any_of(truth::timeline.pins, [&](const TimedPin& pin) {
+  return std::ranges::any_of(timeline.cuts, is_in, &TimedCut::time) ||
+         std::ranges::any_of(timeline.pins, [&](const TimedPin& pin) {
            return is_in(pin.from) || is_in(pin.until);
          });
 }
