@@ -140,7 +140,7 @@ void append(program::Json& object, const std::string& name, program::Json member
 }
 
 program::Json as_json(const scenes::Scene& scene, bool staged,
-                      const std::vector<std::string>& warnings) {
+                      const std::vector<std::string>& warnings, int threads) {
   program::Json json = {
       {"scene", scene.file.string()},          {"title", scene.title}, {"warnings", warnings},
       {"duration_s", scene.duration},          {"fps", scene.fps},     {"frames", scene.frames()},
@@ -179,8 +179,8 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
   json["cuts"] = scene.timeline.cuts.size();
   json["simulate"] = options::needs_json(options::simulation_needs(scene));
   if (scene.stage)
-    json["render"] =
-        options::needs_json(options::clip_needs(scene, options::clip_length(scene), kSamples));
+    json["render"] = options::needs_json(
+        options::clip_needs(scene, options::clip_length(scene), kSamples, threads));
   json["stage"] = staged;
   json["models"] = program::Json::array();
   if (!scene.stage) return json;
@@ -194,7 +194,7 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
 }
 
 std::string as_text(const scenes::Scene& scene, bool staged,
-                    const std::vector<std::string>& warnings) {
+                    const std::vector<std::string>& warnings, int threads) {
   std::string text;
   const auto line = [&text](const std::string& words) { text += words + '\n'; };
   const World& world = scene.world;
@@ -255,8 +255,9 @@ std::string as_text(const scenes::Scene& scene, bool staged,
   line(fmt::format("stage{}: {}x{}; the clip has {:.0f} frames in {} shot{}",
                    staged ? "" : ", as none is written, taut's own", scene.width, scene.height,
                    options::clip_length(scene), shots, shots == 1 ? "" : "s"));
-  line(fmt::format("taut render takes {}", options::needs_text(options::clip_needs(
-                                               scene, options::clip_length(scene), kSamples))));
+  line(fmt::format("taut render takes {}",
+                   options::needs_text(options::clip_needs(scene, options::clip_length(scene),
+                                                           kSamples, threads))));
   for (const auto& [use, model] : models(scene)) {
     line(fmt::format("{}: {}, {} triangles{}", use, model->name, triangles(*model),
                      model->bones.empty() ? "" : fmt::format(", {} bones", model->bones.size())));
@@ -293,8 +294,8 @@ int check(const std::string& file, const std::vector<std::string>& set,
   } catch (const TooLong&) {
     warnings.emplace_back("too much to simulate for a look at what the camera shows");
   }
-  render::write_output(common.json ? as_json(scene, staged, warnings).dump(2) + '\n'
-                                   : as_text(scene, staged, warnings));
+  render::write_output(common.json ? as_json(scene, staged, warnings, common.threads).dump(2) + '\n'
+                                   : as_text(scene, staged, warnings, common.threads));
   return program::kDone;
 }
 

@@ -98,8 +98,9 @@ ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : op
   if (!options.size.empty())
     std::tie(scene.width, scene.height) = program::picture_size(options.size);
   const auto complete = [&] {
-    const options::Needs needs = scene.stage ? options::clip_needs(scene, 0, options.samples)
-                                             : options::simulation_needs(scene);
+    const options::Needs needs =
+        scene.stage ? options::clip_needs(scene, 0, options.samples, common.threads)
+                    : options::simulation_needs(scene);
     options::refuse_beyond({.memory = needs.memory}, scene, options.max_memory, "", kFewer, true);
     scenes::complete_stage(scene, options::chosen_changes(options.method),
                            render::stop_if_interrupted);
@@ -126,8 +127,9 @@ ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : op
         fmt::format("a video of {}x{} is not possible: {} (yuv420p) needs even sides "
                     "(--no-video makes frames of any size)",
                     scene.width, scene.height, ending == ".mp4" ? "H.264" : ending));
-  options::refuse_beyond({.memory = options::clip_needs(scene, 0, options.samples).memory}, scene,
-                         options.max_memory, "", kFewer, true);
+  options::refuse_beyond(
+      {.memory = options::clip_needs(scene, 0, options.samples, common.threads).memory}, scene,
+      options.max_memory, "", kFewer, true);
   clip = scenes::clip_frames(scene);
   frames = program::frame_list(options.frames, int(clip.size()));
   out = options::results_folder(options.scene, options.out, options.inputs.several());
@@ -145,7 +147,8 @@ ClipJob::ClipJob(const RenderOptions& asked, const program::Common& common) : op
   }
   if (video) film::require_ffmpeg();
   if (options.stills.any() || options.part.merge || frames.empty()) return;
-  options::Needs needs = options::clip_needs(scene, double(frames.size()), options.samples);
+  options::Needs needs =
+      options::clip_needs(scene, double(frames.size()), options.samples, common.threads);
   needs.disk *= double(missing_frames(frame_path, frames)) / double(frames.size());
   options::refuse_beyond(needs, scene, options.max_memory, out, kFewer, common.quiet);
 }

@@ -81,6 +81,7 @@ void Drawable::move(std::span<const mesh::MovingVertex> vertices) {
   gl::upload(*gl_, moving_, vertices, GL_DYNAMIC_DRAW);
   box_.setEmpty();
   positions_.clear();
+  positions_.reserve(vertices.size());
   for (const mesh::MovingVertex& v : vertices) {
     positions_.push_back(v.position);
     box_.extend(v.position);

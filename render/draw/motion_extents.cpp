@@ -8,22 +8,22 @@ namespace taut::draw {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-Places places_of(const DrawItem& item) {
-  const Eigen::Matrix3f turn = item.model.topLeftCorner<3, 3>();
-  const Vector3f at = item.model.topRightCorner<3, 1>();
-  Places places;
-  places.reserve(item.drawable->positions().size());
-  for (const Vector3f& p : item.drawable->positions()) places.emplace_back(turn * p + at);
-  return places;
+void MotionExtents::start(std::span<const DrawItem> items, std::vector<double> times,
+                          PlacesAt places) {
+  times_ = std::move(times);
+  places_ = std::move(places);
+  at_.resize(times_.size());
+  at_item_ = items.size();
+  items_.clear();
+  items_.resize(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) items_[i].triangles = items[i].triangles;
 }
 
-void MotionExtents::add(std::span<const DrawItem> items, double time) {
-  times_.push_back(time);
-  items_.resize(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    items_[i].triangles = items[i].triangles;
-    items_[i].times.push_back(places_of(items[i]));
-  }
+const std::vector<Places>& MotionExtents::places(std::size_t item) {
+  if (at_item_ != item)
+    for (std::size_t k = 0; k < at_.size(); ++k) places_(k, item, at_[k]);
+  at_item_ = item;
+  return at_;
 }
 
 MotionExtents::Travel MotionExtents::find_moving(const Eigen::Matrix4f& view_projection,
@@ -35,13 +35,15 @@ MotionExtents::Travel MotionExtents::find_moving(const Eigen::Matrix4f& view_pro
     return half.cwiseProduct(q.head<2>() / q.w());
   };
   Travel most;
-  for (Entry& entry : items_) {
-    entry.speed.assign(entry.times.front().size(), 0);
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    Entry& entry = items_[i];
+    const std::vector<Places>& at = places(i);
+    entry.speed.assign(at.front().size(), 0);
     for (std::size_t v = 0; v < entry.speed.size(); ++v) {
       float way = 0, speed = 0;
-      auto last = seen(entry.times.front()[v]);
-      for (std::size_t k = 1; k < entry.times.size(); ++k) {
-        const auto next = seen(entry.times[k][v]);
+      auto last = seen(at.front()[v]);
+      for (std::size_t k = 1; k < at.size(); ++k) {
+        const auto next = seen(at[k][v]);
         if (last && next) {
           const float step = (*next - *last).norm();
           way += step;
@@ -86,53 +88,75 @@ void append(Triangles& triangles, const std::uint32_t* corner) {
 void MotionExtents::shade(ShadowCover& cover, int grade) {
   Triangles some, shaded;
   bool any = false;
-  for (const Entry& entry : items_) {
+  for (std::size_t item = 0; item < items_.size(); ++item) {
+    const Entry& entry = items_[item];
     some.clear();
     for (std::size_t i = 0; i < entry.triangles.size(); i += 3)
       if (grades(entry.moves, &entry.triangles[i]).second == grade)
         append(some, &entry.triangles[i]);
-    cover.add(some, entry.times);
-    any |= !some.empty();
+    if (some.empty()) continue;
+    cover.add(some, places(item));
+    any = true;
   }
   if (!any) return;
-  for (Entry& entry : items_) {
+  for (std::size_t item = 0; item < items_.size(); ++item) {
+    Entry& entry = items_[item];
     some.clear();
     for (std::size_t i = 0; i < entry.triangles.size(); i += 3)
       if (grades(entry.shows, &entry.triangles[i]).first < grade) append(some, &entry.triangles[i]);
-    cover.find(some, entry.times[entry.times.size() / 2], {}, shaded);
+    if (some.empty()) continue;
+    cover.find(some, places(item)[times_.size() / 2], {}, shaded);
     for (const std::uint32_t v : shaded)
       entry.shows[v] = std::max(entry.shows[v], std::uint8_t(grade));
   }
 }
 
-void MotionExtents::divide() {
-  for (Entry& entry : items_) {
-    entry.standing.clear();
-    entry.moving.clear();
-    entry.shown.assign(std::size_t(grades_), {});
-    for (std::size_t i = 0; i < entry.triangles.size(); i += 3) {
-      const std::uint32_t* corner = &entry.triangles[i];
-      const auto [low, high] = grades(entry.moves, corner);
-      if (low == 0) append(entry.standing, corner);
-      if (high > 0) append(entry.moving, corner);
-      const auto [first, last] = grades(entry.shows, corner);
-      for (int grade = first; grade <= last; ++grade)
-        append(entry.shown[std::size_t(grade)], corner);
-    }
-  }
+/// The triangles with a corner of a grade in that range, or on both sides of it.
+MotionExtents::Subset MotionExtents::subset(std::span<const std::uint32_t> triangles,
+                                            const std::vector<std::uint8_t>& of, int from, int to) {
+  const auto is_in = [&](std::size_t i) {
+    const auto [low, high] = grades(of, &triangles[i]);
+    return low <= to && high >= from;
+  };
+  std::size_t count = 0;  // of indices
+  for (std::size_t i = 0; i < triangles.size(); i += 3) count += is_in(i) ? 3 : 0;
+  if (count == triangles.size()) return {.some = {}, .all = true};
+  Subset subset;
+  subset.some.reserve(count);
+  for (std::size_t i = 0; i < triangles.size(); i += 3)
+    if (is_in(i)) append(subset.some, &triangles[i]);
+  return subset;
 }
 
-Eigen::AlignedBox3f MotionExtents::box(std::size_t item,
-                                       std::span<const std::uint32_t> triangles) const {
-  const Entry& entry = items_[item];
+void MotionExtents::divide() {
+  const int highest = grades_ - 1;
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    Entry& entry = items_[i];
+    entry.standing = subset(entry.triangles, entry.moves, 0, 0);
+    entry.moving = subset(entry.triangles, entry.moves, 1, highest);
+    entry.moving_box = box(i, entry.moving);
+    entry.shown.clear();
+    entry.shown_boxes.clear();
+    for (int grade = 0; grade <= highest; ++grade) {
+      entry.shown.push_back(subset(entry.triangles, entry.shows, grade, grade));
+      entry.shown_boxes.push_back(grade > 0 ? box(i, entry.shown.back()) : Eigen::AlignedBox3f());
+    }
+    entry.speed = {};
+  }
+  places_ = {};
+}
+
+Eigen::AlignedBox3f MotionExtents::box(std::size_t item, const Subset& subset) {
   Eigen::AlignedBox3f box;
+  const std::span<const std::uint32_t> triangles = subset.of(items_[item].triangles);
+  if (triangles.empty()) return box;
+  const std::vector<Places>& at = places(item);
   float chord = 0;
   for (const std::uint32_t v : triangles)
-    for (std::size_t k = 0; k < entry.times.size(); ++k) {
-      box.extend(entry.times[k][v]);
-      if (k > 0) chord = std::max(chord, (entry.times[k][v] - entry.times[k - 1][v]).norm());
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      box.extend(at[k][v]);
+      if (k > 0) chord = std::max(chord, (at[k][v] - at[k - 1][v]).norm());
     }
-  if (box.isEmpty()) return box;
   // A point that turns less than 50 degrees between neighbouring times strays from the chord by
   // less than an eighth of it.
   const Vector3f margin = Vector3f::Constant(chord / 8);

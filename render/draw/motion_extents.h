@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace taut::draw {
 /// Triangles, as indices of vertices.
 using Triangles = std::vector<std::uint32_t>;
 
-/// The same items at a few times, the frame's own in the middle. Vertices have grades by how far
+/// Items at a few times, the frame's own in the middle. Vertices have grades by how far
 /// they move: 0 those that stand still. A triangle belongs to the grades of all its corners and to
 /// those between, so that no crack opens between parts.
 class MotionExtents {
@@ -23,12 +24,13 @@ class MotionExtents {
   /// px that a vertex may move and still count as still.
   static constexpr double kStill = 1;
 
-  void clear() {
-    items_.clear();
-    times_.clear();
-  }
-  /// The items at one more, later time (s).
-  void add(std::span<const DrawItem> items, double time);
+  /// Tells where the vertices of an item are, by the index of the time and the item's. Asked for
+  /// again and again: to keep them all would take more than the meshes.
+  using PlacesAt = std::function<void(std::size_t time, std::size_t item, Places& places)>;
+
+  /// Begins: the triangles of items that never change, and the times (s, rising). `places` must
+  /// work until the triangles are divided.
+  void start(std::span<const DrawItem> items, std::vector<double> times, PlacesAt places);
 
   struct Travel {
     double way = 0;    // px that the fastest vertex comes
@@ -47,33 +49,54 @@ class MotionExtents {
   void divide();
 
   /// Of an item: what does not move, and what moves.
-  const Triangles& standing(std::size_t item) const { return items_[item].standing; }
-  const Triangles& moving(std::size_t item) const { return items_[item].moving; }
+  std::span<const std::uint32_t> standing(std::size_t item) const {
+    return items_[item].standing.of(items_[item].triangles);
+  }
+  std::span<const std::uint32_t> moving(std::size_t item) const {
+    return items_[item].moving.of(items_[item].triangles);
+  }
   /// Of an item: what is shown with this grade, as it moves so or is shaded by what does.
-  const Triangles& shown(std::size_t item, int grade) const {
-    return items_[item].shown[std::size_t(grade)];
+  std::span<const std::uint32_t> shown(std::size_t item, int grade) const {
+    return items_[item].shown[std::size_t(grade)].of(items_[item].triangles);
   }
   /// Around what moves of an item, at all times.
-  Eigen::AlignedBox3f moving_box(std::size_t item) const { return box(item, moving(item)); }
-  /// Around the given triangles of an item at all times.
-  Eigen::AlignedBox3f box(std::size_t item, std::span<const std::uint32_t> triangles) const;
+  const Eigen::AlignedBox3f& moving_box(std::size_t item) const { return items_[item].moving_box; }
+  /// Around what of an item is shown with this grade above 0, at all times.
+  const Eigen::AlignedBox3f& shown_box(std::size_t item, int grade) const {
+    return items_[item].shown_boxes[std::size_t(grade)];
+  }
 
  private:
+  /// Some of an item's triangles; all are no copy: a thousand ropes that move would take as much
+  /// again as their meshes.
+  struct Subset {
+    Triangles some;
+    bool all = false;
+
+    std::span<const std::uint32_t> of(std::span<const std::uint32_t> triangles) const {
+      return all ? triangles : some;
+    }
+  };
   struct Entry {
     std::span<const std::uint32_t> triangles;
-    std::vector<Places> times;
     std::vector<float> speed;                // [vertex], px/s; 0: it stands still
     std::vector<std::uint8_t> moves, shows;  // [vertex], grades
-    Triangles standing, moving;
-    std::vector<Triangles> shown;  // [grade]
+    Subset standing, moving;
+    std::vector<Subset> shown;  // [grade]
+    Eigen::AlignedBox3f moving_box;
+    std::vector<Eigen::AlignedBox3f> shown_boxes;  // [grade]
   };
+  static Subset subset(std::span<const std::uint32_t> triangles,
+                       const std::vector<std::uint8_t>& grades, int from, int to);
+  const std::vector<Places>& places(std::size_t item);
+  Eigen::AlignedBox3f box(std::size_t item, const Subset& subset);
 
   std::vector<Entry> items_;
   std::vector<double> times_;  // s
-  int grades_ = 0;             // how many, 0 included
+  PlacesAt places_;
+  std::vector<Places> at_;  // [time], of the last item asked for
+  std::size_t at_item_ = 0;
+  int grades_ = 0;  // how many, 0 included
 };
-
-/// Where the vertices of an item are.
-Places places_of(const DrawItem& item);
 
 }  // namespace taut::draw

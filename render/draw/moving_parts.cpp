@@ -79,6 +79,39 @@ std::vector<DrawItem> MovingParts::items(const FrameState& instant, const Layer&
   return items;
 }
 
+Places places_of(const DrawItem& item) {
+  const Eigen::Matrix3f turn = item.model.topLeftCorner<3, 3>();
+  const Eigen::Vector3f at = item.model.topRightCorner<3, 1>();
+  Places places;
+  places.reserve(item.drawable->positions().size());
+  for (const Eigen::Vector3f& p : item.drawable->positions()) places.emplace_back(turn * p + at);
+  return places;
+}
+
+void MovingParts::find_places(const FrameState& instant, std::size_t item, Places& places) {
+  const auto take = [&] {
+    places.clear();
+    for (const mesh::MovingVertex& v : vertices_) places.push_back(v.position);
+  };
+  for (std::size_t i = 0; i < characters_.size(); item -= characters_[i++].size()) {
+    if (item >= characters_[i].size()) continue;
+    if (i >= instant.bones.size()) {  // it stays where it was last posed
+      places = characters_[i][item].positions();
+      return;
+    }
+    const scenes::Model& model = *stage_.characters[i];
+    mesh::skin(model.meshes[item], mesh::bone_matrices(model, instant.bones[i]), vertices_);
+    return take();
+  }
+  for (std::size_t i = 0; i < bodies_.size(); item -= bodies_[i++].size())
+    if (item < bodies_[i].size()) {
+      places = places_of({bodies_[i][item], matrix(instant.state.bodies[i])});
+      return;
+    }
+  connector_meshes_[item]->place(instant.state.connectors[item], instant.state.bodies, vertices_);
+  take();
+}
+
 Eigen::AlignedBox3d extent(const FrameState& instant) {
   Eigen::AlignedBox3d box;
   for (const auto& particles : instant.state.connectors)

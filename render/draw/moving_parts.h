@@ -6,6 +6,7 @@
 
 #include "render/draw/draw_item.h"
 #include "render/draw/frame_state.h"
+#include "render/draw/shadow_cover.h"
 #include "render/mesh/connector_mesh.h"
 #include "scenes/scene/stage.h"
 #include "sim/world/world.h"
@@ -22,6 +23,8 @@ class MovingParts {
   /// What the layer shows of the instant last posed: the same items for each instant, in the same
   /// order.
   std::vector<DrawItem> items(const FrameState& instant, const Layer& layer = {});
+  /// Where the vertices of one of all items are at that time, in world space; moves nothing.
+  void find_places(const FrameState& instant, std::size_t item, Places& places);
 
  private:
   const scenes::Stage& stage_;
@@ -30,6 +33,9 @@ class MovingParts {
   std::vector<Drawable> connectors_;
   std::vector<mesh::MovingVertex> vertices_;
 };
+
+/// Where the vertices of an item are, in world space, as it was last moved.
+Places places_of(const DrawItem& item);
 
 std::vector<Drawable> drawables(const gl::Gl& gl, const scenes::Model& model);
 

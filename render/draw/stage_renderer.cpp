@@ -1,6 +1,7 @@
 #include "render/draw/stage_renderer.h"
 
 #include <algorithm>
+#include <array>
 
 #include "render/draw/brute_force.h"
 #include "render/draw/jitter.h"
@@ -186,12 +187,12 @@ void StageRenderer::draw(gl::Canvas& canvas, const picture::Rect& viewport,
 std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameState> shutter,
                                                         const gl::Canvas& canvas, const Look& look,
                                                         const picture::Rect& viewport) {
-  extents.clear();
-  for (const FrameState* instant :
-       {&shutter.front(), &shutter[shutter.size() / 2], &shutter.back()}) {
-    parts.pose(*instant);
-    extents.add(parts.items(*instant), instant->state.time);
-  }
+  const std::array shown{&shutter.front(), &shutter[shutter.size() / 2], &shutter.back()};
+  extents.start(parts.items(*shown[1]),
+                {shown[0]->state.time, shown[1]->state.time, shown[2]->state.time},
+                [&parts = parts, shown](std::size_t time, std::size_t item, Places& places) {
+                  parts.find_places(*shown[time], item, places);
+                });
   const MotionExtents::Travel travel =
       extents.find_moving(look.block.view_projection, viewport, shading.still);
   if (travel.way <= shading.still) return {};
@@ -256,7 +257,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
     const bool fastest = grade == grades.size();  // the scenery takes as many exposures
     HullPoints things;
     for (std::size_t i = 0; i < items.size(); ++i)
-      add_box(d.extents.box(i, d.extents.shown(i, int(grade))), things);
+      add_box(d.extents.shown_box(i, int(grade)), things);
     const picture::Rect part = picture::hull(pixels(things, look.block.view_projection, viewport),
                                              fastest ? shadow : picture::Rect());
     if (part.empty()) continue;

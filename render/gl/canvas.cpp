@@ -96,28 +96,40 @@ void Canvas::touch(const picture::Rect& part) {
       picture::intersection({part.x - 1, part.y - 1, part.width + 2, part.height + 2}, whole()));
 }
 
-void Canvas::copy(const Samples& from, const Samples& to, const picture::Rect& part) const {
+void Canvas::copy(const Samples& from, const picture::Rect& part, const Samples& to, int x,
+                  int y) const {
   for (const auto& [source, target] :
        {std::pair(from.color.id(), to.color.id()), {from.depth.id(), to.depth.id()}})
     gl_.CopyImageSubData(source, GL_TEXTURE_2D_MULTISAMPLE, 0, part.x, part.y, 0, target,
-                         GL_TEXTURE_2D_MULTISAMPLE, 0, part.x, part.y, 0, part.width, part.height,
-                         1);
+                         GL_TEXTURE_2D_MULTISAMPLE, 0, x, y, 0, part.width, part.height, 1);
+}
+
+/// For pictures of several times of a part of that size.
+void Canvas::make_room(const picture::Rect& part) {
+  if (exposure_ && exposure_->width >= part.width && exposure_->height >= part.height) return;
+  constexpr int kMore = 64;  // px, so that it is not made anew for every pixel
+  const auto enough = [](int had, int needed, int most) {
+    return std::max(had, std::min((needed + kMore - 1) / kMore * kMore, most));
+  };
+  const int width = enough(exposure_ ? exposure_->width : 0, part.width, width_);
+  const int height = enough(exposure_ ? exposure_->height : 0, part.height, height_);
+  exposure_.reset();
+  GlObject light = make_texture(gl_, GL_RGBA16F, width, height);
+  GlObject target = make_framebuffer(gl_, light.id(), 0);
+  exposure_.emplace(width, height, Samples(gl_, width, height, samples_), std::move(light),
+                    std::move(target));
 }
 
 void Canvas::expose(const picture::Rect& part, int count, const std::function<void(int)>& draw) {
   const int pictures = std::max(count / samples_, 1), shares = std::min(count, samples_);
   if (pictures > 1) {
-    if (!exposure_) {
-      GlObject light = make_texture(gl_, GL_RGBA16F, width_, height_);
-      GlObject target = make_framebuffer(gl_, light.id(), 0);
-      exposure_.emplace(Samples(gl_, width_, height_, samples_), std::move(light),
-                        std::move(target));
-    }
-    copy(drawn_, exposure_->start, part);
+    make_room(part);
+    copy(drawn_, part, exposure_->start, 0, 0);
     gathered_ = part;
   }
+  const picture::Rect here{0, 0, part.width, part.height};
   for (int picture = 0; picture < pictures; ++picture) {
-    if (picture > 0) copy(exposure_->start, drawn_, part);
+    if (picture > 0) copy(exposure_->start, here, drawn_, part.x, part.y);
     gl_.Enable(GL_SAMPLE_MASK);
     for (int share = 0; share < shares; ++share) {
       gl_.SampleMaski(0, share_of_samples(share, shares, samples_));
@@ -147,7 +159,8 @@ void Canvas::gather(const picture::Rect& part, int picture, int pictures) {
     gl_.BlendFunc(GL_ONE, GL_ONE);
   }
   gl_.BindTextureUnit(0, drawn_.color.id());
-  cover(part, gather_, exposure_->target.id());
+  gather_.set("corner", part.x, part.y);
+  cover({0, 0, part.width, part.height}, gather_, exposure_->target.id());
   gl_.Disable(GL_BLEND);
 }
 
@@ -165,6 +178,7 @@ void Canvas::resolve() {
   }
   if (gathered_.empty()) return;
   gl_.BindTextureUnit(0, exposure_->light.id());
+  finish_gathered_.set("corner", gathered_.x, gathered_.y);
   cover(flipped(gathered_), finish_gathered_, finished_target_.id());
 }
 

@@ -64,7 +64,12 @@ class Canvas {
     Samples samples;
     picture::Picture picture;
   };
-  void copy(const Samples& from, const Samples& to, const picture::Rect& part) const;
+  /// Of `part`, to where its corner is at (x, y).
+  void copy(const Samples& from, const picture::Rect& part, const Samples& to, int x, int y) const;
+  void copy(const Samples& from, const Samples& to, const picture::Rect& part) const {
+    copy(from, part, to, part.x, part.y);
+  }
+  void make_room(const picture::Rect& part);
   void gather(const picture::Rect& part, int picture, int pictures);
   void cover(const picture::Rect& part, const Program& program, GLuint target) const;
   void read(const picture::Rect& part, picture::Picture& picture) const;
@@ -76,8 +81,10 @@ class Canvas {
   GlObject finished_, finished_target_;
   GlObject no_vertices_;
   Program finish_, gather_, finish_gathered_;
-  /// What pictures of several times begin with, and the mean light of those done.
+  /// What pictures of several times begin with, and the mean light of those done: of a part of the
+  /// picture, as what moves fast is mostly small.
   struct Exposure {
+    int width, height;
     Samples start;
     GlObject light, target;
   };

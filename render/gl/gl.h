@@ -17,7 +17,7 @@ namespace taut::gl {
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) X(GetUniformLocation) \
   X(LinkProgram) X(NamedBufferData) X(NamedFramebufferDrawBuffer) X(NamedFramebufferReadBuffer) \
   X(NamedFramebufferTexture) X(PixelStorei) X(PolygonOffset) X(ProgramUniform1f) \
-  X(ProgramUniform1i) X(ProgramUniform3fv) X(ProgramUniform4fv) X(ProgramUniformMatrix4fv) \
+  X(ProgramUniform1i) X(ProgramUniform2i) X(ProgramUniform3fv) X(ProgramUniform4fv) X(ProgramUniformMatrix4fv) \
   X(ReadPixels) X(SampleMaski) X(Scissor) X(ShaderSource) X(TextureParameteri) X(TextureStorage2D) \
   X(TextureStorage2DMultisample) X(TextureSubImage2D) X(TextureSubImage3D) X(UseProgram) X(VertexArrayAttribBinding) \
   X(VertexArrayAttribFormat) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) X(Viewport)

@@ -96,6 +96,9 @@ GLint Program::location(const char* name) const {
 void Program::set(const char* name, int value) const {
   gl_->ProgramUniform1i(object_.id(), location(name), value);
 }
+void Program::set(const char* name, int x, int y) const {
+  gl_->ProgramUniform2i(object_.id(), location(name), x, y);
+}
 void Program::set(const char* name, float value) const {
   gl_->ProgramUniform1f(object_.id(), location(name), value);
 }

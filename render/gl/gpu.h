@@ -64,6 +64,7 @@ class Program {
 
   void use() const { gl_->UseProgram(object_.id()); }
   void set(const char* name, int value) const;
+  void set(const char* name, int x, int y) const;
   void set(const char* name, float value) const;
   void set(const char* name, const Eigen::Vector3f& value) const;
   void set(const char* name, const Eigen::Vector4f& value) const;

@@ -290,10 +290,11 @@ const char* const gather_fragment = R"(
 layout(binding = 0) uniform sampler2DMS samples;
 layout(location = 0) out vec4 mean;
 uniform float share;
+uniform ivec2 corner;  // of the part of the picture that the target holds
 void main() {
   vec3 light = vec3(0);
   for (int i = 0; i < SAMPLES; ++i) {
-    vec3 s = texelFetch(samples, ivec2(gl_FragCoord.xy), i).rgb;
+    vec3 s = texelFetch(samples, corner + ivec2(gl_FragCoord.xy), i).rgb;
     light += s * s;
   }
   mean = vec4(light * (share / SAMPLES), 1);
@@ -304,6 +305,7 @@ const char* const finish_fragment = R"(
 layout(binding = 0) uniform sampler2DMS samples;
 #else
 layout(binding = 0) uniform sampler2D gathered;
+uniform ivec2 corner;  // of the part of the picture that it holds
 #endif
 layout(location = 0) out vec4 color;
 uniform int height;
@@ -317,7 +319,7 @@ void main() {
   }
   light *= 1.0 / SAMPLES;
 #else
-  vec3 light = texelFetch(gathered, pixel, 0).rgb;
+  vec3 light = texelFetch(gathered, pixel - corner, 0).rgb;
 #endif
   // Roots instead of the power of 1/2.4, within a quarter of a step of the 8-bit scale.
   vec3 root2 = sqrt(light), root4 = sqrt(root2), root8 = sqrt(root4);

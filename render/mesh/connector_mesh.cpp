@@ -57,7 +57,7 @@ class TubeMesh final : public ConnectorMesh {
       for (const std::uint32_t i : weight->indices) indices_.push_back(first + i);
       // On the crest of a strand everywhere: the rope's pattern leaves the ball plain.
       rest_.resize(rest_.size() + weight->vertices.size(), {Vec3f(1 / 6.0f, 0, 1), kIron});
-      weights_.push_back({particle, *weight});
+      weights_.push_back({particle, weight->vertices});
     }
   }
 
@@ -78,7 +78,7 @@ class TubeMesh final : public ConnectorMesh {
     }
     for (const auto& [particle, weight] : weights_) {
       const Vec3f at = particles[particle].cast<float>();
-      for (const MovingVertex& v : weight.vertices) vertices.push_back({at + v.position, v.normal});
+      for (const MovingVertex& v : weight) vertices.push_back({at + v.position, v.normal});
     }
   }
 
@@ -112,7 +112,7 @@ class TubeMesh final : public ConnectorMesh {
 
   struct Weight {
     std::size_t particle;
-    Piece piece;
+    std::vector<MovingVertex> vertices;  // round the particle
   };
 
   float radius_;

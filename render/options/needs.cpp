@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <set>
+#include <thread>
 
 #include "render/error.h"
 #include "render/options/method_options.h"
@@ -25,8 +26,11 @@ constexpr double kPart = 3e4;          // bytes
 constexpr double kRoom = 700;          // bytes, for a particle: that of the error's estimate, too
 constexpr double kPathKey = 500;       // bytes, of a key and the section behind it
 constexpr double kColumn = 19;         // bytes of a number in a CSV, mostly
+constexpr double kPixel = 4;           // bytes
 constexpr double kPixelOnDisk = 0.5;   // bytes: of the frame as PNG, and of the video
-constexpr double kRenderer = 2.5e8;    // bytes: the driver, shaders and models
+constexpr double kDriver = 1e8;        // bytes: its libraries, and the models as they were read
+constexpr double kContext = 8e7;       // bytes: shaders, shadow maps, models as they are drawn
+constexpr double kVertex = 120;        // bytes: places, normals, triangles and what of them moves
 constexpr double kPixelTime = 1.5e-7;  // s, of a picture by a software rasteriser
 constexpr double kFrame = 500;         // bytes: what is known of a frame beside its states
 constexpr double kLong = 60;           // s
@@ -82,6 +86,21 @@ double numbers_shown(const scenes::Scene& scene) {
     numbers += 3.0 * double(connector.particles());
   }
   return numbers;
+}
+
+/// Vertices of all connectors as they are drawn.
+double vertices_drawn(const scenes::Scene& scene) {
+  constexpr double kRing = 10, kRings = 120, kWeights = 1100, kLink = 128;
+  double sum = 0;
+  for (std::size_t i = 0; i < scene.world.connectors.size(); ++i) {
+    const Connector& connector = scene.world.connectors[i];
+    const auto& looks = scene.stage->connector_looks;
+    const scenes::ConnectorLook look = i < looks.size() ? looks[i] : scenes::ConnectorLook();
+    sum += look.kind == scenes::ConnectorLook::Kind::chain
+               ? kLink * (connector.length / look.diameter + 4)
+               : kRing * std::max(kRings, double(connector.particles())) + kWeights;
+  }
+  return sum;
 }
 
 /// What the machine has for this process, bytes.
@@ -150,15 +169,19 @@ Needs simulation_needs(const scenes::Scene& scene) {
   return {method.memory + 2 * row, frames * row, (steps + restarts(scene)) * method.step};
 }
 
-Needs clip_needs(const scenes::Scene& scene, double frames, int samples) {
+Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int threads) {
   const scenes::Stage& stage = *scene.stage;
   Needs needs = simulation_needs(scene);
   const double pixels = double(scene.width) * scene.height;
   // The states of a shutter are there twice for each thread that draws.
   const double states = stage.shutter > 0 ? stage.exposures : 1;
   needs.memory += 4 * states * sizeof(double) * numbers_shown(scene);
-  needs.memory += kRenderer + clip_length(scene) * (kFrame + sizeof(double) * states) +
-                  frames * kFrame + 32.0 * pixels * (samples + 1);
+  needs.memory += kDriver + clip_length(scene) * (kFrame + sizeof(double) * states) +
+                  frames * kFrame + 4 * kPixel * pixels;  // pictures on their way to the disk
+  // Colour and depth of each sample as they are drawn, behind what moves, and before exposures.
+  const double canvas = (3 * 8.0 * samples + 4 * kPixel) * pixels;
+  const bool alone = threads == 1 || (threads == 0 && std::thread::hardware_concurrency() < 2);
+  needs.memory += (alone ? 1 : 2) * (kContext + canvas + kVertex * vertices_drawn(scene));
   needs.disk = frames * pixels * kPixelOnDisk;
   needs.time += frames * pixels * kPixelTime;
   return needs;

@@ -20,8 +20,9 @@ struct Needs {
 /// Of `taut simulate`; the disk is the CSV's.
 Needs simulation_needs(const scenes::Scene& scene);
 
-/// Of `taut render`, for so many frames of the scene's stage.
-Needs clip_needs(const scenes::Scene& scene, double frames, int samples);
+/// Of `taut render`, for so many frames of the scene's stage, drawn by so many threads (0: as many
+/// as the machine has).
+Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int threads);
 
 /// How many frames the scene's clip has, without a list of them.
 double clip_length(const scenes::Scene& scene);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "render/draw/lighting.h"
+#include "render/draw/moving_parts.h"
 #include "render/gl/context.h"
 
 namespace taut {
@@ -53,13 +54,23 @@ class MotionExtentsTest : public testing::Test {
   gl::Context context_{gl::Backend::automatic};
   Ribbon ribbon_{context_.gl(), 10};
   draw::MotionExtents extents_;
-  double time_ = 0;  // s
+  std::vector<std::vector<draw::Places>> places_;  // [time][item]
 
+  /// The items as they are now, a millisecond after they were added last.
+  void add(std::span<const draw::DrawItem> items) {
+    auto& places = places_.emplace_back();
+    for (const draw::DrawItem& item : items) places.push_back(draw::places_of(item));
+    std::vector<double> times;
+    for (std::size_t i = 1; i <= places_.size(); ++i) times.push_back(0.001 * double(i));
+    extents_.start(items, times, [this](std::size_t time, std::size_t item, draw::Places& at) {
+      at = places_[time][item];
+    });
+  }
   template <typename Offset>
   void add(Offset offset) {
     ribbon_.move(10, offset);
     const draw::DrawItem item(ribbon_.drawable, Matrix4f::Identity());
-    extents_.add({&item, 1}, time_ += 0.001);
+    add(std::span(&item, 1));
   }
 };
 
@@ -107,7 +118,7 @@ TEST_F(MotionExtentsTest, GradesAreOfSpeed) {
   EXPECT_EQ(extents_.shown(0, 0).size(), 5u * 6);
   EXPECT_EQ(extents_.shown(0, 1).size(), 5u * 6);
   EXPECT_EQ(extents_.shown(0, 2).size(), 2u * 6);
-  EXPECT_GT(extents_.box(0, extents_.shown(0, 2)).min().x(), 0.75f);
+  EXPECT_GT(extents_.shown_box(0, 2).min().x(), 0.75f);
   EXPECT_LT(extents_.moving_box(0).min().x(), 0.45f);
 }
 
@@ -119,7 +130,7 @@ TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
     ribbon_.move(10, [by](float x) { return Vector3f(0, x > 0.65f ? by : 0.0f, 0); });
     const draw::DrawItem items[] = {{ribbon_.drawable, Matrix4f::Identity()},
                                     {behind.drawable, Matrix4f::Identity()}};
-    extents_.add(items, time_ += 0.001);
+    add(std::span<const draw::DrawItem>(items));
   }
   extents_.find_moving(projection_, kView);
   draw::ShadowCover cover;
@@ -132,7 +143,7 @@ TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
   extents_.divide();
   EXPECT_TRUE(extents_.moving(1).empty());
   EXPECT_FALSE(extents_.shown(1, 2).empty());
-  const Eigen::AlignedBox3f shaded = extents_.box(1, extents_.shown(1, 2));
+  const Eigen::AlignedBox3f shaded = extents_.shown_box(1, 2);
   EXPECT_GT(shaded.min().x(), 0.35f);
   EXPECT_GE(shaded.max().x(), 1.0f);
 }

@@ -1,0 +1,84 @@
+// What the memory of `taut render` comes to, as the kernel saw its peak: it does not grow with the
+// clip, and stays below what `taut check` says.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
+
+namespace taut {
+namespace {
+
+class Memory : public testing::Test {
+ protected:
+  /// The most that `taut render` had at once, drawing with one thread, in bytes.
+  double peak(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {TAUT_PROGRAM, "render", "--threads=1", "--no-video",
+                                         "--no-estimate", "--quiet", "--out=out"});
+    std::vector<char*> words;
+    for (std::string& word : arguments) words.push_back(word.data());
+    words.push_back(nullptr);
+    const pid_t child = fork();
+    if (child == 0) {
+      if (chdir(folder_.path().c_str()) == 0 && freopen("/dev/null", "w", stdout))
+        execv(TAUT_PROGRAM, words.data());
+      _exit(127);
+    }
+    int status = 0;
+    rusage usage{};
+    wait4(child, &status, 0, &usage);
+    EXPECT_EQ(status, 0);
+    return 1024.0 * double(usage.ru_maxrss);
+  }
+  double said(const std::string& scene) const {
+    const ProgramResult checked =
+        run_taut({"check", scene, "--threads", "1", "--json"}, folder_.path());
+    return nlohmann::json::parse(checked.output).at("render").at("memory_bytes");
+  }
+
+  Folder folder_;
+};
+
+TEST_F(Memory, DoesNotGrowWithTheClip) {
+  constexpr int kParticles = 2000, kFew = 15, kMany = 150;
+  folder_.write("rope.toml", fmt::format(R"(
+duration = 5
+fps = 30
+[method]
+name = "impulse"
+step = 1e-3
+[connectors.rope]
+length = 1
+mass = 0.1
+particles = {}
+from = {{ fixed = [0, 1, 0] }}
+to = {{ fixed = [0.5, 1, 0] }}
+[stage]
+shutter = 0.5
+camera = [{{ t = 0, position = [0, 0.9, 3], target = [0, 0.8, 0] }}]
+)",
+                                         kParticles));
+  const auto until = [&](int frames) {
+    return peak({"rope.toml", "--size=16x10", fmt::format("--frames=0-{}", frames - 1)});
+  };
+  const double few = until(kFew), many = until(kMany);
+  // A shutter of half a frame shows many states; one alone of each frame, kept, would be this.
+  const double states = double(kMany - kFew) * kParticles * 3 * sizeof(double);
+  EXPECT_LT(many - few, states / 2);
+  EXPECT_LT(many, said("rope.toml"));
+}
+
+TEST_F(Memory, AThousandCordsTakeAsMuchAsTheirMeshes) {
+  const std::string scene = TAUT_SOURCE_DIR "/scenes/bead_curtain.toml";
+  const double most = peak({scene, "--frames=42-43"});
+  EXPECT_LT(most, 5e8);
+  EXPECT_LT(most, said(scene));
+  EXPECT_GT(most, said(scene) / 2);
+}
+
+}  // namespace
+}  // namespace taut
