@@ -36,21 +36,9 @@ class Direct : public Method {
       if (changes_ || stretches(world)) velocity_projection_.stop(world);
       for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->load(world);
     }
-    for (std::size_t k = 0; k < followed_; ++k) {
-      try {
-        integrators_[k]->advance(world, until, counters_);
-      } catch (const Integrator::StepTooSmall& stop) {
-        const Component& part = integrators_[k]->component();
-        const std::string why = direct::full_length(world, part, stop.time);
-        throw Diverged("direct", stop.time, counters_.steps,
-                       part.spans.empty() ? world.bodies[part.bodies[0]].name
-                                          : world.connectors[part.spans[0].connector].name,
-                       part.spans.empty() ? 0 : part.spans[0].first,
-                       why.empty() ? "no step is small enough for the tolerance" : why);
-      }
-    }
+    for_each_part(world, [&](Integrator& part) { part.advance(world, until, counters_); });
     place_prescribed(world, until);
-    for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->store(world);
+    for_each_part(world, [&](Integrator& part) { part.store(world); });
     place_carried(world);
     refuse_led_away(world);
     note(world);
@@ -69,6 +57,24 @@ class Direct : public Method {
   }
 
  private:
+  /// Says why, where no step is small enough in one.
+  template <typename Do>
+  void for_each_part(const World& world, const Do& act) {
+    for (std::size_t k = 0; k < followed_; ++k) {
+      try {
+        act(*integrators_[k]);
+      } catch (const Integrator::StepTooSmall& stop) {
+        const Component& part = integrators_[k]->component();
+        const std::string why = direct::full_length(world, part, stop.time);
+        throw Diverged("direct", stop.time, counters_.steps,
+                       part.spans.empty() ? world.bodies[part.bodies[0]].name
+                                          : world.connectors[part.spans[0].connector].name,
+                       part.spans.empty() ? 0 : part.spans[0].first,
+                       why.empty() ? "no step is small enough for the tolerance" : why);
+      }
+    }
+  }
+
   void advance_contacts(World& world, double until) {
     if (!contacts_) {
       contacts_ = std::make_unique<direct::Contacts>(

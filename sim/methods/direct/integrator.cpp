@@ -17,6 +17,8 @@ bool driven(const World& world, const Component& component) {
   return false;
 }
 
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
 /// The step whose error would be the one allowed, after one of h that had `error` times that.
 double scaled_step(double h, double error, double order) {
   constexpr double kLeast = 1 / kConstants.most_change;
@@ -76,18 +78,6 @@ void Integrator::begin() {
   rests_.fill({0, kConstants.shortest_rest});
 }
 
-/// How long it takes the quickest link to turn by kConstants.turn (s).
-double Integrator::first_step() const {
-  double speed = 0, gain = 0;  // 1/s, 1/s^2
-  for (std::size_t i = 0; i < q_.size(); ++i) {
-    speed = std::max(speed, std::abs(rate_[i]));
-    gain = std::max(gain, std::abs(acceleration_[i]));
-  }
-  const double turn = kConstants.turn;
-  const double turned = 2 * turn / (speed + std::sqrt(speed * speed + 2 * gain * turn));
-  return std::min(turned, longest_);
-}
-
 void Integrator::advance(World& world, double until, Counters& counters) {
   system_.attach(world);
   if (time_ < until && options_.step > 0) return advance_by_step(world, until, counters);
@@ -131,19 +121,30 @@ StepError Integrator::attempt(Scheme scheme, double h, Counters& counters) {
   return rosenbrock_.attempt(system_, time_, h, q, rate, first);
 }
 
-void Integrator::accept(Scheme scheme, double time, Counters& counters) {
-  before_ = time_;
+/// Goes on from where a step ended. False where loops do not close there: then from where it began.
+bool Integrator::accept(Scheme scheme, double time, Counters& counters) {
+  const auto swap_result = [&] {
+    if (scheme == dop853) dop853_.swap_result(q_, rate_);
+    if (scheme == adams) adams_.swap_result(q_, rate_);
+    if (scheme == rosenbrock) rosenbrock_.swap_result(q_, rate_);
+  };
+  fresh_ = false;
   q_before_.swap(q_);
   rate_before_.swap(rate_);
+  swap_result();
+  if (!system_.project(time, q_.data(), rate_.data())) {
+    swap_result();
+    q_before_.swap(q_);
+    rate_before_.swap(rate_);
+    adams_.clear();
+    return false;
+  }
+  before_ = time_;
   time_ = time;
   last_ = {scheme, limit_, time_ - before_, waves_};
   counters.steps += 1;
   taken_[scheme] += 1;
-  if (scheme == dop853) dop853_.swap_result(q_, rate_);
-  if (scheme == adams) adams_.swap_result(q_, rate_);
-  if (scheme == rosenbrock) rosenbrock_.swap_result(q_, rate_);
-  system_.project(time_, q_.data(), rate_.data());
-  fresh_ = false;
+  return true;
 }
 
 /// A hold has left the plane: goes on from where the last step ended, in another plane (a chain
@@ -191,14 +192,14 @@ void Integrator::advance_by_tolerance(World& world, double until, Counters& coun
       const double end = scheme == scheme_ ? end_of_step(until, h) : end_of_start(until, h / 3);
       error = share_of_allowed(scheme, h, attempt(scheme, h, counters));
       if (leave_plane(world)) continue;
-      if (error <= 1) {  // false for NaN
-        if (scheme_ == adams) {
-          start_adams(end, counters);
-        } else {
-          accept(scheme, end, counters);
-          adams_.clear();
-        }
-      } else {
+      const auto take = [&] {
+        if (scheme_ == adams) return start_adams(end, counters);
+        adams_.clear();
+        return accept(scheme, end, counters);
+      };
+      if (error <= 1 && !take()) error = kInfinite;
+      if (!(error <= 1)) {  // true for NaN
+        if (is_lost(scheme)) throw StepTooSmall{time_};
         counters.rejected += 1;
         fresh_ = fresh_ && scheme == dop853;  // the implicit one needs this state's tensions
       }
@@ -210,10 +211,10 @@ void Integrator::advance_by_tolerance(World& world, double until, Counters& coun
 
 /// Takes DOP853's step that was tried, from which Adams begins: with the accelerations at its
 /// thirds.
-void Integrator::start_adams(double time, Counters& counters) {
+bool Integrator::start_adams(double time, Counters& counters) {
   const auto [latest, later, earlier, first] = adams_.begin((time - time_) / 3);
   std::copy(acceleration_.begin(), acceleration_.end(), first);
-  accept(dop853, time, counters);
+  if (!accept(dop853, time, counters)) return false;
   refresh(counters);
   std::copy(acceleration_.begin(), acceleration_.end(), latest);
   for (const auto& [share, out] : {std::pair(1.0 / 3, earlier), std::pair(2.0 / 3, later)}) {
@@ -224,6 +225,7 @@ void Integrator::start_adams(double time, Counters& counters) {
     counters.cycles += system_.work();
   }
   fresh_ = false;  // the last tensions are others
+  return true;
 }
 
 /// Takes steps of Adams's spacing as far as `until`, for as long as waves and error suit it.
@@ -247,7 +249,10 @@ double Integrator::advance_adams(double until, Counters& counters) {
       return error;
     }
     adams_.accept();
-    accept(adams, end_of_step(until, h), counters);
+    if (!accept(adams, end_of_step(until, h), counters)) {
+      counters.rejected += 1;
+      return kInfinite;
+    }
     waves_ = system_.wave_frequency();
     const double waves = options_.finer * h * waves_ / AdamsStep::kStable;
     if (waves > 1 || error > kMuch) return error;
@@ -322,10 +327,7 @@ void Integrator::advance_by_step(World& world, double until, Counters& counters)
       scheme_ = h > stable_step(dop853) ? rosenbrock : dop853;
       const double error = attempt(scheme_, h, counters).all;
       if (leave_plane(world)) continue;
-      if (error <= coarsest) {
-        accept(scheme_, end, counters);
-        continue;
-      }
+      if (error <= coarsest && accept(scheme_, end, counters)) continue;
       counters.rejected += 1;
       counters.handed_over += 1;
       scheme_ = dop853;

@@ -74,7 +74,7 @@ class Integrator {
   /// last. One that is finer than asked for tries none before.
   void keep_to_schemes_of(const Integrator& other);
 
-  /// The step that the error control would have to take is lost in the rounding of the time.
+  /// The step that the error control would have to take is lost in roundings.
   struct StepTooSmall {
     double time;
   };
@@ -92,11 +92,12 @@ class Integrator {
   void advance_by_step(World& world, double until, Counters& counters);
   bool is_before(double until);
   double first_step() const;
+  bool is_lost(Scheme scheme) const;
   void refresh(Counters& counters);
   StepError attempt(Scheme scheme, double h, Counters& counters);
-  void start_adams(double time, Counters& counters);
+  bool start_adams(double time, Counters& counters);
   double advance_adams(double until, Counters& counters);
-  void accept(Scheme scheme, double time, Counters& counters);
+  bool accept(Scheme scheme, double time, Counters& counters);
   void adapt(double h, double wish, double error, Counters& counters);
   void hand_over_to(Scheme before, Counters& counters);
   void try_next(Scheme next, double step);

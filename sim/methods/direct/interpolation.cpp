@@ -52,7 +52,7 @@ void Integrator::interpolate(double time, const double* first_acceleration,
   const double* const last[] = {q_.data(), rate_.data(), last_acceleration};
   (first_acceleration ? quintic : cubic)(q_.size(), h, s, first, last, q_between_.data(),
                                          rate_between_.data());
-  system_.project(time, q_between_.data(), rate_between_.data());
+  if (!system_.project(time, q_between_.data(), rate_between_.data())) throw StepTooSmall{time};
   if (system_.projection_cost() > 0) fresh_ = false;  // that may have changed the tensions
 }
 

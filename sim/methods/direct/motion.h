@@ -41,8 +41,9 @@ class Motion {
   virtual std::size_t size() const = 0;
   /// Writes q'' at `time` (s).
   virtual void acceleration(double time, const double* q, const double* rate, double* out) = 0;
-  /// Returns q and q' to where they belong after a step: unit lengths, closed loops.
-  virtual void project(double time, double* q, double* rate) = 0;
+  /// Returns q and q' to where they belong after a step: unit lengths, closed loops. False where
+  /// that leaves a loop open.
+  virtual bool project(double time, double* q, double* rate) = 0;
   /// What that costs, in accelerations.
   virtual double projection_cost() const = 0;
   /// The cycles (see Counters::work) of an acceleration, and of what an integrator makes of it.

@@ -26,6 +26,7 @@ class RosenbrockStep {
   StepError attempt(Motion& motion, double time, double h, const double* q, const double* rate,
                     const double* first);
 
+  const double* result() const { return q_.data(); }  // q after the last attempt
   /// Swaps the result of the last attempt with the caller's state.
   void swap_result(Slice& q, Slice& rate) {
     q_.swap(q);

@@ -7,6 +7,28 @@
 
 namespace taut::direct {
 
+/// How long it takes the quickest link to turn by kConstants.turn (s).
+double Integrator::first_step() const {
+  double speed = 0, gain = 0;  // 1/s, 1/s^2
+  for (std::size_t i = 0; i < q_.size(); ++i) {
+    speed = std::max(speed, std::abs(rate_[i]));
+    gain = std::max(gain, std::abs(acceleration_[i]));
+  }
+  const double turn = kConstants.turn;
+  const double turned = 2 * turn / (speed + std::sqrt(speed * speed + 2 * gain * turn));
+  return std::min(turned, longest_);
+}
+
+/// Whether the last attempt of the scheme changes no direction by a rounding: then no shorter one
+/// errs by less.
+bool Integrator::is_lost(Scheme scheme) const {
+  const double* result = scheme == dop853 ? dop853_.result() : rosenbrock_.result();
+  for (std::size_t i = 0; i < q_.size(); ++i) {
+    if (!(std::abs(result[i] - q_[i]) < std::numeric_limits<double>::epsilon())) return false;
+  }
+  return true;
+}
+
 /// The longest step (s) of the scheme under the waves of the present state.
 double Integrator::stable_step(Scheme scheme) const {
   if (scheme == rosenbrock) return std::numeric_limits<double>::infinity();

@@ -55,7 +55,7 @@ class System : public Motion {
 
   std::size_t size() const override { return links_.end() + 4 * bodies_.size() + Links::kPad; }
   void acceleration(double time, const double* q, const double* rate, double* out) override;
-  void project(double time, double* q, double* rate) override;
+  bool project(double time, double* q, double* rate) override;
   double projection_cost() const override;
   double work() const override { return work_; }
   double displacement(const double* change) const override;
@@ -171,7 +171,7 @@ class System : public Motion {
   void unit(double* q, double* rate) const;
   double measure_gaps(double time, const double* q, const double* rate);
   void spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Value::*off, double* array);
-  void close(double time, double* q, double* rate);
+  bool close(double time, double* q, double* rate);
   Rotary rotary(double time) const;
   void restore_momentum(double time, double* q, double* rate);
 

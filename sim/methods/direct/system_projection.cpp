@@ -29,10 +29,11 @@ Mat3 point_inertia(double mass, const Vec3& r) {
 
 }  // namespace
 
-void System::project(double time, double* q, double* rate) {
+bool System::project(double time, double* q, double* rate) {
   unit(q, rate);
-  if (loops_ || !rows_.empty()) close(time, q, rate);
+  if ((loops_ || !rows_.empty()) && !close(time, q, rate)) return false;
   if (floats_) restore_momentum(time, q, rate);
+  return true;
 }
 
 void System::unit(double* q, double* rate) const {
@@ -102,18 +103,22 @@ void System::spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Val
 }
 
 /// Closes the loops, and mends the rows, that an integrator's error has opened. Each round leaves
-/// the square of the gap.
-void System::close(double time, double* q, double* rate) {
-  constexpr int kRounds = 12;        // the first ones of wide gaps leave more
-  constexpr double kClosed = 1e-14;  // of the system's length
-  for (int round = 0; round < kRounds; ++round) {
-    if (measure_gaps(time, q, rate) <= kClosed * length_) break;
+/// the square of the gap, or a quarter of it where links are straight. False where the places are
+/// out of reach, or the state too far from one whose loops are closed.
+bool System::close(double time, double* q, double* rate) {
+  constexpr int kRounds = 24;        // quarters of the length that leave kOpen
+  constexpr double kClosed = 1e-14;  // of the system's length, roundings
+  constexpr double kOpen = 1e-11;    // of it, more than roundings of any closed loop
+  double gap = measure_gaps(time, q, rate);
+  for (int round = 0; round < kRounds && gap > kClosed * length_; ++round) {
     spread(q, &Point::position, &ConstraintRow::Value::gap, q);
     unit(q, rate);
+    gap = measure_gaps(time, q, rate);
   }
-  measure_gaps(time, q, rate);
+  if (!(gap <= kOpen * length_)) return false;
   spread(q, &Point::velocity, &ConstraintRow::Value::rate, rate);
   unit(q, rate);
+  return true;
 }
 
 /// Angular momentum and inertia about the centre of mass; points_ and centres_ are up to date.
