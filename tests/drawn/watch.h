@@ -269,11 +269,11 @@ class Watch {
     }
     for (const Body& body : world.bodies) rate_ = std::max(rate_, body.spin.norm());
     const double velocity = error_ * rate_;
-    const double rounding = 1e-14 * length_scale(world);  // m in a second
+    const double resting = 1e-9 * length_scale(world);  // m/s, which are none
     momentum_ = std::max(momentum_, std::sqrt(2 * mass_ * kinetic_energy(world)));
     const double most = mass_ * world.gravity.norm() * error_ + momentum_ * velocity +
                         mass_ * velocity * velocity / 2 + 1e-9 * energy_scale(scene_.world) +
-                        mass_ * rounding * rounding + held;
+                        mass_ * resting * resting + held;
     const double gained = energy() - at_start_;
     if (!(gained <= most)) tell("energy", frame, gained, most);
   }
