@@ -199,7 +199,7 @@ void Integrator::advance_by_tolerance(World& world, double until, Counters& coun
       };
       if (error <= 1 && !take()) error = kInfinite;
       if (!(error <= 1)) {  // true for NaN
-        if (is_lost(scheme)) throw StepTooSmall{time_};
+        if (is_lost(scheme, h)) throw StepTooSmall{time_};
         counters.rejected += 1;
         fresh_ = fresh_ && scheme == dop853;  // the implicit one needs this state's tensions
       }

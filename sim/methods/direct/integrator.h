@@ -92,7 +92,7 @@ class Integrator {
   void advance_by_step(World& world, double until, Counters& counters);
   bool is_before(double until);
   double first_step() const;
-  bool is_lost(Scheme scheme) const;
+  bool is_lost(Scheme scheme, double h) const;
   void refresh(Counters& counters);
   StepError attempt(Scheme scheme, double h, Counters& counters);
   bool start_adams(double time, Counters& counters);

@@ -26,7 +26,9 @@ class RosenbrockStep {
   StepError attempt(Motion& motion, double time, double h, const double* q, const double* rate,
                     const double* first);
 
-  const double* result() const { return q_.data(); }  // q after the last attempt
+  // After the last attempt.
+  const double* q() const { return q_.data(); }
+  const double* rate() const { return rate_.data(); }
   /// Swaps the result of the last attempt with the caller's state.
   void swap_result(Slice& q, Slice& rate) {
     q_.swap(q);

@@ -19,12 +19,15 @@ double Integrator::first_step() const {
   return std::min(turned, longest_);
 }
 
-/// Whether the last attempt of the scheme changes no direction by a rounding: then no shorter one
-/// errs by less.
-bool Integrator::is_lost(Scheme scheme) const {
-  const double* result = scheme == dop853 ? dop853_.result() : rosenbrock_.result();
+/// Whether the last attempt of the scheme, of h, changes no direction by a rounding: then no
+/// shorter one errs by less.
+bool Integrator::is_lost(Scheme scheme, double h) const {
+  constexpr double kRounding = std::numeric_limits<double>::epsilon();
+  const double* q = scheme == dop853 ? dop853_.q() : rosenbrock_.q();
+  const double* rate = scheme == dop853 ? dop853_.rate() : rosenbrock_.rate();
   for (std::size_t i = 0; i < q_.size(); ++i) {
-    if (!(std::abs(result[i] - q_[i]) < std::numeric_limits<double>::epsilon())) return false;
+    const double change = std::abs(q[i] - q_[i]) + h * std::abs(rate[i] - rate_[i]);
+    if (!(change < kRounding)) return false;
   }
   return true;
 }
