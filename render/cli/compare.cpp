@@ -98,14 +98,25 @@ std::pair<film::Comparison, std::vector<Measured>> compare(
   if (!quiet) program::note("solving the truth\n");
   truth::TruthOptions accuracy;
   if (length > 0) accuracy.scored_error = kScored * length;
-  truth::Truth truth = truth::solve_truth(scene.world, problem.times, accuracy, scene.timeline);
+  truth::Truth truth = [&] {
+    // Two solvers, the first of them three times: no more than so many frames.
+    program::Progress progress("solving the truth", "frames", 4 * problem.times.size(), true);
+    std::uint64_t done = 0;
+    return truth::solve_truth(scene.world, problem.times, accuracy, scene.timeline, [&] {
+      render::stop_if_interrupted();
+      progress.update(++done);
+    });
+  }();
   const std::size_t predictable =
       std::size_t(std::ranges::upper_bound(problem.times, truth.horizon) - problem.times.begin());
 
+  program::Progress running("running", "methods", contenders.size(), true);
+  std::uint64_t finished = 0;
   const auto run_of = [&](const study::Candidate& candidate) {
-    render::stop_if_interrupted();
     if (!quiet) program::note("running {}\n", study::describe(candidate));
-    return study::run(problem, candidate, kCpuCap);
+    study::Run run = study::run(problem, candidate, kCpuCap, render::stop_if_interrupted);
+    running.update(++finished);
+    return run;
   };
   std::vector<study::Run> runs;
   const study::Run* paper = nullptr;

@@ -14,6 +14,7 @@
 #include "render/program/note.h"
 #include "scenes/files/error.h"
 #include "sim/run/footprint.h"
+#include "sim/run/islands.h"
 #include "sim/world/room.h"
 
 namespace taut::options {
@@ -23,6 +24,10 @@ namespace fs = std::filesystem;
 
 constexpr double kProgram = 2e7;       // bytes: libraries, the scene file as it was read
 constexpr double kPart = 3e4;          // bytes
+constexpr double kIsland = 1.5e4;      // bytes: its own world and method
+constexpr double kRead = 5e-5;         // s, of a connector or body: to read it and to set it up
+constexpr double kEvent = 3e-5;        // s, of a pin, release or cut: what it touches is built anew
+constexpr double kPass = 3e-8;         // s, of a particle of its connector: an event passes over it
 constexpr double kRoom = 700;          // bytes, for a particle: that of the error's estimate, too
 constexpr double kPathKey = 500;       // bytes, of a key and the section behind it
 constexpr double kColumn = 19;         // bytes of a number in a CSV, mostly
@@ -66,6 +71,8 @@ Footprint footprint_of(const scenes::Scene& scene) {
   for (const Connector& connector : scene.world.connectors) {
     particles += double(connector.particles());
   }
+  const std::vector<std::size_t> islands = island_numbers(scene.world, scene.timeline);
+  if (!islands.empty()) sum.memory += kIsland * double(std::ranges::max(islands));
   sum.memory += kPart * divisions + kRoom * std::min(divisions * particles, kMostRoom);
   sum.memory += 2.0 * double(scene.timeline.pins.size() * (sizeof(TimedPin) + sizeof(Hold)) +
                              scene.timeline.cuts.size() * (sizeof(TimedCut) + sizeof(Connector)));
@@ -149,16 +156,46 @@ double clip_length(const scenes::Scene& scene) {
   return sum;
 }
 
-/// Steps that pins and cuts cost, of a method that controls its error and begins anew after each:
-/// measured with a thousand on a rope of 1001.
+/// Steps of the whole world that pins and cuts cost: each of its own island (Islands), where a
+/// method that controls its error begins anew. Measured with a thousand on a rope of 1001.
 double restarts(const scenes::Scene& scene) {
-  constexpr double kRestart = 20;
-  if (steps_per_frame(scene) > 0) return 0;
-  std::set<double> times;
-  for (const TimedPin& pin : scene.timeline.pins) times.insert({pin.from, pin.until});
-  for (const TimedCut& cut : scene.timeline.cuts) times.insert(cut.time);
-  times.erase(times.upper_bound(scene.duration), times.end());
-  return kRestart * double(times.size());
+  const double restart = steps_per_frame(scene) > 0 ? 1 : 20;
+  const World& world = scene.world;
+  const std::vector<std::size_t> island_of = island_numbers(world, scene.timeline);
+  std::vector<double> particles(world.connectors.size() + 1);  // of each island
+  double all = 0;
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    particles[island_of[c]] += double(world.connectors[c].particles());
+    all += double(world.connectors[c].particles());
+  }
+  std::set<std::pair<std::size_t, double>> times;  // by island
+  const auto add = [&](std::size_t connector, double time) {
+    if (time <= scene.duration) times.emplace(island_of[connector], time);
+  };
+  for (const TimedPin& pin : scene.timeline.pins) {
+    add(pin.connector, pin.from);
+    add(pin.connector, pin.until);
+  }
+  for (const TimedCut& cut : scene.timeline.cuts) add(cut.connector, cut.time);
+  double steps = 0;
+  for (const auto& [island, time] : times) steps += restart * particles[island] / all;
+  return steps;
+}
+
+/// What reading, pins, releases and cuts take by themselves (s).
+double events_time(const scenes::Scene& scene) {
+  const World& world = scene.world;
+  double sum = kRead * double(world.connectors.size() + world.bodies.size());
+  const auto add = [&](std::size_t connector, double time) {
+    if (time > scene.duration) return;
+    sum += kEvent + kPass * double(world.connectors[connector].particles());
+  };
+  for (const TimedPin& pin : scene.timeline.pins) {
+    add(pin.connector, pin.from);
+    add(pin.connector, pin.until);
+  }
+  for (const TimedCut& cut : scene.timeline.cuts) add(cut.connector, cut.time);
+  return sum;
 }
 
 Needs simulation_needs(const scenes::Scene& scene) {
@@ -166,7 +203,8 @@ Needs simulation_needs(const scenes::Scene& scene) {
   const double frames = std::ceil(scene.duration * scene.fps);
   const double row = kColumn * numbers_shown(scene);
   const double steps = frames * std::max(steps_per_frame(scene), 1.0);
-  return {method.memory + 2 * row, frames * row, (steps + restarts(scene)) * method.step};
+  return {method.memory + 2 * row, frames * row,
+          (steps + restarts(scene)) * method.step + events_time(scene)};
 }
 
 Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int threads) {

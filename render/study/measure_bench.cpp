@@ -5,6 +5,7 @@
 #include "render/interrupt.h"
 #include "render/program/note.h"
 #include "render/program/program.h"
+#include "render/program/progress.h"
 #include "render/study/bench_results.h"
 
 namespace taut::studies {
@@ -66,9 +67,11 @@ BenchResults measure_bench(const options::StudyOptions& options,
     throw program::Misuse(fmt::format("--against: {} is not among the methods timed", against));
   }
   const double seconds = options.budget / static_cast<double>(particles.size());
+  program::Progress progress("timing", "numbers of particles", particles.size(), true);
   for (const std::size_t n : particles) {
     if (!quiet) program::note("timing {} particles\n", n);
     results.blocks.push_back(measure(options, results.contenders, n, seconds));
+    progress.update(results.blocks.size());
   }
   return results;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/interventions/interventions.h"
+#include "sim/interventions/renumber.h"
 #include "sim/world/places.h"
 
 namespace taut {
@@ -61,7 +62,7 @@ void share_mass(World& world, Connector& connector, std::size_t added) {
   connector.velocity[added] = (1 - part) * connector.velocity[before];
   connector.velocity[added] += part * connector.velocity[after];
   for (const Hold& hold : connector.holds) {
-    if (hold.particle == before || hold.particle == after) reweigh_holder(world, hold.to);
+    if (hold.particle == before || hold.particle == after) reweigh_and_renumber(world, hold.to);
   }
 }
 
@@ -88,6 +89,7 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   if (place.fraction == 0 && find_joint(world, index, place.particle)) {
     return {Outcome::joined_there, 0};
   }
+  world.topology -= share(world, index);
   const bool has_room = !spare_.empty();
   if (!has_room) spare_.emplace_back();
   world.connectors.push_back(std::move(spare_.back()));
@@ -149,8 +151,9 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
     fit(first);
     fit(second);
   }
-  world.topology = structure(world);
-  return {Outcome::done, world.connectors.size() - 1};
+  const std::size_t added = world.connectors.size() - 1;
+  world.topology += share(world, index) + structure_of_connector(world, added);
+  return {Outcome::done, added};
 }
 
 }  // namespace taut

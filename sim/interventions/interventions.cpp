@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/interventions/renumber.h"
 #include "sim/links/projection.h"
 #include "sim/world/places.h"
 #include "sim/world/room.h"
@@ -101,7 +102,7 @@ void load(World& world, std::size_t index, double mass, const Vec3& position,
   const Vec3 linear = body.mass_properties.mass * body.velocity + mass * velocity;
   Vec3 angular = body.mass_properties.mass * body.position.cross(body.velocity) +
                  body.world_inertia() * body.spin + mass * position.cross(velocity);
-  reweigh(body, laden(world, index));
+  renumber_body(world, index, [&] { reweigh(body, laden(world, index)); });
   body.velocity = linear / body.mass_properties.mass;
   angular -= body.position.cross(linear);
   body.spin = FreeRotation(body.mass_properties.inertia).inverse_inertia(body.rotation) * angular;
@@ -165,12 +166,23 @@ bool is_held(const World& world, const Joint& joint) {
   return holds(world.connectors[leads.connector], leads.particle);
 }
 
-PinnedHold find_pin(World& world, std::uint64_t pin) {
+PinnedHold find_pin(Connector& connector, std::uint64_t pin) {
+  for (std::size_t h = 0; h < connector.holds.size(); ++h) {
+    if (connector.holds[h].pin.number == pin) return {&connector, h};
+  }
+  return {};
+}
+
+/// Looks at the connector `first` before the others.
+PinnedHold find_pin(World& world, std::uint64_t pin, std::size_t first) {
   if (pin == 0) return {};
-  for (Connector& connector : world.connectors) {
-    for (std::size_t h = 0; h < connector.holds.size(); ++h) {
-      if (connector.holds[h].pin.number == pin) return {&connector, h};
+  if (first < world.connectors.size()) {
+    if (const PinnedHold found = find_pin(world.connectors[first], pin); found.connector) {
+      return found;
     }
+  }
+  for (Connector& connector : world.connectors) {
+    if (const PinnedHold found = find_pin(connector, pin); found.connector) return found;
   }
   return {};
 }
@@ -275,6 +287,7 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
   const Outcome outcome = reachable(world, connector, place, target, over > 0);
   if (outcome != Outcome::done) return {outcome, 0};
   const std::size_t room = connector.position.capacity();
+  world.topology -= share(world, index);
   Hold hold;
   hold.particle = place.particle;
   if (place.fraction > 0) {
@@ -297,30 +310,32 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
   if (connector.position.capacity() != room) fit(connector);
   const auto held = hold_at(connector, hold.particle);
   attach(world, connector, *held, to, over);
-  world.topology = structure(world);
+  world.topology += share(world, index);
   held->pin.topology = world.topology;
   return {Outcome::done, held->pin.number};
 }
 
 Outcome Interventions::move(World& world, std::uint64_t pin, const Attachment& to, double over) {
-  const auto [connector, h] = find_pin(world, pin);
+  const auto [connector, h] = find_pin(world, pin, 0);
   if (connector == nullptr) return Outcome::no_pin;
   if (!exists(world, to)) return Outcome::no_target;
   Hold& hold = connector->holds[h];
   const Vec3 target = goal(world, to, world.time + over);
   const Outcome outcome = reachable(world, *connector, {hold.particle, 0}, target, over > 0);
   if (outcome != Outcome::done) return outcome;
+  const auto index = static_cast<std::size_t>(connector - world.connectors.data());
+  world.topology -= share(world, index);
   const Attachment from = hold.to;
   hold.to = {};
-  reweigh_holder(world, from);
+  reweigh_and_renumber(world, from);
   attach(world, *connector, hold, to, over);
   hold.pin.since = -INFINITY;  // what was before the pin is not what was before the move
-  world.topology = structure(world);
+  world.topology += share(world, index);
   return Outcome::done;
 }
 
-Outcome Interventions::release(World& world, std::uint64_t pin) {
-  const auto [connector, h] = find_pin(world, pin);
+Outcome Interventions::release(World& world, std::uint64_t pin, std::size_t at) {
+  const auto [connector, h] = find_pin(world, pin, at);
   if (connector == nullptr) return Outcome::no_pin;
   const Hold hold = connector->holds[h];
   const PinRecord& record = hold.pin;
@@ -331,8 +346,10 @@ Outcome Interventions::release(World& world, std::uint64_t pin) {
                           ? join(world, *connector, hold.particle)
                           : Joined::straightens;
   if (span == Joined::bent) return Outcome::too_near;
+  const auto index = static_cast<std::size_t>(connector - world.connectors.data());
+  world.topology -= share(world, index);
   connector->holds.erase(connector->holds.begin() + static_cast<std::ptrdiff_t>(h));
-  reweigh_holder(world, hold.to);
+  reweigh_and_renumber(world, hold.to);
   if (at_once) {
     connector->position[hold.particle] = record.position;
     connector->velocity[hold.particle] = record.velocity;
@@ -345,8 +362,7 @@ Outcome Interventions::release(World& world, std::uint64_t pin) {
   }
   if (was_added) {
     remove_particle(*connector, hold.particle, record.link_rest);
-    particle_removed(world, static_cast<std::size_t>(connector - world.connectors.data()),
-                     hold.particle);
+    particle_removed(world, index, hold.particle);
   }
   place_joined(world);
   const bool joined = was_added && !at_once && !world.joints.empty() && !connector->stretches();
@@ -355,7 +371,7 @@ Outcome Interventions::release(World& world, std::uint64_t pin) {
   } else if (was_added && !at_once && !connector->stretches()) {
     restorer_.restore(*connector, hold.particle - 1);
   }
-  world.topology = structure(world);
+  world.topology += share(world, index);
   return Outcome::done;
 }
 

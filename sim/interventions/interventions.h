@@ -61,8 +61,8 @@ class Interventions {
   /// of its span move as little as restores their links, all masses counted; a free body where
   /// its span is bent more than particles alone can undo, which allocates. At the time of the pin
   /// itself everything is as it was before it, bit by bit. Refused (`too_near`) while its span is
-  /// bent between holds that cannot give way.
-  Outcome release(World& world, std::uint64_t pin);
+  /// bent between holds that cannot give way. The pin is looked for on the connector `at` first.
+  Outcome release(World& world, std::uint64_t pin, std::size_t at = 0);
 
   /// Divides a connector for good. The second part becomes a connector of its own; a particle at
   /// the cut is shared by both, and where none is its mass comes from its neighbours. A joint

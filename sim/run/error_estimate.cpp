@@ -41,7 +41,9 @@ ErrorEstimate::ErrorEstimate(const World& world, std::string_view method, const 
     none_ = std::string(method) + " " + std::string(companion_.none);
     return;
   }
-  other_method_ = companion_.method.get();
+  companion_.method->again = [name = std::string(method), settings] {
+    return companion_of(name, settings).method;
+  };
   other_.emplace(world, std::move(companion_.method), timeline);
   const World& stepped = std::as_const(*other_).world();
   for (std::size_t b = 0; b < stepped.bodies.size(); ++b) {
@@ -91,7 +93,7 @@ bool ErrorEstimate::due(const Simulation& simulation) {
 
 void ErrorEstimate::advance_companion(const Simulation& simulation) {
   const double from = std::as_const(*other_).world().time, until = simulation.world().time;
-  if (companion_.heed) companion_.heed(*other_method_, simulation.method());
+  if (companion_.heed) other_->tell(simulation, companion_.heed);
   const int parts = companion_.frames > 0 ? uncompared_ + 1 : 1;
   for (int i = 1; i < parts; ++i) other_->advance_to(from + (until - from) * i / parts);
   other_->advance_to(until);

@@ -67,9 +67,8 @@ class ErrorEstimate {
   void note(double time, double error);
 
   std::string none_, diverged_;
-  Companion companion_;             // without its method
-  Method* other_method_ = nullptr;  // that
-  double length_ = 0;               // m, as length_scale() has it
+  Companion companion_;  // without its method
+  double length_ = 0;    // m, as length_scale() has it
   double limit_ = 0;
   double error_, largest_;
   std::optional<double> predictable_until_;

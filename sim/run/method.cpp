@@ -99,7 +99,9 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
   }
   const std::string wrong = complaint(*info, settings);
   if (!wrong.empty()) throw std::invalid_argument(wrong);
-  return info->make(with_defaults(*info, settings));
+  auto method = info->make(with_defaults(*info, settings));
+  method->again = [info, full = with_defaults(*info, settings)] { return info->make(full); };
+  return method;
 }
 
 double number(const Settings& settings, std::string_view name) {

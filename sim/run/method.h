@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -87,6 +88,9 @@ class Method {
   void clear_events() { events_.clear(); }
   /// The same events, which the method forgets.
   std::vector<Event> take_events() { return std::exchange(events_, {}); }
+
+  /// Makes another one with the same settings, where who made this one has said how.
+  std::function<std::unique_ptr<Method>()> again;
 
  protected:
   Counters counters_;

@@ -35,6 +35,10 @@ Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline tim
     return std::tuple(entry.time, entry.kind, entry.index);
   });
   show();
+  if (auto islands = Islands::find(world_, timeline_, *method_)) {
+    islands_ = islands.get();
+    method_ = std::move(islands);
+  }
   interventions_.reserve(world_, timeline_.pins.size(), timeline_.cuts.size());
 }
 
@@ -43,11 +47,10 @@ void Simulation::advance_to(double time) {
   method_->clear_events();
   if (is_shared_) refresh(world_);
   for (; next_ < entries_.size() && entries_[next_].time <= time; ++next_) {
-    const Entry& entry = entries_[next_];
-    if (entry.time > world_.time) method_->advance(world_, entry.time);
-    enact(entry);
+    go_to(entries_[next_]);
+    enact(entries_[next_]);
   }
-  if (time > world_.time) method_->advance(world_, time);
+  if (time > world_.time || (islands_ && islands_->left_behind())) method_->advance(world_, time);
   bodies_as_links_.follow(world_);
 }
 
@@ -56,13 +59,32 @@ void Simulation::go_on_from(const World& world) {
   world_.topology += ++begun_;
 }
 
+void Simulation::tell(const Simulation& other, void (*say)(Method& own, const Method& others)) {
+  if (islands_ && other.islands_) return islands_->tell(*other.islands_, say);
+  if (!islands_ && !other.islands_) say(*method_, *other.method_);
+}
+
+/// To the time of an entry, with as much of the world as it changes.
+void Simulation::go_to(const Entry& entry) {
+  if (!islands_) {
+    if (entry.time > world_.time) method_->advance(world_, entry.time);
+    return;
+  }
+  const bool is_cut = entry.kind == Entry::Kind::cut;
+  const std::size_t whole =
+      is_cut ? timeline_.cuts[entry.index].connector : timeline_.pins[entry.index].connector;
+  islands_->advance_island(world_, std::max(entry.time, world_.time), whole);
+}
+
 void Simulation::enact(const Entry& entry) {
   Outcome outcome = Outcome::done;
   std::string what;
   if (entry.kind == Entry::Kind::cut) {
     outcome = cut(timeline_.cuts[entry.index]);
   } else if (entry.kind == Entry::Kind::release) {
-    outcome = interventions_.release(world_, pins_[entry.index]);
+    const TimedPin& pin = timeline_.pins[entry.index];
+    const std::size_t connector = parts_.at(pin.connector, pin.along).connector;
+    outcome = interventions_.release(world_, pins_[entry.index], connector);
   } else {
     const TimedPin& pin = timeline_.pins[entry.index];
     const auto [connector, along] = parts_.at(pin.connector, pin.along);
@@ -75,6 +97,7 @@ void Simulation::enact(const Entry& entry) {
     }
   }
   if (outcome == Outcome::done) return;
+  if (islands_) method_->advance(world_, world_.time);
   const bool is_cut = entry.kind == Entry::Kind::cut;
   if (what.empty()) what = words(outcome);
   throw BadIntervention(

@@ -7,6 +7,7 @@
 #include "sim/interventions/interventions.h"
 #include "sim/interventions/timeline.h"
 #include "sim/run/bodies_as_links.h"
+#include "sim/run/islands.h"
 #include "sim/run/method.h"
 #include "sim/run/trajectory.h"
 #include "sim/world/parts.h"
@@ -38,7 +39,11 @@ class Simulation {
   /// pinned and cut so far. Without a timeline it is the world's own.
   Snapshot state() const;
 
+  /// The method, or all of them where islands have one each.
   const Method& method() const { return *method_; }
+  /// Calls say(own, other's) for the method of each island; the other simulation has the same
+  /// world and timeline.
+  void tell(const Simulation& other, void (*say)(Method& own, const Method& others));
 
   /// The events since the last advance, which are nobody else's from now on.
   std::vector<Event> take_events() { return method_->take_events(); }
@@ -58,6 +63,7 @@ class Simulation {
     Kind kind;
     std::size_t index;  // in the timeline's list
   };
+  void go_to(const Entry& entry);
   void enact(const Entry& entry);
   Outcome cut(const TimedCut& cut);
   void show();
@@ -73,6 +79,7 @@ class Simulation {
   std::uint64_t begun_ = 0;  // how often the method began anew
   BodiesAsLinks bodies_as_links_;
   std::unique_ptr<Method> method_;
+  Islands* islands_ = nullptr;  // the method, where there are some
   Interventions interventions_;
   Timeline timeline_;
   Parts parts_;

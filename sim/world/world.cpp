@@ -19,20 +19,26 @@ void approach(const Attachment::Approach& approach, double time, PointMotion& mo
   motion.acceleration -= 60 * u * (1 - u) * (1 - 2 * u) / (span * span) * approach.lag;
 }
 
-void add_materials(const World& world, Hash& hash) {
-  const auto add = [&](const Vec3& vector) {
-    for (const double c : vector) hash.word(c);
-  };
-  hash.word(world.air.density);
-  add(world.air.wind);
-  for (const Connector& connector : world.connectors) {
-    hash.word(connector.sections.size());
-    hash.word(connector.drag.across).word(connector.drag.along);
-    for (const Hold& hold : connector.holds) add(hold.clamp);
-    for (const Section& section : connector.sections) {
-      hash.word(section.axial_stiffness).word(section.axial_damping);
-      hash.word(section.bending_stiffness).word(section.bending_damping).word(section.diameter);
-    }
+void add(const Vec3& vector, Hash& hash) {
+  for (const double c : vector) hash.word(c);
+}
+
+void add(const MassProperties& properties, Hash& hash) {
+  hash.word(properties.mass);
+  add(properties.centre, hash);
+  for (const double moment : properties.inertia.reshaped()) hash.word(moment);
+}
+
+void add(const std::shared_ptr<const Path>& path, Hash& hash) {
+  hash.word(path ? path->fingerprint() : 0);
+}
+
+void add_materials(const Connector& connector, Hash& hash) {
+  hash.word(connector.drag.across).word(connector.drag.along);
+  for (const Hold& hold : connector.holds) add(hold.clamp, hash);
+  for (const Section& section : connector.sections) {
+    hash.word(section.axial_stiffness).word(section.axial_damping);
+    hash.word(section.bending_stiffness).word(section.bending_damping).word(section.diameter);
   }
 }
 
@@ -103,51 +109,68 @@ bool has_materials(const World& world) {
       world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
 }
 
-std::uint64_t structure(const World& world) {
+std::uint64_t structure_of_body(const World& world, std::size_t index) {
+  const Body& body = world.bodies[index];
   Hash hash;
-  const auto add = [&](const Vec3& vector) {
-    for (const double c : vector) hash.word(c);
-  };
-  const auto add_path = [&](const std::shared_ptr<const Path>& path) {
-    hash.word(path ? path->fingerprint() : 0);
-  };
-  for (const Body& body : world.bodies) {
-    const MassProperties& properties = body.mass_properties;
-    hash.word(properties.mass);
-    add(properties.centre);
-    for (const double moment : properties.inertia.reshaped()) hash.word(moment);
-    hash.word(body.bare.mass);
-    add(body.bare.centre);
-    for (const double moment : body.bare.inertia.reshaped()) hash.word(moment);
-    add_path(body.path);
-    add(body.grip);
+  hash.text("body").word(index);
+  add(body.mass_properties, hash);
+  add(body.bare, hash);
+  add(body.path, hash);
+  add(body.grip, hash);
+  return hash.value();
+}
+
+std::uint64_t structure_of_connector(const World& world, std::size_t index) {
+  const Connector& connector = world.connectors[index];
+  Hash hash;
+  hash.text("connector").word(index);
+  hash.word(connector.particles()).word(static_cast<std::uint64_t>(connector.model));
+  hash.word(connector.restitution).word(connector.radius);
+  // Sums of short hashes, none of which waits for another.
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < connector.particles(); ++i) {
+    const double rest = i < connector.links() ? connector.rest[i] : 0;
+    sum += Hash().word(i).word(rest).word(connector.particle_mass[i]).value();
   }
-  for (const Connector& connector : world.connectors) {
-    hash.word(connector.particles()).word(static_cast<std::uint64_t>(connector.model));
-    hash.word(connector.restitution);
-    for (const double rest : connector.rest) hash.word(rest);
-    for (const double mass : connector.particle_mass) hash.word(mass);
-    hash.word(connector.holds.size());
-    for (const Hold& hold : connector.holds) {
-      const Attachment& to = hold.to;
-      hash.word(hold.particle).word(hold.pin.number);
-      hash.word(static_cast<std::uint64_t>(to.kind));
-      hash.word(to.kind == Attachment::Kind::body ? to.body : 0);
-      add_path(to.path);
-      add(to.point);
-      add(to.approach.lag);
-      hash.word(to.approach.since).word(to.approach.arrival);
-    }
+  hash.word(sum).word(connector.holds.size());
+  sum = 0;
+  for (const Hold& hold : connector.holds) {
+    const Attachment& to = hold.to;
+    Hash own;
+    own.word(hold.particle).word(hold.pin.number);
+    own.word(static_cast<std::uint64_t>(to.kind));
+    own.word(to.kind == Attachment::Kind::body ? to.body : 0);
+    add(to.path, own);
+    add(to.point, own);
+    add(to.approach.lag, own);
+    sum += own.word(to.approach.since).word(to.approach.arrival).value();
   }
-  if (has_materials(world)) add_materials(world, hash);
+  hash.word(sum);
+  if (!connector.sections.empty()) add_materials(connector, hash);
+  return hash.value();
+}
+
+std::uint64_t structure_of_joints(const World& world) {
+  if (world.joints.empty()) return 0;
+  Hash hash;
   for (const Joint& joint : world.joints) {
     hash.word(joint.particles.size());
     for (const Joint::Particle& at : joint.particles) hash.word(at.connector).word(at.particle);
   }
-  if (world.obstacles.empty()) return hash.value();
-  for (const Connector& connector : world.connectors) hash.word(connector.radius);
-  for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
   return hash.value();
+}
+
+std::uint64_t structure(const World& world) {
+  std::uint64_t sum = structure_of_joints(world);
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) sum += structure_of_body(world, b);
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) sum += structure_of_connector(world, c);
+  Hash hash;
+  if (has_materials(world)) {
+    hash.word(world.air.density);
+    add(world.air.wind, hash);
+  }
+  for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
+  return sum + hash.value();
 }
 
 PointMotion hold_motion(const World& world, const Attachment& to, double time) {

@@ -50,6 +50,12 @@ bool has_materials(const World& world);
 /// so World::topology is this number, which refresh() takes anew.
 std::uint64_t structure(const World& world);
 
+/// What a body, a connector and all joints add to structure(), which is a sum modulo 2^64: so that
+/// the topology follows a change of a few of them without a look at the others.
+std::uint64_t structure_of_body(const World& world, std::size_t body);
+std::uint64_t structure_of_connector(const World& world, std::size_t connector);
+std::uint64_t structure_of_joints(const World& world);
+
 /// The mass properties of a free body with the particles that it holds.
 MassProperties laden(const World& world, std::size_t body);
 

@@ -283,5 +283,80 @@ TEST(Interventions, PartsHaveNamesOfTheirOwn) {
   EXPECT_EQ(names, expected);
 }
 
+/// Three ropes, of which the second is joined to the first and holds a stick.
+World tied_ropes() {
+  World world = swinging_rope();
+  const Vec3 side(0, 0, 2);
+  for (const double apart : {0.0, 1.0}) {
+    Connector rope = straight_connector("rope", 1, 0.2, 11, apart * side, Vec3(1, -1, 0));
+    rope.holds = {{0, fixed(apart * side)}};
+    world.connectors.push_back(rope);
+  }
+  Connector& second = world.connectors[1];
+  const Vec3 gap = world.connectors[0].position[4] - second.position[0];
+  for (Vec3& position : second.position) position += gap;
+  second.holds = {{10, on_body(0, Vec3(0, 0.2, 0))}};
+  world.joints = {{{{0, 4}, {1, 0}}}};
+  world.topology = 0;
+  finish(world);
+  return world;
+}
+
+TEST(Interventions, TheTopologyIsThatOfTheWorldAnew) {
+  World world = tied_ropes();
+  Interventions interventions;
+  std::mt19937 chance(3);
+  const auto draw = [&](double most) { return std::uniform_real_distribution(0.0, most)(chance); };
+  std::vector<std::uint64_t> pins;
+  int done = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto connector = static_cast<std::size_t>(draw(double(world.connectors.size())));
+    const double along = draw(world.connectors[connector].length);
+    const double what = draw(1);
+    const std::uint64_t before = world.topology;
+    Outcome outcome = Outcome::done;
+    if (what < 0.4) {
+      const PointMotion there = material_point(world.connectors[connector], along);
+      const bool body = what < 0.1;
+      const Attachment to = body ? on_body(0, Vec3(0, 0.1, 0)) : fixed(there.position);
+      const Pinned pinned = interventions.pin(world, connector, along, to, body ? 0 : draw(0.1));
+      outcome = pinned.outcome;
+      if (outcome == Outcome::done) pins.push_back(pinned.pin);
+    } else if (what < 0.8 && !pins.empty()) {
+      const auto k = static_cast<std::ptrdiff_t>(draw(double(pins.size())));
+      const std::uint64_t pin = pins[static_cast<std::size_t>(k)];
+      if (what < 0.5) {
+        outcome = interventions.move(world, pin, on_body(0, Vec3(0, draw(0.2), 0)));
+      } else {
+        outcome = interventions.release(world, pin, connector);
+        if (outcome == Outcome::done) pins.erase(pins.begin() + k);
+      }
+    } else if (what > 0.95) {
+      outcome = interventions.cut(world, connector, along).outcome;
+    } else {
+      continue;
+    }
+    world.time += 1e-3;
+    done += outcome == Outcome::done;
+    EXPECT_EQ(world.topology == before, outcome != Outcome::done);
+    ASSERT_EQ(world.topology, structure(world)) << i << " " << words(outcome);
+  }
+  EXPECT_GT(done, 100);
+  EXPECT_GT(world.connectors.size(), 4u);
+}
+
+// Or thousands of them would take time with the square of their number.
+TEST(Interventions, LookAtNoOtherConnectorForTheTopology) {
+  World world = tied_ropes(), other = world;
+  other.connectors[2].rest[3] *= 2;  // by hand, and nobody has taken the topology anew
+  Interventions interventions, same;
+  const std::uint64_t before = world.topology;
+  ASSERT_EQ(interventions.pin(world, 0, 0.2).outcome, Outcome::done);
+  ASSERT_EQ(same.pin(other, 0, 0.2).outcome, Outcome::done);
+  EXPECT_NE(world.topology, before);
+  EXPECT_EQ(other.topology, world.topology);
+  EXPECT_NE(other.topology, structure(other));
+}
+
 }  // namespace
 }  // namespace taut

@@ -147,8 +147,8 @@ class Direct : public Method {
   }
 
   /// What integrators have grown to they keep: where one part has become two, all others stay with
-  /// theirs, and a new one gets the smaller half. So thousands of pins, one after another, take
-  /// little more room than the longest part.
+  /// theirs, and a new one gets the smaller half; where two have become one, that of the larger
+  /// goes on. So thousands of pins, one after another, take little more room than the longest part.
   void align(std::span<const Component> parts) {
     std::size_t first = 0;
     const auto same = [&](std::size_t k) { return links_of(parts[k]) == links_[k]; };
@@ -160,7 +160,9 @@ class Direct : public Method {
       const auto added = integrators_.begin() + static_cast<std::ptrdiff_t>(links_.size());
       std::rotate(left || begin == added ? begin : begin + 1, added, added + 1);
     } else if (parts.size() + 1 == links_.size()) {
-      std::rotate(begin, begin + 1, integrators_.begin() + static_cast<std::ptrdiff_t>(followed_));
+      const bool left = first + 1 == links_.size() || links_[first] <= links_[first + 1];
+      const auto spare = left ? begin : begin + 1;
+      std::rotate(spare, spare + 1, integrators_.begin() + static_cast<std::ptrdiff_t>(followed_));
     }
     links_.clear();
     for (const Component& part : parts) links_.push_back(links_of(part));
