@@ -1,6 +1,9 @@
 // Runs that no machine can hold are refused before they start, with what they would take and what
 // to change; those that take long say so.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -91,6 +94,51 @@ TEST_F(Needs, CheckSaysThem) {
   for (const char* command : {"simulate", "render"}) {
     for (const char* need : {"memory_bytes", "disk_bytes", "time_s"}) {
       EXPECT_GT(json.at(command).at(need), 0) << command << need;
+    }
+  }
+}
+
+/// The peak of a command's memory, in bytes; negative where it fails.
+double memory_of(const std::filesystem::path& folder, std::vector<std::string> command) {
+  std::vector<char*> words;
+  for (std::string& word : command) words.push_back(word.data());
+  words.push_back(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    if (chdir(folder.c_str()) == 0) execv(words[0], words.data());
+    _exit(127);
+  }
+  int status = 0;
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  return status == 0 ? 1024.0 * double(usage.ru_maxrss) : -1;
+}
+
+// Each on a rope of its own, at a time of its own.
+TEST_F(Needs, PinsAndCutsTakeWhatCheckSays) {
+  constexpr int kRopes = 1500;
+  for (const bool pins : {true, false}) {
+    std::string scene = "duration = 0.5\nfps = 10\n";
+    for (int i = 0; i < kRopes; ++i) {
+      const double time = 0.1 + 0.3 * (i + 0.3) / kRopes;
+      scene += pins ? fmt::format("[[pins]]\nconnector = \"r{}\"\nat = 0.5\nfrom = {}\n", i, time)
+                    : fmt::format("[[cuts]]\nconnector = \"r{}\"\nat = 0.5\nt = {}\n", i, time);
+      scene += fmt::format(
+          "[connectors.r{}]\nlength = 1\nmass = 0.1\nparticles = 5\nfrom = {{ fixed = [{}, 1, 0] "
+          "}}\n"
+          "to = {{ free = true }}\nstart = {{ direction = [0.8, -0.6, 0.0] }}\n",
+          i, 0.1 * i);
+    }
+    for (const char* method : {"direct", "springs"}) {
+      folder_.write("scene.toml", scene + fmt::format("[method]\nname = \"{}\"\n", method));
+      const ProgramResult check = run({"check", "scene.toml", "--json"});
+      ASSERT_EQ(check.code, 0) << check.messages;
+      const double told =
+          nlohmann::json::parse(check.output).at("simulate").at("memory_bytes").get<double>();
+      const double taken = memory_of(
+          folder_.path(), {TAUT_PROGRAM, "simulate", "scene.toml", "-q", "--csv", "t.csv"});
+      EXPECT_LE(taken, told) << method << pins;
+      EXPECT_GE(taken, told / 8) << method << pins;
     }
   }
 }
