@@ -176,6 +176,7 @@ void Islands::add(const Counters& before, const Counters& after) {
 }
 
 void Islands::advance(Island& island, World& whole, double until) {
+  if (island.connectors.empty() && island.bodies.empty()) return;  // the timeline does all
   World& part = island.world;
   part.gravity = whole.gravity;
   part.air = whole.air;
