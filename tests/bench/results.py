@@ -34,6 +34,7 @@ class Workshop:
 
     def run(self, command, codes=(0,), **environment):
         """What the command prints. Its first word is a program of the build, or of the system."""
+        command = command.replace(f"{SOURCE}/", "")  # where it runs; a page names no machine's paths
         self.commands.append(command)
         words = shlex.split(command)
         program = next((p for p in (self.build / words[0], self.build / "tests/bench" / words[0],
