@@ -169,7 +169,15 @@ std::uint64_t ClipJob::fingerprint(const std::string& renderer) const {
 
 std::uint64_t frame_inputs(std::uint64_t job, const scenes::ClipFrame& frame,
                            const std::vector<draw::FrameState>& shutter) {
-  return Hash().number(job).number(film::fingerprint(shutter)).number(frame.card_shown).value();
+  const scenes::Shot& shot = *frame.shot;  // what captions it shows depends on where it is cut
+  return Hash()
+      .number(job)
+      .number(film::fingerprint(shutter))
+      .number(shot.from)
+      .number(shot.until)
+      .number(shot.rate)
+      .number(frame.card_shown)
+      .value();
 }
 
 ClipStates::ClipStates(const ClipJob& job, studies::SelfEstimate& estimate)

@@ -1,4 +1,4 @@
-// Cards: a heading and a few lines over a picture that steps back.
+// Cards: a heading and a few lines on a ground of their own.
 #pragma once
 
 #include <string_view>
@@ -8,7 +8,8 @@
 
 namespace taut::film {
 
-/// `method` stands where the text says {method}; `shown` from 0, nothing of the card, to 1.
+/// `method` stands where the text says {method}. `shown` goes from 0, the picture alone, to 1: at
+/// first the ground comes over the picture, from a half on the lines upon it.
 void draw_card(picture::Picture& picture, picture::Font& font, picture::Font& bold,
                const scenes::Card& card, std::string_view method, double shown);
 

@@ -33,7 +33,7 @@ std::vector<draw::FrameState> shutter_of(const scenes::Scene& scene, const scene
 
 picture::Picture Film::draw(const draw::FrameState& instant) {
   picture::Picture picture = draw_stage({&instant, 1}).picture;
-  draw_captions(picture, font_, scene_.stage->captions, instant.state.time);
+  draw_captions(picture, font_, scene_.stage->captions, {.time = instant.state.time});
   return picture;
 }
 
@@ -53,7 +53,9 @@ Film::Frame Film::draw_opaque(const scenes::ClipFrame& frame,
                               std::span<const draw::FrameState> shutter) {
   if (!frame.card) {
     Frame drawn = draw_stage(shutter);
-    draw_captions(drawn.picture, font_, scene_.stage->captions, frame.time);
+    const scenes::Shot& shot = *frame.shot;
+    draw_captions(drawn.picture, font_, scene_.stage->captions,
+                  {frame.time, shot.from, shot.until, shot.rate});
     lap("captions");
     return drawn;
   }

@@ -27,6 +27,22 @@ class Blend {
   std::array<std::array<std::uint8_t, 256>, 3> result_;
 };
 
+/// Each number of `lines` lines of so many becomes the mean of those at most `reach` away in its
+/// line, which ends in zeros; `step` and `stride` lead to the next number, and to the next line.
+void average(std::vector<float>& numbers, int length, int lines, int step, int stride, int reach) {
+  const std::vector<float> before = numbers;
+  for (int l = 0; l < lines; ++l) {
+    const auto at = [&](int i) { return std::size_t(l * stride + i * step); };
+    float sum = 0;
+    for (int i = 0; i < std::min(reach, length); ++i) sum += before[at(i)];
+    for (int i = 0; i < length; ++i) {
+      if (i + reach < length) sum += before[at(i + reach)];
+      if (i > reach) sum -= before[at(i - reach - 1)];
+      numbers[at(i)] = std::max(sum, 0.0f) / float(2 * reach + 1);
+    }
+  }
+}
+
 }  // namespace
 
 void fill(Picture& picture, const Rect& rect, Rgb color, double opacity) {
@@ -36,27 +52,32 @@ void fill(Picture& picture, const Rect& rect, Rgb color, double opacity) {
     for (int x = part.x; x < part.right(); ++x) blend(picture.at(x, y));
 }
 
-void fill_softly(Picture& picture, const Rect& rect, Rgb color, double opacity, double feather) {
-  const int margin = int(std::ceil(feather));
-  const Rect part = intersection(
-      {rect.x - margin, rect.y - margin, rect.width + 2 * margin, rect.height + 2 * margin},
-      {0, 0, picture.width, picture.height});
-  const auto outside = [](int at, int from, int until) {
-    return std::max({0, from - at, at - (until - 1)});
-  };
-  const Blend inside(color, opacity);
-  for (int y = part.y; y < part.top(); ++y)
-    for (int x = part.x; x < part.right(); ++x) {
-      if (x >= rect.x && x < rect.right() && y >= rect.y && y < rect.top()) {
-        inside(picture.at(x, y));
-        continue;
-      }
-      const double off =
-          std::hypot(outside(x, rect.x, rect.right()), outside(y, rect.y, rect.top()));
-      const double t = std::max(0.0, 1 - off / feather), cover = opacity * t * t * (3 - 2 * t);
+void draw_shadow(Picture& picture, Font& font, std::string_view text, double x, double y,
+                 double size, Rgb color, double opacity) {
+  // Three means over a box are nearly a bell.
+  const int reach = std::max(int(std::lround(0.16 * size)), 1), margin = 3 * reach;
+  const int left = int(std::floor(x)) - margin, top = int(std::floor(y - size)) - margin;
+  Picture letters(int(std::ceil(font.width(text, size))) + 2 * margin + 1,
+                  int(std::ceil(1.3 * size)) + 2 * margin + 1);
+  std::ranges::fill(letters.pixels, std::uint8_t{0});
+  font.draw(letters, text, x - left, y - top, size, {255, 255, 255});
+  std::vector<float> cover(std::size_t(letters.width) * std::size_t(letters.height));
+  for (std::size_t i = 0; i < cover.size(); ++i) cover[i] = float(letters.pixels[4 * i]) / 255;
+  for (int pass = 0; pass < 3; ++pass) {
+    average(cover, letters.width, letters.height, 1, letters.width, reach);
+    average(cover, letters.height, letters.width, letters.width, 1, reach);
+  }
+  const Rect part = intersection({left, top, letters.width, letters.height},
+                                 {0, 0, picture.width, picture.height});
+  for (int row = part.y; row < part.top(); ++row)
+    for (int column = part.x; column < part.right(); ++column) {
+      const float there =
+          cover[std::size_t(row - top) * std::size_t(letters.width) + std::size_t(column - left)];
+      // Letters cover less than half of their surroundings.
+      const double share = opacity * std::min(2.5 * double(there), 1.0);
       for (std::size_t k = 0; k < 3; ++k) {
-        std::uint8_t& value = picture.at(x, y)[k];
-        value = std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), cover)));
+        std::uint8_t& value = picture.at(column, row)[k];
+        value = std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), share)));
       }
     }
 }

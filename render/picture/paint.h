@@ -12,9 +12,10 @@ namespace taut::picture {
 /// Blends a colour over a rectangle (from the upper left corner), as far as it lies inside.
 void fill(Picture& picture, const Rect& rect, Rgb color, double opacity = 1);
 
-/// Blends a colour over a rectangle with soft edges: from all of `opacity` inside to nothing
-/// `feather` pixels outside it.
-void fill_softly(Picture& picture, const Rect& rect, Rgb color, double opacity, double feather);
+/// Blends a colour over the picture softly round a line of text, at most `opacity` of it and
+/// nothing farther than the letters' size away: pale letters over it are read on any ground.
+void draw_shadow(Picture& picture, Font& font, std::string_view text, double x, double y,
+                 double size, Rgb color, double opacity);
 
 /// Copies a picture into another, its upper left corner at (x, y); it must fit.
 void paste(const Picture& from, Picture& to, int x, int y);

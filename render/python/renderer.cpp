@@ -63,7 +63,7 @@ picture::Picture Renderer::draw(const Snapshot& state) {
     throw std::invalid_argument("the simulation has other particles or bodies than the scene");
   }
   scenes::ClipFrame frame;
-  const scenes::Shot shot{0, state.time, 1, scene_.stage->camera};
+  const scenes::Shot shot{0, std::max(state.time, scene_.duration) + 1, 1, scene_.stage->camera};
   frame.shot = &shot;
   frame.time = state.time;
   return made([&](film::Film& film) {

@@ -39,8 +39,8 @@ const TableFormat& stage_format() {
                                     needed(positive("until", "When it goes.", "s")),
                                     needed(text("text", "What it says.")),
                                     text("list",
-                                         "Captions of one list show together, the one "
-                                         "whose time it is brighter.")}};
+                                         "Captions of one list have what follows a tab in "
+                                         "one column.")}};
   static const TableFormat format{
       {{.name = "scenery",
         .type = Type::files,

@@ -8,7 +8,7 @@
 namespace taut::scenes {
 namespace {
 
-constexpr double kFade = 0.6;  // s, in which a card comes or goes
+constexpr double kFade = 0.7;  // s, in which a card comes or goes
 
 void add_shot(const Scene& scene, const Shot& shot, std::vector<ClipFrame>& frames) {
   const int count = frame_count((shot.until - shot.from) / shot.rate, scene.fps);

@@ -39,8 +39,8 @@ struct ConnectorLook {
   Vec3 color = Vec3(0.6, 0.5, 0.35);
 };
 
-/// A line of text on the picture between two times. Captions of one list stay on the picture
-/// together, from the first to the last, and the one whose time it is stands out.
+/// A line of text on the picture between two times. What stands behind a tab is in one column in
+/// all captions of a list.
 struct Caption {
   double from = 0, until = 0;  // s
   std::string text;
@@ -54,7 +54,7 @@ struct Shot {
   std::vector<CameraKey> camera;
 };
 
-/// Lines of text over a picture that stands still, before or after the shots.
+/// Lines of text on a ground of their own, before or after the shots.
 struct Card {
   double duration = 0;  // s of the clip; 0: there is none
   std::string heading;
