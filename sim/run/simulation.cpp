@@ -1,6 +1,8 @@
 #include "sim/run/simulation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <tuple>
 
@@ -13,6 +15,12 @@ namespace {
 World finished(World world) {
   if (world.topology == 0) finish(world);
   return world;
+}
+
+/// Whether two times (s) are apart by roundings of sums alone: methods take no such step.
+bool same_time(double a, double b) {
+  constexpr double kRoundings = 4 * std::numeric_limits<double>::epsilon();
+  return std::abs(a - b) <= kRoundings * std::abs(b);
 }
 
 }  // namespace
@@ -46,9 +54,13 @@ void Simulation::advance_to(double time) {
   if (!(time >= world_.time)) throw std::invalid_argument("a simulation cannot go back in time");
   method_->clear_events();
   if (is_shared_) refresh(world_);
-  for (; next_ < entries_.size() && entries_[next_].time <= time; ++next_) {
-    go_to(entries_[next_]);
-    enact(entries_[next_]);
+  for (; next_ < entries_.size(); ++next_) {
+    const Entry& entry = entries_[next_];
+    const bool now = same_time(entry.time, time);
+    if (!now && entry.time > time) break;
+    const bool passed = entry.time < world_.time || same_time(entry.time, world_.time);
+    go_to(entry, now ? time : passed ? world_.time : entry.time);
+    enact(entry);
   }
   if (time > world_.time || (islands_ && islands_->left_behind())) method_->advance(world_, time);
   bodies_as_links_.follow(world_);
@@ -64,16 +76,16 @@ void Simulation::tell(const Simulation& other, void (*say)(Method& own, const Me
   if (!islands_ && !other.islands_) say(*method_, *other.method_);
 }
 
-/// To the time of an entry, with as much of the world as it changes.
-void Simulation::go_to(const Entry& entry) {
+/// To `time` (s), with as much of the world as the entry changes.
+void Simulation::go_to(const Entry& entry, double time) {
   if (!islands_) {
-    if (entry.time > world_.time) method_->advance(world_, entry.time);
+    if (time > world_.time) method_->advance(world_, time);
     return;
   }
   const bool is_cut = entry.kind == Entry::Kind::cut;
   const std::size_t whole =
       is_cut ? timeline_.cuts[entry.index].connector : timeline_.pins[entry.index].connector;
-  islands_->advance_island(world_, std::max(entry.time, world_.time), whole);
+  islands_->advance_island(world_, time, whole);
 }
 
 void Simulation::enact(const Entry& entry) {

@@ -24,7 +24,8 @@ class Simulation {
   /// stepped.
   Simulation(World world, std::unique_ptr<Method> method, Timeline timeline = {});
 
-  /// Advances to `time` (s, not before the present), and does what the timeline has until then.
+  /// Advances to `time` (s, not before the present), and does what the timeline has until then; a
+  /// time that is a rounding off `time` or the present is the same.
   /// The method's events are those of this call afterwards. Throws Diverged and BadIntervention.
   void advance_to(double time);
 
@@ -63,7 +64,7 @@ class Simulation {
     Kind kind;
     std::size_t index;  // in the timeline's list
   };
-  void go_to(const Entry& entry);
+  void go_to(const Entry& entry, double time);
   void enact(const Entry& entry);
   Outcome cut(const TimedCut& cut);
   void show();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "sim/measure/measure.h"
@@ -211,6 +212,30 @@ TEST(Timeline, StatesKeepTheirParticlesWhateverIsPinnedAndCut) {
     EXPECT_NEAR(middle, -0.7 - fallen(0.25), 1e-9) << time;
     EXPECT_NEAR(low, -0.85 - fallen(0.2), 1e-9) << time;
     EXPECT_NEAR(state.connectors[0][3].y(), -0.3, 1e-9);
+  }
+}
+
+// Times of keys and frames are quotients and sums, which miss each other by roundings: no method
+// may see a step of 5e-17 s.
+TEST(Timeline, ARoundingOffAFrameIsThatFrame) {
+  const auto moved = [](const MethodInfo& method, double off) {
+    World swing = hanging_rope();
+    for (Vec3& place : swing.connectors[0].position) place = Vec3(-place.y(), 0, 0);
+    const double late = 1 + off * std::numeric_limits<double>::epsilon();
+    // The last two are between frames, and a rounding apart.
+    const Timeline timeline{
+        {{0, 0.45, 0.3 * late, 0.5 / late, {}, 0}, {0, 0.7, 0.6 / late, 1, {}}},
+        {{0, 0.8, 0.4 * late}, {0, 0.85, 0.45}, {0, 0.9, 0.45 * std::max(late, 1.0)}}};
+    Simulation simulation(swing, make_method(method.name, {}), timeline);
+    for (int frame = 1; frame <= 7; ++frame) simulation.advance_to(frame / 10.0);
+    return std::pair(simulation.state().connectors, simulation.method().counters().steps);
+  };
+  for (const MethodInfo& method : all_methods()) {
+    if (method.name == "sdfast") continue;  // follows no pinned chain
+    const auto exact = moved(method, 0);
+    for (const double off : {-3, -1, 1, 3}) {
+      EXPECT_EQ(moved(method, off), exact) << method.name << ' ' << off;
+    }
   }
 }
 
