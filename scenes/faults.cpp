@@ -54,7 +54,9 @@ class Search {
   std::vector<SceneFault> run() && {
     rename_old_keys(document_);
     for (const SceneFault& fault : format_faults(document_)) note(fault);
-    for (const std::string& entry : wrong_) leave_out(entry);
+    if (found_.size() < kMost) {
+      for (const std::string& entry : wrong_) leave_out(entry);
+    }
     while (!stuck_ && found_.size() < kMost) {
       try {
         Scene scene = read_scene(document_, true);

@@ -73,6 +73,13 @@ TEST(Numbers, AHundredThousandOfEverythingAreReadInSeconds) {
                                i, i % 7);
                          }) +
                    "]\n"},
+      {"camera", rope + "[stage]\ncamera = [\n" +
+                     lines(kMany,
+                           [](int i, double) {
+                             return fmt::format("{{t={}e-5,position=[0,{},9],target=[0,0,0]}},\n",
+                                                i, i % 7);
+                           }) +
+                     "]\n"},
       {"shots",
        rope + "[stage]\n" +
            lines(kMany, [](int, double) { return "[[stage.shots]]\nfrom=0\nuntil=0.1\n"; })},
@@ -91,6 +98,18 @@ TEST(Numbers, AHundredThousandOfEverythingAreReadInSeconds) {
     const ProgramResult outcome = run_within(20, {"check", "scene.toml", "--json"}, folder);
     EXPECT_EQ(outcome.code, 0) << outcome.messages;
   }
+}
+
+TEST(Numbers, AHundredThousandMistakesAreNamedInSeconds) {
+  const Folder folder;
+  folder.write("scene.toml", kRope + lines(100'000, [](int, double at) {
+                               return fmt::format("[[cuts]]\nconnector=\"rope\"\nat={}\ntime=0.5\n",
+                                                  at);
+                             }));
+  const ProgramResult outcome = run_within(20, {"check", "scene.toml"}, folder);
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.messages.find(":400011:"), std::string::npos)
+      << outcome.messages.substr(0, 999);
 }
 
 TEST(Numbers, BodiesThatHangFromEachOtherInAnyOrder) {
