@@ -10,7 +10,7 @@ namespace {
 constexpr double kCaptionFade = 0.15;  // s of the clip
 constexpr double kLeastShown = 0.45;   // s of the clip, or nobody reads it
 constexpr double kSafe = 0.05;   // of the picture on each side, outside of the title-safe part
-constexpr double kShadow = 0.8;  // opacity of the letters' shadow
+constexpr double kShadow = 0.9;  // opacity of the letters' shadow
 constexpr double kLabel = 0.8;   // opacity of labels, of the text's
 constexpr picture::Rgb kLetters{248, 245, 238}, kAround{12, 10, 8};
 

@@ -55,7 +55,7 @@ void fill(Picture& picture, const Rect& rect, Rgb color, double opacity) {
 void draw_shadow(Picture& picture, Font& font, std::string_view text, double x, double y,
                  double size, Rgb color, double opacity) {
   // Three means over a box are nearly a bell.
-  const int reach = std::max(int(std::lround(0.16 * size)), 1), margin = 3 * reach;
+  const int reach = std::max(int(std::lround(0.2 * size)), 1), margin = 3 * reach;
   const int left = int(std::floor(x)) - margin, top = int(std::floor(y - size)) - margin;
   Picture letters(int(std::ceil(font.width(text, size))) + 2 * margin + 1,
                   int(std::ceil(1.3 * size)) + 2 * margin + 1);
@@ -74,7 +74,7 @@ void draw_shadow(Picture& picture, Font& font, std::string_view text, double x, 
       const float there =
           cover[std::size_t(row - top) * std::size_t(letters.width) + std::size_t(column - left)];
       // Letters cover less than half of their surroundings.
-      const double share = opacity * std::min(2.5 * double(there), 1.0);
+      const double share = opacity * std::min(3 * double(there), 1.0);
       for (std::size_t k = 0; k < 3; ++k) {
         std::uint8_t& value = picture.at(column, row)[k];
         value = std::uint8_t(std::lround(std::lerp(double(value), double(color[k]), share)));

@@ -348,7 +348,7 @@ def frame(work):
 def clip(work):
     """seconds per frame of the whole demo, and its three pictures"""
     told = json.loads(work.run("taut render scenes/nunchaku.toml --anew --json -q --out out/results/nunchaku"))
-    for picture in ("--poster 5.4", "--contact-sheet --size 1440x810"):
+    for picture in ("--poster 5.2", "--contact-sheet --size 1440x810"):
         work.run(f"taut render scenes/nunchaku.toml {picture} --out out/results/nunchaku")
     keep(work, work.out / "nunchaku/poster.png", "poster.webp")
     keep(work, work.out / "nunchaku/contact_sheet.png", "nunchaku.png")
