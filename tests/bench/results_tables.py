@@ -344,6 +344,15 @@ def frame(work):
     return markdown(rows, (1, 2, 3))
 
 
+@result("beside", RENDER)
+def beside(work):
+    """ten frames of the demo beside Blender's engines, and a picture of three of them"""
+    table = work.run(f"tests/bench/pictures/beside_blender.py {work.build}/taut scenes/nunchaku.toml --size 320x180 "
+                     f"--samples 128 --out {work.out}/beside")
+    keep(work, work.out / "beside/sheet.png", "beside.webp")
+    return "![taut, Eevee and Cycles](../assets/pictures/beside.webp)\n\n" + table.strip()
+
+
 @result("clip", RENDER)
 def clip(work):
     """seconds per frame of the whole demo, and its three pictures"""
