@@ -223,7 +223,8 @@ def main():
         eevee = scene.eevee
         eevee.taa_render_samples = 16
         eevee.use_gtao, eevee.gtao_distance, eevee.use_ssr, eevee.use_soft_shadows = True, 1, True, True
-        eevee.motion_blur_steps, scene.render.filter_size = 8, 1
+        eevee.use_motion_blur, eevee.motion_blur_shutter, eevee.motion_blur_steps = blur > 0, blur, 8
+        scene.render.filter_size = 1
         times["eevee"].append(render(scene, job["folder"], f"eevee_{i}"))
     with open(f"{job['folder']}/times.json", "w") as file:
         json.dump(times, file)
