@@ -17,8 +17,10 @@ Eevee has the stage's ambient light in place of bounces, with ambient occlusion 
 """
 import argparse
 import json
+import os
 import pathlib
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -75,6 +77,14 @@ def cpu(command, **options):
         raise SystemExit(f"{command[0]}: exit code {done.returncode}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def environment():
+    """With Blender's folder first: its Python takes its modules from where the first python3 is."""
+    blender = shutil.which("blender")
+    if not blender:
+        raise SystemExit("Blender is missing (Debian: blender)")
+    return os.environ | {"PATH": f"{pathlib.Path(blender).parent}:{os.environ['PATH']}"}
 
 
 def by_taut(options, frames, folder):
@@ -135,7 +145,7 @@ def main():
         (folder / "job.json").write_text(json.dumps(job))
         inside = pathlib.Path(__file__).with_name("in_blender.py")
         cpu(["xvfb-run", "-a", "blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python",
-             inside, "--", folder / "job.json"])
+             inside, "--", folder / "job.json"], env=environment())
         report(options, frames, ours, seconds, folder)
 
 
