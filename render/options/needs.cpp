@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <set>
+#include <map>
 #include <thread>
+#include <utility>
 
 #include "render/error.h"
 #include "render/options/method_options.h"
@@ -28,6 +29,7 @@ constexpr double kIsland = 1.5e4;      // bytes: its own world and method
 constexpr double kRead = 5e-5;         // s, of a connector or body: to read it and to set it up
 constexpr double kEvent = 3e-5;        // s, of a pin, release or cut: what it touches is built anew
 constexpr double kPass = 3e-8;         // s, of a particle of its connector: an event passes over it
+constexpr double kFound = 7e-7;        // s, of a part of an island: an event has all found again
 constexpr double kRoom = 700;          // bytes, for a particle: that of the error's estimate, too
 constexpr double kPathKey = 500;       // bytes, of a key and the section behind it
 constexpr double kColumn = 19;         // bytes of a number in a CSV, mostly
@@ -156,9 +158,10 @@ double clip_length(const scenes::Scene& scene) {
   return sum;
 }
 
-/// Steps of the whole world that pins and cuts cost: each of its own island (Islands), where a
-/// method that controls its error begins anew. Measured with a thousand on a rope of 1001.
-double restarts(const scenes::Scene& scene) {
+/// The time (s) of what pins and cuts end, where one of the whole world's steps takes `step`: steps
+/// of their own island (Islands), or of the part of it that those before have left, where a method
+/// that controls its error begins anew. Measured with a thousand to ten thousand on one rope.
+double restarts(const scenes::Scene& scene, double step) {
   const double restart = steps_per_frame(scene) > 0 ? 1 : 20;
   const World& world = scene.world;
   const std::vector<std::size_t> island_of = island_numbers(world, scene.timeline);
@@ -168,18 +171,26 @@ double restarts(const scenes::Scene& scene) {
     particles[island_of[c]] += double(world.connectors[c].particles());
     all += double(world.connectors[c].particles());
   }
-  std::set<std::pair<std::size_t, double>> times;  // by island
-  const auto add = [&](std::size_t connector, double time) {
-    if (time <= scene.duration) times.emplace(island_of[connector], time);
+  std::map<std::pair<std::size_t, double>, double> times;  // by island: parts that are added
+  const auto add = [&](std::size_t connector, double time, double parts) {
+    if (time <= scene.duration) times[{island_of[connector], time}] += parts;
   };
   for (const TimedPin& pin : scene.timeline.pins) {
-    add(pin.connector, pin.from);
-    add(pin.connector, pin.until);
+    add(pin.connector, pin.from, 1);
+    add(pin.connector, pin.until, -1);
   }
-  for (const TimedCut& cut : scene.timeline.cuts) add(cut.connector, cut.time);
-  double steps = 0;
-  for (const auto& [island, time] : times) steps += restart * particles[island] / all;
-  return steps;
+  for (const TimedCut& cut : scene.timeline.cuts) add(cut.connector, cut.time, 1);
+  const bool parts_go_on = find_method(scene.method.name)->parts_go_on && world.joints.empty() &&
+                           world.obstacles.empty() && !has_materials(world);
+  double sum = 0, parts = 1;
+  std::size_t last = 0;
+  for (const auto& [when, added] : times) {
+    if (std::exchange(last, when.first) != when.first) parts = 1;
+    sum += step * restart * particles[when.first] / all / (parts_go_on ? parts : 1);
+    if (parts_go_on) sum += kFound * parts;
+    parts += added;
+  }
+  return sum;
 }
 
 /// What reading, pins, releases and cuts take by themselves (s).
@@ -204,7 +215,7 @@ Needs simulation_needs(const scenes::Scene& scene) {
   const double row = kColumn * numbers_shown(scene);
   const double steps = frames * std::max(steps_per_frame(scene), 1.0);
   return {method.memory + 2 * row, frames * row,
-          (steps + restarts(scene)) * method.step + events_time(scene)};
+          steps * method.step + restarts(scene, method.step) + events_time(scene)};
 }
 
 Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int threads) {

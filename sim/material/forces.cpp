@@ -56,6 +56,16 @@ bool bends(const Connector& connector) {
 
 }  // namespace
 
+const StretchElement* pressed_together(std::span<const StretchElement> stretches,
+                                       const double* positions) {
+  constexpr double kShare = 1e-3;
+  for (const StretchElement& link : stretches) {
+    const Eigen::Map<const Vec3> a(positions + 3 * link.a), b(positions + 3 * link.b);
+    if ((b - a).norm() < kShare * link.rest) return &link;
+  }
+  return nullptr;
+}
+
 void add_stretches(const Connector& connector, std::uint32_t index, std::uint32_t first,
                    std::vector<StretchElement>& elements) {
   if (!connector.stretches()) return;

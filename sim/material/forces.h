@@ -38,6 +38,15 @@ struct DragElement {
   double across = 0, along = 0;
 };
 
+/// The first link that is pressed together to less than a thousandth of its length, with its points
+/// at `positions`; null where there is none. It is about to lose its direction, without which
+/// nothing bends: no motion goes on from there.
+const StretchElement* pressed_together(std::span<const StretchElement> stretches,
+                                       const double* positions);
+inline constexpr const char* kPressedTogether =
+    "a link is pressed together to nothing and has no direction, expected a greater "
+    "axial_stiffness";
+
 /// The elements of one connector whose first particle is the point `first`, appended.
 void add_stretches(const Connector& connector, std::uint32_t index, std::uint32_t first,
                    std::vector<StretchElement>& elements);

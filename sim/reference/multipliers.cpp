@@ -141,6 +141,13 @@ void Multipliers::project(double time) {
 }
 
 void Multipliers::give_up(double time, std::size_t row, const char* what) const {
+  const auto* pressed =
+      material::pressed_together(mechanism_.material().stretches(), state_.data());
+  if (pressed) {
+    throw Diverged(std::string(kTruth), time, counters_.steps,
+                   world_->connectors[pressed->connector].name, pressed->link,
+                   material::kPressedTogether);
+  }
   const auto& rows = mechanism_.rows();
   const Row at = row < rows.size() ? rows[row] : Row();  // where all links stretch there is none
   throw Diverged(std::string(kTruth), time, counters_.steps,

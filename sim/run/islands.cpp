@@ -175,7 +175,8 @@ void Islands::add(const Counters& before, const Counters& after) {
   counters_.cycles += after.cycles - before.cycles;
 }
 
-void Islands::advance(Island& island, World& whole, double until) {
+void Islands::advance(Island& island, World& whole, double until,
+                      std::span<const Parts::Place> places) {
   if (island.connectors.empty() && island.bodies.empty()) return;  // the timeline does all
   World& part = island.world;
   part.gravity = whole.gravity;
@@ -186,10 +187,14 @@ void Islands::advance(Island& island, World& whole, double until) {
   for (std::size_t b = 0; b < island.bodies.size(); ++b) {
     if (!part.bodies[b].driven()) copy_state(whole.bodies[island.bodies[b]], part.bodies[b]);
   }
-  if (until > part.time) {
+  if (until > part.time || island.left_behind) {
     const Counters before = island.method->counters();
     try {
-      island.method->advance(part, until);
+      std::vector<Parts::Place> own(places.begin(), places.end());
+      for (Parts::Place& place : own)
+        place.connector = index_of(island.connectors, place.connector);
+      if (own.empty()) island.method->advance(part, until);
+      island.left_behind = !own.empty() && island.method->advance_near(part, until, own);
     } catch (...) {
       add(before, island.method->counters());
       throw;
@@ -218,14 +223,15 @@ void Islands::advance(World& world, double until) {
       events_, {}, [](const Event& event) { return std::pair(event.time, event.connector); });
 }
 
-void Islands::advance_island(World& world, double until, std::size_t connector) {
+void Islands::advance_island(World& world, double until, std::size_t connector,
+                             std::span<const Parts::Place> places) {
   // What has just been cut off is of the same island.
   const bool same = connector >= island_of_.size() || island_of_[connector] == changing_;
   if (changing_ != kNone && same && world.time == until) return;
   settle(world);
   world.time = until;
   changing_ = island_of_[connector];
-  advance(islands_[changing_], world, until);
+  advance(islands_[changing_], world, until, places);
   left_behind_ = true;
 }
 

@@ -29,8 +29,10 @@ class Islands : public Method {
   void advance(World& world, double until) override;
 
   /// Takes the island of a connector to `until` (s), and leaves the others behind until advance().
-  /// Before the next call nothing but this island may change, and what is cut off it.
-  void advance_island(World& world, double until, std::size_t connector);
+  /// Before the next call nothing but this island may change, and what is cut off it; or what is
+  /// done at `places` alone, where there are some, on this connector.
+  void advance_island(World& world, double until, std::size_t connector,
+                      std::span<const Parts::Place> places = {});
   /// Whether islands were left behind.
   bool left_behind() const { return left_behind_; }
 
@@ -42,12 +44,14 @@ class Islands : public Method {
     World world;
     std::unique_ptr<Method> method;
     std::vector<std::size_t> connectors, bodies;  // indices in the whole world, rising
+    bool left_behind = false;                     // parts of it, by its method
   };
 
   Islands() = default;
   void take(const World& whole, Island& island);
   void settle(const World& whole);
-  void advance(Island& island, World& whole, double until);
+  void advance(Island& island, World& whole, double until,
+               std::span<const Parts::Place> places = {});
   void add(const Counters& before, const Counters& after);
 
   std::vector<Island> islands_;

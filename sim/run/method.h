@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "sim/world/parts.h"
 #include "sim/world/world.h"
 
 namespace taut {
@@ -80,6 +81,15 @@ class Method {
   /// Diverged. Held particles and driven bodies are at their places when it returns.
   virtual void advance(World& world, double until) = 0;
 
+  /// The same for a moment at which something will be done to `world` at these places, and nothing
+  /// else before the next call. True where parts were left behind that this does not concern: their
+  /// states are those of an earlier time until the next advance(), which may be to the same time.
+  virtual bool advance_near(World& world, double until, std::span<const Parts::Place> places) {
+    (void)places;
+    advance(world, until);
+    return false;
+  }
+
   const Counters& counters() const { return counters_; }
   /// Events since the start or the last clear_events(), in order of time; empty for methods that
   /// know none.
@@ -139,6 +149,9 @@ struct MethodInfo {
   bool follows_materials = false;
   /// Connectors may be joined (World::joints); others throw Diverged where some are.
   bool follows_joints = false;
+  /// What is done to a part of a connector, between what holds it, leaves its other parts to their
+  /// own steps, where they are rigid links and touch nothing (Method::advance_near()).
+  bool parts_go_on = false;
   /// What runs beside a run with a full set of settings, coarser or finer, so that ErrorEstimate
   /// tells its error; null: nothing is known of how the error depends on the settings.
   Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;

@@ -62,7 +62,7 @@ void Simulation::advance_to(double time) {
     go_to(entry, now ? time : passed ? world_.time : entry.time);
     enact(entry);
   }
-  if (time > world_.time || (islands_ && islands_->left_behind())) method_->advance(world_, time);
+  if (time > world_.time || left_behind_ || (islands_ && islands_->left_behind())) catch_up(time);
   bodies_as_links_.follow(world_);
 }
 
@@ -76,16 +76,45 @@ void Simulation::tell(const Simulation& other, void (*say)(Method& own, const Me
   if (!islands_ && !other.islands_) say(*method_, *other.method_);
 }
 
+/// Where the entries from the next one on are that happen at `time` (s): none where one of them
+/// ties the connector to another thing that moves freely, or where islands have several to do.
+std::vector<Parts::Place> Simulation::places_at(double time) const {
+  std::vector<Parts::Place> places;
+  for (std::size_t i = next_; i < entries_.size(); ++i) {
+    const Entry& entry = entries_[i];
+    if (entry.time > time && !same_time(entry.time, time)) break;
+    if (islands_ && !places.empty()) return {};
+    if (entry.kind == Entry::Kind::cut) {
+      const TimedCut& cut = timeline_.cuts[entry.index];
+      places.push_back(parts_.at(cut.connector, cut.along));
+      continue;
+    }
+    const TimedPin& pin = timeline_.pins[entry.index];
+    if (pin.to && !is_prescribed(world_, *pin.to)) return {};
+    places.push_back(parts_.at(pin.connector, pin.along));
+  }
+  return places;
+}
+
 /// To `time` (s), with as much of the world as the entry changes.
 void Simulation::go_to(const Entry& entry, double time) {
   if (!islands_) {
-    if (time > world_.time) method_->advance(world_, time);
+    if (!(time > world_.time)) return;
+    const std::vector<Parts::Place> places = places_at(time);
+    if (places.empty()) return catch_up(time);
+    left_behind_ = method_->advance_near(world_, time, places);
     return;
   }
   const bool is_cut = entry.kind == Entry::Kind::cut;
   const std::size_t whole =
       is_cut ? timeline_.cuts[entry.index].connector : timeline_.pins[entry.index].connector;
-  islands_->advance_island(world_, time, whole);
+  islands_->advance_island(world_, time, whole, places_at(time));
+}
+
+/// All of the world.
+void Simulation::catch_up(double time) {
+  left_behind_ = false;
+  method_->advance(world_, time);
 }
 
 void Simulation::enact(const Entry& entry) {
@@ -109,7 +138,7 @@ void Simulation::enact(const Entry& entry) {
     }
   }
   if (outcome == Outcome::done) return;
-  if (islands_) method_->advance(world_, world_.time);
+  if (islands_ || left_behind_) catch_up(world_.time);
   const bool is_cut = entry.kind == Entry::Kind::cut;
   if (what.empty()) what = words(outcome);
   throw BadIntervention(

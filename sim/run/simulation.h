@@ -65,6 +65,8 @@ class Simulation {
     std::size_t index;  // in the timeline's list
   };
   void go_to(const Entry& entry, double time);
+  std::vector<Parts::Place> places_at(double time) const;
+  void catch_up(double time);
   void enact(const Entry& entry);
   Outcome cut(const TimedCut& cut);
   void show();
@@ -81,6 +83,7 @@ class Simulation {
   BodiesAsLinks bodies_as_links_;
   std::unique_ptr<Method> method_;
   Islands* islands_ = nullptr;  // the method, where there are some
+  bool left_behind_ = false;    // parts of the world, by the method
   Interventions interventions_;
   Timeline timeline_;
   Parts parts_;

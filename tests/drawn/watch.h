@@ -224,14 +224,15 @@ class Watch {
     const auto step = method_.settings.find("step");
     const double* own =
         step == method_.settings.end() ? nullptr : std::get_if<double>(&step->second);
-    const int parts = own && *own > 0 ? static_cast<int>(step_count(time, *own)) : 64;
+    const auto at = [&](int of_frame) { return of_frame / static_cast<double>(scene_.fps); };
+    const StepTimes times(at(frame - 1), at(frame), own && *own > 0 ? *own : time / 64);
     Watch finer(scene_, method_);
-    finer.simulation_.advance_to((frame - 1) * time);
+    for (int first = 1; first < frame; ++first) finer.simulation_.advance_to(at(first));
     double accounted = near, last = finer.fastest();
-    for (int part = 1; part <= parts; ++part) {
-      finer.simulation_.advance_to((frame - 1 + part / double(parts)) * time);
+    for (std::uint64_t part = 1; part <= times.count; ++part) {
+      finer.simulation_.advance_to(part == times.count ? at(frame) : times.at(part));
       const double next = finer.fastest();
-      accounted += most(std::max(last, next), time / parts);
+      accounted += most(std::max(last, next), times.dt);
       last = next;
     }
     if (way > accounted) tell("continuous", frame, way, accounted);

@@ -106,6 +106,25 @@ TEST(MaterialHolds, TheRestOfTheWorldMovesAsBefore) {
   EXPECT_EQ(moved.connectors[1].position, bare.connectors[0].position);
 }
 
+// Thrown at what holds it, the lower link is at the upper one's end after 0.1 s. Which way it goes
+// on from there nothing tells.
+TEST(MaterialHolds, ALinkThatIsPressedToNothingEndsTheRun) {
+  World world = rope(2, 0.2, section(0.01, 1e-6), false);
+  world.gravity = Vec3::Zero();
+  Connector& thrown = world.connectors[0];
+  thrown.velocity.back() = 5 * (thrown.position[1] - thrown.position[2]).normalized();
+  try {
+    make_method("direct", {})->advance(world, 1);
+    FAIL();
+  } catch (const Diverged& stop) {
+    EXPECT_EQ(stop.link, 1u);
+    EXPECT_NE(std::string(stop.what()).find("a link is pressed together to nothing"),
+              std::string::npos)
+        << stop.what();
+    EXPECT_NEAR(stop.time, 0.1, 0.002);
+  }
+}
+
 TEST(MaterialHolds, TheSameBitsTwice) {
   const World first = after(falling(300), 0.3, 1e-5), second = after(falling(300), 0.3, 1e-5);
   EXPECT_EQ(first.connectors[0].position, second.connectors[0].position);

@@ -147,6 +147,14 @@ TEST(Clip, ShotsAreReadAndThoseThatCannotBeAreTold) {
   }
 }
 
+TEST(Clip, TheShortEditTakesTwelveSeconds) {
+  const scenes::Scene scene = scenes::load_scene(
+      std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku_edit.toml", true);
+  EXPECT_EQ(scenes::clip_frames(scene).size(), 12u * 60u);
+  EXPECT_EQ(scene.width, 1920);
+  EXPECT_EQ(scene.height, 1080);
+}
+
 TEST(Clip, CamerasOfTheDemonstrationMoveLessThanAPixelWhileTheShutterIsOpen) {
   // Frames show the camera at one time, so its moves must be too slow to blur.
   const scenes::Scene scene =

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "sim/world/components.h"
+
 namespace taut::direct {
 namespace {
 
@@ -175,17 +177,21 @@ void Contacts::follow(Group& group, double until) {
   step_through(group, until);
 }
 
-/// Says why no step is possible. Bodies touch nothing: they may carry an end, or leave what is cut
-/// off behind, inside of an obstacle, farther than a link is long.
+/// Says why no step is possible. Bodies and links touch nothing: they may carry an end inside of an
+/// obstacle, or a cut make a bead there, farther than a link is long.
 void Contacts::give_up(const World& part) const {
+  constexpr double kInside = 1e-6;  // of the connector's length
   for (const Obstacle& obstacle : obstacles_) {
     const Pose frame = obstacle.frame(part.time).pose();
     for (const Connector& connector : part.connectors) {
-      for (const Hold& hold : connector.holds) {
-        const double apart = gap(obstacle, frame, connector.position[hold.particle], 0).distance;
-        if (apart >= 0) continue;
-        throw Diverged("direct", part.time, counters_.steps, connector.name, hold.particle,
-                       "an end is inside of obstacle " + obstacle.name);
+      for (std::size_t i = 0; i < connector.particles(); ++i) {
+        const bool held = find_hold(connector, i);
+        const double radius = held ? 0 : connector.radius;
+        const double apart = gap(obstacle, frame, connector.position[i], radius).distance;
+        if (apart >= (held ? 0 : -kInside * connector.length)) continue;
+        throw Diverged("direct", part.time, counters_.steps, connector.name, i,
+                       (held ? "an end is inside of obstacle " : "a bead is inside of obstacle ") +
+                           obstacle.name);
       }
     }
   }

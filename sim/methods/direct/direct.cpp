@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sim/links/projection.h"
 #include "sim/methods/direct/contacts.h"
 #include "sim/methods/direct/elastic.h"
+#include "sim/methods/direct/followed_parts.h"
 #include "sim/methods/direct/full_length.h"
-#include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/joined.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/run/companion.h"
@@ -29,19 +28,25 @@ class Direct : public Method {
     if (has_materials(world)) return advance_materials(world, until);
     if (!world.obstacles.empty()) return advance_contacts(world, until);
     if (has_spans(world)) return advance_spans(world, until);
-    if (!built_ || topology_ != world.topology) rebuild(world);
-    if (!same(world)) {
-      place_held(world, world.time);
-      // A particle that was pinned in motion leaves its neighbours so.
-      if (changes_ || stretches(world)) velocity_projection_.stop(world);
-      for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->load(world);
+    prepare(world);
+    advance_all_parts(world, until);
+  }
+
+  bool advance_near(World& world, double until, std::span<const Parts::Place> places) override {
+    const bool in_parts = world.joints.empty() && !has_materials(world) &&
+                          world.obstacles.empty() && !has_spans(world);
+    if (!in_parts) {
+      advance(world, until);
+      return false;
     }
-    for_each_part(world, [&](Integrator& part) { part.advance(world, until, counters_); });
-    place_prescribed(world, until);
-    for_each_part(world, [&](Integrator& part) { part.store(world); });
-    place_carried(world);
-    refuse_led_away(world);
-    note(world);
+    prepare(world);
+    if (!parts_.mark(world, places)) {
+      advance_all_parts(world, until);
+      return false;
+    }
+    advance_parts(world, until, [&](std::size_t part) { return parts_.is_near(part); });
+    left_behind_ = true;
+    return true;
   }
 
   /// Tries those schemes alone in each component of which `run` has taken steps since this was
@@ -51,28 +56,63 @@ class Direct : public Method {
       return static_cast<Direct&>(spans_->links())
           .keep_to_schemes_of(static_cast<const Direct&>(run.spans_->links()));
     }
-    for (std::size_t k = 0; k < std::min(integrators_.size(), run.integrators_.size()); ++k) {
-      integrators_[k]->keep_to_schemes_of(*run.integrators_[k]);
+    const auto own = parts_.made(), others = run.parts_.made();
+    for (std::size_t k = 0; k < std::min(own.size(), others.size()); ++k) {
+      own[k]->keep_to_schemes_of(*others[k]);
     }
   }
 
  private:
-  /// Says why, where no step is small enough in one.
-  template <typename Do>
-  void for_each_part(const World& world, const Do& act) {
-    for (std::size_t k = 0; k < followed_; ++k) {
-      try {
-        act(*integrators_[k]);
-      } catch (const Integrator::StepTooSmall& stop) {
-        const Component& part = integrators_[k]->component();
-        const std::string why = direct::full_length(world, part, stop.time);
-        throw Diverged("direct", stop.time, counters_.steps,
-                       part.spans.empty() ? world.bodies[part.bodies[0]].name
-                                          : world.connectors[part.spans[0].connector].name,
-                       part.spans.empty() ? 0 : part.spans[0].first,
-                       why.empty() ? "no step is small enough for the tolerance" : why);
-      }
+  /// Makes the integrators go on from the world's state where that is not what they left there.
+  void prepare(World& world) {
+    if (left_behind_) {
+      left_behind_ = false;
+      topology_ = world.topology;
+      return parts_.renew(world);
     }
+    if (!built_ || topology_ != world.topology) {
+      if (!built_) noted_.reserve(15 * world.bodies.size() + 6 * room(world).particles + 1);
+      built_ = true;
+      topology_ = world.topology;
+      parts_.rebuild(world);
+      noted_.clear();
+    }
+    if (!same(world)) parts_.load(world);
+  }
+
+  void advance_all_parts(World& world, double until) {
+    advance_parts(world, until, [](std::size_t) { return true; });
+    place_carried(world);
+    refuse_led_away(world);
+    note(world);
+  }
+
+  /// Takes those that are chosen to `until`. Says why, where no step is small enough in one.
+  template <typename Choose>
+  void advance_parts(World& world, double until, const Choose& choose) {
+    const auto each = [&](const auto& act) {
+      for (std::size_t k = 0; k < parts_.all().size(); ++k) {
+        if (choose(k)) act(*parts_.all()[k]);
+      }
+    };
+    each([&](Integrator& part) {
+      try {
+        part.advance(world, until, counters_);
+      } catch (const Integrator::StepTooSmall& stop) {
+        throw stopped(world, part.component(), stop.time);
+      }
+    });
+    place_prescribed(world, until);
+    each([&](Integrator& part) { part.store(world); });
+  }
+
+  Diverged stopped(const World& world, const Component& part, double time) const {
+    const std::string why = direct::full_length(world, part, time);
+    return Diverged("direct", time, counters_.steps,
+                    part.spans.empty() ? world.bodies[part.bodies[0]].name
+                                       : world.connectors[part.spans[0].connector].name,
+                    part.spans.empty() ? 0 : part.spans[0].first,
+                    why.empty() ? "no step is small enough for the tolerance" : why);
   }
 
   void advance_contacts(World& world, double until) {
@@ -129,63 +169,6 @@ class Direct : public Method {
                    found->link, found->what);
   }
 
-  void rebuild(const World& world) {
-    built_ = true;
-    topology_ = world.topology;
-    const std::span<const Component> parts = division_.divide(world);
-    if (integrators_.size() < parts.size()) make_room(world, parts);
-    if (!changes_) align(parts);
-    followed_ = parts.size();
-    for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->follow(parts[k]);
-    noted_.clear();
-  }
-
-  static std::size_t links_of(const Component& part) {
-    std::size_t links = part.bodies.size();
-    for (const SpanRange& span : part.spans) links += span.last - span.first;
-    return links;
-  }
-
-  /// What integrators have grown to they keep: where one part has become two, all others stay with
-  /// theirs, and a new one gets the smaller half; where two have become one, that of the larger
-  /// goes on. So thousands of pins, one after another, take little more room than the longest part.
-  void align(std::span<const Component> parts) {
-    std::size_t first = 0;
-    const auto same = [&](std::size_t k) { return links_of(parts[k]) == links_[k]; };
-    while (first < std::min(links_.size(), parts.size()) && same(first)) ++first;
-    const auto begin = integrators_.begin() + static_cast<std::ptrdiff_t>(first);
-    if (parts.size() == links_.size() + 1) {
-      const bool left =
-          first + 1 == parts.size() || links_of(parts[first]) <= links_of(parts[first + 1]);
-      const auto added = integrators_.begin() + static_cast<std::ptrdiff_t>(links_.size());
-      std::rotate(left || begin == added ? begin : begin + 1, added, added + 1);
-    } else if (parts.size() + 1 == links_.size()) {
-      const bool left = first + 1 == links_.size() || links_[first] <= links_[first + 1];
-      const auto spare = left ? begin : begin + 1;
-      std::rotate(spare, spare + 1, integrators_.begin() + static_cast<std::ptrdiff_t>(followed_));
-    }
-    links_.clear();
-    for (const Component& part : parts) links_.push_back(links_of(part));
-  }
-
-  /// Makes integrators for the parts, and for those into which the pins that the world has room for
-  /// can divide them.
-  void make_room(const World& world, std::span<const Component> parts) {
-    std::size_t largest = 0, spare = 0, pins = 0;  // links, particles
-    for (const Component& part : parts) largest = std::max(largest, links_of(part));
-    for (const Connector& connector : world.connectors) {
-      spare += connector.position.capacity() - connector.particles();
-      pins += connector.holds.capacity() - connector.holds.size();
-    }
-    changes_ = spare > 0;
-    if (!changes_) pins = 0;  // nothing is meant to be added
-    while (integrators_.size() < parts.size() + pins) {
-      integrators_.push_back(std::make_unique<Integrator>(options_));
-      if (changes_) integrators_.back()->reserve(largest + spare, 2 * (pins + 2));
-    }
-    noted_.reserve(15 * world.bodies.size() + 6 * room(world).particles + 1);
-  }
-
   /// Visits the world's state as blocks of doubles.
   template <typename Visit>
   static void each_block(const World& world, Visit visit) {
@@ -226,12 +209,8 @@ class Direct : public Method {
   direct::StepOptions options_;
   bool built_ = false;
   std::uint64_t topology_ = 0;
-  Division division_;
-  std::vector<std::unique_ptr<Integrator>> integrators_;  // more than are followed, to have room
-  std::size_t followed_ = 0;
-  std::vector<std::size_t> links_;  // of the parts that are followed, where no room is kept
-  bool changes_ = false;            // interventions may come, for which room is kept
-  VelocityProjection velocity_projection_;
+  bool left_behind_ = false;  // parts of the world, by advance_near()
+  direct::FollowedParts parts_{options_};
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
   std::unique_ptr<direct::Contacts> contacts_;  // where it has obstacles
   std::unique_ptr<direct::Elastic> elastic_;    // where connectors stretch, bend or meet the air
@@ -301,6 +280,7 @@ MethodInfo direct_method() {
       .touches_obstacles = true,
       .follows_materials = true,
       .follows_joints = true,
+      .parts_go_on = true,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/material/forces.h"
+
 namespace taut::direct {
 namespace {
 
@@ -154,9 +156,15 @@ void Elastic::follow(Part& part, double until) {
   step.store(part.world);
 }
 
-void Elastic::give_up(const Part& part) const {
-  throw Diverged("direct", part.world.time, counters_.steps, part.world.connectors[0].name, 0,
-                 "no step is small enough");
+void Elastic::give_up(Part& part) const {
+  part.step.store(part.world);
+  const Connector& connector = part.world.connectors[0];
+  std::vector<material::StretchElement> stretches;
+  material::add_stretches(connector, 0, 0, stretches);
+  const auto* pressed = material::pressed_together(stretches, connector.position.data()->data());
+  throw Diverged("direct", part.world.time, counters_.steps, connector.name,
+                 pressed ? pressed->link : 0,
+                 pressed ? material::kPressedTogether : "no step is small enough");
 }
 
 Counters Elastic::counters() const {

@@ -37,7 +37,7 @@ class Elastic {
   double first_step(const Part& part) const;
   double allowed(const Part& part, double h) const;
   double left_open(const Part& part, double h) const;
-  [[noreturn]] void give_up(const Part& part) const;
+  [[noreturn]] void give_up(Part& part) const;
 
   StepOptions options_;
   std::unique_ptr<Method> rest_method_;

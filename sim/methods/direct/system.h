@@ -38,6 +38,11 @@ class System : public Motion {
   void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane,
                std::span<const ConstraintRow* const> rows = {});
 
+  /// Where its one span, if any, stands in the world by now.
+  void renumber(const Component& component) {
+    if (!component.spans.empty()) spans_[0].range = component.spans[0];
+  }
+
   /// The index among all links of the connector's first.
   std::size_t first_link(std::size_t connector) const;
   /// The tension (N) of a link, as of the last acceleration().
