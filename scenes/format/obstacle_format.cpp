@@ -39,9 +39,16 @@ const TableFormat& surface_format() {
 
 const TableFormat& obstacle_format() {
   static const TableFormat format{
-      {needed(table("shape", "The solid, centred on the obstacle's origin.", surface_format())),
+      {table("shape",
+             "The solid, centred on the obstacle's origin; default, of a bone: a capsule about the "
+             "skin that moves with it.",
+             surface_format()),
        text("path", "Name of the path that it follows; without one it stands still."),
-       vector("position", "Of its origin: in the world, or in the path's frame; default: 0, 0, 0."),
+       text("body", "Name of the driven body that carries it."),
+       text("bone", "Name of the bone that carries it, of a character."),
+       text("character", "Name of that character."),
+       vector("position",
+              "Of its origin: in the world, or in the frame of what carries it; default: 0, 0, 0."),
        rotation("Of its frame, as a quaternion [w, x, y, z]; default: none."),
        {.name = "friction",
         .meaning = "Coulomb's coefficient, of what slides; default: 0.",
@@ -62,7 +69,8 @@ const TableFormat& obstacle_format() {
        color("color", "Linear colour."),
        {.name = "shown",
         .type = Type::flag,
-        .meaning = "false: pictures show it by their scenery, if at all; default: true."}}};
+        .meaning = "Whether pictures show it; default: true, unless a body or bone carries it."}},
+      {{{"path", "body", "bone"}, false}}};
   return format;
 }
 

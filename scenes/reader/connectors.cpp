@@ -231,7 +231,7 @@ class Layout {
     const Value* table = document_.root.find("obstacles");
     const Names names(table);
     const Value& value = table->children[names.index_of(document_, name, "round obstacle")];
-    const Obstacle around = read_obstacle(document_, value, motions_);
+    const Obstacle around = read_obstacle(document_, value, motions_, world_);
     const bool round =
         around.shape.kind == Shape::Kind::cylinder || around.shape.kind == Shape::Kind::capsule;
     if (!round || around.path) {

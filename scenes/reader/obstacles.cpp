@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scenes/character/capsules.h"
 #include "scenes/reader/reader.h"
 
 namespace taut::scenes {
@@ -16,6 +17,40 @@ double read_rounding(const Document& document, const Value& kind, double least) 
                       fmt::format("at most half of its smallest size, {:.6g}", least / 2));
   }
   return rounding->number;
+}
+
+/// A capsule about the skin that moves with the bone, in its frame.
+void fit_to_skin(const Document& document, const Value& bone, const Value& who, Motions& motions,
+                 Obstacle& obstacle) {
+  const Model& model = *motions.character(motions.character_named(who)).model;
+  const auto of_bone = [&](const Capsule& capsule) {
+    return model.bones[capsule.bone].name == bone.text;
+  };
+  const std::vector<Capsule> fitted = fit_capsules(model);
+  const auto found = std::ranges::find_if(fitted, of_bone);
+  if (found == fitted.end()) document.mismatch(bone, "a bone with skin, or a shape");
+  const Eigen::Affine3d bind(model.bones[found->bone].inverse_bind.cast<double>());
+  const Vec3 a = bind * found->a, b = bind * found->b;
+  const double length = (b - a).norm();
+  obstacle.shape = length > kRounding * found->radius ? capsule_shape(found->radius, length)
+                                                      : sphere_shape(found->radius);
+  obstacle.place.position = (a + b) / 2;
+  obstacle.place.rotation = Quat::FromTwoVectors(Vec3::UnitY(), b - a);
+}
+
+/// What carries the obstacle, and its place there.
+void read_carrier(const Document& document, const Value& value, Motions& motions,
+                  const World& world, Obstacle& obstacle) {
+  if (const Value* path = value.find("path")) {
+    obstacle.path = motions.path(*path);
+  } else if (const Value* name = value.find("body")) {
+    const Body& body = world.bodies[motions.body(*name)];
+    if (!body.driven()) document.mismatch(*name, "a driven body: free ones touch nothing");
+    obstacle.path = body.path;
+    obstacle.place.position -= body.grip;
+  } else if (value.find("bone")) {
+    obstacle.path = motions.bone(value);
+  }
 }
 
 Shape read_surface(const Document& document, const Value& shape) {
@@ -62,18 +97,27 @@ void check_start(const Document& document, const Value& value, const Obstacle& o
 
 }  // namespace
 
-Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions) {
+Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions,
+                       const World& world) {
   Obstacle made;
   made.name = value.name;
-  made.shape = read_surface(document, *value.find("shape"));
+  const Value *shape = value.find("shape"), *bone = value.find("bone");
+  const Value* who = value.find("character");
+  if (who && !bone) document.fail_at_key(*who, "needs bone");
+  if (!shape && !bone) document.fail(value, "shape is missing");
+  for (const char* key : {"position", "rotation"}) {
+    const Value* member = value.find(key);
+    if (member && !shape) document.fail_at_key(*member, "needs shape");
+  }
   made.place.position = vec3_or(value, "position", Vec3::Zero());
   if (const Value* turned = value.find("rotation")) {
     made.place.rotation = rotation(document, *turned);
   }
-  if (const Value* path = value.find("path")) made.path = motions.path(*path);
-  if (made.path && !flag_or(value, "shown", true)) {
-    document.mismatch(*value.find("shown"),
-                      "true: an obstacle on a path is a body, which is shown");
+  read_carrier(document, value, motions, world, made);
+  if (shape) {
+    made.shape = read_surface(document, *shape);
+  } else {
+    fit_to_skin(document, *bone, *who, motions, made);
   }
   made.kinetic_friction = number_or(value, "friction", 0);
   made.static_friction = number_or(value, "static_friction", made.kinetic_friction);
@@ -83,6 +127,10 @@ Obstacle read_obstacle(const Document& document, const Value& value, Motions& mo
   }
   made.restitution = number_or(value, "restitution", 0);
   return made;
+}
+
+bool shows_obstacle(const Value& value) {
+  return flag_or(value, "shown", !value.find("body") && !value.find("bone"));
 }
 
 void read_obstacles(const Document& document, Motions& motions, World& world) {
@@ -96,8 +144,9 @@ void read_obstacles(const Document& document, Motions& motions, World& world) {
                       "\"links\": a massless span touches no obstacle, and the scene has some");
   }
   for (const Value& value : table->children) {
-    const Obstacle& made = world.obstacles.emplace_back(read_obstacle(document, value, motions));
-    if (!made.path) continue;
+    const Obstacle& made =
+        world.obstacles.emplace_back(read_obstacle(document, value, motions, world));
+    if (!made.path || !shows_obstacle(value)) continue;
     Body seen;
     seen.name = made.name;
     seen.path = made.path;

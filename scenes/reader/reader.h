@@ -125,11 +125,14 @@ double mass_of(const Value& connector, double length);
 void read_sections(const Document& document, const Value& value, Connector& connector);
 /// The air of a scene.
 Air read_air(const Document& document);
-/// Obstacles, behind the connectors. Those on paths come with a driven body, by which they are
-/// seen.
+/// Obstacles, behind bodies and connectors. Those that move and are shown come with a driven body,
+/// by which they are seen.
 void read_obstacles(const Document& document, Motions& motions, World& world);
 /// One of them.
-Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions);
+Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions,
+                       const World& world);
+/// Whether pictures show it.
+bool shows_obstacle(const Value& value);
 /// What stands where an obstacle is at the start; of a world that is finished.
 void check_obstacles(const Document& document, const World& world);
 /// Pins and cuts, of a world that is finished.

@@ -168,8 +168,9 @@ void show_obstacles(const Value* table, const World& world, Stage& stage) {
   for (std::size_t i = 0; i < world.obstacles.size(); ++i) {
     const Obstacle& obstacle = world.obstacles[i];
     const Value& value = table->children[i];
-    if (!flag_or(value, "shown", true) && !obstacle.path) continue;
-    const double size = number_or(value.find("shape")->children.front(), "size", kPlane);
+    if (!shows_obstacle(value)) continue;
+    const Value* shape = value.find("shape");
+    const double size = shape ? number_or(shape->children.front(), "size", kPlane) : kPlane;
     auto model = std::make_shared<const Model>(
         obstacle_model(obstacle.shape, size, obstacle.place, vec3_or(value, "color", grey)));
     (obstacle.path ? stage.body_models : stage.scenery).push_back(std::move(model));

@@ -144,6 +144,94 @@ position = [3, 0, 0]
   }
 }
 
+constexpr const char* kPlayer = R"([paths.right_hand]
+keys = [{ t = 0, position = [-0.262, 1.037, 0.498], axis = [-1, 0, 0] },
+        { t = 1, position = [-0.262, 1.337, 0.398] }]
+[characters.player]
+mesh = "player.glb"
+right_hand = "right_hand"
+)";  // The bone carries it, and its capsule has the skin that moves with the bone inside.
+TEST_F(ObstacleScene, ABoneCarriesIt) {
+  folder_.write("player.glb", read_file(TAUT_SOURCE_DIR "/assets/martial_artist.glb"));
+  const scenes::Scene scene = read(std::string(kScene) + kPlayer + R"([obstacles.arm]
+character = "player"
+bone = "RightForeArm"
+[obstacles.cuff]
+character = "player"
+bone = "RightForeArm"
+shape = { sphere = { diameter = 0.05 } }
+position = [0, 0.1, 0]
+[stage]
+)",
+                                   true);
+  ASSERT_TRUE(scene.stage);
+  ASSERT_EQ(scene.world.obstacles.size(), 3u);
+  const Obstacle &arm = scene.world.obstacles[1], &cuff = scene.world.obstacles[2];
+  EXPECT_TRUE(scene.world.bodies.empty());  // pictures show the skin
+  ASSERT_TRUE(arm.path);
+  EXPECT_EQ(arm.path, cuff.path);
+  const FrameMotion bone = arm.path->at(0.5);
+  EXPECT_EQ(cuff.frame(0.5).position, bone.point(Vec3(0, 0.1, 0)).position);
+  EXPECT_EQ(arm.shape.kind, Shape::Kind::capsule);
+  // Of the skin of that bone nearly all lies within the capsule, and some at its surface.
+  const scenes::Model& model = *scene.stage->characters[0];
+  const auto named = [](const scenes::Bone& b) { return b.name == "RightForeArm"; };
+  const auto index =
+      static_cast<std::size_t>(std::ranges::find_if(model.bones, named) - model.bones.begin());
+  const Eigen::Affine3d bind(model.bones[index].inverse_bind.cast<double>());
+  std::size_t of_bone = 0, inside = 0;
+  double nearest = 1;
+  for (const scenes::Mesh& mesh : model.meshes) {
+    for (const scenes::Vertex& v : mesh.vertices) {
+      const auto strongest = std::ranges::max_element(v.weights);
+      const auto k = static_cast<std::size_t>(strongest - v.weights.begin());
+      if (!(*strongest > 0) || v.bones[k] != index) continue;
+      const Vec3 at = bind * Vec3(v.position[0], v.position[1], v.position[2]);
+      const double apart = gap(arm, arm.place, at, 0).distance;
+      ++of_bone;
+      inside += apart < 0;
+      nearest = std::min(nearest, std::abs(apart));
+    }
+  }
+  ASSERT_GT(of_bone, 100u);
+  EXPECT_GT(static_cast<double>(inside), 0.9 * static_cast<double>(of_bone));
+  EXPECT_LT(nearest, 0.002);
+}
+
+// A driven body carries it by its grip.
+TEST_F(ObstacleScene, ABodyCarriesIt) {
+  const std::string club = R"([paths.hand]
+keys = [{ t = 0, position = [0, 0, 5] }, { t = 1, position = [1, 0, 5] }]
+[bodies.club]
+mass = 1
+shape = { cylinder = { length = 1, diameter = 0.1 } }
+driven_by = { path = "hand" }
+grip = [0, 0.4, 0]
+)";
+  const scenes::Scene scene = read(std::string(kScene) + club + R"([obstacles.club]
+body = "club"
+shape = { cylinder = { length = 1, diameter = 0.1 } }
+position = [0, 0.1, 0]
+)");
+  ASSERT_EQ(scene.world.bodies.size(), 1u);  // which is seen already
+  EXPECT_TRUE(scene.world.obstacles[1].frame(1).position.isApprox(Vec3(1, -0.3, 5), 1e-15));
+}
+
+TEST_F(ObstacleScene, FaultsOfWhatCarriesItAreNamed) {
+  const std::string ball = "[obstacles.ball]\nshape = { sphere = { diameter = 0.2 } }\n";
+  expect(ball +
+             "body = \"club\"\n[bodies.club]\nmass = 1\nshape = { sphere = { diameter = 1 } }\n"
+             "position = [0, 0, 5]\n",
+         "15:8", "found \"club\", expected a driven body: free ones touch nothing");
+  expect(ball + "path = \"hand\"\nbone = \"Head\"\n", "16:1",
+         "stands beside path, expected only one of: path, body, bone");
+  expect(ball + "bone = \"Head\"\n", "15:1", "needs character");
+  expect(ball + "character = \"player\"\n" + kPlayer, "15:1", "needs bone");
+  const std::string bare = "[obstacles.arm]\ncharacter = \"player\"\nbone = \"Head\"\n";
+  expect(bare + "position = [0, 1, 0]\n" + kPlayer, "16:1", "needs shape");
+  expect("[obstacles.arm]\nfriction = 1\n", "13:", "shape is missing");
+}
+
 TEST_F(ObstacleScene, FaultsAreNamed) {
   expect("restitution = 1.5\n", "13:15", "found 1.5, expected a number from 0 to 1");
   expect("static_friction = 0.1\n", "13:19", "found 0.1, expected at least friction, 0.4");
