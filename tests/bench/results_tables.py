@@ -88,6 +88,7 @@ def summary(work):
     batch = work.table(RESULTS["batch"])
     ropes = next(row for row in batch if row[0].startswith("10,000") and "single" in row[0])
     clip = re.search(r"([\d.]+) s of drawing", work.place(RESULTS["clip"]))[1]
+    beside = next(row for row in cells(work.place(RESULTS["beside"]).split("\n\n", 1)[1]) if row[0] == "mean")
     where = "sim/study/README.md"
     return f"""\
 - [Cost]({where}#speed-against-accuracy): an error of 1% of the length costs `{swing[1]}` {swing[3]} ms per simulated \
@@ -101,7 +102,8 @@ other method stands beside it.
 - [Planner]({where}#the-cheapest-model-that-is-good-enough): a stick on a cord within 1 mm takes {saving} times less \
 work than its scene file asks for.
 - [Speed](sim/README.md#many-connectors-at-once): 10,000 ropes of 21 particles run at {ropes[3]} times real time; a \
-1920x1080 frame of the demo takes [{clip} s of drawing](render/README.md#what-a-frame-costs) without a GPU."""
+1920x1080 frame of the demo takes [{clip} s of drawing](render/README.md#what-a-frame-costs) without a GPU. [Beside a path \
+tracer](render/README.md#a-pictures-truth) its pictures are off by a FLIP of {beside[1]}, Eevee's by {beside[2]}."""
 
 
 # What stands in sim/study/README.md.
