@@ -18,7 +18,8 @@ import shlex
 import subprocess
 import sys
 
-from results_tables import RESULTS, Failed, cells
+from markdown_tables import cells
+from results_tables import RESULTS, Failed
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PLACE = re.compile(r"<!-- results: ([a-z-]+) -->\n(.*?)<!-- /results -->\n", re.DOTALL)

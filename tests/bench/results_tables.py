@@ -6,6 +6,8 @@ import re
 import shutil
 import typing
 
+from markdown_tables import cells, first_table, markdown
+
 RESULTS = {}
 STUDY, SIM, RENDER, SCENES, FRONT = ("sim/study/README.md", "sim/README.md", "render/README.md",
                                      "scenes/README.md", "README.md")
@@ -30,23 +32,6 @@ def result(name, page, measured=True):
         RESULTS[name] = Result(name, page, make, measured)
         return make
     return add
-
-
-def markdown(rows, numbers=()):
-    """A table; columns in `numbers` stand on the right."""
-    rule = ["---:" if i in numbers else "---" for i in range(len(rows[0]))]
-    lines = ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
-    return "\n".join([lines[0], "|" + "|".join(rule) + "|", *lines[1:]])
-
-
-def first_table(text):
-    return text.split("\n\n")[0]
-
-
-def cells(text):
-    """The rows of the first table of a text in Markdown, the header among them."""
-    lines = first_table(text).splitlines()
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[:1] + lines[2:]]
 
 
 def keep(work, made, name):
