@@ -32,9 +32,10 @@ void fit_to_skin(const Document& document, const Value& bone, const Value& who, 
   const Eigen::Affine3d bind(model.bones[found->bone].inverse_bind.cast<double>());
   const Vec3 a = bind * found->a, b = bind * found->b;
   const double length = (b - a).norm();
-  obstacle.shape = length > kRounding * found->radius ? capsule_shape(found->radius, length)
-                                                      : sphere_shape(found->radius);
   obstacle.place.position = (a + b) / 2;
+  obstacle.shape = sphere_shape(found->radius);
+  if (!(length > kRounding * found->radius)) return;  // a ball has no direction
+  obstacle.shape = capsule_shape(found->radius, length);
   obstacle.place.rotation = Quat::FromTwoVectors(Vec3::UnitY(), b - a);
 }
 

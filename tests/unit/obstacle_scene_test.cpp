@@ -156,6 +156,9 @@ TEST_F(ObstacleScene, ABoneCarriesIt) {
   const scenes::Scene scene = read(std::string(kScene) + kPlayer + R"([obstacles.arm]
 character = "player"
 bone = "RightForeArm"
+[obstacles.eye]
+character = "player"
+bone = "LeftEye"
 [obstacles.cuff]
 character = "player"
 bone = "RightForeArm"
@@ -165,8 +168,9 @@ position = [0, 0.1, 0]
 )",
                                    true);
   ASSERT_TRUE(scene.stage);
-  ASSERT_EQ(scene.world.obstacles.size(), 3u);
-  const Obstacle &arm = scene.world.obstacles[1], &cuff = scene.world.obstacles[2];
+  ASSERT_EQ(scene.world.obstacles.size(), 4u);
+  const Obstacle &arm = scene.world.obstacles[1], &cuff = scene.world.obstacles[3];
+  EXPECT_TRUE(scene.world.obstacles[2].place.rotation.coeffs().allFinite());  // nearly a ball
   EXPECT_TRUE(scene.world.bodies.empty());  // pictures show the skin
   ASSERT_TRUE(arm.path);
   EXPECT_EQ(arm.path, cuff.path);
