@@ -10,6 +10,7 @@ namespace taut::draw {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kNearPlane = 0.05, kFarPlane = 60;  // m, of what a camera sees
 
 double smoothstep(double from, double to, double x) {
   const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
@@ -110,15 +111,26 @@ Eigen::Matrix4f camera_projection(const scenes::CameraView& camera, double aspec
   view.topLeftCorner<3, 3>() = axes;
   view.topRightCorner<3, 1>() = -axes * camera.position;
 
-  constexpr double kNear = 0.05, kFar = 60;  // m
   const double focal = 1 / std::tan(camera.field_of_view / 2);
   Eigen::Matrix4d lens = Eigen::Matrix4d::Zero();
   lens(0, 0) = focal / aspect;
   lens(1, 1) = focal;
-  lens(2, 2) = (kFar + kNear) / (kNear - kFar);
-  lens(2, 3) = 2 * kFar * kNear / (kNear - kFar);
+  lens(2, 2) = (kFarPlane + kNearPlane) / (kNearPlane - kFarPlane);
+  lens(2, 3) = 2 * kFarPlane * kNearPlane / (kNearPlane - kFarPlane);
   lens(3, 2) = -1;
   return (lens * view).cast<float>();
+}
+
+gl::Confusion confusion(const scenes::CameraView& camera, int height) {
+  constexpr double kSensor = 0.024;  // m, its height
+  const double slope = std::tan(camera.field_of_view / 2);
+  const double aperture = camera.relative_aperture * kSensor / 2 / slope;  // m, its diameter
+  // Rays through the aperture's edge meet on the plane of focus: where depth is z, they are
+  // aperture/2 (z/focus - 1) off the middle one.
+  const double scale = aperture / 2 / camera.focus * height / (2 * slope);  // px, of 1 - focus/z
+  // The buffer's depth is linear in 1/z.
+  return {float(scale * (1 - camera.focus / kNearPlane)),
+          float(scale * (1 - camera.focus / kFarPlane))};
 }
 
 }  // namespace taut::draw

@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "render/gl/defocus.h"
 #include "scenes/scene/stage.h"
 
 namespace taut::draw {
@@ -51,5 +52,9 @@ LightMap light_map(const Vec3& direction, const Eigen::AlignedBox3d& casters, in
 
 /// World to clip space. The picture's aspect is width / height.
 Eigen::Matrix4f camera_projection(const scenes::CameraView& camera, double aspect);
+
+/// How a thin lens blurs a picture of that height (px): its focal length is that of a pinhole with
+/// the same field of view 24 mm behind the picture's height, its plane of focus stays where it is.
+gl::Confusion confusion(const scenes::CameraView& camera, int height);
 
 }  // namespace taut::draw

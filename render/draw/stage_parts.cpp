@@ -83,6 +83,7 @@ void StageParts::aim(const gl::Canvas& canvas, const picture::Rect& viewport) co
   canvas.bind();
   gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
   gl.BindTextureUnit(0, map.texture());
+  if (canvas.defocused()) gl.BindTextureUnit(3, canvas.defocused());
 }
 
 void StageParts::clear(const gl::Canvas& canvas) const {
@@ -98,10 +99,22 @@ void StageParts::draw_scenery(Shade shade) {
   for (Drawable& part : scenery) surfaces.draw({part, Eigen::Matrix4f::Identity()}, shade);
 }
 
-void draw_whole_scenery(StageParts& parts, const View& view) {
-  parts.surfaces.use({view.camera, view.viewport});
-  parts.gl.Viewport(view.viewport.x, view.viewport.y, view.viewport.width, view.viewport.height);
-  parts.draw_scenery(Shade::lit);
+void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> views) {
+  parts.draw_solid();
+  parts.clear(canvas);
+  std::vector<gl::DefocusedView> unfocused;
+  for (const auto& [viewport, camera] : views) {
+    parts.surfaces.use({camera, viewport});
+    parts.gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
+    parts.draw_scenery(Shade::lit);
+    if (camera.relative_aperture > 0 && parts.shading.lit)
+      unfocused.push_back({viewport, confusion(camera, viewport.height)});
+  }
+  if (!unfocused.empty()) canvas.defocus(unfocused);
+}
+
+Shade scenery_shade(const scenes::CameraView& camera) {
+  return camera.relative_aperture > 0 ? Shade::unfocused : Shade::grounded;
 }
 
 FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,

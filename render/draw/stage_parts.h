@@ -28,7 +28,7 @@ struct StageParts {
   Look look(const FrameState& instant, const picture::Rect& viewport) const;
   /// Opaque triangles with depth are drawn from now on, over the whole target.
   void draw_solid() const;
-  /// The canvas' viewport is drawn to, and the shadow map can be looked up.
+  /// The canvas' viewport is drawn to; the shadow map and blurred light can be looked up.
   void aim(const gl::Canvas& canvas, const picture::Rect& viewport) const;
   /// The background everywhere.
   void clear(const gl::Canvas& canvas) const;
@@ -45,8 +45,11 @@ struct StageParts {
   MovingParts parts;
 };
 
-/// The scenery of a view, in light that nothing takes.
-void draw_whole_scenery(StageParts& parts, const View& view);
+/// The background and the scenery of all views in light that nothing takes, blurred by the lenses.
+void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> views);
+
+/// What takes light from the scenery that is seen by a camera.
+Shade scenery_shade(const scenes::CameraView& camera);
 
 /// How exposure `i` of `count` is seen and lit: the light is moved, and the picture where there are
 /// more exposures than samples.

@@ -66,20 +66,20 @@ struct StageRenderer::Impl : StageParts {
   }
 
   /// The scenery once more, where it still is in front.
-  void draw_reached(const Reached& found) {
+  void draw_reached(const Reached& found, Shade shade) {
     gl.DepthFunc(GL_LEQUAL);
     gl.Enable(GL_SCISSOR_TEST);
     for (std::size_t i = 0; i < scenery.size(); ++i) {
       const picture::Rect& part = found[i].pixels;
       if (part.empty()) continue;
       gl.Scissor(part.x, part.y, part.width, part.height);
-      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, Shade::grounded);
+      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, shade);
     }
     gl.Disable(GL_SCISSOR_TEST);
   }
 
   /// Draws things, and the shadows of the casters.
-  void paint(gl::Canvas& canvas, const picture::Rect& viewport, const Look& look,
+  void paint(gl::Canvas& canvas, const picture::Rect& viewport, const Look& look, Shade ground,
              std::span<const DrawItem> things, std::span<const DrawItem> casters, float opacity) {
     const bool solid = opacity >= 1;
     surfaces.use(look.block);
@@ -112,7 +112,7 @@ struct StageRenderer::Impl : StageParts {
     }
     find_reached(look.contacts, still_reached);
     find_pixels(boxes, look.contacts, look.block, viewport, still_reached);
-    draw_reached(still_reached);
+    draw_reached(still_reached, ground);
     for (const ReachedPart& part : still_reached) canvas.touch(part.pixels);
     lap("shadows");
   }
@@ -152,10 +152,7 @@ void StageRenderer::begin(gl::Canvas& canvas, std::span<const View> views) {
   Impl& d = *impl_;
   if (d.shading.savings != Savings::all) {
     canvas.restore(0);
-    d.draw_solid();
-    d.clear(canvas);
-    for (const View& view : views) draw_whole_scenery(d, view);
-    return;
+    return draw_backdrop(d, canvas, views);
   }
   Hash name;
   for (int k = 0; k < 3; ++k) name.number(d.background[k]);
@@ -163,13 +160,11 @@ void StageRenderer::begin(gl::Canvas& canvas, std::span<const View> views) {
     for (const int pixels : {viewport.x, viewport.y, viewport.width, viewport.height})
       name.number(pixels);
     for (int k = 0; k < 3; ++k) name.number(camera.position[k]).number(camera.target[k]);
-    name.number(camera.field_of_view);
+    name.number(camera.field_of_view).number(camera.relative_aperture).number(camera.focus);
   }
   if (canvas.restore(name.value())) return d.lap("backdrop");
 
-  d.draw_solid();
-  d.clear(canvas);
-  for (const View& view : views) draw_whole_scenery(d, view);
+  draw_backdrop(d, canvas, views);
   canvas.keep(name.value());
   d.lap("scenery");
 }
@@ -181,7 +176,8 @@ void StageRenderer::draw(gl::Canvas& canvas, const picture::Rect& viewport,
   d.parts.pose(instant);
   d.lap("skin");
   const std::vector<DrawItem> items = d.parts.items(instant, layer);
-  d.paint(canvas, viewport, d.look(instant, viewport), items, items, layer.opacity);
+  d.paint(canvas, viewport, d.look(instant, viewport), scenery_shade(instant.camera), items, items,
+          layer.opacity);
 }
 
 std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameState> shutter,
@@ -217,6 +213,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
   Impl& d = *impl_;
   const FrameState& middle = shutter[shutter.size() / 2];
   const Look look = d.look(middle, viewport);
+  const Shade ground = scenery_shade(middle.camera);
   const std::vector<Exposures> grades = d.find_moving(shutter, canvas, look, viewport);
   d.lap("sweep");
   if (grades.empty()) {
@@ -250,7 +247,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
                                         {0, 0, d.map.size(), d.map.size()});
   const picture::Rect shadow = d.find_pixels(casting, {}, look.block, viewport, d.moving_reached);
   d.lap("sweep");
-  d.paint(canvas, viewport, look, still, still_casters, 1);
+  d.paint(canvas, viewport, look, ground, still, still_casters, 1);
   d.map.save(map_part);
 
   for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
@@ -282,7 +279,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
       d.gl.Scissor(part.x, part.y, part.width, part.height);
       for (const DrawItem& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));
       d.surfaces.use(look.block);
-      if (fastest) d.draw_reached(d.moving_reached);
+      if (fastest) d.draw_reached(d.moving_reached, ground);
     });
   }
   d.lap("exposures");

@@ -30,10 +30,11 @@ struct FrameBlock {
 
 /// What takes light from a surface; the numbers are the surface shader's SHADE.
 enum class Shade {
-  lit,       // nothing
-  shadowed,  // the shadow map
-  grounded,  // capsules as well
-  averaged,  // the shadow map less smoothly, for one of many exposures in different lights
+  lit,        // nothing
+  shadowed,   // the shadow map
+  grounded,   // capsules as well
+  averaged,   // the shadow map less smoothly, for one of many exposures in different lights
+  unfocused,  // as grounded, from the canvas' blurred light where there is any
 };
 
 /// What surrounds the things of a stage, besides the key light.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <set>
@@ -100,6 +101,8 @@ class UsdaWriter final : public FrameWriter {
       views_.push_back(camera);
       cameras_.push_back({names_.of(camera.name)});
       lenses_.emplace_back();
+      stops_.emplace_back();
+      focuses_.emplace_back();
     }
   }
 
@@ -148,6 +151,9 @@ class UsdaWriter final : public FrameWriter {
       cameras_[i].add(code, {view.position, looking(view.target - view.position)});
       lenses_[i] += fmt::format("      {}: {},\n", code,
                                 float(kAperture / 2 / std::tan(view.field_of_view / 2)));
+      const double stop = view.relative_aperture > 0 ? 1 / view.relative_aperture : 0;
+      stops_[i] += fmt::format("      {}: {},\n", code, float(stop));
+      focuses_[i] += fmt::format("      {}: {},\n", code, float(view.focus));
     }
   }
 
@@ -199,6 +205,12 @@ class UsdaWriter final : public FrameWriter {
         "    float horizontalAperture = {}\n    float verticalAperture = {}\n"
         "    float focalLength.timeSamples = {{\n{}    }}\n",
         cameras_[i].name, float(kAperture * scene_.width / scene_.height), kAperture, lenses_[i]));
+    if (std::ranges::any_of(views_[i].keys,
+                            [](const auto& key) { return key.relative_aperture > 0; }))
+      write_(
+          fmt::format("    float fStop.timeSamples = {{\n{}    }}\n"
+                      "    float focusDistance.timeSamples = {{\n{}    }}\n",
+                      stops_[i], focuses_[i]));
     write_(cameras_[i].samples());
     write_("  }\n");
   }
@@ -223,7 +235,8 @@ class UsdaWriter final : public FrameWriter {
   std::vector<Curve> connectors_;
   std::vector<Placed> bodies_, cameras_;
   std::vector<NamedCamera> views_;
-  std::vector<std::string> lenses_;  // time samples of the cameras' focal lengths
+  // Time samples of the cameras' focal lengths, f-numbers (0: a pinhole) and distances of focus.
+  std::vector<std::string> lenses_, stops_, focuses_;
   std::size_t count_ = 0;
 };
 

@@ -76,7 +76,9 @@ std::uint64_t fingerprint(std::span<const draw::FrameState> shutter) {
       for (const Pose& bone : bones) add(hash, bone);
     add(hash, instant.camera.position);
     add(hash, instant.camera.target);
-    hash.number(instant.camera.field_of_view);
+    hash.number(instant.camera.field_of_view)
+        .number(instant.camera.relative_aperture)
+        .number(instant.camera.focus);
   }
   return hash.value();
 }

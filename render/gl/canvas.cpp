@@ -63,7 +63,8 @@ void Canvas::bind() const {
 
 bool Canvas::restore(std::uint64_t backdrop) {
   gathered_ = {};
-  on_backdrop_ = kept_ && kept_ == backdrop;
+  // Shadows on it need its own blurred light, not another's.
+  on_backdrop_ = kept_ && kept_ == backdrop && kept_blurs_ == blurs_;
   if (!on_backdrop_) return false;
   if (last_ == backdrop) {
     for (const picture::Rect& part : touched_) copy(backdrop_->samples, drawn_, part);
@@ -75,6 +76,12 @@ bool Canvas::restore(std::uint64_t backdrop) {
   return true;
 }
 
+void Canvas::defocus(std::span<const DefocusedView> views) {
+  if (!defocus_) defocus_.emplace(gl_, width_, height_, samples_);
+  defocus_->apply(views, drawn_.color.id(), drawn_.depth.id(), drawn_.target.id());
+  ++blurs_;
+}
+
 void Canvas::keep(std::uint64_t backdrop) {
   if (last_ == backdrop) {
     if (!backdrop_) backdrop_.emplace(Samples(gl_, width_, height_, samples_), picture::Picture());
@@ -83,6 +90,7 @@ void Canvas::keep(std::uint64_t backdrop) {
     backdrop_->picture = finish();
     copy(drawn_, backdrop_->samples, whole());
     kept_ = backdrop;
+    kept_blurs_ = blurs_;
     on_backdrop_ = true;
     touched_.clear();
   }

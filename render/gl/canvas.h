@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "render/gl/context.h"
+#include "render/gl/defocus.h"
 #include "render/gl/gpu.h"
 #include "render/picture/picture.h"
 #include "render/picture/rect.h"
@@ -29,6 +30,10 @@ class Canvas {
 
   /// Begins a frame with the backdrop of that name; false where there is none.
   bool restore(std::uint64_t backdrop);
+  /// Blurs what has been drawn in this frame, the backdrop, by how far it is out of focus.
+  void defocus(std::span<const DefocusedView> views);
+  /// That light for surfaces that shade it (Defocus::blurred); 0: none was ever blurred.
+  GLuint defocused() const { return defocus_ ? defocus_->blurred() : 0; }
   /// What has been drawn in this frame is a backdrop. It is kept when it comes a second time
   /// running: behind a moving camera, keeping would be wasted.
   void keep(std::uint64_t backdrop);
@@ -92,8 +97,10 @@ class Canvas {
   picture::Rect gathered_;  // what of the frame is in Exposure::light
 
   std::optional<Backdrop> backdrop_;
-  std::uint64_t last_ = 0, kept_ = 0;  // names of backdrops; 0: none
-  bool on_backdrop_ = false;           // in this frame
+  std::optional<Defocus> defocus_;
+  std::uint64_t blurs_ = 0, kept_blurs_ = 0;  // how often defocus_ was used, and at what is kept
+  std::uint64_t last_ = 0, kept_ = 0;         // names of backdrops; 0: none
+  bool on_backdrop_ = false;                  // in this frame
   picture::RectSet touched_;
 };
 

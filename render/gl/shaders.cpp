@@ -53,6 +53,9 @@ uniform int grain_axis;
 uniform float grain_scale;
 layout(binding = 0) uniform sampler2DShadow shadow_map;
 layout(binding = 1) uniform sampler2D noise;
+#if SHADE == 4
+layout(binding = 3) uniform sampler2D backdrop;  // its blurred light; alpha: 0 where it is in focus
+#endif
 #if BATHED
 in vec3 ambient;
 #endif
@@ -121,7 +124,7 @@ vec3 environment(vec3 r, float roughness) {
 
 float contact_light(vec3 p, vec3 n) {
   float light = 1;
-#if SHADE == 2
+#if SHADE == 2 || SHADE == 4
   for (int i = 0; i < capsules; ++i) {
     vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
     vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
@@ -173,11 +176,16 @@ vec3 bumped(vec3 n, vec3 rest_slope) {
   return normalize(abs(area) * n - slope);
 }
 
-// Square root of the tone-mapped light: nearly even steps to the eye, cheap to undo before
-// averaging. The curve has a short toe and a long shoulder (a rational fit, as film curves are).
-vec3 encode(vec3 radiance) {
+// The curve has a short toe and a long shoulder (a rational fit, as film curves are).
+vec3 tone_mapped(vec3 radiance) {
   vec3 x = radiance * EXPOSURE;
-  return sqrt(min(x * (2.0 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0));
+  return min(x * (2.0 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0);
+}
+
+// Square root of the tone-mapped light: nearly even steps to the eye, cheap to undo before
+// averaging.
+vec3 encode(vec3 radiance) {
+  return sqrt(tone_mapped(radiance));
 }
 
 #if OUTPUT == 0
@@ -238,8 +246,8 @@ void main() {
 #else
   vec3 diffuse_lit = vec3(lit);
 #endif
-  vec3 key = LIGHT_COLOR * key_visibility(max(diffuse_lit.r, diffuse_lit.b) > 0);
-  vec3 radiance = key * (diffuse * diffuse_lit + lobe * fresnel * lit);
+  float seen = key_visibility(max(diffuse_lit.r, diffuse_lit.b) > 0);
+  vec3 radiance = LIGHT_COLOR * seen * (diffuse * diffuse_lit + lobe * fresnel * lit);
 
   vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);
   float grazing = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
@@ -259,12 +267,25 @@ void main() {
   float rim = 1 - nv;
   ambient_part += sheen * rim * rim * rim * ambient;
 #endif
-  radiance += contact_light(world_position, n) * ambient_part;
+  float open = contact_light(world_position, n);
+#if SHADE == 4
+  vec3 unshaded = LIGHT_COLOR * (diffuse * diffuse_lit + lobe * fresnel * lit) + ambient_part;
+#endif
+  radiance += open * ambient_part;
 #if SURFACE == 5
   radiance += through;
 #endif
 #if OUTPUT == 2
   encoded = vec4(radiance, 1);
+#elif SHADE == 4
+  // Out of focus a shadow takes its share of the light that the lens has mixed.
+#if SURFACE == 5
+  unshaded += through;
+#endif
+  vec4 mixed = texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0);
+  vec3 own = tone_mapped(radiance);
+  vec3 shaded = mixed.rgb * min(own / max(tone_mapped(unshaded), 1e-6), 1.0);
+  encoded = vec4(sqrt(mixed.a > 0 ? shaded : own), opacity);
 #else
   encoded = vec4(encode(radiance), opacity);
 #endif

@@ -112,6 +112,15 @@ double vertices_drawn(const scenes::Scene& scene) {
   return sum;
 }
 
+/// Whether a camera blurs what is out of focus.
+bool has_lens(const scenes::Stage& stage) {
+  const auto blurs = [](const scenes::CameraKey& key) { return key.relative_aperture > 0; };
+  return std::ranges::any_of(stage.camera, blurs) ||
+         std::ranges::any_of(stage.shots, [&](const scenes::Shot& shot) {
+           return std::ranges::any_of(shot.camera, blurs);
+         });
+}
+
 /// What the machine has for this process, bytes.
 double machine_memory() {
   double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
@@ -228,7 +237,8 @@ Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int thr
   needs.memory += kDriver + clip_length(scene) * (kFrame + sizeof(double) * states) +
                   frames * kFrame + 4 * kPixel * pixels;  // pictures on their way to the disk
   // Colour and depth of each sample as they are drawn, behind what moves, and before exposures.
-  const double canvas = (3 * 8.0 * samples + 4 * kPixel) * pixels;
+  double canvas = (3 * 8.0 * samples + 4 * kPixel) * pixels;
+  if (has_lens(stage)) canvas += (8 * 4.0 / 3 + 8) * pixels;  // light with mipmaps, and blurred
   const bool alone = threads == 1 || (threads == 0 && std::thread::hardware_concurrency() < 2);
   needs.memory += (alone ? 1 : 2) * (kContext + canvas + kVertex * vertices_drawn(scene));
   needs.disk = frames * pixels * kPixelOnDisk;

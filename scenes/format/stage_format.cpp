@@ -14,7 +14,17 @@ const TableFormat& stage_format() {
         .unit = "rad",
         .minimum = 0,
         .maximum = 3,
-        .above = true}}};
+        .above = true},
+       {.name = "aperture",
+        .meaning = "The lens's f-number on a picture 24 mm high, as 2.8: what is out of focus is "
+                   "blurred; default: none, all is sharp.",
+        .minimum = 0.5,
+        .maximum = 1000},
+       {.name = "focus",
+        .meaning = "How far along the view the lens is focused; default: at the target.",
+        .unit = "m",
+        .minimum = 0.05,
+        .maximum = 1000}}};
   static const KeyFormat camera_keys{.name = "camera",
                                      .type = Type::tables,
                                      .meaning = "Where the camera is when; smooth between.",

@@ -69,6 +69,8 @@ std::vector<CameraKey> read_camera(const Document& document, const Value& list) 
       document.mismatch(*entry.find("target"), "a point other than the camera's position");
     }
     key.field_of_view = number_or(entry, "field_of_view", key.field_of_view);
+    if (const Value* stop = entry.find("aperture")) key.relative_aperture = 1 / stop->number;
+    if (const Value* focus = entry.find("focus")) key.focus = focus->number;
     keys.push_back(key);
   }
   return keys;

@@ -6,6 +6,8 @@ namespace taut::scenes {
 
 namespace {
 
+constexpr double kNearest = 0.05;  // m, of the focus
+
 /// The rate of change of a key's `member` through its neighbours, zero at the first and the last,
 /// so that the camera starts and stops gently.
 template <typename Member>
@@ -26,6 +28,10 @@ auto between(const std::vector<CameraKey>& keys, std::size_t i, double u, Member
                u * v * dt * (v * rate(keys, i, member) - u * rate(keys, i + 1, member)));
 }
 
+double focus_of(const CameraKey& key) {
+  return key.focus.value_or((key.target - key.position).norm());
+}
+
 }  // namespace
 
 CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
@@ -33,12 +39,14 @@ CameraView camera_at(const std::vector<CameraKey>& keys, double time) {
   const auto next = static_cast<std::size_t>(after - keys.begin());
   if (next == 0 || next == keys.size()) {
     const CameraKey& key = next == 0 ? keys.front() : keys.back();
-    return {key.position, key.target, key.field_of_view};
+    return {key.position, key.target, key.field_of_view, key.relative_aperture, focus_of(key)};
   }
   const std::size_t i = next - 1;
   const double u = (time - keys[i].time) / (keys[next].time - keys[i].time);
   return {between(keys, i, u, &CameraKey::position), between(keys, i, u, &CameraKey::target),
-          between(keys, i, u, &CameraKey::field_of_view)};
+          between(keys, i, u, &CameraKey::field_of_view),
+          std::max(between(keys, i, u, &CameraKey::relative_aperture), 0.0),
+          std::max(between(keys, i, u, focus_of), kNearest)};
 }
 
 }  // namespace taut::scenes

@@ -16,12 +16,16 @@ struct CameraKey {
   double time = 0;
   Vec3 position = Vec3(0, 1.4, 3.5);
   Vec3 target = Vec3(0, 1.1, 0);
-  double field_of_view = 0.6;  // vertical, rad
+  double field_of_view = 0.6;    // vertical, rad
+  double relative_aperture = 0;  // the lens's opening in focal lengths, 1/f-number; 0: a pinhole
+  std::optional<double> focus = {};  // m along the view, where it is sharp; default: at the target
 };
 
 struct CameraView {
   Vec3 position, target;
-  double field_of_view;  // vertical, rad
+  double field_of_view;          // vertical, rad
+  double relative_aperture = 0;  // 0: all is sharp
+  double focus = 1;              // m along the view
 };
 
 struct Light {

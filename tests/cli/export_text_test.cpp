@@ -109,6 +109,17 @@ TEST(UsdaExport, BodiesTurnAndCamerasLookAsTheyDo) {
   EXPECT_NEAR(2 * std::atan(12 / focal.at(0)[0]), view.field_of_view, 1e-6);
 }
 
+TEST(UsdaExport, CamerasWithALensHaveItsStopAndFocus) {
+  scenes::Scene scene = scene_of("two_bodies.toml");
+  EXPECT_EQ(exported(scene, exporting::usda_writer).find("fStop"), std::string::npos);
+  scenes::CameraKey& key = scene.stage->camera.at(0);
+  key.relative_aperture = 0.5;
+  key.focus = 2.25;
+  const std::string usda = exported(scene, exporting::usda_writer);
+  EXPECT_EQ(samples(usda, "camera", "fStop").at(0)[0], 2);
+  EXPECT_EQ(samples(usda, "camera", "focusDistance").at(0)[0], 2.25);
+}
+
 /// What a BVH file says: joints with their parents and offsets, and rows of channels.
 struct Bvh {
   std::vector<std::string> names;

@@ -18,7 +18,8 @@ picture::Picture draw(draw::StageRenderer& renderer, gl::Canvas& canvas,
   return canvas.finish();
 }
 
-TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
+/// By a camera with a lens of that relative aperture.
+void expect_frames_depend_on_their_instants(double relative_aperture) {
   const scenes::Scene scene =
       scenes::load_scene(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes/nunchaku.toml", true);
   const gl::Context context(gl::Backend::automatic);
@@ -36,6 +37,7 @@ TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
         snapshot(simulation.world()), {}, scenes::camera_at(scene.stage->camera, 0)};
     for (const auto& performance : scene.performances)
       instant.bones.push_back(performance->bones_at(time));
+    instant.camera.relative_aperture = relative_aperture;
     if (i == 5) instant.camera.position += Vec3(0.5, 0, 0);
     instants.push_back(instant);
   }
@@ -44,6 +46,14 @@ TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
     EXPECT_EQ(draw(renderer, canvas, instants[i]).pixels, draw(renderer, alone, instants[i]).pixels)
         << i;
   }
+}
+
+TEST(Backdrop, AFrameDependsOnItsInstantAlone) {
+  expect_frames_depend_on_their_instants(0);
+}
+
+TEST(Backdrop, AFrameOutOfFocusDependsOnItsInstantAlone) {
+  expect_frames_depend_on_their_instants(1);
 }
 
 }  // namespace

@@ -46,14 +46,16 @@ double smooth_difference(const picture::Picture& a, const picture::Picture& b) {
   return most;
 }
 
-/// A clip at a size of one's choice, in which as much moves as in its own, at `apart` times the
-/// distance from one exposure to the next.
+/// A clip at a size of one's choice, in which as much moves and is as much out of focus as in its
+/// own, at `apart` times the distance from one exposure to the next.
 class Clip {
  public:
   Clip(const std::string& name, int height, double apart)
       : scene_(scenes::load_scene(kScenes / (name + ".toml"), true)),
         shrink_(double(height) / scene_.height) {
     scene_.stage->exposures_apart *= apart * shrink_;
+    for (scenes::Shot& shot : scene_.stage->shots)
+      for (scenes::CameraKey& key : shot.camera) key.relative_aperture /= shrink_;
     scene_.width = height * scene_.width / scene_.height;
     scene_.height = height;
     frames_ = scenes::clip_frames(scene_);

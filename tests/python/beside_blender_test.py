@@ -7,12 +7,14 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bench/pictures"))
 import beside_blender  # noqa: E402
 
-NEAR = {"t": 1.0, "field_of_view": 0.5}
+PLACE = {"position": [0, 1, 3], "target": [0, 1, 1]}
+NEAR = PLACE | {"t": 1.0, "field_of_view": 0.5, "aperture": 2.0}
 SCENE = {"duration": 4.0, "fps": 50, "stage": {
     "title": {"duration": 2.0},
-    "camera": [{"t": 0.0, "field_of_view": 0.7}],
+    "camera": [PLACE | {"t": 0.0, "field_of_view": 0.7}],
     "shots": [{"from": 0.0, "until": 1.0},
-              {"from": 1.0, "until": 2.0, "rate": 0.25, "camera": [NEAR, {"t": 2.0, "field_of_view": 0.6}]}]}}
+              {"from": 1.0, "until": 2.0, "rate": 0.25,
+               "camera": [NEAR, PLACE | {"t": 2.0, "field_of_view": 0.6, "focus": 4}]}]}}
 
 
 class Frames(unittest.TestCase):
@@ -30,6 +32,12 @@ class Frames(unittest.TestCase):
         self.assertEqual(views[0], 0.5)
         self.assertAlmostEqual(views[1], 0.55)  # the middle of the two keys
         self.assertTrue(0.5999 < views[2] < 0.6)
+
+    def test_a_lens_closes_and_focuses_smoothly(self):
+        self.assertIsNone(beside_blender.shown(SCENE, 100)["lens"])
+        for frame, lens in ((150, [2, 2]), (250, [4, 3])):  # a pinhole's f-number is infinite
+            for seen, wanted in zip(beside_blender.shown(SCENE, frame)["lens"], lens):
+                self.assertAlmostEqual(seen, wanted)
 
     def test_frames_of_no_shot_are_refused(self):
         for frame in (0, 99, 350):

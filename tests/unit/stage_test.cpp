@@ -37,6 +37,19 @@ TEST(Camera, StartsAndStopsGentlyAndHasNoJumpInSpeed) {
   EXPECT_NEAR((x(1 + h) - x(1 - h)) / (2 * h), 4.0 / 3, 1e-6);
 }
 
+TEST(Camera, ALensOpensAndFocusesSmoothlyAndByDefaultAtTheTarget) {
+  std::vector<scenes::CameraKey> keys = {{0, {0, 0, 5}, {0, 0, 1}, 0.5},
+                                         {2, {0, 0, 5}, {0, 0, 3}, 0.5}};
+  EXPECT_EQ(scenes::camera_at(keys, 1).relative_aperture, 0);
+  EXPECT_DOUBLE_EQ(scenes::camera_at(keys, 0).focus, 4);
+  EXPECT_DOUBLE_EQ(scenes::camera_at(keys, 1).focus, 3);
+  keys[1].relative_aperture = 0.5;
+  keys[1].focus = 8;
+  EXPECT_DOUBLE_EQ(scenes::camera_at(keys, 1).relative_aperture, 0.25);
+  EXPECT_DOUBLE_EQ(scenes::camera_at(keys, 1).focus, 6);
+  EXPECT_DOUBLE_EQ(scenes::camera_at(keys, 2).focus, 8);
+}
+
 /// Volume of a mesh by the divergence theorem; right and positive only where it is closed and its
 /// triangles face outward. Every edge must be met once in each direction.
 double closed_volume(const scenes::Model& model) {

@@ -4,10 +4,10 @@
   tests/bench/pictures/beside_blender.py build/release/taut scenes/nunchaku.toml --out out/results/beside
 
 Cycles, with samples enough to be converged, is the truth; Eevee at 16 samples is the peer. All get the same geometry,
-poses, materials, patterns, lights, camera and shutter, and the film curve of taut. Printed is, for each frame, the FLIP
-error (0: none) and the SSIM (1: the same) of either against Cycles, and the CPU time that each took; "noise" is what
-is left of it in Cycles: its error against half as many samples of another seed. --out keeps taut's, Eevee's and
-Cycles's pictures side by side, three of them as sheet.png.
+poses, materials, patterns, lights, camera, lens and shutter, and the film curve of taut. Printed is, for each frame,
+the FLIP error (0: none) and the SSIM (1: the same) of either against Cycles, and the CPU time that each took; "noise"
+is what is left of it in Cycles: its error against half as many samples of another seed. --out keeps taut's, Eevee's
+and Cycles's pictures side by side, three of them as sheet.png.
 
 Needs Blender, numpy and a display for Eevee (Debian: blender, xvfb, python3-numpy).
 
@@ -17,6 +17,7 @@ Eevee has the stage's ambient light in place of bounces, with ambient occlusion 
 """
 import argparse
 import json
+import math
 import os
 import pathlib
 import resource
@@ -36,7 +37,7 @@ LIGHT = {"direction": [-0.5, -1.0, -0.6], "color": [3.0, 2.8, 2.5], "sky": [0.55
 
 
 def shown(scene, frame):
-    """What frame `frame` of the clip shows: time (s), rate, number of the shot and field of view (rad)."""
+    """What frame `frame` of the clip shows: time (s), rate, number of the shot, field of view (rad) and lens."""
     stage, fps = scene["stage"], scene.get("fps", 60)
     left = frame - round(stage.get("title", {}).get("duration", 0) * fps)
     whole = {"from": 0, "until": scene["duration"]}
@@ -45,19 +46,27 @@ def shown(scene, frame):
         frames = round((shot["until"] - shot["from"]) / rate * fps)
         if 0 <= left < frames:
             time = shot["from"] + left * rate / fps
+            keys = shot.get("camera", stage["camera"])
             return {"time": time, "rate": rate, "shot": number if "shots" in stage else 0,
-                    "view": view(shot.get("camera", stage["camera"]), time)}
+                    "view": between(keys, time, lambda key: key["field_of_view"]), "lens": lens(keys, time)}
         left -= frames
     raise SystemExit(f"frame {frame} is in no shot")
 
 
-def view(keys, time):
-    """The field of view between two keys: the camera moves smoothly."""
+def between(keys, time, value):
+    """A camera's value between two keys: it moves smoothly."""
     before = max((k for k in keys if k["t"] <= time), key=lambda k: k["t"], default=keys[0])
     after = min((k for k in keys if k["t"] > time), key=lambda k: k["t"], default=before)
     span = after["t"] - before["t"]
     u = (time - before["t"]) / span if span > 0 else 0
-    return before["field_of_view"] + (3 - 2 * u) * u * u * (after["field_of_view"] - before["field_of_view"])
+    return value(before) + (3 - 2 * u) * u * u * (value(after) - value(before))
+
+
+def lens(keys, time):
+    """The f-number and the distance of focus (m); none where all is sharp."""
+    opening = between(keys, time, lambda key: 1 / key["aperture"] if "aperture" in key else 0)
+    focus = between(keys, time, lambda key: key.get("focus") or math.dist(key["position"], key["target"]))
+    return [1 / opening, focus] if opening > 0 else None
 
 
 def spread(scene, count):

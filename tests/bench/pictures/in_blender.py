@@ -203,8 +203,12 @@ def main():
     for i, frame in enumerate(job["frames"]):
         name = f"camera of shot {frame['shot']}" if frame["shot"] else "camera"
         scene.camera = bpy.data.objects[name]
-        scene.camera.data.sensor_fit = "VERTICAL"
-        scene.camera.data.angle = frame["view"]
+        camera = scene.camera.data
+        camera.sensor_fit, camera.sensor_height = "VERTICAL", 24
+        camera.angle = frame["view"]
+        camera.dof.use_dof = frame["lens"] is not None
+        if frame["lens"]:
+            camera.dof.aperture_fstop, camera.dof.focus_distance = frame["lens"]
         at = frame["time"] * job["fps"]
         scene.frame_set(int(at), subframe=at - int(at))
         blur = job["shutter"] * frame["rate"]

@@ -1,0 +1,47 @@
+// Depth of field of what stands: a drawn picture blurred by how far everything is out of focus.
+#pragma once
+
+#include <span>
+
+#include "render/gl/gpu.h"
+#include "render/picture/rect.h"
+
+namespace taut::gl {
+
+/// A lens's circles of confusion, in pixels of the picture: the radius at the depth buffer's 0 and
+/// 1, linear between, negative in front of the focus.
+struct Confusion {
+  float nearest = 0, farthest = 0;
+};
+
+/// A part of a picture, and how it is out of focus.
+struct DefocusedView {
+  picture::Rect part;
+  Confusion confusion;
+};
+
+/// Gathers, for each pixel, the light of all whose circles reach it (after Jimenez 2014). What is
+/// in focus stays as it was drawn, and its light spreads over nothing; nothing farther spreads over
+/// it. A thing that is blurred in front of the focus is so within its outline.
+class Defocus {
+ public:
+  Defocus(const Gl& gl, int width, int height, int samples);
+
+  /// Blurs multisampled light that is stored as its square root. `target` draws into `color`.
+  void apply(std::span<const DefocusedView> views, GLuint color, GLuint depth, GLuint target);
+  /// The blurred light of each pixel; alpha is the circle's radius in px, 0 where it is in focus.
+  GLuint blurred() const { return blurred_.id(); }
+
+ private:
+  void cover(const picture::Rect& part, const Program& program, GLuint target) const;
+
+  const Gl& gl_;
+  int width_, height_;
+  GlObject sharp_, sharp_target_;  // light, its mipmaps; alpha: the circle's signed radius
+  GlObject wide_, wide_target_;    // wide circles, in pixels of half the size
+  GlObject blurred_, blurred_target_;
+  GlObject no_vertices_;
+  Program collect_, gather_wide_, gather_, put_;
+};
+
+}  // namespace taut::gl
