@@ -170,7 +170,9 @@ std::pair<film::Comparison, std::vector<Measured>> compare(
     if (const double frames = double(run.frames.size()); frames > 0) {
       m.stretch = run.stretch_max;
       if (closed) {
-        const double lost = scene.world.obstacles.empty() ? run.energy_loss : 0;  // they take some
+        // Obstacles take some, and strings where they go taut.
+        const bool takes = !scene.world.obstacles.empty() || has_strings(scene.world);
+        const double lost = takes ? 0 : run.energy_loss;
         m.drift = std::max(run.energy_gain, lost) / energy_scale(scene.world);
       }
       m.cpu = run.cpu / frames;

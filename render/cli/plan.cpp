@@ -278,6 +278,10 @@ int run(const Options& options, const program::Common& common) {
     throw program::Misuse(
         fmt::format("{}: has obstacles, which plans do not follow yet", options.scene));
   }
+  if (has_strings(scene.world)) {
+    throw program::Misuse(
+        fmt::format("{}: has links that only pull, which plans do not follow yet", options.scene));
+  }
   if (!scene.world.joints.empty()) {
     throw program::Misuse(
         fmt::format("{}: joins connectors, which plans do not follow yet", options.scene));

@@ -136,6 +136,9 @@ scenes::MethodChoice chosen_method(const MethodOptions& options, const scenes::S
     throw program::Misuse(
         fmt::format("--method: {} follows no connectors that are joined", choice.name));
   }
+  if (has_strings(scene.world) && !method->follows_strings) {
+    throw program::Misuse(fmt::format("--method: {} follows no links that only pull", choice.name));
+  }
   if (choice.name != scene.method.name) choice.settings.clear();
   if (options.step) {
     choice.settings.erase("tolerance");

@@ -129,6 +129,12 @@ scenes::Scene study_scene(const StudyOptions& options,
                     "this command does not",
                     options.scene));
   }
+  if (has_strings(scene.world) && !options.among_obstacles) {
+    throw program::Misuse(
+        fmt::format("{}: has links that only pull, which bench, chart and compare follow, and this "
+                    "command does not",
+                    options.scene));
+  }
   if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {
     throw program::Misuse(
         fmt::format("{}: has pins, which chart, bench, compare and classify follow, and this "

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "scenes/reader/reader.h"
@@ -17,6 +18,23 @@ double exit_share(const Vec3& a, const Vec3& b, const Vec3& centre, double r) {
 }
 
 }  // namespace
+
+std::vector<Vec3> evenly_along(const std::vector<Vec3>& corners, std::size_t particles) {
+  std::vector<double> until{0};  // m, of the corners
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    until.push_back(until.back() + (corners[i] - corners[i - 1]).norm());
+  }
+  std::vector<Vec3> line;
+  std::size_t piece = 0;
+  for (std::size_t i = 0; i < particles; ++i) {
+    const double along = until.back() * static_cast<double>(i) / static_cast<double>(particles - 1);
+    while (piece + 2 < corners.size() && until[piece + 1] < along) ++piece;
+    const double length = until[piece + 1] - until[piece];
+    const double share = length > 0 ? std::min(1.0, (along - until[piece]) / length) : 0;
+    line.push_back(corners[piece] + share * (corners[piece + 1] - corners[piece]));
+  }
+  return line;
+}
 
 std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t particles, double link) {
   // The last link may miss its length by the rounding of the numbers in the file; one that ends at

@@ -99,6 +99,7 @@ class Layout {
     Connector connector =
         straight_connector(value.name, length, mass, particles, Vec3::Zero(), Vec3::UnitY());
     if (text_or(value, "model", "links") == "span") connector.model = ConnectorModel::span;
+    connector.pulls = text_or(value, "links", "rigid") == "pull";
     connector.restitution = number_or(value, "restitution", 0);
     connector.radius =
         number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
@@ -250,6 +251,11 @@ class Layout {
 
   std::vector<Vec3> on_line(const Value& said, const std::vector<Vec3>& corners,
                             const Connector& connector) const {
+    double way = 0;
+    for (std::size_t i = 1; i < corners.size(); ++i) way += (corners[i] - corners[i - 1]).norm();
+    if (connector.pulls && way < connector.length) {
+      return evenly_along(corners, connector.particles());
+    }
     auto line = along_line(corners, connector.particles(), connector.rest.front());
     if (line.size() < connector.particles()) {
       document_.fail(said, fmt::format("the line has room for {} of {} links of {} m",
@@ -295,7 +301,7 @@ class Layout {
                      fmt::format("the ends are {:.6g} m apart, expected at most the length, {} m",
                                  apart, connector.length));
     }
-    if (connector.model == ConnectorModel::links && connector.links() == 1 &&
+    if (connector.model == ConnectorModel::links && connector.links() == 1 && !connector.pulls &&
         apart < connector.length * (1 - kRounding)) {
       document_.fail(hanging ? *hanging : value,
                      fmt::format("the ends are {:.6g} m apart, expected the length of the only "

@@ -96,6 +96,44 @@ void refuse_joints(const Document& document, const MethodInfo& method) {
                                          method.name, fmt::join(able, ", ")));
 }
 
+void refuse_strings(const Document& document, const MethodInfo& method) {
+  const Value* connectors = document.root.find("connectors");
+  if (!connectors) return;
+  for (const Value& connector : connectors->children) {
+    const Value* key = connector.find("links");
+    if (!key || key->text != "pull") continue;
+    if (text_or(connector, "model", "links") == "span") {
+      document.fail_at_key(*key, "needs model = \"links\", a massless span has none");
+    }
+    if (connector.find("length")->number == 0) {
+      document.fail_at_key(*key, "needs links that have a length, a joint has none");
+    }
+    if (const Value* material = material_key(connector)) {
+      document.fail_at_key(*key, fmt::format("stands beside {}, expected links that are rigid and "
+                                             "bend freely, or strings",
+                                             material->name));
+    }
+    for (const Value& other : connectors->children) {
+      const bool spans = text_or(other, "model", "links") == "span";
+      if (!spans && !material_key(other)) continue;
+      document.fail_at_key(
+          *key, fmt::format("stands in a scene with {}, which {}", other.path,
+                            spans ? "is a massless span" : "stretches, bends or meets the air"));
+    }
+    if (joining_key(document.root)) {
+      document.fail_at_key(*key, "stands in a scene in which connectors are joined");
+    }
+    if (method.follows_strings) continue;
+    std::vector<std::string_view> able;
+    for (const MethodInfo& info : all_methods()) {
+      if (info.follows_strings) able.push_back(info.name);
+    }
+    document.fail_at_key(*key, fmt::format("the method {} follows no links that only pull, "
+                                           "expected one of: {}",
+                                           method.name, fmt::join(able, ", ")));
+  }
+}
+
 /// A plan is the program's own: one of another version's format spoils no scene.
 std::optional<Value> take_plan(Document& document) {
   std::vector<Value>& all = document.root.children;
@@ -143,6 +181,7 @@ Scene read_scene(Document document, bool with_stage) {
   refuse_obstacles(document, *find_method(scene.method.name));
   refuse_materials(document, *find_method(scene.method.name));
   refuse_joints(document, *find_method(scene.method.name));
+  refuse_strings(document, *find_method(scene.method.name));
   finish(scene.world);
   check_obstacles(document, scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);

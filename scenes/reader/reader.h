@@ -157,6 +157,9 @@ void check_models(const Document& document);
 /// `particles` when the line is too short.
 std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t particles, double link);
 
+/// As many places along all of it, equally far from each other on it.
+std::vector<Vec3> evenly_along(const std::vector<Vec3>& corners, std::size_t particles);
+
 /// How a rope lies on a round obstacle.
 struct Winding {
   double turns = 0.5;            // about the obstacle's y axis, right-handed

@@ -24,7 +24,8 @@ void check_kind(const World& world) {
     need(connector.holds.size() == 1 && connector.holds.front().particle == 0 &&
              is_prescribed(world, connector.holds.front().to),
          "the connectors of a batch hang by their first particle from a fixed or driven point");
-    need(connector.sections.empty(), "the links of a batch are rigid and bend freely");
+    need(connector.sections.empty() && !connector.pulls,
+         "the links of a batch are rigid and bend freely");
     need(std::ranges::all_of(connector.rest, [](double rest) { return rest > 0; }),
          "the links of a batch have a length");
   }

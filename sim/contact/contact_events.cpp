@@ -90,7 +90,7 @@ double ContactMotion::measure(std::span<const double> start) {
   double worst = 0;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     change_[r] = start[r] + along[r].dot(added_[rows[r].b] - added_[rows[r].a]);
-    worst = std::max(worst, std::abs(change_[r]));
+    if (taut_[r]) worst = std::max(worst, pulls_[r] ? std::abs(change_[r]) : change_[r]);
   }
   return worst;
 }
@@ -99,7 +99,11 @@ double ContactMotion::measure(std::span<const double> start) {
 void ContactMotion::balance(std::span<const double> start) {
   Damping damping;
   for (int i = 0; i < kIterations; ++i) {
-    const double worst = measure(start);
+    double worst = measure(start);
+    if (mechanism_.has_strings()) {
+      sort_strings();
+      worst = measure(start);
+    }
     double scale = 1;
     for (std::size_t p = 0; p < beads_.size(); ++p) {
       scale = std::max({scale, free_[p].squaredNorm(), pulled_[p].squaredNorm()});
@@ -108,11 +112,16 @@ void ContactMotion::balance(std::span<const double> start) {
     if (!std::isfinite(worst)) break;
     Hash pattern;
     for (const Bead& bead : beads_) pattern.word(static_cast<std::uint64_t>(bead.touch.state));
+    if (mechanism_.has_strings()) {
+      for (const char pulls : pulls_) pattern.word(std::uint64_t(pulls != 0));
+    }
     if (damping.relaxes(pattern.value())) {
       relax(start);
       continue;
     }
-    system_.assemble(mechanism_, answer_, mechanism_.direction(), mechanism_.direction());
+    const std::span<const Vec3> along = pulling();
+    system_.assemble(mechanism_, answer_, along, along);
+    for (std::size_t r = 0; r < change_.size(); ++r) change_[r] *= pulls_[r];
     system_.solve(change_);
     ++solves_;
     for (std::size_t r = 0; r < change_.size(); ++r) tension_[r] += damping.share() * change_[r];
@@ -132,6 +141,8 @@ void ContactMotion::relax_row(std::size_t row, double start) {
   const std::size_t a = mechanism_.rows()[row].a, b = mechanism_.rows()[row].b;
   const double mobile_a = mechanism_.inverse_mass()[a], mobile_b = mechanism_.inverse_mass()[b];
   const Vec3& along = mechanism_.direction()[row];
+  const bool string = mechanism_.rows()[row].pulls;
+  if (!taut_[row]) return;
   for (int i = 0; i < kTrials && mobile_a + mobile_b > 0; ++i) {
     Bead bead_a = beads_[a], bead_b = beads_[b];
     const Response at_a = answer(bead_a, free_[a] + pulled_[a]);
@@ -145,7 +156,9 @@ void ContactMotion::relax_row(std::size_t row, double start) {
       if (std::abs(answers) > kImmobile) slope += mobile * answers;
     }
     if (std::abs(error) <= 1e-2 * kSolved || !(slope > 0)) return;
-    const double more = error / slope;
+    double more = error / slope;
+    if (string) more = std::max(more, -tension_[row]);
+    if (more == 0) return;
     tension_[row] += more;
     pulled_[a] += mobile_a * more * along;
     pulled_[b] -= mobile_b * more * along;
@@ -154,7 +167,7 @@ void ContactMotion::relax_row(std::size_t row, double start) {
 
 /// Stops what arrives; whether anything did.
 bool ContactMotion::arrive(double time, State& state) {
-  bool any = false;
+  bool any = find_taut(time, state);
   for (std::size_t p = 0; p < beads_.size(); ++p) {
     Bead& bead = beads_[p];
     free_[p] = velocity(state, p);
@@ -185,6 +198,7 @@ bool ContactMotion::arrive(double time, State& state) {
 /// the laws.
 void ContactMotion::choose(double time, const State& state) {
   scratch_ = state;
+  find_taut(time, scratch_);
   mechanism_.update(time, scratch_.data());
   for (std::size_t p = 0; p < beads_.size(); ++p) {
     Bead& bead = beads_[p];
@@ -272,11 +286,12 @@ void ContactMotion::centre() {
       return mobile > 0 && beads_[point].mode != Mode::sticks;
     };
     if (is_open(a, mobile_a) || is_open(b, mobile_b) || mobile_a + mobile_b == 0) continue;
+    if (!pulls_[r]) continue;
     const Vec3& along = mechanism_.direction()[r];
     const auto least = [&](double more) {
       return std::min(margin(a, mobile_a * more * along), margin(b, -mobile_b * more * along));
     };
-    double low = -2 * most, high = 2 * most;
+    double low = rows[r].pulls ? -tension_[r] : -2 * most, high = 2 * most;
     double left = high - ratio * (high - low), right = low + ratio * (high - low);
     double at_left = least(left), at_right = least(right);
     for (int s = 0; s < kShrinkings; ++s) {

@@ -11,6 +11,7 @@ using ConstMap = Eigen::Map<const Vec3>;
 
 constexpr double kTouching = 1e-11;  // of the longest connector
 constexpr double kSpare = 1e-9;      // of forces per mass: no event yet
+constexpr double kLonger = 1e-4;     // times that: a string so much too long is taut
 constexpr int kProjections = 20;
 
 /// The change of a unit normal per second, at a point that moves by `velocity` (m/s): a difference
@@ -47,6 +48,10 @@ void ContactMotion::rebuild(const World& world, double slowest) {
   for (auto* array : {&free_, &pulled_, &added_}) array->assign(points, Vec3::Zero());
   for (auto* array : {&tension_, &change_, &start_}) array->assign(rows, 0);
   answer_.assign(points, Mat3::Zero());
+  taut_.clear();
+  for (const Row& row : mechanism_.rows()) taut_.push_back(!row.pulls);
+  pulls_ = taut_;
+  along_.assign(rows, Vec3::Zero());
   frames_.resize(obstacles_.size());
 }
 
@@ -90,7 +95,7 @@ void ContactMotion::accelerate(double time, const State& state) {
   move_obstacles(time);
   const auto& mobile = mechanism_.inverse_mass();
   const auto& rows = mechanism_.rows();
-  const auto& along = mechanism_.direction();
+  const std::span<const Vec3> along = pulling();
   for (std::size_t p = 0; p < beads_.size(); ++p) {
     Bead& bead = beads_[p];
     free_[p] = mechanism_.gravity();
@@ -140,8 +145,9 @@ void ContactMotion::accelerate(double time, const State& state) {
   // Where links and what sticks leave a tension open, it is what it was.
   answer_all();
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    change_[r] =
-        mechanism_.free_acceleration(r) + along[r].dot(added_[rows[r].b] - added_[rows[r].a]);
+    change_[r] = pulls_[r] ? mechanism_.free_acceleration(r) +
+                                 along[r].dot(added_[rows[r].b] - added_[rows[r].a])
+                           : 0;
   }
   system_.assemble(mechanism_, answer_, along, along);
   system_.solve(change_);
@@ -168,7 +174,7 @@ double ContactMotion::project(double time, State& state) {
   move_obstacles(time);
   const auto& mobile = mechanism_.inverse_mass();
   const auto& rows = mechanism_.rows();
-  const auto& along = mechanism_.direction();
+  std::span<const Vec3> along = mechanism_.direction();
   double worst = 0;
   const auto shift = [&](std::size_t offset) {  // along the surfaces
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -200,8 +206,9 @@ double ContactMotion::project(double time, State& state) {
       answer_[p] -= mobile[p] * near.normal * near.normal.transpose();
     }
     mechanism_.update(time, state.data());
-    for (const double violation : mechanism_.violation()) {
-      worst = std::max(worst, std::abs(violation));
+    along = pulling();
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      if (pulls_[r]) worst = std::max(worst, std::abs(mechanism_.violation()[r]));
     }
     system_.assemble(mechanism_, answer_, along, along);
     ++solves_;
@@ -243,6 +250,16 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
       const Vec3 slip = velocity(scratch_, p) - surface(bead, at).velocity;
       values.push_back(slip.dot(bead.ahead) + kStill / 2);
     }
+  }
+  if (!mechanism_.has_strings()) return;
+  for (std::size_t r = 0; r < pulls_.size(); ++r) {
+    if (!mechanism_.rows()[r].pulls) continue;
+    if (pulls_[r]) {
+      values.push_back(change_[r] + spare(r));
+      continue;
+    }
+    const double value = kLonger * touching_ - mechanism_.violation()[r];
+    values.push_back(value < 0 && mechanism_.rate()[r] <= kStill ? touching_ : value);
   }
 }
 

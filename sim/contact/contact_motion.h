@@ -14,8 +14,9 @@ namespace taut::contact {
 
 /// Between events the set of closed touches stays, and each of them slides or sticks: then links
 /// and touches are equations, and accelerations follow from one linear system. Events are: a bead
-/// arrives, a touch would have to pull, friction is exhausted, sliding ends. resolve() finds the
-/// velocities and the active set that follow, by the laws of Signorini, Coulomb and Newton.
+/// arrives, a touch would have to pull, friction is exhausted, sliding ends; a string goes taut, or
+/// would have to push. resolve() finds the velocities and the active set that follow, by the laws
+/// of Signorini, Coulomb and Newton.
 ///
 /// No free bodies; no bead may touch two obstacles at once.
 class ContactMotion {
@@ -35,6 +36,8 @@ class ContactMotion {
     mechanism_.store(state, time, world);
   }
 
+  /// Brings the first state to lengths and surfaces, and resolves it. Throws Unresolved.
+  void begin(double time, State& state);
   /// The derivative of a state under the active set.
   void differentiate(double time, const State& state, State& derivative);
   /// Back to lengths, surfaces and what sticks; returns the largest violation (m) that is left.
@@ -78,6 +81,10 @@ class ContactMotion {
   double measure(std::span<const double> start);
   void relax(std::span<const double> start);
   void relax_row(std::size_t row, double start);
+  std::span<const Vec3> pulling();
+  bool find_taut(double time, State& state);
+  void sort_strings();
+  double spare(std::size_t row) const;
 
   std::vector<Obstacle> obstacles_;
   Mechanism mechanism_;
@@ -94,6 +101,10 @@ class ContactMotion {
   std::vector<Mat3> answer_;              // per point, 1/kg
   std::vector<double> tension_, change_;  // per row
   std::vector<double> start_;             // per row, of what is asked
+  // Where there are strings, per row: whether it is a rod or as long as it may be; whether it pulls
+  // besides; the directions of those that do, zero for the others.
+  std::vector<char> taut_, pulls_;
+  std::vector<Vec3> along_;
   std::uint64_t solves_ = 0;
 };
 

@@ -115,6 +115,7 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   add_mark(second.name, ++cut_off_[original]);
   second.restitution = first.restitution;
   second.model = first.model;
+  second.pulls = first.pulls;
   // The longer part keeps the arrays: many cuts, one behind the other, take no more room.
   const bool head_is_shorter = 2 * at < first.particles();
   const auto move_tail = [&](auto& from, auto& to, std::size_t start) {

@@ -38,7 +38,7 @@ class Ruler {
   /// Of two places on the connector.
   DistanceRange range(double along, double other) const {
     const auto [low, high] = std::minmax(along, other);
-    if (2 * longest_ <= high - low) return {0, high - low};
+    if (2 * longest_ <= high - low || connector_.pulls) return {0, high - low};
     const auto after = std::ranges::upper_bound(start_, low);
     auto k = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - start_.begin() - 1, 0));
     double longest = 0;

@@ -67,7 +67,8 @@ Outcome reachable(const World& world, const Connector& connector, const Place& p
     longest = std::max(longest, piece);
   };
   const auto look = [&](const Hold& hold) {
-    return allowed(world, connector, hold, {std::max(0.0, 2 * longest - length), length}, move);
+    const double least = connector.pulls ? 0 : std::max(0.0, 2 * longest - length);
+    return allowed(world, connector, hold, {least, length}, move);
   };
   const std::vector<Hold>& holds = connector.holds;
   const auto behind = std::ranges::upper_bound(holds, particle, {}, &Hold::particle);

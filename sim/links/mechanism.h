@@ -25,6 +25,7 @@ struct Row {
   std::uint32_t a = 0, b = 0;  // points
   double rest = 0;             // m
   int axis = kAlongLink;       // of a joint's row: 0, 1, 2
+  bool pulls = false;          // a string: it may be shorter, and never pushes
   std::uint32_t connector = 0, link = 0;
 };
 
@@ -79,6 +80,8 @@ class Mechanism {
   const std::vector<RowEnd>& row_ends() const { return row_ends_; }
   /// Whether connectors are joined, so that more than two rows of a kind may meet at a point.
   bool is_joined() const { return !joined_.empty(); }
+  /// Whether some rows are strings.
+  bool has_strings() const { return has_strings_; }
   /// 1/kg per point; zero for held points, carried ones included, and for those that others stand
   /// for.
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }
@@ -158,6 +161,7 @@ class Mechanism {
   Vec3 gravity_ = Vec3::Zero();
   std::vector<double> inverse_mass_;
   std::vector<Row> rows_;
+  bool has_strings_ = false;
   std::vector<FreeBody> bodies_;
   std::vector<std::size_t> body_index_;  // into World::bodies
   std::vector<std::size_t> free_index_;  // of World::bodies into bodies_; driven ones: anything

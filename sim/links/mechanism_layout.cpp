@@ -126,6 +126,7 @@ void Mechanism::join_points(const World& world) {
 
 void Mechanism::add_rows(const World& world) {
   rows_.clear();
+  has_strings_ = taut::has_strings(world);
   std::size_t first = 0;
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
@@ -138,6 +139,7 @@ void Mechanism::add_rows(const World& world) {
                          .b = small(first + k + 1),
                          .rest = rest,
                          .axis = rest > 0 ? Row::kAlongLink : axis,
+                         .pulls = connector.pulls && rest > 0,
                          .connector = small(c),
                          .link = small(k)});
       }

@@ -119,7 +119,8 @@ double stretch_max(const World& world) {
     for (std::size_t k = 0; k < connector.links(); ++k) {
       const double length = (connector.position[k + 1] - connector.position[k]).norm();
       const double rest = connector.rest[k];
-      most = std::max(most, rest > 0 ? std::abs(length / rest - 1) : length);
+      const double longer = rest > 0 ? length / rest - 1 : length;
+      most = std::max(most, connector.pulls ? longer : std::abs(longer));
     }
   }
   return most;

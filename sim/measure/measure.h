@@ -17,7 +17,8 @@ double energy(const World& world);
 Vec3 linear_momentum(const World& world);
 /// Angular momentum about `about` of everything that moves freely, kg m^2/s.
 Vec3 angular_momentum(const World& world, const Vec3& about = Vec3::Zero());
-/// The largest |link length / rest length - 1| of any link (rest length zero: the gap in m).
+/// The largest |link length / rest length - 1| of any link (rest length zero: the gap in m); of
+/// strings, which may be shorter, without the bars.
 double stretch_max(const World& world);
 
 /// The mass of everything that moves freely, kg.

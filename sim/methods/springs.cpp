@@ -92,6 +92,9 @@ class Springs : public SteppedMethod {
                   [this](const Mechanism& at, std::vector<double>& tension) {
                     for (std::size_t r = 0; r < tension.size(); ++r) {
                       tension[r] = stiffness_ * at.violation()[r] + damper_ * at.rate()[r];
+                      if (!at.rows()[r].pulls) continue;
+                      const bool taut = at.violation()[r] > 0 && tension[r] > 0;
+                      if (!taut) tension[r] = 0;
                     }
                     ++counters_.solves;
                     counters_.cycles += at.work();
@@ -156,6 +159,7 @@ MethodInfo springs_method() {
       .touches_obstacles = true,
       .follows_materials = true,
       .follows_joints = true,
+      .follows_strings = true,
       .companion = companion_of_springs,
       .cost = {.memory = 350, .step = 1e-8},
   };

@@ -16,11 +16,12 @@ double rk4_growth(std::complex<double> q) {
 void SteppedMethod::advance(World& world, double until) {
   if (!built_ || world.topology != topology_) {
     mechanism_.rebuild(world);
-    if (stops_stretch()) projection_.rebuild(mechanism_);
+    const bool stops = stops_stretch() && !mechanism_.has_strings();  // which may part as they like
+    if (stops) projection_.rebuild(mechanism_);
     topology_ = world.topology;
     resize_within(mechanism_.state_room(), mechanism_.state_size(), state_);
     mechanism_.load(world, state_);
-    if (built_ && stops_stretch()) projection_.rates(mechanism_, world.time, state_);
+    if (built_ && stops) projection_.rates(mechanism_, world.time, state_);
     built_ = true;
     limit_ = prepare(mechanism_, world);
   } else {

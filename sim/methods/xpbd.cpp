@@ -138,7 +138,8 @@ void Xpbd::pass(const Mechanism& mechanism, double softness, double* state) {
         carriers.b == kNone ? w[row.b] : mobility(mechanism, carriers.b, along, state);
     const double stiff = wa + wb + softness;
     if (stiff == 0) continue;  // both ends are held
-    const double change = -(violation + softness * multiplier_[r]) / stiff;
+    double change = -(violation + softness * multiplier_[r]) / stiff;
+    if (row.pulls) change = std::min(change, -multiplier_[r]);  // it pushes nothing
     multiplier_[r] += change;
     const Vec3 move = change * along;
     a -= w[row.a] * move;
@@ -211,6 +212,7 @@ MethodInfo xpbd_method() {
       .touches_obstacles = true,
       .follows_materials = true,
       .follows_joints = true,
+      .follows_strings = true,
       .companion = [](const MethodInfo& xpbd,
                       const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .cost = {.memory = 250, .step = 3e-8},

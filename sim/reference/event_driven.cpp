@@ -53,7 +53,7 @@ void EventDriven::prepare(const World& world) {
   for (const Body& body : world.bodies) {
     if (body.driven()) continue;
     throw Diverged("truth", world.time, 0, body.name, 0,
-                   "knows contact only without free bodies, and there is one");
+                   "knows contact and strings only without free bodies, and there is one");
   }
   step_ = kStepAfterEvent;
   motion_.rebuild(world, kSlowest);
@@ -80,8 +80,7 @@ void EventDriven::advance(World& world, double until) {
   time_ = world.time;
   try {
     if (fresh) {
-      motion_.project(time_, state_);
-      motion_.resolve(time_, state_);
+      motion_.begin(time_, state_);
       if (!reference::is_finite(state_)) give_up(0, "not finite");
     }
     while (time_ < until) {

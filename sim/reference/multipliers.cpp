@@ -72,9 +72,12 @@ void Multipliers::prepare(const World& world) {
 }
 
 void Multipliers::advance(World& world, double until) {
-  if (!world.obstacles.empty()) {
-    refuse_materials("truth among obstacles", world);
-    refuse_joints("truth among obstacles", world);
+  if (!world.obstacles.empty() || has_strings(world)) {
+    const bool obstacles = !world.obstacles.empty();
+    const std::string_view name =
+        obstacles ? "truth among obstacles" : "truth beside links that only pull";
+    refuse_materials(name, world);
+    refuse_joints(name, world);
     among_obstacles_->advance(world, until);
     counters_ = among_obstacles_->counters();
     return;
@@ -170,6 +173,7 @@ MethodInfo truth_method() {
           .touches_obstacles = true,
           .follows_materials = true,
           .follows_joints = true,
+          .follows_strings = true,
           .companion =
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");

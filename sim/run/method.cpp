@@ -13,7 +13,8 @@ bool follows(const MethodInfo& method, const World& world) {
   return (method.follows_spans || !has_spans(world)) &&
          (method.touches_obstacles || world.obstacles.empty()) &&
          (method.follows_materials || !has_materials(world)) &&
-         (method.follows_joints || world.joints.empty());
+         (method.follows_joints || world.joints.empty()) &&
+         (method.follows_strings || !has_strings(world));
 }
 
 const MethodInfo* find_method(std::string_view name) {
@@ -150,6 +151,13 @@ void refuse_joints(std::string_view method, const World& world) {
   const Joint::Particle& at = world.joints.front().particles.front();
   throw Diverged(std::string(method), world.time, 0, world.connectors[at.connector].name,
                  at.particle, "follows no connectors that are joined");
+}
+
+void refuse_strings(std::string_view method, const World& world) {
+  const auto found = std::ranges::find_if(world.connectors, &Connector::pulls);
+  if (found == world.connectors.end()) return;
+  throw Diverged(std::string(method), world.time, 0, found->name, 0,
+                 "follows no links that only pull");
 }
 
 void refuse_laden_materials(std::string_view method, const World& world) {

@@ -83,6 +83,9 @@ struct Connector {
   double restitution = 0;  // coefficient of restitution when the span goes taut, 0 to 1
   double radius = 0;       // m, of the beads that touch obstacles: each particle is one
   ConnectorModel model = ConnectorModel::links;
+  /// Its links are strings: they may be shorter than `rest`, and never push (sim/contact). Such a
+  /// connector is a model of links, has no sections and no joint.
+  bool pulls = false;
   std::vector<Hold> holds;  // sorted by particle; at most one per particle
 
   std::vector<double> rest;           // m, rest length of each link

@@ -17,7 +17,7 @@ struct Place {
 Place locate(const Connector& connector, double along);
 
 /// Two places on a connector, and how far apart they can be: `most` is its length between them, and
-/// `least` is above zero where one link is longer than all others between them together.
+/// `least` is above zero where one link, a rod, is longer than all others between them together.
 struct DistanceRange {
   double least = 0, most = 0;  // m
 };

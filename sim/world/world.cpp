@@ -109,6 +109,10 @@ bool has_materials(const World& world) {
       world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
 }
 
+bool has_strings(const World& world) {
+  return std::ranges::any_of(world.connectors, &Connector::pulls);
+}
+
 std::uint64_t structure_of_body(const World& world, std::size_t index) {
   const Body& body = world.bodies[index];
   Hash hash;
@@ -147,6 +151,7 @@ std::uint64_t structure_of_connector(const World& world, std::size_t index) {
   }
   hash.word(sum);
   if (!connector.sections.empty()) add_materials(connector, hash);
+  if (connector.pulls) hash.text("pulls");
   return hash.value();
 }
 

@@ -45,6 +45,9 @@ void refresh(World& world);
 /// Whether some connector stretches, resists bending or meets the air (Connector::sections).
 bool has_materials(const World& world);
 
+/// Whether some connector's links are strings (Connector::pulls).
+bool has_strings(const World& world);
+
 /// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
 /// them and joins them, bodies with their mass properties, paths, obstacles. Methods build on it,
 /// so World::topology is this number, which refresh() takes anew.

@@ -1,5 +1,5 @@
 // Scene files that nobody chose, drawn from a seed: connectors of all models, what holds them,
-// bodies, paths, obstacles, pins and cuts.
+// bodies, paths, obstacles, strings, pins and cuts.
 #pragma once
 
 #include <string>

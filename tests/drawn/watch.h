@@ -81,7 +81,7 @@ class Watch {
       for (std::size_t i = 0; i < c.particles(); ++i) {
         if (const auto place = held_place({index(c), i}, time)) {
           const double apart = before ? (*place - *before).norm() : length / 2;
-          const bool folded = apart < 2 * longest - length + kNear * length;
+          const bool folded = !c.pulls && apart < 2 * longest - length + kNear * length;
           if (before && (apart > (1 - kNear) * length || folded)) return true;
           before = place;
           length = longest = 0;

@@ -283,6 +283,39 @@ TEST_P(MethodContract, AFloor) {
   EXPECT_EQ(state_hash(landed), state_hash(after(world, kHorizon)));
 }
 
+// Its beads are thrown together, and the strings between them hold what flies apart again. Methods
+// whose links push say so.
+TEST_P(MethodContract, AString) {
+  World world = worlds::chain(6, 0.5, Vec3::UnitX());
+  for (std::size_t i = 1; i < 6; ++i) {
+    world.connectors[0].velocity[i] = Vec3(-1, 0.2 * static_cast<double>(i), 0);
+  }
+  world.connectors[0].pulls = true;
+  world.topology = structure(world);
+  if (!find_method(theory().method)->follows_strings) {
+    try {
+      after(world, kHorizon);
+      ADD_FAILURE() << theory().label << " says nothing of the string";
+    } catch (const Diverged& error) {
+      EXPECT_NE(std::string(error.what()).find("follows no links that only pull"),
+                std::string::npos)
+          << error.what();
+    }
+    return;
+  }
+  const World thrown = after(world, 0.1);
+  double shortest = 1;  // of the rest length
+  for (std::size_t i = 0; i < 5; ++i) {
+    const auto& at = thrown.connectors[0].position;
+    shortest = std::min(shortest, (at[i + 1] - at[i]).norm() / thrown.connectors[0].rest[i]);
+  }
+  EXPECT_LT(shortest, 0.9) << "nothing pushes";
+  const World caught = after(world, kHorizon);
+  EXPECT_LE(energy(caught), energy(world));
+  EXPECT_LT(stretch_max(caught), 0.2) << "of springs: v sqrt(m/k) when a bead is caught";
+  EXPECT_EQ(state_hash(caught), state_hash(after(world, kHorizon)));
+}
+
 TEST_P(MethodContract, Determinism) {
   const World world = worlds::chain_with_box(6);
   EXPECT_EQ(state_hash(after(world, 0.1)), state_hash(after(world, 0.1)));

@@ -77,6 +77,9 @@ std::uint64_t ContactStep::pattern() const {
         .word(std::uint64_t(at.obstacle))
         .word(static_cast<std::uint64_t>(at.touch.state));
   }
+  if (mechanism_.has_strings()) {
+    for (const char pulls : pulls_) hash.word(std::uint64_t(pulls != 0));
+  }
   return hash.value();
 }
 
@@ -103,7 +106,7 @@ void ContactStep::relax_row(std::size_t row, const Vec3& along, double share) {
   const std::size_t a = mechanism_.rows()[row].a, b = mechanism_.rows()[row].b;
   const double mobile_a = share * mechanism_.inverse_mass()[a];
   const double mobile_b = share * mechanism_.inverse_mass()[b];
-  if (is_carried_[a] || is_carried_[b] || mobile_a + mobile_b == 0) return;
+  if (is_carried_[a] || is_carried_[b] || mobile_a + mobile_b == 0 || !taut_[row]) return;
   const auto answer = [&](std::size_t point, const Vec3& velocity) {
     const std::span<const BeadTouch> near = touches_of(point);
     if (near.empty()) return contact::Response{velocity};
@@ -128,7 +131,10 @@ void ContactStep::relax_row(std::size_t row, const Vec3& along, double share) {
     if (std::abs(apart) <= kRelaxed * (1 + at_a.velocity.norm())) break;
     const double slope = mobility(mobile_a, at_a) + mobility(mobile_b, at_b);
     if (!(slope > 0)) break;  // no pull moves either end
+    const double last = more;
     more += apart / slope;
+    if (mechanism_.rows()[row].pulls) more = std::max(more, -given_[row] - pull_[row]);
+    if (more == last) break;
     velocity_a = bare_[a] + mobile_a * more * along;
     velocity_b = bare_[b] - mobile_b * more * along;
   }

@@ -31,6 +31,11 @@ constexpr double kLastResort = 1e-6;  // s, of steps that may go with more creep
 bool ContactStep::glide(double time, double h) {
   h_ = h;
   for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] = h * last_tension_[r];
+  if (mechanism_.has_strings()) {
+    for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] *= taut_[r];
+    std::ranges::fill(given_, 0.0);
+    pulls_ = taut_;
+  }
   next_ = state_;
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     vector(&next_[mechanism_.position(p)]) += h * ConstMap(&state_[mechanism_.velocity(p)]);
@@ -65,9 +70,14 @@ bool ContactStep::glide(double time, double h) {
     ++solves_;
     bend(h);
     stiffen(h);
-    glide_system_.assemble(
-        mechanism_,
-        {.h = h, .answer = answer_, .bend = bend_, .turn = stiffness_, .along = along_, .to = to_});
+    mask();
+    const bool strings = mechanism_.has_strings();
+    glide_system_.assemble(mechanism_, {.h = h,
+                                        .answer = answer_,
+                                        .bend = bend_,
+                                        .turn = stiffness_,
+                                        .along = strings ? right_ : along_,
+                                        .to = strings ? left_ : to_});
     glide_system_.solve(behind_, change_);
     for (std::size_t p = 0; p < behind_.size(); ++p) {
       vector(&next_[mechanism_.position(p)]) += h * behind_[p];
@@ -110,16 +120,22 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
   creep_ = creep;
   const auto& rows = mechanism_.rows();
   const int most = trial ? kTrial : kIterations;
-  for (int i = 0; i < most; ++i) {
+  const auto errors = [&] {
     answer(time, h);
-    double worst = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const std::size_t a = rows[r].a, b = rows[r].b;
       const Vec3 start = position(state_, b) - position(state_, a);
       // |gap| + to . (h (v_b - v_a) - what the gap has changed) = rest
       const double wanted = (rows[r].rest - to_[r].dot(start)) / h;
       change_[r] = to_[r].dot(mean_[b] - mean_[a]) - wanted;
-      worst = std::max(worst, std::abs(change_[r]) - noise_[a] - noise_[b]);
+    }
+  };
+  for (int i = 0; i < most; ++i) {
+    errors();
+    if (sort_strings(0.5)) errors();
+    double worst = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      worst = std::max(worst, wrong(r, change_[r]) - noise_[rows[r].a] - noise_[rows[r].b]);
     }
     if (!std::isfinite(worst)) return false;
     // Rows that others determine already keep what roundings left of their errors.
@@ -133,7 +149,9 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
       continue;
     }
     for (double& change : change_) change *= 2;  // of a pull half makes the mean velocities
-    system_.assemble(mechanism_, answer_, to_, along_);
+    mask();
+    const bool strings = mechanism_.has_strings();
+    system_.assemble(mechanism_, answer_, strings ? left_ : to_, strings ? right_ : along_);
     system_.solve(change_);
     const double share = damping.share();
     for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += share * change_[r];
@@ -147,6 +165,10 @@ void ContactStep::stiffen(double h) {
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (rows[r].axis != Row::kAlongLink) continue;
     const Vec3 gap = position(next_, rows[r].b) - position(next_, rows[r].a);
+    if (!pulls_[r]) {
+      stiffness_[r].setZero();
+      continue;
+    }
     const Mat3 across_mean = Mat3::Identity() - along_[r] * along_[r].transpose();
     const Mat3 across = Mat3::Identity() - to_[r] * to_[r].transpose();
     stiffness_[r] = pull_[r] / ((from_[r] + to_[r]).norm() * gap.norm()) * across_mean * across;
@@ -162,7 +184,7 @@ void ContactStep::stiffen(double h) {
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     behind_[p] = mean_[p] - (position(next_, p) - position(state_, p)) / h;
   }
-  for (std::size_t r = 0; r < rows.size(); ++r) change_[r] = -rest_[r] / h;
+  for (std::size_t r = 0; r < rows.size(); ++r) change_[r] = pulls_[r] ? -rest_[r] / h : 0;
 }
 
 /// The mean velocities of all points under the pulls as they are.
@@ -198,7 +220,7 @@ double ContactStep::residual(double h) const {
   }
   for (std::size_t r = 0; r < rest_.size(); ++r) {
     const Row& row = mechanism_.rows()[r];
-    worst = std::max(worst, std::abs(rest_[r]) - h * (noise_[row.a] + noise_[row.b]));
+    worst = std::max(worst, wrong(r, rest_[r]) - h * (noise_[row.a] + noise_[row.b]));
   }
   return worst;
 }
@@ -216,8 +238,12 @@ void ContactStep::measure() {
       continue;
     }
     const double length = gap.norm();
-    to_[r] = gap / length;
     rest_[r] = length - row.rest;
+    if (row.pulls) {
+      mean_direction(r, gap);
+      continue;
+    }
+    to_[r] = gap / length;
     along_[r] = (from_[r] + to_[r]).normalized();
     turn_ = std::max(turn_, (to_[r] - from_[r]).norm());
   }

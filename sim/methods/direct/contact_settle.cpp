@@ -89,6 +89,7 @@ bool ContactStep::settle(double time, double h, double lowest) {
   aim_velocities(h, std::sqrt(2 * mechanism_.gravity().norm() * lowest));
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
+  keep_taut();
   const double stopped = kStopped * (1 + std::sqrt(speed));
   if (!stop(stopped)) return false;
   for (std::size_t p = 0; p < free_.size(); ++p) {
@@ -144,7 +145,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
   creep_ = creep;
   contact::Damping damping;
   const std::vector<Row>& rows = mechanism_.rows();
-  for (int i = 0; i < kIterations; ++i) {
+  const auto errors = [&] {
     free_ = middle_;
     spread(pull_, to_, 1, free_);
     respond_all(free_);
@@ -152,12 +153,20 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
       const double* u = &next_[mechanism_.twist(carried.body)];
       free_[carried.point] = ConstMap(u) + ConstMap(u + 3).cross(carried.arm);
     }
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      change_[r] = to_[r].dot(free_[rows[r].b] - free_[rows[r].a]);
+    }
+  };
+  for (int i = 0; i < kIterations; ++i) {
+    errors();
+    if (sort_strings(1)) {
+      kick(dropped_, to_, 1);
+      errors();
+    }
     double worst = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      const Vec3 parting = free_[rows[r].b] - free_[rows[r].a];
-      change_[r] = to_[r].dot(parting);
       const double noise = noise_[rows[r].a] + noise_[rows[r].b];
-      worst = std::max(worst, std::abs(change_[r]) - noise);
+      worst = std::max(worst, wrong(r, change_[r]) - noise);
     }
     if (!std::isfinite(worst)) return false;
     // Where states go to and fro within rounding, what is left does no harm.
@@ -166,7 +175,9 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     if (damping.relaxes(pattern())) {
       relax(to_, 1, free_);
     } else {
-      system_.assemble(mechanism_, answer_, to_, to_);
+      mask();
+      const std::vector<Vec3>& along = mechanism_.has_strings() ? left_ : to_;
+      system_.assemble(mechanism_, answer_, along, along);
       system_.solve(change_);
       for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r] *= damping.share();
     }

@@ -41,6 +41,7 @@ void ContactStep::rebuild(const World& world) {
   }
   for (auto* array : {&from_, &along_, &to_}) array->assign(rows, Vec3::Zero());
   for (auto* array : {&pull_, &rest_, &change_, &tension_, &last_tension_}) array->assign(rows, 0);
+  rebuild_strings();
   answer_.assign(points, Mat3::Zero());
   bend_.assign(points, Mat3::Zero());
   is_carried_.assign(points, false);
@@ -137,16 +138,19 @@ double ContactStep::attempt(double time, double h, bool locates, double lowest) 
     inverse_[b] = mechanism_.bodies()[b].world_inverse;
   }
   find_touches();
-  hits_ = false;
+  find_taut(!locates);
+  hits_ = located_ = false;
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t o = 0; o < obstacles.size(); ++o) end_[o] = obstacles[o].frame(time + h);
     if (!glide(time, h)) return 0;
-    if (!find_hits(time, h)) return settle(time, h, lowest) ? h : 0;
+    const bool enters = find_hits(time, h), snaps = find_snaps(h);
+    if (!enters && !snaps) return settle(time, h, lowest) ? h : 0;
     hits_ = true;
     double first = 1;
     for (const Hit& hit : found_) {
       if (locates || hit.passes) first = std::min(first, hit.share);
     }
+    for (const Snap& snap : snaps_) first = std::min(first, snap.share);
     const bool shortens = first < 1 - 1e-6 && first * h > kShortest;
     const std::size_t sorted = touches_.size();
     for (const Hit& hit : found_) {
@@ -154,6 +158,10 @@ double ContactStep::attempt(double time, double h, bool locates, double lowest) 
     }
     std::ranges::inplace_merge(touches_, touches_.begin() + static_cast<std::ptrdiff_t>(sorted), {},
                                &BeadTouch::point);
+    for (const Snap& snap : snaps_) {
+      if (!shortens || snap.share <= first * (1 + 1e-6)) taut_[snap.row] = true;
+    }
+    located_ = shortens;
     if (shortens) h *= first;
   }
   return 0;

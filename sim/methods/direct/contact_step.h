@@ -39,6 +39,8 @@ class ContactStep {
 
   // Of the last attempt.
   double turn() const { return turn_; }  // rad, the most that a link turned
+  /// Whether a string got to its length: what the steps before tell is nothing of those to come.
+  bool snaps() const { return snaps_now_; }
   /// m, RMS, of the first stage; 0: not known. Waves lower than `lowest` (m) need not be followed.
   double error(double lowest) const;
   std::size_t solves() const { return solves_; }  // since rebuild()
@@ -59,6 +61,11 @@ class ContactStep {
     std::uint32_t point = 0, obstacle = 0;
     bool passes = false;         // the bead is outside again at the step's end
     Vec3 anchor = Vec3::Zero();  // m, where the bead is then, in the obstacle's frame
+  };
+  /// A string that gets to its length.
+  struct Snap {
+    double share = 1;  // of the step
+    std::size_t row = 0;
   };
   using TouchRange = std::span<BeadTouch>;
 
@@ -93,6 +100,14 @@ class ContactStep {
   void relax(std::span<const Vec3> along, double share, std::span<const Vec3> velocity);
   void relax_row(std::size_t row, const Vec3& along, double share);
   bool sticks() const;
+  void rebuild_strings();
+  void find_taut(bool all);
+  bool find_snaps(double h);
+  void mean_direction(std::size_t row, const Vec3& gap);
+  bool sort_strings(double share);
+  void keep_taut();
+  double wrong(std::size_t row, double error) const;
+  void mask();
   std::uint64_t pattern() const;
   Vec3 position(const std::vector<double>& state, std::size_t point) const;
 
@@ -112,6 +127,14 @@ class ContactStep {
   std::vector<Vec3> bare_, behind_;         // per point, m/s: without touches; short of the answer
   std::vector<double> noise_;               // per point, m/s: roundings
   std::vector<Vec3> from_, along_, to_;     // per row: directions at the start, mean, at the end
+  // Where there are strings, per row: whether it is a rod or a string that may pull in this step;
+  // whether it pulls; whether it is a string that was slack at the start.
+  std::vector<char> taut_, pulls_, slack_;
+  std::vector<double> ease_, given_, dropped_;  // 1/kg; N s: by the first stage; no more given
+  std::vector<Vec3> left_, right_;              // to_, along_ of what pulls; zero for others
+  std::vector<Snap> snaps_;
+  bool snaps_now_ = false;
+  bool located_ = false;  // the step ends where something hits or snaps
   std::vector<Vec3> acceleration_, last_acceleration_;  // per point, m/s^2
   std::vector<Vec3> steady_;                            // per point, m/s^2: without waves
   std::vector<Vec3> arm_;                               // per body point, m, at the start

@@ -97,6 +97,7 @@ void Contacts::prepare(const World& world) {
       }
     }
     part.topology = structure(part);
+    made->strings = has_strings(part);
     made->links = make_();
     made->step.rebuild(part);
   }
@@ -165,7 +166,7 @@ void Contacts::advance(World& world, double until) {
 void Contacts::follow(Group& group, double until) {
   World& part = group.part;
   const double within = until - part.time;
-  if (!is_near(part, within)) {
+  if (!group.strings && !is_near(part, within)) {
     group.before = part;
     group.links->advance(part, until);
     if (!is_near(part, within)) {
@@ -197,7 +198,8 @@ void Contacts::give_up(const World& part) const {
   }
   const std::string name = part.connectors.empty() ? part.bodies[0].name : part.connectors[0].name;
   throw Diverged("direct", part.time, counters_.steps, name, 0,
-                 "no step at an obstacle is small enough");
+                 obstacles_.empty() ? "no step of strings is small enough"
+                                    : "no step at an obstacle is small enough");
 }
 
 void Contacts::step_through(Group& group, double until) {
@@ -245,6 +247,7 @@ void Contacts::step_through(Group& group, double until) {
     group.located = gone < h ? group.located + 1 : 0;
     time = gone < h || count > 1 ? time + gone : until;
     group.h = adapted(group, gone, wish);
+    if (step.snaps() && options_.step == 0) group.h = std::min(group.h, group.first);
   }
   step.store(part, until);
 }

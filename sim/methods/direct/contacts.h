@@ -1,4 +1,4 @@
-// Worlds with obstacles by the direct method: as without them until something is near.
+// Worlds with obstacles or strings by the direct method: as without until something is near.
 #pragma once
 
 #include <functional>
@@ -33,10 +33,11 @@ class Contacts {
     std::vector<std::size_t> bodies, connectors;  // indices into the world's
     std::unique_ptr<Method> links;
     ContactStep step;
-    bool steps = false;  // ContactStep has its present state
-    double h = 0;        // s, for the next step; 0: not known
-    double first = 0;    // s, of the first
-    int located = 0;     // hits in a row
+    bool strings = false;  // some of its links are: ContactStep follows it throughout
+    bool steps = false;    // ContactStep has its present state
+    double h = 0;          // s, for the next step; 0: not known
+    double first = 0;      // s, of the first
+    int located = 0;       // hits in a row
   };
 
   bool read(const World& world, Group& group) const;

@@ -26,7 +26,7 @@ class Direct : public Method {
   void advance(World& world, double until) override {
     if (!world.joints.empty()) return advance_joined(world, until);
     if (has_materials(world)) return advance_materials(world, until);
-    if (!world.obstacles.empty()) return advance_contacts(world, until);
+    if (!world.obstacles.empty() || has_strings(world)) return advance_contacts(world, until);
     if (has_spans(world)) return advance_spans(world, until);
     prepare(world);
     advance_all_parts(world, until);
@@ -34,7 +34,7 @@ class Direct : public Method {
 
   bool advance_near(World& world, double until, std::span<const Parts::Place> places) override {
     const bool in_parts = world.joints.empty() && !has_materials(world) &&
-                          world.obstacles.empty() && !has_spans(world);
+                          world.obstacles.empty() && !has_spans(world) && !has_strings(world);
     if (!in_parts) {
       advance(world, until);
       return false;
@@ -121,7 +121,10 @@ class Direct : public Method {
           options_, [options = options_] { return std::make_unique<Direct>(options); });
     }
     if (!built_ || topology_ != world.topology) {
-      if (has_spans(world)) refuse_obstacles("direct with a massless span", world);
+      if (has_spans(world)) {
+        refuse_obstacles("direct with a massless span", world);
+        refuse_strings("direct with a massless span", world);
+      }
       built_ = true;
       topology_ = world.topology;
       contacts_->prepare(world);
@@ -212,7 +215,7 @@ class Direct : public Method {
   bool left_behind_ = false;  // parts of the world, by advance_near()
   direct::FollowedParts parts_{options_};
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
-  std::unique_ptr<direct::Contacts> contacts_;  // where it has obstacles
+  std::unique_ptr<direct::Contacts> contacts_;  // where it has obstacles or strings
   std::unique_ptr<direct::Elastic> elastic_;    // where connectors stretch, bend or meet the air
   std::unique_ptr<direct::Joined> joined_;      // where connectors are joined
   std::vector<double> noted_;                   // the world as advance() left it
@@ -280,6 +283,7 @@ MethodInfo direct_method() {
       .touches_obstacles = true,
       .follows_materials = true,
       .follows_joints = true,
+      .follows_strings = true,
       .parts_go_on = true,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {

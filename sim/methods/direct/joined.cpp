@@ -11,10 +11,10 @@
 namespace taut::direct {
 namespace {
 
-constexpr double kStable = 5.2;      // over the highest frequency: the longest step (Dop853Step)
-constexpr double kErrorOrder = 8;    // of its estimate, see Dop853Step
-constexpr double kFirst = 0.1;       // of the shortest link's swing: the first step
-constexpr double kShortest = 1e-12;  // s
+constexpr double kStable = 5.2;       // over the highest frequency: the longest step (Dop853Step)
+constexpr double kErrorOrder = 8;     // of its estimate, see Dop853Step
+constexpr double kFirst = 0.1;        // of the shortest link's swing: the first step
+constexpr double kLeastStep = 1e-12;  // s
 
 Eigen::Map<const Vec3> part(const std::vector<double>& state, std::size_t at) {
   return Eigen::Map<const Vec3>(&state[at]);
@@ -35,6 +35,7 @@ void add_up(const std::array<double, kStages>& weights, int count, double h,
 
 void Joined::rebuild(const World& world) {
   if (!world.obstacles.empty()) refuse_joints("direct among obstacles", world);
+  if (has_strings(world)) refuse_joints("direct beside links that only pull", world);
   if (has_spans(world)) refuse_joints("direct beside a massless span", world);
   built_ = true;
   topology_ = world.topology;
@@ -184,7 +185,7 @@ void Joined::advance(World& world, double until) {
       } else {
         ++counters_.rejected;
         step_ = h * (error <= limit || !(ratio > 0) ? 0.25 : std::clamp(ratio, 0.1, 0.9));
-        if (step_ < kShortest) give_up(world, time);
+        if (step_ < kLeastStep) give_up(world, time);
       }
     }
   }
