@@ -8,7 +8,6 @@ namespace taut::draw {
 namespace {
 
 constexpr double kSeenTwice = 2;  // px: farther apart, two exposures look like two things
-constexpr float kSun = 0.0047f;   // rad, the radius of its disc
 
 /// The i-th point of a sequence that fills the unit square evenly however far it goes: multiples of
 /// the reciprocals of the plastic number (Roberts 2018).
@@ -22,6 +21,10 @@ Eigen::Vector2f point(int i) {
 }
 
 }  // namespace
+
+float penumbra(const Eigen::Matrix4f& light_projection) {
+  return kSun * light_projection.row(0).head<3>().norm() / light_projection.row(2).head<3>().norm();
+}
 
 std::vector<Exposures> exposures(double way, int samples, int states, double apart) {
   std::vector<Exposures> result;

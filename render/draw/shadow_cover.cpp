@@ -28,10 +28,10 @@ bool meets(const std::array<Eigen::Vector2f, 3>& triangle, const Eigen::Vector2f
 
 }  // namespace
 
-void ShadowCover::start(const Eigen::Matrix4f& light_projection, float filter) {
+void ShadowCover::start(const Eigen::Matrix4f& light_projection, float filter, float penumbra) {
   projection_ = light_projection;
   filter_ = filter;
-  margin_ = filter + 1.0f / kCells;
+  penumbra_ = penumbra;
   nearest_.assign(kCells * kCells, std::numeric_limits<float>::infinity());
   covered_.setEmpty();
 }
@@ -62,12 +62,15 @@ void ShadowCover::add(std::span<const std::uint32_t> triangles, std::span<const 
 
 bool ShadowCover::hides(const Places& projected, const std::uint32_t* corner) const {
   const Eigen::AlignedBox3f triangle = around(projected, corner);
-  if ((triangle.max().head<2>().array() + margin_ < covered_.min().head<2>().array()).any() ||
-      (triangle.min().head<2>().array() - margin_ > covered_.max().head<2>().array()).any() ||
+  const float filter =
+      filter_ + penumbra_ * std::max(triangle.max().z() - covered_.min().z(), 0.0f);
+  const float margin = filter + 1.0f / kCells;
+  if ((triangle.max().head<2>().array() + margin < covered_.min().head<2>().array()).any() ||
+      (triangle.min().head<2>().array() - margin > covered_.max().head<2>().array()).any() ||
       triangle.max().z() <= covered_.min().z())
     return false;
-  const Eigen::Array2f low = (triangle.min().head<2>().array() - filter_) * float(kCells);
-  const Eigen::Array2f high = (triangle.max().head<2>().array() + filter_) * float(kCells);
+  const Eigen::Array2f low = (triangle.min().head<2>().array() - filter) * float(kCells);
+  const Eigen::Array2f high = (triangle.max().head<2>().array() + filter) * float(kCells);
   if ((high < 0).any() || (low >= float(kCells)).any()) return false;
   const Eigen::Array2i first = low.max(0.0f).cast<int>();
   const Eigen::Array2i last = high.min(float(kCells - 1)).cast<int>();
@@ -78,7 +81,7 @@ bool ShadowCover::hides(const Places& projected, const std::uint32_t* corner) co
     for (int x = first.x(); x <= last.x(); ++x) {
       if (nearest_[std::size_t(y * kCells + x)] >= triangle.max().z()) continue;
       const Eigen::Vector2f centre((float(x) + 0.5f) / kCells, (float(y) + 0.5f) / kCells);
-      if (meets(sides, centre, 0.5f / kCells + filter_)) return true;
+      if (meets(sides, centre, 0.5f / kCells + filter)) return true;
     }
   return false;
 }

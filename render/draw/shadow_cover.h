@@ -16,8 +16,9 @@ using Places = std::vector<Eigen::Vector3f>;
 class ShadowCover {
  public:
   /// `light_projection` takes the world to the unit cube of the shadow map; `filter` is how far
-  /// beside a caster its shadow can still be felt, in widths of the map.
-  void start(const Eigen::Matrix4f& light_projection, float filter);
+  /// beside a caster its shadow can still be felt, in widths of the map, and `penumbra` how much
+  /// farther for each depth of the map away from it.
+  void start(const Eigen::Matrix4f& light_projection, float filter, float penumbra);
   /// Adds casters: triangles as indices of vertices, which are at these places at one time or at
   /// several, and anywhere between.
   void add(std::span<const std::uint32_t> triangles, std::span<const Places> times);
@@ -34,8 +35,7 @@ class ShadowCover {
   bool hides(const Places& projected, const std::uint32_t* corner) const;
 
   Eigen::Matrix4f projection_;
-  float filter_ = 0;
-  float margin_ = 0;             // filter_, and a cell
+  float filter_ = 0, penumbra_ = 0;
   Eigen::AlignedBox3f covered_;  // around all casters
   std::vector<float> nearest_;
   std::vector<Places> projected_;

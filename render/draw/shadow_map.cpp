@@ -14,10 +14,17 @@ ShadowMap::ShadowMap(const gl::Gl& gl, int size)
       size_(size),
       map_(gl::make_texture(gl, kFormat, size, size)),
       target_(gl::make_framebuffer(gl, 0, map_.id())),
+      depths_(gl::make_depth_sampler(gl)),
       depth_program_(gl, gl::shaders::frame_block, gl::shaders::depth_vertex,
                      gl::shaders::depth_fragment) {
   gl.TextureParameteri(map_.id(), GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   gl.TextureParameteri(map_.id(), GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+}
+
+void ShadowMap::bind() const {
+  gl_.BindTextureUnit(0, map_.id());
+  gl_.BindTextureUnit(4, map_.id());
+  gl_.BindSampler(4, depths_.id());
 }
 
 void ShadowMap::clear() const {

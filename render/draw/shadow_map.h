@@ -15,7 +15,8 @@ class ShadowMap {
   ShadowMap(const gl::Gl& gl, int size);
 
   int size() const { return size_; }
-  GLuint texture() const { return map_.id(); }
+  /// Surfaces can look it up: compared, and its depths.
+  void bind() const;
 
   void clear() const;
   /// Adds casters. A lit rim stays, which stands for everything beyond the map.
@@ -30,7 +31,7 @@ class ShadowMap {
 
   const gl::Gl& gl_;
   int size_;
-  gl::GlObject map_, target_, saved_;
+  gl::GlObject map_, target_, saved_, depths_;
   gl::Program depth_program_;
 };
 

@@ -55,6 +55,7 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
   FrameBlock& block = look.block;
   block.light_projection = light.projection;
   block.eye.w() = float(1.5 * light.texel);
+  block.penumbra = penumbra(light.projection);
   if (!shading.contact) return look;
   for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
     for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
@@ -65,7 +66,7 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
       block.capsule_to[i] = with_w(capsule.to, 1 / std::max(axis.squaredNorm(), 1e-6));
       look.contacts.push_back(capsule.reach());
     }
-  block.capsules[0] = int(look.contacts.size());
+  block.capsules = int(look.contacts.size());
   return look;
 }
 
@@ -82,7 +83,7 @@ void StageParts::draw_solid() const {
 void StageParts::aim(const gl::Canvas& canvas, const picture::Rect& viewport) const {
   canvas.bind();
   gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
-  gl.BindTextureUnit(0, map.texture());
+  map.bind();
   if (canvas.defocused()) gl.BindTextureUnit(3, canvas.defocused());
 }
 

@@ -33,7 +33,8 @@ struct StageRenderer::Impl : StageParts {
   using StageParts::StageParts;
 
   void start_cover(const Look& look) {
-    cover.start(look.block.light_projection, kShadowFilter / float(shading.map_size));
+    cover.start(look.block.light_projection, kShadowFilter / float(shading.map_size),
+                look.block.penumbra);
   }
 
   /// What shadows can reach or feet can darken of one thing of the scenery.
@@ -57,7 +58,13 @@ struct StageRenderer::Impl : StageParts {
     picture::Rect all;
     for (ReachedPart& part : found) {
       HullPoints reach;
-      for (const auto& box : casters) add_shadow(box, direction, part.box, reach);
+      for (const auto& box : casters) {
+        if (box.isEmpty() || part.box.isEmpty()) continue;
+        // As much wider as the penumbra can be, and the filter.
+        const float more = kSun * box.merged(part.box).diagonal().norm() + block.eye.w();
+        const Vector3f margin = Vector3f::Constant(2 * more);
+        add_shadow({box.min() - margin, box.max() + margin}, direction, part.box, reach);
+      }
       for (const auto& box : contacts) add_box(box.intersection(part.box), reach);
       part.pixels = pixels(reach, block.view_projection, viewport);
       all = picture::hull(all, part.pixels);

@@ -22,7 +22,9 @@ struct FrameBlock {
   Eigen::Matrix4f view_projection, light_projection;
   Eigen::Vector4f eye;  // w: offset along the normal before the shadow's look-up, m
   std::array<Eigen::Vector4f, kCapsules> capsule_from, capsule_to;
-  std::array<int, 4> capsules{};  // how many; the rest is padding
+  int capsules = 0;                // how many
+  float penumbra = 0;              // half of it, in widths of the map, for each of its depths
+  std::array<float, 2> padding{};  // to 16 bytes
 
   /// Without anything that moves.
   FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport);

@@ -65,7 +65,7 @@ vec4 gathered(vec4 own, vec2 middle, float radius, int count) {
 void main() {
   vec4 own = texelFetch(sharp, ivec2(gl_FragCoord.xy), 1);
   float radius = abs(own.a);
-  int count = radius > NARROW ? int(min(8 + 0.3 * radius * radius, MOST)) : 0;
+  int count = radius > NARROW ? int(min(6 + 0.25 * radius * radius, MOST)) : 0;
   blurred = vec4(0);
   if (count > 0) blurred = gathered(own, gl_FragCoord.xy * (SIZE / HALF_SIZE), radius, count);
 }

@@ -8,17 +8,17 @@ namespace taut::gl {
 
 // clang-format off
 #define TAUT_GL_FUNCTIONS(X) \
-  X(AttachShader) X(BindBufferBase) X(BindFramebuffer) X(BindTextureUnit) X(BindVertexArray) \
+  X(AttachShader) X(BindBufferBase) X(BindFramebuffer) X(BindSampler) X(BindTextureUnit) X(BindVertexArray) \
   X(BlendFunc) X(CheckNamedFramebufferStatus) X(Clear) X(ClearColor) X(CompileShader) X(CopyImageSubData) X(CreateBuffers) \
-  X(CreateFramebuffers) X(CreateProgram) X(CreateShader) X(CreateTextures) X(CreateVertexArrays) X(CullFace) \
-  X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) X(DeleteShader) X(DeleteTextures) \
+  X(CreateFramebuffers) X(CreateProgram) X(CreateSamplers) X(CreateShader) X(CreateTextures) X(CreateVertexArrays) X(CullFace) \
+  X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) X(DeleteSamplers) X(DeleteShader) X(DeleteTextures) \
   X(DeleteVertexArrays) X(DepthFunc) X(DepthMask) X(Disable) X(DrawArrays) X(DrawElements) \
   X(Enable) X(EnableVertexArrayAttrib) X(Finish) X(GenerateTextureMipmap) X(GetIntegerv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) X(GetUniformLocation) \
   X(LinkProgram) X(NamedBufferData) X(NamedFramebufferDrawBuffer) X(NamedFramebufferReadBuffer) \
   X(NamedFramebufferTexture) X(PixelStorei) X(PolygonOffset) X(ProgramUniform1f) \
   X(ProgramUniform1i) X(ProgramUniform2i) X(ProgramUniform3fv) X(ProgramUniform4fv) X(ProgramUniformMatrix4fv) \
-  X(ReadPixels) X(SampleMaski) X(Scissor) X(ShaderSource) X(TextureParameteri) X(TextureStorage2D) \
+  X(ReadPixels) X(SampleMaski) X(SamplerParameteri) X(Scissor) X(ShaderSource) X(TextureParameteri) X(TextureStorage2D) \
   X(TextureStorage2DMultisample) X(TextureSubImage2D) X(TextureSubImage3D) X(UseProgram) X(VertexArrayAttribBinding) \
   X(VertexArrayAttribFormat) X(VertexArrayElementBuffer) X(VertexArrayVertexBuffer) X(Viewport)
 // clang-format on

@@ -55,6 +55,18 @@ GlObject make_texture(const Gl& gl, GLenum format, int width, int height, int sa
   return {gl, id, [](const Gl& g, GLuint i) { g.DeleteTextures(1, &i); }};
 }
 
+GlObject make_depth_sampler(const Gl& gl) {
+  GLuint id = 0;
+  gl.CreateSamplers(1, &id);
+  for (const auto& [name, value] : {std::pair(GL_TEXTURE_COMPARE_MODE, GL_NONE),
+                                    {GL_TEXTURE_MIN_FILTER, GL_NEAREST},
+                                    {GL_TEXTURE_MAG_FILTER, GL_NEAREST},
+                                    {GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE},
+                                    {GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE}})
+    gl.SamplerParameteri(id, GLenum(name), value);
+  return {gl, id, [](const Gl& g, GLuint i) { g.DeleteSamplers(1, &i); }};
+}
+
 GlObject make_framebuffer(const Gl& gl, GLuint color, GLuint depth) {
   GLuint id = 0;
   gl.CreateFramebuffers(1, &id);

@@ -46,6 +46,8 @@ GlObject make_vertex_array(const Gl& gl);
 /// its edge, linearly filtered.
 GlObject make_texture(const Gl& gl, GLenum format, int width, int height, int samples = 0,
                       int levels = 1);
+/// How the depths of a texture for comparisons are looked up without one.
+GlObject make_depth_sampler(const Gl& gl);
 /// A framebuffer of one colour and one depth texture (either may be 0). Throws NoContext where the
 /// driver cannot draw into it.
 GlObject make_framebuffer(const Gl& gl, GLuint color, GLuint depth);

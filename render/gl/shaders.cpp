@@ -11,6 +11,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 capsule_from[6];    // xyz; w: radius
   vec4 capsule_to[6];      // xyz; w: 1/length^2
   int capsules;            // how many there are
+  float penumbra;          // half of it, in widths of the map, for each of its depths
 };
 )";
 
@@ -53,6 +54,10 @@ uniform int grain_axis;
 uniform float grain_scale;
 layout(binding = 0) uniform sampler2DShadow shadow_map;
 layout(binding = 1) uniform sampler2D noise;
+#define GROUNDED (SHADE == 2 || SHADE == 4)
+#if GROUNDED
+layout(binding = 4) uniform sampler2D casters;  // the shadow map's depths
+#endif
 #if SHADE == 4
 layout(binding = 3) uniform sampler2D backdrop;  // its blurred light; alpha: 0 where it is in focus
 #endif
@@ -60,29 +65,33 @@ layout(binding = 3) uniform sampler2D backdrop;  // its blurred light; alpha: 0 
 in vec3 ambient;
 #endif
 
-// 1 where the key light reaches: 3x3 bilinear comparisons, from four gathers of 2x2 texels. A loop
-// rather than a condition, as software rasterisers skip only loops: nothing is looked up where the
-// surface faces away or lies outside the map.
+// One bilinear comparison with the shadow map.
+float lit_at(vec2 place) {
+  vec2 at = place * SHADOW_SIZE - 0.5, corner = floor(at), f = at - corner;
+  vec4 lit = textureGather(shadow_map, (corner + 1) * (1.0 / SHADOW_SIZE), shadow_position.z);
+  return dot(lit, vec4((1 - f.x) * f.y, f.x * f.y, f.x * (1 - f.y), (1 - f.x) * (1 - f.y)));
+}
+
+// 1 where the key light reaches. Loops rather than conditions, as software rasterisers skip only
+// loops: nothing is looked up where the surface faces away or lies outside the map.
 float key_visibility(bool needed) {
 #if SHADE == 0
   return 1;
-#elif SHADE == 3
-  // One bilinear comparison: the mean of the exposures is as smooth.
-  vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
-  vec2 corner = floor(at), f = at - corner, inside = abs(shadow_position.xy - 0.5);
-  float sum = 1;
-  for (int i = needed && max(inside.x, inside.y) < 0.5 ? 0 : 1; i < 1; ++i) {
-    vec4 lit = textureGather(shadow_map, (corner + 1) * (1.0 / SHADOW_SIZE), shadow_position.z);
-    sum = dot(lit, vec4((1 - f.x) * f.y, f.x * f.y, f.x * (1 - f.y), (1 - f.x) * (1 - f.y)));
-  }
-  return sum;
 #else
+  vec2 inside = abs(shadow_position.xy - 0.5);
+  needed = needed && max(inside.x, inside.y) < 0.5;
+#if SHADE == 3
+  // The mean of the exposures is smooth.
+  float sum = 1;
+  for (int i = needed ? 0 : 1; i < 1; ++i) sum = lit_at(shadow_position.xy);
+  return sum;
+#elif SHADE == 1
+  // 3x3 comparisons, from four gathers of 2x2 texels: as wide as penumbras from half a metre away.
   vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
   vec2 corner = floor(at), f = at - corner;
   vec4 columns = vec4(1 - f.x, 1, 1, f.x), rows = vec4(1 - f.y, 1, 1, f.y);
-  vec2 inside = abs(shadow_position.xy - 0.5);
   float sum = 0;
-  int i = needed && max(inside.x, inside.y) < 0.5 ? 0 : 4;
+  int i = needed ? 0 : 4;
   if (i == 4) sum = 9;
   for (; i < 4; ++i) {
     bool right = (i & 1) != 0, top = i > 1;
@@ -92,6 +101,27 @@ float key_visibility(bool needed) {
     sum += dot(lit, vec4(w.x * h.y, w.y * h.y, w.y * h.x, w.x * h.x));
   }
   return sum * (1.0 / 9.0);
+#else
+  // What hides the light is how far away (Fernando 2005)? Then the light's disc from there.
+  float widest = max(penumbra * shadow_position.z, LEAST_PENUMBRA);
+  vec2 found = vec2(0);  // depths, and how many
+  for (int i = needed ? 0 : 5; i < 5; ++i) {
+    vec2 corner = vec2(i & 1, i >> 1) * 1.4 - 0.7;
+    vec4 depths = textureGather(casters, shadow_position.xy + (i < 4 ? widest * corner : vec2(0)));
+    vec4 near = vec4(lessThan(depths, vec4(shadow_position.z)));
+    found += vec2(dot(near, depths), dot(near, vec4(1)));
+  }
+  int count = found.y > 0 && found.y < 20 ? 16 : 0;  // none of the disc is hidden, or all
+  float away = shadow_position.z - found.x / max(found.y, 1), sum = found.y > 0 ? 0 : 16;
+  float radius = max(penumbra * away, LEAST_PENUMBRA);
+  vec2 direction = vec2(1, 0);
+  for (int i = 0; i < count; ++i) {
+    direction = vec2(-0.73736888 * direction.x - 0.67549029 * direction.y,
+                     0.67549029 * direction.x - 0.73736888 * direction.y);
+    sum += lit_at(shadow_position.xy + radius * sqrt((float(i) + 0.5) / 16) * direction);
+  }
+  return sum * (1.0 / 16.0);
+#endif
 #endif
 }
 
@@ -124,7 +154,7 @@ vec3 environment(vec3 r, float roughness) {
 
 float contact_light(vec3 p, vec3 n) {
   float light = 1;
-#if SHADE == 2 || SHADE == 4
+#if GROUNDED
   for (int i = 0; i < capsules; ++i) {
     vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
     vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;

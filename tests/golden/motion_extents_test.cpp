@@ -135,7 +135,7 @@ TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
   extents_.find_moving(projection_, kView);
   draw::ShadowCover cover;
   const Eigen::AlignedBox3d casters(Vec3(0, -0.1, -0.6), Vec3(1, 0.2, 0.1));
-  cover.start(draw::light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f);
+  cover.start(draw::light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f, 0);
   const double limits[] = {0.001};  // px/s: everything that moves is faster
   extents_.grade(limits);
   extents_.shade(cover, 2);
