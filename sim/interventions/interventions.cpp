@@ -55,7 +55,8 @@ Outcome allowed(const World& world, const Connector& connector, const Hold& hold
 
 /// Whether what holds the connector elsewhere, where it is and where it is being drawn to, lets the
 /// place go to `target` or, `drawn`, straight there; then free bodies follow. One pass over the
-/// links, from the place to either end.
+/// links, from the place to the first hold on either side that does not give way: the links beyond
+/// it begin there.
 Outcome reachable(const World& world, const Connector& connector, const Place& place,
                   const Vec3& target, bool drawn) {
   if (connector.stretches()) return Outcome::done;
@@ -80,6 +81,7 @@ Outcome reachable(const World& world, const Connector& connector, const Place& p
     if (hold->particle == particle && fraction == 0) continue;
     const Outcome outcome = look(*hold);
     if (outcome != Outcome::done) return outcome;
+    if (is_prescribed(world, hold->to)) break;
   }
   length = longest = 0;
   k = particle;
@@ -88,6 +90,7 @@ Outcome reachable(const World& world, const Connector& connector, const Place& p
     for (; k < hold->particle; ++k) pass(connector.rest[k]);
     const Outcome outcome = look(*hold);
     if (outcome != Outcome::done) return outcome;
+    if (is_prescribed(world, hold->to)) break;
   }
   return Outcome::done;
 }

@@ -7,20 +7,6 @@
 #include "sim/world/room.h"
 
 namespace taut {
-namespace {
-
-/// True where nothing can move the link's ends against each other: both are prescribed, or points
-/// of one body.
-bool is_idle(const World& world, const Connector& connector, const SpanRange& span) {
-  if (span.last - span.first > 1) return false;
-  const Hold *a = find_hold(connector, span.first), *b = find_hold(connector, span.last);
-  if (!a || !b) return false;
-  if (is_prescribed(world, a->to)) return is_prescribed(world, b->to);
-  return b->to.kind == Attachment::Kind::body && a->to.body == b->to.body;
-}
-
-}  // namespace
-
 std::size_t Division::find(std::size_t node) {
   while (parent_[node] != node) node = parent_[node] = parent_[parent_[node]];
   return node;
@@ -45,22 +31,14 @@ void Division::collect(const World& world) {
   spans_.clear();
   joints_.clear();
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    const Connector& connector = world.connectors[c];
-    if (connector.model != ConnectorModel::links) continue;
-    std::size_t from = 0;
-    const auto cut = [&](std::size_t to) {
-      const SpanRange span{c, std::exchange(from, to), to};
-      if (span.first == to || is_idle(world, connector, span)) return;
-      for (const std::size_t end : {span.first, span.last}) {
-        const Hold* hold = find_hold(connector, end);
+    each_span(world, c, [&](const SpanRange& span, const Hold* first, const Hold* last) {
+      for (const Hold* hold : {first, last}) {
         if (hold && !is_prescribed(world, hold->to)) {
           joints_.push_back({spans_.size(), hold->to.body});
         }
       }
       spans_.push_back(span);
-    };
-    for (const Hold& hold : connector.holds) cut(hold.particle);
-    cut(connector.particles() - 1);
+    });
   }
 }
 
@@ -110,6 +88,11 @@ std::span<const Component> Division::divide(const World& world) {
 const Hold* find_hold(const Connector& connector, std::size_t particle) {
   const auto hold = std::ranges::lower_bound(connector.holds, particle, {}, &Hold::particle);
   return hold != connector.holds.end() && hold->particle == particle ? &*hold : nullptr;
+}
+
+bool move_as_one(const World& world, const Hold& a, const Hold& b) {
+  if (is_prescribed(world, a.to)) return is_prescribed(world, b.to);
+  return b.to.kind == Attachment::Kind::body && a.to.body == b.to.body;
 }
 
 }  // namespace taut

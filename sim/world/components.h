@@ -60,4 +60,25 @@ inline bool rests(const Attachment& to, double time) {
 /// The hold on a particle, or null.
 const Hold* find_hold(const Connector& connector, std::size_t particle);
 
+/// True where nothing can move two holds against each other: both are prescribed, or points of one
+/// body.
+bool move_as_one(const World& world, const Hold& a, const Hold& b);
+
+/// Calls `visit` with every span of a connector that something can move, and the holds at its ends
+/// or null, one after another. A single link between holds that move as one is none of them.
+template <typename Visit>
+void each_span(const World& world, std::size_t index, const Visit& visit) {
+  const Connector& connector = world.connectors[index];
+  if (connector.model != ConnectorModel::links) return;
+  const Hold* before = nullptr;
+  const auto until = [&](std::size_t last, const Hold* hold) {
+    const std::size_t first = before ? before->particle : 0;
+    const bool idle = last == first + 1 && before && hold && move_as_one(world, *before, *hold);
+    if (last > first && !idle) visit(SpanRange{index, first, last}, before, hold);
+    before = hold;
+  };
+  for (const Hold& hold : connector.holds) until(hold.particle, &hold);
+  if (!before || before->particle < connector.links()) until(connector.links(), nullptr);
+}
+
 }  // namespace taut

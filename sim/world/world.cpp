@@ -219,6 +219,13 @@ void place_held(World& world, double time) {
 }
 
 void place_prescribed(World& world, double time) {
+  place_driven(world, time);
+  for (Connector& connector : world.connectors) {
+    for (const Hold& hold : connector.holds) place_hold(world, connector, hold);
+  }
+}
+
+void place_driven(World& world, double time) {
   world.time = time;
   for (Body& body : world.bodies) {
     if (!body.driven()) continue;
@@ -229,22 +236,20 @@ void place_prescribed(World& world, double time) {
     body.rotation = frame.rotation;
     body.spin = frame.spin;
   }
-  for (Connector& connector : world.connectors) {
-    for (const Hold& hold : connector.holds) {
-      PointMotion motion;
-      if (hold.to.kind == Attachment::Kind::body) {
-        const Body& body = world.bodies[hold.to.body];
-        if (!body.driven()) continue;
-        // It has just been placed.
-        motion = {body.point(hold.to.point), body.point_velocity(hold.to.point), Vec3::Zero()};
-        approach(hold.to.approach, time, motion);
-      } else {
-        motion = hold_motion(world, hold.to, time);
-      }
-      connector.position[hold.particle] = motion.position;
-      connector.velocity[hold.particle] = motion.velocity;
-    }
+}
+
+void place_hold(const World& world, Connector& connector, const Hold& hold) {
+  PointMotion motion;
+  if (hold.to.kind == Attachment::Kind::body) {
+    const Body& body = world.bodies[hold.to.body];
+    if (!body.driven()) return;
+    motion = {body.point(hold.to.point), body.point_velocity(hold.to.point), Vec3::Zero()};
+    approach(hold.to.approach, world.time, motion);
+  } else {
+    motion = hold_motion(world, hold.to, world.time);
   }
+  connector.position[hold.particle] = motion.position;
+  connector.velocity[hold.particle] = motion.velocity;
 }
 
 void place_carried(World& world) {

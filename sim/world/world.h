@@ -87,4 +87,10 @@ void place_held(World& world, double time);
 void place_prescribed(World& world, double time);
 void place_carried(World& world);
 
+/// Sets the time, and driven bodies to their places and velocities.
+void place_driven(World& world, double time);
+/// Sets a particle that is held, but not by a free body, to its place and velocity at the world's
+/// time, once driven bodies are at theirs.
+void place_hold(const World& world, Connector& connector, const Hold& hold);
+
 }  // namespace taut

@@ -1,5 +1,5 @@
 // What interventions cost: a frame of the paper's method under a storm of them, sooner and later,
-// and one intervention against an ordinary step.
+// one intervention against an ordinary step, and many of them on one rope.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -151,6 +151,45 @@ void Intervention(benchmark::State& state, std::string_view method) {
   state.counters["in_frames"] = one / median(frame);
   state.counters["in_own_steps"] = one / median(step);
 }
+
+/// Pins or cuts that divide a slack rope, one after another in half a second, in scattered order.
+void ManyOnOneRope(benchmark::State& state, bool cuts) {
+  const auto count = static_cast<std::size_t>(state.range(0));
+  World world;
+  Connector rope = straight_connector("rope", 0.01 * double(count), 0.001 * double(count),
+                                      2 * count + 1, Vec3::Zero(), Vec3(1, 0, 0));
+  const Vec3 end(0.006 * double(count), 0, 0);
+  rope.position = hanging_points(rope, Vec3::Zero(), end, world.gravity);
+  rope.holds = {{0, {}}, {2 * count, {}}};
+  rope.holds[1].to.point = end;
+  world.connectors = {rope};
+  Timeline timeline;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double along = 0.01 * (double(k * 7919 % count) + 0.5);
+    const double time = 0.1 + 0.5 * double(k) / double(count);
+    if (cuts) {
+      timeline.cuts.push_back({.along = along, .time = time});
+    } else {
+      timeline.pins.push_back({.along = along, .from = time, .to = {}});
+    }
+  }
+  for (auto _ : state) {
+    Simulation simulation(world, make_method("direct", {{"tolerance", 1e-2}}), timeline);
+    simulation.advance_to(0.7);
+  }
+  state.counters["each"] = benchmark::Counter(
+      double(count), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK_CAPTURE(ManyOnOneRope, pins, false)
+    ->ArgName("pins")
+    ->RangeMultiplier(10)
+    ->Range(100, 10'000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(ManyOnOneRope, cuts, true)
+    ->ArgName("cuts")
+    ->RangeMultiplier(10)
+    ->Range(100, 10'000)
+    ->Unit(benchmark::kMillisecond);
 
 const bool registered = [] {
   for (const MethodInfo& method : all_methods()) {

@@ -24,17 +24,20 @@ class Direct : public Method {
   explicit Direct(const direct::StepOptions& options) : options_(options) {}
 
   void advance(World& world, double until) override {
-    if (!world.joints.empty()) return advance_joined(world, until);
-    if (has_materials(world)) return advance_materials(world, until);
-    if (!world.obstacles.empty() || has_strings(world)) return advance_contacts(world, until);
-    if (has_spans(world)) return advance_spans(world, until);
+    if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
+      if (!world.joints.empty()) return advance_joined(world, until);
+      if (has_materials(world)) return advance_materials(world, until);
+      if (!world.obstacles.empty() || has_strings(world)) return advance_contacts(world, until);
+      if (has_spans(world)) return advance_spans(world, until);
+    }
     prepare(world);
     advance_all_parts(world, until);
   }
 
   bool advance_near(World& world, double until, std::span<const Parts::Place> places) override {
-    const bool in_parts = world.joints.empty() && !has_materials(world) &&
-                          world.obstacles.empty() && !has_spans(world) && !has_strings(world);
+    const bool in_parts =
+        left_behind_ || (world.joints.empty() && !has_materials(world) && world.obstacles.empty() &&
+                         !has_spans(world) && !has_strings(world));
     if (!in_parts) {
       advance(world, until);
       return false;
@@ -44,7 +47,17 @@ class Direct : public Method {
       advance_all_parts(world, until);
       return false;
     }
-    advance_parts(world, until, [&](std::size_t part) { return parts_.is_near(part); });
+    for (const std::size_t part : parts_.near()) advance_part(world, part, until);
+    place_driven(world, until);
+    for (const std::size_t part : parts_.near()) {
+      for (const SpanRange& span : parts_.all()[part]->component().spans) {
+        Connector& connector = world.connectors[span.connector];
+        for (const std::size_t end : {span.first, span.last}) {
+          if (const Hold* hold = find_hold(connector, end)) place_hold(world, connector, *hold);
+        }
+      }
+      parts_.all()[part]->store(world);
+    }
     left_behind_ = true;
     return true;
   }
@@ -81,29 +94,24 @@ class Direct : public Method {
   }
 
   void advance_all_parts(World& world, double until) {
-    advance_parts(world, until, [](std::size_t) { return true; });
+    for (std::size_t part = 0; part < parts_.all().size(); ++part) {
+      advance_part(world, part, until);
+    }
+    place_prescribed(world, until);
+    for (const auto& part : parts_.all()) part->store(world);
     place_carried(world);
     refuse_led_away(world);
     note(world);
   }
 
-  /// Takes those that are chosen to `until`. Says why, where no step is small enough in one.
-  template <typename Choose>
-  void advance_parts(World& world, double until, const Choose& choose) {
-    const auto each = [&](const auto& act) {
-      for (std::size_t k = 0; k < parts_.all().size(); ++k) {
-        if (choose(k)) act(*parts_.all()[k]);
-      }
-    };
-    each([&](Integrator& part) {
-      try {
-        part.advance(world, until, counters_);
-      } catch (const Integrator::StepTooSmall& stop) {
-        throw stopped(world, part.component(), stop.time);
-      }
-    });
-    place_prescribed(world, until);
-    each([&](Integrator& part) { part.store(world); });
+  /// Says why, where no step is small enough in it.
+  void advance_part(World& world, std::size_t index, double until) {
+    Integrator& part = *parts_.all()[index];
+    try {
+      part.advance(world, until, counters_);
+    } catch (const Integrator::StepTooSmall& stop) {
+      throw stopped(world, part.component(), stop.time);
+    }
   }
 
   Diverged stopped(const World& world, const Component& part, double time) const {

@@ -15,8 +15,7 @@ std::size_t links_of(const Component& part) {
   return links;
 }
 
-std::uint64_t pin_at(const Connector& connector, std::size_t particle) {
-  const Hold* hold = find_hold(connector, particle);
+std::uint64_t pin_of(const Hold* hold) {
   return hold ? hold->pin.number : 0;
 }
 
@@ -52,11 +51,14 @@ World alone(const World& world, const SpanRange& span) {
 
 void FollowedParts::rebuild(const World& world) {
   const std::span<const Component> parts = division_.divide(world);
-  if (integrators_.size() < parts.size()) make_room(world, parts);
-  if (!changes_) align(parts);
+  links_before_.swap(links_);
+  links_.clear();
+  for (const Component& part : parts) links_.push_back(links_of(part));
+  if (integrators_.size() < parts.size()) make_room(world, parts.size());
+  if (!changes_) align();
   followed_ = parts.size();
   for (std::size_t k = 0; k < followed_; ++k) integrators_[k]->follow(parts[k]);
-  known_.clear();
+  known_ = false;
 }
 
 void FollowedParts::load(World& world) {
@@ -69,71 +71,88 @@ void FollowedParts::load(World& world) {
 /// What integrators have grown to they keep: where one part has become two, all others stay with
 /// theirs, and a new one gets the smaller half; where two have become one, that of the larger
 /// goes on. So thousands of pins, one after another, take little more room than the longest part.
-void FollowedParts::align(std::span<const Component> parts) {
-  std::size_t first = 0;
-  const auto same = [&](std::size_t k) { return links_of(parts[k]) == links_[k]; };
-  while (first < std::min(links_.size(), parts.size()) && same(first)) ++first;
+void FollowedParts::align() {
+  const std::vector<std::size_t>& before = links_before_;
+  const std::size_t first = std::size_t(std::ranges::mismatch(before, links_).in1 - before.begin());
   const auto begin = integrators_.begin() + static_cast<std::ptrdiff_t>(first);
-  if (parts.size() == links_.size() + 1) {
-    const bool left =
-        first + 1 == parts.size() || links_of(parts[first]) <= links_of(parts[first + 1]);
-    const auto added = integrators_.begin() + static_cast<std::ptrdiff_t>(links_.size());
-    std::rotate(left || begin == added ? begin : begin + 1, added, added + 1);
-  } else if (parts.size() + 1 == links_.size()) {
+  if (links_.size() == before.size() + 1) {
     const bool left = first + 1 == links_.size() || links_[first] <= links_[first + 1];
+    const auto added = integrators_.begin() + static_cast<std::ptrdiff_t>(before.size());
+    std::rotate(left || begin == added ? begin : begin + 1, added, added + 1);
+  } else if (links_.size() + 1 == before.size()) {
+    const bool left = first + 1 == before.size() || before[first] <= before[first + 1];
     const auto spare = left ? begin : begin + 1;
     std::rotate(spare, spare + 1, integrators_.begin() + static_cast<std::ptrdiff_t>(followed_));
   }
-  links_.clear();
-  for (const Component& part : parts) links_.push_back(links_of(part));
 }
 
-/// Makes integrators for the parts, and for those into which the pins that the world has room for
-/// can divide them.
-void FollowedParts::make_room(const World& world, std::span<const Component> parts) {
-  std::size_t largest = 0, spare = 0, pins = 0;  // links, particles
-  for (const Component& part : parts) largest = std::max(largest, links_of(part));
+/// Makes integrators for so many parts, and for those into which the pins that the world has room
+/// for can divide them.
+void FollowedParts::make_room(const World& world, std::size_t parts) {
+  std::size_t spare = 0, pins = 0;  // particles
   for (const Connector& connector : world.connectors) {
     spare += connector.position.capacity() - connector.particles();
     pins += connector.holds.capacity() - connector.holds.size();
   }
   changes_ = spare > 0;
   if (!changes_) pins = 0;  // nothing is meant to be added
-  while (integrators_.size() < parts.size() + pins) {
+  const std::size_t largest = links_.empty() ? 0 : std::ranges::max(links_);
+  while (integrators_.size() < parts + pins) {
     integrators_.push_back(std::make_unique<Integrator>(options_));
     if (changes_) integrators_.back()->reserve(largest + spare, 2 * (pins + 2));
   }
+  links_.reserve(integrators_.size());
+  links_before_.reserve(integrators_.size());
 }
 
-void FollowedParts::know(const World& world, std::span<const Component> parts) {
-  known_.clear();
-  distinct_ = true;
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    const Component& part = parts[k];
-    Key key{0, 0, ~std::uint64_t{0}};
-    if (part.spans.empty()) {
-      key[2] -= part.bodies[0];
-    } else {
-      const SpanRange& span = part.spans[0];
-      const Connector& connector = world.connectors[span.connector];
-      key = {pin_at(connector, span.first), pin_at(connector, span.last), 0};
-      if (key[0] == 0 && key[1] == 0) key[2] = span.connector;
-    }
-    distinct_ = distinct_ && part.spans.size() <= 1;
-    known_.push_back({key, k});
+/// Where the part that is this piece is written down.
+std::size_t& FollowedParts::entry(const Piece& piece) {
+  if (piece.begin > 0) return begins_[piece.begin];
+  if (piece.end > 0) return ends_[piece.end];
+  return whole_[piece.span.connector];
+}
+
+/// The part that is this piece, or none.
+std::size_t FollowedParts::find(const Piece& piece) {
+  const std::size_t part = entry(piece);
+  return part != kNone && pieces_[part].end == piece.end ? part : kNone;
+}
+
+void FollowedParts::enter(std::size_t part) {
+  entry(pieces_[part]) = part;
+  integrators_[part]->follow({{&pieces_[part].span, 1}, integrators_[part]->component().bodies});
+}
+
+void FollowedParts::know(const World& world) {
+  known_ = distinct_ = true;
+  pieces_.resize(integrators_.size());
+  begins_.assign(world.pins + 1, kNone);
+  ends_.assign(world.pins + 1, kNone);
+  whole_.assign(world.connectors.size(), kNone);
+  count_.assign(world.connectors.size(), 0);
+  const auto pin_at = [&](const Connector& connector, std::size_t particle) {
+    const std::uint64_t pin = pin_of(find_hold(connector, particle));
+    const bool inside = particle > 0 && particle < connector.links();
+    if (pin == 0 && inside) distinct_ = false;
+    return pin;
+  };
+  for (std::size_t k = 0; k < followed_; ++k) {
+    const Component& part = integrators_[k]->component();
+    if (part.spans.size() > 1) distinct_ = false;
+    if (part.spans.empty() || !distinct_) continue;
+    const SpanRange& span = part.spans[0];
+    const Connector& connector = world.connectors[span.connector];
+    pieces_[k] = {span, pin_at(connector, span.first), pin_at(connector, span.last)};
+    enter(k);
+    ++count_[span.connector];
   }
-  std::ranges::sort(known_, {}, &Known::key);
-  distinct_ = distinct_ && std::ranges::adjacent_find(known_, {}, &Known::key) == known_.end();
 }
 
 bool FollowedParts::mark(const World& world, std::span<const Parts::Place> places) {
-  if (known_.empty()) {
-    std::vector<Component> parts;
-    for (const auto& part : all()) parts.push_back(part->component());
-    know(world, parts);
-  }
+  if (!known_) know(world);
   if (!distinct_) return false;
-  marks_.assign(followed_, Mark::none);
+  near_.clear();
+  touched_.clear();
   for (const Parts::Place& spot : places) {
     const Connector& connector = world.connectors[spot.connector];
     const auto [first, fraction] = locate(connector, spot.along);
@@ -141,64 +160,75 @@ bool FollowedParts::mark(const World& world, std::span<const Parts::Place> place
     // A cut takes the mass that these lack from farther off.
     const bool has_mass = connector.particle_mass[first] > 0 && connector.particle_mass[last] > 0;
     if (fraction > 0 && !has_mass) return false;
-    for (std::size_t k = 0; k < followed_; ++k) {
-      const Component& part = integrators_[k]->component();
-      if (part.spans.empty() || part.spans[0].connector != spot.connector) continue;
-      const SpanRange& span = part.spans[0];
-      const bool has_spot = span.first <= first && last <= span.last;
-      if (has_spot && !part.bodies.empty()) return false;
-      if (has_spot) {
-        marks_[k] = Mark::changed;
-      } else if (!part.bodies.empty()) {
-        marks_[k] = Mark::beside;  // what is in reach depends on them
-      }
+    touched_.push_back(spot.connector);
+    // The last hold up to the place, the first from it on, and where it is a hold, one farther.
+    const auto& holds = connector.holds;
+    const auto after = std::ranges::lower_bound(holds, last, {}, &Hold::particle);
+    const bool is_hold = first == last && after != holds.end() && after->particle == first;
+    const auto pin = [&](auto hold) { return hold == holds.end() ? 0 : hold->pin.number; };
+    const auto before = [&](auto hold) { return hold == holds.begin() ? 0 : pin(hold - 1); };
+    for (const Piece& piece : {Piece{{spot.connector}, before(after), pin(after)},
+                               Piece{{spot.connector}, pin(after), is_hold ? pin(after + 1) : 0}}) {
+      const std::size_t part = find(piece);
+      if (part == kNone || std::ranges::count(near_, part) > 0) continue;
+      const SpanRange& span = pieces_[part].span;
+      if (span.connector != spot.connector || span.first > first || last > span.last) continue;
+      if (!integrators_[part]->component().bodies.empty()) return false;
+      near_.push_back(part);
     }
   }
+  std::ranges::sort(touched_);
+  touched_.erase(std::ranges::unique(touched_).begin(), touched_.end());
   return true;
 }
 
 void FollowedParts::renew(World& world) {
-  const std::span<const Component> parts = division_.divide(world);
-  if (integrators_.size() < parts.size()) make_room(world, parts);
-  before_.swap(known_);
-  know(world, parts);
-  arranged_.clear();
-  arranged_.resize(parts.size());
-  auto old = before_.begin();
-  std::size_t kept = 0;
-  for (const Known& now : known_) {
-    while (old != before_.end() && old->key < now.key) ++old;
-    if (old == before_.end() || old->key != now.key) continue;
-    if (marks_[old->part] == Mark::changed) continue;
-    arranged_[now.part] = std::move(integrators_[old->part]);
-    arranged_[now.part]->renumber(parts[now.part]);
-    ++kept;
+  begins_.resize(world.pins + 1, kNone);
+  ends_.resize(world.pins + 1, kNone);
+  for (std::size_t c = count_.size(); c < world.connectors.size(); ++c) touched_.push_back(c);
+  whole_.resize(world.connectors.size(), kNone);
+  count_.resize(world.connectors.size(), 0);
+  for (const std::size_t part : near_) entry(pieces_[part]) = kNone;
+  std::size_t before = near_.size();
+  std::size_t there = 0, kept = near_.size();
+  fresh_.clear();
+  for (const std::size_t c : touched_) there += std::exchange(count_[c], 0);
+  for (const std::size_t c : touched_) {
+    each_span(world, c, [&](const SpanRange& span, const Hold* first, const Hold* last) {
+      const Piece piece{span, pin_of(first), pin_of(last)};
+      const std::size_t part = find(piece);
+      ++count_[c];
+      if (part == kNone) return fresh_.push_back(piece);
+      pieces_[part].span = span;
+      ++kept;
+    });
   }
-  if (kept + std::size_t(std::ranges::count(marks_, Mark::changed)) != followed_) {
+  if (kept != there) {
     throw std::logic_error("direct: something else was done than what was told");
   }
-  place_prescribed(world, world.time);
-  std::size_t part = 0;
-  for (auto& spare : integrators_) {
-    if (!spare) continue;
-    while (part < parts.size() && arranged_[part]) ++part;
-    if (part == parts.size()) {
-      arranged_.push_back(std::move(spare));
-      continue;
+  for (const Piece& piece : fresh_) {
+    std::size_t part = followed_;
+    if (before > 0) {
+      part = near_[--before];
+    } else {
+      // By an eighth, as each time all connectors are looked at.
+      if (followed_ == integrators_.size()) make_room(world, followed_ + followed_ / 8 + 1);
+      pieces_.resize(std::max(pieces_.size(), ++followed_));
+      links_.push_back(0);
     }
-    arranged_[part] = std::move(spare);
-    arranged_[part]->follow(parts[part]);
-    begin(world, *arranged_[part]);
+    follow(world, part, piece);
   }
-  integrators_.swap(arranged_);
-  followed_ = parts.size();
-  links_.clear();
-  for (const Component& found : parts) links_.push_back(links_of(found));
+  std::ranges::sort(near_.begin(), near_.begin() + std::ptrdiff_t(before));
+  while (before > 0) drop(near_[--before]);
 }
 
-/// Loads a part that is one span, whose ends may have been stopped in motion.
-void FollowedParts::begin(World& world, Integrator& part) {
-  const SpanRange& span = part.component().spans[0];
+/// Begins with a part that is one span, whose ends may have been stopped in motion.
+void FollowedParts::follow(World& world, std::size_t part, const Piece& piece) {
+  const SpanRange& span = piece.span;
+  pieces_[part] = piece;
+  links_[part] = span.last - span.first;
+  entry(piece) = part;
+  integrators_[part]->follow({{&pieces_[part].span, 1}, {}});
   World own = alone(world, span);
   if (stretches(own)) {
     velocity_projection_.stop(own);
@@ -206,7 +236,22 @@ void FollowedParts::begin(World& world, Integrator& part) {
     std::ranges::copy(own.connectors[0].velocity,
                       connector.velocity.begin() + std::ptrdiff_t(span.first));
   }
-  part.load(world);
+  integrators_[part]->load(world);
+}
+
+/// Follows this part no more; the last takes its index.
+void FollowedParts::drop(std::size_t part) {
+  const std::size_t last = --followed_;
+  if (part != last) {
+    integrators_[part].swap(integrators_[last]);
+    links_[part] = links_[last];
+    const Component& moved = integrators_[part]->component();
+    if (!moved.spans.empty()) {
+      pieces_[part] = pieces_[last];
+      enter(part);
+    }
+  }
+  links_.pop_back();
 }
 
 }  // namespace taut::direct

@@ -1,8 +1,8 @@
 // The components of a world, each with the integrator that follows it.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,46 +24,52 @@ class FollowedParts {
   /// Loads all of them.
   void load(World& world);
 
-  /// Marks the components that have these places, where something is about to be done. False where
+  /// Finds the components that have these places, where something is about to be done. False where
   /// that may change others, too, or none can be told from another afterwards.
   bool mark(const World& world, std::span<const Parts::Place> places);
-  /// Divides again once it is done. Components that were not marked go on from their own time, the
-  /// others begin anew.
+  /// Divides the connectors of these places again once it is done. Components without such a place
+  /// go on from their own time, the others begin anew.
   void renew(World& world);
 
   std::span<const std::unique_ptr<Integrator>> all() const {
     return {integrators_.data(), followed_};
   }
-  /// All have room for more, as interventions may come.
-  bool changes() const { return changes_; }
-  /// Those that mark() has found, and bodies that hold the same connectors.
-  bool is_near(std::size_t part) const { return marks_[part] != Mark::none; }
+  /// Those that mark() has found, as indices of all().
+  std::span<const std::size_t> near() const { return near_; }
   /// More than are followed.
   std::span<const std::unique_ptr<Integrator>> made() const { return integrators_; }
 
  private:
-  /// The pins at either end of its one span, or where there are none its connector or its body.
-  using Key = std::array<std::uint64_t, 3>;
-  struct Known {
-    Key key;
-    std::size_t part = 0;
+  static constexpr std::size_t kNone = std::size_t(-1);
+  /// A span between two holds: the pins there, or zero for an end of its connector.
+  struct Piece {
+    SpanRange span;
+    std::uint64_t begin = 0, end = 0;
   };
-  enum class Mark : char { none, beside, changed };
 
-  void align(std::span<const Component> parts);
-  void make_room(const World& world, std::span<const Component> parts);
-  void know(const World& world, std::span<const Component> parts);
-  void begin(World& world, Integrator& part);
+  void align();
+  void make_room(const World& world, std::size_t parts);
+  void know(const World& world);
+  std::size_t& entry(const Piece& piece);
+  std::size_t find(const Piece& piece);
+  void enter(std::size_t part);
+  void drop(std::size_t part);
+  void follow(World& world, std::size_t part, const Piece& piece);
 
   StepOptions options_;
   Division division_;
-  std::vector<std::unique_ptr<Integrator>> integrators_, arranged_;  // the followed ones first
+  std::vector<std::unique_ptr<Integrator>> integrators_;  // the followed ones first
   std::size_t followed_ = 0;
-  std::vector<std::size_t> links_;     // of the parts that are followed
-  bool changes_ = false;               // interventions may come, for which room is kept
-  std::vector<Known> known_, before_;  // by key
-  bool distinct_ = false;              // all keys are, and no part has several spans
-  std::vector<Mark> marks_;            // of the parts that are followed
+  std::vector<std::size_t> links_, links_before_;  // of each part that is followed
+  bool changes_ = false;                           // interventions may come, for which room is kept
+
+  // What mark() and renew() know of the parts that are followed.
+  bool known_ = false, distinct_ = false;  // all have been looked at; each has one span at most
+  std::deque<Piece> pieces_;               // of each part
+  std::vector<std::size_t> begins_, ends_, whole_;  // [pin] and [connector] the part there
+  std::vector<std::size_t> count_;                  // [connector] of its parts
+  std::vector<std::size_t> near_, touched_;         // parts, connectors
+  std::vector<Piece> fresh_;
   VelocityProjection velocity_projection_;
 };
 

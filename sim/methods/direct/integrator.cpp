@@ -80,6 +80,7 @@ void Integrator::begin() {
 
 void Integrator::advance(World& world, double until, Counters& counters) {
   system_.attach(world);
+  system_.renumber(component_);
   if (time_ < until && options_.step > 0) return advance_by_step(world, until, counters);
   advance_by_tolerance(world, until, counters);
 }
@@ -92,6 +93,7 @@ bool Integrator::is_before(double until) {
 }
 
 void Integrator::store(World& world) {
+  system_.renumber(component_);
   if (time_ == world.time) return system_.store(world, q_.data(), rate_.data());
   const bool followed = scheme_ == adams && adams_.longest() > 0;
   interpolate(world.time, followed ? adams_.past(1) : nullptr, adams_.past(0));

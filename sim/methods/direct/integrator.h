@@ -40,13 +40,9 @@ class Integrator {
 
   /// Room for a component of so many links with so many ends of spans.
   void reserve(std::size_t links, std::size_t ends);
-  /// Follows the component, which must stay, once it is loaded.
+  /// Follows the component, which must stay, once it is loaded. A single span may get other indices
+  /// in the world, from which it goes on.
   void follow(const Component& component) { component_ = component; }
-  /// Goes on with the component, one span at most, under other indices in the world.
-  void renumber(const Component& component) {
-    component_ = component;
-    system_.renumber(component);
-  }
   /// Rows that hold from the next load() on; they must stay as long.
   void set_rows(std::span<const ConstraintRow* const> rows) {
     rows_.assign(rows.begin(), rows.end());

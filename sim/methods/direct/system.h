@@ -40,7 +40,7 @@ class System : public Motion {
 
   /// Where its one span, if any, stands in the world by now.
   void renumber(const Component& component) {
-    if (!component.spans.empty()) spans_[0].range = component.spans[0];
+    if (component.spans.size() == 1) spans_[0].range = component.spans[0];
   }
 
   /// The index among all links of the connector's first.
