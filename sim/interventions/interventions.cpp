@@ -290,7 +290,6 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
   const Vec3 target = goal(world, to, world.time + over);
   const Outcome outcome = reachable(world, connector, place, target, over > 0);
   if (outcome != Outcome::done) return {outcome, 0};
-  const std::size_t room = connector.position.capacity();
   world.topology -= share(world, index);
   Hold hold;
   hold.particle = place.particle;
@@ -311,7 +310,6 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
   }
   hold.to = to;  // before attach(): a free body is weighed with all it holds
   connector.holds.insert(hold_at(connector, hold.particle), hold);
-  if (connector.position.capacity() != room) fit(connector);
   const auto held = hold_at(connector, hold.particle);
   attach(world, connector, *held, to, over);
   world.topology += share(world, index);

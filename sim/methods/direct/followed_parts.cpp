@@ -94,9 +94,9 @@ void FollowedParts::make_room(const World& world, std::size_t parts) {
     spare += connector.position.capacity() - connector.particles();
     pins += connector.holds.capacity() - connector.holds.size();
   }
-  changes_ = spare > 0;
-  if (!changes_) pins = 0;  // nothing is meant to be added
   const std::size_t largest = links_.empty() ? 0 : std::ranges::max(links_);
+  changes_ = spare > 0 && double(parts + pins) * double(largest + spare) <= kMostRoom;
+  if (!changes_) pins = 0;  // nothing is meant to be added, or too much
   while (integrators_.size() < parts + pins) {
     integrators_.push_back(std::make_unique<Integrator>(options_));
     if (changes_) integrators_.back()->reserve(largest + spare, 2 * (pins + 2));
