@@ -34,10 +34,11 @@ struct Verdict {
 /// body for instance, gets into an obstacle, or joined links that are rigid have no room to move,
 /// as a net that is flat. stretch: links keep their length to 1e-6 of it. energy: a closed scene
 /// without pins and cuts gains no more than the error that is claimed lets in. error (direct,
-/// without obstacles): up to where the motion can be foretold, within 10 tolerances of the truth;
-/// Verdict::missed counts those beyond 3. Where places that are held leave the links between them
-/// no motion, at full length or folded, none of follows, stretch and continuous is promised. Of one
-/// method alone where it is named.
+/// without obstacles): up to where the motion can be foretold, within 10 tolerances of the truth,
+/// or of a tolerance grown as the motion has nudges grow where the estimate of the error tells a
+/// third of it; Verdict::missed counts those beyond 3. Where places that are held leave the links
+/// between them no motion, at full length or folded, none of follows, stretch and continuous is
+/// promised. Of one method alone where it is named.
 Verdict check_promises(const std::string& scene, const std::string& only = {});
 
 }  // namespace taut::drawn
