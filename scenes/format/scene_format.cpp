@@ -213,6 +213,10 @@ const TableFormat& connector_format() {
        not_negative("bending_stiffness", "EI: moment per curvature; default: it bends freely.",
                     "N m^2"),
        not_negative("bending_damping", "Moment per rate of curvature.", "N m^2 s"),
+       vector("rest_curvature",
+              "How it is curved at rest, about the axis across the plane in which it moves, "
+              "right-handed from its first end.",
+              "1/m"),
        table("material", "Gives mass, EA and EI of a solid round rod instead.", material_format()),
        {.name = "taper",
         .type = Type::numbers,

@@ -55,6 +55,7 @@ void check(const Document& document, const Value& value, const Connector& connec
     }
   };
   needs("axial_damping", "axial_stiffness");
+  needs("rest_curvature", "bending_stiffness");
 }
 
 }  // namespace
@@ -68,8 +69,9 @@ double mass_of(const Value& connector, double length) {
 void read_sections(const Document& document, const Value& value, Connector& connector) {
   const Value* taper = value.find("taper");
   const Value* first = nullptr;
-  for (const std::string_view key : {"axial_stiffness", "axial_damping", "bending_stiffness",
-                                     "bending_damping", "material", "drag", "taper"}) {
+  for (const std::string_view key :
+       {"axial_stiffness", "axial_damping", "bending_stiffness", "bending_damping",
+        "rest_curvature", "material", "drag", "taper"}) {
     if (!first) first = value.find(key);
   }
   for (const char* end : {"from", "to"}) {
@@ -87,6 +89,7 @@ void read_sections(const Document& document, const Value& value, Connector& conn
   section.axial_damping = number_or(value, "axial_damping", 0);
   section.bending_stiffness = number_or(value, "bending_stiffness", 0);
   section.bending_damping = number_or(value, "bending_damping", 0);
+  section.rest_curvature = vec3_or(value, "rest_curvature", Vec3::Zero());
   section.diameter = 2 * connector.radius;
   if (const Value* material = value.find("material")) {
     const double modulus = material->find("youngs_modulus")->number;
@@ -111,6 +114,38 @@ void read_sections(const Document& document, const Value& value, Connector& conn
   if (taper || value.find("material")) weigh_by_links(weight, connector);
   if (const Value* drag = value.find("drag")) {
     connector.drag = {number_or(*drag, "across", 0), number_or(*drag, "along", 0)};
+  }
+}
+
+void check_curvatures(const Document& document, const World& world, const Timeline& timeline) {
+  const Value* table = document.root.find("connectors");
+  for (std::size_t c = 0; table && c < table->children.size(); ++c) {
+    const Value* key = table->children[c].find("rest_curvature");
+    if (!key || key->vec3().isZero()) continue;
+    const Connector& connector = world.connectors[c];
+    const Vec3 axis = key->vec3().normalized(), origin = connector.position[0];
+    const auto lies = [&](const Vec3& way) {
+      return std::abs(axis.dot(way)) <= kRounding * std::max(way.norm(), connector.length);
+    };
+    const auto joins = [&](const Joint& joint) {
+      return std::ranges::any_of(joint.particles,
+                                 [&](const auto& at) { return at.connector == c; });
+    };
+    bool plane = lies(world.gravity) && (world.air.density == 0 || lies(world.air.wind)) &&
+                 std::ranges::none_of(world.joints, joins);
+    for (const Vec3& at : connector.position) plane = plane && lies(at - origin);
+    for (const Vec3& velocity : connector.velocity) plane = plane && lies(velocity);
+    for (const Hold& hold : connector.holds) {
+      plane = plane && hold.to.kind == Attachment::Kind::fixed && lies(hold.clamp);
+    }
+    for (const TimedPin& pin : timeline.pins) {
+      if (pin.connector != c || !pin.to) continue;
+      plane = plane && pin.to->kind == Attachment::Kind::fixed && lies(pin.to->point - origin);
+    }
+    if (plane) continue;
+    document.fail_at_key(*key,
+                         "needs a motion in the plane across it: the connector, gravity, wind, "
+                         "clamps and pins in that, and ends that are free or fixed");
   }
 }
 

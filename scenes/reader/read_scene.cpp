@@ -37,8 +37,8 @@ void refuse_obstacles(const Document& document, const MethodInfo& method) {
 
 /// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
 const Value* material_key(const Value& connector) {
-  for (const std::string_view key :
-       {"axial_stiffness", "bending_stiffness", "bending_damping", "material", "drag"}) {
+  for (const std::string_view key : {"axial_stiffness", "bending_stiffness", "bending_damping",
+                                     "rest_curvature", "material", "drag"}) {
     if (const Value* found = connector.find(key)) return found;
   }
   return nullptr;
@@ -185,6 +185,7 @@ Scene read_scene(Document document, bool with_stage) {
   finish(scene.world);
   check_obstacles(document, scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
+  check_curvatures(document, scene.world, scene.timeline);
   if (plan) try_plan(document, *plan, scene);
   if (with_stage && root.find("stage")) read_stage(document, motions, scene);
   return scene;

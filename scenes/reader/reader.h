@@ -110,6 +110,9 @@ Path path_from_csv(const std::string& text, const std::filesystem::path& file);
 /// The method that a table names, with its settings; the default method for null.
 MethodChoice read_method(const Document& document, const Value* table, int fps);
 
+/// Fails where a connector that is curved at rest may leave the plane across that.
+void check_curvatures(const Document& document, const World& world, const Timeline& timeline);
+
 /// Bodies with their masses; those that hang have no place yet.
 std::vector<Body> read_bodies(const Document& document, Motions& motions);
 /// Connectors with their shapes; places the bodies that hang.

@@ -20,7 +20,7 @@ double taut::elastic_energy(const World& world) {
   Vec3 e0, e1;
   for (const material::BendElement& bend : forces.bends()) {
     forces.edges(bend, position.data()->data(), e0, e1);
-    energy += material::Bend(e0, e1).energy(bend.stiffness);
+    energy += material::Bend(e0, e1, bend.rest).energy(bend.stiffness);
   }
   return energy;
 }

@@ -10,15 +10,29 @@ Mat3 across(const Vec3& unit) {
 }  // namespace
 
 // C^2 = 4 tan^2(a/2) = 4 |t1 - t0|^2 / |t0 + t1|^2, which loses no digits where a is small.
-Bend::Bend(const Vec3& e0, const Vec3& e1)
-    : inverse0_(1 / e0.norm()), inverse1_(1 / e1.norm()), t0_(inverse0_ * e0), t1_(inverse1_ * e1) {
+Bend::Bend(const Vec3& e0, const Vec3& e1, const Vec3& rest)
+    : inverse0_(1 / e0.norm()),
+      inverse1_(1 / e1.norm()),
+      t0_(inverse0_ * e0),
+      t1_(inverse1_ * e1),
+      rest_(rest),
+      curved_(!rest.isZero(0)) {
   straight_ = (t0_ + t1_).squaredNorm() / 4;
   apart_ = t1_ - t0_;
   cosine_ = 1 - apart_.squaredNorm() / 2;
 }
 
 double Bend::energy(double stiffness) const {
-  return stiffness * apart_.squaredNorm() / (2 * straight_);
+  const double straight = stiffness * apart_.squaredNorm() / (2 * straight_);
+  if (!curved_) return straight;
+  return straight + stiffness * (rest_.squaredNorm() / 2 - along_rest().value);
+}
+
+// C = t0 x t1 / q with q = (1 + t0 . t1) / 2, of which rest . C is `value`.
+Bend::Along Bend::along_rest() const {
+  const double value = rest_.dot(t0_.cross(t1_)) / straight_, share = value / 2;
+  return {value, (t1_.cross(rest_) - share * t1_) / straight_,
+          (rest_.cross(t0_) - share * t0_) / straight_};
 }
 
 // The parts of t1 - t0 across the edges: what rounding leaves along them, stiff bends would make a
@@ -36,6 +50,10 @@ void Bend::slope(double stiffness, Vec3& by_e0, Vec3& by_e1) const {
   const double by_cosine = -stiffness / (straight_ * straight_);
   by_e0 = by_cosine * inverse0_ * turn0();
   by_e1 = by_cosine * inverse1_ * turn1();
+  if (!curved_) return;
+  const Along along = along_rest();
+  by_e0 -= stiffness * inverse0_ * (across(t0_) * along.by_t0);
+  by_e1 -= stiffness * inverse1_ * (across(t1_) * along.by_t1);
 }
 
 Bend::Stiffness Bend::stiffness(double stiffness) const {
@@ -48,9 +66,33 @@ Bend::Stiffness Bend::stiffness(double stiffness) const {
     return second * slope * slope.transpose() -
            first * (turn + turn.transpose() + cosine_ * across_t);
   };
-  return {inverse0_ * inverse0_ * own(t0_, a, across0),
-          inverse0_ * inverse1_ * (second * a * b.transpose() + first * across0 * across1),
-          inverse1_ * inverse1_ * own(t1_, b, across1)};
+  Stiffness found{inverse0_ * inverse0_ * own(t0_, a, across0),
+                  inverse0_ * inverse1_ * (second * a * b.transpose() + first * across0 * across1),
+                  inverse1_ * inverse1_ * own(t1_, b, across1)};
+  if (curved_) add_rest(stiffness, found);
+  return found;
+}
+
+void Bend::add_rest(double stiffness, Stiffness& found) const {
+  const Along along = along_rest();
+  const double half = 1 / (2 * straight_);
+  const Mat3 across0 = across(t0_), across1 = across(t1_);
+  // Of a function of a unit vector t = e / |e| with derivative g and second derivative h by t.
+  const auto own = [](const Vec3& t, const Mat3& across_t, const Vec3& g, const Mat3& h) -> Mat3 {
+    const Mat3 turn = t * (across_t * g).transpose();
+    return across_t * h * across_t - t.dot(g) * across_t - turn - turn.transpose();
+  };
+  const Mat3 h0 = along.by_t0 * t1_.transpose(), h1 = along.by_t1 * t0_.transpose();
+  Mat3 turned;  // rest x
+  turned << 0, -rest_.z(), rest_.y(), rest_.z(), 0, -rest_.x(), -rest_.y(), rest_.x(), 0;
+  const Mat3 mixed =
+      -turned / straight_ - half * (along.value * Mat3::Identity() + along.by_t0 * t0_.transpose() +
+                                    t1_ * along.by_t1.transpose());
+  found.e0_e0 -= stiffness * inverse0_ * inverse0_ *
+                 own(t0_, across0, along.by_t0, -half * (h0 + h0.transpose()));
+  found.e1_e1 -= stiffness * inverse1_ * inverse1_ *
+                 own(t1_, across1, along.by_t1, -half * (h1 + h1.transpose()));
+  found.e0_e1 -= stiffness * inverse0_ * inverse1_ * across0 * mixed * across1;
 }
 
 // With d = t1 - t0 and q = cos(a/2) the curvature is the vector d / q, across t0 + t1. Its rate

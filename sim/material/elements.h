@@ -9,10 +9,11 @@ namespace taut::material {
 /// The bend between two edges (m) in a row, in the discrete curvature of Bergou and others,
 /// Discrete elastic rods, SIGGRAPH 2008: with t0, t1 the edges' directions and a the angle between
 /// them, C = 2 tan(a/2) and the energy is stiffness C^2 / 2. `stiffness` (N m) is EI over the
-/// length of rope that bends there.
+/// length of rope that bends there. Where it is bent at rest, by `rest` as a vector along t0 x t1,
+/// the energy is stiffness |C - rest|^2 / 2, C a vector as well.
 class Bend {
  public:
-  Bend(const Vec3& e0, const Vec3& e1);
+  Bend(const Vec3& e0, const Vec3& e1, const Vec3& rest = Vec3::Zero());
 
   double energy(double stiffness) const;  // J
   /// The derivatives of that energy by the two edges, N.
@@ -31,16 +32,25 @@ class Bend {
   Stiffness damping(double damping) const;
 
  private:
+  void add_rest(double stiffness, Stiffness& found) const;
   /// The derivatives of that rate by the edges' rates.
   void rate_slope(Mat3& by_e0, Mat3& by_e1) const;
   Vec3 turn0() const;  // t1 - c t0, c the cosine of a
   Vec3 turn1() const;  // t0 - c t1
+  /// rest . C, and its derivatives by t0 and t1 as if these were any vectors.
+  struct Along {
+    double value = 0;
+    Vec3 by_t0, by_t1;
+  };
+  Along along_rest() const;
 
   double inverse0_, inverse1_;  // 1/m
   Vec3 t0_, t1_;
   double straight_;  // |t0 + t1|^2 / 4, the square of cos(a/2)
   Vec3 apart_;       // t1 - t0
   double cosine_;
+  Vec3 rest_;
+  bool curved_;
 };
 
 /// Drag on a link along `edge` that moves past the air at `speed` (m/s):

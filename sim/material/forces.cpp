@@ -34,6 +34,20 @@ double over_half(const Connector& connector, std::size_t link, double Section::*
   return 2 * connector.sections[link].*value / connector.rest[link];
 }
 
+/// The curvature at rest of what bends at a particle, half of either link's, times its length.
+Vec3 rest_of(const Connector& connector, std::size_t particle) {
+  Vec3 sum = Vec3::Zero();
+  for (const std::size_t link : {particle - 1, particle}) {
+    if (link >= connector.links()) continue;
+    sum += connector.rest[link] / 2 * connector.sections[link].rest_curvature;
+  }
+  return sum;
+}
+
+Vec3 rest_of_half(const Connector& connector, std::size_t link) {
+  return connector.rest[link] / 2 * connector.sections[link].rest_curvature;
+}
+
 void check_sections(const Connector& connector) {
   if (connector.sections.empty()) return;
   const auto fails = [&](const char* what) {
@@ -94,16 +108,18 @@ std::uint32_t add_bends(const Connector& connector, std::uint32_t clamps, std::u
     if (clamped) {
       if (i > 0) {
         elements.push_back({at - 1, at, at, over_half(connector, i - 1, kStiffness),
-                            over_half(connector, i - 1, kDamping), clamp});
+                            over_half(connector, i - 1, kDamping), clamp,
+                            rest_of_half(connector, i - 1)});
       }
       if (i < connector.links()) {
         elements.push_back({at, at, at + 1, over_half(connector, i, kStiffness),
-                            over_half(connector, i, kDamping), clamp});
+                            over_half(connector, i, kDamping), clamp, rest_of_half(connector, i)});
       }
       ++clamp;
     } else if (i > 0 && i < connector.links()) {
       elements.push_back({at - 1, at, at + 1, over_length(connector, i, kStiffness),
-                          over_length(connector, i, kDamping), BendElement::kNone});
+                          over_length(connector, i, kDamping), BendElement::kNone,
+                          rest_of(connector, i)});
     }
   }
   return clamp - clamps;
@@ -239,7 +255,7 @@ void MaterialForces::add_bends(const double* positions, const double* velocities
   Vec3 e0, e1, by_e0, by_e1;
   for (const BendElement& bend : bends_) {
     edges(bend, positions, e0, e1);
-    const Bend shape(e0, e1);
+    const Bend shape(e0, e1, bend.rest);
     shape.slope(bend.stiffness, by_e0, by_e1);
     if (bend.damping > 0) {
       Vec3 damped0, damped1, rate0, rate1;

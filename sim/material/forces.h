@@ -26,6 +26,7 @@ struct BendElement {
   double stiffness = 0;         // N m: EI over the length that bends
   double damping = 0;           // N m s
   std::uint32_t clamp = kNone;  // index of the clamp
+  Vec3 rest = Vec3::Zero();     // 1: how it is bent at rest
 
   bool clamped_before() const { return clamp != kNone && a == b; }
   bool clamped_behind() const { return clamp != kNone && b == c; }

@@ -70,7 +70,7 @@ void XpbdMaterial::pass(const Mechanism& mechanism, double dt, double* state) {
   Vec3 e0, e1, by_e0, by_e1;
   for (const material::BendElement& bend : material.bends()) {
     material.edges(bend, state, e0, e1);
-    const material::Bend shape(e0, e1);
+    const material::Bend shape(e0, e1, bend.rest);
     // The gradient of C is that of C^2 / 2 over C.
     const double value = std::sqrt(2 * shape.energy(1));
     if (value > 0) {

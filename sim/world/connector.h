@@ -49,7 +49,9 @@ struct Section {
   double axial_damping = 0;      // N s: tension per rate of strain
   double bending_stiffness = 0;  // EI, N m^2
   double bending_damping = 0;    // N m^2 s: moment per rate of curvature
-  double diameter = 0;           // m, that the air meets
+  /// 1/m: how it is curved at rest, about which axis. Of motions in the plane across that axis.
+  Vec3 rest_curvature = Vec3::Zero();
+  double diameter = 0;  // m, that the air meets
 };
 
 /// Coefficients of the air's drag, for flow across and along a link.

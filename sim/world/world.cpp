@@ -39,6 +39,7 @@ void add_materials(const Connector& connector, Hash& hash) {
   for (const Section& section : connector.sections) {
     hash.word(section.axial_stiffness).word(section.axial_damping);
     hash.word(section.bending_stiffness).word(section.bending_damping).word(section.diameter);
+    if (!section.rest_curvature.isZero(0)) add(section.rest_curvature, hash);
   }
 }
 

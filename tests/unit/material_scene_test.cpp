@@ -140,5 +140,18 @@ TEST_F(MaterialScene, OtherMethodsAndObstaclesAreRefused) {
          "stands in a scene with obstacles");
 }
 
+TEST_F(MaterialScene, RestCurvatureNeedsAPlane) {
+  const std::string bends = "mass = 1\nbending_stiffness = 3\nrest_curvature = ";
+  const Connector made = rope(rope_with(bends + "[0, 0, 2]"));
+  for (const Section& section : made.sections) EXPECT_EQ(section.rest_curvature, Vec3(0, 0, 2));
+  expect(rope_with("mass = 1\nrest_curvature = [0, 0, 2]"), "needs bending_stiffness or material");
+  for (const char* axis : {"[1, 0, 0]", "[0, 1, 0]", "[0, 0.1, 2]"}) {
+    expect(rope_with(bends + axis), "needs a motion in the plane across it");
+  }
+  expect(rope_with(bends + "[0, 0, 2]", "path = \"hand\"",
+                   "[paths.hand]\nkeys = [{ t = 0, position = [0, 1, 0] }]\n"),
+         "ends that are free or fixed");
+}
+
 }  // namespace
 }  // namespace taut

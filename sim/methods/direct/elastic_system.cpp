@@ -155,7 +155,7 @@ void ElasticSystem::differentiate(const double* x, const double* v, const double
   Vec3 e0, e1;
   for (const material::BendElement& bend : material_.bends()) {
     material_.edges(bend, x, e0, e1);
-    const material::Bend shape(e0, e1);
+    const material::Bend shape(e0, e1, bend.rest);
     const material::Bend::Stiffness second = shape.stiffness(bend.stiffness);
     add_bend(bend, second.e0_e0, second.e0_e1, second.e1_e1, stiffness_);
     if (bend.damping == 0) continue;
