@@ -149,7 +149,7 @@ TEST_F(MaterialScene, RestCurvatureNeedsAPlane) {
     expect(rope_with(bends + axis), "needs a motion in the plane across it");
   }
   expect(rope_with(bends + "[0, 0, 2]", "path = \"hand\"",
-                   "[paths.hand]\nkeys = [{ t = 0, position = [0, 1, 0] }]\n"),
+                   "paths = { hand = { keys = [{ t = 0, position = [0, 1, 0] }] } }"),
          "ends that are free or fixed");
 }
 
