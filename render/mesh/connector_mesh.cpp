@@ -34,20 +34,41 @@ std::optional<Piece> weight_piece(const Connector& connector, std::size_t partic
   return turned_piece(profile, 32);
 }
 
+/// How thick a connector is at its particles, as shares of where it is thickest: a taper.
+std::vector<double> shares(const Connector& connector) {
+  std::vector<double> result(connector.particles(), 1);
+  const std::vector<Section>& links = connector.sections;
+  const auto thick = [](const Section& a, const Section& b) { return a.diameter < b.diameter; };
+  const double most = links.empty() ? 0 : std::ranges::max_element(links, thick)->diameter;
+  if (most <= 0) return result;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const Section &before = links[i > 0 ? i - 1 : 0], &after = links[std::min(i, links.size() - 1)];
+    result[i] = (before.diameter + after.diameter) / (2 * most);
+  }
+  return result;
+}
+
 /// A tube through the particles: a Catmull-Rom curve with parallel-transport frames.
 class TubeMesh final : public ConnectorMesh {
  public:
   TubeMesh(const Connector& connector, const scenes::ConnectorLook& look)
-      : radius_(float(look.diameter / 2)),
-        spans_(connector.particles() - 1),
+      : spans_(connector.particles() - 1),
         steps_(std::clamp<std::size_t>(120 / spans_, 1, 6)),
         rings_(spans_ * steps_ + 1) {
+    const std::vector<double> thick = shares(connector);
+    for (std::size_t i = 0; i < rings_; ++i) {
+      const std::size_t before = std::min(i / steps_, spans_ - 1);
+      const double u = double(i - before * steps_) / double(steps_);
+      const double share = (1 - u) * thick[before] + u * thick[before + 1];
+      radius_.push_back(float(share * look.diameter / 2));
+    }
     const Vec3f color = look.color.cast<float>();
     for (std::size_t i = 0; i < rings_ + 2; ++i) {
-      const double share = std::clamp(double(i) - 1, 0.0, double(rings_ - 1)) / double(rings_ - 1);
+      const std::size_t ring = std::clamp<std::size_t>(i, 1, rings_) - 1;
+      const double share = double(ring) / double(rings_ - 1);
       for (std::uint32_t j = 0; j < kSides; ++j)
         rest_.push_back(
-            {Vec3f(float(j) / kSides, float(share * connector.length), radius_), color});
+            {Vec3f(float(j) / kSides, float(share * connector.length), radius_[ring]), color});
     }
     add_grid(0, std::uint32_t(rings_ + 2), kSides, false, indices_);
     for (const std::size_t particle : {std::size_t(0), connector.particles() - 1}) {
@@ -73,7 +94,7 @@ class TubeMesh final : public ConnectorMesh {
       axis = next;
       // The ends are closed by rings shrunk to a point.
       if (i == 0) ring(point, side, axis, 0, -axis, vertices);
-      ring(point, side, axis, radius_, Vec3::Zero(), vertices);
+      ring(point, side, axis, radius_[i], Vec3::Zero(), vertices);
       if (i + 1 == rings_) ring(point, side, axis, 0, axis, vertices);
     }
     for (const auto& [particle, weight] : weights_) {
@@ -115,7 +136,7 @@ class TubeMesh final : public ConnectorMesh {
     std::vector<MovingVertex> vertices;  // round the particle
   };
 
-  float radius_;
+  std::vector<float> radius_;  // m, of each ring
   std::vector<Weight> weights_;
   std::size_t spans_, steps_, rings_;
 };

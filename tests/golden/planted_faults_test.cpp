@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <memory>
 
 #include "render/film/film.h"
 #include "render/golden/golden.h"
@@ -16,13 +17,25 @@ namespace {
 
 const std::filesystem::path kFolder =
     std::filesystem::path(TAUT_SOURCE_DIR) / "tests/golden/nunchaku";
+constexpr int kSamples = 4;
+
+/// What all tests here draw with.
+struct Studio {
+  scenes::GoldenSuite suite = scenes::load_golden_suite(kFolder);
+  scenes::Scene scene = scenes::load_scene(suite.frames.front().scene, true);
+  gl::Context context{gl::Backend::automatic};
+  film::Film film{context, scene, suite.width, suite.height, kSamples};  // of the scene as it is
+};
 
 class PlantedFaults : public testing::Test {
  protected:
-  scenes::GoldenSuite suite_ = scenes::load_golden_suite(kFolder);
-  scenes::Scene scene_ = scenes::load_scene(suite_.frames.front().scene, true);
-  gl::Context context_{gl::Backend::automatic};
-  golden::Renderer here_ = golden::renderer_of(context_.description());
+  static void SetUpTestSuite() { studio_ = std::make_unique<Studio>(); }
+  static void TearDownTestSuite() { studio_.reset(); }
+
+  inline static std::unique_ptr<Studio> studio_;
+  const scenes::GoldenSuite& suite_ = studio_->suite;
+  const scenes::Scene& scene_ = studio_->scene;
+  golden::Renderer here_ = golden::renderer_of(studio_->context.description());
   golden::Renderer same_driver_{here_.driver, "another processor"};
   golden::Renderer other_driver_{"another driver", "another processor"};
 
@@ -30,10 +43,14 @@ class PlantedFaults : public testing::Test {
     return golden::read_golden(kFolder / (frame.name + ".json"));
   }
 
-  picture::Picture draw(const scenes::Scene& scene, const Snapshot& state, int samples = 4,
+  picture::Picture draw(const scenes::Scene& scene, const Snapshot& state, int samples = kSamples,
                         const draw::Shading& shadows = {}) {
-    film::Film film(context_, scene, suite_.width, suite_.height, samples, shadows);
+    film::Film film(studio_->context, scene, suite_.width, suite_.height, samples, shadows);
     return film.draw(film.instant(state));
+  }
+
+  picture::Picture draw(const Snapshot& state) {
+    return studio_->film.draw(studio_->film.instant(state));
   }
 
   /// How a picture of the frame would compare if it came from `renderer`.
@@ -77,7 +94,7 @@ class PlantedFaults : public testing::Test {
 
 TEST_F(PlantedFaults, NothingPlantedPassesInEveryTier) {
   for (const scenes::GoldenFrame& frame : suite_.frames) {
-    const picture::Picture picture = draw(scene_, record(frame).state);
+    const picture::Picture picture = draw(record(frame).state);
     for (const golden::Renderer* renderer : {&here_, &same_driver_, &other_driver_})
       EXPECT_TRUE(compared(picture, frame, *renderer).same)
           << frame.name
@@ -87,14 +104,14 @@ TEST_F(PlantedFaults, NothingPlantedPassesInEveryTier) {
 
 TEST_F(PlantedFaults, AStickOnePixelOffIsSeen) {
   for (const scenes::GoldenFrame& frame : suite_.frames)
-    expect_caught(draw(scene_, stick_moved(record(frame).state, 1)), frame);
+    expect_caught(draw(stick_moved(record(frame).state, 1)), frame);
 }
 
 TEST_F(PlantedFaults, AStickThreePixelsOffIsSeenEvenByAnotherDriver) {
   // Where a hand or the other stick covers it, nothing can be seen: most frames tell.
   std::size_t seen = 0;
   for (const scenes::GoldenFrame& frame : suite_.frames) {
-    const picture::Picture picture = draw(scene_, stick_moved(record(frame).state, 3));
+    const picture::Picture picture = draw(stick_moved(record(frame).state, 3));
     seen += !compared(picture, frame, other_driver_).same;
   }
   EXPECT_GT(2 * seen, suite_.frames.size());
@@ -105,7 +122,7 @@ TEST_F(PlantedFaults, AMissingLinkIsSeen) {
   const scenes::GoldenFrame& frame = suite_.frames.front();
   Snapshot state = record(frame).state;
   state.connectors.front().pop_back();
-  expect_caught(draw(scene_, state), frame);
+  expect_caught(draw(state), frame);
 }
 
 TEST_F(PlantedFaults, ALightTwoPercentOffIsSeen) {
@@ -122,13 +139,14 @@ TEST_F(PlantedFaults, MissingAntialiasingIsSeen) {
 
 TEST_F(PlantedFaults, AShadowMapOfHalfTheSizeIsSeen) {
   const scenes::GoldenFrame& frame = suite_.frames.front();
-  expect_caught(draw(scene_, record(frame).state, 4, {.map_size = draw::Shading().map_size / 2}),
-                frame);
+  expect_caught(
+      draw(scene_, record(frame).state, kSamples, {.map_size = draw::Shading().map_size / 2}),
+      frame);
 }
 
 TEST_F(PlantedFaults, MissingContactShadowIsSeen) {
   const scenes::GoldenFrame& frame = suite_.frames.front();
-  expect_caught(draw(scene_, record(frame).state, 4, {.contact = false}), frame);
+  expect_caught(draw(scene_, record(frame).state, kSamples, {.contact = false}), frame);
 }
 
 TEST_F(PlantedFaults, AWrongBoneWeightIsSeen) {

@@ -44,16 +44,44 @@ TEST_P(GoldenSuites, LookAsAccepted) {
 INSTANTIATE_TEST_SUITE_P(All, GoldenSuites, testing::ValuesIn(suites()),
                          [](const auto& suite) { return suite.param; });
 
-/// A copy of a suite, to be spoilt.
+// 11 particles that swing for half a second.
+constexpr const char* kScene = R"(
+schema_version = 1
+duration = 0.5
+fps = 20
+method = { name = "impulse", step = 0.005 }
+[connectors.rope]
+length = 0.2
+mass = 0.05
+particles = 11
+from = { fixed = [0, 0.2, 0] }
+to = { point_mass = 0.2 }
+start = { direction = [1, 0, 0] }
+look = "rope"
+diameter = 0.007
+[stage]
+camera = [{ t = 0, position = [0, 0.1, 1], target = [0, 0.1, 0] }]
+)";
+constexpr const char* kSuite = R"(
+schema_version = 1
+size = [160, 90]
+[frames.early]
+scene = "scenes/swing.toml"
+time = 0.1
+[frames.late]
+scene = "scenes/swing.toml"
+time = 0.4
+)";
+
+/// A small suite, to be spoilt.
 class GoldenCommand : public testing::Test {
  protected:
   void SetUp() override {
-    fs::copy(kGoldens / "nunchaku", suite_, fs::copy_options::recursive);
     // Scenes are found from the suite's repository: here that is the folder.
-    std::ofstream(folder_.path() / "CMakePresets.json") << "{}";
-    for (const char* room : {"scenes", "assets"})
-      fs::copy(fs::path(TAUT_SOURCE_DIR) / room, folder_.path() / room,
-               fs::copy_options::recursive);
+    folder_.write("CMakePresets.json", "{}");
+    folder_.write("scenes/swing.toml", kScene);
+    folder_.write("suite/golden.toml", kSuite);
+    ASSERT_EQ(golden({"accept", "suite"}).output, "early: new\nlate: new\n");
   }
   ProgramResult golden(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "golden");
@@ -66,45 +94,44 @@ class GoldenCommand : public testing::Test {
 
 TEST_F(GoldenCommand, LeavesWhatIsNeededToJudgeADifference) {
   // The first frame is compared with the picture of the second.
-  fs::copy_file(suite_ / "b_stops.png", suite_ / "a_swings.png",
-                fs::copy_options::overwrite_existing);
-  const ProgramResult outcome = golden({"check", "suite", "--only", "a_swings"});
+  fs::copy_file(suite_ / "late.png", suite_ / "early.png", fs::copy_options::overwrite_existing);
+  const ProgramResult outcome = golden({"check", "suite", "--only", "early"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.output.find("a_swings: "), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("early: "), std::string::npos) << outcome.output;
   const fs::path out = folder_.path() / "out/golden/suite";
-  for (const char* file : {"index.html", "report.json", "a_swings/actual.png",
-                           "a_swings/golden.png", "a_swings/difference.png"})
+  for (const char* file : {"index.html", "report.json", "early/actual.png", "early/golden.png",
+                           "early/difference.png"})
     EXPECT_TRUE(fs::exists(out / file)) << file;
 
   // Accepted, it is right again, and what was left is gone.
-  EXPECT_EQ(golden({"accept", "suite", "--only", "a_swings"}).output, "a_swings: changed\n");
-  EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 0);
+  EXPECT_EQ(golden({"accept", "suite", "--only", "early"}).output, "early: changed\n");
+  EXPECT_EQ(golden({"check", "suite", "--only", "early"}).code, 0);
   EXPECT_FALSE(fs::exists(out / "index.html"));
-  EXPECT_FALSE(fs::exists(out / "a_swings"));
+  EXPECT_FALSE(fs::exists(out / "early"));
 }
 
 TEST_F(GoldenCommand, AnotherSizeIsADifferenceToAccept) {
   const std::string suite = read_file(suite_ / "golden.toml");
-  const std::string_view size = "size = [320, 180]";
+  const std::string_view size = "size = [160, 90]";
   ASSERT_NE(suite.find(size), std::string::npos);
   std::ofstream(suite_ / "golden.toml")
-      << std::string(suite).replace(suite.find(size), size.size(), "size = [160, 90]");
-  const ProgramResult outcome = golden({"check", "suite", "--only", "a_swings"});
+      << std::string(suite).replace(suite.find(size), size.size(), "size = [80, 45]");
+  const ProgramResult outcome = golden({"check", "suite", "--only", "early"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.output.find("is of 320x180 pixels and the suite of 160x90"), std::string::npos)
+  EXPECT_NE(outcome.output.find("is of 160x90 pixels and the suite of 80x45"), std::string::npos)
       << outcome.output;
-  EXPECT_EQ(golden({"accept", "suite", "--only", "a_swings"}).output, "a_swings: changed\n");
-  EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 0);
+  EXPECT_EQ(golden({"accept", "suite", "--only", "early"}).output, "early: changed\n");
+  EXPECT_EQ(golden({"check", "suite", "--only", "early"}).code, 0);
 }
 
 TEST_F(GoldenCommand, ASceneThatMovesOtherwiseIsADifferenceToAccept) {
-  nlohmann::json record = nlohmann::json::parse(read_file(suite_ / "a_swings.json"));
+  nlohmann::json record = nlohmann::json::parse(read_file(suite_ / "early.json"));
   nlohmann::json& height = record["state"]["connectors"][0][5][1];
   height = height.get<double>() + 1e-5;  // m; `within` is 1e-6
-  std::ofstream(suite_ / "a_swings.json") << record;
-  EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 1);
-  EXPECT_EQ(golden({"accept", "suite", "--only", "a_swings"}).output, "a_swings: changed\n");
-  EXPECT_EQ(golden({"check", "suite", "--only", "a_swings"}).code, 0);
+  std::ofstream(suite_ / "early.json") << record;
+  EXPECT_EQ(golden({"check", "suite", "--only", "early"}).code, 1);
+  EXPECT_EQ(golden({"accept", "suite", "--only", "early"}).output, "early: changed\n");
+  EXPECT_EQ(golden({"check", "suite", "--only", "early"}).code, 0);
 }
 
 /// A suite of one motion whose kept record is changed.
@@ -113,7 +140,7 @@ class GoldenMotion : public GoldenCommand {
   void SetUp() override {
     GoldenCommand::SetUp();
     folder_.write("motions/golden.toml",
-                  "[trajectories.swing]\nscene = \"scenes/rope_swing.toml\"\nuntil = 0.2\n");
+                  "[trajectories.swing]\nscene = \"scenes/swing.toml\"\nuntil = 0.2\n");
     ASSERT_EQ(golden({"accept", "motions"}).output, "swing: new\n");
     ASSERT_EQ(golden({"check", "motions"}).output, "1 as kept\n");
   }
@@ -159,8 +186,8 @@ TEST_F(GoldenMotion, OfAnotherWorldIsADifference) {
 }
 
 TEST_F(GoldenCommand, NothingKeptIsADifference) {
-  fs::remove(suite_ / "a_swings.json");
-  const ProgramResult outcome = golden({"check", "suite", "--only", "a_swings"});
+  fs::remove(suite_ / "early.json");
+  const ProgramResult outcome = golden({"check", "suite", "--only", "early"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.output.find("nothing is kept of it yet"), std::string::npos);
 }
@@ -168,13 +195,11 @@ TEST_F(GoldenCommand, NothingKeptIsADifference) {
 TEST_F(GoldenCommand, SaysWhatIsWrongWithASuite) {
   EXPECT_EQ(golden({"check", "nowhere"}).code, 3);
   EXPECT_EQ(golden({"check", "suite", "--only", "nothing"}).code, 2);
-  std::ofstream(suite_ / "a_swings.json") << "{}";
-  const ProgramResult outcome = golden({"check", "suite", "--only", "a_swings"});
+  std::ofstream(suite_ / "early.json") << "{}";
+  const ProgramResult outcome = golden({"check", "suite", "--only", "early"});
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_NE(outcome.messages.find("a_swings.json: no record"), std::string::npos)
-      << outcome.messages;
-  std::ofstream(suite_ / "golden.toml")
-      << "[frames.a]\nscene = \"scenes/nunchaku.toml\"\ntime = 99\n";
+  EXPECT_NE(outcome.messages.find("early.json: no record"), std::string::npos) << outcome.messages;
+  std::ofstream(suite_ / "golden.toml") << "[frames.a]\nscene = \"scenes/swing.toml\"\ntime = 99\n";
   EXPECT_NE(golden({"check", "suite"}).messages.find("golden.toml:3:8: frames.a.time: found 99"),
             std::string::npos);
 }
