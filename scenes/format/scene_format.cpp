@@ -146,7 +146,11 @@ const TableFormat& start_format() {
              circle),
        vector("spin",
               "Turns as one stiff piece about the first particle, or about the circle's centre.",
-              "rad/s")},
+              "rad/s"),
+       vector("push_out",
+              "Moves beads that would start inside of obstacles this way, to their surfaces; links "
+              "keep their lengths.",
+              "")},
       {{{"direction", "points", "hanging_to", "over", "circle"}, false}}};
   return format;
 }

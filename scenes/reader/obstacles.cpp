@@ -90,7 +90,7 @@ void check_start(const Document& document, const Value& value, const Obstacle& o
       }
       document.fail(*connectors->find(connector.name.substr(0, connector.name.find('#'))),
                     fmt::format("its particle {} starts {:.6g} m inside of obstacle {}, expected "
-                                "to start outside, {} m of radius counted",
+                                "to start outside, {} m of radius counted, or start.push_out",
                                 i, -apart, obstacle.name, connector.radius));
     }
   }

@@ -177,6 +177,7 @@ Scene read_scene(Document document, bool with_stage) {
   read_connectors(document, motions, scene.world);
   read_nets(document, scene.world);
   read_obstacles(document, motions, scene.world);
+  push_out_starts(document, scene.world);
   refuse_spans(document, *find_method(scene.method.name));
   refuse_obstacles(document, *find_method(scene.method.name));
   refuse_materials(document, *find_method(scene.method.name));

@@ -134,6 +134,9 @@ void read_obstacles(const Document& document, Motions& motions, World& world);
 /// One of them.
 Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions,
                        const World& world);
+/// Moves beads that would start inside of obstacles to their surfaces, of connectors that ask for
+/// it and the way that they say; links keep their lengths.
+void push_out_starts(const Document& document, World& world);
 /// Whether pictures show it.
 bool shows_obstacle(const Value& value);
 /// What stands where an obstacle is at the start; of a world that is finished.

@@ -323,5 +323,48 @@ TEST_F(ObstacleScene, TooFewBeadsAreToldWithHowManyWouldDo) {
   EXPECT_TRUE(warnings(fine + post).empty());
 }
 
+/// A rope from (0, 1, 0) through what is at its middle.
+std::string pushed(const std::string& to, const std::string& start = "") {
+  return R"(duration = 1.0
+[obstacles.ball]
+shape = { sphere = { diameter = 0.2 } }
+position = [0.4, 0.85, 0.02]
+[connectors.rope]
+length = 1.0
+mass = 0.1
+particles = 41
+radius = 0.01
+from = { fixed = [0, 1, 0] }
+to = )" + to +
+         "\nstart = { push_out = [0, 0, -1]" + start + " }\n";
+}
+
+TEST_F(ObstacleScene, AStartIsPushedOutWhereAsked) {
+  for (const std::string& text : {pushed("{ fixed = [0.9, 1, 0] }"),
+                                  pushed("{ free = true }", ", direction = [1, -0.4, 0]")}) {
+    const World world = read(text).world;
+    const Connector& rope = world.connectors[0];
+    double nearest = 1;
+    for (const Vec3& p : rope.position)
+      nearest = std::min(nearest, (p - Vec3(0.4, 0.85, 0.02)).norm() - 0.1 - rope.radius);
+    EXPECT_GE(nearest, 0);
+    EXPECT_LT(nearest, 0.001) << "it lies against the ball";
+    for (std::size_t k = 0; k < rope.links(); ++k)
+      EXPECT_NEAR((rope.position[k + 1] - rope.position[k]).norm(), rope.rest[k],
+                  1e-9 * rope.rest[k]);
+    EXPECT_EQ(rope.position[0], Vec3(0, 1, 0));
+  }
+}
+
+TEST_F(ObstacleScene, WhatCannotBePushedOutIsSaid) {
+  EXPECT_NE(said("", pushed("{ fixed = [0.4, 0.85, 0.02] }", ", direction = [0, -1, 0]")),
+            "nothing");
+  expect(
+      "[connectors.other]\nlength = 1\nmass = 1\nparticles = 5\nfrom = { body = \"drop\" }\n"
+      "to = { fixed = [0, 2, 2.5] }\nstart = { push_out = [0, 0, -1] }\n[bodies.drop]\nmass = 1\n"
+      "shape = { sphere = { diameter = 0.1 } }\nposition = [0, 2, 3]\n",
+      "", "needs ends that are free, fixed, on a path or on a bone");
+}
+
 }  // namespace
 }  // namespace taut
