@@ -88,6 +88,8 @@ std::string material_text(const Connector& connector) {
   if (connector.stretches()) text += fmt::format(", EA {:.6g} N", first.axial_stiffness);
   if (first.bending_stiffness > 0)
     text += fmt::format(", EI {:.6g} N m^2", first.bending_stiffness);
+  if (first.twisting_stiffness > 0)
+    text += fmt::format(", GJ {:.6g} N m^2", first.twisting_stiffness);
   if (connector.drag.across > 0 || connector.drag.along > 0) {
     text +=
         fmt::format(", drag {} across and {} along", connector.drag.across, connector.drag.along);
@@ -101,6 +103,7 @@ program::Json material_json(const Connector& connector) {
   json["axial_stiffness_n"] =
       connector.stretches() ? program::Json(first.axial_stiffness) : program::Json();
   json["bending_stiffness_n_m2"] = first.bending_stiffness;
+  json["twisting_stiffness_n_m2"] = first.twisting_stiffness;
   json["drag"] = {{"across", connector.drag.across}, {"along", connector.drag.along}};
   return json;
 }

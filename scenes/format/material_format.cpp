@@ -8,7 +8,12 @@ const TableFormat& material_format() {
   static const TableFormat format{
       {needed(positive("youngs_modulus", "Stress per strain, in stretch and in bending.", "Pa")),
        needed(positive("diameter", "Of the rod.", "m")),
-       needed(positive("density", "Of what it is made of.", "kg/m^3"))}};
+       needed(positive("density", "Of what it is made of.", "kg/m^3")),
+       {.name = "poissons_ratio",
+        .meaning = "Of it, by which GJ follows from EI; default: 0.3.",
+        .minimum = -1,
+        .maximum = 0.5,
+        .above = true}}};
   return format;
 }
 

@@ -90,6 +90,18 @@ const TableFormat& body_format() {
   return format;
 }
 
+const TableFormat& turn_key_format() {
+  static const TableFormat format{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed({.name = "angle",
+               .meaning = "Right-handed about the clamp's direction.",
+               .unit = "rad",
+               .minimum = -kMostTurn,
+               .maximum = kMostTurn}),
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
+  return format;
+}
+
 const TableFormat& end_format() {
   static const TableFormat format{
       {text("body", "Name of the body that holds the end."),
@@ -110,7 +122,13 @@ const TableFormat& end_format() {
        vector("clamp",
               "The connector's direction there, from its first end to its last, is held as well; "
               "in the frame of what holds it.",
-              "")},
+              ""),
+       {.name = "turn",
+        .type = Type::tables,
+        .meaning = "How far the clamp is turned about that direction, which twists the connector; "
+                   "it is untwisted at the start with none. Smooth between keys.",
+        .least = 1,
+        .table = &turn_key_format()}},
       {{{"body", "fixed", "path", "bone", "connector", "point_mass", "free"}}}};
   return format;
 }
@@ -221,19 +239,28 @@ const TableFormat& connector_format() {
               "How it is curved at rest, about the axis across the plane in which it moves, "
               "right-handed from its first end.",
               "1/m"),
-       table("material", "Gives mass, EA and EI of a solid round rod instead.", material_format()),
+       positive("twisting_stiffness",
+                "GJ: moment per twist, between ends that are clamped; default: it twists freely.",
+                "N m^2"),
+       not_negative("twisting_damping", "Moment per rate of twist.", "N m^2 s"),
+       {.name = "rest_twist",
+        .meaning = "How much it is twisted at rest, beyond what it is at the start.",
+        .unit = "rad/m"},
+       table("material", "Gives mass, EA, EI and GJ of a solid round rod instead.",
+             material_format()),
        {.name = "taper",
         .type = Type::numbers,
         .meaning = "Diameters along it, evenly spaced and linear between, as shares of its "
-                   "diameter: stiffness goes with the fourth power in bending and the second in "
-                   "stretch, mass with the second.",
+                   "diameter: stiffness goes with the fourth power in bending and twist and the "
+                   "second in stretch, mass with the second.",
         .minimum = 0,
         .above = true,
         .least = 2},
        table("drag", "Coefficients of the air's drag on it, of its diameter.", drag_format())},
       {{{"mass", "material"}},
        {{"axial_stiffness", "material"}, false},
-       {{"bending_stiffness", "material"}, false}}};
+       {{"bending_stiffness", "material"}, false},
+       {{"twisting_stiffness", "material"}, false}}};
   return format;
 }
 

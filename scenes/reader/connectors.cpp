@@ -159,6 +159,9 @@ class Layout {
       }
       connector.holds.back().clamp = direction(document_, *clamp);
     }
+    if (const Value* turn = value.find(key)->find("turn")) {
+      connector.holds.back().turn = read_turn(document_, *turn);
+    }
     if (end.hanging) waiting_[end.to->body].push_back(world_.connectors.size());
   }
 

@@ -10,7 +10,8 @@ namespace taut::scenes {
 
 namespace {
 
-constexpr double kAirDensity = 1.225;  // kg/m^3, at sea level and 15 degrees
+constexpr double kAirDensity = 1.225;   // kg/m^3, at sea level and 15 degrees
+constexpr double kPoissonsRatio = 0.3;  // of most metals; rubber has nearly 0.5
 
 double area(double diameter) {
   return std::numbers::pi * diameter * diameter / 4;
@@ -56,6 +57,30 @@ void check(const Document& document, const Value& value, const Connector& connec
   };
   needs("axial_damping", "axial_stiffness");
   needs("rest_curvature", "bending_stiffness");
+  needs("twisting_stiffness", "bending_stiffness");
+  needs("twisting_damping", "twisting_stiffness");
+  needs("rest_twist", "twisting_stiffness");
+  const Value *twist = value.find("rest_twist"), *curvature = value.find("rest_curvature");
+  if (twist && twist->number != 0 && curvature) {
+    document.fail_at_key(*twist,
+                         "stands beside rest_curvature: what is curved at rest moves in a "
+                         "plane and is not twisted");
+  }
+}
+
+bool is_clamped(const Value& connector) {
+  return connector.find("from")->find("clamp") && connector.find("to")->find("clamp");
+}
+
+void check_turn(const Document& document, const Value& connector, const Value& turn) {
+  const auto fails = [&](const char* what) { document.fail_at_key(turn, what); };
+  if (!connector.find("twisting_stiffness") && !connector.find("material")) {
+    fails("needs twisting_stiffness or material");
+  }
+  if (!is_clamped(connector)) fails("needs a clamp at both ends: nothing twists without");
+  if (connector.find("rest_curvature")) {
+    fails("turns a connector with rest_curvature, which moves in a plane and is not twisted");
+  }
 }
 
 }  // namespace
@@ -71,7 +96,8 @@ void read_sections(const Document& document, const Value& value, Connector& conn
   const Value* first = nullptr;
   for (const std::string_view key :
        {"axial_stiffness", "axial_damping", "bending_stiffness", "bending_damping",
-        "rest_curvature", "material", "drag", "taper"}) {
+        "rest_curvature", "twisting_stiffness", "twisting_damping", "rest_twist", "material",
+        "drag", "taper"}) {
     if (!first) first = value.find(key);
   }
   for (const char* end : {"from", "to"}) {
@@ -81,6 +107,7 @@ void read_sections(const Document& document, const Value& value, Connector& conn
                            "needs bending_stiffness or material: what bends freely has no "
                            "direction at its end");
     }
+    if (const Value* turn = value.find(end)->find("turn")) check_turn(document, value, *turn);
   }
   if (!first) return;
   check(document, value, connector, *first);
@@ -90,6 +117,9 @@ void read_sections(const Document& document, const Value& value, Connector& conn
   section.bending_stiffness = number_or(value, "bending_stiffness", 0);
   section.bending_damping = number_or(value, "bending_damping", 0);
   section.rest_curvature = vec3_or(value, "rest_curvature", Vec3::Zero());
+  section.twisting_stiffness = number_or(value, "twisting_stiffness", 0);
+  section.twisting_damping = number_or(value, "twisting_damping", 0);
+  section.rest_twist = number_or(value, "rest_twist", 0);
   section.diameter = 2 * connector.radius;
   if (const Value* material = value.find("material")) {
     const double modulus = material->find("youngs_modulus")->number;
@@ -97,6 +127,8 @@ void read_sections(const Document& document, const Value& value, Connector& conn
     section.axial_stiffness = modulus * area(section.diameter);
     section.bending_stiffness =
         section.axial_stiffness * section.diameter * section.diameter / 16;  // pi d^4 / 64
+    section.twisting_stiffness =  // E / 2 (1 + nu) times twice the area's second moment
+        section.bending_stiffness / (1 + number_or(*material, "poissons_ratio", kPoissonsRatio));
   }
   connector.sections.assign(connector.links(), section);
   std::vector<double> weight;
@@ -108,6 +140,8 @@ void read_sections(const Document& document, const Value& value, Connector& conn
     own.axial_damping *= squared;
     own.bending_stiffness *= squared * squared;
     own.bending_damping *= squared * squared;
+    own.twisting_stiffness *= squared * squared;
+    own.twisting_damping *= squared * squared;
     own.diameter *= thick;
     weight.push_back(squared);
   }
@@ -115,6 +149,20 @@ void read_sections(const Document& document, const Value& value, Connector& conn
   if (const Value* drag = value.find("drag")) {
     connector.drag = {number_or(*drag, "across", 0), number_or(*drag, "along", 0)};
   }
+}
+
+std::shared_ptr<const Path> read_turn(const Document& document, const Value& list) {
+  std::vector<PathKey> keys;
+  for (const Value& entry : list.children) {
+    const Value& time = *entry.find("t");
+    if (!keys.empty() && !(time.number > keys.back().time)) {
+      document.mismatch(
+          time, fmt::format("a time after {} s, that of the key before it", keys.back().time));
+    }
+    const Vec3 angle(entry.find("angle")->number, 0, 0);
+    keys.push_back({time.number, angle, Quat::Identity(), flag_or(entry, "ease", false)});
+  }
+  return std::make_shared<const Path>(std::move(keys));
 }
 
 void check_curvatures(const Document& document, const World& world, const Timeline& timeline) {

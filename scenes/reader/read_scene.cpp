@@ -37,8 +37,9 @@ void refuse_obstacles(const Document& document, const MethodInfo& method) {
 
 /// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
 const Value* material_key(const Value& connector) {
-  for (const std::string_view key : {"axial_stiffness", "bending_stiffness", "bending_damping",
-                                     "rest_curvature", "material", "drag"}) {
+  for (const std::string_view key :
+       {"axial_stiffness", "bending_stiffness", "bending_damping", "rest_curvature",
+        "twisting_stiffness", "twisting_damping", "rest_twist", "material", "drag"}) {
     if (const Value* found = connector.find(key)) return found;
   }
   return nullptr;

@@ -126,6 +126,8 @@ double mass_of(const Value& connector, double length);
 /// What the connector's links are made of, and the air's drag on them; changes its masses where
 /// they follow the links.
 void read_sections(const Document& document, const Value& value, Connector& connector);
+/// What turns a clamp, from its keys (Hold::turn).
+std::shared_ptr<const Path> read_turn(const Document& document, const Value& list);
 /// The air of a scene.
 Air read_air(const Document& document);
 /// Obstacles, behind bodies and connectors. Those that move and are shown come with a driven body,

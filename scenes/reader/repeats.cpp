@@ -59,6 +59,7 @@ Connector repeated(const Connector& first, std::size_t index, const Repeat& repe
     } else {
       hold.to.point += repeat.by;
     }
+    if (hold.turn) hold.turn = moved(*hold.turn, {.by = Vec3::Zero(), .delay = repeat.delay});
   }
   return copy;
 }

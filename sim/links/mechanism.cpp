@@ -46,6 +46,7 @@ Vec3 angle(const Quat& rotation) {
 
 void Mechanism::load(const World& world, std::vector<double>& state) {
   world_ = &world;
+  material_.load_twists(world);
   state.resize(state_size());
   std::size_t point = 0;
   for (const Connector& connector : world.connectors) {
@@ -82,7 +83,14 @@ void Mechanism::store(const std::vector<double>& state, double time, World& worl
     body.velocity = vector(u);
     body.spin = vector(u + 3);
   }
+  material_.store_twists(world);
   place_held(world, time);
+}
+
+void Mechanism::follow(double time, const std::vector<double>& state) {
+  if (material_.twists().empty()) return;
+  material_.place(*world_, time);
+  material_.follow(state.data());
 }
 
 void Mechanism::update(double time, double* state) {

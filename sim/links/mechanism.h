@@ -100,6 +100,9 @@ class Mechanism {
   /// Writes the state, at `time`, to `world`.
   void store(const std::vector<double>& state, double time, World& world) const;
 
+  /// Tells that the state was reached, so that twist is followed over any number of turns.
+  void follow(double time, const std::vector<double>& state);
+
   /// Puts held points at their places.
   void place(double time, double* state);
   /// place(), and measures the rows; everything below speaks of the instant of the last update.

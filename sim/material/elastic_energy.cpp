@@ -22,5 +22,9 @@ double taut::elastic_energy(const World& world) {
     forces.edges(bend, position.data()->data(), e0, e1);
     energy += material::Bend(e0, e1, bend.rest).energy(bend.stiffness);
   }
+  for (const material::TwistElement& rod : forces.twists()) {
+    const double twist = forces.twist(rod, position.data()->data());
+    energy += rod.stiffness * twist * twist / 2;
+  }
   return energy;
 }

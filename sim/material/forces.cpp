@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "sim/material/elements.h"
@@ -147,6 +148,8 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
   stretches_.clear();
   bends_.clear();
   drags_.clear();
+  twists_.clear();
+  leaders_.clear();
   clamps_.clear();
   rest_.clear();
   if (!any_) return;
@@ -171,8 +174,9 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
         throw std::invalid_argument("connector " + connector.name +
                                     " is clamped to a free body, which is not known");
       }
-      clamps_.push_back({c, h, {}});
+      clamps_.push_back({c, h, {}, {}});
     }
+    if (clamps > 0) add_twist(connector, c, first, before);
     first += static_cast<std::uint32_t>(connector.particles());
   }
   lengths_.clear();
@@ -183,6 +187,7 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
 
 /// Lets elements end at the points that stand for theirs.
 void MaterialForces::lead(std::span<const std::uint32_t> leaders) {
+  if (!twists_.empty()) leaders_.assign(leaders.begin(), leaders.end());
   const auto change = [&](std::uint32_t& point) { point = leaders[point]; };
   for (StretchElement& link : stretches_) {
     change(link.a);
@@ -201,7 +206,9 @@ void MaterialForces::lead(std::span<const std::uint32_t> leaders) {
 
 void MaterialForces::place(const World& world, double time) {
   for (Clamp& clamp : clamps_) {
-    clamp.motion = clamp_motion(world, world.connectors[clamp.connector].holds[clamp.hold], time);
+    const Hold& hold = world.connectors[clamp.connector].holds[clamp.hold];
+    clamp.motion = clamp_motion(world, hold, time);
+    if (!twists_.empty()) clamp.frame = clamp_frame(world, hold, time);
   }
 }
 
@@ -248,6 +255,7 @@ void MaterialForces::add(const double* positions, const double* velocities,
   }
   add_bends(positions, velocities, force);
   add_drag(positions, velocities, force);
+  add_twists(positions, velocities, force);
 }
 
 void MaterialForces::add_bends(const double* positions, const double* velocities,
@@ -310,6 +318,23 @@ MaterialForces::Fastest MaterialForces::fastest(const std::vector<double>& inver
     const double l1 = bend.clamped_behind() ? 0 : 1 / lengths_[i].behind;
     add(bend.stiffness, bend.damping, {bend.a, bend.b, bend.c}, {l0, l0 + l1, l1});
   }
+  // Of twist what the moment bends aside, at most (moment / 2) (e0^2 + e1^2) / l^2 where two links
+  // meet, e how far their ends part across; and stiffness d d^T, d at most 1/l of each link, where
+  // neighbours meet at one radian.
+  for (const TwistElement& rod : twists_) {
+    const double moment = rod.stiffness * (rod.most + std::abs(rod.since) + 2 * std::numbers::pi);
+    double sum = 0;
+    for (std::uint32_t k = 0; k < rod.links; ++k) sum += 2 / rest_[rod.first + k];
+    for (std::uint32_t k = 0; k < rod.links; ++k) {
+      const std::uint32_t a = point_of(rod, k), b = point_of(rod, k + 1);
+      const double change = 1 / rest_[rod.first + k];
+      add(moment, 0, {a, b}, {change, change});
+      for (const std::uint32_t p : {a, b}) {
+        stiff[p] += rod.stiffness * change * sum;
+        damped[p] += rod.damping * change * sum;
+      }
+    }
+  }
   // Where 4/h^2 - 2c/h - k, Gershgorin's bound of a particle's row, is above zero for each, a step
   // of h is stable: the particle with the shortest step counts, w^2 = k and c = 2 z w.
   Fastest found;
@@ -327,7 +352,9 @@ MaterialForces::Fastest MaterialForces::fastest(const std::vector<double>& inver
 
 double MaterialForces::work() const {
   const auto count = [](const auto& list) { return static_cast<double>(list.size()); };
-  return 45 * count(stretches_) + 130 * count(bends_) + 60 * count(drags_);
+  double turns = 0;
+  for (const TwistElement& rod : twists_) turns += rod.links;
+  return 45 * count(stretches_) + 130 * count(bends_) + 60 * count(drags_) + 150 * turns;
 }
 
 }  // namespace taut::material

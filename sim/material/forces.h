@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "sim/material/twist.h"
+#include "sim/world/twist.h"
 #include "sim/world/world.h"
 
 namespace taut::material {
@@ -69,6 +71,7 @@ class MaterialForces {
   const std::vector<StretchElement>& stretches() const { return stretches_; }
   const std::vector<BendElement>& bends() const { return bends_; }
   const std::vector<DragElement>& drags() const { return drags_; }
+  const std::vector<TwistElement>& twists() const { return twists_; }
   const Vec3& wind() const { return wind_; }
 
   /// Turns the clamps to where they are at `time`.
@@ -81,6 +84,33 @@ class MaterialForces {
   /// Those of bends, and those of the air, alone.
   void add_bends(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   void add_drag(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
+  void add_twists(const double* positions, const double* velocities,
+                  std::vector<Vec3>& force) const;
+
+  /// The twist (rad) of a connector with its clamps where they are placed, less than half a turn
+  /// from what follow() saw last; and its rate (rad/s).
+  double twist(const TwistElement& rod, const double* positions) const;
+  double twist_rate(const TwistElement& rod, const double* positions,
+                    const double* velocities) const;
+  /// Its derivatives by the connector's particles, rad/m.
+  void twist_slope(const TwistElement& rod, const double* positions,
+                   std::vector<Vec3>& slope) const;
+  /// The point of a particle of the connector.
+  std::uint32_t point_of(const TwistElement& rod, std::uint32_t particle) const {
+    const std::uint32_t point = rod.first + particle;
+    return leaders_.empty() ? point : leaders_[point];
+  }
+  /// Takes the clamps' turns from a state that was reached, with the clamps placed.
+  void follow(const double* positions);
+  /// The same of the only connector that twists, with its turn known.
+  void follow_turn(double since) {
+    if (!twists_.empty()) twists_.front().since = since;
+  }
+  /// EndTurn::since at these places, less than half a turn from that last one.
+  double turned(const TwistElement& rod, const double* positions) const;
+  /// Takes them from a world, and gives them to it.
+  void load_twists(const World& world);
+  void store_twists(World& world) const;
 
   /// Frequency (rad/s) and share of critical damping of an oscillator for which no longer step is
   /// stable than for all that stretches and bends, by the points' inverse masses (1/kg):
@@ -98,13 +128,21 @@ class MaterialForces {
   struct Clamp {
     std::size_t connector = 0, hold = 0;
     ClampMotion motion;
+    ClampFrame frame;  // placed where something resists twist
   };
+  void add_twist(const Connector& connector, std::uint32_t index, std::uint32_t first,
+                 std::uint32_t clamps);
+  Vec3 link_of(const TwistElement& rod, std::uint32_t link, const double* positions) const;
+  template <class Visit>
+  void each_slope(const TwistElement& rod, const double* positions, Visit visit) const;
 
   bool any_ = false;
   Vec3 wind_ = Vec3::Zero();
   std::vector<StretchElement> stretches_;
   std::vector<BendElement> bends_;
   std::vector<DragElement> drags_;
+  std::vector<TwistElement> twists_;
+  std::vector<std::uint32_t> leaders_;  // of the points; empty: each stands for itself
   std::vector<Clamp> clamps_;
   struct Lengths {
     double before = 0, behind = 0;  // m, at rest

@@ -57,7 +57,8 @@ bool dissipates(const World& world) {
     const bool drags = connector.drag.across > 0 || connector.drag.along > 0;
     return (world.air.density > 0 && drags && !connector.sections.empty()) ||
            std::ranges::any_of(connector.sections, [](const Section& section) {
-             return section.axial_damping > 0 || section.bending_damping > 0;
+             return section.axial_damping > 0 || section.bending_damping > 0 ||
+                    section.twisting_damping > 0;
            });
   });
 }
@@ -166,7 +167,8 @@ bool is_closed(const World& world) {
   return bodies && !dissipates(world) &&
          std::ranges::all_of(world.connectors, [&](const Connector& connector) {
            return std::ranges::all_of(connector.holds, [&](const Hold& hold) {
-             return hold.to.kind != Attachment::Kind::path || rests(*hold.to.path);
+             return (hold.to.kind != Attachment::Kind::path || rests(*hold.to.path)) &&
+                    (!hold.turn || rests(*hold.turn));
            });
          });
 }

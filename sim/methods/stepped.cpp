@@ -31,6 +31,7 @@ void SteppedMethod::advance(World& world, double until) {
   for (std::uint64_t i = 0; i < times.count; ++i) {
     step(mechanism_, times.at(i), times.dt, state_);
     ++counters_.steps;
+    mechanism_.follow(times.at(i + 1), state_);
     if (const auto broken = mechanism_.broken_link(state_.data())) {
       throw Diverged(name_, times.at(i + 1), counters_.steps,
                      world.connectors[broken->connector].name, broken->link,

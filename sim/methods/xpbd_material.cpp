@@ -12,7 +12,8 @@ void XpbdMaterial::rebuild(const Mechanism& mechanism) {
   any_ = material.any();
   if (!any_) return;
   multiplier_.reserve(2 * (mechanism.state_room() / 6));
-  multiplier_.assign(material.stretches().size() + material.bends().size(), 0.0);
+  multiplier_.assign(
+      material.stretches().size() + material.bends().size() + material.twists().size(), 0.0);
   started_.reserve(mechanism.state_room());
   force_.reserve(mechanism.state_room() / 6);
   force_.resize(mechanism.points());
@@ -83,6 +84,36 @@ void XpbdMaterial::pass(const Mechanism& mechanism, double dt, double* state) {
     }
     ++multiplier;
   }
+  for (const material::TwistElement& rod : material.twists()) {
+    material.twist_slope(rod, state, force_);
+    project_twist(mechanism, dt, rod, *multiplier++, state);
+  }
+}
+
+/// The same for a constraint with all particles of a connector, its gradient in `force_`.
+void XpbdMaterial::project_twist(const Mechanism& mechanism, double dt,
+                                 const material::TwistElement& rod, double& multiplier,
+                                 double* state) {
+  double mobility = 0, since = 0;
+  const auto each = [&](auto visit) {
+    for (std::uint32_t i = 0; i <= rod.links; ++i) {
+      const std::uint32_t point = mechanism.material().point_of(rod, i);
+      visit(point, mechanism.position(point), force_[i]);
+    }
+  };
+  each([&](std::uint32_t point, std::size_t at, const Vec3& gradient) {
+    mobility += mechanism.inverse_mass()[point] * gradient.squaredNorm();
+    since +=
+        gradient.dot(Eigen::Map<const Vec3>(state + at) - Eigen::Map<const Vec3>(&started_[at]));
+  });
+  const double value = mechanism.material().twist(rod, state);
+  const double hard = rod.stiffness * dt * dt, slow = rod.damping * dt;
+  const double more = -(hard * value + multiplier + slow * since) / (1 + (hard + slow) * mobility);
+  multiplier += more;
+  each([&](std::uint32_t point, std::size_t at, const Vec3& gradient) {
+    Eigen::Map<Vec3> position(state + at);
+    position += more * mechanism.inverse_mass()[point] * gradient;
+  });
 }
 
 }  // namespace taut::methods

@@ -30,6 +30,9 @@ class XpbdMaterial {
   void project(const Mechanism& mechanism, double dt, double stiffness, double damping,
                double value, const Change (&changes)[N], double& multiplier, double* state);
 
+  void project_twist(const Mechanism& mechanism, double dt, const material::TwistElement& rod,
+                     double& multiplier, double* state);
+
   bool any_ = false;
   std::vector<double> multiplier_;  // of stretches, then of bends
   std::vector<double> started_;

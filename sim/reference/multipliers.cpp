@@ -66,7 +66,10 @@ void Multipliers::prepare(const World& world) {
   };
   for (const Body& body : world.bodies) add(body.path);
   for (const Connector& connector : world.connectors) {
-    for (const Hold& hold : connector.holds) add(hold.to.path);
+    for (const Hold& hold : connector.holds) {
+      add(hold.to.path);
+      add(hold.turn);
+    }
   }
   std::ranges::sort(keys_);
 }
@@ -121,6 +124,7 @@ void Multipliers::step(double& time, double until) {
   step_ = last ? std::max(wanted, taken) : taken;
   ++counters_.steps;
   project(time);
+  mechanism_.follow(time, state_);
 }
 
 void Multipliers::slope(const reference::State& state, reference::State& derivative, double time) {

@@ -51,6 +51,9 @@ struct Section {
   double bending_damping = 0;    // N m^2 s: moment per rate of curvature
   /// 1/m: how it is curved at rest, about which axis. Of motions in the plane across that axis.
   Vec3 rest_curvature = Vec3::Zero();
+  double twisting_stiffness = 0;  // GJ, N m^2
+  double twisting_damping = 0;    // N m^2 s: moment per rate of twist
+  double rest_twist = 0;          // rad/m
   double diameter = 0;  // m, that the air meets
 };
 
@@ -69,6 +72,16 @@ struct Hold {
   /// Where a connector that resists bending is clamped: its direction there, from its first
   /// particle to its last, in the frame of `to` (the world's for a fixed point). Zero: hinged.
   Vec3 clamp = Vec3::Zero();
+  /// What turns a clamp about that direction, beside its frame: the x of the path, in rad, and not
+  /// m. Null: nothing.
+  std::shared_ptr<const Path> turn = nullptr;
+};
+
+/// How far the last clamp of a connector is turned against the first, as carried along its links
+/// without turning about them, Hold::turn aside (sim/world/twist.h).
+struct EndTurn {
+  double start = 0;  // rad, from -pi to pi: where the connector is not twisted; set by finish()
+  double since = 0;  // rad: what has come to it, over any number of turns; a part of the state
 };
 
 enum class ConnectorModel {
@@ -97,6 +110,7 @@ struct Connector {
 
   std::vector<Section> sections;  // of each link; none: rigid links that bend freely, without air
   Drag drag;                      // with `sections` alone
+  EndTurn end_turn;               // of one that is clamped at both ends and resists twist
 
   std::size_t particles() const { return position.size(); }
   std::size_t links() const { return rest.size(); }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "sim/motion/hash.h"
+#include "sim/world/twist.h"
 
 namespace taut {
 namespace {
@@ -35,11 +36,16 @@ void add(const std::shared_ptr<const Path>& path, Hash& hash) {
 
 void add_materials(const Connector& connector, Hash& hash) {
   hash.word(connector.drag.across).word(connector.drag.along);
-  for (const Hold& hold : connector.holds) add(hold.clamp, hash);
+  for (const Hold& hold : connector.holds) {
+    add(hold.clamp, hash);
+    if (hold.turn) add(hold.turn, hash);
+  }
   for (const Section& section : connector.sections) {
     hash.word(section.axial_stiffness).word(section.axial_damping);
     hash.word(section.bending_stiffness).word(section.bending_damping).word(section.diameter);
     if (!section.rest_curvature.isZero(0)) add(section.rest_curvature, hash);
+    if (section.twisting_stiffness == 0) continue;
+    hash.word(section.twisting_stiffness).word(section.twisting_damping).word(section.rest_twist);
   }
 }
 
@@ -88,6 +94,9 @@ void finish(World& world) {
     if (!world.bodies[i].driven()) reweigh(world.bodies[i], laden[i]);
   }
   place_held(world, world.time);
+  for (Connector& connector : world.connectors) {
+    if (carries_twist(connector)) connector.end_turn = {.start = end_turn(world, connector)};
+  }
   world.topology = structure(world);
 }
 

@@ -32,8 +32,9 @@ struct World {
 };
 
 /// Joins the masses of particles held by free bodies to those bodies, sets every held particle and
-/// driven body to its place at `world.time`, and numbers the topology. Call once, after building a
-/// world. Throws std::invalid_argument where joint_flaw() finds one.
+/// driven body to its place at `world.time`, takes connectors for untwisted, and numbers the
+/// topology. Call once, after building a world. Throws std::invalid_argument where joint_flaw()
+/// finds one, or carries_twist() throws.
 void finish(World& world);
 
 /// Makes a finished world consistent again after changes by hand to connectors, holds, joints,

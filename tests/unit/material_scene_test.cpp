@@ -140,6 +140,54 @@ TEST_F(MaterialScene, OtherMethodsAndObstaclesAreRefused) {
          "stands in a scene with obstacles");
 }
 
+/// A rope between two clamps along x, with `turn` beside the second.
+std::string twisted(const std::string& keys, const std::string& turn,
+                    const std::string& clamp = ", clamp = [1, 0, 0]") {
+  return "duration = 1.0\n[method]\nname = \"direct\"\n[connectors.rope]\nlength = 2.0\n"
+         "particles = 5\nfrom = { fixed = [0, 0, 0], clamp = [1, 0, 0] }\nto = { fixed = [2, 0, "
+         "0]" +
+         clamp + turn + " }\nstart = { direction = [1, 0, 0] }\n" + keys + "\n";
+}
+
+TEST_F(MaterialScene, TwistIsRead) {
+  const std::string turn = ", turn = [{ t = 0, angle = 0 }, { t = 2, angle = 8 }]";
+  const Connector made = rope(
+      twisted("mass = 1\nbending_stiffness = 3\ntwisting_stiffness = 2\ntwisting_damping = 0.1\n"
+              "rest_twist = 0.5",
+              turn));
+  for (const Section& section : made.sections) {
+    EXPECT_EQ(section.twisting_stiffness, 2);
+    EXPECT_EQ(section.twisting_damping, 0.1);
+    EXPECT_EQ(section.rest_twist, 0.5);
+  }
+  EXPECT_EQ(made.holds[1].turn->at(1).position.x(), 4);
+  EXPECT_EQ(made.holds[0].turn, nullptr);
+  const std::string material = "material = { youngs_modulus = 1e6, diameter = 0.1, density = 1000";
+  const Section metal = rope(twisted(material + " }", "")).sections[0];
+  EXPECT_DOUBLE_EQ(metal.twisting_stiffness, metal.bending_stiffness / 1.3);
+  const Section rubber = rope(twisted(material + ", poissons_ratio = 0.5 }", "")).sections[0];
+  EXPECT_DOUBLE_EQ(rubber.twisting_stiffness, metal.bending_stiffness / 1.5);
+}
+
+TEST_F(MaterialScene, FaultsOfTwistAreNamed) {
+  const std::string twists = "mass = 1\nbending_stiffness = 3\ntwisting_stiffness = 2\n";
+  const std::string turn = ", turn = [{ t = 0, angle = 1 }]";
+  EXPECT_EQ(said(twisted(twists, turn)), "nothing");
+  expect(twisted(twists, turn, ""), "needs a clamp at both ends");
+  expect(twisted("mass = 1\nbending_stiffness = 3", turn), "needs twisting_stiffness or material");
+  expect(twisted("mass = 1\ntwisting_stiffness = 2", "", ""),
+         "needs bending_stiffness or material");
+  expect(twisted("mass = 1\nbending_stiffness = 3\nrest_twist = 2", ""),
+         "needs twisting_stiffness or material");
+  expect(twisted(twists + "rest_twist = 2\nrest_curvature = [0, 0, 1]", ""), "is not twisted");
+  expect(twisted(twists + "rest_curvature = [0, 0, 1]", turn), "is not twisted");
+  expect(twisted("mass = 1\nbending_stiffness = 3\ntwisting_stiffness = -2", ""),
+         "found -2, expected a number above 0");
+  expect(twisted(twists, ", turn = [{ t = 1, angle = 1 }, { t = 1, angle = 2 }]"),
+         "a time after 1 s");
+  expect(twisted(twists, ", turn = []"), "turn");
+}
+
 TEST_F(MaterialScene, RestCurvatureNeedsAPlane) {
   const std::string bends = "mass = 1\nbending_stiffness = 3\nrest_curvature = ";
   const Connector made = rope(rope_with(bends + "[0, 0, 2]"));

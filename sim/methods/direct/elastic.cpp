@@ -23,6 +23,7 @@ constexpr double kOrder = 4;          // of the error's estimate in a step
 void copy_state(const Connector& from, Connector& to) {
   to.position = from.position;
   to.velocity = from.velocity;
+  to.end_turn = from.end_turn;
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ void ElasticSystem::rebuild(const World& world) {
   direction_.resize(links);
   led_.resize(links);
   for (auto* workspace : {&diagonal_, &beside_, &impulse_, &factor_}) workspace->resize(links);
+  rebuild_twist();
 }
 
 void ElasticSystem::place(double time, double* x, double* v) {
@@ -79,6 +80,7 @@ void ElasticSystem::residual(const double* x, const double* v, const double* acc
   std::ranges::fill(force_, Vec3::Zero());
   material_.add_bends(x, v, force_);
   material_.add_drag(x, v, force_);
+  material_.add_twists(x, v, force_);
   left[3] = 0;
   for (std::size_t k = 0; k < rest_.size(); ++k) {
     const std::size_t row = 4 * (k + 1) + 3;
@@ -171,6 +173,7 @@ void ElasticSystem::differentiate(const double* x, const double* v, const double
     add_block(link.b, link.b, slope, damping_);
     add_block(link.b, link.a, slope, damping_);
   }
+  differentiate_twist(x, v);
 }
 
 template <class Scalar>
@@ -209,6 +212,7 @@ template void ElasticSystem::scale_links(double, double*) const;
 template void ElasticSystem::scale_links(Complex, Complex*) const;
 
 void ElasticSystem::add_damping(const double* by, double* to) const {
+  add_twist_damping(by, to);
   for (std::size_t row = 0; row < (damped_ ? size() : 0); ++row) {
     const double* entries = &damping_[row * (kHalf + 1)];
     for (std::size_t c = row < kHalf ? kHalf - row : 0; c <= kHalf; ++c) {

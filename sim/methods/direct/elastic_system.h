@@ -54,6 +54,24 @@ class ElasticSystem {
   /// scale_links().
   void add_damping(const double* by, double* to) const;
 
+  /// Twist couples all particles with each other, by a matrix of rank one: s g g^T beside that of
+  /// assemble(). Its g, the derivative of the twist by places (rad/m; 4 numbers a particle), at the
+  /// state that was differentiated; empty: nothing twists.
+  const Array& twist_slope() const { return twist_slope_; }
+  template <class Scalar>
+  Scalar twist_share(Scalar rate) const {
+    if (carries_.empty()) return {};
+    const material::TwistElement& rod = material_.twists().front();
+    return rod.stiffness * Scalar{1} + rod.damping * rate;
+  }
+  /// How far the ends are turned at a state (EndTurn::since), near the last that was followed; with
+  /// the clamps placed.
+  double end_turn(const double* x) const;
+  double followed_turn() const;
+  void follow_turn(double since) { material_.follow_turn(since); }
+  void load_twist(const World& world) { material_.load_twists(world); }
+  void store_twist(World& world) const { material_.store_twists(world); }
+
   /// Moves as little as gives rigid links their length, and hard ones the length that they have
   /// under their tension, all masses counted: those whose waves steps of `h` (s) do not follow.
   /// False where it does not converge.
@@ -69,6 +87,9 @@ class ElasticSystem {
   void add_block(std::size_t row, std::size_t column, const Mat3& block, Band& band);
   void add_bend(const material::BendElement& bend, const Mat3& h00, const Mat3& h01,
                 const Mat3& h11, Band& band);
+  void rebuild_twist();
+  void differentiate_twist(const double* x, const double* v);
+  void add_twist_damping(const double* by, double* to) const;
   void fill_directions(const double* x);
   void solve_links(double* right);
 
@@ -87,6 +108,8 @@ class ElasticSystem {
   std::vector<Vec3> direction_;
   std::vector<double> diagonal_, beside_, impulse_, factor_;
   bool has_rigid_ = false;
+  std::vector<material::BendElement> carries_;  // where twist is carried on; empty: nothing twists
+  Array twist_slope_;
 };
 
 }  // namespace taut::direct

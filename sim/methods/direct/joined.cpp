@@ -54,7 +54,8 @@ void Joined::rebuild(const World& world) {
       if (rest > 0) shortest_ = std::min(shortest_, rest);
     }
     for (const Hold& hold : connector.holds) {
-      driven_ = driven_ || (is_prescribed(world, hold.to) && !rests(hold.to, world.time));
+      driven_ = driven_ || (is_prescribed(world, hold.to) && !rests(hold.to, world.time)) ||
+                hold.turn != nullptr;
     }
   }
   const auto& easy = mechanism_.inverse_mass();
@@ -179,6 +180,7 @@ void Joined::advance(World& world, double until) {
       if (taken) {
         std::swap(state_, next_);
         time = count == 1 ? until : time + h;
+        mechanism_.follow(time, state_);
         // A step that was cut to end at `until` says nothing against the longer one.
         const double next = h * std::min(ratio, kConstants.most_change);
         if (ratio < 1 || next > step_) step_ = next;

@@ -10,6 +10,7 @@ constexpr int kIterations = 12;   // of Newton's method in a step that is not to
 constexpr double kSlow = 0.8;     // a contraction above it is none
 constexpr double kFloor = 1e-16;  // of the length: changes below it are roundings
 constexpr double kNoise = 1e-10;  // of the length: where stiff forces' roundings end the iteration
+constexpr double kMostTurn = 1;   // rad, of the ends in a step: whole turns stay known
 constexpr double kFarthest = 4;   // steps before: farther no polynomial is followed
 
 }  // namespace
@@ -42,6 +43,7 @@ void RadauStep::load(double time) {
       v_[3 * i + c] = connector.velocity[i][static_cast<int>(c)];
     }
   }
+  system_.load_twist(*world_);
   system_.place(time, x_.data(), v_.data());
   std::ranges::fill(tension_, 0.0);
   system_.restore_lengths(0, tension_.data(), x_.data());
@@ -51,6 +53,7 @@ void RadauStep::load(double time) {
 }
 
 void RadauStep::store(World& world) const {
+  system_.store_twist(world);
   Connector& connector = world.connectors[0];
   for (std::size_t i = 0; i < connector.particles(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -133,8 +136,8 @@ double RadauStep::iterate(double time, double h) {
   const Complex pair{tableau_.re / h, tableau_.im / h};
   system_.scale_links(tableau_.real / h, real_right_.data());
   system_.scale_links(pair, complex_right_.data());
-  real_.solve(real_right_.data());
-  complex_.solve(complex_right_.data());
+  real_twist_.solve(real_, real_right_.data());
+  complex_twist_.solve(complex_, complex_right_.data());
   double moved = 0;
   for (std::size_t j = 0; j < 3; ++j) {
     const Vec3 row = to.row(static_cast<int>(j));
@@ -163,10 +166,14 @@ RadauStep::Result RadauStep::attempt(double time, double h, double within, doubl
   h_ = h;
   system_.place(time, x_.data(), v_.data());
   system_.differentiate(x_.data(), v_.data(), tension_.data());
-  system_.assemble(tableau_.real / h, real_);
-  system_.assemble(Complex{tableau_.re / h, tableau_.im / h}, complex_);
+  const double real = tableau_.real / h;
+  const Complex pair{tableau_.re / h, tableau_.im / h};
+  system_.assemble(real, real_);
+  system_.assemble(pair, complex_);
   real_.factor();
   complex_.factor();
+  real_twist_.factor(real_, system_.twist_slope(), system_.twist_share(real));
+  complex_twist_.factor(complex_, system_.twist_slope(), system_.twist_share(pair));
   guess(h);
   const double floor = kFloor * system_.length();
   double before = 0;
@@ -206,7 +213,8 @@ bool RadauStep::finish(double time, double h) {
   system_.place(time + h, next_x_.data(), next_v_.data());
   if (!system_.restore_lengths(h, z_[2].data(), next_x_.data())) return false;
   system_.stop_stretch(next_x_.data(), next_v_.data());
-  return true;
+  next_turn_ = system_.end_turn(next_x_.data());
+  return std::abs(next_turn_ - system_.followed_turn()) < kMostTurn;
 }
 
 /// By the embedded formula of order 3, filtered by the real matrix; once more from the state that
@@ -249,7 +257,7 @@ double RadauStep::filter(double h, const Array& x, const Array& v) {
   }
   system_.add_damping(speed_.data(), right.data());
   system_.scale_links(rate, right.data());
-  real_.solve(right.data());
+  real_twist_.solve(real_, right.data());
   std::swap(right, real_right_);
   return rms(real_right_.data());
 }
@@ -260,6 +268,7 @@ void RadauStep::accept() {
   std::swap(z_, before_);
   tension_ = before_[2];
   before_h_ = h_;
+  system_.follow_turn(next_turn_);
 }
 
 }  // namespace taut::direct

@@ -7,6 +7,7 @@
 
 #include "sim/methods/direct/elastic_system.h"
 #include "sim/methods/direct/radau_tableau.h"
+#include "sim/methods/direct/rank_one.h"
 
 namespace taut::direct {
 
@@ -63,6 +64,9 @@ class RadauStep {
   std::vector<Complex> complex_right_;
   BandLdlt<double, kHalf> real_;
   BandLdlt<Complex, kHalf> complex_;
+  RankOne<double, kHalf> real_twist_;
+  RankOne<Complex, kHalf> complex_twist_;
+  double next_turn_ = 0;         // rad, see ElasticSystem::end_turn()
   double h_ = 0, before_h_ = 0;  // s; before_h_ zero: there is no step before
   std::size_t free_ = 0;         // particles
   std::uint64_t iterations_ = 0;

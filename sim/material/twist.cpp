@@ -1,0 +1,169 @@
+#include "sim/material/twist.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/material/forces.h"
+#include "sim/world/twist.h"
+
+namespace taut::material {
+namespace {
+
+Mat3 crossing(const Vec3& v) {
+  Mat3 matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+/// The turn of a hold that is the farthest from none, rad.
+double farthest(const Hold& hold) {
+  double most = 0;
+  if (!hold.turn) return most;
+  for (const PathKey& key : hold.turn->keys()) most = std::max(most, std::abs(key.position.x()));
+  return most;
+}
+
+}  // namespace
+
+Carry::Carry(const Vec3& e0, const Vec3& e1)
+    : inverse0_(1 / e0.norm()),
+      inverse1_(1 / e1.norm()),
+      t0_(inverse0_ * e0),
+      t1_(inverse1_ * e1),
+      share_(1 / (1 + t0_.dot(t1_))),
+      slope_(share_ * t0_.cross(t1_)) {}
+
+Bend::Stiffness Carry::second() const {
+  const auto own = [&](const Mat3& by_direction, const Vec3& t) -> Mat3 {
+    const Mat3 full =
+        by_direction * (Mat3::Identity() - t * t.transpose()) - slope_ * t.transpose();
+    return (full + full.transpose()) / 2;
+  };
+  const Mat3 by_t0 = share_ * (-crossing(t1_) - slope_ * t1_.transpose());
+  const Mat3 by_t1 = share_ * (crossing(t0_) - slope_ * t0_.transpose());
+  return {inverse0_ * inverse0_ * own(by_t0, t0_),
+          inverse0_ * inverse1_ * by_t1 * (Mat3::Identity() - t1_ * t1_.transpose()),
+          inverse1_ * inverse1_ * own(by_t1, t1_)};
+}
+
+/// The connector's twist, where it carries any; its clamps are numbered from `clamps` on.
+void MaterialForces::add_twist(const Connector& connector, std::uint32_t index, std::uint32_t first,
+                               std::uint32_t clamps) {
+  if (!carries_twist(connector)) return;
+  double softness = 0, damping = 0, rest = 0;
+  for (std::size_t k = 0; k < connector.links(); ++k) {
+    const Section& section = connector.sections[k];
+    const double own = connector.rest[k] / section.twisting_stiffness;  // rad for 1 N m
+    softness += own;
+    // Each link takes its share of the rate, as it takes its share of the twist.
+    damping += own * section.twisting_damping / section.twisting_stiffness;
+    rest += connector.rest[k] * section.rest_twist;
+  }
+  const Hold &from = connector.holds.front(), &to = connector.holds.back();
+  twists_.push_back({.connector = index,
+                     .first = first,
+                     .links = static_cast<std::uint32_t>(connector.links()),
+                     .from = clamps,
+                     .to = clamps + 1,
+                     .stiffness = 1 / softness,
+                     .damping = damping / (softness * softness),
+                     .rest = rest,
+                     .most = farthest(from) + farthest(to) + std::abs(rest),
+                     .start = connector.end_turn.start,
+                     .since = connector.end_turn.since});
+}
+
+/// Calls `visit(link, slope)`, slope the derivative of the twist by the link's edge.
+template <class Visit>
+void MaterialForces::each_slope(const TwistElement& rod, const double* positions,
+                                Visit visit) const {
+  const Vec3& last = clamps_[rod.to].motion.direction;
+  Vec3 edge = link_of(rod, 0, positions), next;
+  Vec3 before = Carry(clamps_[rod.from].motion.direction, edge).slope();
+  for (std::uint32_t k = 0; k < rod.links; ++k) {
+    next = k + 1 < rod.links ? link_of(rod, k + 1, positions) : last;
+    const Vec3 behind = Carry(edge, next).slope();
+    visit(k, Vec3((before + behind) / edge.norm()));
+    before = behind;
+    edge = next;
+  }
+}
+
+Vec3 MaterialForces::link_of(const TwistElement& rod, std::uint32_t link,
+                             const double* positions) const {
+  const std::uint32_t a = point_of(rod, link), b = point_of(rod, link + 1);
+  return Eigen::Map<const Vec3>(positions + 3 * b) - Eigen::Map<const Vec3>(positions + 3 * a);
+}
+
+double MaterialForces::turned(const TwistElement& rod, const double* positions) const {
+  const Clamp &from = clamps_[rod.from], &to = clamps_[rod.to];
+  CarriedFrame carried(from.frame.frame, from.motion.direction);
+  for (std::uint32_t k = 0; k < rod.links; ++k) {
+    carried.carry(link_of(rod, k, positions).normalized());
+  }
+  carried.carry(to.motion.direction);
+  // As near to the last one as whole turns bring it.
+  const double now = carried.turn_to(to.frame.frame) - rod.start;
+  constexpr double kTurn = 2 * std::numbers::pi;
+  return now + kTurn * std::round((rod.since - now) / kTurn);
+}
+
+double MaterialForces::twist(const TwistElement& rod, const double* positions) const {
+  return turned(rod, positions) + clamps_[rod.to].frame.turn - clamps_[rod.from].frame.turn -
+         rod.rest;
+}
+
+double MaterialForces::twist_rate(const TwistElement& rod, const double* positions,
+                                  const double* velocities) const {
+  const Clamp &from = clamps_[rod.from], &to = clamps_[rod.to];
+  double rate = to.frame.spin + to.frame.turn_rate - from.frame.spin - from.frame.turn_rate;
+  rate += Carry(from.motion.direction, link_of(rod, 0, positions)).slope().dot(from.motion.rate);
+  rate += Carry(link_of(rod, rod.links - 1, positions), to.motion.direction)
+              .slope()
+              .dot(to.motion.rate);
+  each_slope(rod, positions, [&](std::uint32_t link, const Vec3& slope) {
+    rate += slope.dot(link_of(rod, link, velocities));
+  });
+  return rate;
+}
+
+void MaterialForces::twist_slope(const TwistElement& rod, const double* positions,
+                                 std::vector<Vec3>& slope) const {
+  slope.assign(rod.links + 1, Vec3::Zero());
+  each_slope(rod, positions, [&](std::uint32_t link, const Vec3& by_edge) {
+    slope[link] -= by_edge;
+    slope[link + 1] += by_edge;
+  });
+}
+
+void MaterialForces::add_twists(const double* positions, const double* velocities,
+                                std::vector<Vec3>& force) const {
+  for (const TwistElement& rod : twists_) {
+    double moment = rod.stiffness * twist(rod, positions);
+    if (rod.damping > 0) moment += rod.damping * twist_rate(rod, positions, velocities);
+    each_slope(rod, positions, [&](std::uint32_t link, const Vec3& slope) {
+      force[point_of(rod, link)] += moment * slope;
+      force[point_of(rod, link + 1)] -= moment * slope;
+    });
+  }
+}
+
+void MaterialForces::follow(const double* positions) {
+  for (TwistElement& rod : twists_) rod.since = turned(rod, positions);
+}
+
+void MaterialForces::load_twists(const World& world) {
+  for (TwistElement& rod : twists_) {
+    const EndTurn& turn = world.connectors[rod.connector].end_turn;
+    rod.start = turn.start;
+    rod.since = turn.since;
+  }
+}
+
+void MaterialForces::store_twists(World& world) const {
+  for (const TwistElement& rod : twists_)
+    world.connectors[rod.connector].end_turn.since = rod.since;
+}
+
+}  // namespace taut::material
