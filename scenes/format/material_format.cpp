@@ -27,7 +27,12 @@ const TableFormat& drag_format() {
 const TableFormat& air_format() {
   static const TableFormat format{
       {not_negative("density", "Default: 1.225.", "kg/m^3"),
-       vector("wind", "Velocity of the air, the same everywhere; default: [0, 0, 0].", "m/s")}};
+       vector("wind", "Velocity of the air, the same everywhere; default: [0, 0, 0].", "m/s"),
+       {.name = "file",
+        .type = Type::file,
+        .meaning = "A CSV file with the columns t,x,y,z: the wind (m/s) over time (s), smooth "
+                   "between its rows and constant beyond them."}},
+      {{{"wind", "file"}, false}}};
   return format;
 }
 

@@ -179,7 +179,8 @@ void check_curvatures(const Document& document, const World& world, const Timeli
       return std::ranges::any_of(joint.particles,
                                  [&](const auto& at) { return at.connector == c; });
     };
-    bool plane = lies(world.gravity) && (world.air.density == 0 || lies(world.air.wind)) &&
+    bool plane = lies(world.gravity) &&
+                 (world.air.density == 0 || (lies(world.air.wind) && !world.air.gusts)) &&
                  std::ranges::none_of(world.joints, joins);
     for (const Vec3& at : connector.position) plane = plane && lies(at - origin);
     for (const Vec3& velocity : connector.velocity) plane = plane && lies(velocity);
@@ -200,7 +201,13 @@ void check_curvatures(const Document& document, const World& world, const Timeli
 Air read_air(const Document& document) {
   const Value* air = document.root.find("air");
   if (!air) return {};
-  return {number_or(*air, "density", kAirDensity), vec3_or(*air, "wind", Vec3::Zero())};
+  Air made{number_or(*air, "density", kAirDensity), vec3_or(*air, "wind", Vec3::Zero())};
+  if (const Value* file = air->find("file")) {
+    const auto found = find_file(document, *file);
+    made.gusts = with_place(document, *file,
+                            [&] { return std::make_shared<const Path>(read_path_csv(found)); });
+  }
+  return made;
 }
 
 }  // namespace taut::scenes

@@ -157,7 +157,7 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
   bends_.reserve(room);
   drags_.reserve(room);
   rest_.reserve(room);
-  wind_ = world.air.wind;
+  wind_ = world.air.wind_at(world.time);
   std::uint32_t first = 0;
   for (std::uint32_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
@@ -205,6 +205,7 @@ void MaterialForces::lead(std::span<const std::uint32_t> leaders) {
 }
 
 void MaterialForces::place(const World& world, double time) {
+  if (world.air.gusts) wind_ = world.air.wind_at(time);
   for (Clamp& clamp : clamps_) {
     const Hold& hold = world.connectors[clamp.connector].holds[clamp.hold];
     clamp.motion = clamp_motion(world, hold, time);

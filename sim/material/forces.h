@@ -74,7 +74,7 @@ class MaterialForces {
   const std::vector<TwistElement>& twists() const { return twists_; }
   const Vec3& wind() const { return wind_; }
 
-  /// Turns the clamps to where they are at `time`.
+  /// Turns the clamps to where they are at `time` (s), and the wind to what it is then.
   void place(const World& world, double time);
   /// The two edges that an element bends, and their rates.
   void edges(const BendElement& bend, const double* positions, Vec3& e0, Vec3& e1) const;

@@ -64,6 +64,7 @@ void Multipliers::prepare(const World& world) {
     if (!path) return;
     for (const PathKey& key : path->keys()) keys_.push_back(key.time);
   };
+  add(world.air.gusts);
   for (const Body& body : world.bodies) add(body.path);
   for (const Connector& connector : world.connectors) {
     for (const Hold& hold : connector.holds) {

@@ -183,6 +183,7 @@ std::uint64_t structure(const World& world) {
   if (has_materials(world)) {
     hash.word(world.air.density);
     add(world.air.wind, hash);
+    if (world.air.gusts) hash.word(world.air.gusts->fingerprint());
   }
   for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
   return sum + hash.value();

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "sim/motion/path.h"
 #include "sim/motion/types.h"
 #include "sim/world/body.h"
 #include "sim/world/connector.h"
@@ -12,10 +14,14 @@
 
 namespace taut {
 
-/// What connectors with drag coefficients move through; the same everywhere, at all times.
+/// What connectors with drag coefficients move through; the same everywhere.
 struct Air {
   double density = 0;        // kg/m^3; zero: none
   Vec3 wind = Vec3::Zero();  // m/s
+  /// Where it is in m, the wind is in m/s, beside `wind`. None: the wind is the same at all times.
+  std::shared_ptr<const Path> gusts = nullptr;
+
+  Vec3 wind_at(double time) const { return gusts ? Vec3(wind + gusts->at(time).position) : wind; }
 };
 
 /// A value: copying a world copies its state (paths are shared, they never change).

@@ -135,6 +135,66 @@ TEST(Air, WindLeansARope) {
   EXPECT_NEAR(out.connectors[0].position.back().x() / (force / worlds::kGravity), 1, 0.02);
 }
 
+// A rope that is free at one end lies straight in the wind, at the angle a to it at which what it
+// weighs across itself and its drag balance, link by link: w cos a = c sin^2 a per length. Drag
+// along it changes nothing but the tension. It comes back there from another angle.
+TEST(Air, ARopeInTheWindLiesStraight) {
+  World world = rope(20, 0.05, section(kRigid, 0), false);
+  Connector& flies = world.connectors[0];
+  const double weight = 0.05 * worlds::kGravity, drag = 1.2 / 2 * 1.2 * 0.01 * 49;
+  const double cosine =  // of c cos^2 a + w cos a - c = 0
+      (std::sqrt(weight * weight + 4 * drag * drag) - weight) / (2 * drag);
+  const double angle = std::acos(cosine);
+  const auto along = [](double turn) { return Vec3(std::cos(turn), -std::sin(turn), 0); };
+  flies.drag = {1.2, 0.1};
+  world.air = {1.2, Vec3(7, 0, 0)};
+  for (std::size_t i = 0; i < flies.particles(); ++i) {
+    flies.position[i] = static_cast<double>(i) / 20 * along(angle + 0.1);
+  }
+  finish(world);
+  const World end = after(world, 20, 1e-6);
+  for (std::size_t i = 0; i < flies.particles(); ++i) {
+    const Vec3 expected = static_cast<double>(i) / 20 * along(angle);
+    EXPECT_LT((end.connectors[0].position[i] - expected).norm(), 1e-6);
+  }
+}
+
+// A rope that lies across a wind whose strength changes moves as one of its links does:
+// v' = c (w(t) - v) |w(t) - v|, here by Runge and Kutta's method.
+TEST(Air, GustsAreFollowed) {
+  World world = rope(10, 0.1, section(kRigid, 0), false);
+  Connector& floats = world.connectors[0];
+  for (std::size_t i = 0; i < floats.particles(); ++i) {
+    floats.position[i] = static_cast<double>(i) / 10 * Vec3::UnitX();
+  }
+  floats.holds.clear();
+  floats.drag = {1.2, 0};
+  world.gravity.setZero();
+  world.air = {
+      1.2, Vec3::Zero(),
+      std::make_shared<const Path>(std::vector<PathKey>{
+          {0, Vec3(0, 2, 0)}, {0.5, Vec3(0, 9, 0)}, {1.1, Vec3(0, -4, 0)}, {2, Vec3(0, 6, 0)}})};
+  finish(world);
+  const double share = 1.2 / 2 * 1.2 * 0.01 * 0.1 / floats.particle_mass[1];
+  double speed = 0, way = 0;
+  const auto rate = [&](double time, double v) {
+    const double past = world.air.wind_at(time).y() - v;
+    return share * past * std::abs(past);
+  };
+  constexpr int kSteps = 20000;
+  constexpr double kStep = 2.0 / kSteps;
+  for (int i = 0; i < kSteps; ++i) {
+    const double t = i * kStep, half = kStep / 2;
+    const double a = rate(t, speed), b = rate(t + half, speed + half * a);
+    const double c = rate(t + half, speed + half * b), d = rate(t + kStep, speed + kStep * c);
+    way += kStep * speed + kStep * kStep / 6 * (a + b + c);
+    speed += kStep / 6 * (a + 2 * b + 2 * c + d);
+  }
+  const World end = after(world, 2, 1e-9);
+  EXPECT_NEAR(end.connectors[0].position[5].y(), way, 1e-7);
+  EXPECT_NEAR(end.connectors[0].velocity[5].y(), speed, 1e-7);
+}
+
 TEST(Material, ElasticEnergyIsCounted) {
   World world = rope(1, 1, section(50, 0), false);
   const double before = energy(world);

@@ -69,6 +69,17 @@ TEST_F(MaterialScene, WithoutAnyNothingIsMade) {
   EXPECT_EQ(world.air.density, 1.225);
 }
 
+TEST_F(MaterialScene, GustsAreRead) {
+  folder_.write("gusts.csv", "t,x,y,z\n0,1,0,0\n2,5,0,1\n");
+  const std::string gusty = "air = { file = \"gusts.csv\" }", hold = "fixed = [0, 1, 0]";
+  const World world = read(rope_with("mass = 1\ndrag = { across = 1 }", hold, gusty)).world;
+  EXPECT_EQ(world.air.wind_at(0), Vec3(1, 0, 0));
+  EXPECT_EQ(world.air.wind_at(3), Vec3(5, 0, 1));
+  folder_.write("gusts.csv", "t,x,y\n0,1,0\n");
+  EXPECT_NE(said(rope_with("mass = 1", hold, gusty)).find("gusts.csv:1: expected the columns"),
+            std::string::npos);
+}
+
 // EA = E pi d^2 / 4, EI = E pi d^4 / 64, and each link's mass at its ends.
 TEST_F(MaterialScene, AMaterialGivesStiffnessAndMass) {
   const Connector made =
