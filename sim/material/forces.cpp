@@ -126,6 +126,25 @@ std::uint32_t add_bends(const Connector& connector, std::uint32_t clamps, std::u
   return clamp - clamps;
 }
 
+void add_closing_bend(const Connector& connector, std::uint32_t first,
+                      std::vector<BendElement>& elements) {
+  if (!bends(connector)) return;
+  const std::size_t last = connector.links() - 1;
+  const double length = connector.rest[last] + connector.rest[0];
+  const auto over = [&](double Section::*value) {
+    return 2 *
+           (connector.rest[last] * connector.sections[last].*value +
+            connector.rest[0] * connector.sections[0].*value) /
+           (length * length);
+  };
+  elements.push_back({.a = first + static_cast<std::uint32_t>(last),
+                      .b = first,
+                      .c = first + 1,
+                      .stiffness = over(&Section::bending_stiffness),
+                      .damping = over(&Section::bending_damping),
+                      .rest = rest_of_half(connector, last) + rest_of_half(connector, 0)});
+}
+
 void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
                std::vector<DragElement>& elements) {
   const Drag& drag = connector.drag;
@@ -176,7 +195,10 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
       }
       clamps_.push_back({c, h, {}, {}});
     }
-    if (clamps > 0) add_twist(connector, c, first, before);
+    const bool loop = is_loop(world, c);
+    if (loop && clamps == 0) add_closing_bend(connector, first, bends_);
+    if ((loop || clamps > 0) && carries_twist(world, c))
+      add_twist(connector, c, first, before, loop);
     first += static_cast<std::uint32_t>(connector.particles());
   }
   lengths_.clear();

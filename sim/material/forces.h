@@ -56,6 +56,9 @@ void add_stretches(const Connector& connector, std::uint32_t index, std::uint32_
 /// `clamps` is the number of the first clamp; returns how many there are.
 std::uint32_t add_bends(const Connector& connector, std::uint32_t clamps, std::uint32_t first,
                         std::vector<BendElement>& elements);
+/// The bend of a closed loop where it closes.
+void add_closing_bend(const Connector& connector, std::uint32_t first,
+                      std::vector<BendElement>& elements);
 void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
                std::vector<DragElement>& elements);
 
@@ -131,7 +134,7 @@ class MaterialForces {
     ClampFrame frame;  // placed where something resists twist
   };
   void add_twist(const Connector& connector, std::uint32_t index, std::uint32_t first,
-                 std::uint32_t clamps);
+                 std::uint32_t clamps, bool closed);
   Vec3 link_of(const TwistElement& rod, std::uint32_t link, const double* positions) const;
   template <class Visit>
   void each_slope(const TwistElement& rod, const double* positions, Visit visit) const;

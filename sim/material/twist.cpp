@@ -47,10 +47,9 @@ Bend::Stiffness Carry::second() const {
           inverse1_ * inverse1_ * own(by_t1, t1_)};
 }
 
-/// The connector's twist, where it carries any; its clamps are numbered from `clamps` on.
+/// The twist of a connector that carries any; its clamps are numbered from `clamps` on.
 void MaterialForces::add_twist(const Connector& connector, std::uint32_t index, std::uint32_t first,
-                               std::uint32_t clamps) {
-  if (!carries_twist(connector)) return;
+                               std::uint32_t clamps, bool closed) {
   double softness = 0, damping = 0, rest = 0;
   for (std::size_t k = 0; k < connector.links(); ++k) {
     const Section& section = connector.sections[k];
@@ -60,16 +59,18 @@ void MaterialForces::add_twist(const Connector& connector, std::uint32_t index, 
     damping += own * section.twisting_damping / section.twisting_stiffness;
     rest += connector.rest[k] * section.rest_twist;
   }
-  const Hold &from = connector.holds.front(), &to = connector.holds.back();
+  double most = std::abs(rest);
+  for (const Hold& hold : connector.holds) most += farthest(hold);
   twists_.push_back({.connector = index,
                      .first = first,
                      .links = static_cast<std::uint32_t>(connector.links()),
+                     .closed = closed,
                      .from = clamps,
                      .to = clamps + 1,
                      .stiffness = 1 / softness,
                      .damping = damping / (softness * softness),
                      .rest = rest,
-                     .most = farthest(from) + farthest(to) + std::abs(rest),
+                     .most = most,
                      .start = connector.end_turn.start,
                      .since = connector.end_turn.since});
 }
@@ -78,9 +79,11 @@ void MaterialForces::add_twist(const Connector& connector, std::uint32_t index, 
 template <class Visit>
 void MaterialForces::each_slope(const TwistElement& rod, const double* positions,
                                 Visit visit) const {
-  const Vec3& last = clamps_[rod.to].motion.direction;
   Vec3 edge = link_of(rod, 0, positions), next;
-  Vec3 before = Carry(clamps_[rod.from].motion.direction, edge).slope();
+  const Vec3 first =
+      rod.closed ? link_of(rod, rod.links - 1, positions) : clamps_[rod.from].motion.direction;
+  const Vec3 last = rod.closed ? edge : clamps_[rod.to].motion.direction;
+  Vec3 before = Carry(first, edge).slope();
   for (std::uint32_t k = 0; k < rod.links; ++k) {
     next = k + 1 < rod.links ? link_of(rod, k + 1, positions) : last;
     const Vec3 behind = Carry(edge, next).slope();
@@ -97,31 +100,37 @@ Vec3 MaterialForces::link_of(const TwistElement& rod, std::uint32_t link,
 }
 
 double MaterialForces::turned(const TwistElement& rod, const double* positions) const {
-  const Clamp &from = clamps_[rod.from], &to = clamps_[rod.to];
-  CarriedFrame carried(from.frame.frame, from.motion.direction);
-  for (std::uint32_t k = 0; k < rod.links; ++k) {
-    carried.carry(link_of(rod, k, positions).normalized());
-  }
-  carried.carry(to.motion.direction);
+  const auto direction = [&](std::uint32_t link) -> Vec3 {
+    return link_of(rod, link, positions).normalized();
+  };
+  const Vec3 first = rod.closed ? direction(0) : clamps_[rod.from].motion.direction;
+  const Vec3 last = rod.closed ? first : clamps_[rod.to].motion.direction;
+  const Quat from = rod.closed ? frame_along(first) : clamps_[rod.from].frame.frame;
+  const Quat to = rod.closed ? from : clamps_[rod.to].frame.frame;
+  CarriedFrame carried(from, first);
+  for (std::uint32_t k = 0; k < rod.links; ++k) carried.carry(direction(k));
+  carried.carry(last);
   // As near to the last one as whole turns bring it.
-  const double now = carried.turn_to(to.frame.frame) - rod.start;
+  const double now = carried.turn_to(to) - rod.start;
   constexpr double kTurn = 2 * std::numbers::pi;
   return now + kTurn * std::round((rod.since - now) / kTurn);
 }
 
 double MaterialForces::twist(const TwistElement& rod, const double* positions) const {
-  return turned(rod, positions) + clamps_[rod.to].frame.turn - clamps_[rod.from].frame.turn -
-         rod.rest;
+  const double turn = turned(rod, positions) - rod.rest;
+  return rod.closed ? turn : turn + clamps_[rod.to].frame.turn - clamps_[rod.from].frame.turn;
 }
 
 double MaterialForces::twist_rate(const TwistElement& rod, const double* positions,
                                   const double* velocities) const {
-  const Clamp &from = clamps_[rod.from], &to = clamps_[rod.to];
-  double rate = to.frame.spin + to.frame.turn_rate - from.frame.spin - from.frame.turn_rate;
-  rate += Carry(from.motion.direction, link_of(rod, 0, positions)).slope().dot(from.motion.rate);
-  rate += Carry(link_of(rod, rod.links - 1, positions), to.motion.direction)
-              .slope()
-              .dot(to.motion.rate);
+  double rate = 0;
+  if (!rod.closed) {
+    const Clamp &from = clamps_[rod.from], &to = clamps_[rod.to];
+    const Carry first(from.motion.direction, link_of(rod, 0, positions));
+    const Carry last(link_of(rod, rod.links - 1, positions), to.motion.direction);
+    rate += to.frame.spin + to.frame.turn_rate - from.frame.spin - from.frame.turn_rate;
+    rate += first.slope().dot(from.motion.rate) + last.slope().dot(to.motion.rate);
+  }
   each_slope(rod, positions, [&](std::uint32_t link, const Vec3& slope) {
     rate += slope.dot(link_of(rod, link, velocities));
   });
@@ -135,6 +144,9 @@ void MaterialForces::twist_slope(const TwistElement& rod, const double* position
     slope[link] -= by_edge;
     slope[link + 1] += by_edge;
   });
+  if (!rod.closed) return;  // else the last particle is the first
+  slope.front() += slope.back();
+  slope.back().setZero();
 }
 
 void MaterialForces::add_twists(const double* positions, const double* velocities,

@@ -7,12 +7,13 @@
 
 namespace taut::material {
 
-/// A connector that is clamped at both ends and resists twist. Waves of twist run away from what
-/// moves the rod so fast that the moment is the same everywhere (Bergou and others, Discrete
-/// elastic rods, SIGGRAPH 2008, section 7.2): only the twist of the whole counts, and its energy is
-/// stiffness twist^2 / 2.
+/// A connector that is clamped at both ends, or a closed loop, and resists twist. Waves of twist
+/// run away from what moves the rod so fast that the moment is the same everywhere (Bergou and
+/// others, Discrete elastic rods, SIGGRAPH 2008, section 7.2): only the twist of the whole counts,
+/// and its energy is stiffness twist^2 / 2.
 struct TwistElement {
   std::uint32_t connector = 0, first = 0, links = 0;  // `first`: its first particle's point
+  bool closed = false;                                // a loop, without clamps
   std::uint32_t from = 0, to = 0;                     // indices of the clamps
   double stiffness = 0;                               // N m: one over the sum of length / GJ
   double damping = 0;                                 // N m s

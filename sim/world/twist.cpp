@@ -21,16 +21,32 @@ double CarriedFrame::turn_to(const Quat& frame) const {
   return turn.w() < 0 ? 2 * std::atan2(-turn.x(), -turn.w()) : 2 * std::atan2(turn.x(), turn.w());
 }
 
-bool carries_twist(const Connector& connector) {
+Quat frame_along(const Vec3& direction) {
+  // No frame is half a turn away from the one that it is made of.
+  const Quat behind(0, 0, 1, 0);  // takes x to -x
+  return direction.x() < 0 ? rotation_between(-Vec3::UnitX(), direction) * behind
+                           : rotation_between(Vec3::UnitX(), direction);
+}
+
+bool is_loop(const World& world, std::size_t connector) {
+  const Joint* joint = find_joint(world, connector, 0);
+  return joint && std::ranges::any_of(joint->particles, [&](const Joint::Particle& at) {
+           return at.connector == connector && at.particle == world.connectors[connector].links();
+         });
+}
+
+bool carries_twist(const World& world, std::size_t index) {
+  const Connector& connector = world.connectors[index];
   const auto resists = [](const Section& section) { return section.twisting_stiffness > 0; };
   if (connector.sections.empty() || !std::ranges::all_of(connector.sections, resists)) return false;
-  if (connector.holds.size() < 2) return false;
-  const Hold &from = connector.holds.front(), &to = connector.holds.back();
-  if (from.particle != 0 || to.particle != connector.links()) return false;
-  if (from.clamp.isZero(0) || to.clamp.isZero(0)) return false;
-  const bool between = std::any_of(connector.holds.begin() + 1, connector.holds.end() - 1,
-                                   [](const Hold& hold) { return !hold.clamp.isZero(0); });
-  if (between) {
+  std::size_t ends = 0, between = 0;
+  for (const Hold& hold : connector.holds) {
+    if (hold.clamp.isZero(0)) continue;
+    ++(hold.particle == 0 || hold.particle == connector.links() ? ends : between);
+  }
+  const bool loop = is_loop(world, index);
+  if (!loop && ends < 2) return false;
+  if (between > 0 || (loop && ends > 0)) {
     throw std::invalid_argument("connector " + connector.name +
                                 " resists twist and is clamped between its ends");
   }
@@ -39,10 +55,7 @@ bool carries_twist(const Connector& connector) {
 
 ClampFrame clamp_frame(const World& world, const Hold& hold, double time) {
   const Vec3 own = hold.clamp.normalized();
-  // No frame is half a turn away from the one that it is made of.
-  const Quat behind(0, 0, 1, 0);  // takes x to -x
-  ClampFrame found{.frame = own.x() < 0 ? rotation_between(-Vec3::UnitX(), own) * behind
-                                        : rotation_between(Vec3::UnitX(), own)};
+  ClampFrame found{.frame = frame_along(own)};
   if (hold.turn) {
     const FrameMotion turned = hold.turn->at(time);
     found.turn = turned.position.x();
@@ -57,13 +70,18 @@ ClampFrame clamp_frame(const World& world, const Hold& hold, double time) {
   return found;
 }
 
-double end_turn(const World& world, const Connector& connector) {
-  const Quat from = clamp_frame(world, connector.holds.front(), world.time).frame;
-  const Quat to = clamp_frame(world, connector.holds.back(), world.time).frame;
-  CarriedFrame carried(from, from * Vec3::UnitX());
-  for (std::size_t k = 0; k < connector.links(); ++k) {
-    carried.carry((connector.position[k + 1] - connector.position[k]).normalized());
+double end_turn(const World& world, std::size_t index) {
+  const Connector& connector = world.connectors[index];
+  const auto link = [&](std::size_t k) -> Vec3 {
+    return (connector.position[k + 1] - connector.position[k]).normalized();
+  };
+  Quat from = frame_along(link(0)), to = from;
+  if (!is_loop(world, index)) {
+    from = clamp_frame(world, connector.holds.front(), world.time).frame;
+    to = clamp_frame(world, connector.holds.back(), world.time).frame;
   }
+  CarriedFrame carried(from, from * Vec3::UnitX());
+  for (std::size_t k = 0; k < connector.links(); ++k) carried.carry(link(k));
   carried.carry(to * Vec3::UnitX());
   return carried.turn_to(to);
 }

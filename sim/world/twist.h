@@ -22,9 +22,17 @@ class CarriedFrame {
   Vec3 direction_;
 };
 
-/// Whether a connector resists twist and has what holds it: clamps at both of its ends. Throws
-/// std::invalid_argument where one between them clamps it, too.
-bool carries_twist(const Connector& connector);
+/// Some frame whose x axis is a direction (unit vector); near directions have near frames but where
+/// x changes its sign.
+Quat frame_along(const Vec3& direction);
+
+/// Whether the connector is a closed loop: its first and last particle are joined.
+bool is_loop(const World& world, std::size_t connector);
+
+/// Whether a connector resists twist and has what holds it: clamps at both of its ends, or itself
+/// where it is a closed loop that no clamp holds. Throws std::invalid_argument where it is clamped
+/// elsewhere, too.
+bool carries_twist(const World& world, std::size_t connector);
 
 /// The frame of a hold that clamps, at `time`: its x axis is the direction that it holds.
 struct ClampFrame {
@@ -35,7 +43,8 @@ struct ClampFrame {
 ClampFrame clamp_frame(const World& world, const Hold& hold, double time);
 
 /// How far the last clamp of a connector that carries twist is turned against the first at the
-/// world's time, Hold::turn aside: rad, from -pi to pi.
-double end_turn(const World& world, const Connector& connector);
+/// world's time, Hold::turn aside: rad, from -pi to pi. Of a closed loop its first link's frame is
+/// both.
+double end_turn(const World& world, std::size_t connector);
 
 }  // namespace taut

@@ -94,8 +94,8 @@ void finish(World& world) {
     if (!world.bodies[i].driven()) reweigh(world.bodies[i], laden[i]);
   }
   place_held(world, world.time);
-  for (Connector& connector : world.connectors) {
-    if (carries_twist(connector)) connector.end_turn = {.start = end_turn(world, connector)};
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    if (carries_twist(world, c)) world.connectors[c].end_turn = {.start = end_turn(world, c)};
   }
   world.topology = structure(world);
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "joined_worlds.h"
 #include "material_worlds.h"
 #include "sim/material/forces.h"
 
@@ -77,28 +78,29 @@ TEST(Twist, EnergyOfAStraightRod) {
   EXPECT_NEAR(elastic_energy(world), 1 / (0.5 / 2 + 0.5 / 6) * 3 * 3 / 2.0, 1e-12);
 }
 
-/// The forces of what is twisted, at each particle, N.
-std::vector<Vec3> twist_forces(const World& world) {
+/// The forces of what is bent and twisted, at each particle, N.
+std::vector<Vec3> elastic_forces(const World& world) {
   material::MaterialForces forces;
   forces.rebuild(world, 0);
   forces.place(world, world.time);
   const Connector& rod = world.connectors[0];
   std::vector<Vec3> found(rod.particles(), Vec3::Zero());
-  forces.add_twists(rod.position.data()->data(), rod.velocity.data()->data(), found);
+  EXPECT_EQ(forces.twists().size(), 1u);
+  forces.add(rod.position.data()->data(), rod.velocity.data()->data(), found);
   return found;
 }
 
-// By differences of second order, of a rod that bends with no stiffness.
+// By differences of second order.
 TEST(Twist, ForcesFollowFromTheEnergy) {
   constexpr double h = 1e-6;
-  World world = helix(8, twisting(kRigid, 0, 2));
+  World world = helix(8, twisting(kRigid, 0.3, 2));
   world.connectors[0].holds[1].turn = turns({{0, 3}});
   std::mt19937 random(1);
   std::uniform_real_distribution<double> dice(-0.1, 0.1);
   for (Vec3& position : world.connectors[0].position) {
     position += Vec3(dice(random), dice(random), dice(random));
   }
-  const std::vector<Vec3> force = twist_forces(world);
+  const std::vector<Vec3> force = elastic_forces(world);
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < force.size(); ++i) {
     sum += force[i];
@@ -115,7 +117,7 @@ TEST(Twist, ForcesFollowFromTheEnergy) {
 // The moment of all forces about the origin is what the clamps lack of balance: twist stays where
 // all turns as one stiff piece, clamps included.
 TEST(Twist, StaysWhereAllTurnsAsOne) {
-  World world = helix(8, twisting(kRigid, 0, 2));
+  World world = helix(8, twisting(kRigid, 0.3, 2));
   world.connectors[0].holds[1].turn = turns({{0, 3}});
   const double before = elastic_energy(world);
   const Quat turn(Eigen::AngleAxisd(2, Vec3(1, 2, -3).normalized()));
@@ -246,6 +248,65 @@ TEST(Twist, RodsBuckleWhereGreenhillSays) {
     EXPECT_LT(std::abs(fine), 1e-3) << tension;
     EXPECT_NEAR(coarse / fine, 4, 0.5) << tension;
   }
+}
+
+/// A ring of EI = 1 and unit length, its twisting moment a share of Michell's, sqrt(3) EI / R, and
+/// bent by little out of its plane and in it, in two waves.
+World michell_ring(std::size_t sides, double share, double damping) {
+  const double radius = 1 / (2 * std::numbers::pi);
+  Section made = twisting(kRigid, 1, 3);
+  made.bending_damping = damping;
+  made.rest_twist = -share * std::sqrt(3) / radius / made.twisting_stiffness;
+  World world = joined_worlds::ring(sides, radius, 1e4);
+  world.gravity.setZero();
+  Connector& loop = world.connectors[0];
+  loop.sections.assign(sides, made);
+  finish(world);
+  for (std::size_t i = 0; i <= sides; ++i) {
+    const Vec3 at = loop.position[i];
+    loop.position[i].z() += 1e-5 * std::cos(2 * std::atan2(at.y(), at.x()));
+  }
+  finish(world);
+  return world;
+}
+
+/// The rate (1/s) at which that grows where a damper brakes it.
+double ring_growth(std::size_t sides, double share) {
+  // In two waves round the ring: what turns and moves as a whole is not in it.
+  const auto wave = [](const World& world) {
+    const Connector& loop = world.connectors[0];
+    Eigen::Vector2d sum(0, 0);
+    for (std::size_t i = 0; i < loop.links(); ++i) {
+      const double angle =
+          4 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(loop.links());
+      sum += loop.position[i].z() * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    }
+    return sum.norm();
+  };
+  const World start = michell_ring(sides, share, 1);
+  const World early = after(start, 8, 1e-9), late = after(early, 12, 1e-9);
+  return std::log(wave(late) / wave(early)) / 4;
+}
+
+/// Where that is zero, by secants.
+double critical_share(std::size_t sides) {
+  double before = 0.98, share = 1.02, growth = ring_growth(sides, before);
+  for (int step = 0; step < 2; ++step) {
+    const double next = ring_growth(sides, share);
+    const double root = share - next * (share - before) / (next - growth);
+    before = share;
+    growth = next;
+    share = root;
+  }
+  return share;
+}
+
+// A ring of a straight rod leaves its plane at a twist of 2 pi sqrt(3) EI/GJ (Michell 1889; Zajac,
+// Stability of two planar loop elasticas, 1962), of second order in the links.
+TEST(Twist, RingsBuckleWhereMichellSays) {
+  const double coarse = critical_share(20) - 1, fine = critical_share(40) - 1;
+  EXPECT_NEAR(coarse / fine, 4, 0.2);
+  EXPECT_NEAR(fine - (coarse - fine) / 3, 0, 1e-3);
 }
 
 World swinging(double axial, double twisting_damping = 0) {
