@@ -128,6 +128,10 @@ scenes::MethodChoice chosen_method(const MethodOptions& options, const scenes::S
         fmt::format("--method: {} knows no contact, and the scene has the obstacle {}", choice.name,
                     scene.world.obstacles.front().name));
   }
+  if (has_touching_bodies(scene.world) && !method->touches_with_bodies) {
+    throw program::Misuse(
+        fmt::format("--method: {} follows no free bodies that touch obstacles", choice.name));
+  }
   if (has_materials(scene.world) && !method->follows_materials) {
     throw program::Misuse(
         fmt::format("--method: {} knows neither stretch nor bending nor air", choice.name));

@@ -63,6 +63,16 @@ const TableFormat& driver_format() {
   return format;
 }
 
+const TableFormat& capsule_format() {
+  static const TableFormat format{
+      {positive("radius", "About the line; default: of the cylinder or sphere.", "m"),
+       vector("from",
+              "Where the line begins, in the body's frame; default: on the cylinder's axis, "
+              "the radius from its end."),
+       vector("to", "Where it ends; default: at the cylinder's other end.")}};
+  return format;
+}
+
 const TableFormat& body_format() {
   static const TableFormat format{
       {needed(positive("mass", "Of the body alone.", "kg")),
@@ -82,6 +92,10 @@ const TableFormat& body_format() {
        rotation("Of the body's frame at the start, as a quaternion [w, x, y, z]."),
        vector("velocity", "Of the centre of mass at the start.", "m/s"),
        vector("spin", "At the start, about the world's axes.", "rad/s"),
+       table("contact",
+             "The capsule as which a free body touches obstacles; {}: that of its cylinder or "
+             "sphere. Without it the body touches nothing.",
+             capsule_format()),
        {.name = "mesh",
         .type = Type::file,
         .meaning = "A glTF, GLB or OBJ model in the body's frame; default: its shape."},
@@ -364,7 +378,8 @@ const TableFormat& scene_format() {
       table("connectors", "Ropes, chains and cords.", connector_format(), Type::named),
       table("nets", "Nets, rope ladders and webs; their cords are connectors NAME#1 and so on.",
             net_format(), Type::named),
-      table("obstacles", "Solids that beads of connectors touch.", obstacle_format(), Type::named),
+      table("obstacles", "Solids that beads of connectors and free bodies touch.",
+            obstacle_format(), Type::named),
       table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
       table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),
       table("stage", "What pictures need beside the world.", stage_format()),

@@ -37,6 +37,35 @@ MassProperties read_inertia(const Document& document, const Value& body, double 
   return {mass, vec3_or(body, "centre", Vec3::Zero()), inertia};
 }
 
+/// As which a free body touches obstacles: by default a cylinder's capsule, or the ball itself.
+BodyCapsule read_capsule(const Document& document, const Value& value, const Value* shape) {
+  const Value* kind = shape ? &shape->children.front() : nullptr;
+  const Value *radius = value.find("radius"), *from = value.find("from"), *to = value.find("to");
+  const bool has_diameter = kind && kind->name != "box";
+  if (!radius && !has_diameter) document.fail_at_key(value, "radius is missing");
+  BodyCapsule made;
+  made.radius = radius ? radius->number : kind->find("diameter")->number / 2;
+  if (!from != !to) {
+    document.fail_at_key(from ? *from : *to, fmt::format("needs {}", from ? "to" : "from"));
+  }
+  if (from) {
+    made.from = from->vec3();
+    made.to = to->vec3();
+  } else if (kind && kind->name == "cylinder") {
+    const double half = kind->find("length")->number / 2 - made.radius;
+    if (half < 0) {
+      document.fail_at_key(value, fmt::format("from and to are missing, which a cylinder shorter "
+                                              "than {} m gives no line",
+                                              2 * made.radius));
+    }
+    made.from = -half * Vec3::UnitY();
+    made.to = half * Vec3::UnitY();
+  } else if (!kind || kind->name == "box") {
+    document.fail_at_key(value, "from and to are missing");
+  }
+  return made;
+}
+
 std::shared_ptr<const Path> read_driver(const Document& document, const Value& driver,
                                         Motions& motions) {
   if (const Value* path = driver.find("path")) return motions.path(*path);
@@ -64,7 +93,11 @@ Body read_body(const Document& document, const Value& value, Motions& motions) {
   only_with("rotation", value.find("position"), "position");
   only_with("velocity", !driver, "a free body, without driven_by");
   only_with("spin", !driver, "a free body, without driven_by");
+  only_with("contact", !driver, "a free body, without driven_by: an obstacle may be carried by it");
 
+  if (const Value* contact = value.find("contact")) {
+    body.capsule = read_capsule(document, *contact, shape);
+  }
   body.grip = vec3_or(value, "grip", Vec3::Zero());
   body.velocity = vec3_or(value, "velocity", Vec3::Zero());
   body.spin = vec3_or(value, "spin", Vec3::Zero());

@@ -4,6 +4,7 @@
 
 #include "scenes/character/capsules.h"
 #include "scenes/reader/reader.h"
+#include "sim/contact/capsule.h"
 
 namespace taut::scenes {
 
@@ -46,7 +47,7 @@ void read_carrier(const Document& document, const Value& value, Motions& motions
     obstacle.path = motions.path(*path);
   } else if (const Value* name = value.find("body")) {
     const Body& body = world.bodies[motions.body(*name)];
-    if (!body.driven()) document.mismatch(*name, "a driven body: free ones touch nothing");
+    if (!body.driven()) document.mismatch(*name, "a driven body: free ones carry no obstacle");
     obstacle.path = body.path;
     obstacle.place.position -= body.grip;
   } else if (value.find("bone")) {
@@ -93,6 +94,22 @@ void check_start(const Document& document, const Value& value, const Obstacle& o
                                 "to start outside, {} m of radius counted, or start.push_out",
                                 i, -apart, obstacle.name, connector.radius));
     }
+  }
+}
+
+/// Nor may a free body reach into one.
+void check_start_of_bodies(const Document& document, const Obstacle& obstacle, const World& world) {
+  const Pose frame = obstacle.frame(0).pose();
+  for (const Body& body : world.bodies) {
+    if (body.driven() || !body.capsule.touches()) continue;
+    const contact::Capsule own{body.point(body.capsule.from), body.point(body.capsule.to),
+                               body.capsule.radius};
+    const double apart = contact::least_gap(obstacle.shape, frame, own);
+    if (apart >= -kRounding * ((own.to - own.from).norm() + own.radius)) continue;
+    document.fail_at_key(*document.root.find("bodies")->find(body.name)->find("contact"),
+                         fmt::format("starts {:.6g} m inside of obstacle {}, expected to start "
+                                     "outside",
+                                     -apart, obstacle.name));
   }
 }
 
@@ -159,6 +176,7 @@ void read_obstacles(const Document& document, Motions& motions, World& world) {
 void check_obstacles(const Document& document, const World& world) {
   for (std::size_t o = 0; o < world.obstacles.size(); ++o) {
     check_start(document, document.root.find("obstacles")->children[o], world.obstacles[o], world);
+    check_start_of_bodies(document, world.obstacles[o], world);
   }
 }
 

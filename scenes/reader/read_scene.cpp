@@ -35,6 +35,22 @@ void refuse_obstacles(const Document& document, const MethodInfo& method) {
                                    method.name, fmt::join(able, ", ")));
 }
 
+void refuse_touching_bodies(const Document& document, const MethodInfo& method) {
+  const Value *obstacles = document.root.find("obstacles"), *bodies = document.root.find("bodies");
+  if (!obstacles || obstacles->children.empty() || !bodies || method.touches_with_bodies) return;
+  for (const Value& body : bodies->children) {
+    const Value* key = body.find("contact");
+    if (!key) continue;
+    std::vector<std::string_view> able;
+    for (const MethodInfo& info : all_methods()) {
+      if (info.touches_with_bodies) able.push_back(info.name);
+    }
+    document.fail_at_key(*key, fmt::format("the method {} follows no free bodies that touch "
+                                           "obstacles, expected one of: {}",
+                                           method.name, fmt::join(able, ", ")));
+  }
+}
+
 /// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
 const Value* material_key(const Value& connector) {
   for (const std::string_view key :
@@ -181,6 +197,7 @@ Scene read_scene(Document document, bool with_stage) {
   push_out_starts(document, scene.world);
   refuse_spans(document, *find_method(scene.method.name));
   refuse_obstacles(document, *find_method(scene.method.name));
+  refuse_touching_bodies(document, *find_method(scene.method.name));
   refuse_materials(document, *find_method(scene.method.name));
   refuse_joints(document, *find_method(scene.method.name));
   refuse_strings(document, *find_method(scene.method.name));

@@ -47,6 +47,7 @@ void ContactMotion::find_touches(const State& state) {
     if (count == 0) bead = {};
     if (count > 1) throw Unresolved{0, "a bead touches two obstacles at once"};
   }
+  find_body_touches(state);
 }
 
 /// The direction of sliding. In motions in a plane exactly along it: what rounding lets slide out
@@ -87,6 +88,7 @@ double ContactMotion::measure(std::span<const double> start) {
     answer_[p] = mobile[p] * found.derivative;
     added_[p] = mobile[p] > 0 ? Vec3(found.velocity - free_[p]) : Vec3(Vec3::Zero());
   }
+  answer_bodies(tension_, along, false);
   double worst = 0;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     change_[r] = start[r] + along[r].dot(added_[rows[r].b] - added_[rows[r].a]);
@@ -112,6 +114,9 @@ void ContactMotion::balance(std::span<const double> start) {
     if (!std::isfinite(worst)) break;
     Hash pattern;
     for (const Bead& bead : beads_) pattern.word(static_cast<std::uint64_t>(bead.touch.state));
+    for (const BodyTouch& at : body_touches_) {
+      pattern.word(static_cast<std::uint64_t>(at.touch.state));
+    }
     if (mechanism_.has_strings()) {
       for (const char pulls : pulls_) pattern.word(std::uint64_t(pulls != 0));
     }
@@ -120,7 +125,7 @@ void ContactMotion::balance(std::span<const double> start) {
       continue;
     }
     const std::span<const Vec3> along = pulling();
-    system_.assemble(mechanism_, answer_, along, along);
+    system_.assemble(mechanism_, answer_, along, along, body_answer_);
     for (std::size_t r = 0; r < change_.size(); ++r) change_[r] *= pulls_[r];
     system_.solve(change_);
     ++solves_;
@@ -142,7 +147,7 @@ void ContactMotion::relax_row(std::size_t row, double start) {
   const double mobile_a = mechanism_.inverse_mass()[a], mobile_b = mechanism_.inverse_mass()[b];
   const Vec3& along = mechanism_.direction()[row];
   const bool string = mechanism_.rows()[row].pulls;
-  if (!taut_[row]) return;
+  if (!taut_[row] || is_carried_[a] || is_carried_[b]) return;
   for (int i = 0; i < kTrials && mobile_a + mobile_b > 0; ++i) {
     Bead bead_a = beads_[a], bead_b = beads_[b];
     const Response at_a = answer(bead_a, free_[a] + pulled_[a]);
@@ -181,6 +186,7 @@ bool ContactMotion::arrive(double time, State& state) {
     const double bounce = obstacles_[bead.obstacle].restitution * into;
     touch.least = carried + (bounce > slowest_ ? bounce : 0);
   }
+  any = bodies_arrive(state) || any;
   if (!any) return false;
   mechanism_.update(time, state.data());
   std::ranges::copy(mechanism_.rate(), start_.begin());
@@ -191,6 +197,10 @@ bool ContactMotion::arrive(double time, State& state) {
   for (std::size_t p = 0; p < beads_.size(); ++p) {
     if (mechanism_.inverse_mass()[p] > 0) Map(&state[mechanism_.velocity(p)]) += added_[p];
   }
+  for (std::size_t b = 0; b < body_added_.size(); ++b) {
+    Eigen::Map<Vec6>{&state[mechanism_.twist(b)]} += body_added_[b];
+  }
+  mechanism_.place(time, state.data());  // what bodies carry
   return true;
 }
 
@@ -213,6 +223,7 @@ void ContactMotion::choose(double time, const State& state) {
     if (speed > kStill) bead.ahead = heading(touch.slid, touch.slid);
     touch.slid.setZero();
   }
+  ask_of_bodies(scratch_);
   for (std::size_t r = 0; r < start_.size(); ++r) start_[r] = mechanism_.free_acceleration(r);
   balance(start_);
   for (std::size_t p = 0; p < beads_.size(); ++p) {
@@ -235,29 +246,33 @@ void ContactMotion::choose(double time, const State& state) {
     const Vec3 across = slip - touch.normal.dot(slip) * touch.normal;
     if (across.squaredNorm() > 0) bead.ahead = heading(across, across);
   }
+  take_touches();
 }
 
 /// The normal of the plane in which all places, velocities and gravity lie; zero: there is none.
 Vec3 ContactMotion::plane_of(const State& state) const {
-  Vec3 normal = Vec3::Zero();
-  const Vec3 origin = place(state, 0);
-  Vec3 first = mechanism_.gravity();
-  for (std::size_t p = 1; p < beads_.size(); ++p) {
-    const Vec3 from = place(state, p) - origin;
+  std::vector<Vec3> places, ways{mechanism_.gravity()};
+  for (std::size_t p = 0; p < beads_.size(); ++p) {
+    places.push_back(place(state, p));
+    ways.push_back(velocity(state, p));
+    if (beads_[p].mode == Mode::open) continue;
+    ways.push_back(beads_[p].touch.normal);
+    ways.push_back(surface(beads_[p], places.back()).velocity);
+  }
+  add_ways_of_bodies(state, places, ways);
+  Vec3 normal = Vec3::Zero(), first = mechanism_.gravity();
+  for (const Vec3& at : places) {
+    const Vec3 from = at - places[0];
     if (first.squaredNorm() == 0) first = from;
     const Vec3 across = first.cross(from);
     if (across.squaredNorm() > normal.squaredNorm()) normal = across;
   }
   if (!(normal.squaredNorm() > 0)) return Vec3::Zero();
   normal.normalize();
-  double out = std::abs(normal.dot(mechanism_.gravity()));
-  for (std::size_t p = 0; p < beads_.size(); ++p) {
-    out = std::max({out, std::abs(normal.dot(place(state, p) - origin)),
-                    std::abs(normal.dot(velocity(state, p)))});
-    if (beads_[p].mode == Mode::open) continue;
-    out = std::max({out, std::abs(normal.dot(beads_[p].touch.normal)),
-                    std::abs(normal.dot(surface(beads_[p], place(state, p)).velocity))});
-  }
+  double out = 0;
+  for (const Vec3& at : places) out = std::max(out, std::abs(normal.dot(at - places[0])));
+  for (const Vec3& way : ways) out = std::max(out, std::abs(normal.dot(way)));
+  if (!turn_within(state, normal)) return Vec3::Zero();
   return out <= kFlat ? normal : Vec3(Vec3::Zero());
 }
 
@@ -283,7 +298,7 @@ void ContactMotion::centre() {
     const std::size_t a = rows[r].a, b = rows[r].b;
     const double mobile_a = mechanism_.inverse_mass()[a], mobile_b = mechanism_.inverse_mass()[b];
     const auto is_open = [&](std::size_t point, double mobile) {
-      return mobile > 0 && beads_[point].mode != Mode::sticks;
+      return is_carried_[point] || (mobile > 0 && beads_[point].mode != Mode::sticks);
     };
     if (is_open(a, mobile_a) || is_open(b, mobile_b) || mobile_a + mobile_b == 0) continue;
     if (!pulls_[r]) continue;

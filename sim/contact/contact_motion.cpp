@@ -9,9 +9,8 @@ namespace {
 using Map = Eigen::Map<Vec3>;
 using ConstMap = Eigen::Map<const Vec3>;
 
-constexpr double kTouching = 1e-11;  // of the longest connector
-constexpr double kSpare = 1e-9;      // of forces per mass: no event yet
-constexpr double kLonger = 1e-4;     // times that: a string so much too long is taut
+constexpr double kSpare = 1e-9;   // of forces per mass: no event yet
+constexpr double kLonger = 1e-4;  // times that: a string so much too long is taut
 constexpr int kProjections = 20;
 
 /// The change of a unit normal per second, at a point that moves by `velocity` (m/s): a difference
@@ -53,6 +52,7 @@ void ContactMotion::rebuild(const World& world, double slowest) {
   pulls_ = taut_;
   along_.assign(rows, Vec3::Zero());
   frames_.resize(obstacles_.size());
+  rebuild_bodies(world);
 }
 
 Vec3 ContactMotion::place(const State& state, std::size_t point) const {
@@ -120,7 +120,9 @@ void ContactMotion::accelerate(double time, const State& state) {
     pulled_[rows[r].a] += mobile[rows[r].a] * tension_[r] * along[r];
     pulled_[rows[r].b] -= mobile[rows[r].b] * tension_[r] * along[r];
   }
-  const auto answer_all = [&] {
+  free_bodies(nullptr);
+  aim_bodies(scratch_);
+  const auto answer_all = [&](std::span<const double> tension) {
     for (std::size_t p = 0; p < beads_.size(); ++p) {
       Bead& bead = beads_[p];
       Touch& touch = bead.touch;
@@ -141,15 +143,16 @@ void ContactMotion::accelerate(double time, const State& state) {
         answer_[p].setZero();
       }
     }
+    answer_bodies(tension, along, true);
   };
   // Where links and what sticks leave a tension open, it is what it was.
-  answer_all();
+  answer_all(tension_);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     change_[r] = pulls_[r] ? mechanism_.free_acceleration(r) +
                                  along[r].dot(added_[rows[r].b] - added_[rows[r].a])
                            : 0;
   }
-  system_.assemble(mechanism_, answer_, along, along);
+  system_.assemble(mechanism_, answer_, along, along, body_answer_);
   system_.solve(change_);
   ++solves_;
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -157,7 +160,7 @@ void ContactMotion::accelerate(double time, const State& state) {
     pulled_[rows[r].b] -= mobile[rows[r].b] * change_[r] * along[r];
     change_[r] += tension_[r];
   }
-  answer_all();
+  answer_all(change_);
 }
 
 void ContactMotion::differentiate(double time, const State& state, State& derivative) {
@@ -168,6 +171,9 @@ void ContactMotion::differentiate(double time, const State& state, State& deriva
     double* rate = &derivative[mechanism_.velocity(p)];
     Map{rate} = free_[p] + added_[p];
   }
+  for (std::size_t b = 0; b < body_added_.size(); ++b) {
+    Eigen::Map<Vec6>{&derivative[mechanism_.twist(b)]} += body_added_[b] - body_pulled_[b];
+  }
 }
 
 double ContactMotion::project(double time, State& state) {
@@ -176,12 +182,17 @@ double ContactMotion::project(double time, State& state) {
   const auto& rows = mechanism_.rows();
   std::span<const Vec3> along = mechanism_.direction();
   double worst = 0;
+  for (std::size_t b = 0; b < capsules_.size(); ++b) {
+    double* q = &state[mechanism_.pose(b) + 3];
+    set_quaternion(quaternion(q).normalized(), q);
+  }
   const auto shift = [&](std::size_t offset) {  // along the surfaces
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const Vec3 pull = change_[r] * along[r];
       Map(&state[offset + 3 * rows[r].a]) += answer_[rows[r].a] * pull;
       Map(&state[offset + 3 * rows[r].b]) -= answer_[rows[r].b] * pull;
     }
+    shift_bodies(along, offset == mechanism_.position(0), state);
   };
   for (int i = 0; i < kProjections; ++i) {
     worst = 0;
@@ -205,12 +216,14 @@ double ContactMotion::project(double time, State& state) {
       moves += near.normal.dot(surface(bead, at).velocity - moves) * near.normal;
       answer_[p] -= mobile[p] * near.normal * near.normal.transpose();
     }
+    mechanism_.place(time, state.data());
+    if (!capsules_.empty()) worst = std::max(worst, project_bodies(state));
     mechanism_.update(time, state.data());
     along = pulling();
     for (std::size_t r = 0; r < rows.size(); ++r) {
       if (pulls_[r]) worst = std::max(worst, std::abs(mechanism_.violation()[r]));
     }
-    system_.assemble(mechanism_, answer_, along, along);
+    system_.assemble(mechanism_, answer_, along, along, body_answer_);
     ++solves_;
     std::ranges::copy(mechanism_.rate(), change_.begin());
     system_.solve(change_);
@@ -251,6 +264,7 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
       values.push_back(slip.dot(bead.ahead) + kStill / 2);
     }
   }
+  body_events(scratch_, values);
   if (!mechanism_.has_strings()) return;
   for (std::size_t r = 0; r < pulls_.size(); ++r) {
     if (!mechanism_.rows()[r].pulls) continue;

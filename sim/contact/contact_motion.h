@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/contact/body_system.h"
 #include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
 #include "sim/links/mechanism.h"
@@ -14,11 +15,11 @@ namespace taut::contact {
 
 /// Between events the set of closed touches stays, and each of them slides or sticks: then links
 /// and touches are equations, and accelerations follow from one linear system. Events are: a bead
-/// arrives, a touch would have to pull, friction is exhausted, sliding ends; a string goes taut, or
-/// would have to push. resolve() finds the velocities and the active set that follow, by the laws
-/// of Signorini, Coulomb and Newton.
+/// or a body's capsule arrives, a touch would have to pull, friction is exhausted, sliding ends; a
+/// string goes taut, or would have to push. resolve() finds the velocities and the active set that
+/// follow, by the laws of Signorini, Coulomb and Newton.
 ///
-/// No free bodies; no bead may touch two obstacles at once.
+/// No bead may touch two obstacles at once; a body may.
 class ContactMotion {
  public:
   using State = std::vector<double>;  // as Mechanism has it
@@ -52,7 +53,8 @@ class ContactMotion {
   std::uint64_t solves() const { return solves_; }
 
  private:
-  static constexpr double kStill = 1e-10;  // m/s: slower is no sliding
+  static constexpr double kStill = 1e-10;     // m/s: slower is no sliding
+  static constexpr double kTouching = 1e-11;  // of the longest connector
 
   enum class Mode { open, slides, sticks };
   struct Bead {
@@ -85,22 +87,50 @@ class ContactMotion {
   bool find_taut(double time, State& state);
   void sort_strings();
   double spare(std::size_t row) const;
+  double ease(std::size_t point) const;
+
+  // Of free bodies.
+  void rebuild_bodies(const World& world);
+  Capsule capsule(const State& state, std::size_t body) const;
+  Vec6 twist(const State& state, std::size_t body) const;
+  SpotGap aim(BodyTouch& at, const State& state) const;
+  Vec3 passing(const BodyTouch& at, const State& state) const;
+  void ask_accelerations(BodyTouch& at, const State& state) const;
+  void free_bodies(const State* velocities);
+  void answer_bodies(std::span<const double> tension, std::span<const Vec3> along, bool held);
+  void aim_bodies(const State& state);
+  double project_bodies(State& state);
+  void shift_bodies(std::span<const Vec3> along, bool poses, State& state);
+  void body_events(const State& state, std::vector<double>& values) const;
+  void add_ways_of_bodies(const State& state, std::vector<Vec3>& places,
+                          std::vector<Vec3>& ways) const;
+  bool turn_within(const State& state, const Vec3& normal) const;
+  void find_body_touches(const State& state);
+  bool bodies_arrive(const State& state);
+  void ask_of_bodies(const State& state);
+  void take_touches();
 
   std::vector<Obstacle> obstacles_;
   Mechanism mechanism_;
   RowSystem system_;
-  double slowest_ = 0, touching_ = 0;  // m/s, m
-  std::vector<double> radius_;         // per point, m; negative: it touches nothing
-  std::vector<Bead> beads_;            // per point
-  std::vector<FrameMotion> frames_;    // of the obstacles
-  Vec3 aside_ = Vec3::Zero();          // out of the plane of the motion, where there is one
+  double slowest_ = 0, touching_ = 0;    // m/s, m
+  std::vector<double> radius_;           // per point, m; negative: it touches nothing
+  std::vector<Bead> beads_;              // per point
+  std::vector<FrameMotion> frames_;      // of the obstacles
+  std::vector<char> is_carried_;         // per point: a free body has it
+  std::vector<BodyCapsule> capsules_;    // per free body, from its centre of mass
+  std::vector<BodyTouch> body_touches_;  // those that are closed, in order of bodies
+  BodySystem body_system_;
+  Vec3 aside_ = Vec3::Zero();  // out of the plane of the motion, where there is one
   State scratch_;
   // Per point, of velocities or accelerations: without links, what links add, what links and
   // touches add.
   std::vector<Vec3> free_, pulled_, added_;
-  std::vector<Mat3> answer_;              // per point, 1/kg
-  std::vector<double> tension_, change_;  // per row
-  std::vector<double> start_;             // per row, of what is asked
+  std::vector<Vec6> body_free_, body_pulled_, body_added_;  // the same of twists, per body
+  std::vector<Mat6> body_answer_;                           // per body
+  std::vector<Mat3> answer_;                                // per point, 1/kg
+  std::vector<double> tension_, change_;                    // per row
+  std::vector<double> start_;                               // per row, of what is asked
   // Where there are strings, per row: whether it is a rod or as long as it may be; whether it pulls
   // besides; the directions of those that do, zero for the others.
   std::vector<char> taut_, pulls_;

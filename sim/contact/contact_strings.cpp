@@ -63,23 +63,29 @@ bool ContactMotion::find_taut(double time, State& state) {
 
 /// Lets those strings pull that would part otherwise, under tensions as they are, and no others.
 void ContactMotion::sort_strings() {
-  const auto& mobile = mechanism_.inverse_mass();
   for (std::size_t r = 0; r < pulls_.size(); ++r) {
     const Row& row = mechanism_.rows()[r];
     if (!row.pulls) continue;
-    const double parts = (mobile[row.a] + mobile[row.b]) * tension_[r] + change_[r];
+    const double parts = (ease(row.a) + ease(row.b)) * tension_[r] + change_[r];
     pulls_[r] = taut_[r] && parts > 0;
     if (!pulls_[r]) tension_[r] = 0;
   }
 }
 
+/// How easily (1/kg) a point moves, or the body that carries it.
+double ContactMotion::ease(std::size_t point) const {
+  if (!is_carried_[point]) return mechanism_.inverse_mass()[point];
+  const auto carried =
+      std::ranges::find(mechanism_.body_points(), point, &Mechanism::BodyPoint::point);
+  return mechanism_.bodies()[carried->body].inverse_mass;
+}
+
 /// By how much (N) a string may push, as roundings do, before it goes slack.
 double ContactMotion::spare(std::size_t row) const {
   const Row& at = mechanism_.rows()[row];
-  const auto& mobile = mechanism_.inverse_mass();
-  const std::size_t point = mobile[at.a] > mobile[at.b] ? at.a : at.b;
-  if (!(mobile[point] > 0)) return 1;
-  return kSpareTension * (free_[point].norm() + pulled_[point].norm()) / mobile[point];
+  const std::size_t point = ease(at.a) > ease(at.b) ? at.a : at.b;
+  if (!(ease(point) > 0)) return 1;
+  return kSpareTension * (free_[point].norm() + pulled_[point].norm()) / ease(point);
 }
 
 }  // namespace taut::contact

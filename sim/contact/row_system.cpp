@@ -44,7 +44,8 @@ void RowSystem::rebuild(const Mechanism& mechanism) {
 }
 
 void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answer,
-                         std::span<const Vec3> left, std::span<const Vec3> right) {
+                         std::span<const Vec3> left, std::span<const Vec3> right,
+                         std::span<const Mat6> bodies) {
   const auto& rows = mechanism.rows();
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const Row& row = rows[r];
@@ -59,7 +60,7 @@ void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answe
     const bool followed = r + 1 < rows.size() && rows[r + 1].a == row.b;
     upper_[r] = followed ? -from_b.dot(right[r + 1]) : 0;
   }
-  add_bodies(mechanism, left, right);
+  add_bodies(mechanism, left, right, bodies);
   eliminate();
   if (border_.empty()) return;
   const std::size_t count = rows.size();
@@ -80,12 +81,17 @@ void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answe
 }
 
 void RowSystem::add_bodies(const Mechanism& mechanism, std::span<const Vec3> left,
-                           std::span<const Vec3> right) {
+                           std::span<const Vec3> right, std::span<const Mat6> bodies) {
   const auto& ends = mechanism.row_ends();
   const auto mobility = [&](const Mechanism::RowEnd& end, const Mechanism::RowEnd& other) {
     const auto& at = mechanism.body_points()[end.body_point];
     const auto& pulled = mechanism.body_points()[other.body_point];
     const auto& body = mechanism.bodies()[at.body];
+    if (!bodies.empty()) {
+      const Mat3 answer = contact::mobility(bodies[at.body], at.arm, pulled.arm);
+      const double moves = left[end.row].dot(answer * right[other.row]);
+      return end.sign * other.sign * or_nothing(moves, Mat3(body.inverse_mass * Mat3::Identity()));
+    }
     const Vec3 turn = at.arm.cross(left[end.row]);
     return end.sign * other.sign *
            (body.inverse_mass * left[end.row].dot(right[other.row]) +

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/contact/body_system.h"
 #include "sim/links/mechanism.h"
 
 namespace taut::contact {
@@ -15,7 +16,8 @@ std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism);
 /// A x = b over the rows of a mechanism, where A(r, s) says by how much row r stays shorter under a
 /// pull along row s. Particle p moves by answer[p] times what pulls it (1/kg): a multiple of the
 /// identity where it is free; less across a surface; not symmetric where it slides with friction.
-/// Rows pull along `right` and are measured along `left`, unit vectors.
+/// Rows pull along `right` and are measured along `left`, unit vectors. Body b answers to what
+/// pulls it as bodies[b] says, or freely where nothing is said.
 ///
 /// Linear time: elimination along the connectors, and by Woodbury's identity a dense system for the
 /// rows that meet in free bodies which have several. A row that nothing can change, or that its
@@ -25,13 +27,14 @@ class RowSystem {
   void rebuild(const Mechanism& mechanism);
 
   void assemble(const Mechanism& mechanism, std::span<const Mat3> answer,
-                std::span<const Vec3> left, std::span<const Vec3> right);
+                std::span<const Vec3> left, std::span<const Vec3> right,
+                std::span<const Mat6> bodies = {});
   /// In place.
   void solve(std::span<double> x) const;
 
  private:
   void add_bodies(const Mechanism& mechanism, std::span<const Vec3> left,
-                  std::span<const Vec3> right);
+                  std::span<const Vec3> right, std::span<const Mat6> bodies);
   void eliminate();
   void sweep(std::span<double> x) const;
 

@@ -50,11 +50,6 @@ class EventDriven final : public Method {
 };
 
 void EventDriven::prepare(const World& world) {
-  for (const Body& body : world.bodies) {
-    if (body.driven()) continue;
-    throw Diverged("truth", world.time, 0, body.name, 0,
-                   "knows contact and strings only without free bodies, and there is one");
-  }
   step_ = kStepAfterEvent;
   motion_.rebuild(world, kSlowest);
   built_ = true;
@@ -190,6 +185,10 @@ void EventDriven::slope(const reference::State& state, reference::State& derivat
 }
 
 void EventDriven::give_up(std::size_t row, const char* what) const {
+  if (motion_.mechanism().rows().empty()) {
+    throw Diverged("truth", time_, counters_.steps,
+                   world_->bodies.empty() ? "" : world_->bodies[0].name, 0, what);
+  }
   const Row& at = motion_.mechanism().rows()[row];
   throw Diverged("truth", time_, counters_.steps, world_->connectors[at.connector].name, at.link,
                  what);

@@ -176,6 +176,7 @@ MethodInfo truth_method() {
           },
           .reference = true,
           .touches_obstacles = true,
+          .touches_with_bodies = true,
           .follows_materials = true,
           .follows_joints = true,
           .follows_strings = true,

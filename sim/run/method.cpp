@@ -12,6 +12,7 @@ namespace taut {
 bool follows(const MethodInfo& method, const World& world) {
   return (method.follows_spans || !has_spans(world)) &&
          (method.touches_obstacles || world.obstacles.empty()) &&
+         (method.touches_with_bodies || !has_touching_bodies(world)) &&
          (method.follows_materials || !has_materials(world)) &&
          (method.follows_joints || world.joints.empty()) &&
          (method.follows_strings || !has_strings(world));
@@ -136,6 +137,14 @@ void refuse_obstacles(std::string_view method, const World& world) {
   throw Diverged(std::string(method), world.time, 0,
                  world.connectors.empty() ? "" : world.connectors.front().name, 0,
                  "knows no contact, and there is the obstacle " + world.obstacles.front().name);
+}
+
+void refuse_touching_bodies(std::string_view method, const World& world) {
+  if (!has_touching_bodies(world)) return;
+  const auto found = std::ranges::find_if(
+      world.bodies, [](const Body& body) { return body.capsule.touches() && !body.driven(); });
+  throw Diverged(std::string(method), world.time, 0, found->name, 0,
+                 "follows no free bodies that touch obstacles");
 }
 
 void refuse_materials(std::string_view method, const World& world) {

@@ -144,6 +144,8 @@ struct MethodInfo {
   bool follows_spans = false;
   /// Beads touch what is in World::obstacles; others throw Diverged where there is anything.
   bool touches_obstacles = false;
+  /// So do the capsules of free bodies; others throw Diverged where has_touching_bodies().
+  bool touches_with_bodies = false;
   /// Connectors stretch, resist bending and meet the air as sim/material says; others throw
   /// Diverged where a world has such a one.
   bool follows_materials = false;
@@ -181,6 +183,9 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
 
 /// For methods whose beads touch nothing: throws Diverged where the world has obstacles.
 void refuse_obstacles(std::string_view method, const World& world);
+
+/// For methods whose bodies touch nothing: throws Diverged where some have capsules for obstacles.
+void refuse_touching_bodies(std::string_view method, const World& world);
 
 /// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
 void refuse_materials(std::string_view method, const World& world);

@@ -1,8 +1,10 @@
 #include "sim/truth/truth.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "sim/run/simulation.h"
 
@@ -37,9 +39,24 @@ Frames run(const World& world, std::string_view method, const Settings& settings
   return frames;
 }
 
-/// The largest distance (m) of any particle.
-double largest_distance(const Snapshot& a, const Snapshot& b) {
+/// The ends of a world's free bodies, where it has no connectors.
+std::vector<std::pair<std::size_t, std::array<Vec3, 6>>> ends_of_bodies(const World& world) {
+  std::vector<std::pair<std::size_t, std::array<Vec3, 6>>> ends;
+  for (std::size_t b = 0; b < world.bodies.size() && world.connectors.empty(); ++b) {
+    if (!world.bodies[b].driven()) ends.emplace_back(b, box_ends(world.bodies[b].bare));
+  }
+  return ends;
+}
+
+/// The largest distance (m) of any particle; without connectors, of the free bodies' ends.
+double largest_distance(const World& world, const Snapshot& a, const Snapshot& b) {
   double largest = 0;
+  for (const auto& [body, ends] : ends_of_bodies(world)) {
+    for (const Vec3& end : ends) {
+      const Vec3 apart = a.bodies[body].to_world(end) - b.bodies[body].to_world(end);
+      largest = std::max(largest, apart.norm());
+    }
+  }
   for (std::size_t c = 0; c < a.connectors.size(); ++c) {
     for (std::size_t i = 0; i < a.connectors[c].size(); ++i) {
       largest = std::max(largest, (a.connectors[c][i] - b.connectors[c][i]).norm());
@@ -58,6 +75,9 @@ World nudged(World world, double distance, bool rough) {
       const double smooth = static_cast<double>(i) / last;
       connector.position[i] += distance * (rough ? (i % 2 == 0 ? 1 : -1) : smooth) * side;
     }
+  }
+  for (Body& body : world.bodies) {
+    if (world.connectors.empty() && !body.driven()) body.position += distance * side;
   }
   place_held(world, world.time);
   return world;
@@ -81,7 +101,7 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
   const double apart = kTruthAgreement * options.scored_error;
   const auto close = [&](std::size_t frame, const Snapshot& other) {
     if (tick) tick();
-    return largest_distance(other, truth.frames[frame]) <= apart;
+    return largest_distance(world, other, truth.frames[frame]) <= apart;
   };
   std::size_t predictable = truth.frames.size();
   for (const bool rough : {false, true}) {
@@ -101,7 +121,8 @@ Truth solve_truth(const World& world, std::span<const double> times, const Truth
   }
   if (!checked.empty()) truth.horizon = times[checked.size() - 1];
   for (std::size_t i = 0; i < checked.size(); ++i) {
-    truth.self_error = std::max(truth.self_error, largest_distance(checked[i], truth.frames[i]));
+    truth.self_error =
+        std::max(truth.self_error, largest_distance(world, checked[i], truth.frames[i]));
   }
   return truth;
 }

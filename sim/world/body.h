@@ -35,6 +35,15 @@ enum class BodyModel {
   link,  // one more link of the connector that it hangs by, see BodiesAsLinks
 };
 
+/// What of a free body touches obstacles: all that is within `radius` (m) of a line between two
+/// points (m, body frame), which may be one.
+struct BodyCapsule {
+  double radius = -1;  // negative: it touches nothing
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+
+  bool touches() const { return radius >= 0; }
+};
+
 /// A rigid body. Driven bodies follow `path` (the body's `grip` point stays at the path's position,
 /// its axes along the path's); free bodies move by their state.
 struct Body {
@@ -44,6 +53,7 @@ struct Body {
   MassProperties bare;               // without them; set by finish(), changed by hand since
   std::shared_ptr<const Path> path;  // null: a free body
   Vec3 grip = Vec3::Zero();          // m, body frame; the point that the path carries
+  BodyCapsule capsule;               // of no account where the body is driven
 
   // State of a free body; a driven body's is refreshed from its path by place_held().
   Vec3 position = Vec3::Zero();  // of the centre of mass, m

@@ -10,7 +10,8 @@
 
 namespace taut {
 
-/// A solid that nothing moves but its path. Beads of connectors never enter it.
+/// A solid that nothing moves but its path. Beads of connectors and capsules of free bodies
+/// never enter it.
 struct Obstacle {
   std::string name;
   Shape shape;

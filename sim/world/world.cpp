@@ -123,6 +123,12 @@ bool has_strings(const World& world) {
   return std::ranges::any_of(world.connectors, &Connector::pulls);
 }
 
+bool has_touching_bodies(const World& world) {
+  return !world.obstacles.empty() && std::ranges::any_of(world.bodies, [](const Body& body) {
+    return body.capsule.touches() && !body.driven();
+  });
+}
+
 std::uint64_t structure_of_body(const World& world, std::size_t index) {
   const Body& body = world.bodies[index];
   Hash hash;
@@ -131,6 +137,11 @@ std::uint64_t structure_of_body(const World& world, std::size_t index) {
   add(body.bare, hash);
   add(body.path, hash);
   add(body.grip, hash);
+  if (body.capsule.touches()) {
+    hash.word(body.capsule.radius);
+    add(body.capsule.from, hash);
+    add(body.capsule.to, hash);
+  }
   return hash.value();
 }
 

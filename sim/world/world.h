@@ -32,7 +32,7 @@ struct World {
   std::vector<Body> bodies;
   std::vector<Connector> connectors;
   std::vector<Joint> joints;        // what joins connectors to each other and to themselves
-  std::vector<Obstacle> obstacles;  // what the connectors' beads touch
+  std::vector<Obstacle> obstacles;  // what beads of connectors and free bodies touch
   std::uint64_t topology = 0;       // another one whenever what structure() tells changes
   std::uint64_t pins = 0;           // how many there ever were
 };
@@ -54,6 +54,9 @@ bool has_materials(const World& world);
 
 /// Whether some connector's links are strings (Connector::pulls).
 bool has_strings(const World& world);
+
+/// Whether some free body touches obstacles (Body::capsule), and there are some.
+bool has_touching_bodies(const World& world);
 
 /// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
 /// them and joins them, bodies with their mass properties, paths, obstacles. Methods build on it,

@@ -226,7 +226,7 @@ TEST_F(ObstacleScene, FaultsOfWhatCarriesItAreNamed) {
   expect(ball +
              "body = \"club\"\n[bodies.club]\nmass = 1\nshape = { sphere = { diameter = 1 } }\n"
              "position = [0, 0, 5]\n",
-         "15:8", "found \"club\", expected a driven body: free ones touch nothing");
+         "15:8", "found \"club\", expected a driven body: free ones carry no obstacle");
   expect(ball + "path = \"hand\"\nbone = \"Head\"\n", "16:1",
          "stands beside path, expected only one of: path, body, bone");
   expect(ball + "bone = \"Head\"\n", "15:1", "needs character");

@@ -77,6 +77,7 @@ std::uint64_t ContactStep::pattern() const {
         .word(std::uint64_t(at.obstacle))
         .word(static_cast<std::uint64_t>(at.touch.state));
   }
+  if (bodies_.any()) hash.word(bodies_.pattern());
   if (mechanism_.has_strings()) {
     for (const char pulls : pulls_) hash.word(std::uint64_t(pulls != 0));
   }

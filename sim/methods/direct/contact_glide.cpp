@@ -41,6 +41,7 @@ bool ContactStep::glide(double time, double h) {
     vector(&next_[mechanism_.position(p)]) += h * ConstMap(&state_[mechanism_.velocity(p)]);
   }
   for (BeadTouch& at : touches_) at.touch.push = 0;
+  bodies_.release();
   rub(1);
   move_bodies(time, h);
   double before = std::numeric_limits<double>::infinity();
@@ -48,6 +49,7 @@ bool ContactStep::glide(double time, double h) {
   for (int i = 0; i < kIterations; ++i) {
     measure();
     aim(h);
+    if (bodies_.any()) turn_ = std::max(turn_, bodies_.aim(body_step(time, h), next_));
     if (!pull(time, h)) return false;
     const double worst = residual(h);
     if (!std::isfinite(worst)) return false;
@@ -77,7 +79,8 @@ bool ContactStep::glide(double time, double h) {
                                         .bend = bend_,
                                         .turn = stiffness_,
                                         .along = strings ? right_ : along_,
-                                        .to = strings ? left_ : to_});
+                                        .to = strings ? left_ : to_,
+                                        .bodies = bodies_.answers()});
     glide_system_.solve(behind_, change_);
     for (std::size_t p = 0; p < behind_.size(); ++p) {
       vector(&next_[mechanism_.position(p)]) += h * behind_[p];
@@ -133,6 +136,7 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
   for (int i = 0; i < most; ++i) {
     errors();
     if (sort_strings(0.5)) errors();
+    if (jams_) return false;
     double worst = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       worst = std::max(worst, wrong(r, change_[r]) - noise_[rows[r].a] - noise_[rows[r].b]);
@@ -151,7 +155,8 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
     for (double& change : change_) change *= 2;  // of a pull half makes the mean velocities
     mask();
     const bool strings = mechanism_.has_strings();
-    system_.assemble(mechanism_, answer_, strings ? left_ : to_, strings ? right_ : along_);
+    system_.assemble(mechanism_, answer_, strings ? left_ : to_, strings ? right_ : along_,
+                     bodies_.answers());
     system_.solve(change_);
     const double share = damping.share();
     for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += share * change_[r];
@@ -174,6 +179,11 @@ void ContactStep::stiffen(double h) {
     stiffness_[r] = pull_[r] / ((from_[r] + to_[r]).norm() * gap.norm()) * across_mean * across;
   }
   for (const auto& carried : mechanism_.body_points()) {
+    if (bodies_.any()) {
+      answer_[carried.point] =
+          contact::mobility(bodies_.answers()[carried.body], carried.arm, carried.arm);
+      continue;
+    }
     const auto& body = mechanism_.bodies()[carried.body];
     Mat3 lever;
     lever << 0, -carried.arm.z(), carried.arm.y(), carried.arm.z(), 0, -carried.arm.x(),
@@ -197,19 +207,27 @@ void ContactStep::answer(double time, double h) {
   respond_all(mean_);
   if (!mechanism_.bodies().empty()) {
     aimed_ = next_;
-    move_bodies(time, h);
+    const auto move = [&] { move_bodies(time, h); };
+    jams_ = bodies_.any() && !bodies_.answer(body_step(time, h), inverse_, next_, creep_, move);
+    if (!bodies_.any()) move();
   }
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     if (mechanism_.inverse_mass()[p] > 0) continue;
     mean_[p] = (position(next_, p) - position(state_, p)) / h;
   }
-  if (!mechanism_.bodies().empty()) next_.swap(aimed_);
+  if (mechanism_.bodies().empty()) return;
+  if (bodies_.any()) {  // where they are aimed from next
+    const auto poses = static_cast<std::ptrdiff_t>(mechanism_.pose(0));
+    const auto end = static_cast<std::ptrdiff_t>(mechanism_.velocity(0));
+    std::copy(next_.begin() + poses, next_.begin() + end, aimed_.begin() + poses);
+  }
+  next_.swap(aimed_);
 }
 
 /// By how much (m) points are elsewhere than they answer, a row is too long, or a touch is open
 /// or broken.
 double ContactStep::residual(double h) const {
-  double worst = 0;
+  double worst = bodies_.residual(next_, mechanism_);
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     const Vec3 off = position(state_, p) + h * mean_[p] - position(next_, p);
     worst = std::max(worst, off.lpNorm<Eigen::Infinity>() - h * noise_[p]);
@@ -315,6 +333,7 @@ void ContactStep::move_bodies(double time, double h) {
     vector(u) += mechanism_.bodies()[body].inverse_mass * pull;
     vector(u + 3) += inverse_[body] * arm_[end.body_point].cross(pull);
   }
+  bodies_.kick(mechanism_, state_, inverse_, next_);
   for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
     const double *u = &next_[mechanism_.twist(b)], *q = &state_[mechanism_.pose(b)];
     Quat rotation = quaternion(q + 3);

@@ -95,10 +95,14 @@ void ContactStep::accept() {
   last_hits_ = hits_;
   last_pattern_ = pattern();
   last_h_ = h_;
+  last_pushed_ = pushed_;
   if (!hits_) {
     const double share = watched_ > 0 ? std::min(1.0, h_ / kSteady) : 1;
     for (std::size_t p = 0; p < steady_.size(); ++p) {
       steady_[p] += share * (acceleration_[p] - steady_[p]);
+    }
+    for (std::size_t b = 0; b < pushed_.size(); ++b) {
+      steady_pushed_[b] += share * (pushed_[b] - steady_pushed_[b]);
     }
     watched_ += h_;
   }
@@ -121,6 +125,14 @@ double ContactStep::error(double lowest) const {
     if (touching < touches_.size() && touches_[touching].point == p) continue;
     change += (acceleration_[p] - last_acceleration_[p]).squaredNorm();
     wave += ((acceleration_[p] + last_acceleration_[p]) / 2 - steady_[p]).squaredNorm();
+  }
+  for (std::size_t b = 0; b < pushed_.size(); ++b) {
+    const contact::Vec6 apart = pushed_[b] - last_pushed_[b];
+    const double reach = bodies_.reach(b);
+    ++count;
+    const contact::Vec6 off = (pushed_[b] + last_pushed_[b]) / 2 - steady_pushed_[b];
+    change += apart.head<3>().squaredNorm() + reach * reach * apart.tail<3>().squaredNorm();
+    wave += off.head<3>().squaredNorm() + reach * reach * off.tail<3>().squaredNorm();
   }
   if (count == 0) return 0;
   change = std::sqrt(change / static_cast<double>(count));

@@ -70,6 +70,20 @@ void ContactStep::aim_velocities(double h, double least) {
   }
 }
 
+/// Where bodies have capsules: what the first stage has done to them, and what it leaves to do.
+void ContactStep::begin_settling(double time, double h, double least) {
+  std::vector<Mat3> inverse;
+  for (const auto& body : mechanism_.bodies()) inverse.push_back(body.world_inverse);
+  bodies_.kick(mechanism_, next_, inverse, next_);
+  for (std::size_t b = 0; b < pushed_.size(); ++b) {
+    const std::size_t u = mechanism_.twist(b);
+    pushed_[b] =
+        (Eigen::Map<const contact::Vec6>(&next_[u]) - Eigen::Map<const contact::Vec6>(&state_[u])) /
+        h;
+  }
+  bodies_.aim_velocities(body_step(time, h), next_, least);
+}
+
 bool ContactStep::settle(double time, double h, double lowest) {
   double speed = 0;
   for (std::size_t p = 0; p < mean_.size(); ++p) {
@@ -86,7 +100,9 @@ bool ContactStep::settle(double time, double h, double lowest) {
     vector(&next_[mechanism_.twist(b)]) += h / 2 * mechanism_.gravity();
   }
   kick(pull_, along_, 0.5);
-  aim_velocities(h, std::sqrt(2 * mechanism_.gravity().norm() * lowest));
+  const double least = std::sqrt(2 * mechanism_.gravity().norm() * lowest);
+  aim_velocities(h, least);
+  if (bodies_.possible()) begin_settling(time, h, least);
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
   keep_taut();
@@ -94,6 +110,11 @@ bool ContactStep::settle(double time, double h, double lowest) {
   if (!stop(stopped)) return false;
   for (std::size_t p = 0; p < free_.size(); ++p) {
     vector(&next_[mechanism_.velocity(p)]) = free_[p];
+  }
+  if (bodies_.any()) {
+    for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+      Eigen::Map<contact::Vec6>(&next_[mechanism_.twist(b)]) += bodies_.added(b);
+    }
   }
   mechanism_.place(time + h, next_.data());
   return true;
@@ -104,7 +125,7 @@ bool ContactStep::stop(double stopped) {
   rub(1);
   std::ranges::fill(pull_, 0.0);
   if (stop_creeping(stopped, contact::kCreep)) return true;
-  if (touches_.empty()) return false;
+  if (touches_.empty() && !bodies_.any()) return false;
   std::ranges::fill(pull_, 0.0);
   const double creep =
       contact::approach_friction([&](double to) { return stop_creeping(stopped, to); },
@@ -119,6 +140,7 @@ void ContactStep::rub(double share) {
     at.touch.stick = share * (*obstacles_)[at.obstacle].static_friction;
     at.touch.slide = share * (*obstacles_)[at.obstacle].kinetic_friction;
   }
+  bodies_.rub(*obstacles_, share);
 }
 
 /// With friction raised in shares from none, as much as there is a solution with.
@@ -149,9 +171,12 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     free_ = middle_;
     spread(pull_, to_, 1, free_);
     respond_all(free_);
+    jams_ = bodies_.any() && !bodies_.settle(mechanism_, next_, creep);
     for (const auto& carried : mechanism_.body_points()) {
       const double* u = &next_[mechanism_.twist(carried.body)];
       free_[carried.point] = ConstMap(u) + ConstMap(u + 3).cross(carried.arm);
+      if (!bodies_.any()) continue;
+      free_[carried.point] += contact::velocity_at(bodies_.added(carried.body), carried.arm);
     }
     for (std::size_t r = 0; r < rows.size(); ++r) {
       change_[r] = to_[r].dot(free_[rows[r].b] - free_[rows[r].a]);
@@ -163,6 +188,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
       kick(dropped_, to_, 1);
       errors();
     }
+    if (jams_) return false;
     double worst = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const double noise = noise_[rows[r].a] + noise_[rows[r].b];
@@ -177,7 +203,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     } else {
       mask();
       const std::vector<Vec3>& along = mechanism_.has_strings() ? left_ : to_;
-      system_.assemble(mechanism_, answer_, along, along);
+      system_.assemble(mechanism_, answer_, along, along, bodies_.answers());
       system_.solve(change_);
       for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r] *= damping.share();
     }

@@ -32,6 +32,10 @@ void ContactStep::rebuild(const World& world) {
   for (std::size_t p = 0; p < radius_.size(); ++p) {
     if (mechanism_.inverse_mass()[p] == 0) radius_[p] = -1;
   }
+  bodies_.rebuild(world);
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    if (world.connectors.empty()) longest = std::max(longest, bodies_.reach(b));
+  }
   touching_ = kTouching * (longest > 0 ? longest : 1);
   exact_ = kExact * std::max(longest, 1.0);
   const std::size_t points = mechanism_.points(), rows = mechanism_.rows().size();
@@ -50,6 +54,8 @@ void ContactStep::rebuild(const World& world) {
   noise_.assign(points, 0);
   arm_.resize(mechanism_.body_points().size());
   inverse_.resize(mechanism_.bodies().size());
+  pushed_.assign(bodies_.possible() ? mechanism_.bodies().size() : 0, contact::Vec6::Zero());
+  last_pushed_ = steady_pushed_ = pushed_;
   touches_.clear();
   before_.clear();
   last_hits_ = true;
@@ -126,6 +132,38 @@ void ContactStep::add_touch(const Hit& hit, std::size_t sorted) {
   touches_.push_back(made);
 }
 
+BodyTouches::Step ContactStep::body_step(double time, double h) const {
+  return {mechanism_, *obstacles_, start_, end_, state_, time, h, touching_};
+}
+
+/// Adds what was found to the touches, where the step is to end with the first of it to those
+/// alone; whether it does.
+bool ContactStep::take_hits(bool locates, double& h) {
+  double first = 1;
+  for (const Hit& hit : found_) {
+    if (locates || hit.passes) first = std::min(first, hit.share);
+  }
+  for (const BodyTouches::Hit& hit : bodies_.found()) {
+    if (locates || hit.passes) first = std::min(first, hit.share);
+  }
+  for (const Snap& snap : snaps_) first = std::min(first, snap.share);
+  const bool shortens = first < 1 - 1e-6 && first * h > kShortest;
+  const std::size_t sorted = touches_.size();
+  for (const Hit& hit : found_) {
+    if (!shortens || hit.share <= first * (1 + 1e-6)) add_touch(hit, sorted);
+  }
+  std::ranges::inplace_merge(touches_, touches_.begin() + static_cast<std::ptrdiff_t>(sorted), {},
+                             &BeadTouch::point);
+  for (const BodyTouches::Hit& hit : bodies_.found()) {
+    if (!shortens || hit.share <= first * (1 + 1e-6)) bodies_.add(body_step(0, h), hit);
+  }
+  for (const Snap& snap : snaps_) {
+    if (!shortens || snap.share <= first * (1 + 1e-6)) taut_[snap.row] = true;
+  }
+  if (shortens) h *= first;
+  return shortens;
+}
+
 double ContactStep::attempt(double time, double h, bool locates, double lowest) {
   const std::vector<Obstacle>& obstacles = *obstacles_;
   start_.resize(obstacles.size());
@@ -138,31 +176,17 @@ double ContactStep::attempt(double time, double h, bool locates, double lowest) 
     inverse_[b] = mechanism_.bodies()[b].world_inverse;
   }
   find_touches();
+  if (bodies_.possible()) bodies_.find(body_step(time, h));
   find_taut(!locates);
   hits_ = located_ = false;
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t o = 0; o < obstacles.size(); ++o) end_[o] = obstacles[o].frame(time + h);
     if (!glide(time, h)) return 0;
     const bool enters = find_hits(time, h), snaps = find_snaps(h);
-    if (!enters && !snaps) return settle(time, h, lowest) ? h : 0;
+    const bool hits = bodies_.possible() && !bodies_.hits(body_step(time, h), next_).empty();
+    if (!enters && !snaps && !hits) return settle(time, h, lowest) ? h : 0;
     hits_ = true;
-    double first = 1;
-    for (const Hit& hit : found_) {
-      if (locates || hit.passes) first = std::min(first, hit.share);
-    }
-    for (const Snap& snap : snaps_) first = std::min(first, snap.share);
-    const bool shortens = first < 1 - 1e-6 && first * h > kShortest;
-    const std::size_t sorted = touches_.size();
-    for (const Hit& hit : found_) {
-      if (!shortens || hit.share <= first * (1 + 1e-6)) add_touch(hit, sorted);
-    }
-    std::ranges::inplace_merge(touches_, touches_.begin() + static_cast<std::ptrdiff_t>(sorted), {},
-                               &BeadTouch::point);
-    for (const Snap& snap : snaps_) {
-      if (!shortens || snap.share <= first * (1 + 1e-6)) taut_[snap.row] = true;
-    }
-    located_ = shortens;
-    if (shortens) h *= first;
+    located_ = take_hits(locates, h);
   }
   return 0;
 }

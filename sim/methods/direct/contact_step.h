@@ -9,6 +9,7 @@
 #include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
 #include "sim/links/mechanism.h"
+#include "sim/methods/direct/body_touches.h"
 #include "sim/methods/direct/glide_system.h"
 #include "sim/world/obstacle.h"
 
@@ -20,7 +21,7 @@ namespace taut::direct {
 /// obstacle, whatever that takes. In the second, velocities settle: impulses along the links and at
 /// the touches stop what would stretch a link or enter an obstacle, by Newton's law of impact. Both
 /// have Signorini's condition and Coulomb's law for the sum of the step, and are solved by Newton's
-/// method, in which each bead answers for itself (see respond()).
+/// method, in which each bead answers for itself (see respond()), and each body (BodyTouches).
 class ContactStep {
  public:
   /// Call when the topology is new.
@@ -110,11 +111,19 @@ class ContactStep {
   void mask();
   std::uint64_t pattern() const;
   Vec3 position(const std::vector<double>& state, std::size_t point) const;
+  BodyTouches::Step body_step(double time, double h) const;
+  bool take_hits(bool locates, double& h);
+  void begin_settling(double time, double h, double least);
 
   const std::vector<Obstacle>* obstacles_ = nullptr;
   Mechanism mechanism_;
   contact::RowSystem system_;
   GlideSystem glide_system_;
+  BodyTouches bodies_;
+  bool jams_ = false;  // a body has no answer to what it touches
+  // Per body, where some have capsules: the rates of its twist, of the step before, and without
+  // waves.
+  std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;
   double touching_ = 0;
   double exact_ = 0;                    // m: roundings of positions
   std::vector<double> radius_;          // per point, m; negative: it touches nothing

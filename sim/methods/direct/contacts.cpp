@@ -130,9 +130,31 @@ void Contacts::write(const Group& group, World& world) {
   }
 }
 
+/// Whether a body may touch something within so many seconds of the part's present time.
+bool Contacts::is_body_near(const Body& body, const World& part, double within) const {
+  if (body.driven() || !body.capsule.touches()) return false;
+  const double fall = part.gravity.norm() * within;
+  const contact::Capsule own{body.point(body.capsule.from), body.point(body.capsule.to),
+                             body.capsule.radius};
+  const double reach =
+      std::max((own.from - body.position).norm(), (own.to - body.position).norm()) + own.radius;
+  for (const Obstacle& obstacle : obstacles_) {
+    const FrameMotion frame = obstacle.frame(part.time);
+    const double apart = contact::least_gap(obstacle.shape, frame.pose(), own);
+    const double far = (body.position - frame.position).norm() + reach + std::max(apart, 0.0);
+    const double speed = (body.velocity - frame.velocity).norm() + body.spin.norm() * reach +
+                         frame.spin.norm() * far + fall;
+    if (apart <= kSurprise * speed * within) return true;
+  }
+  return false;
+}
+
 /// Whether a bead may touch something within so many seconds of the part's present time.
 bool Contacts::is_near(const World& part, double within) const {
   const double fall = part.gravity.norm() * within;
+  for (const Body& body : part.bodies) {
+    if (is_body_near(body, part, within)) return true;
+  }
   for (const Obstacle& obstacle : obstacles_) {
     const FrameMotion frame = obstacle.frame(part.time);
     for (const Connector& connector : part.connectors) {
@@ -178,8 +200,8 @@ void Contacts::follow(Group& group, double until) {
   step_through(group, until);
 }
 
-/// Says why no step is possible. Bodies and links touch nothing: they may carry an end inside of an
-/// obstacle, or a cut make a bead there, farther than a link is long.
+/// Says why no step is possible. Links touch nothing, nor do bodies without a capsule: they may
+/// carry an end inside of an obstacle, or a cut make a bead there, farther than a link is long.
 void Contacts::give_up(const World& part) const {
   constexpr double kInside = 1e-6;  // of the connector's length
   for (const Obstacle& obstacle : obstacles_) {

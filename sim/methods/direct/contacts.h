@@ -43,6 +43,7 @@ class Contacts {
   bool read(const World& world, Group& group) const;
   static void write(const Group& group, World& world);
   bool is_near(const World& part, double within) const;
+  bool is_body_near(const Body& body, const World& part, double within) const;
   void follow(Group& group, double until);
   void step_through(Group& group, double until);
   [[noreturn]] void give_up(const World& part) const;

@@ -289,6 +289,7 @@ MethodInfo direct_method() {
       },
       .follows_spans = true,
       .touches_obstacles = true,
+      .touches_with_bodies = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

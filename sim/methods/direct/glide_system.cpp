@@ -101,8 +101,10 @@ void GlideSystem::add_bodies(const Mechanism& mechanism, const Terms& terms) {
     for (const std::size_t e : border_) {
       const auto& at = mechanism.body_points()[ends[e].body_point];
       if (at.body != pulled.body || at.point == pulled.point) continue;
-      const Vec3 moves =
-          -kMean * end.sign * (mobility(mechanism, at, pulled) * terms.along[end.row]);
+      const Mat3 answer = terms.bodies.empty()
+                              ? mobility(mechanism, at, pulled)
+                              : contact::mobility(terms.bodies[at.body], at.arm, pulled.arm);
+      const Vec3 moves = -kMean * end.sign * (answer * terms.along[end.row]);
       for (int i = 0; i < 3; ++i) column[first_[at.point] + static_cast<std::size_t>(i)] = moves[i];
     }
     band_.solve(column);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/contact/band_system.h"
+#include "sim/contact/body_system.h"
 #include "sim/links/mechanism.h"
 
 namespace taut::direct {
@@ -23,6 +24,8 @@ class GlideSystem {
     std::span<const Mat3> bend;       // 1: to its own displacement over h, as surfaces curve
     std::span<const Mat3> turn;       // N s/m: of a row's impulse with the way from a to b
     std::span<const Vec3> along, to;  // of the row's pull; in which its length grows
+    /// Of a body to what pulls it; none: freely.
+    std::span<const contact::Mat6> bodies = {};
   };
 
   void rebuild(const Mechanism& mechanism);

@@ -1,0 +1,129 @@
+#include "sim/contact/capsule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut::contact {
+namespace {
+
+constexpr double kTurn = 1e-2;   // rad: turned by that, what lies flat touches at one end of it
+constexpr double kSame = 1e-6;   // of the axis: spots so near to each other are one
+constexpr double kFlat = 1e-10;  // of the axis' length: distances so near to each other are equal
+constexpr int kHalvings = 54;    // of a double's fraction
+
+/// A capsule's axis in the frame of a solid.
+struct Axis {
+  Axis(const Shape& of, const Pose& frame, const Capsule& capsule)
+      : shape(of),
+        from(frame.rotation.conjugate() * (capsule.from - frame.position)),
+        way(frame.rotation.conjugate() * (capsule.to - capsule.from)),
+        length(way.norm()) {}
+
+  SurfaceDistance at(double along) const { return shape.from(from + along * way); }
+
+  /// Where distances plus `turn` (rad) times the way along the axis are least: they are convex, so
+  /// that their slope rises.
+  double least(double turn) const {
+    const auto rises = [&](double along) { return at(along).normal.dot(way) + turn * length >= 0; };
+    if (rises(0)) return 0;
+    if (!rises(1)) return 1;
+    double low = 0, high = 1;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = (low + high) / 2;
+      (rises(middle) ? high : low) = middle;
+    }
+    return high;
+  }
+
+  /// An end of what lies flat: the turned axis touches a rounded edge beside it, and the point of
+  /// the axis over the curve's centre is where it lies.
+  double flat_end(double turn) const {
+    const double along = least(turn);
+    if (!(along > 0 && along < 1)) return along;
+    const SurfaceDistance near = at(along);
+    const double rounding = shape.kind == Shape::Kind::capsule ? shape.radius : shape.rounding;
+    const Vec3 centre = from + along * way - (near.distance + rounding) * near.normal;
+    return std::clamp(way.dot(centre - from) / (length * length), 0.0, 1.0);
+  }
+
+  double along(Spot spot) const {
+    if (spot == Spot::from || !(length > 0)) return 0;
+    if (spot == Spot::to) return 1;
+    if (spot == Spot::nearest) return least(0);
+    return flat_end(spot == Spot::first ? kTurn : -kTurn);
+  }
+
+  const Shape& shape;
+  Vec3 from, way;
+  double length;
+};
+
+bool lies_flat(const Shape& shape) {
+  return shape.kind != Shape::Kind::plane && shape.kind != Shape::Kind::sphere;
+}
+
+SpotGap gap_of(const Axis& axis, const Pose& frame, double radius, double along) {
+  const SurfaceDistance near = axis.at(along);
+  return {along, near.distance - radius, frame.rotation * near.normal, true};
+}
+
+}  // namespace
+
+SpotGap gap_at(const Shape& shape, const Pose& frame, const Capsule& capsule, double along) {
+  return gap_of(Axis(shape, frame, capsule), frame, capsule.radius, along);
+}
+
+SpotGap gap_at(const Shape& shape, const Pose& frame, const Capsule& capsule, Spot spot) {
+  const Axis axis(shape, frame, capsule);
+  return gap_of(axis, frame, capsule.radius, axis.along(spot));
+}
+
+std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Capsule& capsule) {
+  const Axis axis(shape, frame, capsule);
+  std::array<SpotGap, 5> gaps;
+  const bool point = !(axis.length > 0);
+  for (const Spot spot : kSpots) {
+    SpotGap& gap = gaps[static_cast<std::size_t>(spot)];
+    const bool end = spot == Spot::from || spot == Spot::to;
+    if (!end && (shape.kind == Shape::Kind::plane || point)) {
+      gap = gaps[0];
+      gap.distinct = false;
+      continue;
+    }
+    if (spot > Spot::nearest && !lies_flat(shape)) {
+      gap = gaps[2];
+      gap.distinct = false;
+      continue;
+    }
+    gap = gap_of(axis, frame, capsule.radius, axis.along(spot));
+    if (!end) gap.distinct = gap.along > kSame && gap.along < 1 - kSame;
+    if (spot == Spot::to) gap.distinct = !point;
+  }
+  const auto apart = [&](std::size_t i, std::size_t k) {
+    return std::abs(gaps[i].along - gaps[k].along) > kSame;
+  };
+  if (!apart(3, 4)) {  // it does not lie flat
+    gaps[3].distinct = gaps[4].distinct = false;
+  } else if (!apart(2, 3) || !apart(2, 4)) {
+    gaps[2].distinct = false;
+  }
+  bool before = false, behind = false;
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    if (i == 2 || !gaps[i].distinct) continue;
+    if (gaps[i].distance > gaps[2].distance + kFlat * axis.length) continue;
+    (gaps[i].along < gaps[2].along ? before : behind) = true;
+  }
+  if (before && behind) gaps[2].distinct = false;
+  return gaps;
+}
+
+double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule) {
+  const Axis axis(shape, frame, capsule);
+  double least = std::min(axis.at(0).distance, axis.at(1).distance);
+  if (shape.kind != Shape::Kind::plane && axis.length > 0) {
+    least = std::min(least, axis.at(axis.least(0)).distance);
+  }
+  return least - capsule.radius;
+}
+
+}  // namespace taut::contact

@@ -1,0 +1,143 @@
+// Free bodies at obstacles, in a step of ContactStep.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/contact/body_system.h"
+#include "sim/links/mechanism.h"
+#include "sim/world/obstacle.h"
+
+namespace taut::direct {
+
+/// A twist in a state of a Mechanism.
+inline contact::Vec6 twist_at(const double* u) {
+  return Eigen::Map<const contact::Vec6>(u);
+}
+
+/// The touches of bodies' capsules. In the first stage of a step they hold for the mean velocities
+/// of the axes' points and the mean spin, and give half of their impulses where the step begins and
+/// half where it ends; in the second for the velocities at its end. As a bead does, each body
+/// answers for itself (BodySystem).
+class BodyTouches {
+ public:
+  /// A step, of which the bodies' poses and twists are known where it begins.
+  struct Step {
+    const Mechanism& mechanism;
+    const std::vector<Obstacle>& obstacles;
+    std::span<const FrameMotion> start, end;  // of the obstacles
+    const std::vector<double>& state;         // at the start
+    double time = 0, h = 0, touching = 0;     // s, s, m
+  };
+  struct Hit {
+    double share = 1;  // of the step
+    std::uint32_t body = 0, obstacle = 0;
+    unsigned spots = 0;   // a bit each
+    bool passes = false;  // the body is outside again at the step's end
+  };
+
+  void rebuild(const World& world);
+  /// Whether some body has a capsule.
+  bool possible() const { return possible_; }
+  bool any() const { return !touches_.empty(); }
+  /// m, from a body's centre of mass to the farthest point of its capsule; 0: it has none.
+  double reach(std::size_t body) const { return reach_[body]; }
+
+  /// Finds those that touch where the step begins, but for those which are leaving.
+  void find(const Step& step);
+  /// What bodies enter on their way to `next`. Empty: nothing.
+  const std::vector<Hit>& hits(const Step& step, const std::vector<double>& next);
+  const std::vector<Hit>& found() const { return hits_; }  // by the last hits()
+  void add(const Step& step, const Hit& hit);
+
+  // The first stage.
+  void rub(const std::vector<Obstacle>& obstacles, double share);
+  void release();  // nothing has been given
+  /// Tells them where bodies end up; returns the most that one of these turns (rad).
+  double aim(const Step& step, const std::vector<double>& next);
+  /// Finds what is given so that bodies which `move` takes to `next` obey the laws. False: nothing.
+  template <typename Move>
+  bool answer(const Step& step, std::span<const Mat3> inverse, const std::vector<double>& next,
+              double creep, const Move& move) {
+    double before = 1;
+    for (int i = 0; i < kRounds; ++i) {
+      move();
+      double change = 0;
+      if (!solve_means(step, inverse, next, creep, change)) return false;
+      if (change <= kUnchanged || (change < kHardly && change > before / 2)) break;
+      before = change;
+    }
+    return true;
+  }
+  /// Adds half of what is given to `twists` of bodies with such poses and inverse inertias.
+  void kick(const Mechanism& mechanism, const std::vector<double>& poses,
+            std::span<const Mat3> inverse, std::vector<double>& twists) const;
+  /// By how much (m) a touch is open or broken, or its body elsewhere than aimed at.
+  double residual(const std::vector<double>& next, const Mechanism& mechanism) const;
+
+  // The second stage.
+  /// Bounces slower than `least` (m/s) are not followed.
+  void aim_velocities(const Step& step, const std::vector<double>& next, double least);
+  /// The twists at the end, from those in `next`, which links have changed. False: none was found.
+  bool settle(const Mechanism& mechanism, const std::vector<double>& next, double creep);
+  /// What settle() adds to the twist of a body.
+  const contact::Vec6& added(std::size_t body) const { return twists_[body]; }
+
+  /// Per body, how it answers to pulls; of the last answer() or settle().
+  std::span<const contact::Mat6> answers() const {
+    return any() ? std::span(answers_) : std::span<const contact::Mat6>();
+  }
+  std::uint64_t pattern() const;
+
+ private:
+  static constexpr int kRounds = 30;
+  static constexpr double kUnchanged = 1e-15, kHardly = 1e-12;  // of what is given
+
+  struct Place {  // of a touch, beside what BodySystem sees
+    bool hits = false;
+    double gap = 0;          // m, at the end
+    double along_start = 0;  // of the axis
+    Vec3 start_normal = Vec3::Zero();
+    Vec3 at = Vec3::Zero();      // m, body axes from the centre of mass: at the end
+    Vec3 mean = Vec3::Zero();    // the same, of the mean over the step
+    Vec3 down = Vec3::Zero();    // m, from the axis to the surface
+    Vec3 before = Vec3::Zero();  // N s, of the first stage
+  };
+
+  void add(const Step& step, std::uint32_t body, std::uint32_t obstacle, contact::Spot spot,
+           bool hits);
+  contact::Capsule capsule(const double* pose, std::size_t body) const;
+  bool is_known(std::uint32_t body, std::uint32_t obstacle, std::size_t spot) const;
+  Hit sweep(const Step& step, const std::vector<double>& next, std::uint32_t body,
+            std::uint32_t obstacle) const;
+  bool solve_means(const Step& step, std::span<const Mat3> inverse, const std::vector<double>& next,
+                   double creep, double& change);
+  void aim_velocity(const Step& step, const contact::Capsule& own, std::size_t touch,
+                    const std::vector<double>& next);
+  double arriving(const Step& step, std::size_t touch, const Vec3& own,
+                  const std::vector<double>& next) const;
+
+  /// Calls it with each body that has touches, the first of these and how many there are.
+  template <typename Visit>
+  void each_body(const Visit& visit) const {
+    for (std::size_t first = 0, end = 0; first < touches_.size(); first = end) {
+      while (end < touches_.size() && touches_[end].body == touches_[first].body) ++end;
+      visit(touches_[first].body, first, end - first);
+    }
+  }
+
+  bool possible_ = false;
+  std::vector<BodyCapsule> capsules_;  // per free body, from its centre of mass
+  std::vector<double> reach_;
+  std::vector<contact::BodyTouch> touches_, before_;  // in order of bodies; of the step before
+  std::vector<Place> places_;                         // per touch
+  std::vector<double> aimed_;                         // per body with touches: its pose at aim()
+  std::vector<contact::Mat6> answers_;
+  std::vector<contact::Vec6> twists_;  // per body: what touches add in the second stage
+  std::vector<Vec3> bare_;
+  std::vector<Hit> hits_;
+  contact::BodySystem system_;
+};
+
+}  // namespace taut::direct
