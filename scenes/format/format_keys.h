@@ -65,6 +65,7 @@ const TableFormat& material_format();
 const TableFormat& drag_format();
 const TableFormat& air_format();
 const TableFormat& net_format();
+const TableFormat& start_format();
 const TableFormat& stage_format();
 const TableFormat& plan_format();
 
