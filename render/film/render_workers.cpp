@@ -62,7 +62,13 @@ void RenderWorkers::run(const std::function<Work()>& next) {
   std::exception_ptr failure;
   const auto take = [&]() -> Work {
     const std::lock_guard lock(mutex);
-    return failure ? Work() : next();
+    if (failure) return {};
+    try {
+      return next();
+    } catch (...) {  // no other thread may ask again what has failed
+      failure = std::current_exception();
+      return {};
+    }
   };
   const auto job = [&](Film& film) {
     try {

@@ -216,11 +216,12 @@ bool in_time(const std::function<bool()>& so) {
 TEST_F(RenderFaults, WhatAKilledRunLeavesAliveTouchesNoVideoOfALaterOne) {
   const std::vector<std::string> few = {"--frames", "0-4"};
   // The encoder opens its output and lives on, as one that the kernel does not end would.
-  const FakeFfmpeg slow(folder_,
-                        "for last; do :; done\ncd " + folder_.path().string() +
-                            "\n(exec 3>>\"$last\"; echo > opened; while [ ! -e go ]; do sleep "
-                            "0.05; done; echo broken >&3; echo broken > \"$last\"; echo > done) "
-                            "</dev/null >/dev/null 2>&1 &\necho $$ > encoder\nwait");
+  const FakeFfmpeg slow(
+      folder_,
+      "for last; do :; done\ncd " + folder_.path().string() +
+          "\n(exec 3>>\"$last\"; echo > opened; while [ ! -e go ]; do sleep "
+          "0.05; done; echo broken >&3; echo broken > \"$last\"; echo > done) "
+          "</dev/null >/dev/null 2>&1 &\necho $$ > encoder.part; mv encoder.part encoder\nwait");
   Child killed(command(few), folder_.path(), slow);
   const auto exists = [&](const char* name) { return fs::exists(folder_.path() / name); };
   ASSERT_TRUE(in_time([&] { return exists("opened") && exists("encoder"); }));
