@@ -13,18 +13,6 @@ constexpr double kSpare = 1e-9;   // of forces per mass: no event yet
 constexpr double kLonger = 1e-4;  // times that: a string so much too long is taut
 constexpr int kProjections = 20;
 
-/// The change of a unit normal per second, at a point that moves by `velocity` (m/s): a difference
-/// of fourth order, over a thousandth of the sharpest curve.
-Vec3 normal_rate(const Shape& shape, const Vec3& at, const Vec3& velocity) {
-  const double speed = velocity.norm();
-  if (shape.kind == Shape::Kind::plane || speed == 0) return Vec3::Zero();
-  const double curve = shape.kind == Shape::Kind::cylinder ? shape.radius : shape.sharpest();
-  const double step = 1e-3 * std::max(curve, 1e-3);
-  const Vec3 way = step / speed * velocity;
-  const auto normal = [&](double ways) { return shape.from(at + ways * way).normal; };
-  return speed / (12 * step) * (8 * (normal(1) - normal(-1)) - (normal(2) - normal(-2)));
-}
-
 }  // namespace
 
 void ContactMotion::rebuild(const World& world, double slowest) {
@@ -83,7 +71,7 @@ double ContactMotion::least_acceleration(const Bead& bead, const Vec3& at,
   const Quat back = frame.rotation.conjugate();
   const Vec3 local = back * passing;
   const Vec3 turning =
-      normal_rate(obstacles_[bead.obstacle].shape, back * (at - frame.position), local);
+      obstacles_[bead.obstacle].shape.normal_rate(back * (at - frame.position), local);
   return bead.touch.normal.dot(carried.acceleration + 2 * frame.spin.cross(passing)) -
          turning.dot(local);
 }

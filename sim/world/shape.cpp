@@ -49,6 +49,47 @@ SurfaceDistance from_cylinder(const Shape& shape, const Vec3& point) {
   return {far - shape.rounding, direction[0] * out + up * Vec3::UnitY()};
 }
 
+/// The change of a unit vector per second, of which `far` times the vector changes by `rate`.
+template <int N>
+Eigen::Matrix<double, N, 1> direction_rate(const Eigen::Matrix<double, N, 1>& direction, double far,
+                                           const Eigen::Matrix<double, N, 1>& rate) {
+  if (!(far > 0)) return Eigen::Matrix<double, N, 1>::Zero();
+  return (rate - direction.dot(rate) * direction) / far;
+}
+
+/// The change of the direction that beyond() finds, of offsets that change by `rate`.
+template <int N>
+Eigen::Matrix<double, N, 1> beyond_rate(const Eigen::Matrix<double, N, 1>& over,
+                                        Eigen::Matrix<double, N, 1> rate) {
+  Eigen::Matrix<double, N, 1> direction;
+  const double far = beyond<N>(over, direction);
+  for (int i = 0; i < N; ++i) {
+    if (over[i] < 0 || (over[i] == 0 && rate[i] < 0)) rate[i] = 0;
+  }
+  return direction_rate<N>(direction, far, rate);
+}
+
+Vec3 box_normal_rate(const Vec3& half, const Vec3& point, const Vec3& velocity) {
+  Vec3 side;
+  for (int i = 0; i < 3; ++i) side[i] = std::copysign(1.0, point[i]);
+  const Vec3 rate = beyond_rate<3>(point.cwiseAbs() - half, side.cwiseProduct(velocity));
+  return side.cwiseProduct(rate);
+}
+
+Vec3 cylinder_normal_rate(const Shape& shape, const Vec3& point, const Vec3& velocity) {
+  const Vec3 across(point.x(), 0, point.z());
+  const double from_axis = across.norm(), side = std::copysign(1.0, point.y());
+  const Vec3 out = from_axis > 0 ? Vec3(across / from_axis) : Vec3(Vec3::UnitX());
+  const Eigen::Vector2d over(from_axis - (shape.radius - shape.rounding),
+                             std::abs(point.y()) - (shape.length / 2 - shape.rounding));
+  Eigen::Vector2d direction;
+  beyond<2>(over, direction);
+  const Eigen::Vector2d turn =
+      beyond_rate<2>(over, Eigen::Vector2d(out.dot(velocity), side * velocity.y()));
+  const Vec3 around = direction_rate<3>(out, from_axis, Vec3(velocity.x(), 0, velocity.z()));
+  return turn[0] * out + direction[0] * around + side * turn[1] * Vec3::UnitY();
+}
+
 }  // namespace
 
 SurfaceDistance Shape::from(const Vec3& point) const {
@@ -67,6 +108,27 @@ SurfaceDistance Shape::from(const Vec3& point) const {
       return from_box(size / 2 - Vec3::Constant(rounding), rounding, point);
   }
   return {point.y(), Vec3::UnitY()};
+}
+
+Vec3 Shape::normal_rate(const Vec3& point, const Vec3& velocity) const {
+  switch (kind) {
+    case Kind::plane:
+      break;
+    case Kind::sphere:
+      return direction_rate<3>(point.normalized(), point.norm(), velocity);
+    case Kind::capsule: {
+      const double over = std::abs(point.y()) - length / 2;
+      const bool on_cap = over > 0 || (over == 0 && point.y() * velocity.y() > 0);
+      const Vec3 offset = point - std::clamp(point.y(), -length / 2, length / 2) * Vec3::UnitY();
+      const Vec3 rate = on_cap ? velocity : Vec3(velocity.x(), 0, velocity.z());
+      return direction_rate<3>(offset.normalized(), offset.norm(), rate);
+    }
+    case Kind::cylinder:
+      return cylinder_normal_rate(*this, point, velocity);
+    case Kind::box:
+      return box_normal_rate(size / 2 - Vec3::Constant(rounding), point, velocity);
+  }
+  return Vec3::Zero();
 }
 
 double Shape::sharpest() const {

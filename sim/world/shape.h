@@ -27,6 +27,10 @@ struct Shape {
   /// the axis of a round shape, where all directions are equal, one across it.
   SurfaceDistance from(const Vec3& point) const;
 
+  /// The change of that normal per second (1/s), from a point that moves by `velocity` (m/s). Where
+  /// surfaces of two curvatures meet, that of the one ahead counts.
+  Vec3 normal_rate(const Vec3& point, const Vec3& velocity) const;
+
   /// The radius (m) of the sharpest curve that a rope can be bent around; infinite for a plane,
   /// zero for an edge that is not rounded.
   double sharpest() const;

@@ -55,6 +55,39 @@ TEST(Shape, NormalsAreTheWayDistancesRise) {
   }
 }
 
+TEST(Shape, NormalsTurnAsTheirDifferencesSay) {
+  Dice dice(3);
+  const Shape shapes[] = {sphere_shape(0.3), capsule_shape(0.2, 0.5), cylinder_shape(0.4, 0.6, 0.1),
+                          box_shape(Vec3(0.4, 0.7, 0.5), 0.05), cylinder_shape(0.4, 0.6)};
+  for (const Shape& shape : shapes) {
+    int count = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 at = dice.within(1), moves = dice.within(1);
+      if (shape.from(at).distance < 0.02) continue;
+      constexpr double step = 1e-5;
+      const Vec3 rate =
+          (shape.from(at + step * moves).normal - shape.from(at - step * moves).normal) /
+          (2 * step);
+      const Vec3 ahead = shape.normal_rate(at + step * moves, moves);
+      const Vec3 behind = shape.normal_rate(at - step * moves, moves);
+      if ((ahead - behind).norm() > 0.1) continue;  // surfaces of two curvatures meet here
+      // Distances and speeds are at least 0.02 m and at most 1.8 m/s: the third derivative is less
+      // than (90/s)^3.
+      EXPECT_LT((shape.normal_rate(at, moves) - rate).norm(), 1e-4);
+      ++count;
+    }
+    EXPECT_GT(count, 50);
+  }
+}
+
+TEST(Shape, TheCurvatureAheadCountsWhereTwoMeet) {
+  const Vec3 rim(0.5, 1.1, 0), out = Vec3::UnitX();  // 0.1 m above the rim of a flat cylinder
+  EXPECT_EQ(cylinder_shape(0.5, 2).normal_rate(rim, -out), Vec3::Zero());
+  EXPECT_LT((cylinder_shape(0.5, 2).normal_rate(rim, out) - 10 * out).norm(), 1e-12);
+  EXPECT_EQ(box_shape(Vec3(1, 2, 1)).normal_rate(rim, -out), Vec3::Zero());
+  EXPECT_LT((box_shape(Vec3(1, 2, 1)).normal_rate(rim, out) - 10 * out).norm(), 1e-12);
+}
+
 // Signorini and Coulomb for any velocity and any one to three surfaces; where one surface closes,
 // the derivative is that of differences.
 TEST(Touch, AnswersByTheLaws) {
