@@ -5,7 +5,7 @@
 #include "scenes/load_scene.h"
 #include "sim/run/simulation.h"
 
-namespace taut {
+namespace taut::backdrop_test {
 namespace {
 
 constexpr int kWidth = 480, kHeight = 270;
@@ -57,4 +57,4 @@ TEST(Backdrop, AFrameOutOfFocusDependsOnItsInstantAlone) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::backdrop_test

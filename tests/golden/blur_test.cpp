@@ -7,7 +7,7 @@
 #include "render/draw/stage_renderer.h"
 #include "scenes/scene/shapes.h"
 
-namespace taut {
+namespace taut::blur_test {
 namespace {
 
 constexpr int kWidth = 400, kHeight = 100, kStates = 32;
@@ -168,4 +168,4 @@ TEST_F(Blur, AFrameDependsOnItsShutterAlone) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::blur_test

@@ -8,7 +8,7 @@
 
 #include "render/draw/stage_renderer.h"
 
-namespace taut {
+namespace taut::hand_computed_test {
 namespace {
 
 constexpr int kSize = 257;  // odd: a pixel's centre is on the axis
@@ -193,4 +193,4 @@ TEST(HandComputed, AShadowEndsWhereTheLightGoesPast) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::hand_computed_test

@@ -9,7 +9,7 @@
 #include "render/draw/stage_renderer.h"
 #include "scenes/scene/shapes.h"
 
-namespace taut {
+namespace taut::lens_test {
 namespace {
 
 constexpr int kSize = 240;     // px
@@ -123,4 +123,4 @@ TEST_F(LensTest, AShadowOutOfFocusIsAsDarkAsOneInFocus) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::lens_test

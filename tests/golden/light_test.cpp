@@ -10,7 +10,7 @@
 #include "render/draw/stage_renderer.h"
 #include "scenes/scene/shapes.h"
 
-namespace taut {
+namespace taut::light_test {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 360;
@@ -140,4 +140,4 @@ TEST_F(LightTest, SlowGradientsHaveNoBands) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::light_test

@@ -9,7 +9,7 @@
 #include "render/draw/moving_parts.h"
 #include "render/gl/context.h"
 
-namespace taut {
+namespace taut::motion_extents_test {
 namespace {
 
 using Eigen::Matrix4f;
@@ -149,4 +149,4 @@ TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::motion_extents_test

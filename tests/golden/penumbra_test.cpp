@@ -11,7 +11,7 @@
 #include "render/draw/stage_renderer.h"
 #include "scenes/scene/shapes.h"
 
-namespace taut {
+namespace taut::penumbra_test {
 namespace {
 
 constexpr int kWidth = 120, kHeight = 480;
@@ -91,4 +91,4 @@ TEST(Penumbra, IsAsWideAsTheSunsDiscSeenFromItsEdge) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::penumbra_test

@@ -12,7 +12,7 @@
 #include "scenes/golden_suite.h"
 #include "scenes/load_scene.h"
 
-namespace taut {
+namespace taut::planted_faults_test {
 namespace {
 
 const std::filesystem::path kFolder =
@@ -159,4 +159,4 @@ TEST_F(PlantedFaults, AWrongBoneWeightIsSeen) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::planted_faults_test

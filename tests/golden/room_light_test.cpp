@@ -9,7 +9,7 @@
 #include "render/draw/moving_parts.h"
 #include "render/gl/context.h"
 
-namespace taut {
+namespace taut::room_light_test {
 namespace {
 
 constexpr double kWide = 4, kHigh = 3, kDeep = 5;  // m
@@ -119,4 +119,4 @@ TEST_F(RoomLightTest, AFloorAloneIsNoRoom) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::room_light_test

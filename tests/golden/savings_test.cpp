@@ -10,7 +10,7 @@
 #include "scenes/scene/clip_simulation.h"
 #include "tests/support/folder.h"
 
-namespace taut {
+namespace taut::savings_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -187,4 +187,4 @@ TEST(PlantedTear, IsSeen) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::savings_test

@@ -12,7 +12,7 @@
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
-namespace taut {
+namespace taut::suites_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -205,4 +205,4 @@ TEST_F(GoldenCommand, SaysWhatIsWrongWithASuite) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::suites_test

@@ -7,7 +7,7 @@
 
 #include "scenes/load_scene.h"
 
-namespace taut {
+namespace taut::choreography_scene_test {
 namespace {
 
 constexpr const char* kScene = TAUT_SOURCE_DIR "/scenes/choreography/turning_eight.toml";
@@ -49,4 +49,4 @@ TEST(ChoreographyScene, TheHandKeepsToItsLimitsAndRestsAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::choreography_scene_test

@@ -13,7 +13,7 @@
 #include "sim/run/simulation.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::choreography_test {
 namespace {
 
 constexpr double kRadius = 0.25, kLap = 1.3;  // m, s
@@ -228,4 +228,4 @@ TEST(Choreography, TellsHowFarItStaysOffWhereTheHandCannot) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::choreography_test

@@ -7,7 +7,7 @@
 
 #include "contact_worlds.h"
 
-namespace taut {
+namespace taut::contact_answers_test {
 namespace {
 
 using namespace contact_worlds;
@@ -201,4 +201,4 @@ TEST(ContactAnswers, APegIsPressedNoMoreAtTheEighthRoot) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_answers_test

@@ -8,7 +8,7 @@
 #include "sim/contact/capsule.h"
 #include "sim/measure/measure.h"
 
-namespace taut {
+namespace taut::contact_body_test {
 namespace {
 
 using namespace contact_worlds;
@@ -221,4 +221,4 @@ TEST(ContactBodies, TwoSolversAgree) {
 INSTANTIATE_TEST_SUITE_P(Both, ContactBody, testing::Values("direct", "truth"));
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_body_test

@@ -3,7 +3,7 @@
 
 #include "contact_worlds.h"
 
-namespace taut {
+namespace taut::contact_methods_test {
 namespace {
 
 using namespace contact_worlds;
@@ -57,4 +57,4 @@ TEST_P(ContactByGames, ARopeOnAFloor) {
 INSTANTIATE_TEST_SUITE_P(Both, ContactByGames, testing::Values("xpbd", "springs"));
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_methods_test

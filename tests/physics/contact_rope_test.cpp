@@ -7,7 +7,7 @@
 #include "contact_worlds.h"
 #include "sim/measure/measure.h"
 
-namespace taut {
+namespace taut::contact_rope_test {
 namespace {
 
 using namespace contact_worlds;
@@ -189,4 +189,4 @@ TEST(ContactRope, ABodyAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_rope_test

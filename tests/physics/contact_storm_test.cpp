@@ -5,7 +5,7 @@
 #include "sim/measure/measure.h"
 #include "tests/support/dice.h"
 
-namespace taut {
+namespace taut::contact_storm_test {
 namespace {
 
 using namespace contact_worlds;
@@ -99,4 +99,4 @@ TEST(LongContactStorm, AHundredWorlds) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_storm_test

@@ -6,7 +6,7 @@
 #include "contact_worlds.h"
 #include "sim/measure/measure.h"
 
-namespace taut {
+namespace taut::contact_test {
 namespace {
 
 using namespace contact_worlds;
@@ -231,4 +231,4 @@ TEST(Contact, NothingNearChangesNothing) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_test

@@ -9,7 +9,7 @@
 #include "sim/measure/measure.h"
 #include "sim/truth/truth.h"
 
-namespace taut {
+namespace taut::contact_truth_test {
 namespace {
 
 using namespace contact_worlds;
@@ -108,4 +108,4 @@ TEST(ContactTruth, StatesHowFarItIsKnown) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_truth_test

@@ -10,7 +10,7 @@
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 
-namespace taut {
+namespace taut::direct_loose_test {
 namespace {
 
 constexpr double kFine = 1e-9;  // m
@@ -105,4 +105,4 @@ TEST(DirectLoose, RandomStartsInSpaceDeliverWhatIsAskedFor) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::direct_loose_test

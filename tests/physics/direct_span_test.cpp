@@ -8,7 +8,7 @@
 #include "sim/run/simulation.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::direct_span_test {
 namespace {
 
 using worlds::kGravity;
@@ -156,4 +156,4 @@ TEST(DirectSpan, DiffersFromLinksByTheWeightOfTheRope) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::direct_span_test

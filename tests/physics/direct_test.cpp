@@ -10,7 +10,7 @@
 #include "sim/run/trajectory.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::direct_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -288,4 +288,4 @@ TEST(Direct, ABodyWithoutAConnectorFallsAndSpins) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::direct_test

@@ -11,7 +11,7 @@
 #include "scenes/load_scene.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::earring_scene_test {
 namespace {
 
 constexpr double kStill = 3.45;  // s, when the head has stopped
@@ -152,4 +152,4 @@ TEST(EarringScene, TheMethodIsAsAccurateAsItSays) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::earring_scene_test

@@ -8,7 +8,7 @@
 
 #include "worlds.h"
 
-namespace taut {
+namespace taut::error_estimate_test {
 namespace {
 
 using worlds::kGravity;
@@ -205,4 +205,4 @@ TEST(Estimate, OfAMotionThatIsLostIsNotLessThanItsError) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::error_estimate_test

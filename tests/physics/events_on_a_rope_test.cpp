@@ -8,7 +8,7 @@
 #include "sim/run/simulation.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::events_on_a_rope_test {
 namespace {
 
 /// A rope of 2 m that hangs between two nails, and is let go from a curve that is none at rest.
@@ -97,4 +97,4 @@ TEST(EventsOnARope, MoveTheOthersAsTheTruthDoes) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::events_on_a_rope_test

@@ -8,7 +8,7 @@
 #include "sim/run/simulation.h"
 #include "tests/physics/impulse_worlds.h"
 
-namespace taut {
+namespace taut::impulse_impact_test {
 namespace {
 
 /// What a cord does to the ends that it stops: the relative velocity along it before and after,
@@ -160,4 +160,4 @@ TEST(Impulse, ThePrintedFormLetsAHandleSinkWhereRestitutionIsSmallerThanTheMassR
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::impulse_impact_test

@@ -8,7 +8,7 @@
 #include "sim/run/simulation.h"
 #include "tests/physics/impulse_worlds.h"
 
-namespace taut {
+namespace taut::impulse_reposition_test {
 namespace {
 
 TEST(Impulse, NeighboursAreMovedByTheOthersPartOfTheirMass) {
@@ -75,4 +75,4 @@ TEST(Impulse, ParticlesStayInReachOfBothEnds) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::impulse_reposition_test

@@ -8,7 +8,7 @@
 #include "sim/run/simulation.h"
 #include "tests/physics/impulse_worlds.h"
 
-namespace taut {
+namespace taut::impulse_test {
 namespace {
 
 TEST(Impulse, SlackBodiesFallFreelyToRounding) {
@@ -187,4 +187,4 @@ TEST(Impulse, SaysWhereItDiverged) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::impulse_test

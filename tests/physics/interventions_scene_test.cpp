@@ -8,7 +8,7 @@
 #include "sim/measure/measure.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::interventions_scene_test {
 namespace {
 
 scenes::Scene scene(const char* name) {
@@ -113,4 +113,4 @@ TEST(HoseScene, WhatIsReleasedAndCutKeepsItsMomentum) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::interventions_scene_test

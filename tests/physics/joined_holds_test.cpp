@@ -4,7 +4,7 @@
 #include "joined_worlds.h"
 #include "sim/links/joined_tension.h"
 
-namespace taut {
+namespace taut::joined_holds_test {
 namespace {
 
 using namespace joined_worlds;
@@ -193,4 +193,4 @@ TEST(JoinedHolds, NetsAreSolvedInLessThanTheirPower1Point6) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joined_holds_test

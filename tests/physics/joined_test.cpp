@@ -6,7 +6,7 @@
 #include "sim/links/tension.h"
 #include "sim/truth/truth.h"
 
-namespace taut {
+namespace taut::joined_test {
 namespace {
 
 using namespace joined_worlds;
@@ -227,4 +227,4 @@ TEST(Joined, OthersRefuseByName) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joined_test

@@ -3,7 +3,7 @@
 
 #include "material_worlds.h"
 
-namespace taut {
+namespace taut::material_holds_test {
 namespace {
 
 using namespace material_worlds;
@@ -131,4 +131,4 @@ TEST(MaterialHolds, TheSameBitsTwice) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::material_holds_test

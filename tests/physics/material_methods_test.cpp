@@ -4,7 +4,7 @@
 #include "material_worlds.h"
 #include "sim/truth/truth.h"
 
-namespace taut {
+namespace taut::material_methods_test {
 namespace {
 
 using namespace material_worlds;
@@ -156,4 +156,4 @@ TEST(MaterialMethods, OthersRefuseByName) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::material_methods_test

@@ -4,7 +4,7 @@
 #include "material_worlds.h"
 #include "tests/support/dice.h"
 
-namespace taut {
+namespace taut::material_storm_test {
 namespace {
 
 using namespace material_worlds;
@@ -72,4 +72,4 @@ TEST(MaterialStorm, DirectAndTheTruthAgree) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::material_storm_test

@@ -3,7 +3,7 @@
 
 #include "material_worlds.h"
 
-namespace taut {
+namespace taut::material_test {
 namespace {
 
 using namespace material_worlds;
@@ -209,4 +209,4 @@ TEST(Material, ElasticEnergyIsCounted) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::material_test

@@ -3,7 +3,7 @@
 
 #include "material_worlds.h"
 
-namespace taut {
+namespace taut::material_waves_test {
 namespace {
 
 using namespace material_worlds;
@@ -71,4 +71,4 @@ TEST(Wave, DampingDecaysAtTheStatedRate) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::material_waves_test

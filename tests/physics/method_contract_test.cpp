@@ -14,7 +14,7 @@
 #include "sim/run/trajectory.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::method_contract_test {
 namespace {
 
 using contract::Exemption;
@@ -357,4 +357,4 @@ TEST(MethodContractTable, HoldsEveryMethod) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::method_contract_test

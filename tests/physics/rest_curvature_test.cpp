@@ -6,7 +6,7 @@
 #include "material_worlds.h"
 #include "sim/material/elements.h"
 
-namespace taut {
+namespace taut::rest_curvature_test {
 namespace {
 
 using namespace material_worlds;
@@ -126,4 +126,4 @@ TEST(RestCurvature, MethodsAgreeOnItsSwing) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::rest_curvature_test

@@ -6,7 +6,7 @@
 #include "sim/measure/measure.h"
 #include "sim/world/rotation.h"
 
-namespace taut {
+namespace taut::rigid_body_test {
 namespace {
 
 constexpr double kRounding = 1e-13;
@@ -107,4 +107,4 @@ TEST(FreeRotation, TheInverseInertiaUndoesTheInertia) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::rigid_body_test

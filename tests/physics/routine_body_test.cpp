@@ -12,7 +12,7 @@
 #include "scenes/character/grip.h"
 #include "tests/physics/routine.h"
 
-namespace taut {
+namespace taut::routine_body_test {
 namespace {
 
 constexpr double kDegree = M_PI / 180;
@@ -201,4 +201,4 @@ TEST_F(RoutineBody, TheEyesAreOnTheOpponentOrTheStick) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::routine_body_test

@@ -12,7 +12,7 @@
 #include "scenes/character/capsules.h"
 #include "scenes/load_scene.h"
 
-namespace taut {
+namespace taut::routine_hands_test {
 namespace {
 
 constexpr double kDegree = M_PI / 180, kStick = 0.014;  // m, radius
@@ -200,4 +200,4 @@ TEST_F(RoutineHands, EnterNothingThatHeWears) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::routine_hands_test

@@ -6,7 +6,7 @@
 
 #include "tests/physics/routine.h"
 
-namespace taut {
+namespace taut::routine_phases_test {
 namespace {
 
 const Routine& routine() {
@@ -117,4 +117,4 @@ TEST(RoutinePhases, TheHandMovesAgainWhileTheStickFallsFreely) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::routine_phases_test

@@ -7,7 +7,7 @@
 #include "sim/run/trajectory.h"
 #include "tests/physics/routine.h"
 
-namespace taut {
+namespace taut::routine_play_test {
 namespace {
 
 const Routine& routine() {
@@ -112,4 +112,4 @@ TEST(RoutinePlay, HasTheSameBitsTwice) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::routine_play_test

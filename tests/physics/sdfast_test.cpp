@@ -10,7 +10,7 @@
 #include "sim/run/simulation.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::sdfast_test {
 namespace {
 
 class SdFast : public testing::TestWithParam<const char*> {
@@ -194,4 +194,4 @@ INSTANTIATE_TEST_SUITE_P(Formulations, SdFast, testing::Values("order-n", "kane"
                          });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::sdfast_test

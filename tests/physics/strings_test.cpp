@@ -10,7 +10,7 @@
 #include "sim/truth/truth.h"
 #include "tests/support/dice.h"
 
-namespace taut {
+namespace taut::strings_test {
 namespace {
 
 using namespace contact_worlds;
@@ -286,4 +286,4 @@ TEST(Strings, TwoSolversAgree) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::strings_test

@@ -11,7 +11,7 @@
 #include "sim/run/simulation.h"
 #include "worlds.h"
 
-namespace taut {
+namespace taut::truth_test {
 namespace {
 
 using worlds::kGravity;
@@ -204,4 +204,4 @@ TEST(Truth, SaysWhereLengthsCannotBeKept) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::truth_test

@@ -11,7 +11,7 @@
 #include "material_worlds.h"
 #include "sim/material/forces.h"
 
-namespace taut {
+namespace taut::twist_test {
 namespace {
 
 using namespace material_worlds;
@@ -342,4 +342,4 @@ TEST(Twist, MethodsAgreeOnItsSwing) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::twist_test

@@ -6,7 +6,7 @@
 #include "scenes/load_scene.h"
 #include "sim/run/simulation.h"
 
-namespace taut {
+namespace taut::whip_scene_test {
 namespace {
 
 constexpr double kSound = 340;                  // m/s
@@ -48,4 +48,4 @@ TEST(LongWhip, AsFastAsInTheTruth) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::whip_scene_test

@@ -11,7 +11,7 @@
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
 
-namespace taut {
+namespace taut::boundary_test {
 namespace {
 
 constexpr std::size_t kBeads = 20;
@@ -160,4 +160,4 @@ TEST(Boundary, ExplicitEulerWithoutDampingGainsEnergyAtAnyStep) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::boundary_test

@@ -16,7 +16,7 @@
 #include "sim/study/run.h"
 #include "tests/support/dice.h"
 
-namespace taut {
+namespace taut::direct_accuracy_test {
 namespace {
 
 constexpr double kGravity = 9.81;    // m/s^2
@@ -219,4 +219,4 @@ TEST(DirectAccuracy, NothingIsDoneAgainWhereFixedStepsAreShort) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::direct_accuracy_test

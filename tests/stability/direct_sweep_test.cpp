@@ -15,7 +15,7 @@
 #include "sim/study/energy_balance.h"
 #include "sim/study/run.h"
 
-namespace taut {
+namespace taut::direct_sweep_test {
 namespace {
 
 constexpr double kLength = 0.5, kMass = 0.05;  // m, kg
@@ -165,4 +165,4 @@ TEST(DirectSweep, FrameRatesChangeNothingBeyondTheTolerance) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::direct_sweep_test

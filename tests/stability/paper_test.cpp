@@ -7,7 +7,7 @@
 #include "sim/study/accuracy.h"
 #include "sim/study/run.h"
 
-namespace taut {
+namespace taut::paper_test {
 namespace {
 
 constexpr double kLength = 0.2;  // m
@@ -74,4 +74,4 @@ TEST(Paper, TooMuchRestitutionMakesARestingHandleJitter) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::paper_test

@@ -9,7 +9,7 @@
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 
-namespace taut {
+namespace taut::singular_test {
 namespace {
 
 /// A straight chain between two fixed points, exactly its length apart.
@@ -136,4 +136,4 @@ TEST(Singular, PointsThatCoincideHaveNoDirectionAndNoForce) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::singular_test

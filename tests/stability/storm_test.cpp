@@ -14,7 +14,7 @@
 #include "sim/study/run.h"
 #include "tests/stability/flail.h"
 
-namespace taut {
+namespace taut::storm_test {
 namespace {
 
 constexpr std::size_t kParticles = 9;
@@ -378,4 +378,4 @@ INSTANTIATE_TEST_SUITE_P(Short, InStorms, testing::ValuesIn(weathers()), name_of
 INSTANTIATE_TEST_SUITE_P(Long, LongInStorms, testing::ValuesIn(weathers()), name_of);
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::storm_test
