@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 #include <string_view>
-#include <tuple>
 
 #include "scenes/format/format_faults.h"
 #include "scenes/format/old_keys.h"
@@ -11,8 +10,6 @@
 
 namespace taut::scenes {
 namespace {
-
-constexpr std::size_t kMost = 100;  // faults that are looked for
 
 /// The part of the document that is left out once something in it is wrong: one named thing, one
 /// element of a list, one key of the stage, or else a key at the top.
@@ -51,13 +48,16 @@ class Search {
  public:
   explicit Search(Document document) : document_(std::move(document)) {}
 
-  std::vector<SceneFault> run() && {
+  Faults run() && {
     rename_old_keys(document_);
-    for (const SceneFault& fault : format_faults(document_)) note(fault);
-    if (found_.size() < kMost) {
-      for (const std::string& entry : wrong_) leave_out(entry);
-    }
-    while (!stuck_ && found_.size() < kMost) {
+    FirstFaults wrong_format = format_faults(document_);
+    const std::size_t count = wrong_format.count();
+    for (const SceneFault& fault : std::move(wrong_format).list()) note(fault);
+    if (count > found_.count()) return {std::move(found_).list(), count - FirstFaults::kMost};
+    for (const std::string& entry : wrong_) leave_out(entry);
+    // Each look at the rest reads it anew.
+    while (!stuck_) {
+      if (found_.count() >= FirstFaults::kMost) return {std::move(found_).list(), std::nullopt};
       try {
         Scene scene = read_scene(document_, true);
         if (!scene.stage) Motions(document_).check_characters();
@@ -67,19 +67,16 @@ class Search {
         if (!follows(fault)) note(fault);
         leave_out(entry_of(fault.place.key));
       } catch (const BadScene& fault) {
-        found_.push_back({fault.what(), {.file = document_.file.string(), .fault = fault.what()}});
+        found_.add({fault.what(), {.file = document_.file.string(), .fault = fault.what()}});
         stuck_ = true;
       }
     }
-    std::ranges::stable_sort(found_, {}, [](const SceneFault& fault) {
-      return std::tuple(fault.place.line, fault.place.column);
-    });
-    return std::move(found_);
+    return {std::move(found_).list()};
   }
 
  private:
   void note(const SceneFault& fault) {
-    found_.push_back(fault);
+    found_.add(fault);
     wrong_.insert(entry_of(fault.place.key));
   }
 
@@ -113,24 +110,23 @@ class Search {
   }
 
   Document document_;
-  std::vector<SceneFault> found_;
+  FirstFaults found_;
   std::set<std::string> wrong_, gone_;
   bool stuck_ = false, connectors_gone_ = false, bodies_gone_ = false;
 };
 
 }  // namespace
 
-std::vector<SceneFault> faults_of(const std::filesystem::path& file,
-                                  const std::vector<SceneChange>& changes) {
+Faults faults_of(const std::filesystem::path& file, const std::vector<SceneChange>& changes) {
   try {
     Document document = read_document(file);
     for (const auto& [key, value] : changes) change(document, key, value);
     std::erase_if(document.root.children, [](const Value& v) { return v.name == "plan"; });
     return Search(std::move(document)).run();
   } catch (const SceneFault& fault) {
-    return {fault};
+    return {{fault}};
   } catch (const BadScene& fault) {
-    return {{fault.what(), {.file = file.string(), .fault = fault.what()}}};
+    return {{{fault.what(), {.file = file.string(), .fault = fault.what()}}}};
   }
 }
 

@@ -1,17 +1,23 @@
 // All that is wrong with a scene, for people who mend it.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
-#include "scenes/files/fault.h"
+#include "scenes/files/first_faults.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {
 
-/// Every fault of a scene and of its assets, in the order of the file: what follows only from
-/// another fault is left out, and what another hides may be. Empty: load_scene() reads it.
-std::vector<SceneFault> faults_of(const std::filesystem::path& file,
-                                  const std::vector<SceneChange>& changes = {});
+struct Faults {
+  std::vector<SceneFault> first;        // at most FirstFaults::kMost, in the order of the file
+  std::optional<std::size_t> more = 0;  // how many others; without a value: not looked for
+};
+
+/// What is wrong with a scene and its assets: what follows only from another fault is left out, and
+/// what another hides may be. Empty: load_scene() reads it.
+Faults faults_of(const std::filesystem::path& file, const std::vector<SceneChange>& changes = {});
 
 }  // namespace taut::scenes

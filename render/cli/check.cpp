@@ -272,7 +272,7 @@ std::string as_text(const scenes::Scene& scene, bool staged,
 int check(const std::string& file, const std::vector<std::string>& set,
           const program::Common& common) {
   const std::vector<scenes::SceneChange> changes = options::scene_changes(set);
-  if (std::vector<scenes::SceneFault> faults = scenes::faults_of(file, changes); !faults.empty()) {
+  if (scenes::Faults faults = scenes::faults_of(file, changes); !faults.first.empty()) {
     throw program::BadScenes(std::move(faults));
   }
   scenes::Scene scene = scenes::load_scene(file, true, changes);

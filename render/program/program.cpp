@@ -101,19 +101,28 @@ nlohmann::ordered_json json_of(const scenes::SceneFault& fault) {
   return json;
 }
 
+std::string more_text(const scenes::Faults& faults) {
+  const std::string& file = faults.first.front().place.file;
+  return faults.more ? fmt::format("{}: and {} more", file, *faults.more)
+                     : fmt::format("{}: and perhaps more, which have not been looked for", file);
+}
+
 /// Says what went wrong; `faults` are those of a scene.
 int complain(const Common& common, ExitCode code, const std::string& message,
-             const std::vector<scenes::SceneFault>& faults = {}) {
+             const scenes::Faults& faults = {}) {
   const char* const name = is_colored(STDERR_FILENO) ? "\033[1;31mtaut:\033[0m" : "taut:";
-  if (faults.size() > 1) {
-    for (const scenes::SceneFault& fault : faults) note("{} {}\n", name, fault.what());
+  if (faults.first.size() > 1) {
+    for (const scenes::SceneFault& fault : faults.first) note("{} {}\n", name, fault.what());
+    if (faults.more != 0u) note("{} {}\n", name, more_text(faults));
   } else {
     note("{} {}\n", name, message);
   }
   if (!common.json) return code;
   nlohmann::ordered_json error = {
       {"exit_code", int(code)}, {"cause", cause_of(code)}, {"message", message}};
-  for (const scenes::SceneFault& fault : faults) error["faults"].push_back(json_of(fault));
+  for (const scenes::SceneFault& fault : faults.first) error["faults"].push_back(json_of(fault));
+  if (!faults.more) error["all_faults"] = false;
+  if (faults.more.value_or(0) > 0) error["more_faults"] = *faults.more;
   // The error is told already where this fails, too.
   try {
     render::write_output(nlohmann::ordered_json({{"error", error}}).dump(2) + "\n");
@@ -210,9 +219,9 @@ int guarded(const Common& common, const std::function<int()>& work) {
   } catch (const Misuse& error) {
     return complain(common, kUsage, error.what());
   } catch (const BadScenes& error) {
-    return complain(common, kBadScene, error.what(), error.all);
+    return complain(common, kBadScene, error.what(), error.faults);
   } catch (const scenes::SceneFault& error) {
-    return complain(common, kBadScene, error.what(), {error});
+    return complain(common, kBadScene, error.what(), {{error}});
   } catch (const scenes::BadScene& error) {
     return complain(common, kBadScene, error.what());
   } catch (const BadIntervention& error) {

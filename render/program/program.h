@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "render/program/command.h"
-#include "scenes/files/fault.h"
+#include "scenes/faults.h"
 
 namespace taut::program {
 
@@ -19,9 +19,9 @@ void describe_program(CLI::App& app, Program& program, std::span<const AddComman
 /// Several things that are wrong with a scene.
 class BadScenes : public scenes::BadScene {
  public:
-  explicit BadScenes(std::vector<scenes::SceneFault> faults)
-      : scenes::BadScene(faults.front()), all(std::move(faults)) {}
-  std::vector<scenes::SceneFault> all;
+  explicit BadScenes(scenes::Faults those)
+      : scenes::BadScene(those.first.front()), faults(std::move(those)) {}
+  scenes::Faults faults;
 };
 
 /// Does some work, and tells what it throws: in words on standard error and, with --json, as

@@ -195,12 +195,12 @@ set: values in place of the scene's by their dotted keys: {"connectors.rope.leng
       "faults",
       [](const std::filesystem::path& file, const py::dict& set) {
         py::list all;
-        for (const scenes::SceneFault& fault : scenes::faults_of(file, changes_of(set)))
+        for (const scenes::SceneFault& fault : scenes::faults_of(file, changes_of(set)).first)
           all.append(scene_error(fault));
         return all;
       },
       "file"_a, "set"_a = py::dict(),
-      "Everything that is wrong with a scene file, a SceneError each, in the order of the file.");
+      "What is wrong with a scene file, a SceneError each, in the order of the file: the first 100.");
   add_pictures(module, scene);
   add_study(module, scene);
 }

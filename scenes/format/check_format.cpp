@@ -48,7 +48,7 @@ bool only_true(const KeyFormat& key) {
 class Checker {
  public:
   /// Throws the first fault or, where there are `faults`, adds all to them.
-  explicit Checker(const Document& document, std::vector<SceneFault>* faults = nullptr)
+  explicit Checker(const Document& document, FirstFaults* faults = nullptr)
       : document_(document), faults_(faults) {}
 
   void table(const Value& value, const TableFormat& format) const {
@@ -81,7 +81,7 @@ class Checker {
     try {
       look();
     } catch (const SceneFault& fault) {
-      faults_->push_back(fault);
+      faults_->add(fault);
     }
   }
 
@@ -268,7 +268,7 @@ class Checker {
   }
 
   const Document& document_;
-  std::vector<SceneFault>* faults_;
+  FirstFaults* faults_;
 };
 
 }  // namespace
@@ -281,8 +281,8 @@ void check_format(const Document& document, const Value& table, const TableForma
   Checker(document).table(table, format);
 }
 
-std::vector<SceneFault> format_faults(const Document& document) {
-  std::vector<SceneFault> faults;
+FirstFaults format_faults(const Document& document) {
+  FirstFaults faults;
   Checker(document, &faults).table(document.root, scene_format());
   return faults;
 }

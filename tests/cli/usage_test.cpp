@@ -83,6 +83,37 @@ TEST_F(Usage, ErrorsAreJsonWhereResultsAre) {
   EXPECT_EQ(usage.at("error").at("exit_code"), 2);
 }
 
+TEST_F(Usage, OfManyFaultsTheFirstAreToldAndTheOthersCounted) {
+  const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
+  const auto many = [&](const std::string& cut, int count) {
+    std::string text = kShortSwing;
+    for (int i = 0; i < count; ++i) text += cut;
+    folder_.write("bad.toml", text);
+  };
+  const auto first = lines(kShortSwing) + 2;
+  many("[[cuts]]\nconector = 'rope'\n", 20'000);
+  ProgramResult outcome = run({"check", "bad.toml", "--json"});
+  EXPECT_EQ(outcome.code, 3);
+  nlohmann::json error = nlohmann::json::parse(outcome.output).at("error");
+  EXPECT_EQ(error.at("faults").size(), 100u);
+  // Beside the bad key of each, its keys "at" and "t" are missing.
+  EXPECT_EQ(error.at("faults")[0].at("line"), first - 1);
+  EXPECT_EQ(error.at("more_faults"), 3 * 20'000 - 100);
+  EXPECT_FALSE(error.contains("all_faults"));
+  EXPECT_EQ(lines(outcome.messages), 101);
+  EXPECT_NE(outcome.messages.find("taut: bad.toml: and 59900 more\n"), std::string::npos);
+  // Faults that are found one by one.
+  many("[[cuts]]\nconnector = 'robe'\nat = 0.1\nt = 0.01\n", 200);
+  outcome = run({"check", "bad.toml", "--json"});
+  EXPECT_EQ(outcome.code, 3);
+  error = nlohmann::json::parse(outcome.output).at("error");
+  EXPECT_EQ(error.at("faults").size(), 100u);
+  EXPECT_FALSE(error.contains("more_faults"));
+  EXPECT_EQ(error.at("all_faults"), false);
+  EXPECT_NE(outcome.messages.find("taut: bad.toml: and perhaps more, which have not been looked"),
+            std::string::npos);
+}
+
 TEST_F(Usage, AnyValueOfASceneCanBeSet) {
   const auto rows = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words = {"simulate", "swing.toml", "-q"};
