@@ -50,11 +50,6 @@ class EventDriven final : public Method {
 };
 
 void EventDriven::prepare(const World& world) {
-  for (const Body& body : world.bodies) {
-    if (body.driven() || !has_strings(world)) continue;
-    throw Diverged("truth", world.time, 0, body.name, 0,
-                   "knows strings only without free bodies, and there is one");
-  }
   step_ = kStepAfterEvent;
   motion_.rebuild(world, kSlowest);
   built_ = true;

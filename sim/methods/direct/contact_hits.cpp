@@ -128,7 +128,7 @@ double ContactStep::error(double lowest) const {
   }
   for (std::size_t b = 0; b < pushed_.size(); ++b) {
     const contact::Vec6 apart = pushed_[b] - last_pushed_[b];
-    const double reach = bodies_.reach(b);
+    const double reach = reach_[b];
     ++count;
     const contact::Vec6 off = (pushed_[b] + last_pushed_[b]) / 2 - steady_pushed_[b];
     change += apart.head<3>().squaredNorm() + reach * reach * apart.tail<3>().squaredNorm();

@@ -70,7 +70,7 @@ void ContactStep::aim_velocities(double h, double least) {
   }
 }
 
-/// Where bodies have capsules: what the first stage has done to them, and what it leaves to do.
+/// What the first stage has done to bodies, and what it leaves to do.
 void ContactStep::begin_settling(double time, double h, double least) {
   std::vector<Mat3> inverse;
   for (const auto& body : mechanism_.bodies()) inverse.push_back(body.world_inverse);
@@ -102,7 +102,7 @@ bool ContactStep::settle(double time, double h, double lowest) {
   kick(pull_, along_, 0.5);
   const double least = std::sqrt(2 * mechanism_.gravity().norm() * lowest);
   aim_velocities(h, least);
-  if (bodies_.possible()) begin_settling(time, h, least);
+  if (!pushed_.empty()) begin_settling(time, h, least);
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
   keep_taut();

@@ -54,8 +54,13 @@ void ContactStep::rebuild(const World& world) {
   noise_.assign(points, 0);
   arm_.resize(mechanism_.body_points().size());
   inverse_.resize(mechanism_.bodies().size());
-  pushed_.assign(bodies_.possible() ? mechanism_.bodies().size() : 0, contact::Vec6::Zero());
+  pushed_.assign(mechanism_.bodies().size(), contact::Vec6::Zero());
   last_pushed_ = steady_pushed_ = pushed_;
+  reach_.clear();
+  for (std::size_t b = 0; b < pushed_.size(); ++b) reach_.push_back(bodies_.reach(b));
+  for (const auto& carried : mechanism_.body_points()) {
+    reach_[carried.body] = std::max(reach_[carried.body], carried.local.norm());
+  }
   touches_.clear();
   before_.clear();
   last_hits_ = true;

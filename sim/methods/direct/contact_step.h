@@ -121,9 +121,9 @@ class ContactStep {
   GlideSystem glide_system_;
   BodyTouches bodies_;
   bool jams_ = false;  // a body has no answer to what it touches
-  // Per body, where some have capsules: the rates of its twist, of the step before, and without
-  // waves.
+  // Per body: the rates of its twist, of the step before, and without waves.
   std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;
+  std::vector<double> reach_;  // per body, m: to the farthest point that touches or holds a link
   double touching_ = 0;
   double exact_ = 0;                    // m: roundings of positions
   std::vector<double> radius_;          // per point, m; negative: it touches nothing

@@ -260,7 +260,7 @@ void Contacts::step_through(Group& group, double until) {
         gone == 0 || step.turn() > kTurn || error > 8 * kShare * options_.tolerance * gone;
     if (fails) {
       ++counters_.rejected;
-      group.h = h / 2;
+      group.h = group.limit = h / 2;
       if (group.h >= kShortest) continue;
       step.store(part, time);
       give_up(part);
@@ -270,6 +270,8 @@ void Contacts::step_through(Group& group, double until) {
     time = gone < h || count > 1 ? time + gone : until;
     group.h = adapted(group, gone, wish);
     if (step.snaps() && options_.step == 0) group.h = std::min(group.h, group.first);
+    group.limit *= 2;
+    group.h = std::min(group.h, group.limit);
   }
   step.store(part, until);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -37,7 +38,9 @@ class Contacts {
     bool steps = false;    // ContactStep has its present state
     double h = 0;          // s, for the next step; 0: not known
     double first = 0;      // s, of the first
-    int located = 0;       // hits in a row
+    /// s, of the next: twice the last one, after one that failed.
+    double limit = std::numeric_limits<double>::infinity();
+    int located = 0;  // hits in a row
   };
 
   bool read(const World& world, Group& group) const;
