@@ -8,8 +8,7 @@
 namespace taut::reference {
 
 /// Runge-Kutta-Fehlberg 7(8) on ContactMotion, `local_error` in a step (m, m/s). Where a step
-/// passes an event it is taken again, to end there. For worlds with obstacles or strings; with
-/// strings, without free bodies.
+/// passes an event it is taken again, to end there. For worlds with obstacles or strings.
 std::unique_ptr<Method> make_event_driven(double local_error);
 
 }  // namespace taut::reference

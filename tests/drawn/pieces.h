@@ -16,7 +16,7 @@ inline std::string text(const Vec3& v) {
 /// A scene that grows.
 class Pieces {
  protected:
-  explicit Pieces(unsigned seed) : dice_(seed) {}
+  explicit Pieces(unsigned seed) : dice_(seed), twist_dice_(seed ^ 0x5bd1e995u) {}
 
   bool chance(double share) { return dice_.between(0, 1) < share; }
 
@@ -131,10 +131,35 @@ class Pieces {
         end->replace(end->size() - 2, 2, fmt::format(", clamp = {} }}", text(along)));
       }
     }
+    const auto clamped = [](const std::string& end) { return end.find("clamp") != end.npos; };
+    if (clamped(from) && clamped(to)) add_twist(weight * length * length, to, section);
     return section;
   }
 
+  /// Most connectors between two clamps resist twist, and some are twisted.
+  void add_twist(double stiffness, std::string& to, std::string& section) {
+    const bool solid = section.find("material") != section.npos;
+    if (!solid && twist_dice_.between(0, 1) < 0.3) return;
+    if (!solid) {
+      const double twisting = stiffness * twist_dice_.scale(1e-6, 0.1);
+      section += fmt::format("twisting_stiffness = {}\n", twisting);
+      if (twist_dice_.between(0, 1) < 0.5) {
+        section += fmt::format("twisting_damping = {}\n", twisting * twist_dice_.scale(1e-6, 1e-3));
+      }
+    }
+    if (twist_dice_.between(0, 1) < 0.3) {
+      section += fmt::format("rest_twist = {}\n", twist_dice_.between(-5, 5));
+    }
+    if (twist_dice_.between(0, 1) < 0.5) {
+      to.replace(to.size() - 2, 2,
+                 fmt::format(", turn = [{{ t = 0, angle = {} }}, {{ t = {}, angle = {} }}] }}",
+                             twist_dice_.between(-2, 2), twist_dice_.between(0.3, 2),
+                             twist_dice_.between(-20, 20)));
+    }
+  }
+
   Dice dice_;
+  Dice twist_dice_;  // of its own, so that what else is drawn stays
   std::string text_;
   double length_ = 1;  // m, which all sizes go by
   int paths_ = 0, bodies_ = 0;

@@ -18,7 +18,8 @@ struct Verdict {
   int ended = 0;     // of them, that came to the end of the scene
   int diverged = 0;  // of them, that ended with a message
   int compared = 0;  // with the truth
-  int missed = 0;    // of them, by more than three tolerances
+  int told = 0;      // of them, where the error is of more than three, as its estimate tells
+  int missed = 0;    // of them, where no estimate tells that
 };
 
 /// Runs are apart from this process, so that one that crashes or does not end is told of as well.
@@ -36,9 +37,10 @@ struct Verdict {
 /// without pins and cuts gains no more than the error that is claimed lets in. error (direct,
 /// without obstacles): up to where the motion can be foretold, within 10 tolerances of the truth,
 /// or of a tolerance grown as the motion has nudges grow where the estimate of the error tells a
-/// third of it; Verdict::missed counts those beyond 3. Where places that are held leave the links
-/// between them no motion, at full length or folded, none of follows, stretch and continuous is
-/// promised. Of one method alone where it is named.
+/// third of it. Verdict::told counts such errors of more than 3 tolerances, Verdict::missed all
+/// others. Where places that are held leave the links between them no motion, at full length or
+/// folded, none of follows, stretch and continuous is promised. Of one method alone where it is
+/// named.
 Verdict check_promises(const std::string& scene, const std::string& only = {});
 
 }  // namespace taut::drawn
