@@ -1,7 +1,6 @@
 // The first stage of a step at obstacles: positions.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "sim/contact/creep.h"
 #include "sim/contact/damping.h"
@@ -30,6 +29,7 @@ constexpr double kLastResort = 1e-6;  // s, of steps that may go with more creep
 /// each iteration the pulls are found that what touches asks for, where the beads are.
 bool ContactStep::glide(double time, double h) {
   h_ = h;
+  slips_ = false;
   for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] = h * last_tension_[r];
   if (mechanism_.has_strings()) {
     for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] *= taut_[r];
@@ -44,7 +44,7 @@ bool ContactStep::glide(double time, double h) {
   bodies_.release();
   rub(1);
   move_bodies(time, h);
-  double before = std::numeric_limits<double>::infinity();
+  double before = INFINITY;
   bool turns = false;
   for (int i = 0; i < kIterations; ++i) {
     measure();
@@ -112,14 +112,15 @@ bool ContactStep::pull(double time, double h) {
       contact::approach_friction([&](double to) { return pull_creeping(time, h, to); },
                                  [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
   if (creep <= contact::kCreep) return true;
-  return h <= kLastResort &&
-         with_less_friction([&] { return pull_creeping(time, h, contact::kCreep); });
+  if (h > kLastResort) return false;
+  slips_ = true;
+  return with_less_friction([&] { return pull_creeping(time, h, contact::kCreep); });
 }
 
 /// Where it is a trial, few iterations have to do, and none may lead far away.
 bool ContactStep::pull_creeping(double time, double h, double creep, bool trial) {
   contact::Damping damping;
-  double first = 0, before = std::numeric_limits<double>::infinity();
+  double first = 0, before = INFINITY;
   creep_ = creep;
   const auto& rows = mechanism_.rows();
   const int most = trial ? kTrial : kIterations;

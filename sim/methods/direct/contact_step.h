@@ -42,6 +42,9 @@ class ContactStep {
   double turn() const { return turn_; }  // rad, the most that a link turned
   /// Whether a string got to its length: what the steps before tell is nothing of those to come.
   bool snaps() const { return snaps_now_; }
+  /// Whether places had no solution with all friction, as only the shortest steps may: the next
+  /// that is longer will not do, where jammed beads have none (Painleve).
+  bool slips() const { return slips_; }
   /// m, RMS, of the first stage; 0: not known. Waves lower than `lowest` (m) need not be followed.
   double error(double lowest) const;
   std::size_t solves() const { return solves_; }  // since rebuild()
@@ -142,7 +145,7 @@ class ContactStep {
   std::vector<double> ease_, given_, dropped_;  // 1/kg; N s: by the first stage; no more given
   std::vector<Vec3> left_, right_;              // to_, along_ of what pulls; zero for others
   std::vector<Snap> snaps_;
-  bool snaps_now_ = false;
+  bool snaps_now_ = false, slips_ = false;
   bool located_ = false;  // the step ends where something hits or snaps
   std::vector<Vec3> acceleration_, last_acceleration_;  // per point, m/s^2
   std::vector<Vec3> steady_;                            // per point, m/s^2: without waves

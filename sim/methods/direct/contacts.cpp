@@ -269,6 +269,7 @@ void Contacts::step_through(Group& group, double until) {
     group.located = gone < h ? group.located + 1 : 0;
     time = gone < h || count > 1 ? time + gone : until;
     group.h = adapted(group, gone, wish);
+    if (step.slips() && options_.step == 0) group.h = std::min(group.h, kGrowth * wish);
     if (step.snaps() && options_.step == 0) group.h = std::min(group.h, group.first);
     group.limit *= 2;
     group.h = std::min(group.h, group.limit);
