@@ -306,4 +306,20 @@ std::string why_out_of_reach(const World& world, std::size_t index, double along
   return {};
 }
 
+std::string why_inside(const World& world, std::size_t index, std::size_t particle) {
+  constexpr double kInside = 1e-6;  // of the connector's length: as deep as methods leave beads
+  const Connector& connector = world.connectors[index];
+  for (const Obstacle& obstacle : world.obstacles) {
+    const double apart = gap(obstacle, obstacle.frame(world.time).pose(),
+                             connector.position[particle], connector.radius)
+                             .distance;
+    if (apart >= -kInside * connector.length) continue;
+    std::ostringstream line;
+    line << "it frees a bead " << -apart << " m inside of obstacle " << obstacle.name
+         << ", expected a place or time where the bead is outside";
+    return line.str();
+  }
+  return {};
+}
+
 }  // namespace taut

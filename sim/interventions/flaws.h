@@ -12,4 +12,8 @@ namespace taut {
 std::string why_out_of_reach(const World& world, std::size_t connector, double along,
                              const Attachment& to);
 
+/// Why nothing may let go of the particle of a connector where it is: as a bead that is free it
+/// would be inside of an obstacle, where no bead can be; empty where it may.
+std::string why_inside(const World& world, std::size_t connector, std::size_t particle);
+
 }  // namespace taut

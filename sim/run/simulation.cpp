@@ -121,11 +121,9 @@ void Simulation::enact(const Entry& entry) {
   Outcome outcome = Outcome::done;
   std::string what;
   if (entry.kind == Entry::Kind::cut) {
-    outcome = cut(timeline_.cuts[entry.index]);
+    outcome = cut(timeline_.cuts[entry.index], what);
   } else if (entry.kind == Entry::Kind::release) {
-    const TimedPin& pin = timeline_.pins[entry.index];
-    const std::size_t connector = parts_.at(pin.connector, pin.along).connector;
-    outcome = interventions_.release(world_, pins_[entry.index], connector);
+    outcome = release(timeline_.pins[entry.index], pins_[entry.index], what);
   } else {
     const TimedPin& pin = timeline_.pins[entry.index];
     const auto [connector, along] = parts_.at(pin.connector, pin.along);
@@ -137,7 +135,7 @@ void Simulation::enact(const Entry& entry) {
       what = why_out_of_reach(world_, connector, along, *pin.to);
     }
   }
-  if (outcome == Outcome::done) return;
+  if (outcome == Outcome::done && what.empty()) return;
   if (islands_ || left_behind_) catch_up(world_.time);
   const bool is_cut = entry.kind == Entry::Kind::cut;
   if (what.empty()) what = words(outcome);
@@ -146,11 +144,29 @@ void Simulation::enact(const Entry& entry) {
       is_cut ? timeline_.cuts[entry.index].source : timeline_.pins[entry.index].source);
 }
 
-Outcome Simulation::cut(const TimedCut& cut) {
+/// A particle that is added at the cut is a bead where none was: `inside` says where it may not be.
+Outcome Simulation::cut(const TimedCut& cut, std::string& inside) {
   const auto [connector, along] = parts_.at(cut.connector, cut.along);
+  const std::size_t particles = world_.connectors.at(connector).particles();
   const Divided made = interventions_.cut(world_, connector, along);
-  if (made.outcome == Outcome::done) parts_.cut(cut.connector, cut.along, made.connector);
+  if (made.outcome != Outcome::done) return made.outcome;
+  parts_.cut(cut.connector, cut.along, made.connector);
+  const std::size_t head = world_.connectors[connector].particles();
+  const std::size_t tail = world_.connectors[made.connector].particles();
+  if (head + tail == particles + 2) inside = why_inside(world_, made.connector, 0);
   return made.outcome;
+}
+
+/// A particle that stays when its pin goes is a bead again: `inside` says where it may not be.
+Outcome Simulation::release(const TimedPin& pin, std::uint64_t number, std::string& inside) {
+  const auto [connector, along] = parts_.at(pin.connector, pin.along);
+  const std::size_t particles = world_.connectors.at(connector).particles();
+  const Outcome outcome = interventions_.release(world_, number, connector);
+  const Connector& freed = world_.connectors[connector];
+  if (outcome != Outcome::done || freed.particles() != particles) return outcome;
+  const Place place = locate(freed, along);
+  if (!holds(freed, place.particle)) inside = why_inside(world_, connector, place.particle);
+  return outcome;
 }
 
 void Simulation::show() {

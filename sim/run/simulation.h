@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "sim/interventions/interventions.h"
@@ -68,7 +69,8 @@ class Simulation {
   std::vector<Parts::Place> places_at(double time) const;
   void catch_up(double time);
   void enact(const Entry& entry);
-  Outcome cut(const TimedCut& cut);
+  Outcome cut(const TimedCut& cut, std::string& inside);
+  Outcome release(const TimedPin& pin, std::uint64_t number, std::string& inside);
   void show();
 
   /// A connector of divided(): its particles' places on the connector that it is a part of.
