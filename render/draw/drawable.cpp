@@ -36,6 +36,7 @@ RestShape::RestShape(const gl::Gl& gl, std::vector<std::uint32_t> triangles,
     : triangles_(std::move(triangles)),
       rest_(std::move(rest)),
       rest_buffer_(gl::make_buffer(gl)),
+      moving_(gl::make_buffer(gl)),
       indices_(gl::make_buffer(gl)),
       some_indices_(gl::make_buffer(gl)) {
   gl::upload(gl, indices_, std::span<const std::uint32_t>(triangles_), GL_STATIC_DRAW);
@@ -46,12 +47,11 @@ Drawable::Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
                    const scenes::Material& material, Surface surface)
     : gl_(&gl),
       shape_(std::move(shape)),
-      moving_(gl::make_buffer(gl)),
       array_(gl::make_vertex_array(gl)),
       material_(material),
       surface_(surface) {
   gl.VertexArrayElementBuffer(array_.id(), shape_->indices_.id());
-  gl.VertexArrayVertexBuffer(array_.id(), 0, moving_.id(), 0, sizeof(mesh::MovingVertex));
+  gl.VertexArrayVertexBuffer(array_.id(), 0, shape_->moving_.id(), 0, sizeof(mesh::MovingVertex));
   gl.VertexArrayVertexBuffer(array_.id(), 1, shape_->rest_buffer_.id(), 0,
                              sizeof(mesh::RestVertex));
   const std::size_t offsets[] = {
@@ -78,7 +78,7 @@ Drawable::Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Mat
 }
 
 void Drawable::move(std::span<const mesh::MovingVertex> vertices) {
-  gl::upload(*gl_, moving_, vertices, GL_DYNAMIC_DRAW);
+  gl::upload(*gl_, shape_->moving_, vertices, GL_DYNAMIC_DRAW);
   box_.setEmpty();
   positions_.clear();
   positions_.reserve(vertices.size());
@@ -86,6 +86,44 @@ void Drawable::move(std::span<const mesh::MovingVertex> vertices) {
     positions_.push_back(v.position);
     box_.extend(v.position);
   }
+}
+
+void Drawable::follow(Vertices vertices) {
+  follows_ = std::move(vertices);
+  std::vector<mesh::MovingVertex>& at = shape_->vertices_;
+  follows_(at);
+  box_.setEmpty();
+  for (const mesh::MovingVertex& v : at) box_.extend(v.position);
+  shape_->loaded_ = nullptr;
+  if (shape_.use_count() > 1) return;  // others load theirs before this is drawn
+  gl::upload(*gl_, shape_->moving_, std::span<const mesh::MovingVertex>(at), GL_DYNAMIC_DRAW);
+  shape_->loaded_ = this;
+}
+
+/// Has the shape's room hold the vertices of this.
+void Drawable::load() const {
+  if (!follows_ || shape_->loaded_ == this) return;
+  std::vector<mesh::MovingVertex>& at = shape_->vertices_;
+  follows_(at);
+  gl::upload(*gl_, shape_->moving_, std::span<const mesh::MovingVertex>(at), GL_DYNAMIC_DRAW);
+  shape_->loaded_ = this;
+  // A software rasteriser keeps what it was given, half a kilobyte a triangle, until there is too
+  // much of it or it is told to draw.
+  constexpr std::size_t kWaiting = 3 << 13;  // indices
+  shape_->waiting_ += triangles().size();
+  if (shape_->waiting_ < kWaiting) return;
+  gl_->Flush();
+  shape_->waiting_ = 0;
+}
+
+void Drawable::find_positions(std::vector<Eigen::Vector3f>& positions) const {
+  if (!follows_) {
+    positions = positions_;
+    return;
+  }
+  follows_(shape_->vertices_);
+  positions.clear();
+  for (const mesh::MovingVertex& v : shape_->vertices_) positions.push_back(v.position);
 }
 
 void Drawable::bathe(std::span<const Eigen::Vector3f> light) {
@@ -100,6 +138,7 @@ void Drawable::bathe(std::span<const Eigen::Vector3f> light) {
 
 void Drawable::draw(std::span<const std::uint32_t> indices) {
   if (indices.empty()) return;
+  load();
   gl::upload(*gl_, shape_->some_indices_, indices, GL_STREAM_DRAW);
   gl_->VertexArrayElementBuffer(array_.id(), shape_->some_indices_.id());
   gl_->BindVertexArray(array_.id());
@@ -108,6 +147,7 @@ void Drawable::draw(std::span<const std::uint32_t> indices) {
 }
 
 void Drawable::draw() const {
+  load();
   gl_->BindVertexArray(array_.id());
   gl_->DrawElements(GL_TRIANGLES, GLsizei(triangles().size()), GL_UNSIGNED_INT, nullptr);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -17,8 +18,10 @@ enum class Surface { plain, wood, cloth, skin, rope, paper, count };
 /// The surface that a material's name asks for, such as "dark wood" or "skin".
 Surface surface_named(std::string_view material);
 
+class Drawable;
+
 /// What of a mesh never moves: its triangles, as indices of vertices, and what the pattern hangs on
-/// (rest position, tint).
+/// (rest position, tint). And room for the vertices of one that has this shape.
 class RestShape {
  public:
   RestShape(const gl::Gl& gl, std::vector<std::uint32_t> triangles,
@@ -31,11 +34,14 @@ class RestShape {
   friend class Drawable;
   std::vector<std::uint32_t> triangles_;
   std::vector<mesh::RestVertex> rest_;
-  gl::GlObject rest_buffer_, indices_, some_indices_;
+  gl::GlObject rest_buffer_, moving_, indices_, some_indices_;
+  mutable const Drawable* loaded_ = nullptr;  // whose vertices moving_ has
+  mutable std::vector<mesh::MovingVertex> vertices_;
+  mutable std::size_t waiting_ = 0;  // indices drawn since the driver was told to draw
 };
 
 /// Triangles with one material, whose positions and normals may be replaced every frame. Drawables
-/// of the same shape may share it: the ropes of a curtain do.
+/// of the same shape may share it if they follow something: the ropes of a curtain do.
 class Drawable {
  public:
   Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
@@ -43,7 +49,12 @@ class Drawable {
   /// A model's mesh in its bind pose.
   Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material);
 
+  /// For one that shares its shape with no other.
   void move(std::span<const mesh::MovingVertex> vertices);
+  /// Vertices are asked for whenever they are drawn, until this is called again: to keep those of a
+  /// thousand ropes would take more than all else.
+  using Vertices = std::function<void(std::vector<mesh::MovingVertex>&)>;
+  void follow(Vertices vertices);
   /// Indirect light (linear rgb, irradiance over pi) on each vertex, instead of the stage's.
   void bathe(std::span<const Eigen::Vector3f> light);
   bool bathed() const { return bool(light_); }
@@ -52,8 +63,10 @@ class Drawable {
   void draw(std::span<const std::uint32_t> indices);
 
   const std::vector<std::uint32_t>& triangles() const { return shape_->triangles(); }
-  /// Where the vertices were last moved.
+  /// Where the vertices were last moved; none of one that follows.
   const std::vector<Eigen::Vector3f>& positions() const { return positions_; }
+  /// Where the vertices are.
+  void find_positions(std::vector<Eigen::Vector3f>& positions) const;
   /// Around them.
   const Eigen::AlignedBox3f& box() const { return box_; }
 
@@ -65,9 +78,12 @@ class Drawable {
   float grain_scale() const { return grain_scale_; }
 
  private:
+  void load() const;
+
   const gl::Gl* gl_;
   std::shared_ptr<const RestShape> shape_;
-  gl::GlObject moving_, light_, array_;
+  gl::GlObject light_, array_;
+  Vertices follows_;
   std::vector<Eigen::Vector3f> positions_;
   Eigen::AlignedBox3f box_;
   scenes::Material material_;

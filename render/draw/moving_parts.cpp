@@ -61,9 +61,22 @@ void MovingParts::pose(const FrameState& instant) {
     }
   }
   for (std::size_t i = 0; i < connectors_.size(); ++i) {
-    connector_meshes_[i]->place(instant.state.connectors[i], instant.state.bodies, vertices_);
-    connectors_[i].move(vertices_);
+    connectors_[i].follow(
+        [&mesh = *connector_meshes_[i], &state = instant.state, i](auto& vertices) {
+          mesh.place(state.connectors[i], state.bodies, vertices);
+        });
   }
+}
+
+std::size_t MovingParts::triangles() const {
+  std::size_t indices = 0;
+  const auto add = [&](std::span<const Drawable> parts) {
+    for (const Drawable& part : parts) indices += part.triangles().size();
+  };
+  for (const auto& body : bodies_) add(body);
+  for (const auto& character : characters_) add(character);
+  add(connectors_);
+  return indices / 3;
 }
 
 std::vector<DrawItem> MovingParts::items(const FrameState& instant, const Layer& layer) {
@@ -83,8 +96,8 @@ Places places_of(const DrawItem& item) {
   const Eigen::Matrix3f turn = item.model.topLeftCorner<3, 3>();
   const Eigen::Vector3f at = item.model.topRightCorner<3, 1>();
   Places places;
-  places.reserve(item.drawable->positions().size());
-  for (const Eigen::Vector3f& p : item.drawable->positions()) places.emplace_back(turn * p + at);
+  item.drawable->find_positions(places);
+  for (Eigen::Vector3f& p : places) p = turn * p + at;
   return places;
 }
 

@@ -18,8 +18,10 @@ class MovingParts {
   /// `world` tells what connectors hang on; its state does not matter. The stage must outlive this.
   MovingParts(const gl::Gl& gl, const scenes::Stage& stage, const World& world);
 
-  /// Moves everything to where it is at that time.
+  /// Moves everything to where it is at that time. The instant must live until all is drawn.
   void pose(const FrameState& instant);
+  /// How many triangles there are.
+  std::size_t triangles() const;
   /// What the layer shows of the instant last posed: the same items for each instant, in the same
   /// order.
   std::vector<DrawItem> items(const FrameState& instant, const Layer& layer = {});

@@ -135,6 +135,10 @@ struct StageRenderer::Impl : StageParts {
   std::vector<Exposures> find_moving(std::span<const FrameState> shutter, const gl::Canvas& canvas,
                                      const Look& look, const picture::Rect& viewport);
 
+  /// A backdrop takes as much memory as the canvas. Beside a million triangles that move, the
+  /// scenery is a tenth of a frame's work.
+  bool keeps_backdrops() const { return parts.triangles() < 1'000'000; }
+
   gl::Profile* profile = nullptr;
   ShadowCover cover;
   MotionExtents extents;
@@ -172,7 +176,7 @@ void StageRenderer::begin(gl::Canvas& canvas, std::span<const View> views) {
   if (canvas.restore(name.value())) return d.lap("backdrop");
 
   draw_backdrop(d, canvas, views);
-  canvas.keep(name.value());
+  if (d.keeps_backdrops()) canvas.keep(name.value());
   d.lap("scenery");
 }
 

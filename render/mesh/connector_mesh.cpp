@@ -14,24 +14,45 @@ namespace {
 
 using Vec3f = Eigen::Vector3f;
 
-/// The ball that a point mass at a particle is drawn as: as large as steel of that mass. No ball
-/// where the particle is held or has only its share of the connector.
-std::optional<Piece> weight_piece(const Connector& connector, std::size_t particle) {
+/// The radius (m) of the ball that a point mass at a particle is drawn as: as large as steel of
+/// that mass. No ball where the particle is held or has only its share of the connector.
+std::optional<float> weight_radius(const Connector& connector, std::size_t particle) {
   const double own = connector.mass / double(connector.particles());
   const double extra = connector.particle_mass[particle] - own;
   if (extra <= 1e-6 * own + 1e-12) return {};
   for (const Hold& hold : connector.holds)
     if (hold.particle == particle) return {};
   constexpr double kSteel = 7850;  // kg/m3
-  const auto radius = float(std::cbrt(3 * extra / (4 * std::numbers::pi * kSteel)));
-  constexpr int kRows = 16;
-  std::vector<std::array<float, 4>> profile;
-  for (int i = 0; i <= kRows; ++i) {
-    const float angle = std::numbers::pi_v<float> * (float(i) / kRows - 0.5f);
-    const float out = std::cos(angle), up = std::sin(angle);
-    profile.push_back({radius * out, radius * up, out, up});
+  return float(std::cbrt(3 * extra / (4 * std::numbers::pi * kSteel)));
+}
+
+constexpr int kBallRows = 16;
+constexpr std::uint32_t kBallSides = 32;
+
+/// A ball of radius 1 m, which all weights share.
+const Piece& unit_ball() {
+  static const Piece ball = [] {
+    std::vector<std::array<float, 4>> profile;
+    for (int i = 0; i <= kBallRows; ++i) {
+      const float angle = std::numbers::pi_v<float> * (float(i) / kBallRows - 0.5f);
+      const float out = std::cos(angle), up = std::sin(angle);
+      profile.push_back({out, up, out, up});
+    }
+    return turned_piece(profile, kBallSides);
+  }();
+  return ball;
+}
+
+/// Adds the vertices of a ball round `at` (m).
+void add_ball(const Vec3f& at, float radius, std::vector<MovingVertex>& vertices) {
+  const std::span<const MovingVertex> unit = unit_ball().vertices;
+  const auto equator = unit.subspan(kBallRows / 2 * kBallSides, kBallSides);
+  for (std::size_t k = 0; k < unit.size(); ++k) {
+    const Vec3f& row = unit[k / kBallSides * kBallSides].position;  // where z is 0
+    const Vec3f& direction = equator[k % kBallSides].position;
+    const Vec3f out = radius * row.x() * direction;
+    vertices.push_back({at + (out + Vec3f(0, radius * row.y(), 0)), unit[k].normal});
   }
-  return turned_piece(profile, 32);
 }
 
 /// How thick a connector is at its particles, as shares of where it is thickest: a taper.
@@ -72,13 +93,13 @@ class TubeMesh final : public ConnectorMesh {
     }
     add_grid(0, std::uint32_t(rings_ + 2), kSides, false, indices_);
     for (const std::size_t particle : {std::size_t(0), connector.particles() - 1}) {
-      const std::optional<Piece> weight = weight_piece(connector, particle);
-      if (!weight) continue;
+      const std::optional<float> radius = weight_radius(connector, particle);
+      if (!radius) continue;
       const auto first = std::uint32_t(rest_.size());
-      for (const std::uint32_t i : weight->indices) indices_.push_back(first + i);
+      for (const std::uint32_t i : unit_ball().indices) indices_.push_back(first + i);
       // On the crest of a strand everywhere: the rope's pattern leaves the ball plain.
-      rest_.resize(rest_.size() + weight->vertices.size(), {Vec3f(1 / 6.0f, 0, 1), kIron});
-      weights_.push_back({particle, weight->vertices});
+      rest_.resize(rest_.size() + unit_ball().vertices.size(), {Vec3f(1 / 6.0f, 0, 1), kIron});
+      weights_.push_back({particle, *radius});
     }
   }
 
@@ -97,10 +118,8 @@ class TubeMesh final : public ConnectorMesh {
       ring(point, side, axis, radius_[i], Vec3::Zero(), vertices);
       if (i + 1 == rings_) ring(point, side, axis, 0, axis, vertices);
     }
-    for (const auto& [particle, weight] : weights_) {
-      const Vec3f at = particles[particle].cast<float>();
-      for (const MovingVertex& v : weight) vertices.push_back({at + v.position, v.normal});
-    }
+    for (const auto& [particle, radius] : weights_)
+      add_ball(particles[particle].cast<float>(), radius, vertices);
   }
 
  private:
@@ -120,20 +139,32 @@ class TubeMesh final : public ConnectorMesh {
         (6 * u2 - 6 * u) * (b - c) + (3 * u2 - 4 * u + 1) * m + (3 * u2 - 2 * u) * n};
   }
 
+  /// Cosine and sine of each corner of a ring.
+  static const std::array<std::pair<float, float>, kSides>& corners() {
+    static const auto all = [] {
+      std::array<std::pair<float, float>, kSides> result;
+      for (std::uint32_t j = 0; j < kSides; ++j) {
+        const float angle = kTurn * float(j) / float(kSides);
+        result[j] = {std::cos(angle), std::sin(angle)};
+      }
+      return result;
+    }();
+    return all;
+  }
+
   static void ring(const Vec3& point, const Vec3& side, const Vec3& axis, float radius,
                    const Vec3& cap, std::vector<MovingVertex>& vertices) {
     const Vec3f x = side.cast<float>(), y = axis.cross(side).cast<float>();
     const Vec3f at = point.cast<float>(), end = cap.cast<float>();
-    for (std::uint32_t j = 0; j < kSides; ++j) {
-      const float angle = kTurn * float(j) / float(kSides);
-      const Vec3f normal = std::cos(angle) * x + std::sin(angle) * y;
+    for (const auto& [cosine, sine] : corners()) {
+      const Vec3f normal = cosine * x + sine * y;
       vertices.push_back({at + radius * normal, radius > 0 ? normal : end});
     }
   }
 
   struct Weight {
     std::size_t particle;
-    std::vector<MovingVertex> vertices;  // round the particle
+    float radius;  // m
   };
 
   std::vector<float> radius_;  // m, of each ring

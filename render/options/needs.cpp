@@ -38,6 +38,8 @@ constexpr double kPixelOnDisk = 0.5;   // bytes: of the frame as PNG, and of the
 constexpr double kDriver = 1e8;        // bytes: its libraries, and the models as they were read
 constexpr double kContext = 8e7;       // bytes: shaders, shadow maps, models as they are drawn
 constexpr double kVertex = 120;        // bytes: places, normals, triangles and what of them moves
+constexpr double kAlike = 30;          // bytes, of one on a connector shaped as the one before
+constexpr double kKeeping = 5e5;       // vertices; where more move, no backdrop is kept
 constexpr double kPixelTime = 1.5e-7;  // s, of a picture by a software rasteriser
 constexpr double kFrame = 500;         // bytes: what is known of a frame beside its states
 constexpr double kLong = 60;           // s
@@ -97,17 +99,29 @@ double numbers_shown(const scenes::Scene& scene) {
   return numbers;
 }
 
-/// Vertices of all connectors as they are drawn.
-double vertices_drawn(const scenes::Scene& scene) {
+/// All connectors as they are drawn.
+struct Drawn {
+  double vertices = 0;
+  double memory = 0;  // bytes
+};
+
+Drawn drawn(const scenes::Scene& scene) {
   constexpr double kRing = 10, kRings = 120, kWeights = 1100, kLink = 128;
-  double sum = 0;
+  Drawn sum;
+  const Connector* before = nullptr;
   for (std::size_t i = 0; i < scene.world.connectors.size(); ++i) {
     const Connector& connector = scene.world.connectors[i];
     const auto& looks = scene.stage->connector_looks;
     const scenes::ConnectorLook look = i < looks.size() ? looks[i] : scenes::ConnectorLook();
-    sum += look.kind == scenes::ConnectorLook::Kind::chain
-               ? kLink * (connector.length / look.diameter + 4)
-               : kRing * std::max(kRings, double(connector.particles())) + kWeights;
+    const double vertices =
+        look.kind == scenes::ConnectorLook::Kind::chain
+            ? kLink * (connector.length / look.diameter + 4)
+            : kRing * std::max(kRings, double(connector.particles())) + kWeights;
+    const bool alike = before && before->length == connector.length &&
+                       before->particles() == connector.particles();
+    sum.vertices += vertices;
+    sum.memory += (alike ? kAlike : kVertex) * vertices;
+    before = &connector;
   }
   return sum;
 }
@@ -237,10 +251,12 @@ Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int thr
   needs.memory += kDriver + clip_length(scene) * (kFrame + sizeof(double) * states) +
                   frames * kFrame + 4 * kPixel * pixels;  // pictures on their way to the disk
   // Colour and depth of each sample as they are drawn, behind what moves, and before exposures.
-  double canvas = (3 * 8.0 * samples + 4 * kPixel) * pixels;
+  const Drawn connectors = drawn(scene);
+  const double canvases = connectors.vertices < kKeeping ? 3 : 2;
+  double canvas = (canvases * 8.0 * samples + 4 * kPixel) * pixels;
   if (has_lens(stage)) canvas += (8 * 4.0 / 3 + 8) * pixels;  // light with mipmaps, and blurred
   const bool alone = threads == 1 || (threads == 0 && std::thread::hardware_concurrency() < 2);
-  needs.memory += (alone ? 1 : 2) * (kContext + canvas + kVertex * vertices_drawn(scene));
+  needs.memory += (alone ? 1 : 2) * (kContext + canvas + connectors.memory);
   needs.disk = frames * pixels * kPixelOnDisk;
   needs.time += frames * pixels * kPixelTime;
   return needs;
