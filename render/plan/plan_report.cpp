@@ -9,7 +9,6 @@
 #include "render/chart/table.h"
 #include "render/options/method_options.h"
 #include "render/options/study_options.h"
-#include "sim/methods/direct/direct.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/world/span.h"
 
@@ -62,8 +61,10 @@ std::string bodies_text(const Planned& planned) {
   const World& reference = planned.scene.world;
   const World& world = planned.model().model.world;
   const std::vector<std::string>& links = planned.model().links;
-  const bool direct = planned.candidate().method == "direct" && !has_spans(world);
-  const std::vector<bool> as_links = direct::stepped_as_links(world);
+  const MethodInfo& method = *find_method(planned.candidate().method);
+  const std::vector<bool> as_links = method.steps_as_links && !has_spans(world)
+                                         ? method.steps_as_links(world)
+                                         : std::vector<bool>(world.bodies.size());
   std::string text;
   for (std::size_t b = 0; b < reference.bodies.size(); ++b) {
     const Body& body = reference.bodies[b];
@@ -72,8 +73,9 @@ std::string bodies_text(const Planned& planned) {
     std::string is = "a rigid body";
     if (std::ranges::find(links, body.name) != links.end()) {
       is = "one more link of its chain";
-    } else if (direct && as_links[b]) {
-      is = "a rigid body, which direct steps as one more link, exactly, while in a plane";
+    } else if (as_links[b]) {
+      is = fmt::format("a rigid body, which {} steps as one more link, exactly, while in a plane",
+                       method.name);
     } else if (!reason.empty()) {
       is += fmt::format(" ({}: it cannot be a link)", reason);
     } else {

@@ -95,7 +95,8 @@ MethodInfo multibody_method() {
               [](const MethodInfo& multibody, const Settings& settings) {
                 return with_tolerance_raised(multibody, settings, "accuracy");
               },
-          .cost = {.memory = 8000, .step = 2e-5}};
+          .cost = {.memory = 8000, .step = 2e-5},
+          .runs_alone = true};
 }
 
 }  // namespace taut::reference

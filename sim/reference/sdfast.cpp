@@ -219,7 +219,8 @@ MethodInfo sdfast_method() {
           [](const MethodInfo&, const Settings&) {
             return Companion{.none = "keeps the state of one run at a time in its generated code"};
           },
-      .cost = {.memory = 8000, .step = 2e-6}};
+      .cost = {.memory = 8000, .step = 2e-6},
+      .runs_alone = true};
 }
 
 }  // namespace taut::reference

@@ -160,6 +160,11 @@ struct MethodInfo {
   /// tells its error; null: nothing is known of how the error depends on the settings.
   Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
   ParticleCost cost = {};
+  /// Several must not run at the same time: what they run on may share what it changes.
+  bool runs_alone = false;
+  /// Of each body, whether the method steps it as one more link, which is exact where it hangs by
+  /// one point and moves in a plane; as far as the world's present state tells. Null: none.
+  std::vector<bool> (*steps_as_links)(const World& world) = nullptr;
 };
 
 /// Whether the method knows all that is in `world`; else its advance() throws Diverged.

@@ -111,9 +111,8 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
     side_by_side(block.size(), [&](std::size_t i) {
       const auto [m, c] = std::pair(block[i].model, block[i].candidate);
       const Candidate& candidate = models[m].candidates[c];
-      // Libraries that others wrote may share what they change.
       std::unique_lock lock(alone, std::defer_lock);
-      if (candidate.method == "multibody" || candidate.method == "sdfast") lock.lock();
+      if (find_method(candidate.method)->runs_alone) lock.lock();
       const Tolerance own = tolerance;  // a distance may remember what it was asked last
       block[i] = attempt(models[m], candidate, reference, own, least);
       block[i].model = m;

@@ -247,8 +247,6 @@ Companion with_finer_steps(double tolerance) {
           .asked = tolerance};
 }
 
-}  // namespace
-
 std::vector<bool> stepped_as_links(const World& world) {
   std::vector<bool> as_links(world.bodies.size());
   Division division;
@@ -259,6 +257,8 @@ std::vector<bool> stepped_as_links(const World& world) {
   }
   return as_links;
 }
+
+}  // namespace
 
 MethodInfo direct_method() {
   return {
@@ -299,7 +299,8 @@ MethodInfo direct_method() {
             return number(settings, "step") > 0 ? with_step_doubled(direct, settings, 8)
                                                 : with_finer_steps(number(settings, "tolerance"));
           },
-      .cost = {.memory = 1000, .step = 2e-7}};
+      .cost = {.memory = 1000, .step = 2e-7},
+      .steps_as_links = stepped_as_links};
 }
 
 }  // namespace taut::direct
