@@ -7,6 +7,7 @@ namespace taut::contact {
 namespace {
 
 constexpr double kTurn = 1e-2;   // rad: turned by that, what lies flat touches at one end of it
+constexpr double kCrosses = 10;  // cot^2 of 17 degrees: what crosses by more does not lie flat
 constexpr double kSame = 1e-6;   // of the axis: spots so near to each other are one
 constexpr double kFlat = 1e-10;  // of the axis' length: distances so near to each other are equal
 constexpr int kHalvings = 54;    // of a double's fraction
@@ -102,7 +103,11 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
   const auto apart = [&](std::size_t i, std::size_t k) {
     return std::abs(gaps[i].along - gaps[k].along) > kSame;
   };
-  if (!apart(3, 4)) {  // it does not lie flat
+  // Across a round solid they are as far apart as it is curved.
+  const bool round = shape.kind == Shape::Kind::capsule || shape.kind == Shape::Kind::cylinder;
+  const double curve = capsule.radius + (round ? shape.radius : shape.rounding);
+  const double between = axis.length * std::abs(gaps[4].along - gaps[3].along);
+  if (!apart(3, 4) || between < 2 * kCrosses * kTurn * curve) {  // it does not lie flat
     gaps[3].distinct = gaps[4].distinct = false;
   } else if (!apart(2, 3) || !apart(2, 4)) {
     gaps[2].distinct = false;
