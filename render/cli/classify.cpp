@@ -94,7 +94,7 @@ Classified classified(const Options& options, const std::string& file,
   const scenes::Scene& scene = result.scene;
   const study::Problem problem{scene.world, study::frame_times(scene.duration, scene.fps),
                                scene.timeline};
-  std::optional<study::Reference> reference;
+  std::optional<truth::Reference> reference;
   if (!options.no_truth) {
     reference = studies::quick_reference(problem, 0.01 * study::total_length(scene.world),
                                          std::max(options.cap, studies::kTruthCap));

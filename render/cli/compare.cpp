@@ -98,7 +98,7 @@ std::pair<film::Comparison, std::vector<Measured>> compare(
   if (!quiet) program::note("solving the truth\n");
   truth::TruthOptions accuracy;
   if (length > 0) accuracy.scored_error = kScored * length;
-  truth::Truth truth = [&] {
+  truth::Reference truth = [&] {
     // Two solvers, the first of them three times: no more than so many frames.
     program::Progress progress("solving the truth", "frames", 4 * problem.times.size(), true);
     std::uint64_t done = 0;

@@ -14,7 +14,7 @@ namespace {
 
 struct TruthObject {
   study::Problem problem;
-  study::Reference reference;
+  truth::Reference reference;
   double length = 0;  // m
   int fps = 60;
 };
@@ -35,15 +35,14 @@ std::unique_ptr<TruthObject> solve(const SceneObject& object, bool quick) {
   if (quick) options.second_accuracy = 1e-7;
   const py::gil_scoped_release unlocked;
   Signals signals;
-  truth::Truth truth = truth::solve_truth(scene.world, made->problem.times, options, scene.timeline,
-                                          [&] { signals.look(); });
-  made->reference = {std::move(truth.frames), truth.horizon, truth.self_error};
-  std::erase_if(made->problem.times, [&](double time) { return time > truth.horizon; });
+  made->reference = truth::solve_truth(scene.world, made->problem.times, options, scene.timeline,
+                                       [&] { signals.look(); });
+  std::erase_if(made->problem.times, [&](double time) { return time > made->reference.horizon; });
   made->reference.frames.resize(made->problem.times.size());
   if (made->problem.times.size() < 2) {
     throw std::runtime_error(
         fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
-                    scene.file.string(), truth.horizon));
+                    scene.file.string(), made->reference.horizon));
   }
   return made;
 }

@@ -11,7 +11,7 @@
 
 namespace taut::report {
 
-std::vector<ErrorAt> errors_over_time(const study::Run& run, const study::Reference& reference,
+std::vector<ErrorAt> errors_over_time(const study::Run& run, const truth::Reference& reference,
                                       double length) {
   const study::Metric metric = study::share_of_length(length);
   std::vector<ErrorAt> errors;
@@ -35,7 +35,7 @@ nlohmann::ordered_json run_score(const scenes::Scene& scene, double share) {
   const studies::Target target = studies::scored_target(scene, share);
   const study::Run run = study::run(target.problem, {scene.method.name, scene.method.settings},
                                     std::numeric_limits<double>::infinity());
-  const study::Reference& truth = target.reference;
+  const truth::Reference& truth = target.reference;
   const bool diverged = run.end == study::Run::End::diverged;
   nlohmann::ordered_json json = {
       {"scene", scene.file.string()},

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "scenes/scene/scene.h"
-#include "sim/study/reference.h"
 #include "sim/study/run.h"
+#include "sim/truth/reference.h"
 
 namespace taut::report {
 
@@ -17,7 +17,7 @@ struct ErrorAt {
 };
 
 /// RMS over the particles of each frame, up to the horizon; as far as the run came.
-std::vector<ErrorAt> errors_over_time(const study::Run& run, const study::Reference& reference,
+std::vector<ErrorAt> errors_over_time(const study::Run& run, const truth::Reference& reference,
                                       double length);
 
 /// Scores the scene's own method down to errors of `share` of the length, as `taut chart` does. The

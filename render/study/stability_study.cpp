@@ -39,7 +39,7 @@ class Shares {
 /// One value of a map's axis.
 struct Column {
   study::Problem problem;
-  std::optional<study::Reference> reference;
+  std::optional<truth::Reference> reference;
 };
 
 Column column_of(const options::StudyOptions& options, const MapAxis& axis, double value,
@@ -103,7 +103,7 @@ MapCell cell_of(const MapAxis& axis, std::size_t index, const StabilityStudy& st
   candidate.settings[std::string(map_height(*contender.method)->name)] = y;
   if (!axis.setting.empty()) candidate.settings[axis.setting] = x;
   const study::Run result = taut::study::run(column.problem, candidate, cap);
-  const study::Reference* reference = column.reference ? &*column.reference : nullptr;
+  const truth::Reference* reference = column.reference ? &*column.reference : nullptr;
   return {index,
           x,
           y,

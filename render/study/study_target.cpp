@@ -18,13 +18,12 @@ Target target_of(const scenes::Scene& scene, double duration, const truth::Truth
   // Two solvers, the first of them three times: no more than so many frames.
   program::Progress progress("solving the truth", "frames", 4 * target.problem.times.size(), true);
   std::uint64_t done = 0;
-  truth::Truth truth =
+  target.reference =
       truth::solve_truth(scene.world, target.problem.times, options, scene.timeline, [&] {
         render::stop_if_interrupted();
         progress.update(++done);
       });
-  target.reference = {std::move(truth.frames), truth.horizon, truth.self_error};
-  std::erase_if(target.problem.times, [&](double time) { return time > truth.horizon; });
+  std::erase_if(target.problem.times, [&](double time) { return time > target.reference.horizon; });
   target.reference.frames.resize(target.problem.times.size());
   return target;
 }
@@ -39,14 +38,14 @@ Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions&
   return target;
 }
 
-std::optional<study::Reference> quick_reference(const study::Problem& problem, double scored_error,
+std::optional<truth::Reference> quick_reference(const study::Problem& problem, double scored_error,
                                                 double cpu_cap) {
   study::Run first = study::run(problem, {"truth", {{"local_error", 1e-9}}}, cpu_cap);
   const study::Run second = study::run(problem, {"multibody", {{"accuracy", 1e-5}}}, cpu_cap);
   const study::Distance metres = [](const Vec3& at, const Vec3& truth, double) {
     return (at - truth).norm();
   };
-  study::Reference reference;
+  truth::Reference reference;
   const std::size_t both = std::min(first.frames.size(), second.frames.size());
   for (std::size_t k = 1; k < both; ++k) {
     const double apart = study::frame_error(second.frames[k], first.frames[k], metres);

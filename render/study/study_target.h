@@ -5,8 +5,8 @@
 
 #include "scenes/scene/scene.h"
 #include "sim/study/accuracy.h"
-#include "sim/study/reference.h"
 #include "sim/study/run.h"
+#include "sim/truth/reference.h"
 #include "sim/truth/truth.h"
 
 namespace taut::studies {
@@ -14,7 +14,7 @@ namespace taut::studies {
 /// A problem up to where its truth is predictable, and that truth.
 struct Target {
   study::Problem problem;
-  study::Reference reference;
+  truth::Reference reference;
 };
 
 /// The scene's frames of its first `duration` seconds, cut at the horizon.
@@ -26,7 +26,7 @@ Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions&
 /// A reference good enough to tell runs that are within `scored_error` (m) of the truth: two
 /// independent solvers, up to where they agree to a hundredth of that. None where one of them
 /// cannot solve the problem within `cpu_cap` (s) or they disagree at once.
-std::optional<study::Reference> quick_reference(const study::Problem& problem, double scored_error,
+std::optional<truth::Reference> quick_reference(const study::Problem& problem, double scored_error,
                                                 double cpu_cap);
 
 /// Distance on the picture, px, the largest of any shot that shows the time; none where the scene

@@ -5,7 +5,7 @@
 
 namespace taut::study {
 
-AccuracyRow score(const Problem& problem, const Reference& reference,
+AccuracyRow score(const Problem& problem, const truth::Reference& reference,
                   std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap,
                   const std::function<void()>& tick) {
   const Run result = run(problem, candidate, cpu_cap, tick);

@@ -8,8 +8,8 @@
 
 #include "sim/study/accuracy.h"
 #include "sim/study/front.h"
-#include "sim/study/reference.h"
 #include "sim/study/run.h"
+#include "sim/truth/reference.h"
 
 namespace taut::study {
 
@@ -25,7 +25,7 @@ struct AccuracyRow {
 
 /// Runs a candidate once, as run() does, and scores it against the reference. Runs that end early
 /// have no timings.
-AccuracyRow score(const Problem& problem, const Reference& reference,
+AccuracyRow score(const Problem& problem, const truth::Reference& reference,
                   std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap,
                   const std::function<void()>& tick = {});
 

@@ -72,7 +72,7 @@ double available_energy(const World& world) {
   return std::max(kinetic + potential_energy(world) - lowest, 1e-3 * fall);
 }
 
-Classification classify(const Problem& problem, const Run& run, const Reference* reference,
+Classification classify(const Problem& problem, const Run& run, const truth::Reference* reference,
                         const ClassLimits& limits) {
   Classification classification;
   classification.stretch = run.stretch_max;

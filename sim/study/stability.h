@@ -5,8 +5,8 @@
 #include <span>
 #include <string_view>
 
-#include "sim/study/reference.h"
 #include "sim/study/run.h"
+#include "sim/truth/reference.h"
 
 namespace taut::study {
 
@@ -45,7 +45,7 @@ double total_length(const World& world);
 double available_energy(const World& world);
 
 /// Judges a run of `problem`. Energies count only where nothing is driven. `reference` may be null.
-Classification classify(const Problem& problem, const Run& run, const Reference* reference,
+Classification classify(const Problem& problem, const Run& run, const truth::Reference* reference,
                         const ClassLimits& limits = {});
 
 /// One word or two for tables and legends.

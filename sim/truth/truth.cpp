@@ -83,11 +83,12 @@ World nudged(World world, double distance, bool rough) {
   return world;
 }
 
-Truth solve_truth(const World& world, std::span<const double> times, const TruthOptions& options,
-                  const Timeline& timeline, const std::function<void()>& tick) {
+Reference solve_truth(const World& world, std::span<const double> times,
+                      const TruthOptions& options, const Timeline& timeline,
+                      const std::function<void()>& tick) {
   const Settings first{{"local_error", options.local_error}};
   const Settings second{{"accuracy", options.second_accuracy}};
-  Truth truth;
+  Reference truth;
   Simulation simulation(world, make_method("truth", first), timeline);
   try {
     for (const double time : times) {

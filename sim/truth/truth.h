@@ -3,11 +3,10 @@
 
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "sim/interventions/timeline.h"
 #include "sim/run/method.h"
-#include "sim/run/trajectory.h"
+#include "sim/truth/reference.h"
 
 namespace taut::truth {
 
@@ -22,28 +21,17 @@ struct TruthOptions {
   double second_accuracy = 1e-10;
 };
 
-/// A converged solution of the discrete model at the frame times, checked by a second one.
-struct Truth {
-  std::vector<Snapshot> frames;
-  /// Time (s) up to which errors may be scored: until then a start nudged by a ten-thousandth of
-  /// the scored error stays a hundred times closer to the truth than that error, and so does the
-  /// second solution. Beyond it states are not predictable, and only invariants can be compared.
-  double horizon = 0;
-  /// The largest distance (m) of any particle between the two solutions up to the horizon.
-  double self_error = 0;
-};
-
-/// Solves `world` by two independent solvers (multipliers with projection under
-/// Runge-Kutta-Fehlberg 7(8); joint coordinates under Simbody's Runge-Kutta-Merson; among obstacles
-/// the first from event to event, and the time stepping of `direct`; with materials or joints
-/// the schemes of `direct` for those) and once more from a nudged
-/// start. `times` (s) rise from the world's own on. Where one of the two comparisons ends early the
-/// horizon does too; where the first solver does, the frames do. Calls `tick`, where there is one,
-/// after each frame of each solution; it may throw. Throws Diverged where the first solver gets
-/// nowhere.
-Truth solve_truth(const World& world, std::span<const double> times,
-                  const TruthOptions& options = {}, const Timeline& timeline = {},
-                  const std::function<void()>& tick = {});
+/// A converged solution of the discrete model by two independent solvers (multipliers with
+/// projection under Runge-Kutta-Fehlberg 7(8); joint coordinates under Simbody's
+/// Runge-Kutta-Merson; among obstacles the first from event to event, and the time stepping of
+/// `direct`; with materials or joints the schemes of `direct` for those) and once more from a
+/// nudged start. `times` (s) rise from the world's own on. Where one of the two comparisons ends
+/// early the horizon does too; where the first solver does, the frames do. Calls `tick`, where
+/// there is one, after each frame of each solution; it may throw. Throws Diverged where the first
+/// solver gets nowhere.
+Reference solve_truth(const World& world, std::span<const double> times,
+                      const TruthOptions& options = {}, const Timeline& timeline = {},
+                      const std::function<void()>& tick = {});
 
 /// `world` with its particles moved sideways by up to `distance` (m): more and more along each
 /// connector or, `rough`, by turns to one side and the other. A method's first projection puts the

@@ -101,7 +101,7 @@ TEST(ContactTruth, StatesHowFarItIsKnown) {
   std::vector<double> times;
   for (int frame = 0; frame <= 18; ++frame) times.push_back(frame / 30.0);
   const truth::TruthOptions options;
-  const truth::Truth truth = truth::solve_truth(against_a_post(0.3), times, options);
+  const truth::Reference truth = truth::solve_truth(against_a_post(0.3), times, options);
   EXPECT_GE(truth.horizon, 0.4);
   EXPECT_GT(truth.self_error, 0);
   EXPECT_LE(truth.self_error, options.scored_error / 100);

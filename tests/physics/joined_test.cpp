@@ -205,7 +205,7 @@ TEST(Joined, TheStepOfSpringsIsStable) {
 
 TEST(Joined, TheTwoSolversOfTheTruthAgree) {
   const std::vector<double> times{0.1, 0.2};
-  const truth::Truth truth = truth::solve_truth(net(3, 0.2), times);
+  const truth::Reference truth = truth::solve_truth(net(3, 0.2), times);
   EXPECT_EQ(truth.horizon, 0.2);
   EXPECT_LT(truth.self_error, 1e-6);
 }

@@ -95,7 +95,7 @@ TEST(MaterialMethods, SpringsStayStable) {
 
 TEST(MaterialMethods, TheTwoSolversOfTheTruthAgree) {
   const std::vector<double> times{0.1, 0.2, 0.3};
-  const truth::Truth truth =
+  const truth::Reference truth =
       truth::solve_truth(falling(damped(300, 0.05), true, {1.2, 0.1}), times);
   EXPECT_EQ(truth.horizon, 0.3);
   EXPECT_LT(truth.self_error, 1e-6);

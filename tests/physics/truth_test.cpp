@@ -161,7 +161,8 @@ TEST(Truth, LengthsHoldToRounding) {
 
 TEST(Truth, TwoSolversAgreeToAHundredMillionthOverASwing) {
   const World swing = worlds::chain(21, 0.2, Vec3::UnitX());
-  const truth::Truth truth = truth::solve_truth(swing, frames(2, 30), {.scored_error = 1e-6 * 0.2});
+  const truth::Reference truth =
+      truth::solve_truth(swing, frames(2, 30), {.scored_error = 1e-6 * 0.2});
   EXPECT_GT(truth.horizon, 0.7);
   EXPECT_LT(truth.horizon, 1.4);  // by then a micrometre has grown to a millimetre
   EXPECT_LT(truth.self_error, 1e-8 * 0.2);
@@ -171,7 +172,8 @@ TEST(Truth, TwoSolversAgreeToAHundredMillionthOverASwing) {
 TEST(Truth, TwoSolversAgreeOnBodiesAndDrivenEnds) {
   for (const World& world : {worlds::chain_with_box(11), worlds::driven_chain(11),
                              worlds::thrown(11), worlds::garland()}) {
-    const truth::Truth truth = truth::solve_truth(world, frames(0.5, 20), {.scored_error = 1e-6});
+    const truth::Reference truth =
+        truth::solve_truth(world, frames(0.5, 20), {.scored_error = 1e-6});
     EXPECT_GT(truth.horizon, 0.2);
     EXPECT_LT(truth.self_error, 1e-8 * 0.3);  // the shortest of their connectors
   }
@@ -181,7 +183,7 @@ TEST(Truth, TwoSolversAgreeOnAPinThatStopsAMovingParticle) {
   Timeline timeline;
   timeline.pins.push_back({.connector = 0, .along = 0.5, .from = 0.2, .until = 0.4, .to = {}});
   const World swing = worlds::chain(11, 1, Vec3::UnitX());
-  const truth::Truth truth =
+  const truth::Reference truth =
       truth::solve_truth(swing, frames(0.6, 20), {.scored_error = 1e-6}, timeline);
   EXPECT_GT(truth.horizon, 0.25);  // past the pin's start
   EXPECT_LT(truth.self_error, 1e-8);
@@ -191,7 +193,7 @@ TEST(Truth, TwoSolversAgreeOnAPinThatStopsAMovingParticle) {
 
 TEST(Truth, UprightStartsAreSoonUnpredictable) {
   const World drop = worlds::chain(21, 1, worlds::from_down(175));
-  const truth::Truth truth = truth::solve_truth(drop, frames(1, 60), {.scored_error = 1e-4});
+  const truth::Reference truth = truth::solve_truth(drop, frames(1, 60), {.scored_error = 1e-4});
   EXPECT_LT(truth.horizon, 0.25);
   EXPECT_EQ(truth.frames.size(), 61u);
 }

@@ -130,7 +130,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
       "render/chart", "render/gl", "render/draw", "render/film", "render/golden", "render/program",
       "render/options", "render/study"}},
     {"render/report",
-     {"sim/run", "sim/study", "scenes/files", "scenes/scene", "render", "render/chart",
+     {"sim/run", "sim/truth", "sim/study", "scenes/files", "scenes/scene", "render", "render/chart",
       "render/program", "render/options", "render/study", "render/clip"}},
     {"render/cli",
      {"sim/motion",     "sim/measure",    "sim/run",       "sim/truth",     "sim/study",

@@ -62,7 +62,7 @@ TEST(Stability, FirstVerdictThatFitsWins) {
 TEST(Stability, AccurateNeedsAReference) {
   const study::Problem problem = rope(Vec3(1, 0, 0));
   const study::Run run = study::run(problem, {"impulse", {}}, 10);
-  const study::Reference itself{run.frames, 0.5, 0};
+  const truth::Reference itself{run.frames, 0.5, 0};
   const study::Classification same = study::classify(problem, run, &itself);
   EXPECT_EQ(same.error, 0);
   EXPECT_TRUE(std::isnan(study::classify(problem, run, nullptr).error));
@@ -114,7 +114,7 @@ TEST(Stability, AWorldOfJointsAloneHasALength) {
   EXPECT_NEAR(energy_scale(problem.world), 2 * kGravity * length, 1e-12);
   EXPECT_NEAR(study::available_energy(problem.world), 1e-3 * 2 * kGravity * length, 1e-12);
   const study::Run run = study::run(problem, {"direct", {}}, 10);
-  const study::Reference itself{run.frames, 0.1, 0};
+  const truth::Reference itself{run.frames, 0.1, 0};
   EXPECT_EQ(study::classify(problem, run, &itself).motion_class, study::MotionClass::accurate);
 }
 
@@ -130,7 +130,7 @@ TEST(SpeedAccuracy, ScoresAgainstTheReference) {
   const study::Problem problem = rope(Vec3(1, 0, 0));
   const study::Candidate fine{"impulse", {{"step", 1.0 / 3840}}},
       coarse{"impulse", {{"step", 1.0 / 240}}};
-  const study::Reference reference{run(problem, fine, 10).frames, 0.5, 0};
+  const truth::Reference reference{run(problem, fine, 10).frames, 0.5, 0};
   const study::Metric metrics[] = {study::share_of_length(0.2)};
   study::AccuracyRow row = study::score(problem, reference, metrics, fine, 10);
   EXPECT_EQ(row.errors.at(0), 0);
