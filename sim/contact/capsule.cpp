@@ -103,7 +103,7 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
   const auto apart = [&](std::size_t i, std::size_t k) {
     return std::abs(gaps[i].along - gaps[k].along) > kSame;
   };
-  // Across a round solid they are as far apart as it is curved.
+  // An axis that crosses a round solid at an angle a: they are 2 kTurn cot^2(a) of the radii apart.
   const bool round = shape.kind == Shape::Kind::capsule || shape.kind == Shape::Kind::cylinder;
   const double curve = capsule.radius + (round ? shape.radius : shape.rounding);
   const double between = axis.length * std::abs(gaps[4].along - gaps[3].along);

@@ -42,8 +42,8 @@ class ContactStep {
   double turn() const { return turn_; }  // rad, the most that a link turned
   /// Whether a string got to its length: what the steps before tell is nothing of those to come.
   bool snaps() const { return snaps_now_; }
-  /// Whether places had no solution with all friction, as only the shortest steps may: the next
-  /// that is longer will not do, where jammed beads have none (Painleve).
+  /// Whether the first stage found a solution only with less friction, as the shortest steps may.
+  /// Where jammed beads have none with all of it (Painleve), longer steps fail.
   bool slips() const { return slips_; }
   /// m, RMS, of the first stage; 0: not known. Waves lower than `lowest` (m) need not be followed.
   double error(double lowest) const;

@@ -38,7 +38,7 @@ class Contacts {
     bool steps = false;    // ContactStep has its present state
     double h = 0;          // s, for the next step; 0: not known
     double first = 0;      // s, of the first
-    /// s, of the next: twice the last one, after one that failed.
+    /// s, of the next step: after one that failed it doubles from step to step.
     double limit = std::numeric_limits<double>::infinity();
     int located = 0;  // hits in a row
   };
