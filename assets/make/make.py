@@ -9,11 +9,11 @@ import cube
 import dojo
 import earring
 import glb
-import martial_artist
 import peg
 import skeleton
 import stick
 import studio
+from character import martial_artist
 from materials import MATERIALS
 
 MODELS = {

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <system_error>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/child.h"
+#include "render/base/error.h"
 #include "render/chart/gnuplot.h"
 #include "render/chart/table.h"
-#include "render/child.h"
-#include "render/error.h"
 
 namespace taut::chart {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <memory>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/chart/gnuplot.h"
-#include "render/interrupt.h"
 #include "render/program/command.h"
 #include "render/program/note.h"
 #include "render/program/terminal.h"

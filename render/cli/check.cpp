@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "render/atomic_file.h"
-#include "render/interrupt.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
 #include "render/program/command.h"
 #include "render/program/terminal.h"
 #include "render/study/evidence.h"

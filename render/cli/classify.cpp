@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "render/atomic_file.h"
-#include "render/interrupt.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/options/method_options.h"
 #include "render/options/study_options.h"
 #include "render/program/command.h"

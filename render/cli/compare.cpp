@@ -6,12 +6,12 @@
 #include <numeric>
 #include <utility>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/film/comparison.h"
 #include "render/film/fingerprint.h"
 #include "render/film/frame_folder.h"
 #include "render/film/video.h"
-#include "render/interrupt.h"
 #include "render/options/study_options.h"
 #include "render/program/command.h"
 #include "render/program/frame_list.h"

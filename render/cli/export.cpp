@@ -6,13 +6,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "render/base/interrupt.h"
 #include "render/export/bvh.h"
 #include "render/export/csv.h"
-#include "render/export/glb.h"
+#include "render/export/gltf/glb.h"
 #include "render/export/npz.h"
 #include "render/export/pc2.h"
 #include "render/export/usda.h"
-#include "render/interrupt.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"

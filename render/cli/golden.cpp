@@ -4,10 +4,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/clip/goldens.h"
 #include "render/golden/golden_page.h"
-#include "render/interrupt.h"
 #include "render/options/method_options.h"
 #include "render/program/command.h"
 #include "render/program/progress.h"

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/error.h"
+#include "render/base/interrupt.h"
 #include "render/draw/jitter.h"
-#include "render/error.h"
-#include "render/interrupt.h"
 #include "render/options/study_options.h"
 #include "render/plan/plan_report.h"
 #include "render/program/command.h"

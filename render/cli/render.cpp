@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
 #include "render/clip/clip_job.h"
 #include "render/film/render_workers.h"
 #include "render/options/needs.h"

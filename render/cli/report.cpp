@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <memory>
 
-#include "render/atomic_file.h"
-#include "render/error.h"
+#include "render/base/atomic_file.h"
+#include "render/base/error.h"
+#include "render/base/interrupt.h"
 #include "render/film/video.h"
-#include "render/interrupt.h"
 #include "render/program/command.h"
 #include "render/program/json.h"
 #include "render/program/note.h"

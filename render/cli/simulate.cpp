@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/export/csv.h"
-#include "render/interrupt.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
 #include "render/chart/gnuplot.h"
 #include "render/program/command.h"
 #include "render/program/note.h"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
 #include "render/options/method_options.h"
 #include "render/options/study_options.h"
 #include "render/program/command.h"

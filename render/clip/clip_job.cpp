@@ -6,14 +6,14 @@
 #include <chrono>
 #include <cmath>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
+#include "render/base/version.h"
 #include "render/film/fingerprint.h"
 #include "render/film/video.h"
-#include "render/interrupt.h"
 #include "render/options/needs.h"
 #include "render/program/frame_list.h"
 #include "render/program/note.h"
-#include "render/version.h"
 #include "scenes/default_stage.h"
 #include "sim/motion/hash.h"
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "render/base/interrupt.h"
 #include "render/chart/table.h"
 #include "render/clip/clip_job.h"
 #include "render/clip/profile_report.h"
@@ -13,7 +14,6 @@
 #include "render/film/caption.h"
 #include "render/film/render_workers.h"
 #include "render/gl/profile.h"
-#include "render/interrupt.h"
 #include "render/program/note.h"
 #include "render/program/progress.h"
 #include "render/program/terminal.h"

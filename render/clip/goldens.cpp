@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/film/film.h"
-#include "render/interrupt.h"
 #include "render/program/command.h"
 #include "scenes/files/error.h"
 #include "scenes/load_scene.h"

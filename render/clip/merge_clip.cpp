@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/clip/clip_job.h"
 #include "render/film/film.h"
-#include "render/interrupt.h"
 #include "scenes/files/regular_file.h"
 
 namespace taut::clips {

@@ -7,9 +7,9 @@
 #include <tuple>
 #include <vector>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
 #include "render/film/contact_sheet.h"
-#include "render/interrupt.h"
 #include "render/picture/paint.h"
 #include "render/program/command.h"
 #include "scenes/scene/clip_simulation.h"

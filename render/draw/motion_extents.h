@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "render/draw/draw_item.h"
-#include "render/draw/shadow_cover.h"
+#include "render/draw/shading/draw_item.h"
+#include "render/draw/shading/shadow_cover.h"
 #include "render/picture/rect.h"
 
 namespace taut::draw {

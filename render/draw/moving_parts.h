@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "render/draw/draw_item.h"
 #include "render/draw/frame_state.h"
-#include "render/draw/shadow_cover.h"
+#include "render/draw/shading/draw_item.h"
+#include "render/draw/shading/shadow_cover.h"
 #include "render/mesh/connector_mesh.h"
 #include "scenes/scene/stage.h"
 #include "sim/world/world.h"

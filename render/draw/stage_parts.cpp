@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "render/draw/contact.h"
 #include "render/draw/jitter.h"
-#include "render/draw/lighting.h"
+#include "render/draw/shading/contact.h"
+#include "render/draw/shading/lighting.h"
 
 namespace taut::draw {
 namespace {

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "render/draw/moving_parts.h"
-#include "render/draw/room_light.h"
-#include "render/draw/shadow_map.h"
+#include "render/draw/shading/room_light.h"
+#include "render/draw/shading/shadow_map.h"
+#include "render/draw/shading/surfaces.h"
 #include "render/draw/stage_renderer.h"
-#include "render/draw/surfaces.h"
 #include "render/gl/canvas.h"
 
 namespace taut::draw {

@@ -7,7 +7,7 @@
 #include "render/draw/jitter.h"
 #include "render/draw/motion_extents.h"
 #include "render/draw/reach.h"
-#include "render/draw/shadow_cover.h"
+#include "render/draw/shading/shadow_cover.h"
 #include "render/draw/stage_parts.h"
 #include "sim/motion/hash.h"
 

@@ -11,7 +11,7 @@
 #include <new>
 #include <system_error>
 
-#include "render/error.h"
+#include "render/base/error.h"
 #include "sim/motion/hash.h"
 
 namespace taut::film {

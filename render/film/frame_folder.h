@@ -11,8 +11,8 @@
 #include <mutex>
 #include <thread>
 
-#include "render/atomic_file.h"
-#include "render/descriptor.h"
+#include "render/base/atomic_file.h"
+#include "render/base/descriptor.h"
 #include "render/picture/png_file.h"
 
 namespace taut::film {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "render/error.h"
-#include "render/part_file.h"
+#include "render/base/error.h"
+#include "render/base/part_file.h"
 
 namespace taut::film {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/child.h"
+#include "render/base/child.h"
 
 namespace taut::film {
 

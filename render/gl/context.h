@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "render/error.h"
+#include "render/base/error.h"
 #include "render/gl/gl.h"
 
 namespace taut::gl {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "render/base/interrupt.h"
 #include "render/golden/golden.h"
 #include "render/golden/snapshot_json.h"
-#include "render/interrupt.h"
 #include "scenes/files/regular_file.h"
 #include "scenes/load_scene.h"
 #include "sim/motion/hash.h"

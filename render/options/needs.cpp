@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "render/error.h"
+#include "render/base/error.h"
 #include "render/options/method_options.h"
 #include "render/program/note.h"
 #include "scenes/files/error.h"

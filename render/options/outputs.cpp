@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/base/version.h"
 #include "render/options/method_options.h"
 #include "render/program/command.h"
-#include "render/version.h"
 
 namespace taut::options {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
 #include "render/program/note.h"
 #include "render/program/program.h"
 #include "scenes/files/error.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
 #include "render/film/fingerprint.h"
 #include "render/program/command.h"
 #include "scenes/files/standard_input.h"

@@ -9,8 +9,8 @@
 #include <cstring>
 #include <sstream>
 
-#include "render/atomic_file.h"
-#include "render/error.h"
+#include "render/base/atomic_file.h"
+#include "render/base/error.h"
 #include "scenes/files/regular_file.h"
 
 namespace taut::program {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "render/descriptor.h"
+#include "render/base/descriptor.h"
 
 namespace taut::program {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "render/atomic_file.h"
+#include "render/base/atomic_file.h"
 
 namespace taut::program {
 

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "render/atomic_file.h"
-#include "render/error.h"
-#include "render/interrupt.h"
+#include "render/base/atomic_file.h"
+#include "render/base/error.h"
+#include "render/base/interrupt.h"
 #include "render/program/note.h"
 #include "render/program/progress.h"
 

@@ -13,15 +13,15 @@
 #include <utility>
 #include <vector>
 
-#include "render/atomic_file.h"
-#include "render/error.h"
-#include "render/interrupt.h"
+#include "render/base/atomic_file.h"
+#include "render/base/error.h"
+#include "render/base/interrupt.h"
+#include "render/base/version.h"
 #include "render/program/command.h"
 #include "render/program/help.h"
 #include "render/program/note.h"
 #include "render/program/progress.h"
 #include "render/program/terminal.h"
-#include "render/version.h"
 #include "scenes/files/error.h"
 #include "scenes/format/document.h"
 #include "sim/interventions/timeline.h"

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <new>
 
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
 #include "render/program/note.h"
 
 namespace taut::program {

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
 #include "render/program/program.h"
 
 namespace taut::program {

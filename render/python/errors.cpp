@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "render/error.h"
+#include "render/base/error.h"
 #include "scenes/files/fault.h"
 #include "sim/interventions/timeline.h"
 #include "sim/run/method.h"

@@ -1,9 +1,9 @@
 // import taut: what Python has of the simulation and of its pictures.
+#include "render/base/version.h"
 #include "render/python/errors.h"
 #include "render/python/scene.h"
 #include "render/python/simulation.h"
 #include "render/python/world.h"
-#include "render/version.h"
 
 PYBIND11_MODULE(taut, module) {
   using namespace taut::python;

@@ -200,7 +200,8 @@ set: values in place of the scene's by their dotted keys: {"connectors.rope.leng
         return all;
       },
       "file"_a, "set"_a = py::dict(),
-      "What is wrong with a scene file, a SceneError each, in the order of the file: the first 100.");
+      "What is wrong with a scene file, a SceneError each, in the order of the file: the first "
+      "100.");
   add_pictures(module, scene);
   add_study(module, scene);
 }

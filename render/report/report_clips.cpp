@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/base/interrupt.h"
 #include "render/clip/clip_job.h"
-#include "render/interrupt.h"
 #include "render/options/reproduce.h"
 #include "render/program/progress.h"
 #include "sim/run/method.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
 #include "render/program/command.h"
 #include "render/study/study_target.h"
 

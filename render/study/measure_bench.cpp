@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
 #include "render/program/note.h"
 #include "render/program/program.h"
 #include "render/program/progress.h"

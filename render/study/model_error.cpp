@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
 #include "sim/study/run.h"
 
 namespace taut::studies {

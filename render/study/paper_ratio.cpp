@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
 #include "render/study/study_target.h"
 #include "sim/study/speed_accuracy.h"
 

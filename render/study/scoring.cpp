@@ -5,7 +5,7 @@
 #include <limits>
 #include <sstream>
 
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
 #include "render/program/progress.h"
 
 namespace taut::studies {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <optional>
 
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
 #include "render/program/journal.h"
 #include "render/program/note.h"
 #include "render/program/progress.h"

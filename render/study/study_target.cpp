@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "render/draw/lighting.h"
-#include "render/interrupt.h"
+#include "render/base/interrupt.h"
+#include "render/draw/shading/lighting.h"
 #include "render/program/command.h"
 #include "render/program/progress.h"
 

@@ -5,8 +5,8 @@
 
 #include <cstddef>
 
-#include "sim/methods/direct/link_loops.h"
-#include "sim/methods/direct/solve_chain.h"
+#include "sim/methods/direct/system/link_loops.h"
+#include "sim/methods/direct/system/solve_chain.h"
 
 namespace taut::batch {
 

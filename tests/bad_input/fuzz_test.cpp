@@ -16,7 +16,7 @@
 #include "sim/study/run.h"
 #include "tests/fuzz/targets.h"
 #include "tests/support/folder.h"
-#include "tests/unit/model_files.h"
+#include "tests/unit/scenes/model_files.h"
 
 namespace taut {
 namespace {

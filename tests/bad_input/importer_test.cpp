@@ -8,7 +8,7 @@
 #include "tests/support/filters.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
-#include "tests/unit/model_files.h"
+#include "tests/unit/scenes/model_files.h"
 
 namespace taut {
 namespace {

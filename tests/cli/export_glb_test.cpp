@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "render/export/glb.h"
+#include "render/export/gltf/glb.h"
 #include "render/mesh/skinning.h"
 #include "scenes/load_scene.h"
 #include "tests/cli/export_scenes.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "render/draw/lighting.h"
+#include "render/draw/shading/lighting.h"
 #include "render/draw/stage_renderer.h"
 #include "scenes/scene/shapes.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "render/draw/jitter.h"
-#include "render/draw/lighting.h"
+#include "render/draw/shading/lighting.h"
 #include "render/draw/stage_renderer.h"
 #include "scenes/scene/shapes.h"
 

@@ -1,5 +1,5 @@
 // Light that a room throws back, where it is known: one wall glows, everything else is black.
-#include "render/draw/room_light.h"
+#include "render/draw/shading/room_light.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include "tests/support/definitions.h"
 #include "tests/support/folder.h"
 
-namespace taut {
+namespace taut::source_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,8 +40,11 @@ TEST(SourceTree, NoProgramHasTwoTypesOfOneName) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / room)) {
       const fs::path file = fs::relative(entry.path(), root);
       if (file.extension() != ".h" && file.extension() != ".cpp") continue;
-      const bool is_shared = *file.begin() != "tests" || *std::next(file.begin()) == "support";
-      const std::string program = is_shared ? all : file.parent_path().string();
+      const fs::path kind = *std::next(file.begin());
+      const bool is_shared = *file.begin() != "tests" || kind == "support";
+      const std::string program = is_shared         ? all
+                                  : kind == "bench" ? file.parent_path().string()
+                                                    : kind.string();
       for (const std::string& type : type_definitions(read_file(entry.path()))) {
         seen[type][program].insert(file.string());
       }
@@ -69,11 +72,14 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/contact", {"sim/motion", "sim/world", "sim/links"}},
     {"sim/interventions", {"sim/world", "sim/links"}},
     {"sim/run", {"sim/motion", "sim/world", "sim/links", "sim/interventions", "sim/measure"}},
-    {"sim/batch", {"sim/world", "sim/run", "sim/methods/direct"}},
+    {"sim/batch", {"sim/world", "sim/run", "sim/methods/direct/system"}},
     {"sim/choreography", {"sim/motion", "sim/world", "sim/interventions", "sim/run"}},
+    {"sim/methods/direct/system", {"sim/motion", "sim/world", "sim/links", "sim/material"}},
+    {"sim/methods/direct/schemes", {"sim/motion", "sim/methods/direct/system"}},
+    {"sim/methods/direct/contact", {"sim/motion", "sim/world", "sim/links", "sim/contact"}},
     {"sim/methods/direct",
-     {"sim/motion", "sim/world", "sim/links", "sim/measure", "sim/contact", "sim/material",
-      "sim/run"}},
+     {"sim/motion", "sim/world", "sim/links", "sim/measure", "sim/material", "sim/run",
+      "sim/methods/direct/system", "sim/methods/direct/schemes", "sim/methods/direct/contact"}},
     {"sim/methods",
      {"sim/world", "sim/links", "sim/measure", "sim/contact", "sim/material", "sim/run",
       "sim/methods/direct"}},
@@ -95,54 +101,57 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"scenes",
      {"sim/motion", "sim/run", "scenes/files", "scenes/character", "scenes/scene", "scenes/format",
       "scenes/reader"}},
-    {"render", {}},
+    {"render/base", {}},
     {"render/picture", {"scenes/files"}},
-    {"render/chart", {"render"}},
-    {"render/gl", {"render", "render/picture"}},
+    {"render/chart", {"render/base"}},
+    {"render/gl", {"render/base", "render/picture"}},
     {"render/mesh", {"sim/motion", "sim/world", "scenes/model", "scenes/scene"}},
+    {"render/draw/shading",
+     {"sim/motion", "scenes/model", "scenes/scene", "render/picture", "render/gl", "render/mesh"}},
     {"render/draw",
-     {"sim/motion", "sim/world", "sim/run", "scenes/model", "scenes/scene", "render/picture",
-      "render/gl", "render/mesh"}},
+     {"sim/motion", "sim/world", "sim/run", "scenes/scene", "render/picture", "render/gl",
+      "render/mesh", "render/draw/shading"}},
     {"render/film",
-     {"sim/motion", "scenes/files", "scenes/scene", "render", "render/picture", "render/chart",
+     {"sim/motion", "scenes/files", "scenes/scene", "render/base", "render/picture", "render/chart",
       "render/gl", "render/draw"}},
     {"render/golden",
-     {"sim/motion", "sim/run", "scenes/files", "scenes", "render", "render/picture",
+     {"sim/motion", "sim/run", "scenes/files", "scenes", "render/base", "render/picture",
       "render/chart"}},
-    {"render/export",
-     {"sim/motion", "sim/run", "scenes/files", "scenes/model", "scenes/character", "scenes/scene",
-      "render/mesh"}},
+    {"render/export", {"sim/run", "scenes/files", "scenes/character", "scenes/scene"}},
+    {"render/export/gltf",
+     {"sim/motion", "scenes/files", "scenes/model", "scenes/character", "scenes/scene",
+      "render/mesh", "render/export"}},
     {"render/program",
-     {"sim/interventions", "sim/run", "scenes/files", "scenes/format", "scenes", "render",
+     {"sim/interventions", "sim/run", "scenes/files", "scenes/format", "scenes", "render/base",
       "render/chart"}},
     {"render/options",
      {"sim/motion", "sim/world", "sim/run", "sim/study", "scenes/files", "scenes/scene",
-      "scenes/format", "scenes", "render", "render/picture", "render/chart", "render/film",
+      "scenes/format", "scenes", "render/base", "render/picture", "render/chart", "render/film",
       "render/program"}},
     {"render/study",
-     {"sim/run", "sim/truth", "sim/study", "scenes/scene", "render", "render/chart", "render/draw",
-      "render/program", "render/options"}},
+     {"sim/run", "sim/truth", "sim/study", "scenes/scene", "render/base", "render/chart",
+      "render/draw/shading", "render/program", "render/options"}},
     {"render/plan",
-     {"sim/world", "sim/run", "sim/methods/direct", "sim/study", "scenes/files", "scenes/scene",
-      "scenes", "render/chart", "render/options"}},
+     {"sim/world", "sim/run", "sim/study", "scenes/files", "scenes/scene", "scenes", "render/chart",
+      "render/options"}},
     {"render/clip",
-     {"sim/motion", "sim/run", "scenes/files", "scenes/scene", "scenes", "render", "render/picture",
-      "render/chart", "render/gl", "render/draw", "render/film", "render/golden", "render/program",
-      "render/options", "render/study"}},
+     {"sim/motion", "sim/run", "scenes/files", "scenes/scene", "scenes", "render/base",
+      "render/picture", "render/chart", "render/gl", "render/draw", "render/film", "render/golden",
+      "render/program", "render/options", "render/study"}},
     {"render/report",
-     {"sim/run", "sim/truth", "sim/study", "scenes/files", "scenes/scene", "render", "render/chart",
-      "render/program", "render/options", "render/study", "render/clip"}},
+     {"sim/run", "sim/truth", "sim/study", "scenes/files", "scenes/scene", "render/base",
+      "render/chart", "render/program", "render/options", "render/study", "render/clip"}},
     {"render/cli",
-     {"sim/motion",     "sim/measure",    "sim/run",       "sim/truth",     "sim/study",
-      "scenes/files",   "scenes/scene",   "scenes/format", "scenes",        "render",
-      "render/chart",   "render/draw",    "render/film",   "render/golden", "render/export",
-      "render/program", "render/options", "render/study",  "render/plan",   "render/clip",
-      "render/report"}},
+     {"sim/motion",         "sim/measure",    "sim/run",        "sim/truth",     "sim/study",
+      "scenes/files",       "scenes/scene",   "scenes/format",  "scenes",        "render/base",
+      "render/chart",       "render/draw",    "render/film",    "render/golden", "render/export",
+      "render/export/gltf", "render/program", "render/options", "render/study",  "render/plan",
+      "render/clip",        "render/report"}},
     {"render/package", {"sim/run", "render/program", "render/cli"}},
     {"render/python",
      {"sim/motion", "sim/world", "sim/measure", "sim/interventions", "sim/run", "sim/batch",
-      "sim/truth", "sim/study", "scenes/files", "scenes/scene", "scenes", "render", "render/gl",
-      "render/film"}},
+      "sim/truth", "sim/study", "scenes/files", "scenes/scene", "scenes", "render/base",
+      "render/gl", "render/film"}},
 };
 
 TEST(SourceTree, RoomsDoNotSeeEachOtherInCircles) {
@@ -197,6 +206,9 @@ const std::map<std::string, std::string> kNamespaces = {
     {"sim/choreography", "choreography"},
     {"sim/methods", "methods"},
     {"sim/methods/direct", "direct"},
+    {"sim/methods/direct/system", "direct"},
+    {"sim/methods/direct/schemes", "direct"},
+    {"sim/methods/direct/contact", "direct"},
     {"sim/reference", "reference"},
     {"sim/reference/sdfast", "sdfast"},
     {"sim/truth", "truth"},
@@ -208,15 +220,17 @@ const std::map<std::string, std::string> kNamespaces = {
     {"scenes/scene", "scenes"},
     {"scenes/format", "scenes"},
     {"scenes/reader", "scenes"},
-    {"render", "render"},
+    {"render/base", "render"},
     {"render/picture", "picture"},
     {"render/chart", "chart"},
     {"render/gl", "gl"},
     {"render/mesh", "mesh"},
     {"render/draw", "draw"},
+    {"render/draw/shading", "draw"},
     {"render/film", "film"},
     {"render/golden", "golden"},
     {"render/export", "exporting"},
+    {"render/export/gltf", "exporting"},
     {"render/program", "program"},
     {"render/options", "options"},
     {"render/study", "studies"},
@@ -274,4 +288,4 @@ TEST(SourceTree, EveryModelHasLimits) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::source_test

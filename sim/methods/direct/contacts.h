@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/methods/direct/contact_step.h"
+#include "sim/methods/direct/contact/contact_step.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/run/method.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/methods/direct/integrator.h"
-#include "sim/methods/direct/radau_step.h"
+#include "sim/methods/direct/schemes/radau_step.h"
 #include "sim/run/method.h"
 
 namespace taut::direct {

@@ -6,12 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "sim/methods/direct/adams.h"
-#include "sim/methods/direct/arena.h"
 #include "sim/methods/direct/constants.h"
-#include "sim/methods/direct/dop853.h"
-#include "sim/methods/direct/rosenbrock.h"
-#include "sim/methods/direct/system.h"
+#include "sim/methods/direct/schemes/adams.h"
+#include "sim/methods/direct/schemes/arena.h"
+#include "sim/methods/direct/schemes/dop853.h"
+#include "sim/methods/direct/schemes/rosenbrock.h"
+#include "sim/methods/direct/system/system.h"
 #include "sim/motion/plane.h"
 #include "sim/run/method.h"
 #include "sim/world/components.h"

@@ -1,6 +1,6 @@
 // The state at a time within the last step.
 #include "sim/methods/direct/integrator.h"
-#include "sim/methods/direct/vector.h"
+#include "sim/methods/direct/system/vector.h"
 
 namespace taut::direct {
 namespace {

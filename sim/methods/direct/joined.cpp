@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "sim/measure/measure.h"
-#include "sim/methods/direct/scales.h"
+#include "sim/methods/direct/system/scales.h"
 #include "sim/world/span.h"
 
 namespace taut::direct {

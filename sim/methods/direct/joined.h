@@ -7,8 +7,8 @@
 #include "sim/links/mechanism.h"
 #include "sim/links/projection.h"
 #include "sim/links/tension.h"
-#include "sim/methods/direct/dop853_table.h"
 #include "sim/methods/direct/integrator.h"
+#include "sim/methods/direct/schemes/dop853_table.h"
 #include "sim/run/method.h"
 
 namespace taut::direct {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/methods/direct/system.h"
+#include "sim/methods/direct/system/system.h"
 #include "sim/run/method.h"
 #include "sim/world/components.h"
 #include "sim/world/span.h"

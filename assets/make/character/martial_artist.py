@@ -1,0 +1,201 @@
+"""The character: its parts, their weights and their colours."""
+import numpy as np
+
+import occlusion
+import skeleton
+from character import belt, body, eyes, hair, hands, head, jacket, jacket_shape, trousers
+from character.strain import both, ease, pose
+from character.weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
+from mesh import mirror, sculpt, smoothing
+from nets import evaluate
+from sdf import intersect, limb, mirrored, ramp, rotation
+from skeleton import REST, joint, unit
+
+_TRUNK = ["Hips", "Spine", "Spine1", "Chest", "Neck"]
+_BONES = {
+    "Head": ["Spine1", "Chest", "Neck", "Head"] + sides("Shoulder"),
+    "Jacket": _TRUNK + sides("Shoulder", "Arm", "ForeArm", "UpLeg"),
+    "Trousers": ["Hips"] + sides("UpLeg", "Leg"),
+    "Belt": ["Hips", "Spine"] + sides("UpLeg"),
+    "FootL": ["LeftLeg", "LeftFoot", "LeftToeBase"],
+    "FootR": ["RightLeg", "RightFoot", "RightToeBase"],
+}
+
+
+def _arms(above, forward, bent):
+    """Both upper arms so far above the horizontal and forward of the side, the elbows bent; degrees. The shoulder
+    blades take a third of the way up, as they do."""
+    up, ahead, flexed = np.radians((above + 40, forward, bent))
+    hinge = unit(np.cross(joint("LeftForeArm") - joint("LeftArm"), (0, 0, 1)))
+    turns = {
+        "Shoulder": [((0, 0, 1), up / 3)],
+        "Arm": [((0, 0, 1), up * 2 / 3), ((0, 1, 0), -ahead)],
+        "ForeArm": [(hinge, flexed)],
+    }
+    return pose(both(turns))
+
+
+def _trunk(left, forward):
+    """The three joints of the spine turned so far each, degrees."""
+    turn = rotation("y", np.radians(left)) @ rotation("x", np.radians(forward))
+    return pose({bone: turn for bone in ("Spine", "Spine1", "Chest")})
+
+
+# What the jacket's cloth has to stand: arms from the sides to straight up, a turned and bent trunk.
+_WORN = [_arms(*a) for a in ((0, 0, 0), (0, 60, 0), (45, 0, 0), (45, 60, 60), (90, 0, 0), (-75, 10, 90))]
+_WORN += [_trunk(10, 8), _trunk(-10, 8)]
+
+
+def _clothed(p):
+    """The body with its clothes, roughly: where heat flows."""
+    q = mirrored(p)
+    d = np.minimum(jacket_shape.smooth(p), trousers.smooth(p))
+    d = intersect(d, jacket.HEM - 0.02 - p[:, 1], 0.01)
+    d = np.minimum(d, np.minimum(trousers.smooth(p), head.head(p)))
+    d = np.minimum(d, hair.hair(p))
+    d = np.minimum(d, limb(q, joint("LeftForeArm"), joint("LeftHand"), 0.045, 0.032))
+    d = np.minimum(d, limb(q, joint("LeftHand"), joint("LeftHandMiddle1"), 0.03, 0.03))
+    return np.minimum(d, body.foot(q))
+
+
+def _parts():
+    """All parts but the eyes, unweighted."""
+
+    def outside(*covers):
+        """Shown: less than so deep inside each (field, depth)."""
+        return lambda p: np.all([evaluate(cover, p) > -depth for cover, depth in covers], axis=0)
+
+    hand = hands.build()
+    foot = sculpt("FootL", "Skin", body.below_shin, (0.03, -0.01, -0.13), (0.24, 0.33, 0.24), 0.0026, 1000, 0.025)
+    return [
+        sculpt(
+            "Head", "Skin", lambda p: head.head(p, body.bust), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0018, 5800, 0.020,
+            head.detail, outside((hair.hair, 0.002), (hair.band, 0.002), (jacket_shape.smooth, 0.035)),
+        ),
+        sculpt(
+            "Hair", "Hair", hair.hair, (-0.11, 1.57, -0.14), (0.11, 1.84, 0.11), 0.0026, 2800, 0.02,
+            None, outside((hair.band, 0.003), (head.head, 0.004)),
+        ),
+        sculpt("Headband", "Band", hair.band, (-0.105, 1.52, -0.18), (0.105, 1.76, 0.125), 0.0026, 1000, 0.025),
+        hand,
+        mirror(hand, "HandR"),
+        foot,
+        mirror(foot, "FootR"),
+        sculpt("Jacket", "Gi", jacket.jacket, *jacket_shape.BOUNDS, 0.0048, 8200, 0.045),
+        sculpt(
+            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0060, 3400, 0.05,
+            None, lambda p: (evaluate(jacket_shape.smooth, p) > -0.02) | (p[:, 1] < 0.86),
+        ),
+        sculpt("Belt", "Belt", belt.belt, (-0.22, 0.70, -0.18), (0.22, 1.08, 0.21), 0.0028, 1700, 0.04),
+    ]
+
+
+def _weigh(part, heat):
+    n = len(part.points)
+    if part.name.startswith("Hand") and part.name != "Headband":
+        left = part if part.name.endswith("L") else mirror(part, part.name)
+        dense = hands.weights(left.points, smoothing(part.triangles, n))
+        if part.name.endswith("R"):
+            dense = dense[:, [REST.index(_other_side(b)) for b in REST.names]]
+    elif part.name in _BONES:
+        dense = heat.at(part.points, _BONES[part.name])
+        if part.name == "Belt":
+            dense = _hang_tails(part, dense)
+        if part.name == "Jacket":
+            dense = _drape(part, dense)
+        if part.name == "Trousers":
+            dense = _part_legs(part, dense)
+        if part.name == "Head":  # the face stays rigid: only the throat bends
+            dense = _stiffen_face(part, dense)
+    else:
+        side = "Left" if part.name.endswith("L") else "Right"
+        bone = {"Eye": side + "Eye", "Iris": side + "Eye", "Pupil": side + "Eye", "Lid": side + "Lid", "Lash": side + "Lid"}
+        dense = rigid(n, bone.get(part.name[:-1], "Head"))
+    part.joints, part.weights = strongest(dense)
+
+
+def _stiffen_face(part, dense):
+    p = part.points
+    t = np.clip((p[:, 1] + 0.35 * (p[:, 2] - 0.0) - 1.535) / 0.045, 0, 1)
+    t = (t * t * (3 - 2 * t))[:, None]
+    return dense * (1 - t) + rigid(len(p), "Head") * t
+
+
+def _hang_tails(part, dense):
+    """Below the knot the belt's tails hang on bones of their own."""
+    p = part.points
+    on_left = ramp(-0.006, 0.006, p[:, 0])
+    for side, share in (("Left", on_left), ("Right", 1 - on_left)):
+        knot, bend, _ = skeleton.TAILS[side]
+        hangs = share * ramp(knot[1], knot[1] - 0.045, p[:, 1]) * (p[:, 2] > 0.10)
+        lower = ramp(bend[1] + 0.065, bend[1] - 0.065, p[:, 1])
+        dense = dense * (1 - hangs)[:, None]
+        dense[:, REST.index(side + "Tail1")] += hangs * (1 - lower)
+        dense[:, REST.index(side + "Tail2")] += hangs * lower
+    return dense
+
+
+def _drape(part, dense):
+    """The jacket's cloth follows the limbs widely, the trunk as the body does; its lining goes with its outside."""
+    limb = np.array([b.startswith(("Left", "Right")) for b in REST.names])
+    limbs = spread(dense[:, limb], part.triangles, part.points, jacket.give(part.points))
+    trunk = dense[:, ~limb] / np.maximum(dense[:, ~limb].sum(axis=1, keepdims=True), 1e-6)
+    out = np.empty_like(dense)
+    out[:, limb], out[:, ~limb] = limbs, trunk * (1 - limbs.sum(axis=1, keepdims=True))
+    inside = jacket.lining(part.points, part.normals)[:, None]
+    outer = inside[:, 0] < 0.5
+
+    def lined(dense):
+        return (1 - inside) * dense + inside * nearby(part.points, part.points[outer], dense[outer])
+
+    return lined(ease(part.points, part.triangles, lined(out), _WORN))
+
+
+def _tuck(hand, sleeve):
+    """The fore arm moves with the sleeve that covers it, so that it does not come through."""
+    inside = ramp(0.055, 0.095, hands.depth(hand.points))[:, None]
+    covered = nearby(hand.points, sleeve.points, dense_of(sleeve))
+    hand.joints, hand.weights = strongest((1 - inside) * dense_of(hand) + inside * covered)
+
+
+def _part_legs(part, dense):
+    """Below the skirt a trouser leg follows its own leg alone."""
+    p, dense = part.points, dense.copy()
+    for sign, side in ((1, "Left"), (-1, "Right")):
+        other = np.where(sign * p[:, 0] < 0, ramp(0.70, 0.85, p[:, 1]), 1.0)
+        columns = [k for k, b in enumerate(REST.names) if b.startswith(side)]
+        dense[:, columns] *= other[:, None]
+    return dense / dense.sum(axis=1, keepdims=True)
+
+
+def _other_side(bone):
+    for a, b in (("Left", "Right"), ("Right", "Left")):
+        if bone.startswith(a):
+            return b + bone[len(a) :]
+    return bone
+
+
+def build(report=print):
+    parts = _parts() + eyes.build()
+    heat = BodyHeat(_clothed, (-0.80, -0.02, -0.26), (0.80, 1.86, 0.26))
+    for part in parts:
+        _weigh(part, heat)
+    by_name = {part.name: part for part in parts}
+    for name in ("HandL", "HandR"):
+        _tuck(by_name[name], by_name["Jacket"])
+    for part in parts:
+        side = -1 if part.name.endswith("R") else 1
+        if part.name == "Head":
+            head.paint(part)
+        elif part.name in ("HandL", "HandR"):
+            hands.paint(part, side)
+        elif part.name in ("FootL", "FootR"):
+            body.paint_foot(part, side)
+    occlusion.bake(parts)
+    lids = eyes.lids()
+    for part in lids:
+        _weigh(part, heat)
+    parts += lids
+    for part in parts:
+        report(f"  {part.name:10s} {len(part.points):6d} vertices {len(part.triangles):6d} triangles")
+    return parts

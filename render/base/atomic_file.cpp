@@ -1,0 +1,148 @@
+#include "render/base/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <mutex>
+
+#include "render/base/error.h"
+
+namespace taut::render {
+
+bool write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+bool try_to_lock(int file, const std::filesystem::path& name) {
+  if (flock(file, LOCK_EX | LOCK_NB) == 0) return true;
+  if (errno == EWOULDBLOCK) return false;
+  throw CannotWrite(fmt::format("{}: cannot be locked: {}", name.string(), std::strerror(errno)));
+}
+
+void remove_output(const std::filesystem::path& name) {
+  std::error_code error;
+  std::filesystem::remove_all(name, error);
+  if (error)
+    throw CannotWrite(fmt::format("{}: cannot be removed: {}", name.string(), error.message()));
+}
+
+namespace {
+
+bool same_file(int file, const std::filesystem::path& name) {
+  struct stat opened {
+  }, named{};
+  return fstat(file, &opened) == 0 && stat(name.c_str(), &named) == 0 &&
+         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+}
+
+}  // namespace
+
+bool is_standard_output(const std::filesystem::path& name) {
+  return same_file(STDOUT_FILENO, name);
+}
+
+namespace {
+
+std::mutex list_mutex;
+AtomicFile* list = nullptr;
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path name, Unopened)
+    : name_(std::move(name)), part_(name_) {
+  part_ += ".part";
+  const std::lock_guard lock(list_mutex);
+  next_ = list;
+  if (next_) next_->before_ = this;
+  list = this;
+}
+
+// The destructor also runs where this body throws.
+AtomicFile::AtomicFile(std::filesystem::path name) : AtomicFile(std::move(name), Unopened()) {
+  std::error_code error;
+  if (std::filesystem::is_directory(name_, error)) {
+    throw CannotWrite(fmt::format("{}: is a directory, expected a file to write", name_.string()));
+  }
+  if (std::filesystem::is_other(name_, error)) {
+    in_place_ = true;
+    file_ = open(name_.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file_ < 0) fail("cannot be opened");
+    return;
+  }
+  error.clear();  // there may be no such file yet
+  if (name_.has_parent_path()) std::filesystem::create_directories(name_.parent_path(), error);
+  if (error) {
+    throw CannotWrite(fmt::format("{}: cannot be created: {}", name_.string(), error.message()));
+  }
+  file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  if (file_ < 0) fail("cannot be created");
+  // Another writer may have renamed the .part between our open and our lock: then it is no longer
+  // ours to empty.
+  if (!try_to_lock(file_, name_) || !same_file(file_, part_)) {
+    close(file_);
+    file_ = -1;
+    throw CannotWrite(fmt::format("{}: another run is writing it", name_.string()));
+  }
+  if (ftruncate(file_, 0) != 0) fail("cannot be emptied");
+}
+
+AtomicFile::~AtomicFile() {
+  {
+    const std::lock_guard lock(list_mutex);
+    (before_ ? before_->next_ : list) = next_;
+    if (next_) next_->before_ = before_;
+  }
+  if (file_ < 0) return;
+  if (!in_place_) unlink(part_.c_str());
+  close(file_);
+}
+
+void AtomicFile::remove_all() noexcept {
+  const std::lock_guard lock(list_mutex);
+  for (const AtomicFile* file = list; file; file = file->next_) {
+    if (file->file_ >= 0 && !file->in_place_) unlink(file->part_.c_str());
+  }
+}
+
+void AtomicFile::write(std::string_view bytes) {
+  if (!write_all(file_, bytes)) fail("cannot be written");
+}
+
+void AtomicFile::commit() {
+  if (!in_place_) {
+    struct stat replaced {
+    }, own{};
+    if (stat(name_.c_str(), &replaced) == 0 && fstat(file_, &own) == 0) {
+      const mode_t mode = (replaced.st_mode & 07777) | S_IWUSR;
+      if (mode != (own.st_mode & 07777) && fchmod(file_, mode) != 0)
+        fail("cannot be given its permissions");
+    }
+    if (fsync(file_) != 0) fail("cannot be written");
+    if (rename(part_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
+  }
+  close(file_);
+  file_ = -1;
+}
+
+void AtomicFile::fail(const char* action) const {
+  throw CannotWrite(fmt::format("{}: {}: {}", name_.string(), action, std::strerror(errno)));
+}
+
+void write_output(std::string_view bytes) {
+  if (!write_all(STDOUT_FILENO, bytes)) {
+    throw CannotWrite(fmt::format("standard output: {}", std::strerror(errno)));
+  }
+}
+
+}  // namespace taut::render

@@ -1,0 +1,157 @@
+#include "render/base/child.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <ctime>
+#include <system_error>
+#include <thread>
+
+#include "render/base/interrupt.h"
+
+namespace taut::render {
+namespace {
+
+[[noreturn]] void fail(int error, const std::string& what) {
+  throw std::system_error(error, std::generic_category(), what);
+}
+
+class MemoryFile {
+ public:
+  MemoryFile() : descriptor_(memfd_create("child", MFD_CLOEXEC)) {
+    if (descriptor_ < 0) fail(errno, "cannot make a memory file");
+  }
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  int descriptor() const { return descriptor_; }
+
+  void put(const std::string& text) {
+    for (std::size_t done = 0; done < text.size();) {
+      const ssize_t n = write(descriptor_, text.data() + done, text.size() - done);
+      if (n < 0 && errno != EINTR) fail(errno, "cannot write to a memory file");
+      if (n > 0) done += static_cast<std::size_t>(n);
+    }
+    lseek(descriptor_, 0, SEEK_SET);
+  }
+
+  std::string get() const {
+    std::string text(static_cast<std::size_t>(lseek(descriptor_, 0, SEEK_END)), '\0');
+    for (std::size_t done = 0; done < text.size();) {
+      const ssize_t n =
+          pread(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done));
+      if (n == 0) break;
+      if (n < 0 && errno != EINTR) fail(errno, "cannot read a memory file");
+      if (n > 0) done += static_cast<std::size_t>(n);
+    }
+    return text;
+  }
+
+ private:
+  int descriptor_;
+};
+
+/// What the child does between its birth and the program: only calls that are safe there, as other
+/// threads may have held any lock. Ends with errno in `failure` where there is no such program.
+[[noreturn]] void become(char* const* arguments, const int (&files)[3], pid_t parent, int failure) {
+  // The kernel ends the child with the thread that made it; a parent that is gone by now never
+  // will.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);
+  for (int i = 0; i < 3; ++i) {
+    if (files[i] != i) dup2(files[i], i);
+  }
+  execvp(arguments[0], arguments);
+  const int error = errno;
+  [[maybe_unused]] const ssize_t told = write(failure, &error, sizeof error);
+  _exit(127);
+}
+
+/// A child process; it outlives neither this nor the thread that made it, however that ends.
+class Child {
+ public:
+  Child(const std::vector<std::string>& arguments, int in, int out, int err) {
+    std::vector<char*> argv;
+    for (const std::string& argument : arguments)
+      argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    int failure[2];  // closed by the program's start
+    if (pipe2(failure, O_CLOEXEC) != 0) fail(errno, "cannot make a pipe");
+    const pid_t parent = getpid();
+    id_ = fork();
+    const int fork_error = errno;
+    if (id_ == 0) become(argv.data(), {in, out, err}, parent, failure[1]);
+    close(failure[1]);
+    int error = id_ < 0 ? fork_error : 0;
+    if (id_ > 0) {
+      while (read(failure[0], &error, sizeof error) < 0 && errno == EINTR) {
+      }
+    }
+    close(failure[0]);
+    if (error == 0) return;
+    if (id_ > 0) waitpid(id_, &status_, 0);
+    fail(error, "cannot start " + arguments[0]);
+  }
+  ~Child() {
+    if (ended_) return;
+    kill();
+    waitpid(id_, &status_, 0);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  bool ended() {
+    const pid_t id = waitpid(id_, &status_, WNOHANG);
+    if (id < 0 && errno != EINTR) fail(errno, "cannot wait for a child process");
+    return ended_ = id == id_;
+  }
+  void kill() const { ::kill(id_, SIGKILL); }
+  /// CPU time of all its threads, s.
+  double cpu_time() const {
+    clockid_t clock;
+    timespec time{};
+    if (clock_getcpuclockid(id_, &clock) == 0) clock_gettime(clock, &time);
+    return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+  }
+  int status() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_); }
+
+ private:
+  pid_t id_ = 0;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+ChildResult run_child(const std::vector<std::string>& arguments, const std::string& input,
+                      std::chrono::milliseconds patience) {
+  using Clock = std::chrono::steady_clock;
+  MemoryFile in, out, err;
+  in.put(input);
+  Child child(arguments, in.descriptor(), out.descriptor(), err.descriptor());
+  std::string blocked;
+  auto last_work = Clock::now();
+  double work = 0;
+  for (auto pause = std::chrono::milliseconds(1); !child.ended();) {
+    stop_if_interrupted();
+    std::this_thread::sleep_for(pause);
+    pause = std::min(2 * pause, std::chrono::milliseconds(20));
+    if (const double now = child.cpu_time(); now > work) {
+      work = now;
+      last_work = Clock::now();
+    } else if (blocked.empty() && Clock::now() - last_work > patience) {
+      blocked = arguments[0] + " did nothing for too long and was killed\n";
+      child.kill();
+    }
+  }
+  return {child.status(), out.get(), blocked + err.get()};
+}
+
+}  // namespace taut::render

@@ -1,0 +1,155 @@
+#include "render/draw/shading/drawable.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace taut::draw {
+namespace {
+
+std::vector<mesh::RestVertex> rest_of(const scenes::Mesh& mesh) {
+  std::vector<mesh::RestVertex> rest;
+  rest.reserve(mesh.vertices.size());
+  for (const scenes::Vertex& v : mesh.vertices)
+    rest.push_back({Eigen::Vector3f(v.position.data()), Eigen::Vector3f(v.color.data())});
+  return rest;
+}
+
+}  // namespace
+
+Surface surface_named(std::string_view material) {
+  std::string name(material);
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const auto has = [&](std::initializer_list<const char*> words) {
+    return std::ranges::any_of(
+        words, [&](const char* word) { return name.find(word) != std::string::npos; });
+  };
+  if (has({"wood", "floor", "plank", "beam"})) return Surface::wood;
+  if (has({"cloth", "gi", "belt", "trouser", "fabric", "cotton"})) return Surface::cloth;
+  if (has({"skin"})) return Surface::skin;
+  if (has({"paper"})) return Surface::paper;
+  return Surface::plain;
+}
+
+RestShape::RestShape(const gl::Gl& gl, std::vector<std::uint32_t> triangles,
+                     std::vector<mesh::RestVertex> rest)
+    : triangles_(std::move(triangles)),
+      rest_(std::move(rest)),
+      rest_buffer_(gl::make_buffer(gl)),
+      moving_(gl::make_buffer(gl)),
+      indices_(gl::make_buffer(gl)),
+      some_indices_(gl::make_buffer(gl)) {
+  gl::upload(gl, indices_, std::span<const std::uint32_t>(triangles_), GL_STATIC_DRAW);
+  gl::upload(gl, rest_buffer_, std::span<const mesh::RestVertex>(rest_), GL_STATIC_DRAW);
+}
+
+Drawable::Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
+                   const scenes::Material& material, Surface surface)
+    : gl_(&gl),
+      shape_(std::move(shape)),
+      array_(gl::make_vertex_array(gl)),
+      material_(material),
+      surface_(surface) {
+  gl.VertexArrayElementBuffer(array_.id(), shape_->indices_.id());
+  gl.VertexArrayVertexBuffer(array_.id(), 0, shape_->moving_.id(), 0, sizeof(mesh::MovingVertex));
+  gl.VertexArrayVertexBuffer(array_.id(), 1, shape_->rest_buffer_.id(), 0,
+                             sizeof(mesh::RestVertex));
+  const std::size_t offsets[] = {
+      offsetof(mesh::MovingVertex, position), offsetof(mesh::MovingVertex, normal),
+      offsetof(mesh::RestVertex, rest), offsetof(mesh::RestVertex, color)};
+  for (GLuint i = 0; i < 4; ++i) {
+    gl.EnableVertexArrayAttrib(array_.id(), i);
+    gl.VertexArrayAttribFormat(array_.id(), i, 3, GL_FLOAT, GL_FALSE, GLuint(offsets[i]));
+    gl.VertexArrayAttribBinding(array_.id(), i, i / 2);
+  }
+  Eigen::AlignedBox3f box;
+  for (const mesh::RestVertex& v : shape_->rest()) box.extend(v.rest);
+  if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.5f ? 5 : 1;
+}
+
+Drawable::Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material)
+    : Drawable(gl, std::make_shared<RestShape>(gl, mesh.indices, rest_of(mesh)), material,
+               surface_named(material.name)) {
+  std::vector<mesh::MovingVertex> vertices;
+  vertices.reserve(mesh.vertices.size());
+  for (const scenes::Vertex& v : mesh.vertices)
+    vertices.push_back({Eigen::Vector3f(v.position.data()), Eigen::Vector3f(v.normal.data())});
+  move(vertices);
+}
+
+void Drawable::move(std::span<const mesh::MovingVertex> vertices) {
+  gl::upload(*gl_, shape_->moving_, vertices, GL_DYNAMIC_DRAW);
+  box_.setEmpty();
+  positions_.clear();
+  positions_.reserve(vertices.size());
+  for (const mesh::MovingVertex& v : vertices) {
+    positions_.push_back(v.position);
+    box_.extend(v.position);
+  }
+}
+
+void Drawable::follow(Vertices vertices) {
+  follows_ = std::move(vertices);
+  std::vector<mesh::MovingVertex>& at = shape_->vertices_;
+  follows_(at);
+  box_.setEmpty();
+  for (const mesh::MovingVertex& v : at) box_.extend(v.position);
+  shape_->loaded_ = nullptr;
+  if (shape_.use_count() > 1) return;  // others load theirs before this is drawn
+  gl::upload(*gl_, shape_->moving_, std::span<const mesh::MovingVertex>(at), GL_DYNAMIC_DRAW);
+  shape_->loaded_ = this;
+}
+
+/// Has the shape's room hold the vertices of this.
+void Drawable::load() const {
+  if (!follows_ || shape_->loaded_ == this) return;
+  std::vector<mesh::MovingVertex>& at = shape_->vertices_;
+  follows_(at);
+  gl::upload(*gl_, shape_->moving_, std::span<const mesh::MovingVertex>(at), GL_DYNAMIC_DRAW);
+  shape_->loaded_ = this;
+  // A software rasteriser keeps what it was given, half a kilobyte a triangle, until there is too
+  // much of it or it is told to draw.
+  constexpr std::size_t kWaiting = 3 << 13;  // indices
+  shape_->waiting_ += triangles().size();
+  if (shape_->waiting_ < kWaiting) return;
+  gl_->Flush();
+  shape_->waiting_ = 0;
+}
+
+void Drawable::find_positions(std::vector<Eigen::Vector3f>& positions) const {
+  if (!follows_) {
+    positions = positions_;
+    return;
+  }
+  follows_(shape_->vertices_);
+  positions.clear();
+  for (const mesh::MovingVertex& v : shape_->vertices_) positions.push_back(v.position);
+}
+
+void Drawable::bathe(std::span<const Eigen::Vector3f> light) {
+  constexpr GLuint kLight = 4, kBinding = 2;
+  light_ = gl::make_buffer(*gl_);
+  gl::upload(*gl_, light_, light, GL_STATIC_DRAW);
+  gl_->VertexArrayVertexBuffer(array_.id(), kBinding, light_.id(), 0, sizeof(Eigen::Vector3f));
+  gl_->EnableVertexArrayAttrib(array_.id(), kLight);
+  gl_->VertexArrayAttribFormat(array_.id(), kLight, 3, GL_FLOAT, GL_FALSE, 0);
+  gl_->VertexArrayAttribBinding(array_.id(), kLight, kBinding);
+}
+
+void Drawable::draw(std::span<const std::uint32_t> indices) {
+  if (indices.empty()) return;
+  load();
+  gl::upload(*gl_, shape_->some_indices_, indices, GL_STREAM_DRAW);
+  gl_->VertexArrayElementBuffer(array_.id(), shape_->some_indices_.id());
+  gl_->BindVertexArray(array_.id());
+  gl_->DrawElements(GL_TRIANGLES, GLsizei(indices.size()), GL_UNSIGNED_INT, nullptr);
+  gl_->VertexArrayElementBuffer(array_.id(), shape_->indices_.id());
+}
+
+void Drawable::draw() const {
+  load();
+  gl_->BindVertexArray(array_.id());
+  gl_->DrawElements(GL_TRIANGLES, GLsizei(triangles().size()), GL_UNSIGNED_INT, nullptr);
+}
+
+}  // namespace taut::draw

@@ -1,0 +1,269 @@
+#include "render/draw/shading/room_light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace taut::draw {
+namespace {
+
+constexpr double kLeast = 1.0;                     // m, a side of what encloses a room
+constexpr double kMargin = 0.25;                   // m, from the walls to the outermost points
+constexpr std::array<int, 3> kPoints = {4, 2, 4};  // of the grid, by x, y, z
+constexpr int kSide = 32;                          // px of the pictures
+constexpr int kLevels = 5;                         // of roughness, from 0 to 1 evenly
+constexpr double kNear = 0.02, kFar = 60;          // m
+
+using Eigen::Matrix4f;
+
+/// Across, up and ahead of a cube's six sides, in OpenGL's order.
+std::array<Mat3, 6> cube_sides() {
+  const auto side = [](const Vec3& across, const Vec3& up, const Vec3& ahead) {
+    Mat3 m;
+    m << across, up, ahead;
+    return m;
+  };
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  return {side(-z, -y, x), side(z, -y, -x), side(x, z, y),
+          side(x, -z, -y), side(x, -y, z),  side(-x, -y, -z)};
+}
+
+/// World to clip space of a picture of a right angle.
+Matrix4f projection(const Mat3& side, const Vec3& eye) {
+  Mat3 axes = side.transpose();
+  axes.row(2) *= -1;  // OpenGL looks backwards
+  Eigen::Matrix4d view = Eigen::Matrix4d::Identity(), lens = Eigen::Matrix4d::Identity();
+  view.topLeftCorner<3, 3>() = axes;
+  view.topRightCorner<3, 1>() = -axes * eye;
+  lens(2, 2) = (kFar + kNear) / (kNear - kFar);
+  lens(2, 3) = 2 * kFar * kNear / (kNear - kFar);
+  lens(3, 2) = -1;
+  lens(3, 3) = 0;
+  return (lens * view).cast<float>();
+}
+
+/// A pixel of a cube: where it is, its share of the sphere, and its light.
+struct Pixel {
+  Vec3 direction;      // unit
+  double solid_angle;  // sr
+  Vec3 radiance;
+};
+
+/// The pixel (i, j) of a side that is `size` wide, without light.
+Pixel pixel(const Mat3& side, int i, int j, int size) {
+  const double s = (2 * i + 1.0) / size - 1, t = (2 * j + 1.0) / size - 1;
+  const double square = 1 + s * s + t * t, width = 2.0 / size;
+  return {(s * side.col(0) + t * side.col(1) + side.col(2)) / std::sqrt(square),
+          width * width / (square * std::sqrt(square)), Vec3::Zero()};
+}
+
+/// Neighbouring triangles of a thing, which one side of a cube sees or does not.
+struct Patch {
+  std::span<const std::uint32_t> indices;
+  Eigen::AlignedBox3d box;
+};
+
+std::vector<Patch> patches(const Drawable& thing) {
+  constexpr std::size_t kIndices = 3 * 48;
+  std::vector<Patch> list;
+  const std::span<const std::uint32_t> all = thing.triangles();
+  for (std::size_t first = 0; first < all.size(); first += kIndices) {
+    Patch& patch = list.emplace_back();
+    patch.indices = all.subspan(first, std::min(kIndices, all.size() - first));
+    for (const std::uint32_t i : patch.indices)
+      patch.box.extend(thing.positions()[i].cast<double>());
+  }
+  return list;
+}
+
+/// Whether a box may be in the right angle of a side that is seen from `eye`.
+bool may_show(const Eigen::AlignedBox3d& box, const Mat3& side, const Vec3& eye) {
+  for (const double sign : {-1.0, 1.0})
+    for (const int axis : {0, 1}) {
+      const Vec3 inwards = side.col(2) + sign * side.col(axis);
+      const Vec3 farthest =
+          (inwards.array() > 0).select(box.max() - eye, box.min() - eye);  // along it
+      if (inwards.dot(farthest) < 0) return false;
+    }
+  return true;
+}
+
+/// Takes cubes of pictures of the scenery.
+class Photographer {
+ public:
+  Photographer(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things)
+      : gl_(gl),
+        light_(light),
+        things_(things),
+        surfaces_(gl, light, {ambient_harmonics(light)}, 1, Output::radiance),
+        color_(make_texture(gl, GL_RGBA32F, kSide, kSide)),
+        depth_(make_texture(gl, GL_DEPTH_COMPONENT24, kSide, kSide)),
+        target_(make_framebuffer(gl, color_.id(), depth_.id())) {
+    for (const Drawable& thing : things) patches_.push_back(patches(thing));
+  }
+
+  /// Side by side, rows from t = -1.
+  std::vector<Pixel> take(const Vec3& eye) {
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.id());
+    gl_.Viewport(0, 0, kSide, kSide);
+    gl_.Enable(GL_DEPTH_TEST);
+    gl_.DepthMask(GL_TRUE);
+    gl_.DepthFunc(GL_LEQUAL);
+    gl_.Enable(GL_CULL_FACE);
+    gl_.CullFace(GL_BACK);
+    gl_.Disable(GL_BLEND);
+    gl_.Disable(GL_SCISSOR_TEST);
+    gl_.ClearColor(0, 0, 0, 0);
+    std::vector<Pixel> cube;
+    std::vector<Eigen::Vector4f> read(std::size_t(kSide * kSide));
+    for (const Mat3& side : cube_sides()) {
+      FrameBlock block({eye, eye + Vec3::UnitZ(), 1}, {0, 0, kSide, kSide});
+      block.view_projection = projection(side, eye);
+      surfaces_.use(block);
+      gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+      for (std::size_t i = 0; i < things_.size(); ++i) {
+        indices_.clear();
+        for (const Patch& patch : patches_[i])
+          if (may_show(patch.box, side, eye))
+            indices_.insert(indices_.end(), patch.indices.begin(), patch.indices.end());
+        surfaces_.draw({{things_[i], Matrix4f::Identity()}, indices_}, Shade::lit);
+      }
+      gl_.PixelStorei(GL_PACK_ROW_LENGTH, kSide);
+      gl_.ReadPixels(0, 0, kSide, kSide, GL_RGBA, GL_FLOAT, read.data());
+      for (int j = 0; j < kSide; ++j)
+        for (int i = 0; i < kSide; ++i) {
+          Pixel seen = pixel(side, i, j, kSide);
+          const Eigen::Vector4f& color = read[std::size_t(j * kSide + i)];
+          seen.radiance = color.w() > 0 ? Vec3(color.head<3>().cast<double>())
+                                        : surrounding_light(light_, seen.direction);
+          cube.push_back(seen);
+        }
+    }
+    return cube;
+  }
+
+ private:
+  const gl::Gl& gl_;
+  const scenes::Light& light_;
+  std::span<Drawable> things_;
+  Surfaces surfaces_;
+  gl::GlObject color_, depth_, target_;
+  std::vector<std::vector<Patch>> patches_;  // [thing]
+  std::vector<std::uint32_t> indices_;
+};
+
+Harmonics harmonics(std::span<const Pixel> cube) {
+  HarmonicSum sum;
+  for (const Pixel& p : cube) sum.add(p.direction, p.radiance, p.solid_angle);
+  return sum.irradiance();
+}
+
+/// What a surface of that roughness mirrors in a direction: the mean by the lobe of GGX, seen along
+/// its axis.
+Vec3 blurred(std::span<const Pixel> cube, const Vec3& ahead, double roughness) {
+  const double a2 = std::pow(roughness, 4);
+  Vec3 sum = Vec3::Zero();
+  double weights = 0;
+  for (const Pixel& p : cube) {
+    const double nl = p.direction.dot(ahead);
+    if (nl <= 0) continue;
+    const double nh2 = 0.5 * (1 + nl);  // of the half vector, squared
+    const double d = nh2 * (a2 - 1) + 1;
+    const double weight = a2 / (d * d) * nl * p.solid_angle;
+    sum += weight * p.radiance;
+    weights += weight;
+  }
+  return sum / weights;
+}
+
+gl::GlObject mirror_texture(const gl::Gl& gl, std::span<const Pixel> cube) {
+  GLuint id = 0;
+  gl.CreateTextures(GL_TEXTURE_CUBE_MAP, 1, &id);
+  gl::GlObject texture(gl, id, [](const gl::Gl& g, GLuint i) { g.DeleteTextures(1, &i); });
+  gl.TextureStorage2D(id, kLevels, GL_RGBA16F, kSide, kSide);
+  gl.TextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.TextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+  const auto sides = cube_sides();
+  for (int level = 0; level < kLevels; ++level) {
+    const int size = kSide >> level;
+    std::vector<Eigen::Vector4f> colors;
+    for (std::size_t side = 0; side < 6; ++side) {
+      for (int j = 0; j < size; ++j)
+        for (int i = 0; i < size; ++i) {
+          const std::size_t at = (side * std::size_t(size) + std::size_t(j)) * std::size_t(size);
+          const Vec3 light = level == 0 ? cube[at + std::size_t(i)].radiance
+                                        : blurred(cube, pixel(sides[side], i, j, size).direction,
+                                                  double(level) / (kLevels - 1));
+          colors.push_back({float(light.x()), float(light.y()), float(light.z()), 1});
+        }
+    }
+    gl.TextureSubImage3D(id, level, 0, 0, 0, size, size, 6, GL_RGBA, GL_FLOAT, colors.data());
+  }
+  return texture;
+}
+
+}  // namespace
+
+RoomLight::RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things,
+                     const Vec3& middle) {
+  for (const Drawable& thing : things)
+    if (!thing.box().isEmpty())
+      room_.extend(
+          Eigen::AlignedBox3d(thing.box().min().cast<double>(), thing.box().max().cast<double>()));
+  if (room_.isEmpty() || room_.sizes().minCoeff() < kLeast) return;
+  points_ = {room_.min() + Vec3::Constant(kMargin), room_.max() - Vec3::Constant(kMargin)};
+  middle_ = middle.cwiseMax(points_.min()).cwiseMin(points_.max());
+  Photographer photographer(gl, light, things);
+  for (int k = 0; k < kPoints[2]; ++k)
+    for (int j = 0; j < kPoints[1]; ++j)
+      for (int i = 0; i < kPoints[0]; ++i) {
+        const Vec3 share(double(i) / (kPoints[0] - 1), double(j) / (kPoints[1] - 1),
+                         double(k) / (kPoints[2] - 1));
+        grid_.push_back(
+            harmonics(photographer.take(points_.min() + share.cwiseProduct(points_.sizes()))));
+      }
+  const std::vector<Pixel> cube = photographer.take(middle_);
+  middle_light_ = harmonics(cube);
+  mirror_ = mirror_texture(gl, cube);
+}
+
+Harmonics RoomLight::at(const Vec3& point) const {
+  std::array<int, 3> cell{};
+  Vec3 share;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int cells = kPoints[std::size_t(axis)] - 1;
+    const double x = std::clamp((point[axis] - points_.min()[axis]) / points_.sizes()[axis] * cells,
+                                0.0, double(cells));
+    cell[std::size_t(axis)] = std::min(int(x), cells - 1);
+    share[axis] = x - cell[std::size_t(axis)];
+  }
+  Harmonics sum{};
+  sum.fill(Eigen::Vector3f::Zero());
+  for (int corner = 0; corner < 8; ++corner) {
+    const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
+    const double weight = (i ? share.x() : 1 - share.x()) * (j ? share.y() : 1 - share.y()) *
+                          (k ? share.z() : 1 - share.z());
+    const Harmonics& one =
+        grid_[std::size_t(((cell[2] + k) * kPoints[1] + cell[1] + j) * kPoints[0] + cell[0] + i)];
+    for (std::size_t n = 0; n < 9; ++n) sum[n] += float(weight) * one[n];
+  }
+  return sum;
+}
+
+std::vector<Eigen::Vector3f> RoomLight::on(const scenes::Mesh& mesh) const {
+  std::vector<Eigen::Vector3f> light;
+  light.reserve(mesh.vertices.size());
+  for (const scenes::Vertex& v : mesh.vertices) {
+    const Eigen::Vector3f n = Eigen::Vector3f(v.normal.data()).normalized();
+    const Vec3 place = Eigen::Vector3f(v.position.data()).cast<double>();
+    light.push_back(irradiance(at(place), n).cwiseMax(0));
+  }
+  return light;
+}
+
+Surroundings RoomLight::surroundings() const {
+  return {middle_light_, mirror_.id(), kLevels, room_, middle_};
+}
+
+}  // namespace taut::draw

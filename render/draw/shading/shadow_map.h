@@ -1,0 +1,38 @@
+// What the key light sees: the depth of the nearest caster.
+#pragma once
+
+#include <span>
+
+#include "render/draw/shading/draw_item.h"
+#include "render/gl/gpu.h"
+#include "render/picture/rect.h"
+
+namespace taut::draw {
+
+/// Its projection is the frame's in use (Surfaces::use).
+class ShadowMap {
+ public:
+  ShadowMap(const gl::Gl& gl, int size);
+
+  int size() const { return size_; }
+  /// Surfaces can look it up: compared, and its depths.
+  void bind() const;
+
+  void clear() const;
+  /// Adds casters. A lit rim stays, which stands for everything beyond the map.
+  void draw(std::span<const DrawItem> casters) const;
+
+  /// Keeps a part of the map as it is, and brings it back.
+  void save(const picture::Rect& part);
+  void restore(const picture::Rect& part) const;
+
+ private:
+  void copy(GLuint from, GLuint to, const picture::Rect& part) const;
+
+  const gl::Gl& gl_;
+  int size_;
+  gl::GlObject map_, target_, saved_, depths_;
+  gl::Program depth_program_;
+};
+
+}  // namespace taut::draw

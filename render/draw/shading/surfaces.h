@@ -1,0 +1,78 @@
+// Lit surfaces: their shaders, and what these need to know of a frame.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include "render/draw/shading/draw_item.h"
+#include "render/draw/shading/lighting.h"
+#include "render/gl/gpu.h"
+#include "render/picture/rect.h"
+#include "scenes/scene/stage.h"
+
+namespace taut::draw {
+
+constexpr std::size_t kCapsules = 6;
+
+/// What every surface needs to know of a frame; mirrors the shaders' block.
+struct FrameBlock {
+  Eigen::Matrix4f view_projection, light_projection;
+  Eigen::Vector4f eye;  // w: offset along the normal before the shadow's look-up, m
+  std::array<Eigen::Vector4f, kCapsules> capsule_from, capsule_to;
+  int capsules = 0;                // how many
+  float penumbra = 0;              // half of it, in widths of the map, for each of its depths
+  std::array<float, 2> padding{};  // to 16 bytes
+
+  /// Without anything that moves.
+  FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport);
+};
+
+/// What takes light from a surface; the numbers are the surface shader's SHADE.
+enum class Shade {
+  lit,        // nothing
+  shadowed,   // the shadow map
+  grounded,   // capsules as well
+  averaged,   // the shadow map less smoothly, for one of many exposures in different lights
+  unfocused,  // as grounded, from the canvas' blurred light where there is any
+};
+
+/// What surrounds the things of a stage, besides the key light.
+struct Surroundings {
+  Harmonics ambient;           // on things without light of their own
+  GLuint mirror = 0;           // a cube texture, blurred more from level to level; 0: none
+  int levels = 0;              // of it, of roughness from 0 to 1
+  Eigen::AlignedBox3d room{};  // the walls that are mirrored
+  Vec3 middle = Vec3::Zero();  // where the cube was seen from
+};
+
+/// What is written for a surface; the numbers are the surface shader's OUTPUT.
+enum class Output {
+  flat,      // one colour everywhere
+  display,   // the root of tone-mapped light
+  radiance,  // linear light
+};
+
+class Surfaces {
+ public:
+  Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& surroundings,
+           int shadow_map_size, Output output);
+
+  /// What is drawn from now on is seen and lit like this.
+  void use(const FrameBlock& block) const;
+  void draw(const DrawItem& item, Shade shade, float opacity = 1);
+
+ private:
+  /// `glossy` surfaces mirror the room; `bathed` ones have light of their own on each vertex.
+  const gl::Program& program(Surface surface, Shade shade, bool glossy, bool bathed);
+
+  const gl::Gl& gl_;
+  gl::GlObject frame_, noise_;
+  GLuint mirror_;
+  std::string constants_;
+  std::map<std::tuple<Surface, Shade, bool, bool>, std::unique_ptr<gl::Program>> programs_;
+};
+
+}  // namespace taut::draw

@@ -1,0 +1,45 @@
+// The animation of a glTF file: all channels over one list of keys.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "render/export/gltf/gltf_file.h"
+
+namespace taut::exporting {
+
+class GltfMotion {
+ public:
+  explicit GltfMotion(GltfFile& file) : file_(file) {}
+
+  /// Where a node is at the next key, against its parent; straight between keys. Of each node at
+  /// every key or never. Rotations are kept in 16 bits a number, to 3e-5 rad.
+  void translate(std::size_t node, const Vec3& to);
+  void turn(std::size_t node, const Quat& to);
+
+  /// The same for all keys at once as cubic splines: slope before, value, slope behind.
+  void spline_translation(std::size_t node, const std::vector<float>& numbers);
+  void spline_rotation(std::size_t node, const std::vector<float>& numbers);
+
+  /// Adds the animation to the file. What never moves becomes its node's place instead. Nothing can
+  /// be added then.
+  void finish(const std::string& name, const std::vector<float>& times);
+
+ private:
+  void spline(std::size_t node, const char* path, std::size_t size,
+              const std::vector<float>& numbers);
+  void channel(std::size_t node, const char* path, const char* interpolation, std::size_t output);
+
+  struct Spline {
+    std::size_t node;
+    const char* path;
+    std::vector<float> numbers;
+  };
+  GltfFile& file_;
+  std::map<std::size_t, std::vector<float>> translations_;
+  std::map<std::size_t, std::vector<std::int16_t>> rotations_;
+  std::size_t times_ = 0;  // the accessor
+  GltfFile::Json channels_ = GltfFile::Json::array(), samplers_ = GltfFile::Json::array();
+};
+
+}  // namespace taut::exporting

@@ -1,9 +1,0 @@
-#include "render/version.h"
-
-namespace taut::render {
-
-const char* version() {
-  return TAUT_VERSION;
-}
-
-}  // namespace taut::render

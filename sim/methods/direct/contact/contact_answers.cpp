@@ -1,0 +1,147 @@
+// How beads answer to the pulls of their links.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/contact/creep.h"
+#include "sim/methods/direct/contact/contact_step.h"
+#include "sim/motion/hash.h"
+
+namespace taut::direct {
+namespace {
+
+constexpr double kRounding = 4e-16;  // of what is summed
+constexpr int kTrials = 8;           // for the pull of one row
+constexpr double kImmobile = 1e-15;  // of the mobility of free beads
+constexpr double kRelaxed = 1e-14;   // of the speeds
+
+}  // namespace
+
+/// Adds to velocities what a `share` of the rows' impulses makes of them.
+void ContactStep::spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
+                         std::span<Vec3> velocity) {
+  const auto& rows = mechanism_.rows();
+  const auto& mobile = mechanism_.inverse_mass();
+  for (std::size_t p = 0; p < noise_.size(); ++p) {
+    noise_[p] = kRounding * velocity[p].lpNorm<1>();
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Vec3 pull = share * impulse[r] * along[r];
+    const double noise = kRounding * std::abs(share * impulse[r]);
+    velocity[rows[r].a] += mobile[rows[r].a] * pull;
+    velocity[rows[r].b] -= mobile[rows[r].b] * pull;
+    noise_[rows[r].a] += mobile[rows[r].a] * noise;
+    noise_[rows[r].b] += mobile[rows[r].b] * noise;
+  }
+  for (const BeadTouch& at : touches_) {
+    noise_[at.point] += kRounding * (at.touch.pushed.lpNorm<1>() + at.touch.rubbed.lpNorm<1>());
+  }
+  // Where pulls are so large that roundings could be seen, the step is too long.
+  for (double& noise : noise_) noise = std::min(noise, touching_ / h_);
+}
+
+/// Lets each bead answer to its touches, and notes how it does.
+void ContactStep::respond_all(std::span<Vec3> velocity) {
+  const auto& mobile = mechanism_.inverse_mass();
+  std::ranges::copy(velocity, bare_.begin());
+  for (std::size_t p = 0; p < answer_.size(); ++p) answer_[p] = mobile[p] * Mat3::Identity();
+  std::array<contact::Touch, 3> touches;
+  for (std::size_t i = 0; i < touches_.size();) {
+    const std::size_t point = touches_[i].point;
+    std::size_t count = 0;
+    while (i + count < touches_.size() && touches_[i + count].point == point) ++count;
+    for (std::size_t k = 0; k < count; ++k) touches[k] = touches_[i + k].touch;
+    const contact::Response answer =
+        contact::respond(velocity[point], std::span(touches).first(count), creep_);
+    velocity[point] = answer.velocity;
+    answer_[point] = mobile[point] * answer.derivative;
+    for (std::size_t k = 0; k < count; ++k) touches_[i + k].touch = touches[k];
+    i += count;
+  }
+}
+
+/// Whether no bead that sticks creeps so far in the step that one could see it. Between surfaces
+/// that carry its ends apart, or toward each other, a link may have no other solution.
+bool ContactStep::sticks() const {
+  return creep_ > contact::kCreep || std::ranges::all_of(touches_, [&](const BeadTouch& at) {
+           return at.touch.state != contact::Touch::State::sticks ||
+                  h_ * creep_ * at.touch.rub.norm() <= touching_;
+         });
+}
+
+/// What the touches do, as one number.
+std::uint64_t ContactStep::pattern() const {
+  Hash hash;
+  for (const BeadTouch& at : touches_) {
+    hash.word(std::uint64_t(at.point))
+        .word(std::uint64_t(at.obstacle))
+        .word(static_cast<std::uint64_t>(at.touch.state));
+  }
+  if (bodies_.any()) hash.word(bodies_.pattern());
+  if (mechanism_.has_strings()) {
+    for (const char pulls : pulls_) hash.word(std::uint64_t(pulls != 0));
+  }
+  return hash.value();
+}
+
+std::span<const ContactStep::BeadTouch> ContactStep::touches_of(std::size_t point) const {
+  const auto found = std::ranges::equal_range(touches_, point, {}, &BeadTouch::point);
+  return {found.begin(), found.end()};
+}
+
+/// Nonlinear Gauss-Seidel, once along the rows and once back: each row in turn gets the pull at
+/// which its ends, as they answer, part as they should (Jean 1999, section 5). Rows at bodies stay.
+void ContactStep::relax(std::span<const Vec3> along, double share, std::span<const Vec3> velocity) {
+  const auto& rows = mechanism_.rows();
+  before_pull_.assign(pull_.begin(), pull_.end());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    change_[r] = to_[r].dot(velocity[rows[r].b] - velocity[rows[r].a]) - change_[r];  // as wanted
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r) relax_row(r, along[r], share);
+  for (std::size_t r = rows.size(); r-- > 0;) relax_row(r, along[r], share);
+  for (std::size_t r = 0; r < rows.size(); ++r) change_[r] = pull_[r] - before_pull_[r];
+}
+
+/// Newton's method on the pull of one row, whose ends are to part at `change_`.
+void ContactStep::relax_row(std::size_t row, const Vec3& along, double share) {
+  const std::size_t a = mechanism_.rows()[row].a, b = mechanism_.rows()[row].b;
+  const double mobile_a = share * mechanism_.inverse_mass()[a];
+  const double mobile_b = share * mechanism_.inverse_mass()[b];
+  if (is_carried_[a] || is_carried_[b] || mobile_a + mobile_b == 0 || !taut_[row]) return;
+  const auto answer = [&](std::size_t point, const Vec3& velocity) {
+    const std::span<const BeadTouch> near = touches_of(point);
+    if (near.empty()) return contact::Response{velocity};
+    if (near.size() == 1) {
+      contact::Touch touch = near[0].touch;
+      return contact::respond(velocity, std::span(&touch, 1), creep_);
+    }
+    std::array<contact::Touch, 3> touches;
+    std::size_t count = 0;
+    for (const BeadTouch& at : near) touches[count++] = at.touch;
+    return contact::respond(velocity, std::span(touches).first(count), creep_);
+  };
+  const auto mobility = [&](double mobile, const contact::Response& found) {
+    const double answers = to_[row].dot(found.derivative * along);
+    return std::abs(answers) > kImmobile ? mobile * answers : 0;
+  };
+  Vec3 velocity_a = bare_[a], velocity_b = bare_[b];
+  double more = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    const contact::Response at_a = answer(a, velocity_a), at_b = answer(b, velocity_b);
+    const double apart = to_[row].dot(at_b.velocity - at_a.velocity) - change_[row];
+    if (std::abs(apart) <= kRelaxed * (1 + at_a.velocity.norm())) break;
+    const double slope = mobility(mobile_a, at_a) + mobility(mobile_b, at_b);
+    if (!(slope > 0)) break;  // no pull moves either end
+    const double last = more;
+    more += apart / slope;
+    if (mechanism_.rows()[row].pulls) more = std::max(more, -given_[row] - pull_[row]);
+    if (more == last) break;
+    velocity_a = bare_[a] + mobile_a * more * along;
+    velocity_b = bare_[b] - mobile_b * more * along;
+  }
+  pull_[row] += more;
+  bare_[a] = velocity_a;
+  bare_[b] = velocity_b;
+}
+
+}  // namespace taut::direct

@@ -1,0 +1,199 @@
+#include "sim/methods/direct/contact/contact_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace taut::direct {
+namespace {
+
+using ConstMap = Eigen::Map<const Vec3>;
+
+constexpr double kTouching = 1e-9;  // of the longest connector
+constexpr double kExact = 1e-14;    // of it, or of a metre
+constexpr double kShortest = 1e-7;  // s: nothing is located more precisely
+constexpr int kRounds = 12;         // of finding what is hit in a step
+
+}  // namespace
+
+void ContactStep::rebuild(const World& world) {
+  mechanism_.rebuild(world);
+  system_.rebuild(mechanism_);
+  glide_system_.rebuild(mechanism_);
+  radius_.clear();
+  double longest = 0;
+  for (const Connector& connector : world.connectors) {
+    longest = std::max(longest, connector.length);
+    const bool joint = !(connector.length > 0);
+    for (std::size_t i = 0; i < connector.particles(); ++i) {
+      radius_.push_back(joint ? -1 : connector.radius);
+    }
+  }
+  for (std::size_t p = 0; p < radius_.size(); ++p) {
+    if (mechanism_.inverse_mass()[p] == 0) radius_[p] = -1;
+  }
+  bodies_.rebuild(world);
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    if (world.connectors.empty()) longest = std::max(longest, bodies_.reach(b));
+  }
+  touching_ = kTouching * (longest > 0 ? longest : 1);
+  exact_ = kExact * std::max(longest, 1.0);
+  const std::size_t points = mechanism_.points(), rows = mechanism_.rows().size();
+  for (auto* array : {&mean_, &middle_, &free_, &bare_, &behind_, &acceleration_,
+                      &last_acceleration_, &steady_}) {
+    array->assign(points, Vec3::Zero());
+  }
+  for (auto* array : {&from_, &along_, &to_}) array->assign(rows, Vec3::Zero());
+  for (auto* array : {&pull_, &rest_, &change_, &tension_, &last_tension_}) array->assign(rows, 0);
+  rebuild_strings();
+  answer_.assign(points, Mat3::Zero());
+  bend_.assign(points, Mat3::Zero());
+  is_carried_.assign(points, false);
+  for (const auto& carried : mechanism_.body_points()) is_carried_[carried.point] = true;
+  stiffness_.assign(rows, Mat3::Zero());
+  noise_.assign(points, 0);
+  arm_.resize(mechanism_.body_points().size());
+  inverse_.resize(mechanism_.bodies().size());
+  pushed_.assign(mechanism_.bodies().size(), contact::Vec6::Zero());
+  last_pushed_ = steady_pushed_ = pushed_;
+  reach_.clear();
+  for (std::size_t b = 0; b < pushed_.size(); ++b) reach_.push_back(bodies_.reach(b));
+  for (const auto& carried : mechanism_.body_points()) {
+    reach_[carried.body] = std::max(reach_[carried.body], carried.local.norm());
+  }
+  touches_.clear();
+  before_.clear();
+  last_hits_ = true;
+  watched_ = 0;
+  solves_ = 0;
+}
+
+void ContactStep::load(const World& world, const std::vector<Obstacle>& obstacles) {
+  obstacles_ = &obstacles;
+  mechanism_.load(world, state_);
+  next_ = state_;
+  last_hits_ = true;
+  watched_ = 0;
+}
+
+Vec3 ContactStep::position(const std::vector<double>& state, std::size_t point) const {
+  return ConstMap(&state[mechanism_.position(point)]);
+}
+
+/// Beads that touch at the start, but for those which are leaving.
+void ContactStep::find_touches() {
+  before_.swap(touches_);
+  touches_.clear();
+  for (std::uint32_t p = 0; p < radius_.size(); ++p) {
+    if (radius_[p] < 0) continue;
+    const Vec3 at = position(state_, p);
+    for (std::uint32_t o = 0; o < start_.size(); ++o) {
+      const SurfaceDistance near = gap((*obstacles_)[o], start_[o].pose(), at, radius_[p]);
+      if (near.distance > touching_) continue;
+      const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);
+      const Vec3 surface =
+          start_[o].point(start_[o].rotation.conjugate() * (at - start_[o].position)).velocity;
+      if (near.normal.dot(velocity - surface) > touching_) continue;
+      add_touch({.point = p,
+                 .obstacle = o,
+                 .anchor = start_[o].rotation.conjugate() * (at - start_[o].position)},
+                touches_.size());
+      touches_.back().hits = false;
+    }
+  }
+}
+
+/// Adds a touch at the end, unless there is that one or three of the bead's already. Those of the
+/// bead before `sorted` are in order of points, later ones in that of the calls.
+void ContactStep::add_touch(const Hit& hit, std::size_t sorted) {
+  const auto of = [&](const std::vector<BeadTouch>& touches, std::size_t count) {
+    return std::ranges::equal_range(std::span(touches).first(count), hit.point, {},
+                                    &BeadTouch::point);
+  };
+  const auto same = [&](const BeadTouch& touch) { return touch.obstacle == hit.obstacle; };
+  const auto known = of(touches_, sorted);
+  if (std::ranges::any_of(known, same)) return;
+  std::size_t count = known.size();
+  for (std::size_t i = touches_.size(); i-- > sorted && touches_[i].point == hit.point;) ++count;
+  if (count == 3) return;
+  const Obstacle& obstacle = (*obstacles_)[hit.obstacle];
+  BeadTouch made{.point = hit.point,
+                 .obstacle = hit.obstacle,
+                 .hits = true,
+                 .anchor = hit.anchor,
+                 .side = obstacle.shape.from(hit.anchor).normal,
+                 .touch = {}};
+  made.touch.stick = obstacle.static_friction;
+  made.touch.slide = obstacle.kinetic_friction;
+  const auto before = of(before_, before_.size());
+  const auto was = std::ranges::find_if(before, same);
+  const bool stuck = was != before.end() && was->touch.state == contact::Touch::State::sticks;
+  if (!stuck) {
+    const FrameMotion& start = start_[hit.obstacle];
+    const Vec3 from = position(state_, hit.point) - start.position;
+    made.touch.slid =
+        ConstMap(&state_[mechanism_.velocity(hit.point)]) - start.velocity - start.spin.cross(from);
+  }
+  touches_.push_back(made);
+}
+
+BodyTouches::Step ContactStep::body_step(double time, double h) const {
+  return {mechanism_, *obstacles_, start_, end_, state_, time, h, touching_};
+}
+
+/// Adds what was found to the touches, where the step is to end with the first of it to those
+/// alone; whether it does.
+bool ContactStep::take_hits(bool locates, double& h) {
+  double first = 1;
+  for (const Hit& hit : found_) {
+    if (locates || hit.passes) first = std::min(first, hit.share);
+  }
+  for (const BodyTouches::Hit& hit : bodies_.found()) {
+    if (locates || hit.passes) first = std::min(first, hit.share);
+  }
+  for (const Snap& snap : snaps_) first = std::min(first, snap.share);
+  const bool shortens = first < 1 - 1e-6 && first * h > kShortest;
+  const std::size_t sorted = touches_.size();
+  for (const Hit& hit : found_) {
+    if (!shortens || hit.share <= first * (1 + 1e-6)) add_touch(hit, sorted);
+  }
+  std::ranges::inplace_merge(touches_, touches_.begin() + static_cast<std::ptrdiff_t>(sorted), {},
+                             &BeadTouch::point);
+  for (const BodyTouches::Hit& hit : bodies_.found()) {
+    if (!shortens || hit.share <= first * (1 + 1e-6)) bodies_.add(body_step(0, h), hit);
+  }
+  for (const Snap& snap : snaps_) {
+    if (!shortens || snap.share <= first * (1 + 1e-6)) taut_[snap.row] = true;
+  }
+  if (shortens) h *= first;
+  return shortens;
+}
+
+double ContactStep::attempt(double time, double h, bool locates, double lowest) {
+  const std::vector<Obstacle>& obstacles = *obstacles_;
+  start_.resize(obstacles.size());
+  end_.resize(obstacles.size());
+  for (std::size_t o = 0; o < obstacles.size(); ++o) start_[o] = obstacles[o].frame(time);
+  mechanism_.update(time, state_.data());
+  from_ = mechanism_.direction();
+  for (std::size_t i = 0; i < arm_.size(); ++i) arm_[i] = mechanism_.body_points()[i].arm;
+  for (std::size_t b = 0; b < inverse_.size(); ++b) {
+    inverse_[b] = mechanism_.bodies()[b].world_inverse;
+  }
+  find_touches();
+  if (bodies_.possible()) bodies_.find(body_step(time, h));
+  find_taut(!locates);
+  hits_ = located_ = false;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t o = 0; o < obstacles.size(); ++o) end_[o] = obstacles[o].frame(time + h);
+    if (!glide(time, h)) return 0;
+    const bool enters = find_hits(time, h), snaps = find_snaps(h);
+    const bool hits = bodies_.possible() && !bodies_.hits(body_step(time, h), next_).empty();
+    if (!enters && !snaps && !hits) return settle(time, h, lowest) ? h : 0;
+    hits_ = true;
+    located_ = take_hits(locates, h);
+  }
+  return 0;
+}
+
+}  // namespace taut::direct

@@ -1,0 +1,49 @@
+// The cheap integrator: linearly implicit in the waves that the tensions carry.
+#pragma once
+
+#include <array>
+
+#include "sim/methods/direct/schemes/arena.h"
+#include "sim/methods/direct/system/motion.h"
+
+namespace taut::direct {
+
+/// One step of ROS34PW2 (Rang and Angermann, BIT 45, 2005): four stages, order 3, L-stable and
+/// stiffly accurate. Being a W-method it keeps its order with any approximation of the Jacobian:
+/// here the waves under the tensions at the start of the step, whose system is tridiagonal.
+///
+/// A wave of frequency w that the step passes over is damped, whatever it is off by: of its error
+/// 1/(1 + (gamma h w)^2) counts as followed, which is what (1 - (gamma h)^2 L)^-1 leaves of it, by
+/// the matrix that the stages have factored. Hairer and Wanner, II, IV.8, filter so for the same
+/// reason.
+class RosenbrockStep {
+ public:
+  /// Takes its arrays from `arena`.
+  void make_arrays(Arena& arena);
+
+  /// Tries a step as Dop853Step::attempt(); the last acceleration that `motion` computed must be
+  /// `first`. Infinite where a direction turns by a right angle.
+  StepError attempt(Motion& motion, double time, double h, const double* q, const double* rate,
+                    const double* first);
+
+  // After the last attempt.
+  const double* q() const { return q_.data(); }
+  const double* rate() const { return rate_.data(); }
+  /// Swaps the result of the last attempt with the caller's state.
+  void swap_result(Slice& q, Slice& rate) {
+    q_.swap(q);
+    rate_.swap(rate);
+  }
+
+  static constexpr int kStages = 4;
+  static constexpr std::size_t kArrays = 2 * kStages + 6;
+  static constexpr double kErrorOrder = 3;
+  /// What a step takes beside projections, in accelerations; measured.
+  static constexpr double kCost = 7;
+
+ private:
+  std::array<Slice, kStages> dx_, dy_;  // by stage: increments of x and of its rate
+  Slice q_, rate_, chart_rate_, acceleration_, error_q_, error_rate_;
+};
+
+}  // namespace taut::direct

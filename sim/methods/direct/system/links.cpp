@@ -1,0 +1,253 @@
+#include "sim/methods/direct/system/links.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/methods/direct/system/link_loops.h"
+#include "sim/methods/direct/system/tridiagonal.h"
+#include "sim/methods/direct/system/vector.h"
+
+namespace taut::direct {
+namespace {
+
+constexpr std::size_t kArrays = 26;
+
+using Out = double* __restrict;
+using In = const double* __restrict;
+
+// In space coordinates are directions.
+
+TAUT_VECTOR_CLONES
+void assemble_directions(std::size_t n, In q, In rate, In beside, In weight, Out off, Out turned,
+                         Out right) {
+  assemble_loop<3>(n, q, rate, beside, weight, off, turned, right);
+}
+/// Returns the largest of own * |x|.
+TAUT_VECTOR_CLONES
+double pull_directions(std::size_t n, In q, In next, In last, In own, In x, Out out) {
+  pull_loop<3>(n, q, next, last, own, x, out);
+  return largest(n, x, own);
+}
+TAUT_VECTOR_CLONES
+void normalise_directions(std::size_t count, std::size_t n, Out q, Out rate) {
+  normalise_loop<3>(count, n, q, rate);
+}
+TAUT_VECTOR_CLONES
+bool retract_directions(std::size_t n, In base, Out x, Out rate) {
+  return retract_loop<3>(n, base, x, rate) == 0;
+}
+TAUT_VECTOR_CLONES
+void to_tangent_of_directions(std::size_t n, In base, Out x) {
+  to_tangent_loop<3>(n, base, x);
+}
+
+// In a plane they are angles, of which only the differences matter to the links.
+
+TAUT_VECTOR_CLONES
+void assemble_angles(std::size_t n, In angle, In rate, In beside, In weight, Out cosine, Out sine,
+                     Out off, Out turned, Out right) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const SinCos turn = sine_and_cosine(angle[i + 1] - angle[i]);
+    cosine[i] = turn.cosine;
+    sine[i] = turn.sine;
+    off[i] = beside[i] * turn.cosine;
+    const double across = beside[i] * turn.sine;
+    turned[i] = across * across;
+    right[i] = weight[i] * (rate[i] * rate[i]);
+  }
+}
+TAUT_VECTOR_CLONES
+double pull_angles(std::size_t n, In sine, In next, In last, In own, In x, Out out) {
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i] = next[i] * x[i + 1] * sine[i] - last[i] * x[i - 1] * sine[i - 1];
+  }
+  return largest(n, x, own);
+}
+/// False where an angle has changed by half a turn.
+TAUT_VECTOR_CLONES
+bool retract_angles(std::size_t n, In base, Out x) {
+  constexpr double kHalfTurn = 3.141592653589793;
+  std::size_t outside = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    outside |= std::abs(x[i]) < kHalfTurn ? 0 : 1;
+    x[i] += base[i];
+  }
+  return outside == 0;
+}
+TAUT_VECTOR_CLONES
+void place_angles(std::size_t n, In angle, Out cosine, Out sine) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const SinCos place = sine_and_cosine(angle[i]);
+    cosine[i] = place.cosine;
+    sine[i] = place.sine;
+  }
+}
+
+template <int kComponents>
+double sum_of_squares(std::size_t count, std::size_t stride, In rest, In change) {
+  double place[kComponents] = {}, squares[kComponents] = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    for (int c = 0; c < kComponents; ++c) {
+      place[c] += rest[i] * change[static_cast<std::size_t>(c) * stride + i];
+      squares[c] += place[c] * place[c];
+    }
+  }
+  double sum = 0;
+  for (const double square : squares) sum += square;
+  return sum;
+}
+
+}  // namespace
+
+void Links::reserve(std::size_t links) {
+  arena_.reserve(kPad + kArrays * (links + kLanes + 2 * kPad));
+}
+
+void Links::rebuild(std::span<const Link> links, const std::optional<Plane>& plane) {
+  count_ = links.size();
+  stride_ = (links.size() + kLanes - 1) / kLanes * kLanes;
+  plane_ = plane;
+  components_ = plane ? 1 : 3;
+  arena_.assign(kPad + kArrays * (stride_ + 2 * kPad), 0.0);
+  double** const arrays[] = {
+      &rest_,          &inverse_rest_, &both_,      &shared_,       &scale_,          &beside_,
+      &weight_,        &next_gain_,    &last_gain_, &own_gain_,     &near_,           &far_,
+      &turned_,        &off_,          &right_,     &unknown_,      &factored_pivot_, &factored_up_,
+      &factored_down_, &cosine_,       &sine_,      &place_cosine_, &place_sine_,     &work_};
+  static_assert(std::size(arrays) + 2 == kArrays);  // work_ is three
+  for (std::size_t k = 0; k < std::size(arrays); ++k) {
+    *arrays[k] = arena_.data() + kPad + k * (stride_ + 2 * kPad);
+  }
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Link& link = links[i];
+    rest_[i] = link.rest;
+    inverse_rest_[i] = link.rest > 0 ? 1 / link.rest : 0;
+    both_[i] = link.near + link.far;
+    shared_[i] = link.shares ? link.far : 0;
+    const double sum = both_[i] + link.end;
+    scale_[i] = sum > 0 ? std::sqrt(2 / sum) : 1;
+    weight_[i] = rest_[i] * scale_[i];
+    own_gain_[i] = both_[i] * scale_[i] * inverse_rest_[i];
+    near_[i] = link.near * scale_[i] * scale_[i];
+    far_[i] = link.far * scale_[i] * scale_[i];
+  }
+  for (std::size_t i = 0; i + 1 < count_; ++i) {
+    beside_[i] = shared_[i] * scale_[i] * scale_[i + 1];
+    next_gain_[i] = shared_[i] * scale_[i + 1] * inverse_rest_[i];
+    last_gain_[i + 1] = shared_[i] * scale_[i] * inverse_rest_[i + 1];
+  }
+}
+
+void Links::point(std::size_t link, const Vec3& u, const Vec3& turn, double* q,
+                  double* rate) const {
+  if (plane_) {
+    q[begin(0) + link] = std::atan2(u.dot(plane_->y), u.dot(plane_->x));
+    rate[begin(0) + link] = turn.dot(plane_->normal.cross(u));
+    return;
+  }
+  add(link, u, u, q);
+  add(link, u, turn, rate);
+}
+
+void Links::lay(const double* q, const double* rate, std::size_t first, std::size_t count,
+                Point point, Point* out) {
+  const double *x = q + begin(0), *v = rate + begin(0);
+  if (!plane_) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      point.position += rest_[i] * Vec3(x[i], x[i + stride_], x[i + 2 * stride_]);
+      point.velocity += rest_[i] * Vec3(v[i], v[i + stride_], v[i + 2 * stride_]);
+      *out++ = point;
+    }
+    return;
+  }
+  place_angles(stride_, x, place_cosine_, place_sine_);
+  const Vec3 along = plane_->x, across = plane_->y;
+  for (std::size_t i = first; i < first + count; ++i) {
+    const double cosine = rest_[i] * place_cosine_[i], sine = rest_[i] * place_sine_[i];
+    point.position += cosine * along + sine * across;
+    point.velocity += v[i] * (cosine * across - sine * along);
+    *out++ = point;
+  }
+}
+
+double Links::displacement(const double* change, std::size_t first, std::size_t count) const {
+  const auto sum = plane_ ? sum_of_squares<1> : sum_of_squares<3>;
+  return sum(count, stride_, rest_ + first, change + begin(0) + first);
+}
+
+void Links::assemble(const double* q, const double* rate) {
+  if (plane_) {  // from the pad on, which says how the first link stands
+    assemble_angles(stride_ + kPad, q, rate, beside_ - kPad, weight_ - kPad, cosine_ - kPad,
+                    sine_ - kPad, off_ - kPad, turned_ - kPad, right_ - kPad);
+  } else {
+    assemble_directions(stride_, q + kPad, rate + kPad, beside_, weight_, off_, turned_, right_);
+  }
+}
+
+void Links::set_end(std::size_t link, bool first, double value) {
+  double* side = first ? near_ : far_;
+  side[link] = value * scale_[link] * scale_[link];
+  // Links of different spans are solved as if they stood at right angles.
+  if (first && link > 0) turned_[link - 1] = far_[link - 1] * near_[link];
+  if (!first && link + 1 < count_) turned_[link] = far_[link] * near_[link + 1];
+}
+
+void Links::solve() {
+  solve_chain(count_, near_, far_, off_, turned_, right_, unknown_, work_);
+}
+
+void Links::clear_right() {
+  std::fill(right_, right_ + count_, 0.0);
+}
+
+void Links::respond(double* response) {
+  solve_chain(count_, near_, far_, off_, turned_, right_, response, work_);
+}
+
+void Links::add_response(const double* response, double factor) {
+  for (std::size_t i = 0; i < count_; ++i) unknown_[i] += factor * response[i];
+}
+
+void Links::pull(const double* q, double* out) {
+  wave_squared_ = 2 * (plane_ ? pull_angles(stride_, sine_, next_gain_, last_gain_, own_gain_,
+                                            unknown_, out + kPad)
+                              : pull_directions(stride_, q + kPad, next_gain_, last_gain_,
+                                                own_gain_, unknown_, out + kPad));
+}
+
+void Links::factor(double sigma_squared) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double pull = std::max(tension(i), 0.0);
+    factored_pivot_[i] = sigma_squared * (rest_[i] > 0 ? rest_[i] : 1) + both_[i] * pull;
+    const auto beside = [&](std::size_t k) {  // across the other link, in a plane
+      return shared_[k] * (plane_ ? std::max(cosine_[k], 0.0) : 1) * pull;
+    };
+    factored_down_[i] = beside(i);
+    if (i > 0) factored_up_[i - 1] = beside(i - 1);
+  }
+  factor_twisted(count_, factored_pivot_, factored_up_, factored_down_, work_);
+}
+
+void Links::solve_factored(double* x) const {
+  for (int c = 0; c < components_; ++c) {
+    double* __restrict column = x + begin(c);
+    for (std::size_t i = 0; i < count_; ++i) column[i] *= rest_[i];
+  }
+  solve_twisted(count_, factored_pivot_, factored_up_, factored_down_, components_, stride_,
+                x + kPad);
+}
+
+void Links::normalise(double* q, double* rate) const {
+  if (!plane_) normalise_directions(count_, stride_, q + kPad, rate + kPad);
+}
+
+bool Links::retract(const double* base, double* x, double* rate) const {
+  if (plane_) return retract_angles(stride_, base + kPad, x + kPad);
+  return retract_directions(stride_, base + kPad, x + kPad, rate + kPad);
+}
+
+void Links::to_tangent(const double* base, double* x) const {
+  if (!plane_) to_tangent_of_directions(stride_, base + kPad, x + kPad);
+}
+
+}  // namespace taut::direct

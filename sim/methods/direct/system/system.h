@@ -1,0 +1,255 @@
+// Spans and free bodies that pull on each other: what the direct method steps.
+#pragma once
+
+#include <Eigen/LU>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/methods/direct/system/constraint_row.h"
+#include "sim/methods/direct/system/links.h"
+#include "sim/methods/direct/system/motion.h"
+#include "sim/motion/plane.h"
+#include "sim/world/components.h"
+#include "sim/world/world.h"
+
+namespace taut::direct {
+
+/// One component's motion. Coordinates: the unit directions u of all links (in a plane their
+/// angles), then the unit quaternions (w x y z) of the bodies. For link i of length l between the
+/// points i and i+1, with a tension T_i that is positive where the link pulls:
+///
+///   l u'' = a_{i+1} - a_i   and   u . u'' = -|u'|^2   (from |u| = 1)
+///
+/// A free particle has a = g + w (T_i u_i - T_{i-1} u_{i-1}), w its inverse mass; a held point's is
+/// known; that of a body's point r from its centre is g + W x (W x r) + W' x r + F/M. Every tension
+/// meets only those of the neighbouring links and of the links at its bodies: one symmetric
+/// tridiagonal system for all spans, and a small dense one for bodies that several links hold.
+/// Conditions that links do not make (see Row) border it with their multipliers.
+///
+/// In a plane a component is one span, and bodies that hang by one point are links.
+class System : public Motion {
+ public:
+  /// Room for so many links, and spans with so many ends.
+  void reserve(std::size_t links, std::size_t ends);
+  /// In `plane`, which must suit the world's present state and the rows (see PlaneFinder), or in
+  /// space. Throws std::invalid_argument where a row is none for this component.
+  void rebuild(const World& world, const Component& component, const std::optional<Plane>& plane,
+               std::span<const ConstraintRow* const> rows = {});
+
+  /// Where its one span, if any, stands in the world by now.
+  void renumber(const Component& component) {
+    if (component.spans.size() == 1) spans_[0].range = component.spans[0];
+  }
+
+  /// The index among all links of the connector's first.
+  std::size_t first_link(std::size_t connector) const;
+  /// The tension (N) of a link, as of the last acceleration().
+  double tension(std::size_t link) const { return links_.tension(link); }
+  /// The multiplier (N per unit of the gradient) of a row, as of then.
+  double multiplier(std::size_t row) const { return rows_[row].multiplier; }
+
+  void load(const World& world, double time, double* q, double* rate) override;
+  void store(World& world, const double* q, const double* rate) override;
+  void attach(const World& world) override { world_ = &world; }
+  const std::optional<Vec3>& left_plane() const override { return left_plane_; }
+  double length() const override { return length_; }
+  double shortest() const override { return shortest_; }
+  double wave_frequency() const override { return links_.wave_frequency(); }
+
+  std::size_t size() const override { return links_.end() + 4 * bodies_.size() + Links::kPad; }
+  void acceleration(double time, const double* q, const double* rate, double* out) override;
+  bool project(double time, double* q, double* rate) override;
+  double projection_cost() const override;
+  double work() const override { return work_; }
+  double displacement(const double* change) const override;
+  double displacement_bound(double squares) const override { return reach_ * std::sqrt(squares); }
+  double velocity_time() const override { return velocity_time_; }
+  bool retract(const double* base, double* x, double* rate) const override;
+  void to_tangent(const double* base, double* x) const override;
+  void factor(double sigma_squared) override;
+  void solve_factored(double* x) const override;
+
+ private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+  struct End {  // a span's end that is neither a free particle nor a stick
+    std::size_t link = 0;
+    double pull = 0;  // +1 where the tension pulls along u (a span's first end), else -1
+    Attachment to;
+    std::size_t body = kNone;       // index into bodies_; none: prescribed
+    Vec3 local_arm = Vec3::Zero();  // m, from the body's centre of mass, in its axes
+    // At the present stage:
+    Vec3 along = Vec3::Zero();  // the link's direction
+    Vec3 arm = Vec3::Zero();    // m, in the world's axes
+    Vec3 lead = Vec3::Zero();   // m/s^2, the acceleration that no tension causes, less gravity
+  };
+  struct Bar {             // a body that is a link
+    std::size_t body = 0;  // index into World::bodies
+    std::size_t link = 0;
+    double outward = 0;                // +1 where u points from the tip to the far mass, else -1
+    double arm = 0;                    // m, of the centre of mass
+    Vec3 direction = Vec3::UnitX();    // from the tip outward, when loaded
+    Quat rotation = Quat::Identity();  // when loaded
+  };
+  struct Span {
+    SpanRange range;
+    bool reversed = false;                            // runs from range.last to range.first
+    std::size_t offset = 0, links = 0;                // into the links, bars included
+    std::size_t first = kNone, last = kNone;          // ends_
+    std::size_t first_bar = kNone, last_bar = kNone;  // bars_
+    bool closes = false;  // the place of its last end is known without it
+    std::size_t particles() const { return range.last - range.first + 1; }
+    /// The connector's particle at the span's k-th point, bars left out.
+    std::size_t particle(std::size_t k) const {
+      return reversed ? range.last - k : range.first + k;
+    }
+  };
+  struct Part {            // a free body that is no bar
+    std::size_t body = 0;  // index into World::bodies
+    double mass = 0;
+    Mat3 inertia = Mat3::Identity(), inverse_inertia = Mat3::Identity();  // in its axes
+    std::size_t first_end = 0, ends = 0;                                  // of body_ends_
+    // At the present stage:
+    Mat3 rotation = Mat3::Identity(), world_inverse_inertia = Mat3::Identity();
+    Vec3 spin = Vec3::Zero(), spin_rate = Vec3::Zero();  // the rate that no tension causes
+  };
+  struct Coupling {                   // two different ends on one body
+    std::size_t a = 0, b = 0;         // ends_
+    std::size_t row = 0, column = 0;  // of the dense system
+  };
+  struct RowTerm {                              // a particle of a row
+    std::size_t point = 0;                      // of points_
+    std::size_t before = kNone, after = kNone;  // links
+    std::size_t end = kNone;                    // of ends_, where it is held
+    double inverse_mass = 0;                    // 1/kg
+    Vec3 gradient = Vec3::Zero();               // at the present stage
+  };
+  struct Bordered {
+    const ConstraintRow* row = nullptr;
+    std::size_t first_term = 0;
+    // At the present stage:
+    ConstraintRow::Value value;
+    double right = 0, multiplier = 0;
+  };
+  struct Rotary {
+    Vec3 momentum = Vec3::Zero();  // kg m^2/s
+    Mat3 inertia = Mat3::Zero();   // kg m^2
+  };
+
+  // Building (system_build.cpp).
+  void add_span(const World& world, const SpanRange& range, bool reversed);
+  void order_spans(const World& world, std::span<const SpanRange> ranges);
+  void measure_links(const World& world);
+  void couple();
+
+  // The tensions' system (system.cpp).
+  void turn_bodies(const double* q, const double* rate);
+  void lead_bodies();
+  void read_holds(double time);
+  void add_ends(const double* q);
+  void add_couplings();
+  void solve_tensions();
+  void move_bodies(const double* q, double* out);
+  void respond(const double* q, double* out);
+  void clear_ends(double* array) const;
+  double measure_work() const;
+
+  // Rows (system_rows.cpp).
+  void place_rows(std::span<const ConstraintRow* const> rows);
+  RowTerm term_of(const ConstraintRow::Particle& particle) const;
+  void evaluate_rows(double time);
+  void lead_rows();
+  template <typename Visit>
+  void each_entry(const double* q, const Bordered& bordered, Visit visit) const;
+  void solve_with_rows(const double* q);
+  double mobility(std::size_t a, std::size_t b) const;
+  void push_rows(const double* q, double* out) const;
+
+  // The state (system_state.cpp, system_projection.cpp).
+  void place(double time, const double* q, const double* rate);
+  Point start_of(const Span& span, double time) const;
+  void place_bars(const double* q, const double* rate);
+  Point centre(double time) const;
+  void float_to(double time);
+  void unit(double* q, double* rate) const;
+  double measure_gaps(double time, const double* q, const double* rate);
+  void spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Value::*off, double* array);
+  bool close(double time, double* q, double* rate);
+  Rotary rotary(double time) const;
+  void restore_momentum(double time, double* q, double* rate);
+
+  /// What holds the body, as indices into ends_.
+  std::span<const std::size_t> ends_of(const Part& part) const {
+    return {body_ends_.data() + part.first_end, part.ends};
+  }
+  // Where a body of the world stands in bodies_ or, in a plane, in bars_.
+  std::size_t member(std::size_t body) const;
+  std::size_t part_of(std::size_t body) const { return plane_ ? kNone : member(body); }
+  std::size_t bar_of(std::size_t body) const { return plane_ ? member(body) : kNone; }
+  std::size_t quaternion(std::size_t body) const { return links_.end() + 4 * body; }
+
+  const World* world_ = nullptr;
+  std::optional<Plane> plane_;
+  std::optional<Vec3> left_plane_;
+  std::vector<std::size_t> members_;  // indices into World::bodies, rising
+  std::vector<Span> spans_;           // each one's first end is placed by those before it
+  std::vector<End> ends_;
+  std::vector<Bar> bars_;
+  std::vector<Part> bodies_;
+  std::vector<std::size_t> body_ends_;  // body by body
+  std::vector<char> placed_, done_;     // workspaces of order_spans(): bodies, spans
+  std::vector<Coupling> couplings_;
+  std::vector<std::size_t> coupled_;  // links with a row of the dense system
+  Links links_;
+  std::vector<Links::Link> measured_;  // what links_ is made of
+  double length_ = 0, shortest_ = 0;   // m, of all links, of the shortest
+  double velocity_time_ = 0;           // s
+  double reach_ = 0;                   // m, of displacement_bound()
+  double work_ = 0;                    // cycles
+  double factored_sigma_ = 1;          // 1/s^2, of factor()
+
+  bool floats_ = false;  // nothing prescribed: its centre of mass flies freely
+  double mass_ = 0;      // kg
+  double loaded_at_ = 0;
+  Point centre_;                       // where it floats: of mass, at the time of loading
+  Vec3 spin_momentum_ = Vec3::Zero();  // where it floats: kg m^2/s about the centre of mass
+
+  // Per point of every span (one more than its links), and per body: mass, place.
+  std::vector<double> point_mass_;
+  std::vector<Point> points_, centres_, bar_centres_;
+  bool loops_ = false;       // some span closes one
+  std::vector<Point> gaps_;  // per span, where it closes a loop
+  Array still_;              // workspace of spread()
+  std::vector<Bordered> rows_;
+  std::vector<RowTerm> terms_;  // row by row
+  // Workspaces of solve_with_rows() and evaluate_rows().
+  std::vector<double> row_responses_;
+  Eigen::MatrixXd row_gains_;
+  Eigen::VectorXd row_rights_;
+  std::vector<Point> row_points_;
+  std::vector<Vec3> row_gradients_;
+  // Workspaces of add_couplings().
+  Array response_;
+  Eigen::MatrixXd dense_, gain_, system_;
+  Eigen::VectorXd dense_right_, share_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> decomposed_;
+};
+
+/// Finds planes for nets. Keeps its workspace.
+class PlaneFinder {
+ public:
+  /// Room for components of so many links.
+  void reserve(std::size_t links) { vectors_.reserve(2 * links + kOthers); }
+  /// The plane in which a component moves as far as its present state and its holds at `time` tell,
+  /// if System can step it there. `also` is one more acceleration in that plane, or zero.
+  std::optional<Plane> find(const World& world, const Component& component, double time,
+                            const Vec3& also);
+
+ private:
+  static constexpr std::size_t kOthers = 16;  // vectors of holds and bodies
+  std::vector<Vec3> vectors_, hints_;
+};
+
+}  // namespace taut::direct

@@ -1,0 +1,134 @@
+// Captions and cards: when they show, and how bright they are.
+#include "render/film/caption.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "render/film/card.h"
+
+namespace taut::caption_test {
+namespace {
+
+class CaptionTest : public testing::Test {
+ protected:
+  static picture::Picture filled(std::uint8_t value) {
+    picture::Picture picture(320, 200);
+    std::ranges::fill(picture.pixels, value);
+    for (std::size_t i = 3; i < picture.pixels.size(); i += 4) picture.pixels[i] = 255;
+    return picture;
+  }
+  /// The brightest red of a black picture with the captions.
+  int brightest(const std::vector<scenes::Caption>& captions, const film::Playing& playing) {
+    picture::Picture picture = filled(0);
+    film::draw_captions(picture, font_, captions, playing);
+    int most = 0;
+    for (std::size_t i = 0; i < picture.pixels.size(); i += 4)
+      most = std::max<int>(most, picture.pixels[i]);
+    return most;
+  }
+
+  picture::Font font_{picture::Font::Weight::regular, picture::Font::Family::lato};
+  const std::vector<scenes::Caption> one_ = {{1, 2, "HHH", ""}};
+};
+
+TEST_F(CaptionTest, ShowsBetweenItsTimes) {
+  EXPECT_EQ(brightest(one_, {.time = 0.9}), 0);
+  EXPECT_GT(brightest(one_, {.time = 1.5}), 200);
+  EXPECT_GT(brightest(one_, {.time = 1.5}), brightest(one_, {.time = 1.95}));
+  EXPECT_EQ(brightest(one_, {.time = 2.0}), 0);
+}
+
+TEST_F(CaptionTest, FadesWithTheClipAndNotAtACut) {
+  // 0.1 s of the scene after it appears: two thirds of the fade, or four times that.
+  const film::Playing slow{.time = 1.1, .rate = 0.25};
+  EXPECT_LT(brightest(one_, {.time = 1.1}), brightest(one_, slow));
+  EXPECT_EQ(brightest(one_, slow), brightest(one_, {.time = 1.5}));
+  EXPECT_EQ(brightest(one_, {.time = 1.3, .from = 1.3}), brightest(one_, {.time = 1.5}));
+  EXPECT_EQ(brightest(one_, {.time = 1.79, .until = 1.8}), brightest(one_, {.time = 1.5}));
+}
+
+TEST_F(CaptionTest, IsLeftOutWhereNobodyCouldReadIt) {
+  EXPECT_EQ(brightest(one_, {.time = 1.85, .from = 1.7}), 0) << "0.3 s of it before a cut";
+  EXPECT_EQ(brightest(one_, {.time = 1.5, .rate = 3}), 0) << "0.33 s of it, played fast";
+  EXPECT_GT(brightest(one_, {.time = 1.85, .from = 1.7, .rate = 0.5}), 200) << "0.6 s of it";
+}
+
+TEST_F(CaptionTest, WhatFollowsATabBeginsInOneColumnThroughoutAList) {
+  // Where the word, of one letter, begins.
+  const auto begins = [&](const std::vector<scenes::Caption>& captions, double time) {
+    picture::Picture picture = filled(0);
+    film::draw_captions(picture, font_, captions, {.time = time});
+    const int label_ends = int(0.05 * 320) + 10;
+    for (int x = label_ends; x < picture.width; ++x)
+      for (int y = 0; y < picture.height; ++y)
+        if (picture.at(x, y)[0] > 60) return x;
+    return -1;
+  };
+  const std::vector<scenes::Caption> list = {{1, 2, "i\tH", "phases"}, {2, 3, "w\tH", "phases"}},
+                                     alone = {{1, 2, "i\tH", ""}, {2, 3, "w\tH", ""}};
+  EXPECT_GT(begins(list, 1.5), 0);
+  EXPECT_EQ(begins(list, 1.5), begins(list, 2.5));
+  EXPECT_LT(begins(alone, 1.5), begins(alone, 2.5));
+}
+
+TEST_F(CaptionTest, IsReadOnWhiteAndDarkensNothingFartherThanALetter) {
+  picture::Picture picture = filled(255);
+  film::draw_captions(picture, font_, one_, {.time = 1.5});
+  int left = picture.width, right = -1, top = picture.height, bottom = -1, darkest = 255;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const int value = picture.at(x, y)[0];
+      darkest = std::min(darkest, value);
+      if (value == 255) continue;
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = std::max(bottom, y);
+    }
+  // 4.5:1 of luminances, as is asked of text: 1.05 above 0.183 and 0.05, which is 118 in sRGB.
+  EXPECT_LT(darkest, 118);
+  const double size = 9, base = 0.95 * picture.height - 0.3 * size, x = 0.05 * picture.width;
+  EXPECT_GE(left, x - size);
+  EXPECT_LE(right, x + font_.width("HHH", size) + size);
+  EXPECT_GE(top, base - 2 * size);
+  EXPECT_LE(bottom, base + size);
+}
+
+TEST_F(CaptionTest, ACardsLinesComeWhenThePictureIsGone) {
+  picture::Font bold(picture::Font::Weight::bold);
+  const scenes::Card card{.duration = 1, .heading = "HHH", .text = "one\ntwo"};
+  const auto drawn = [&](double shown, std::uint8_t ground) {
+    picture::Picture picture = filled(ground);
+    film::draw_card(picture, font_, bold, card, "impulse", shown);
+    return picture;
+  };
+  const auto range = [](const picture::Picture& picture) {
+    int least = 255, most = 0;
+    for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
+      least = std::min<int>(least, picture.pixels[i]);
+      most = std::max<int>(most, picture.pixels[i]);
+    }
+    return std::pair(least, most);
+  };
+  for (const double shown : {0.1, 0.3, 0.5}) {  // no line yet
+    const auto [least, most] = range(drawn(shown, 255));
+    EXPECT_EQ(least, most) << shown;
+  }
+  EXPECT_GT(range(drawn(0.3, 255)).first, range(drawn(0.5, 255)).first);
+  for (const double shown : {0.5, 0.7, 1.0})  // no picture any more
+    EXPECT_EQ(drawn(shown, 255).pixels, drawn(shown, 0).pixels) << shown;
+  EXPECT_GT(range(drawn(1, 255)).second, 200);
+  EXPECT_LT(range(drawn(1, 255)).first, 30);
+}
+
+TEST_F(CaptionTest, ACardNamesTheMethod) {
+  picture::Font bold(picture::Font::Weight::bold);
+  picture::Picture named = filled(255), other = named;
+  const scenes::Card by{.duration = 1, .heading = "H", .text = "by {method}"};
+  film::draw_card(named, font_, bold, by, "direct", 1);
+  film::draw_card(other, font_, bold, {.duration = 1, .heading = "H", .text = "by direct"}, "", 1);
+  EXPECT_EQ(named.pixels, other.pixels);
+}
+
+}  // namespace
+}  // namespace taut::caption_test

@@ -1,0 +1,34 @@
+#include "render/base/child.h"
+
+#include <gtest/gtest.h>
+
+namespace taut::child_test {
+namespace {
+
+TEST(Child, GivesOutputErrorsAndStatus) {
+  const std::string big(3 << 20, 'x');  // more than any pipe holds
+  const render::ChildResult copy = render::run_child({"cat"}, big);
+  EXPECT_EQ(copy.status, 0);
+  EXPECT_EQ(copy.output, big);
+  const render::ChildResult failed = render::run_child({"cat", "/nonexistent/file"}, "");
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_NE(failed.errors.find("/nonexistent/file"), std::string::npos);
+}
+
+TEST(Child, IsKilledWhereItDoesNothing) {
+  const render::ChildResult blocked =
+      render::run_child({"sleep", "1000"}, "", std::chrono::milliseconds(200));
+  EXPECT_EQ(blocked.status, 128 + 9);
+  EXPECT_NE(blocked.errors.find("sleep did nothing for too long"), std::string::npos);
+}
+
+TEST(Child, MayTakeItsTimeWhereItWorks) {
+  // A second of work, with patience for a fifth of it.
+  const render::ChildResult busy = render::run_child(
+      {"sh", "-c", "end=$(($(date +%s) + 2)); while [ $(date +%s) -lt $end ]; do :; done"}, "",
+      std::chrono::milliseconds(200));
+  EXPECT_EQ(busy.status, 0) << busy.errors;
+}
+
+}  // namespace
+}  // namespace taut::child_test

@@ -1,0 +1,109 @@
+// The hand around the stick, judged by the deformed skin of the martial artist himself.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "scenes/character/capsules.h"
+#include "scenes/character/character.h"
+#include "scenes/character/figure.h"
+#include "scenes/files/error.h"
+#include "sim/world/rotation.h"
+
+namespace taut::character_grip {
+namespace {
+
+std::shared_ptr<const scenes::Model> artist() {
+  static const auto model = std::make_shared<const scenes::Model>(
+      scenes::load_model(TAUT_SOURCE_DIR "/assets/martial_artist.glb"));
+  return model;
+}
+
+std::shared_ptr<const Path> still(const Vec3& position, const Vec3& axis) {
+  const Quat rotation = rotation_between(Vec3::UnitY(), axis.normalized());
+  return std::make_shared<const Path>(
+      std::vector<PathKey>{{0, position, rotation, true}, {1, position, rotation, true}});
+}
+
+Vec3 skinned(const scenes::Vertex& v, const scenes::Model& model, const std::vector<Pose>& bones) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (v.weights[k] == 0) continue;
+    const Eigen::Affine3d bind(model.bones[v.bones[k]].inverse_bind.cast<double>());
+    sum += double{v.weights[k]} *
+           bones[v.bones[k]].to_world(bind * Vec3(v.position[0], v.position[1], v.position[2]));
+  }
+  return sum;
+}
+
+std::size_t strongest_bone(const scenes::Vertex& v) {
+  return v.bones[static_cast<std::size_t>(std::max_element(v.weights.begin(), v.weights.end()) -
+                                          v.weights.begin())];
+}
+
+TEST(CharacterGrip, EveryFingerTouchesTheStickAndNothingEntersIt) {
+  const double radius = 0.014;
+  const Vec3 centre(-0.28, 1.05, 0.45), axis = Vec3(-0.85, 0.3, 0.43).normalized();
+  const auto performance = scenes::make_performance(artist(), {still(centre, axis), 2 * radius}, 1);
+  const auto bones = performance->bones_at(0.5);
+  std::map<std::string, double> gap;  // by bone, to the stick's surface
+  for (const scenes::Mesh& mesh : artist()->meshes) {
+    for (const scenes::Vertex& v : mesh.vertices) {
+      const std::string name = artist()->bones[strongest_bone(v)].name;
+      if (name.rfind("RightHand", 0) != 0) continue;
+      const Vec3 p = skinned(v, *artist(), bones) - centre;
+      if (std::abs(p.dot(axis)) > 0.10) continue;
+      const double distance = p.cross(axis).norm() - radius;
+      const auto [entry, fresh] = gap.emplace(name, distance);
+      if (!fresh) entry->second = std::min(entry->second, distance);
+    }
+  }
+  ASSERT_EQ(gap.size(), 16u);  // three phalanges of five fingers, and the palm
+  for (const auto& [bone, distance] : gap) {
+    EXPECT_GT(distance, -0.001) << bone;
+    // The thumb lies over the index finger.
+    if (bone.find("Thumb") == bone.npos) {
+      EXPECT_LT(distance, 0.003) << bone;
+    }
+  }
+}
+
+TEST(CharacterGrip, AThickerStickOpensTheFingers) {
+  const scenes::Figure thin(*artist(), 0.010), thick(*artist(), 0.018);
+  double closed = 0, opened = 0;
+  for (std::size_t i = 0; i < thin.grip().fingers.size(); ++i) {
+    closed += Eigen::AngleAxisd(thin.grip().fingers[i].second).angle();
+    opened += Eigen::AngleAxisd(thick.grip().fingers[i].second).angle();
+  }
+  EXPECT_LT(opened, closed - 0.5);
+}
+
+TEST(CharacterGrip, AModelWithoutABoneIsRefusedByName) {
+  auto broken = std::make_shared<scenes::Model>(*artist());
+  broken->bones[static_cast<std::size_t>(broken->bone("RightForeArm"))].name = "Stump";
+  try {
+    scenes::make_performance(broken, {still(Vec3(-0.28, 1.05, 0.45), Vec3::UnitX()), 0.028}, 1);
+    FAIL() << "accepted";
+  } catch (const scenes::BadAsset& error) {
+    EXPECT_STREQ(error.what(), "martial_artist: has no bone \"RightForeArm\"");
+  }
+}
+
+TEST(CharacterCapsules, HoldTheSkin) {
+  const scenes::Model& model = *artist();
+  const auto capsules = scenes::fit_capsules(model);
+  std::size_t outside = 0, total = 0;
+  for (const scenes::Mesh& mesh : model.meshes) {
+    for (const scenes::Vertex& v : mesh.vertices) {
+      const Vec3 p(v.position[0], v.position[1], v.position[2]);
+      double least = 1;
+      for (const scenes::Capsule& c : capsules)
+        least = std::min(least, scenes::clearance(c, {p, p, 0, 0}));
+      outside += least > 0.01;
+      ++total;
+    }
+  }
+  EXPECT_LT(static_cast<double>(outside), 0.01 * static_cast<double>(total));
+}
+
+}  // namespace
+}  // namespace taut::character_grip

@@ -1,0 +1,118 @@
+// The stage of a scene that has none.
+#include "scenes/default_stage.h"
+
+#include <gtest/gtest.h>
+
+#include "scenes/load_scene.h"
+#include "scenes/scene/view.h"
+#include "tests/support/folder.h"
+
+namespace taut::default_stage_test {
+namespace {
+
+const std::string kRope = R"(duration = 1
+fps = 30
+[bodies.box]
+mass = 0.5
+inertia = [0.001, 0.002, 0.001]
+hangs = [0, -1, 0]
+[connectors.rope]
+length = 2
+mass = 0.3
+particles = 9
+from = { fixed = [5, 3, -2] }
+to = { body = "box", point = [0, 0.05, 0] }
+start = { direction = [0, -0.5, 1] }
+[connectors.thread]
+length = 1
+mass = 0.002
+particles = 5
+from = { fixed = [5, 3, -1] }
+to = { free = true }
+start = { direction = [0, 0, -1] }
+)";
+
+class DefaultStage : public testing::Test {
+ protected:
+  scenes::Scene staged(const std::string& text) {
+    scenes::Scene scene = scenes::load_scene(folder_.write("scene.toml", text), true);
+    scenes::complete_stage(scene, {}, [] {});
+    return scene;
+  }
+  Folder folder_;
+};
+
+TEST_F(DefaultStage, TheCameraSeesAllThatMovesOverTheWholeClip) {
+  const scenes::Scene scene = staged(kRope);
+  ASSERT_TRUE(scene.stage);
+  const scenes::CameraView camera = scenes::camera_at(scene.stage->shots.at(0).camera, 0);
+  Simulation simulation = scenes::start(scene);
+  double widest = 0;
+  for (int frame = 0; frame < scene.frames(); ++frame) {
+    simulation.advance_to(static_cast<double>(frame) / scene.fps);
+    for (const scenes::Outline& thing : scenes::outlines(scene, simulation.state()))
+      for (const Vec3& point : thing.points) {
+        const auto at = scenes::on_picture(camera, 16.0 / 9, point);
+        ASSERT_TRUE(at) << thing.name;
+        widest = std::max(widest, at->cwiseAbs().maxCoeff());
+      }
+  }
+  EXPECT_LT(widest, 0.9);
+  EXPECT_GT(widest, 0.5) << "and not from far off";
+}
+
+TEST_F(DefaultStage, TheGroundIsWhereNothingGoesBelow) {
+  const scenes::Scene scene = staged(kRope);
+  ASSERT_EQ(scene.stage->scenery.size(), 1u);
+  double top = -1e9, lowest = 1e9;
+  for (const scenes::Vertex& vertex : scene.stage->scenery[0]->meshes[0].vertices)
+    top = std::max(top, static_cast<double>(vertex.position[1]));
+  Simulation simulation = scenes::start(scene);
+  for (int frame = 0; frame < scene.frames(); ++frame) {
+    simulation.advance_to(static_cast<double>(frame) / scene.fps);
+    for (const scenes::Outline& thing : scenes::outlines(scene, simulation.state()))
+      for (const Vec3& point : thing.points) lowest = std::min(lowest, point.y());
+  }
+  EXPECT_LT(top, lowest);
+  EXPECT_NEAR(top, lowest, 0.1);
+}
+
+TEST_F(DefaultStage, TheBallOfAPointMassLiesOnTheGround) {
+  const scenes::Scene scene = staged(R"(duration = 0.1
+fps = 30
+[connectors.rope]
+length = 1
+mass = 0.01
+particles = 3
+from = { fixed = [0, 1, 0] }
+to = { point_mass = 1 }
+)");
+  double top = -1e9;
+  for (const scenes::Vertex& vertex : scene.stage->scenery.at(0)->meshes[0].vertices)
+    top = std::max(top, static_cast<double>(vertex.position[1]));
+  EXPECT_LT(top, -0.031) << "steel of 1 kg has a radius of 31 mm";
+  EXPECT_GT(top, -0.06);
+}
+
+TEST_F(DefaultStage, LooksAreByKindAndBodiesHaveOne) {
+  const scenes::Scene scene = staged(kRope);
+  using Kind = scenes::ConnectorLook::Kind;
+  EXPECT_EQ(scene.stage->connector_looks.at(0).kind, Kind::rope);
+  EXPECT_EQ(scene.stage->connector_looks.at(1).kind, Kind::cord);
+  EXPECT_TRUE(scene.stage->body_models.at(0)) << "an inertia alone is drawn as its box";
+}
+
+TEST_F(DefaultStage, WhatIsWrittenStays) {
+  const scenes::Scene camera = staged(kRope +
+                                      "[stage]\ncamera = [{ t = 0, position = [0, 0, 9], "
+                                      "target = [0, 0, 0] }]\n");
+  EXPECT_EQ(camera.stage->camera.at(0).position, Vec3(0, 0, 9));
+  EXPECT_TRUE(camera.stage->scenery.empty());
+  const scenes::Scene bare = staged(kRope + "[stage]\nscenery = []\nbackground = [0, 1, 0]\n");
+  EXPECT_TRUE(bare.stage->scenery.empty());
+  EXPECT_EQ(bare.stage->background, Vec3(0, 1, 0));
+  EXPECT_NE(bare.stage->camera.at(0).position, scenes::CameraKey().position);
+}
+
+}  // namespace
+}  // namespace taut::default_stage_test

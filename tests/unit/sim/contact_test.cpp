@@ -1,0 +1,139 @@
+// Shapes as signed distances, and how a bead answers to what it touches.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sim/contact/touch.h"
+#include "sim/world/obstacle.h"
+#include "tests/support/dice.h"
+
+namespace taut::contact_test {
+namespace {
+
+void expect_distance(const Shape& shape, const Vec3& at, double distance, const Vec3& normal) {
+  const SurfaceDistance found = shape.from(at);
+  EXPECT_NEAR(found.distance, distance, 1e-14) << at.transpose();
+  EXPECT_LT((found.normal - normal).norm(), 1e-14) << at.transpose();
+}
+
+TEST(Shape, DistancesAreThoseOfGeometry) {
+  expect_distance(plane_shape(), Vec3(3, 0.2, 1), 0.2, Vec3::UnitY());
+  expect_distance(sphere_shape(0.5), Vec3(0, 0, -2), 1.5, -Vec3::UnitZ());
+  expect_distance(sphere_shape(0.5), Vec3(0.1, 0, 0), -0.4, Vec3::UnitX());
+  expect_distance(capsule_shape(0.5, 2), Vec3(2, 0.7, 0), 1.5, Vec3::UnitX());
+  expect_distance(capsule_shape(0.5, 2), Vec3(0, 3, 0), 1.5, Vec3::UnitY());
+  expect_distance(cylinder_shape(0.5, 2), Vec3(0, 0.3, 2), 1.5, Vec3::UnitZ());
+  expect_distance(cylinder_shape(0.5, 2), Vec3(0.1, -3, 0), 2, -Vec3::UnitY());
+  expect_distance(cylinder_shape(0.5, 2), Vec3(0.4, 0, 0), -0.1, Vec3::UnitX());
+  expect_distance(cylinder_shape(0.5, 2), Vec3(3.5, 5, 0), 5, Vec3(0.6, 0.8, 0));
+  expect_distance(box_shape(Vec3(2, 4, 6)), Vec3(4, 6, 3), 5, Vec3(0.6, 0.8, 0));
+  expect_distance(box_shape(Vec3(2, 4, 6)), Vec3(0.9, 0, 0), -0.1, Vec3::UnitX());
+  const double corner = std::sqrt(3.0);  // of a box whose corners are balls of 0.25
+  expect_distance(box_shape(Vec3(2, 2, 2), 0.25), Vec3(2, 2, 2), 1.25 * corner - 0.25,
+                  Vec3::Ones() / corner);
+}
+
+TEST(Shape, NormalsAreTheWayDistancesRise) {
+  Dice dice(1);
+  const Shape shapes[] = {sphere_shape(0.3), capsule_shape(0.2, 0.5), cylinder_shape(0.4, 0.6, 0.1),
+                          box_shape(Vec3(0.4, 0.7, 0.5), 0.05), cylinder_shape(0.4, 0.6)};
+  for (const Shape& shape : shapes) {
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 at = dice.within(1);
+      const SurfaceDistance here = shape.from(at);
+      if (here.distance < 1e-3) continue;
+      constexpr double step = 1e-6;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double rise = (shape.from(at + step * Vec3::Unit(axis)).distance -
+                             shape.from(at - step * Vec3::Unit(axis)).distance) /
+                            (2 * step);
+        EXPECT_NEAR(rise, here.normal[axis], 1e-5);
+      }
+    }
+  }
+}
+
+TEST(Shape, NormalsTurnAsTheirDifferencesSay) {
+  Dice dice(3);
+  const Shape shapes[] = {sphere_shape(0.3), capsule_shape(0.2, 0.5), cylinder_shape(0.4, 0.6, 0.1),
+                          box_shape(Vec3(0.4, 0.7, 0.5), 0.05), cylinder_shape(0.4, 0.6)};
+  for (const Shape& shape : shapes) {
+    int count = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 at = dice.within(1), moves = dice.within(1);
+      if (shape.from(at).distance < 0.02) continue;
+      constexpr double step = 1e-5;
+      const Vec3 rate =
+          (shape.from(at + step * moves).normal - shape.from(at - step * moves).normal) /
+          (2 * step);
+      const Vec3 ahead = shape.normal_rate(at + step * moves, moves);
+      const Vec3 behind = shape.normal_rate(at - step * moves, moves);
+      if ((ahead - behind).norm() > 0.1) continue;  // surfaces of two curvatures meet here
+      // Distances and speeds are at least 0.02 m and at most 1.8 m/s: the third derivative is less
+      // than (90/s)^3.
+      EXPECT_LT((shape.normal_rate(at, moves) - rate).norm(), 1e-4);
+      ++count;
+    }
+    EXPECT_GT(count, 50);
+  }
+}
+
+TEST(Shape, TheCurvatureAheadCountsWhereTwoMeet) {
+  const Vec3 rim(0.5, 1.1, 0), out = Vec3::UnitX();  // 0.1 m above the rim of a flat cylinder
+  EXPECT_EQ(cylinder_shape(0.5, 2).normal_rate(rim, -out), Vec3::Zero());
+  EXPECT_LT((cylinder_shape(0.5, 2).normal_rate(rim, out) - 10 * out).norm(), 1e-12);
+  EXPECT_EQ(box_shape(Vec3(1, 2, 1)).normal_rate(rim, -out), Vec3::Zero());
+  EXPECT_LT((box_shape(Vec3(1, 2, 1)).normal_rate(rim, out) - 10 * out).norm(), 1e-12);
+}
+
+// Signorini and Coulomb for any velocity and any one to three surfaces; where one surface closes,
+// the derivative is that of differences.
+TEST(Touch, AnswersByTheLaws) {
+  Dice dice(2);
+  int slid = 0, stuck = 0, open = 0;
+  for (int k = 0; k < 3000; ++k) {
+    std::vector<contact::Touch> touches(1 + static_cast<std::size_t>(k % 3));
+    for (contact::Touch& touch : touches) {
+      touch.normal = dice.direction();
+      touch.stick = touch.slide = dice.between(0, 1.5);
+    }
+    const Vec3 free = dice.within(1);
+    std::vector<contact::Touch> answered = touches;
+    const contact::Response response = contact::respond(free, answered);
+    Vec3 given = Vec3::Zero();
+    for (const contact::Touch& touch : answered) {
+      const double leaving = touch.normal.dot(response.velocity) - touch.least;
+      EXPECT_GE(leaving, -1e-9);
+      EXPECT_GE(touch.push, 0);
+      EXPECT_LE(std::abs(leaving * touch.push), 1e-9);
+      EXPECT_LE(touch.rub.norm(), touch.stick * touch.push + 1e-9);
+      given += touch.push * touch.normal + touch.rub;
+    }
+    if (touches.size() > 1) continue;
+    EXPECT_LT((free + given - response.velocity).norm(), 1e-12);
+    const contact::Touch& touch = answered[0];
+    open += touch.state == contact::Touch::State::open;
+    stuck += touch.state == contact::Touch::State::sticks;
+    if (touch.state != contact::Touch::State::slides) continue;
+    ++slid;
+    EXPECT_NEAR(touch.rub.norm(), touch.slide * touch.push, 1e-12);
+    EXPECT_LT((touch.rub.normalized() + response.velocity.normalized()).norm(), 1e-6);
+    for (int axis = 0; axis < 3; ++axis) {
+      constexpr double step = 1e-7;
+      std::vector<contact::Touch> more = touches, less = touches;
+      const Vec3 rise = (contact::respond(free + step * Vec3::Unit(axis), more).velocity -
+                         contact::respond(free - step * Vec3::Unit(axis), less).velocity) /
+                        (2 * step);
+      if (more[0].state != contact::Touch::State::slides ||
+          less[0].state != contact::Touch::State::slides)
+        continue;
+      EXPECT_LT((rise - response.derivative.col(axis)).norm(), 1e-5);
+    }
+  }
+  EXPECT_GT(std::min({slid, stuck, open}), 50);
+}
+
+}  // namespace
+}  // namespace taut::contact_test
