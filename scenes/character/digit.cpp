@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace taut::scenes {
 namespace {
@@ -42,6 +43,7 @@ Digit::Digit(const Model& model, const Skeleton& skeleton, Side side, const std:
     radius_[k] = distances.empty() ? usual_radius : *middle;
   }
   pad_bare_bones();
+  std::ranges::stable_sort(skin_, {}, &Skin::phalanx);
 }
 
 void Digit::take_skin(const Model& model) {
@@ -82,6 +84,34 @@ std::array<Vec3, 4> Digit::joints(const DigitTurns& turns) const {
   std::array<Vec3, 4> at{rest_[0]};
   for (std::size_t k = 0; k < 3; ++k) at[k + 1] = at[k] + turns[k] * (rest_[k + 1] - rest_[k]);
   return at;
+}
+
+void Digit::bend(const DigitTurns& turns, BentSkin& skin) const {
+  const std::array<Vec3, 4> at = joints(turns);
+  std::array<Mat3, 3> turn;
+  std::array<Vec3, 3> move;  // of a phalanx: x to turn x + move
+  for (std::size_t k = 0; k < 3; ++k) {
+    turn[k] = turns[k].toRotationMatrix();
+    move[k] = at[k] - turn[k] * rest_[k];
+  }
+  skin.points.clear();
+  skin.first.fill(skin_.size());
+  for (const Skin& v : skin_) {
+    Vec3 p = v.of_hand * v.position;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (v.weights[k] > 0) p += v.weights[k] * (turn[k] * v.position + move[k]);
+    for (std::size_t k = 0; k <= v.phalanx; ++k)
+      skin.first[k] = std::min(skin.first[k], skin.points.size());
+    skin.points.push_back(p);
+  }
+  for (std::size_t k = 0; k < BentSkin::parts; ++k) {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Vec3& p : skin.part(k)) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    skin.balls[k] = {(low + high) / 2, (high - low).norm() / 2};
+  }
 }
 
 }  // namespace taut::scenes

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,24 @@ std::string hand_name(Side side);
 /// Turns of the three bones of a digit against the hand, in the model's axes at rest.
 using DigitTurns = std::array<Quat, 3>;
 
+/// The skin of a bent digit, each vertex with the phalanx that it moves with most. A part for
+/// itself is the root, where skin moves mostly with the hand.
+struct BentSkin {
+  static constexpr std::size_t root = 3, parts = 4;
+  struct Ball {  // that holds a part
+    Vec3 centre = Vec3::Zero();
+    double radius = 0;
+  };
+
+  std::span<const Vec3> part(std::size_t i) const {
+    return std::span(points).subspan(first[i], first[i + 1] - first[i]);
+  }
+
+  std::vector<Vec3> points;  // m, part by part
+  std::array<std::size_t, parts + 1> first{};
+  std::array<Ball, parts> balls;
+};
+
 class Digit {
  public:
   /// `name`: Index, Middle, Ring, Pinky or Thumb. A model without skin there gets some of the usual
@@ -31,20 +50,8 @@ class Digit {
 
   /// Joints and end where those turns bring them, the hand being at rest.
   std::array<Vec3, 4> joints(const DigitTurns& turns) const;
-  /// Stands for a phalanx where skin moves mostly with the hand.
-  static constexpr std::size_t root = 3;
-  /// Calls use(phalanx, position) for every vertex of the bent skin, as it is drawn; the phalanx is
-  /// the one that it moves with most, or the digit's root.
-  template <typename Use>
-  void each_vertex(const DigitTurns& turns, Use use) const {
-    const std::array<Vec3, 4> at = joints(turns);
-    for (const Skin& v : skin_) {
-      Vec3 p = v.of_hand * v.position;
-      for (std::size_t k = 0; k < 3; ++k)
-        if (v.weights[k] > 0) p += v.weights[k] * (at[k] + turns[k] * (v.position - rest_[k]));
-      use(v.phalanx, p);
-    }
-  }
+  /// The skin when the digit is bent, as it is drawn.
+  void bend(const DigitTurns& turns, BentSkin& skin) const;
 
  private:
   struct Skin {
@@ -59,7 +66,7 @@ class Digit {
   std::array<std::size_t, 3> bones_{};
   std::array<Vec3, 4> rest_;
   std::array<double, 3> radius_{};
-  std::vector<Skin> skin_;
+  std::vector<Skin> skin_;  // by phalanx
 };
 
 }  // namespace taut::scenes

@@ -54,15 +54,15 @@ double distance(const Vec3& p, const Capsule& c) {
   return (from - t * axis).norm() - c.radius;
 }
 
-/// Distance of each phalanx's and the root's skin from capsules, the least of it.
-std::array<double, 4> gaps(const Digit& digit, const DigitTurns& turns,
-                           std::span<const Capsule> things) {
-  std::array<double, 4> least;
-  least.fill(std::numeric_limits<double>::infinity());
-  digit.each_vertex(turns, [&](std::size_t phalanx, const Vec3& p) {
-    for (const Capsule& c : things) least[phalanx] = std::min(least[phalanx], distance(p, c));
-  });
-  return least;
+/// Distance of a part of the skin from capsules, where it is less than `most` (m).
+double gap(const BentSkin& bent, std::size_t part, std::span<const Capsule> things,
+           double most = std::numeric_limits<double>::infinity()) {
+  const BentSkin::Ball& around = bent.balls[part];
+  for (const Capsule& c : things) {
+    if (distance(around.centre, c) - around.radius >= most) continue;
+    for (const Vec3& p : bent.part(part)) most = std::min(most, distance(p, c));
+  }
+  return most;
 }
 
 /// A digit's turns from those of each joint against the one before.
@@ -86,15 +86,17 @@ DigitTurns wrap(const Digit& finger, const Capsule& stick, const Vec3& hinge) {
   using Angles = std::array<double, 3>;
   constexpr Angles most = {88 * degree, 108 * degree, 75 * degree};
   Angles best{};
+  BentSkin bent;
   double least = std::numeric_limits<double>::infinity();
   for (const double knuckle : {50 * degree, 72 * degree}) {
     for (const double middle : {55 * degree, 85 * degree}) {
       Angles angles = {knuckle, middle, 35 * degree};
       const double cost = descend(angles, [&](const Angles& x) {
-        const auto gap = gaps(finger, flexed(x, hinge), {&stick, 1});
+        finger.bend(flexed(x, hinge), bent);
         double sum = 0;
         for (std::size_t k = 0; k < 3; ++k)
-          sum += touch(gap[k]) + 1e4 * squared(beyond(x[k], most[k]) + beyond(5 * degree, x[k]));
+          sum += touch(gap(bent, k, {&stick, 1})) +
+                 1e4 * squared(beyond(x[k], most[k]) + beyond(5 * degree, x[k]));
         return sum;
       });
       if (cost < least) {
@@ -122,12 +124,13 @@ class Thumb {
   DigitTurns lay(std::span<const Capsule> wanted, std::span<const Capsule> things,
                  const Vec3& tip) const {
     Angles best{};
+    BentSkin bent;
     double least = std::numeric_limits<double>::infinity();
     for (const double roll : {-1.4, -0.7, 0.0, 0.7, 1.4}) {
       for (const double rise : {-0.4, 0.4}) {
         Angles x = {rise, 0, roll, 0.4, 0.4};
-        const double cost =
-            descend(x, [&](const Angles& trial) { return discomfort(trial, wanted, things, tip); });
+        const double cost = descend(
+            x, [&](const Angles& trial) { return discomfort(trial, wanted, things, tip, bent); });
         if (cost < least) {
           least = cost;
           best = x;
@@ -150,12 +153,13 @@ class Thumb {
   }
 
   double discomfort(const Angles& x, std::span<const Capsule> wanted,
-                    std::span<const Capsule> things, const Vec3& tip) const {
+                    std::span<const Capsule> things, const Vec3& tip, BentSkin& bent) const {
     const DigitTurns turned = turns(x);
-    const auto near = gaps(digit_, turned, wanted), free = gaps(digit_, turned, things);
-    double cost = touch(near[1]) + touch(near[2]);
-    for (const double gap : {near[0], near[Digit::root], free[1], free[2]})
-      cost += 25 * squared(beyond(skin, gap) / mm);
+    digit_.bend(turned, bent);
+    double cost = touch(gap(bent, 1, wanted)) + touch(gap(bent, 2, wanted));
+    for (const double free : {gap(bent, 0, wanted, skin), gap(bent, BentSkin::root, wanted, skin),
+                              gap(bent, 1, things, skin), gap(bent, 2, things, skin)})
+      cost += 25 * squared((skin - free) / mm);
     constexpr Angles ease = {0.8, 0.8, 1.2, 0.8, 0.8}, most = {1.1, 1.1, 1.7, 1.1, 1.3};
     for (std::size_t i = 0; i < x.size(); ++i)
       cost += 0.3 * squared(x[i] / ease[i]) + 1e3 * squared(beyond(std::abs(x[i]), most[i]));
