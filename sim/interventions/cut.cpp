@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "sim/interventions/interventions.h"
 #include "sim/interventions/renumber.h"
@@ -41,7 +43,7 @@ std::size_t massive(const Connector& connector, std::size_t start, std::ptrdiff_
 /// much from either as keeps their centre. It takes their velocity with it, so that momentum stays.
 /// Pins that were added have no mass to give: then a neighbour that has gives alone, as one that is
 /// free does beside one that is held.
-void share_mass(World& world, Connector& connector, std::size_t added) {
+void share_mass(World& world, const Ties& ties, Connector& connector, std::size_t added) {
   const std::size_t before = massive(connector, added - 1, -1);
   const std::size_t after = massive(connector, added + 1, 1);
   const bool near_before = before + 1 == added, near_after = after == added + 1;
@@ -62,7 +64,8 @@ void share_mass(World& world, Connector& connector, std::size_t added) {
   connector.velocity[added] = (1 - part) * connector.velocity[before];
   connector.velocity[added] += part * connector.velocity[after];
   for (const Hold& hold : connector.holds) {
-    if (hold.particle == before || hold.particle == after) reweigh_and_renumber(world, hold.to);
+    if (hold.particle != before && hold.particle != after) continue;
+    if (!is_prescribed(world, hold.to)) reweigh_and_renumber(world, ties, hold.to.body);
   }
 }
 
@@ -78,32 +81,23 @@ void add_mark(std::string& name, std::size_t k) {
 
 }  // namespace
 
-Divided Interventions::cut(World& world, std::size_t index, double along) {
-  if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
-  const double end = kSamePlace * world.connectors[index].length;
-  if (!(along > end && along < world.connectors[index].length - end)) return {Outcome::outside, 0};
-  const Place place = locate(world.connectors[index], along);
-  if (place.fraction == 0 && holds(world.connectors[index], place.particle)) {
-    return {Outcome::held_there, 0};
-  }
-  if (place.fraction == 0 && find_joint(world, index, place.particle)) {
-    return {Outcome::joined_there, 0};
-  }
-  world.topology -= share(world, index);
+/// Why the connector cannot be cut at the place, `along` (m) it.
+Outcome Interventions::why_not_cut(const World& world, std::size_t index, double along,
+                                   const Place& place) {
+  const Connector& connector = world.connectors[index];
+  const double end = kSamePlace * connector.length;
+  if (!(along > end && along < connector.length - end)) return Outcome::outside;
+  if (place.fraction > 0) return Outcome::done;
+  if (holds(connector, place.particle)) return Outcome::held_there;
+  return ties_.find_joint(world, index, place.particle) ? Outcome::joined_there : Outcome::done;
+}
+
+/// Adds an empty connector for what is cut off.
+void Interventions::add_part(World& world, std::size_t index) {
   const bool has_room = !spare_.empty();
   if (!has_room) spare_.emplace_back();
   world.connectors.push_back(std::move(spare_.back()));
   spare_.pop_back();
-  Connector& first = world.connectors[index];
-  Connector& second = world.connectors.back();
-  std::size_t at = place.particle;
-  if (place.fraction > 0) {
-    at = place.particle + 1;
-    rebase_pins(first, at, add_particle(first, place));
-    particle_added(world, index, place.particle);
-    share_mass(world, first, at);
-  }
-  first.particle_mass[at] /= 2;
   while (original_.size() + 1 < world.connectors.size()) {
     original_.push_back(original_.size());
     cut_off_.push_back(0);
@@ -111,8 +105,72 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   const std::size_t original = original_[index];
   original_.push_back(original);
   cut_off_.push_back(0);
+  Connector& second = world.connectors.back();
   second.name = world.connectors[original].name;
   add_mark(second.name, ++cut_off_[original]);
+  ties_.connector_added();
+}
+
+Divided Interventions::cut(World& world, std::size_t index, double along) {
+  if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
+  ties_.follow(world);
+  const Place place = locate(world.connectors[index], along);
+  const Outcome outcome = why_not_cut(world, index, along, place);
+  if (outcome != Outcome::done) return {outcome, 0};
+  const std::size_t added = world.connectors.size();
+  add_part(world, index);
+  divide(world, index, along, added);
+  ties_.followed(world);
+  return {Outcome::done, added};
+}
+
+bool Interventions::cut(World& world, std::size_t index, std::span<const double> along) {
+  if (index >= world.connectors.size()) return false;
+  ties_.follow(world);
+  std::vector<std::size_t> order(along.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](std::size_t i) { return along[i]; });
+  const Connector& connector = world.connectors[index];
+  Walk walk;
+  double last = 0;
+  for (const std::size_t i : order) {
+    const Place place = locate(connector, along[i], walk);
+    if (why_not_cut(world, index, along[i], place) != Outcome::done) return false;
+    if (along[i] - std::exchange(last, along[i]) <= kSamePlace * connector.length) return false;
+  }
+  const std::size_t parts = world.connectors.size();
+  for (std::size_t i = 0; i < along.size(); ++i) add_part(world, index);
+  divide(world, index, 0, parts, along, order);
+  ties_.followed(world);
+  return true;
+}
+
+/// Divides a part that begins at `start` (m) at places in their order: in the middle first, so that
+/// few cuts move much. What is cut off at the k-th becomes connector `parts` + k.
+void Interventions::divide(World& world, std::size_t index, double start, std::size_t parts,
+                           std::span<const double> along, std::span<const std::size_t> order) {
+  if (order.empty()) return;
+  const std::size_t middle = order.size() / 2, k = order[middle];
+  divide(world, index, along[k] - start, parts + k);
+  divide(world, index, start, parts, along, order.first(middle));
+  divide(world, parts + k, along[k], parts, along, order.subspan(middle + 1));
+}
+
+/// Moves what is behind `along` (m) to the empty connector `part`.
+void Interventions::divide(World& world, std::size_t index, double along, std::size_t part) {
+  world.topology -= structure_of_connector(world, index);
+  Connector& first = world.connectors[index];
+  Connector& second = world.connectors[part];
+  const bool has_room = second.position.capacity() > 0;
+  const Place place = locate(first, along);
+  std::size_t at = place.particle;
+  if (place.fraction > 0) {
+    at = place.particle + 1;
+    rebase_pins(first, at, add_particle(first, place));
+    ties_.particle_added(world, index, place.particle);
+    share_mass(world, ties_, first, at);
+  }
+  first.particle_mass[at] /= 2;
   second.restitution = first.restitution;
   second.model = first.model;
   second.pulls = first.pulls;
@@ -143,7 +201,7 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
   second.holds.assign(tail, first.holds.end());
   first.holds.erase(tail, first.holds.end());
   for (Hold& hold : second.holds) hold.particle -= at;
-  connector_divided(world, index, at, world.connectors.size() - 1);
+  ties_.connector_divided(world, index, at, part);
   second.length = first.length - along;
   second.mass = first.mass * second.length / first.length;
   first.mass -= second.mass;
@@ -152,9 +210,7 @@ Divided Interventions::cut(World& world, std::size_t index, double along) {
     fit(first);
     fit(second);
   }
-  const std::size_t added = world.connectors.size() - 1;
-  world.topology += share(world, index) + structure_of_connector(world, added);
-  return {Outcome::done, added};
+  world.topology += structure_of_connector(world, index) + structure_of_connector(world, part);
 }
 
 }  // namespace taut

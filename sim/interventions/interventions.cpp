@@ -100,28 +100,30 @@ bool on_free_body(const World& world, const Attachment& to) {
 }
 
 /// Gives the body the mass of a particle that it has begun to hold: both keep their momentum.
-void load(World& world, std::size_t index, double mass, const Vec3& position,
+void load(World& world, const Ties& ties, std::size_t index, double mass, const Vec3& position,
           const Vec3& velocity) {
   Body& body = world.bodies[index];
   const Vec3 linear = body.mass_properties.mass * body.velocity + mass * velocity;
   Vec3 angular = body.mass_properties.mass * body.position.cross(body.velocity) +
                  body.world_inertia() * body.spin + mass * position.cross(velocity);
-  renumber_body(world, index, [&] { reweigh(body, laden(world, index)); });
+  reweigh_and_renumber(world, ties, index);
   body.velocity = linear / body.mass_properties.mass;
   angular -= body.position.cross(linear);
   body.spin = FreeRotation(body.mass_properties.inertia).inverse_inertia(body.rotation) * angular;
 }
 
 /// Lets the hold take its particle to `to`, over a time.
-void attach(World& world, Connector& connector, Hold& hold, const Attachment& to, double over) {
+void attach(World& world, Ties& ties, Connector& connector, Hold& hold, const Attachment& to,
+            double over) {
+  const auto index = static_cast<std::size_t>(&connector - world.connectors.data());
   Vec3& position = connector.position[hold.particle];
   Vec3& velocity = connector.velocity[hold.particle];
   hold.to = to;
   hold.to.approach = {};
   if (on_free_body(world, to)) {
-    const auto index = static_cast<std::size_t>(&connector - world.connectors.data());
-    const double mass = joined_mass(world, index, hold.particle);
-    if (mass > 0) load(world, to.body, mass, position, velocity);
+    ties.held(index, to.body);
+    const double mass = ties.joined_mass(world, index, hold.particle);
+    if (mass > 0) load(world, ties, to.body, mass, position, velocity);
   } else if (over > 0) {
     hold.to.approach = {position - hold_motion(world, to, world.time).position, world.time,
                         world.time + over};
@@ -129,7 +131,7 @@ void attach(World& world, Connector& connector, Hold& hold, const Attachment& to
   const PointMotion motion = hold_motion(world, hold.to, world.time);
   position = motion.position;
   velocity = motion.velocity;
-  place_joined(world);
+  ties.place_joined(world, index, hold.particle);
 }
 
 /// How far the span around a particle that was added can go once the links beside it are one.
@@ -252,6 +254,7 @@ void Interventions::reserve(World& world, std::size_t pins, std::size_t cuts) {
     longest_name = std::max(longest_name, connector.name.size());
   }
   restorer_.reserve(most);
+  ties_.reserve(world, world.connectors.size() + cuts, pins * world.connectors.size());
   world.connectors.reserve(world.connectors.size() + cuts);
   original_.reserve(world.connectors.size() + cuts);
   cut_off_.reserve(world.connectors.size() + cuts);
@@ -278,24 +281,25 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
   Connector& connector = world.connectors[index];
   if (!on(connector, along)) return {Outcome::outside, 0};
   if (!exists(world, to)) return {Outcome::no_target, 0};
+  ties_.follow(world);
   const Place place = locate(connector, along);
   if (place.fraction == 0) {
     const auto there = hold_at(connector, place.particle);
     if (there != connector.holds.end() && there->particle == place.particle) {
       return {Outcome::held_there, 0};
     }
-    const Joint* joint = find_joint(world, index, place.particle);
+    const Joint* joint = ties_.find_joint(world, index, place.particle);
     if (joint && is_held(world, *joint)) return {Outcome::held_there, 0};
   }
   const Vec3 target = goal(world, to, world.time + over);
   const Outcome outcome = reachable(world, connector, place, target, over > 0);
   if (outcome != Outcome::done) return {outcome, 0};
-  world.topology -= share(world, index);
+  world.topology -= structure_of_connector(world, index);
   Hold hold;
   hold.particle = place.particle;
   if (place.fraction > 0) {
     hold.pin = add_particle(connector, place);
-    particle_added(world, index, hold.particle);
+    ties_.particle_added(world, index, hold.particle);
     ++hold.particle;
   }
   hold.pin.number = ++world.pins;
@@ -311,13 +315,22 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
   hold.to = to;  // before attach(): a free body is weighed with all it holds
   connector.holds.insert(hold_at(connector, hold.particle), hold);
   const auto held = hold_at(connector, hold.particle);
-  attach(world, connector, *held, to, over);
-  world.topology += share(world, index);
+  attach(world, ties_, connector, *held, to, over);
+  world.topology += structure_of_connector(world, index);
+  ties_.followed(world);
   held->pin.topology = world.topology;
   return {Outcome::done, held->pin.number};
 }
 
+/// Weighs a free body that holds the connector no more at a place.
+void Interventions::let_go(World& world, std::size_t connector, const Attachment& by) {
+  if (is_prescribed(world, by)) return;
+  ties_.let_go(connector, by.body);
+  reweigh_and_renumber(world, ties_, by.body);
+}
+
 Outcome Interventions::move(World& world, std::uint64_t pin, const Attachment& to, double over) {
+  ties_.follow(world);
   const auto [connector, h] = find_pin(world, pin, 0);
   if (connector == nullptr) return Outcome::no_pin;
   if (!exists(world, to)) return Outcome::no_target;
@@ -326,17 +339,19 @@ Outcome Interventions::move(World& world, std::uint64_t pin, const Attachment& t
   const Outcome outcome = reachable(world, *connector, {hold.particle, 0}, target, over > 0);
   if (outcome != Outcome::done) return outcome;
   const auto index = static_cast<std::size_t>(connector - world.connectors.data());
-  world.topology -= share(world, index);
+  world.topology -= structure_of_connector(world, index);
   const Attachment from = hold.to;
   hold.to = {};
-  reweigh_and_renumber(world, from);
-  attach(world, *connector, hold, to, over);
+  let_go(world, index, from);
+  attach(world, ties_, *connector, hold, to, over);
   hold.pin.since = -INFINITY;  // what was before the pin is not what was before the move
-  world.topology += share(world, index);
+  world.topology += structure_of_connector(world, index);
+  ties_.followed(world);
   return Outcome::done;
 }
 
 Outcome Interventions::release(World& world, std::uint64_t pin, std::size_t at) {
+  ties_.follow(world);
   const auto [connector, h] = find_pin(world, pin, at);
   if (connector == nullptr) return Outcome::no_pin;
   const Hold hold = connector->holds[h];
@@ -349,9 +364,9 @@ Outcome Interventions::release(World& world, std::uint64_t pin, std::size_t at) 
                           : Joined::straightens;
   if (span == Joined::bent) return Outcome::too_near;
   const auto index = static_cast<std::size_t>(connector - world.connectors.data());
-  world.topology -= share(world, index);
+  world.topology -= structure_of_connector(world, index);
   connector->holds.erase(connector->holds.begin() + static_cast<std::ptrdiff_t>(h));
-  reweigh_and_renumber(world, hold.to);
+  let_go(world, index, hold.to);
   if (at_once) {
     connector->position[hold.particle] = record.position;
     connector->velocity[hold.particle] = record.velocity;
@@ -364,16 +379,18 @@ Outcome Interventions::release(World& world, std::uint64_t pin, std::size_t at) 
   }
   if (was_added) {
     remove_particle(*connector, hold.particle, record.link_rest);
-    particle_removed(world, index, hold.particle);
+    ties_.particle_removed(world, index, hold.particle);
+  } else {
+    ties_.place_joined(world, index, hold.particle);
   }
-  place_joined(world);
   const bool joined = was_added && !at_once && !world.joints.empty() && !connector->stretches();
   if (span == Joined::needs_a_body || joined) {
     restore_lengths(world);
   } else if (was_added && !at_once && !connector->stretches()) {
     restorer_.restore(*connector, hold.particle - 1);
   }
-  world.topology += share(world, index);
+  world.topology += structure_of_connector(world, index);
+  ties_.followed(world);
   return Outcome::done;
 }
 

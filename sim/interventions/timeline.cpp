@@ -14,10 +14,28 @@ std::vector<TimedCut> in_order_of_time(std::vector<TimedCut> cuts) {
 World divided(World world, const Timeline& timeline) {
   Parts parts(world.connectors);
   Interventions interventions;
-  for (const TimedCut& cut : in_order_of_time(timeline.cuts)) {
-    const auto [part, along] = parts.at(cut.connector, cut.along);
-    if (interventions.cut(world, part, along).outcome == Outcome::done) {
-      parts.cut(cut.connector, cut.along, world.connectors.size() - 1);
+  const std::vector<TimedCut> cuts = in_order_of_time(timeline.cuts);
+  std::vector<double> along;
+  for (std::size_t i = 0; i < cuts.size();) {
+    const std::size_t part = parts.at(cuts[i].connector, cuts[i].along).connector;
+    std::size_t end = i;
+    along.clear();
+    for (; end < cuts.size() && cuts[end].connector == cuts[i].connector; ++end) {
+      const Parts::Place place = parts.at(cuts[end].connector, cuts[end].along);
+      if (place.connector != part) break;
+      along.push_back(place.along);
+    }
+    std::size_t made = world.connectors.size();
+    if (interventions.cut(world, part, along)) {
+      for (; i < end; ++i) parts.cut(cuts[i].connector, cuts[i].along, made++);
+      continue;
+    }
+    for (; i < end; ++i) {
+      const auto [connector, place] = parts.at(cuts[i].connector, cuts[i].along);
+      const Divided divided = interventions.cut(world, connector, place);
+      if (divided.outcome == Outcome::done) {
+        parts.cut(cuts[i].connector, cuts[i].along, divided.connector);
+      }
     }
   }
   return world;

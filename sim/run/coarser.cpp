@@ -22,8 +22,8 @@ void take_masses(World& world, const World& exact) {
       coarse.particle_mass[link] += (1 - ahead) * fine.particle_mass[i];
       coarse.particle_mass[link + 1] += ahead * fine.particle_mass[i];
     }
-    for (const Hold& hold : coarse.holds) reweigh_holder(world, hold.to);
   }
+  reweigh(world);
 }
 
 }  // namespace taut

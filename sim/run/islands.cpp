@@ -95,6 +95,9 @@ std::unique_ptr<Islands> Islands::find(const World& world, const Timeline& timel
     if (world.bodies[b].driven()) continue;
     found->islands_[numbers[connectors + b]].bodies.push_back(b);
   }
+  for (std::size_t j = 0; j < world.joints.size(); ++j) {
+    found->islands_[numbers[world.joints[j].particles[0].connector]].joints.push_back(j);
+  }
   const Island& rest = found->islands_[0];
   if (rest.connectors.empty() && rest.bodies.empty() && found->islands_.size() == 2) return nullptr;
   found->again_ = method.again;
@@ -133,9 +136,8 @@ void Islands::take(const World& whole, Island& island) {
     }
   }
   part.joints.clear();
-  for (const Joint& joint : whole.joints) {
-    if (&islands_[island_of_[joint.particles[0].connector]] != &island) continue;
-    Joint& own = part.joints.emplace_back(joint);
+  for (const std::size_t j : island.joints) {
+    Joint& own = part.joints.emplace_back(whole.joints[j]);
     for (Joint::Particle& at : own.particles)
       at.connector = index_of(island.connectors, at.connector);
   }
@@ -160,6 +162,8 @@ void Islands::settle(const World& whole) {
     std::iota(all.connectors.begin(), all.connectors.end(), 0);
     all.bodies.resize(whole.bodies.size());
     std::iota(all.bodies.begin(), all.bodies.end(), 0);
+    all.joints.resize(whole.joints.size());
+    std::iota(all.joints.begin(), all.joints.end(), 0);
     island_of_.assign(whole.connectors.size(), 0);
     take(whole, all);
     all.world.topology = whole.topology;

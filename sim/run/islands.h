@@ -43,8 +43,8 @@ class Islands : public Method {
   struct Island {
     World world;
     std::unique_ptr<Method> method;
-    std::vector<std::size_t> connectors, bodies;  // indices in the whole world, rising
-    bool left_behind = false;                     // parts of it, by its method
+    std::vector<std::size_t> connectors, bodies, joints;  // indices in the whole world, rising
+    bool left_behind = false;                             // parts of it, by its method
   };
 
   Islands() = default;

@@ -1,5 +1,7 @@
 #include "sim/run/shown_velocities.h"
 
+#include <utility>
+
 #include "sim/world/places.h"
 
 namespace taut {
@@ -22,6 +24,7 @@ ShownVelocities::ShownVelocities(const World& start, const Timeline& timeline)
       shown.along.push_back(shown.along.back() + rest);
     shown_.push_back(std::move(shown));
   }
+  shown_row_ = parts.in_a_row();
 }
 
 std::vector<std::vector<Vec3>> ShownVelocities::of(const Simulation& simulation) const {
@@ -31,12 +34,16 @@ std::vector<std::vector<Vec3>> ShownVelocities::of(const Simulation& simulation)
     const TimedCut& cut = cuts_[made - start_.size()];
     parts.cut(cut.connector, cut.along, made);
   }
-  std::vector<std::vector<Vec3>> result;
-  for (const Shown& shown : shown_) {
+  std::vector<std::vector<Vec3>> result(shown_.size());
+  Walk walk;
+  std::size_t last = 0;
+  for (const std::size_t row : shown_row_) {
+    const Shown& shown = shown_[row];
     const double middle = (shown.along.front() + shown.along.back()) / 2;
     const auto [connector, along] = parts.at(shown.whole, middle);
     const double before = shifted_[shown.whole] ? now[connector].rest.front() : 0;
-    result.push_back(velocities(now[connector], middle - along - before, shown.along));
+    if (connector != std::exchange(last, connector)) walk = {};
+    result[row] = velocities(now[connector], middle - along - before, shown.along, walk);
   }
   return result;
 }

@@ -26,6 +26,7 @@ class ShownVelocities {
   std::vector<TimedCut> cuts_;  // in order of time
   std::vector<bool> shifted_;   // [connector of the start] a body stands before its first particle
   std::vector<Shown> shown_;
+  std::vector<std::size_t> shown_row_;  // indices of them, as they follow each other
 };
 
 }  // namespace taut

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "sim/interventions/flaws.h"
 #include "sim/world/places.h"
@@ -60,7 +61,7 @@ void Simulation::advance_to(double time) {
     if (!now && entry.time > time) break;
     const bool passed = entry.time < world_.time || same_time(entry.time, world_.time);
     go_to(entry, now ? time : passed ? world_.time : entry.time);
-    enact(entry);
+    if (!cut_several(entry.time)) enact(entry);
   }
   if (time > world_.time || left_behind_ || (islands_ && islands_->left_behind())) catch_up(time);
   bodies_as_links_.follow(world_);
@@ -144,6 +145,35 @@ void Simulation::enact(const Entry& entry) {
       is_cut ? timeline_.cuts[entry.index].source : timeline_.pins[entry.index].source);
 }
 
+/// Makes the cuts from the next entry on that divide one connector at this time (s), all at once;
+/// whether it did. Beads that are added among obstacles are looked at one by one.
+bool Simulation::cut_several(double time) {
+  if (!world_.obstacles.empty()) return false;
+  const auto is_one = [&](std::size_t i) {
+    return i < entries_.size() && entries_[i].kind == Entry::Kind::cut &&
+           same_time(entries_[i].time, time);
+  };
+  if (!is_one(next_) || !is_one(next_ + 1)) return false;
+  const TimedCut& first = timeline_.cuts[entries_[next_].index];
+  const std::size_t connector = parts_.at(first.connector, first.along).connector;
+  std::vector<double> along;
+  std::size_t end = next_;
+  for (; is_one(end); ++end) {
+    const TimedCut& cut = timeline_.cuts[entries_[end].index];
+    const Parts::Place place = parts_.at(cut.connector, cut.along);
+    if (cut.connector != first.connector || place.connector != connector) break;
+    along.push_back(place.along);
+  }
+  std::size_t made = world_.connectors.size();
+  if (along.size() < 2 || !interventions_.cut(world_, connector, along)) return false;
+  for (std::size_t i = next_; i < end; ++i) {
+    const TimedCut& cut = timeline_.cuts[entries_[i].index];
+    parts_.cut(cut.connector, cut.along, made++);
+  }
+  next_ = end - 1;
+  return true;
+}
+
 /// A particle that is added at the cut is a bead where none was: `inside` says where it may not be.
 Outcome Simulation::cut(const TimedCut& cut, std::string& inside) {
   const auto [connector, along] = parts_.at(cut.connector, cut.along);
@@ -183,6 +213,7 @@ void Simulation::show() {
     }
     shown_.push_back(std::move(shown));
   }
+  shown_row_ = parts.in_a_row();
 }
 
 Snapshot Simulation::state() const {
@@ -192,10 +223,16 @@ Snapshot Simulation::state() const {
     return shot;
   }
   shot.connectors.clear();
-  for (const Shown& shown : shown_) {
+  shot.connectors.resize(shown_.size());
+  Walk walk;
+  std::size_t last = 0;
+  for (const std::size_t row : shown_row_) {
+    const Shown& shown = shown_[row];
     const double middle = (shown.along.front() + shown.along.back()) / 2;
     const auto [connector, along] = parts_.at(shown.whole, middle);
-    shot.connectors.push_back(positions(world_.connectors[connector], middle - along, shown.along));
+    if (connector != std::exchange(last, connector)) walk = {};
+    shot.connectors[row] =
+        positions(world_.connectors[connector], middle - along, shown.along, walk);
   }
   bodies_as_links_.show(shot);
   return shot;

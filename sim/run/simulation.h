@@ -69,6 +69,7 @@ class Simulation {
   std::vector<Parts::Place> places_at(double time) const;
   void catch_up(double time);
   void enact(const Entry& entry);
+  bool cut_several(double time);
   Outcome cut(const TimedCut& cut, std::string& inside);
   Outcome release(const TimedPin& pin, std::uint64_t number, std::string& inside);
   void show();
@@ -90,9 +91,10 @@ class Simulation {
   Timeline timeline_;
   Parts parts_;
   std::vector<Shown> shown_;
-  std::vector<Entry> entries_;       // in order of time
-  std::size_t next_ = 0;             // of the entries
-  std::vector<std::uint64_t> pins_;  // numbers of the timeline's pins, 0 before they are set
+  std::vector<std::size_t> shown_row_;  // indices of them, as they follow each other
+  std::vector<Entry> entries_;          // in order of time
+  std::size_t next_ = 0;                // of the entries
+  std::vector<std::uint64_t> pins_;     // numbers of the timeline's pins, 0 before they are set
 };
 
 }  // namespace taut

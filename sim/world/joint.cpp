@@ -18,16 +18,6 @@ bool is_held(const World& world, const Joint::Particle& at) {
   return holds(world.connectors[at.connector], at.particle);
 }
 
-/// Calls `visit` for the joints' particles on a connector.
-template <class Visit>
-void each_on(World& world, std::size_t connector, Visit visit) {
-  for (Joint& joint : world.joints) {
-    for (Joint::Particle& at : joint.particles) {
-      if (at.connector == connector) visit(at);
-    }
-  }
-}
-
 }  // namespace
 
 std::string joint_flaw(const World& world) {
@@ -80,9 +70,12 @@ const Joint* find_joint(const World& world, std::size_t connector, std::size_t p
 
 double joined_mass(const World& world, std::size_t connector, std::size_t particle) {
   const Joint* joint = find_joint(world, connector, particle);
-  if (!joint) return world.connectors[connector].particle_mass[particle];
+  return joint ? joined_mass(world, *joint) : world.connectors[connector].particle_mass[particle];
+}
+
+double joined_mass(const World& world, const Joint& joint) {
   double mass = 0;
-  for (const Joint::Particle& at : joint->particles) {
+  for (const Joint::Particle& at : joint.particles) {
     mass += world.connectors[at.connector].particle_mass[at.particle];
   }
   return mass;
@@ -103,30 +96,18 @@ void find_leaders(const World& world, std::vector<std::uint32_t>& leaders) {
 }
 
 void place_joined(World& world) {
-  for (const Joint& joint : world.joints) {
-    const Joint::Particle& leads = leader(world, joint);
-    const Connector& from = world.connectors[leads.connector];
-    for (const Joint::Particle& at : joint.particles) {
-      if (&at == &leads) continue;
-      Connector& to = world.connectors[at.connector];
-      to.position[at.particle] = from.position[leads.particle];
-      to.velocity[at.particle] = from.velocity[leads.particle];
-    }
+  for (const Joint& joint : world.joints) place_joined(world, joint);
+}
+
+void place_joined(World& world, const Joint& joint) {
+  const Joint::Particle& leads = leader(world, joint);
+  const Connector& from = world.connectors[leads.connector];
+  for (const Joint::Particle& at : joint.particles) {
+    if (&at == &leads) continue;
+    Connector& to = world.connectors[at.connector];
+    to.position[at.particle] = from.position[leads.particle];
+    to.velocity[at.particle] = from.velocity[leads.particle];
   }
-}
-
-void particle_added(World& world, std::size_t connector, std::size_t particle) {
-  each_on(world, connector, [&](auto& at) { at.particle += at.particle > particle; });
-}
-
-void particle_removed(World& world, std::size_t connector, std::size_t particle) {
-  each_on(world, connector, [&](auto& at) { at.particle -= at.particle > particle; });
-}
-
-void connector_divided(World& world, std::size_t connector, std::size_t first, std::size_t second) {
-  each_on(world, connector, [&](auto& at) {
-    if (at.particle >= first) at = {second, at.particle - first};
-  });
 }
 
 }  // namespace taut

@@ -32,19 +32,14 @@ const Joint* find_joint(const World& world, std::size_t connector, std::size_t p
 
 /// The mass (kg) at a particle, with those that are joined with it.
 double joined_mass(const World& world, std::size_t connector, std::size_t particle);
+/// The mass (kg) of all that a joint joins.
+double joined_mass(const World& world, const Joint& joint);
 
 /// For every particle, connector by connector, the number of the one that stands for it.
 void find_leaders(const World& world, std::vector<std::uint32_t>& leaders);
 
-/// Takes joined particles to where those are that stand for them.
+/// Takes joined particles, all or those of one joint, to where that is which stands for them.
 void place_joined(World& world);
-
-/// Keeps joints at their particles where one has been added behind `particle` of a connector, or
-/// `removed` there.
-void particle_added(World& world, std::size_t connector, std::size_t particle);
-void particle_removed(World& world, std::size_t connector, std::size_t particle);
-
-/// Keeps joints at their particles where those of a connector from `first` on are now `second`.
-void connector_divided(World& world, std::size_t connector, std::size_t first, std::size_t second);
+void place_joined(World& world, const Joint& joint);
 
 }  // namespace taut

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -30,12 +31,14 @@ class Parts {
   };
   /// In the order in which they came to be: the connectors of the start first.
   const std::vector<Part>& all() const { return parts_; }
+  /// Their indices as they follow each other, connector by connector of the start.
+  std::vector<std::size_t> in_a_row() const;
 
  private:
   std::size_t part(std::size_t whole, double along) const;
 
   std::vector<Part> parts_;
-  std::vector<std::vector<std::size_t>> of_;  // [whole] its parts as they follow each other
+  std::vector<std::multimap<double, std::size_t>> of_;  // [whole] its parts by where they start
 };
 
 }  // namespace taut

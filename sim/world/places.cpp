@@ -18,9 +18,13 @@ void erase_at(std::vector<T>& items, std::size_t index) {
 }  // namespace
 
 Place locate(const Connector& connector, double along) {
+  Walk walk;
+  return locate(connector, along, walk);
+}
+
+Place locate(const Connector& connector, double along, Walk& walk) {
   const double same = kSamePlace * connector.length;
-  double start = 0;
-  for (std::size_t k = 0; k < connector.links(); ++k) {
+  for (auto& [k, start] = walk; k < connector.links(); ++k) {
     const double rest = connector.rest[k];
     if (along <= start + same) return {k, 0};
     if (along < start + rest - same) return {k, (along - start) / rest};
@@ -38,19 +42,11 @@ namespace {
 
 /// What the particles have, at the places at `along`.
 std::vector<Vec3> values(const Connector& connector, const std::vector<Vec3>& items, double from,
-                         const std::vector<double>& along) {
-  const double same = kSamePlace * connector.length;
+                         const std::vector<double>& along, Walk& walk) {
   std::vector<Vec3> found;
   found.reserve(along.size());
-  double start = 0;
-  std::size_t k = 0;
   for (const double place : along) {
-    const double there = place - from;
-    while (k < connector.links() && there > start + connector.rest[k] - same) {
-      start += connector.rest[k++];
-    }
-    const bool at_particle = k == connector.links() || there <= start + same;
-    found.push_back(between(items, {k, at_particle ? 0 : (there - start) / connector.rest[k]}));
+    found.push_back(between(items, locate(connector, place - from, walk)));
   }
   return found;
 }
@@ -58,13 +54,13 @@ std::vector<Vec3> values(const Connector& connector, const std::vector<Vec3>& it
 }  // namespace
 
 std::vector<Vec3> positions(const Connector& connector, double from,
-                            const std::vector<double>& along) {
-  return values(connector, connector.position, from, along);
+                            const std::vector<double>& along, Walk& walk) {
+  return values(connector, connector.position, from, along, walk);
 }
 
 std::vector<Vec3> velocities(const Connector& connector, double from,
-                             const std::vector<double>& along) {
-  return values(connector, connector.velocity, from, along);
+                             const std::vector<double>& along, Walk& walk) {
+  return values(connector, connector.velocity, from, along, walk);
 }
 
 bool holds(const Connector& connector, std::size_t particle) {

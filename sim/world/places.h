@@ -13,8 +13,16 @@ struct Place {
   double fraction = 0;  // of the link from `particle` to the next; 0: at the particle
 };
 
+/// How far along a connector places were looked for: those behind cost no look at the links before.
+struct Walk {
+  std::size_t link = 0;
+  double start = 0;  // m, of the link
+};
+
 /// The place at `along` (m from the first particle, of the connector's length), or the nearest end.
 Place locate(const Connector& connector, double along);
+/// The same for places that rise from call to call: none looks at the links before the last one.
+Place locate(const Connector& connector, double along, Walk& walk);
 
 /// Two places on a connector, and how far apart they can be: `most` is its length between them, and
 /// `least` is above zero where one link, a rod, is longer than all others between them together.
@@ -25,12 +33,13 @@ struct DistanceRange {
 /// The value at a place of what the particles have, such as positions.
 Vec3 between(const std::vector<Vec3>& items, const Place& place);
 
-/// Where the places at `along` (m, rising) are; `from` is where the connector begins on that scale.
+/// Where the places at `along` (m, rising, and not before the walk) are; `from` is where the
+/// connector begins on that scale.
 std::vector<Vec3> positions(const Connector& connector, double from,
-                            const std::vector<double>& along);
+                            const std::vector<double>& along, Walk& walk);
 /// How they move, m/s.
 std::vector<Vec3> velocities(const Connector& connector, double from,
-                             const std::vector<double>& along);
+                             const std::vector<double>& along, Walk& walk);
 
 /// True where something holds the particle.
 bool holds(const Connector& connector, std::size_t particle);

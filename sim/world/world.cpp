@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "sim/motion/hash.h"
+#include "sim/world/ties.h"
 #include "sim/world/twist.h"
 
 namespace taut {
@@ -49,35 +50,18 @@ void add_materials(const Connector& connector, Hash& hash) {
   }
 }
 
-}  // namespace
-
-MassProperties laden(const World& world, std::size_t body) {
-  MassProperties properties = world.bodies[body].bare;
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    for (const Hold& hold : world.connectors[c].holds) {
-      if (hold.to.kind != Attachment::Kind::body || hold.to.body != body) continue;
-      const double mass = joined_mass(world, c, hold.particle);
-      properties = with_point_mass(properties, mass, hold.to.point);
-    }
-  }
-  return properties;
-}
-
-void reweigh_holder(World& world, const Attachment& by) {
-  if (!is_prescribed(world, by)) reweigh(world.bodies[by.body], laden(world, by.body));
-}
-
-namespace {
-
-/// The mass properties of every body, as laden() adds them up.
+/// The mass properties of every body, with the particles that it holds.
 std::vector<MassProperties> all_laden(const World& world) {
+  Ties ties;
+  if (!world.joints.empty()) ties.follow(world);
   std::vector<MassProperties> laden;
   for (const Body& body : world.bodies) laden.push_back(body.bare);
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     for (const Hold& hold : world.connectors[c].holds) {
       if (hold.to.kind != Attachment::Kind::body) continue;
       MassProperties& properties = laden[hold.to.body];
-      const double mass = joined_mass(world, c, hold.particle);
+      const double mass = world.joints.empty() ? world.connectors[c].particle_mass[hold.particle]
+                                               : ties.joined_mass(world, c, hold.particle);
       properties = with_point_mass(properties, mass, hold.to.point);
     }
   }
@@ -86,13 +70,17 @@ std::vector<MassProperties> all_laden(const World& world) {
 
 }  // namespace
 
-void finish(World& world) {
-  if (const std::string flaw = joint_flaw(world); !flaw.empty()) throw std::invalid_argument(flaw);
-  for (Body& body : world.bodies) body.bare = body.mass_properties;
+void reweigh(World& world) {
   const std::vector<MassProperties> laden = all_laden(world);
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     if (!world.bodies[i].driven()) reweigh(world.bodies[i], laden[i]);
   }
+}
+
+void finish(World& world) {
+  if (const std::string flaw = joint_flaw(world); !flaw.empty()) throw std::invalid_argument(flaw);
+  for (Body& body : world.bodies) body.bare = body.mass_properties;
+  reweigh(world);
   place_held(world, world.time);
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     if (carries_twist(world, c)) world.connectors[c].end_turn = {.start = end_turn(world, c)};
@@ -106,10 +94,7 @@ void refresh(World& world) {
   for (Body& body : world.bodies) {
     if (body.bare.mass == 0) body.bare = body.mass_properties;  // it is new
   }
-  const std::vector<MassProperties> laden = all_laden(world);
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    if (!world.bodies[i].driven()) reweigh(world.bodies[i], laden[i]);
-  }
+  reweigh(world);
   place_held(world, world.time);
   world.topology = structure(world);
 }
@@ -176,18 +161,18 @@ std::uint64_t structure_of_connector(const World& world, std::size_t index) {
   return hash.value();
 }
 
-std::uint64_t structure_of_joints(const World& world) {
-  if (world.joints.empty()) return 0;
+std::uint64_t structure_of_joint(const World& world, std::size_t index) {
   Hash hash;
-  for (const Joint& joint : world.joints) {
-    hash.word(joint.particles.size());
-    for (const Joint::Particle& at : joint.particles) hash.word(at.connector).word(at.particle);
+  hash.text("joint").word(index);
+  for (const Joint::Particle& at : world.joints[index].particles) {
+    hash.word(at.connector).word(at.particle);
   }
   return hash.value();
 }
 
 std::uint64_t structure(const World& world) {
-  std::uint64_t sum = structure_of_joints(world);
+  std::uint64_t sum = 0;
+  for (std::size_t j = 0; j < world.joints.size(); ++j) sum += structure_of_joint(world, j);
   for (std::size_t b = 0; b < world.bodies.size(); ++b) sum += structure_of_body(world, b);
   for (std::size_t c = 0; c < world.connectors.size(); ++c) sum += structure_of_connector(world, c);
   Hash hash;

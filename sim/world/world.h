@@ -63,17 +63,14 @@ bool has_touching_bodies(const World& world);
 /// so World::topology is this number, which refresh() takes anew.
 std::uint64_t structure(const World& world);
 
-/// What a body, a connector and all joints add to structure(), which is a sum modulo 2^64: so that
+/// What a body, a connector and a joint add to structure(), which is a sum modulo 2^64: so that
 /// the topology follows a change of a few of them without a look at the others.
 std::uint64_t structure_of_body(const World& world, std::size_t body);
 std::uint64_t structure_of_connector(const World& world, std::size_t connector);
-std::uint64_t structure_of_joints(const World& world);
+std::uint64_t structure_of_joint(const World& world, std::size_t joint);
 
-/// The mass properties of a free body with the particles that it holds.
-MassProperties laden(const World& world, std::size_t body);
-
-/// Weighs the free body again that holds something, if it is one.
-void reweigh_holder(World& world, const Attachment& by);
+/// Weighs all free bodies again, each with the particles that it holds.
+void reweigh(World& world);
 
 /// The motion of a hold at `time` for fixed points, paths and driven bodies; for a free body the
 /// present state, with the acceleration left zero.

@@ -148,5 +148,31 @@ TEST(Numbers, TenThousandCutsAndPinsHappen) {
   }
 }
 
+TEST(Numbers, CutsBesideThousandsOfJointsHappen) {
+  // Ropes in a row, each from the end of the one before, and all cut at once: where each of the
+  // cuts looks at all joints they take minutes.
+  constexpr int kMany = 50'000;
+  const auto end = [](int i) {
+    return i == 0 ? std::string("free = true")
+                  : fmt::format("connector = \"r{}\", at = 1.0", i - 1);
+  };
+  const Folder folder;
+  folder.write("scene.toml",
+               "duration = 0.2\nfps = 10\ncuts = [\n" +
+                   lines(kMany,
+                         [](int i, double) {
+                           return fmt::format("{{connector=\"r{}\",at=0.3,t=0.05}},\n", i);
+                         }) +
+                   "]\n[method]\nname = \"xpbd\"\nstep = 0.05\n" + lines(kMany, [&](int i, double) {
+                     return fmt::format(
+                         "[connectors.r{0}]\nlength=1\nmass=1\nparticles=5\nfrom={{{1}}}\n"
+                         "to={{free=true}}\nstart={{points=[[{0},0,0],[{2},0,0]]}}\n",
+                         i, end(i), i + 1);
+                   }));
+  const ProgramResult outcome =
+      run_within(60, {"simulate", "scene.toml", "--no-estimate", "--quiet"}, folder);
+  EXPECT_EQ(outcome.code, 0) << outcome.messages;
+}
+
 }  // namespace
 }  // namespace taut

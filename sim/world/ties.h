@@ -1,0 +1,63 @@
+// What a world's connectors are tied to, found without a look at what is elsewhere.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/world/world.h"
+
+namespace taut {
+
+/// The joints on each connector, and the connectors that each free body holds. Whoever adds,
+/// removes or moves particles and holds tells it, so that each change costs what it touches.
+class Ties {
+ public:
+  /// Room for so many connectors, and holds of free bodies.
+  void reserve(const World& world, std::size_t connectors, std::size_t holds);
+  /// Looks at the whole world, unless it is as the last change has left it.
+  void follow(const World& world);
+  /// The world is as follow() would find it.
+  void followed(const World& world) { topology_ = world.topology; }
+
+  /// As find_joint(), joined_mass() and laden() find them.
+  const Joint* find_joint(const World& world, std::size_t connector, std::size_t particle) const;
+  double joined_mass(const World& world, std::size_t connector, std::size_t particle) const;
+  MassProperties laden(const World& world, std::size_t body) const;
+
+  /// Takes what is joined with the particle to where that is which stands for it.
+  void place_joined(World& world, std::size_t connector, std::size_t particle) const;
+
+  /// Keeps joints at their particles, and the topology with them, where one has been added behind
+  /// `particle` of a connector, or `removed` there; where those from `first` on are now `second`.
+  void particle_added(World& world, std::size_t connector, std::size_t particle);
+  void particle_removed(World& world, std::size_t connector, std::size_t particle);
+  /// `second` has its holds.
+  void connector_divided(World& world, std::size_t connector, std::size_t first,
+                         std::size_t second);
+
+  /// There is one more, which nothing is tied to.
+  void connector_added() { places_.push_back(kNone); }
+
+  /// A free body holds the connector at one more place, or one less.
+  void held(std::size_t connector, std::size_t body);
+  void let_go(std::size_t connector, std::size_t body);
+
+ private:
+  static constexpr std::uint32_t kNone = UINT32_MAX;
+  struct Place {  // of a joint's particle
+    std::uint32_t joint, particle, next;
+  };
+  struct Holder {
+    std::uint32_t connector, next;
+  };
+  void each(World& world, std::size_t connector, auto change);
+
+  std::uint64_t topology_ = 0;         // of the world that this knows
+  std::vector<std::uint32_t> places_;  // [connector] the first of its joints' particles
+  std::vector<Place> place_;
+  std::vector<std::uint32_t> holders_;  // [body] the first of its holders, connectors rising
+  std::vector<Holder> holder_;
+  std::uint32_t spare_ = kNone;  // the first of those that are not in use
+};
+
+}  // namespace taut
