@@ -108,6 +108,48 @@ std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b, double c
   return found;
 }
 
+/// One touch closes, and its friction would take the bead into another, which would have to pull
+/// were there none across their common line: as much of it acts as keeps the bead just there.
+std::optional<Response> graze(const Vec3& free, Touch& touch, Touch& grazed, double creep) {
+  const Vec3& n = touch.normal;
+  const Vec3 line = n.cross(grazed.normal);
+  const double sine = line.norm();
+  if (!(sine > kParallel)) return std::nullopt;
+  const Vec3 along = line / sine, across = along.cross(n);
+  const Vec3 bare = without(free, touch);
+  touch.push = touch.least - n.dot(bare);
+  if (!(touch.push > 0)) return std::nullopt;
+  const Vec3 pressed = bare + touch.push * n;
+  const double aside = (grazed.least - grazed.normal.dot(pressed)) / grazed.normal.dot(across);
+  const double slip = along.dot(bare - touch.surface);
+  const double way = slip > 0 ? 1 : -1;
+  const auto left = [&](double friction) {  // of it, along the line
+    const double most = friction * touch.push;
+    return most * most - aside * aside;
+  };
+  if (!(left(touch.stick) >= 0)) return std::nullopt;
+  grazed.state = Touch::State::slides;
+  Response found{pressed + aside * across, Mat3::Zero()};
+  if (const double most = std::sqrt(left(holding(touch, slip * along)));
+      std::abs(slip) <= (1 + creep) * most) {
+    touch.state = Touch::State::sticks;
+    touch.rub = aside * across - slip / (1 + creep) * along;
+    found.velocity -= slip / (1 + creep) * along;
+    found.derivative = creep / (1 + creep) * along * along.transpose();
+    return found;
+  }
+  touch.state = Touch::State::slides;
+  const double rub = std::sqrt(std::max(0.0, left(touch.slide)));
+  touch.rub = aside * across - way * rub * along;
+  found.velocity -= way * rub * along;
+  Vec3 gives = along;
+  if (rub > kParallel * touch.push) {
+    gives += way / rub * (touch.slide * touch.slide * touch.push * n - aside * across);
+  }
+  found.derivative = along * gives.transpose();
+  return found;
+}
+
 /// Three touches close: the bead goes where they do.
 std::optional<Response> close_three(const Vec3& free, std::span<Touch> touches) {
   Mat3 normals;
@@ -171,6 +213,22 @@ std::optional<Found> closed(const Vec3& free, std::span<const Touch> touches, un
   return found;
 }
 
+/// With one touch closed and one grazed.
+std::optional<Found> grazing(const Vec3& free, std::span<const Touch> touches, std::size_t shut,
+                             std::size_t grazed, double creep) {
+  Found found;
+  Vec3 velocity = free;
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    found.touches[i] = touches[i];
+    open(found.touches[i]);
+    if (i != shut) velocity = without(velocity, touches[i]);
+  }
+  const auto response = graze(velocity, found.touches[shut], found.touches[grazed], creep);
+  if (!response) return std::nullopt;
+  found.response = *response;
+  return found;
+}
+
 }  // namespace
 
 Response respond(const Vec3& free, std::span<Touch> touches, double creep) {
@@ -183,22 +241,33 @@ Response respond(const Vec3& free, std::span<Touch> touches, double creep) {
     open(touch);
     return {away, Mat3::Identity()};
   }
-  // From few that are closed to many: the first that breaks no touch is it.
+  // From few that are closed to many, then with one that is grazed: the first that breaks no touch
+  // is it.
   static constexpr std::array<unsigned, 8> kOrder{0, 1, 2, 4, 3, 5, 6, 7};
   double least = std::numeric_limits<double>::infinity();
   Found best;
   best.response.velocity = free;
-  for (const unsigned which : kOrder) {
-    if (which >> touches.size()) continue;
-    const std::optional<Found> found = closed(free, touches, which, creep);
-    if (!found) continue;
+  const auto fits = [&](const std::optional<Found>& found) {
+    if (!found) return false;
     const double wrong = broken(found->response.velocity, touches);
     if (wrong < least) {
       least = wrong;
       best = *found;
     }
-    if (wrong <= kSlack * (1 + free.norm())) break;
-  }
+    return wrong <= kSlack * (1 + free.norm());
+  };
+  const auto is_found = [&] {
+    for (const unsigned which : kOrder) {
+      if (!(which >> touches.size()) && fits(closed(free, touches, which, creep))) return true;
+    }
+    for (std::size_t i = 0; i < touches.size(); ++i) {
+      for (std::size_t k = 0; k < touches.size(); ++k) {
+        if (i != k && fits(grazing(free, touches, i, k, creep))) return true;
+      }
+    }
+    return false;
+  };
+  is_found();
   for (std::size_t i = 0; i < touches.size(); ++i) touches[i] = best.touches[i];
   return best.response;
 }

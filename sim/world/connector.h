@@ -54,7 +54,7 @@ struct Section {
   double twisting_stiffness = 0;  // GJ, N m^2
   double twisting_damping = 0;    // N m^2 s: moment per rate of twist
   double rest_twist = 0;          // rad/m
-  double diameter = 0;  // m, that the air meets
+  double diameter = 0;            // m, that the air meets
 };
 
 /// Coefficients of the air's drag, for flow across and along a link.

@@ -19,6 +19,7 @@ constexpr double kTurn = 0.3;          // rad, of a link or an obstacle in a ste
 constexpr double kShare = 0.3;         // of the tolerance, for what a second's steps err together
 constexpr double kGrowth = 1.3;        // of a step, at most
 constexpr double kLowest = 0.1;        // of the tolerance: bounces and waves that are not followed
+constexpr double kOver = 8;            // of the slippery steps, after which a jam fades
 constexpr int kLocated = 8;            // hits located in a row, before a step takes what it hits
 
 /// The node that stands for all that are joined with this one.
@@ -249,7 +250,7 @@ void Contacts::step_through(Group& group, double until) {
     const double count = std::ceil(left / wish * (1 - 1e-9));
     const double h = left / std::max(1.0, count);
     const std::uint64_t before = step.solves();
-    const double gone = step.attempt(time, h, group.located < kLocated, lowest);
+    const double gone = step.attempt(time, h, group.slippery, group.located < kLocated, lowest);
     ++counters_.steps;
     counters_.solves += step.solves() - before;
     counters_.cycles += static_cast<double>(step.solves() - before) *
@@ -269,7 +270,7 @@ void Contacts::step_through(Group& group, double until) {
     group.located = gone < h ? group.located + 1 : 0;
     time = gone < h || count > 1 ? time + gone : until;
     group.h = adapted(group, gone, wish);
-    if (step.slips() && options_.step == 0) group.h = std::min(group.h, kGrowth * wish);
+    watch_jam(group, gone);
     if (step.snaps() && options_.step == 0) group.h = std::min(group.h, group.first);
     group.limit *= 2;
     group.h = std::min(group.h, group.limit);
@@ -291,6 +292,18 @@ double Contacts::adapted(const Group& group, double gone, double wish) const {
     next = std::min(std::max(next, kFinest * group.first), kLongest);
   }
   return next;
+}
+
+/// A jam has no solution in shorter steps either, once the shortest have had none: as long as it
+/// lasts, steps with less friction become longer from one to the next.
+void Contacts::watch_jam(Group& group, double gone) {
+  if (group.step.slips()) {
+    group.slippery = std::max(group.slippery, 2 * gone);
+    group.unjammed = 0;
+  } else if ((group.unjammed += gone) > kOver * group.slippery) {
+    group.slippery = std::max(group.slippery / 2, kShortestJam);
+    group.unjammed = 0;
+  }
 }
 
 Counters Contacts::counters() const {

@@ -29,6 +29,7 @@ class Contacts {
   Counters counters() const;
 
  private:
+  static constexpr double kShortestJam = 1e-6;  // s
   struct Group {
     World part, before;
     std::vector<std::size_t> bodies, connectors;  // indices into the world's
@@ -41,6 +42,9 @@ class Contacts {
     /// s, of the next step: after one that failed it doubles from step to step.
     double limit = std::numeric_limits<double>::infinity();
     int located = 0;  // hits in a row
+    /// s: where jammed beads have no solution with all of friction, steps so long go with less.
+    double slippery = kShortestJam;
+    double unjammed = 0;  // s, since one did, or `slippery` was halved
   };
 
   bool read(const World& world, Group& group) const;
@@ -51,6 +55,7 @@ class Contacts {
   void step_through(Group& group, double until);
   [[noreturn]] void give_up(const World& part) const;
   double adapted(const Group& group, double gone, double wish) const;
+  static void watch_jam(Group& group, double gone);
 
   StepOptions options_;
   std::function<std::unique_ptr<Method>()> make_;

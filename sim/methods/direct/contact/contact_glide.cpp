@@ -15,13 +15,12 @@ Eigen::Map<Vec3> vector(double* at) {
   return Eigen::Map<Vec3>(at);
 }
 
-constexpr int kTrial = 8;             // iterations from the pulls of the step before
-constexpr double kDiverges = 10;      // times the first error: a trial that is given up
-constexpr int kIterations = 40;       // of Newton's method, at most
-constexpr double kWave = 0.5;         // rad^2: faster ones turn links within a step
-constexpr double kSlow = 0.1;         // of an error, from one iteration to the next
-constexpr double kNudge = 100;        // times touching(): to see how surfaces curve
-constexpr double kLastResort = 1e-6;  // s, of steps that may go with more creep
+constexpr int kTrial = 8;         // iterations from the pulls of the step before
+constexpr double kDiverges = 10;  // times the first error: a trial that is given up
+constexpr int kIterations = 40;   // of Newton's method, at most
+constexpr double kWave = 0.5;     // rad^2: faster ones turn links within a step
+constexpr double kSlow = 0.1;     // of an error, from one iteration to the next
+constexpr double kNudge = 100;    // times touching(): to see how surfaces curve
 
 }  // namespace
 
@@ -112,7 +111,7 @@ bool ContactStep::pull(double time, double h) {
       contact::approach_friction([&](double to) { return pull_creeping(time, h, to); },
                                  [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
   if (creep <= contact::kCreep) return true;
-  if (h > kLastResort) return false;
+  if (h > slippery_) return false;
   slips_ = true;
   return with_less_friction([&] { return pull_creeping(time, h, contact::kCreep); });
 }

@@ -169,7 +169,8 @@ bool ContactStep::take_hits(bool locates, double& h) {
   return shortens;
 }
 
-double ContactStep::attempt(double time, double h, bool locates, double lowest) {
+double ContactStep::attempt(double time, double h, double slippery, bool locates, double lowest) {
+  slippery_ = slippery;
   const std::vector<Obstacle>& obstacles = *obstacles_;
   start_.resize(obstacles.size());
   end_.resize(obstacles.size());

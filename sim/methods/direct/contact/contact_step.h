@@ -33,17 +33,18 @@ class ContactStep {
   /// Two solid things nearer than this (m) touch.
   double touching() const { return touching_; }
   /// Steps from `time` by at most `h` (s); where a bead hits an obstacle on the way and `locates`
-  /// is set, to there. Bounces that would rise less than `lowest` (m) are not followed. Returns how
-  /// far it went, zero where the step did not converge. The state is the next one after accept().
-  double attempt(double time, double h, bool locates, double lowest);
+  /// is set, to there. Where friction has no solution, a step of at most `slippery` (s) goes with
+  /// less. Bounces that would rise less than `lowest` (m) are not followed. Returns how far it
+  /// went, zero where the step did not converge. The state is the next one after accept().
+  double attempt(double time, double h, double slippery, bool locates, double lowest);
   void accept();
 
   // Of the last attempt.
   double turn() const { return turn_; }  // rad, the most that a link turned
   /// Whether a string got to its length: what the steps before tell is nothing of those to come.
   bool snaps() const { return snaps_now_; }
-  /// Whether the first stage found a solution only with less friction, as the shortest steps may.
-  /// Where jammed beads have none with all of it (Painleve), longer steps fail.
+  /// Whether the first stage found a solution only with less friction: where jammed beads have none
+  /// with all of it (Painleve).
   bool slips() const { return slips_; }
   /// m, RMS, of the first stage; 0: not known. Waves lower than `lowest` (m) need not be followed.
   double error(double lowest) const;
@@ -159,6 +160,7 @@ class ContactStep {
   std::vector<double> tension_, last_tension_;          // per row, N; last_: of the step before
   double creep_ = 0;                                    // of the last solution
   double h_ = 0, last_h_ = 0, turn_ = 0;
+  double slippery_ = 0;                   // s, of steps that may go with less friction
   double watched_ = 0;                    // s, for which steady_ has been told apart
   bool hits_ = false, last_hits_ = true;  // last_: there is no step before to compare with
   std::uint64_t last_pattern_ = 0;
