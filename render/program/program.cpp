@@ -10,6 +10,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -242,6 +243,9 @@ int guarded(const Common& common, const std::function<int()>& work) {
                     error.what() + far);
   } catch (const std::bad_alloc&) {
     throw;
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::not_enough_memory) throw std::bad_alloc();
+    return complain(common, kInternal, fmt::format("internal error: {}", error.what()));
   } catch (const std::exception& error) {
     return complain(common, kInternal, fmt::format("internal error: {}", error.what()));
   }

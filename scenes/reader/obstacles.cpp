@@ -5,6 +5,7 @@
 #include "scenes/character/capsules.h"
 #include "scenes/reader/reader.h"
 #include "sim/contact/capsule.h"
+#include "sim/world/rotation.h"
 
 namespace taut::scenes {
 
@@ -37,7 +38,7 @@ void fit_to_skin(const Document& document, const Value& bone, const Value& who, 
   obstacle.shape = sphere_shape(found->radius);
   if (!(length > kRounding * found->radius)) return;  // a ball has no direction
   obstacle.shape = capsule_shape(found->radius, length);
-  obstacle.place.rotation = Quat::FromTwoVectors(Vec3::UnitY(), b - a);
+  obstacle.place.rotation = rotation_between(Vec3::UnitY(), b - a);
 }
 
 /// What carries the obstacle, and its place there.

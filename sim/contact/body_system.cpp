@@ -1,11 +1,11 @@
 #include "sim/contact/body_system.h"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "sim/links/dense.h"
 
 namespace taut::contact {
 namespace {
@@ -245,10 +245,9 @@ std::vector<Vec3> BodySystem::solve_linear(std::span<const BodyTouch> touches) c
     weights.block<3, 3>(row(i), row(i)) = n * n.transpose() + part * across(n);
     rows.block<3, 3>(row(i), row(i)) = kFirst * n * n.transpose() + across(n);
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposed;
-  decomposed.setThreshold(kDependent);
+  LeastSquares decomposed(kDependent);
   decomposed.compute(rows * matrix_ * weights);
-  const Eigen::VectorXd found = weights * decomposed.solve(rows * right);
+  const Eigen::VectorXd found = weights * decomposed.solve(Eigen::VectorXd(rows * right));
   std::vector<Vec3> given;
   for (std::size_t i = 0; i < touches.size(); ++i) given.push_back(found.segment<3>(row(i)));
   return given;
@@ -384,12 +383,11 @@ Vec6 BodySystem::twist(std::span<const BodyTouch> touches) const {
 Mat6 BodySystem::answer(std::span<const BodyTouch> touches) {
   if (touches.empty()) return mobility_;
   linearize(bare_, touches);
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposed;
-  decomposed.setThreshold(kDependent);
+  LeastSquares decomposed(kDependent);
   decomposed.compute(matrix_);
   Eigen::MatrixXd levers(row(touches.size()), 6);
   for (std::size_t i = 0; i < touches.size(); ++i) levers.block<3, 6>(row(i), 0) = lever_[i];
-  const Eigen::MatrixXd gives = decomposed.solve(slope_ * levers);
+  const Eigen::MatrixXd gives = decomposed.solve(Eigen::MatrixXd(slope_ * levers));
   const Mat6 answer = mobility_ - share_ * mobility_ * (levers.transpose() * gives) * mobility_;
   // What cannot move at all does not move by rounding either.
   return answer.cwiseAbs().maxCoeff() > kImmobile * mobility_.cwiseAbs().maxCoeff()

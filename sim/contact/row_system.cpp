@@ -141,7 +141,8 @@ void RowSystem::solve(std::span<double> x) const {
   for (std::size_t k = 0; k < border_.size(); ++k) {
     share_[static_cast<Eigen::Index>(k)] = x[border_rows_[k]];
   }
-  share_ = coupling_ * decomposed_.solve(share_);
+  decomposed_.solve(share_, given_);
+  share_.noalias() = coupling_ * given_;
   for (std::size_t k = 0; k < border_.size(); ++k) {
     const double part = share_[static_cast<Eigen::Index>(k)];
     for (std::size_t r = 0; r < count; ++r) x[r] -= part * columns_[k * count + r];

@@ -1,11 +1,11 @@
 // The linear systems of the rows of links whose particles answer to pulls in ways of their own.
 #pragma once
 
-#include <Eigen/LU>
 #include <span>
 #include <vector>
 
 #include "sim/contact/body_system.h"
+#include "sim/links/dense.h"
 #include "sim/links/mechanism.h"
 
 namespace taut::contact {
@@ -43,8 +43,8 @@ class RowSystem {
   std::vector<std::size_t> border_, border_rows_;  // ends of rows at bodies that have several
   std::vector<double> columns_;  // what a pull along each of those rows would take, A without them
   Eigen::MatrixXd coupling_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> decomposed_;
-  mutable Eigen::VectorXd share_;
+  LinearSystem decomposed_;
+  mutable Eigen::VectorXd share_, given_;
 };
 
 }  // namespace taut::contact

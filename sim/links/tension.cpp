@@ -215,7 +215,6 @@ const Eigen::MatrixXd& TensionSystem::dense() {
 
 void TensionSystem::solve_dense(const std::vector<double>& right, std::vector<double>& x) {
   if (rows_ == 0) return;
-  dense_solver_.setThreshold(kSingular);
   dense_solver_.compute(dense());
   dense_right_ = Eigen::Map<const Eigen::VectorXd>(right.data(), static_cast<Eigen::Index>(rows_));
   dense_right_ = dense_solver_.solve(dense_right_);
@@ -311,7 +310,6 @@ void TensionSystem::solve_block(std::span<const std::uint32_t> rows,
     dense_(place_[at.row], place_[at.other]) = values_[at.value];
     dense_(place_[at.other], place_[at.row]) = values_[at.value];
   }
-  dense_solver_.setThreshold(kSingular);
   dense_solver_.compute(dense_);
   dense_right_ = dense_solver_.solve(dense_right_);
   for (const std::uint32_t r : rows) x[r] = dense_right_[place_[r]];

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "sim/links/dense.h"
 #include "sim/links/joined_tension.h"
 #include "sim/links/mechanism.h"
 
@@ -108,7 +108,7 @@ class TensionSystem {
   Eigen::MatrixXd schur_, dense_;
   Eigen::VectorXd border_x_, dense_right_;
   Eigen::LDLT<Eigen::MatrixXd> border_solver_;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> dense_solver_;
+  LeastSquares dense_solver_;
 };
 
 }  // namespace taut

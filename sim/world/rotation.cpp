@@ -13,12 +13,26 @@ Quat rotation_by(const Vec3& angle) {
   return Quat(Eigen::AngleAxisd(size, angle / size));
 }
 
+constexpr double kOpposite = 1e-12;
 constexpr double kNoMoment = 1e-12;  // of the largest moment: a body that has none about the axis
 
 }  // namespace
 
 Quat rotation_between(const Vec3& from, const Vec3& to) {
-  return Quat::FromTwoVectors(from, to);
+  const Vec3 a = from.normalized(), b = to.normalized();
+  double both = 1 + b.dot(a);                         // twice the squared cosine of half the angle
+  if (both < 1e-3) both = (a + b).squaredNorm() / 2;  // the same, without cancellation
+  if (both < kOpposite) {  // where the axis is lost in roundings: half a turn, and the rest
+    const bool is_upright = std::abs(a.z()) > std::abs(a.x()) + std::abs(a.y());
+    const Vec3 beside = is_upright ? Vec3::UnitX() : Vec3::UnitZ();
+    const Vec3 axis = (beside - beside.dot(a) * a).normalized();
+    return rotation_between(-a, b) * Quat(0, axis.x(), axis.y(), axis.z());
+  }
+  const double twice = std::sqrt(2 * both);
+  Quat turn;
+  turn.vec() = a.cross(b) * (1 / twice);
+  turn.w() = twice / 2;
+  return turn;
 }
 
 FreeRotation::FreeRotation(const Mat3& inertia) {

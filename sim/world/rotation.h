@@ -8,7 +8,8 @@
 namespace taut {
 
 /// The smallest rotation that takes the direction of `from` to that of `to`, of any lengths but
-/// zero. Compiled once: Eigen's brings a singular value decomposition to every file that names it.
+/// zero; between opposite ones, one about any axis across. Eigen's finds that axis by a singular
+/// value decomposition, which takes a quarter of a minute to compile.
 Quat rotation_between(const Vec3& from, const Vec3& to);
 
 /// How fast the quaternion of a rotation changes at a spin (rad/s, world axes).

@@ -221,13 +221,14 @@ class FaultPlaces : public testing::TestWithParam<Subject> {
   }
 
   /// The table has what is the same each time: not which of many allocations was the first, nor
-  /// which of two frames.
+  /// which of two frames, nor what chance calls a video that is being made.
   void note(const Fault& fault, const Trial& trial, const Folder& folder) {
     if (fault.how != How::fail || fault.kind == kMemory || fault.in_children) return;
     const auto plain = [&](std::string text) {
       for (std::size_t at; (at = text.find(folder.path().string())) != std::string::npos;)
         text.replace(at, folder.path().string().size(), "FOLDER");
-      return std::regex_replace(text, std::regex("[0-9]{6}\\.png"), "NNNNNN.png");
+      text = std::regex_replace(text, std::regex("[0-9]{6}\\.png"), "NNNNNN.png");
+      return std::regex_replace(text, std::regex("\\.[0-9a-f]{16}\\.part"), ".part");
     };
     rows_[plain(trial.place)] = {trial.outcome.code, plain(trial.outcome.messages)};
   }

@@ -11,6 +11,7 @@
 #include "sim/choreography/hand_frame.h"
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
+#include "sim/world/rotation.h"
 #include "tests/physics/worlds.h"
 
 namespace taut::choreography_test {
@@ -101,7 +102,7 @@ TEST(FlatChain, TheSimulationGivesTheFlatOutputBack) {
     Body& stick = world.bodies[1];
     const Vec3 along = start.particles[0].col(0) - start.particles[1].col(0);
     const Vec3 turns = start.particles[0].col(1) - start.particles[1].col(1);
-    stick.rotation = Quat::FromTwoVectors(-Vec3::UnitY(), along);
+    stick.rotation = rotation_between(-Vec3::UnitY(), along);
     stick.spin = along.cross(turns) / along.squaredNorm();
     stick.position = start.particles[1].col(0) + 0.15 * along.normalized() +
                      stick.rotation * stick.mass_properties.centre;

@@ -123,7 +123,7 @@ void System::add_couplings() {
   system_.diagonal().array() += 1;
   share_.noalias() = dense_ * dense_right_;
   decomposed_.compute(system_);
-  dense_right_ = decomposed_.solve(share_);
+  decomposed_.solve(share_, dense_right_);
   for (std::size_t k = 0; k < coupled_.size(); ++k) {
     links_.add_response(response_.data() + k * links_.count(), -dense_right_[row(k)]);
   }

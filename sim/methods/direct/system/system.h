@@ -1,12 +1,12 @@
 // Spans and free bodies that pull on each other: what the direct method steps.
 #pragma once
 
-#include <Eigen/LU>
 #include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "sim/links/dense.h"
 #include "sim/methods/direct/system/constraint_row.h"
 #include "sim/methods/direct/system/links.h"
 #include "sim/methods/direct/system/motion.h"
@@ -228,13 +228,14 @@ class System : public Motion {
   std::vector<double> row_responses_;
   Eigen::MatrixXd row_gains_;
   Eigen::VectorXd row_rights_;
+  LeastSquares row_solver_;
   std::vector<Point> row_points_;
   std::vector<Vec3> row_gradients_;
   // Workspaces of add_couplings().
   Array response_;
   Eigen::MatrixXd dense_, gain_, system_;
   Eigen::VectorXd dense_right_, share_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> decomposed_;
+  LinearSystem decomposed_;
 };
 
 /// Finds planes for nets. Keeps its workspace.

@@ -1,5 +1,4 @@
 // Rows that border the tensions' system.
-#include <Eigen/QR>
 #include <algorithm>
 #include <stdexcept>
 
@@ -115,7 +114,8 @@ void System::solve_with_rows(const double* q) {
     for (std::size_t r = 0; r < rows_.size(); ++r)
       row_gains_(at(r), at(c)) = mobility(r, c) - pulled(rows_[r]);
   }
-  const Eigen::VectorXd multipliers = row_gains_.colPivHouseholderQr().solve(row_rights_);
+  row_solver_.compute(row_gains_);
+  const Eigen::VectorXd multipliers = row_solver_.solve(row_rights_);
   std::copy_n(without, links, links_.unknowns().begin());
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     rows_[k].multiplier = multipliers[at(k)];
