@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace taut::scenes {
 namespace {
@@ -44,6 +45,8 @@ Digit::Digit(const Model& model, const Skeleton& skeleton, Side side, const std:
   }
   pad_bare_bones();
   std::ranges::stable_sort(skin_, {}, &Skin::phalanx);
+  for (const Skin& v : skin_) ++first_[v.phalanx + 1];
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
 }
 
 void Digit::take_skin(const Model& model) {
@@ -95,13 +98,11 @@ void Digit::bend(const DigitTurns& turns, BentSkin& skin) const {
     move[k] = at[k] - turn[k] * rest_[k];
   }
   skin.points.clear();
-  skin.first.fill(skin_.size());
+  skin.first = first_;
   for (const Skin& v : skin_) {
     Vec3 p = v.of_hand * v.position;
     for (std::size_t k = 0; k < 3; ++k)
       if (v.weights[k] > 0) p += v.weights[k] * (turn[k] * v.position + move[k]);
-    for (std::size_t k = 0; k <= v.phalanx; ++k)
-      skin.first[k] = std::min(skin.first[k], skin.points.size());
     skin.points.push_back(p);
   }
   for (std::size_t k = 0; k < BentSkin::parts; ++k) {

@@ -66,7 +66,8 @@ class Digit {
   std::array<std::size_t, 3> bones_{};
   std::array<Vec3, 4> rest_;
   std::array<double, 3> radius_{};
-  std::vector<Skin> skin_;  // by phalanx
+  std::vector<Skin> skin_;                                // by phalanx
+  std::array<std::size_t, BentSkin::parts + 1> first_{};  // of each phalanx's
 };
 
 }  // namespace taut::scenes

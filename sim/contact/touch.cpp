@@ -256,18 +256,17 @@ Response respond(const Vec3& free, std::span<Touch> touches, double creep) {
     }
     return wrong <= kSlack * (1 + free.norm());
   };
-  const auto is_found = [&] {
+  const auto search = [&] {
     for (const unsigned which : kOrder) {
-      if (!(which >> touches.size()) && fits(closed(free, touches, which, creep))) return true;
+      if (!(which >> touches.size()) && fits(closed(free, touches, which, creep))) return;
     }
     for (std::size_t i = 0; i < touches.size(); ++i) {
       for (std::size_t k = 0; k < touches.size(); ++k) {
-        if (i != k && fits(grazing(free, touches, i, k, creep))) return true;
+        if (i != k && fits(grazing(free, touches, i, k, creep))) return;
       }
     }
-    return false;
   };
-  is_found();
+  search();
   for (std::size_t i = 0; i < touches.size(); ++i) touches[i] = best.touches[i];
   return best.response;
 }
