@@ -167,7 +167,7 @@ void Interventions::divide(World& world, std::size_t index, double along, std::s
   if (place.fraction > 0) {
     at = place.particle + 1;
     rebase_pins(first, at, add_particle(first, place));
-    ties_.particle_added(world, index, place.particle);
+    ties_.particles_added(world, index, {&place, 1});
     share_mass(world, ties_, first, at);
   }
   first.particle_mass[at] /= 2;

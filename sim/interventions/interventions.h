@@ -1,8 +1,11 @@
 // Interventions: what nobody foresaw, done to a world between two steps.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "sim/world/places.h"
 #include "sim/world/restore.h"
@@ -32,6 +35,13 @@ struct Pinned {
   std::uint64_t pin = 0;  // the number by which to move and to release it
 };
 
+/// A pin, to be set together with others.
+struct NewPin {
+  double along = 0;              // m of the connector's length, from its first particle
+  std::optional<Attachment> to;  // nothing: where it is
+  double over = 0;               // s in which it is drawn there
+};
+
 struct Divided {
   Outcome outcome = Outcome::done;
   std::size_t connector = 0;  // the index of the new one
@@ -57,6 +67,11 @@ class Interventions {
   /// Holds it where it is.
   Pinned pin(World& world, std::size_t connector, double along);
 
+  /// Sets many pins on a connector at once, each on the connector as it is before them all; n pins
+  /// on N particles take the time of N + n log n. Their numbers, or none where one of them cannot
+  /// be set, a free body is to hold one or two are at one place: then nothing has changed.
+  std::vector<std::uint64_t> pin(World& world, std::size_t connector, std::span<const NewPin> pins);
+
   /// Lets another thing hold what the pin holds.
   Outcome move(World& world, std::uint64_t pin, const Attachment& to, double over = 0);
 
@@ -66,6 +81,10 @@ class Interventions {
   /// itself everything is as it was before it, bit by bit. Refused (`too_near`) while its span is
   /// bent between holds that cannot give way. The pin is looked for on the connector `at` first.
   Outcome release(World& world, std::uint64_t pin, std::size_t at = 0);
+
+  /// Releases many pins of one connector at once, in the time of N + n log n; each span that they
+  /// divided is restored as a whole.
+  Outcome release(World& world, std::size_t connector, std::span<const std::uint64_t> pins);
 
   /// Divides a connector for good. The second part becomes a connector of its own; a particle at
   /// the cut is shared by both, and where none is its mass comes from its neighbours. A joint
@@ -79,15 +98,20 @@ class Interventions {
   bool cut(World& world, std::size_t connector, std::span<const double> along);
 
  private:
+  bool is_held(const World& world, std::size_t connector, const Place& place) const;
   Outcome why_not_cut(const World& world, std::size_t connector, double along, const Place& place);
   void add_part(World& world, std::size_t connector);
   void divide(World& world, std::size_t connector, double along, std::size_t part);
   void divide(World& world, std::size_t connector, double start, std::size_t parts,
               std::span<const double> along, std::span<const std::size_t> order);
   void let_go(World& world, std::size_t connector, const Attachment& by);
+  Outcome drop(World& world, std::size_t connector);
 
   Ties ties_;
   LinkRestorer restorer_;
+  std::vector<Hold> released_;         // of one connector
+  std::vector<std::size_t> gone_;      // particles
+  std::vector<double> gone_from_;      // m, the lengths of their links
   std::vector<Connector> spare_;       // for what is cut off
   std::vector<std::size_t> original_;  // of each connector: the one that it is a part of
   std::vector<std::size_t> cut_off_;   // parts of each of the originals

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim/interventions/flaws.h"
+#include "sim/world/components.h"
 #include "sim/world/places.h"
 
 namespace taut {
@@ -34,14 +35,16 @@ Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline tim
       parts_(world_.connectors),
       pins_(timeline_.pins.size(), 0) {
   for (std::size_t i = 0; i < timeline_.pins.size(); ++i) {
-    entries_.push_back({timeline_.pins[i].from, Entry::Kind::pin, i});
-    entries_.push_back({timeline_.pins[i].until, Entry::Kind::release, i});
+    const TimedPin& pin = timeline_.pins[i];
+    entries_.push_back({pin.from, Entry::Kind::pin, pin.connector, i});
+    entries_.push_back({pin.until, Entry::Kind::release, pin.connector, i});
   }
   for (std::size_t i = 0; i < timeline_.cuts.size(); ++i) {
-    entries_.push_back({timeline_.cuts[i].time, Entry::Kind::cut, i});
+    const TimedCut& cut = timeline_.cuts[i];
+    entries_.push_back({cut.time, Entry::Kind::cut, cut.connector, i});
   }
   std::ranges::sort(entries_, {}, [](const Entry& entry) {
-    return std::tuple(entry.time, entry.kind, entry.index);
+    return std::tuple(entry.time, entry.kind, entry.connector, entry.index);
   });
   show();
   if (auto islands = Islands::find(world_, timeline_, *method_)) {
@@ -61,7 +64,7 @@ void Simulation::advance_to(double time) {
     if (!now && entry.time > time) break;
     const bool passed = entry.time < world_.time || same_time(entry.time, world_.time);
     go_to(entry, now ? time : passed ? world_.time : entry.time);
-    if (!cut_several(entry.time)) enact(entry);
+    if (!enact_several()) enact(entry);
   }
   if (time > world_.time || left_behind_ || (islands_ && islands_->left_behind())) catch_up(time);
   bodies_as_links_.follow(world_);
@@ -85,16 +88,20 @@ std::vector<Parts::Place> Simulation::places_at(double time) const {
     const Entry& entry = entries_[i];
     if (entry.time > time && !same_time(entry.time, time)) break;
     if (islands_ && !places.empty()) return {};
-    if (entry.kind == Entry::Kind::cut) {
-      const TimedCut& cut = timeline_.cuts[entry.index];
-      places.push_back(parts_.at(cut.connector, cut.along));
-      continue;
+    if (entry.kind != Entry::Kind::cut) {
+      const TimedPin& pin = timeline_.pins[entry.index];
+      if (pin.to && !is_prescribed(world_, *pin.to)) return {};
     }
-    const TimedPin& pin = timeline_.pins[entry.index];
-    if (pin.to && !is_prescribed(world_, *pin.to)) return {};
-    places.push_back(parts_.at(pin.connector, pin.along));
+    places.push_back(place_of(entry));
   }
   return places;
+}
+
+/// Where an entry happens, on the connectors that there are now.
+Parts::Place Simulation::place_of(const Entry& entry) const {
+  const bool is_cut = entry.kind == Entry::Kind::cut;
+  return parts_.at(entry.connector,
+                   is_cut ? timeline_.cuts[entry.index].along : timeline_.pins[entry.index].along);
 }
 
 /// To `time` (s), with as much of the world as the entry changes.
@@ -106,10 +113,7 @@ void Simulation::go_to(const Entry& entry, double time) {
     left_behind_ = method_->advance_near(world_, time, places);
     return;
   }
-  const bool is_cut = entry.kind == Entry::Kind::cut;
-  const std::size_t whole =
-      is_cut ? timeline_.cuts[entry.index].connector : timeline_.pins[entry.index].connector;
-  islands_->advance_island(world_, time, whole, places_at(time));
+  islands_->advance_island(world_, time, entry.connector, places_at(time));
 }
 
 /// All of the world.
@@ -121,13 +125,18 @@ void Simulation::catch_up(double time) {
 void Simulation::enact(const Entry& entry) {
   Outcome outcome = Outcome::done;
   std::string what;
+  const auto [connector, along] = place_of(entry);
+  const std::vector<const Entry*> freed = frees_beads({&entry, 1});
   if (entry.kind == Entry::Kind::cut) {
-    outcome = cut(timeline_.cuts[entry.index], what);
+    const Divided made = interventions_.cut(world_, connector, along);
+    outcome = made.outcome;
+    if (outcome == Outcome::done) {
+      parts_.cut(entry.connector, timeline_.cuts[entry.index].along, made.connector);
+    }
   } else if (entry.kind == Entry::Kind::release) {
-    outcome = release(timeline_.pins[entry.index], pins_[entry.index], what);
+    outcome = interventions_.release(world_, pins_[entry.index], connector);
   } else {
     const TimedPin& pin = timeline_.pins[entry.index];
-    const auto [connector, along] = parts_.at(pin.connector, pin.along);
     const Pinned pinned = pin.to ? interventions_.pin(world_, connector, along, *pin.to, pin.over)
                                  : interventions_.pin(world_, connector, along);
     pins_[entry.index] = pinned.pin;
@@ -136,67 +145,89 @@ void Simulation::enact(const Entry& entry) {
       what = why_out_of_reach(world_, connector, along, *pin.to);
     }
   }
-  if (outcome == Outcome::done && what.empty()) return;
+  if (outcome != Outcome::done) refuse(entry, what.empty() ? std::string(words(outcome)) : what);
+  look_at_beads(freed);
+}
+
+void Simulation::refuse(const Entry& entry, std::string what) {
   if (islands_ || left_behind_) catch_up(world_.time);
   const bool is_cut = entry.kind == Entry::Kind::cut;
-  if (what.empty()) what = words(outcome);
   throw BadIntervention(
-      {is_cut, entry.index, what}, entry.time,
+      {is_cut, entry.index, std::move(what)}, entry.time,
       is_cut ? timeline_.cuts[entry.index].source : timeline_.pins[entry.index].source);
 }
 
-/// Makes the cuts from the next entry on that divide one connector at this time (s), all at once;
-/// whether it did. Beads that are added among obstacles are looked at one by one.
-bool Simulation::cut_several(double time) {
-  if (!world_.obstacles.empty()) return false;
-  const auto is_one = [&](std::size_t i) {
-    return i < entries_.size() && entries_[i].kind == Entry::Kind::cut &&
-           same_time(entries_[i].time, time);
+/// Does at once what the entries from the next one on do to one connector at one time, all of one
+/// kind; whether it did. Then the next one is their last.
+bool Simulation::enact_several() {
+  const Entry first = entries_[next_];
+  const std::size_t index = place_of(first).connector;
+  const auto belongs = [&](const Entry& entry) {
+    return entry.kind == first.kind && entry.connector == first.connector &&
+           same_time(entry.time, first.time) && place_of(entry).connector == index;
   };
-  if (!is_one(next_) || !is_one(next_ + 1)) return false;
-  const TimedCut& first = timeline_.cuts[entries_[next_].index];
-  const std::size_t connector = parts_.at(first.connector, first.along).connector;
+  std::size_t end = next_ + 1;
+  while (end < entries_.size() && belongs(entries_[end])) ++end;
+  const std::span several(&entries_[next_], end - next_);
+  if (several.size() < 2) return false;
   std::vector<double> along;
-  std::size_t end = next_;
-  for (; is_one(end); ++end) {
-    const TimedCut& cut = timeline_.cuts[entries_[end].index];
-    const Parts::Place place = parts_.at(cut.connector, cut.along);
-    if (cut.connector != first.connector || place.connector != connector) break;
-    along.push_back(place.along);
-  }
-  std::size_t made = world_.connectors.size();
-  if (along.size() < 2 || !interventions_.cut(world_, connector, along)) return false;
-  for (std::size_t i = next_; i < end; ++i) {
-    const TimedCut& cut = timeline_.cuts[entries_[i].index];
-    parts_.cut(cut.connector, cut.along, made++);
+  for (const Entry& entry : several) along.push_back(place_of(entry).along);
+  const std::vector<const Entry*> freed = frees_beads(several);
+  if (first.kind == Entry::Kind::cut) {
+    std::size_t made = world_.connectors.size();
+    if (!interventions_.cut(world_, index, along)) return false;
+    for (const Entry& entry : several) {
+      parts_.cut(entry.connector, timeline_.cuts[entry.index].along, made++);
+    }
+  } else if (first.kind == Entry::Kind::pin) {
+    std::vector<NewPin> pins;
+    for (std::size_t i = 0; i < along.size(); ++i) {
+      const TimedPin& pin = timeline_.pins[several[i].index];
+      pins.push_back({along[i], pin.to, pin.over});
+    }
+    const std::vector<std::uint64_t> numbers = interventions_.pin(world_, index, pins);
+    if (numbers.empty()) return false;
+    for (std::size_t i = 0; i < along.size(); ++i) pins_[several[i].index] = numbers[i];
+  } else {
+    std::vector<std::uint64_t> pins;
+    for (const Entry& entry : several) pins.push_back(pins_[entry.index]);
+    if (interventions_.release(world_, index, pins) != Outcome::done) return false;
   }
   next_ = end - 1;
+  look_at_beads(freed);
   return true;
 }
 
-/// A particle that is added at the cut is a bead where none was: `inside` says where it may not be.
-Outcome Simulation::cut(const TimedCut& cut, std::string& inside) {
-  const auto [connector, along] = parts_.at(cut.connector, cut.along);
-  const std::size_t particles = world_.connectors.at(connector).particles();
-  const Divided made = interventions_.cut(world_, connector, along);
-  if (made.outcome != Outcome::done) return made.outcome;
-  parts_.cut(cut.connector, cut.along, made.connector);
-  const std::size_t head = world_.connectors[connector].particles();
-  const std::size_t tail = world_.connectors[made.connector].particles();
-  if (head + tail == particles + 2) inside = why_inside(world_, made.connector, 0);
-  return made.outcome;
+/// Which of the entries free a bead among obstacles: a cut, where it adds a particle, and the
+/// release of a particle that stays.
+std::vector<const Simulation::Entry*> Simulation::frees_beads(
+    std::span<const Entry> entries) const {
+  std::vector<const Entry*> found;
+  if (world_.obstacles.empty() || entries[0].kind == Entry::Kind::pin) return found;
+  for (const Entry& entry : entries) found.push_back(&entry);
+  std::ranges::sort(found, {}, [&](const Entry* entry) { return place_of(*entry).along; });
+  const Connector& connector = world_.connectors[place_of(entries[0]).connector];
+  Walk walk;
+  std::erase_if(found, [&](const Entry* entry) {
+    const Place place = locate(connector, place_of(*entry).along, walk);
+    if (entry->kind == Entry::Kind::cut) return place.fraction == 0;
+    const Hold* hold = place.fraction > 0 ? nullptr : find_hold(connector, place.particle);
+    return hold == nullptr || hold->pin.fraction > 0;
+  });
+  return found;
 }
 
-/// A particle that stays when its pin goes is a bead again: `inside` says where it may not be.
-Outcome Simulation::release(const TimedPin& pin, std::uint64_t number, std::string& inside) {
-  const auto [connector, along] = parts_.at(pin.connector, pin.along);
-  const std::size_t particles = world_.connectors.at(connector).particles();
-  const Outcome outcome = interventions_.release(world_, number, connector);
-  const Connector& freed = world_.connectors[connector];
-  if (outcome != Outcome::done || freed.particles() != particles) return outcome;
-  const Place place = locate(freed, along);
-  if (!holds(freed, place.particle)) inside = why_inside(world_, connector, place.particle);
-  return outcome;
+/// Refuses the first of the entries whose bead is inside of an obstacle.
+void Simulation::look_at_beads(std::span<const Entry* const> freed) {
+  Walk walk;
+  std::size_t last = 0;
+  for (const Entry* entry : freed) {
+    const auto [connector, along] = place_of(*entry);
+    if (connector != std::exchange(last, connector)) walk = {};
+    const Place place = locate(world_.connectors[connector], along, walk);
+    std::string inside = why_inside(world_, connector, place.particle);
+    if (!inside.empty()) refuse(*entry, std::move(inside));
+  }
 }
 
 void Simulation::show() {

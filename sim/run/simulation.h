@@ -63,15 +63,18 @@ class Simulation {
     enum class Kind { release, cut, pin };
     double time;  // s
     Kind kind;
-    std::size_t index;  // in the timeline's list
+    std::size_t connector;  // of the start
+    std::size_t index;      // in the timeline's list
   };
   void go_to(const Entry& entry, double time);
   std::vector<Parts::Place> places_at(double time) const;
   void catch_up(double time);
+  Parts::Place place_of(const Entry& entry) const;
+  [[noreturn]] void refuse(const Entry& entry, std::string what);
   void enact(const Entry& entry);
-  bool cut_several(double time);
-  Outcome cut(const TimedCut& cut, std::string& inside);
-  Outcome release(const TimedPin& pin, std::uint64_t number, std::string& inside);
+  bool enact_several();
+  std::vector<const Entry*> frees_beads(std::span<const Entry> entries) const;
+  void look_at_beads(std::span<const Entry* const> freed);
   void show();
 
   /// A connector of divided(): its particles' places on the connector that it is a part of.

@@ -3,20 +3,6 @@
 #include <algorithm>
 
 namespace taut {
-namespace {
-
-template <typename T>
-void insert_at(std::vector<T>& items, std::size_t index, const T& item) {
-  items.insert(items.begin() + static_cast<std::ptrdiff_t>(index), item);
-}
-
-template <typename T>
-void erase_at(std::vector<T>& items, std::size_t index) {
-  items.erase(items.begin() + static_cast<std::ptrdiff_t>(index));
-}
-
-}  // namespace
-
 Place locate(const Connector& connector, double along) {
   Walk walk;
   return locate(connector, along, walk);
@@ -78,24 +64,59 @@ PinRecord* added_for(Connector& connector, std::size_t particle) {
 }
 
 PinRecord add_particle(Connector& connector, const Place& place) {
-  const std::size_t k = place.particle, added = k + 1;
-  const double f = place.fraction;
-  // On a link that pins divide already, fractions and rest length are those of the whole link.
-  const PinRecord *before = added_for(connector, k), *after = added_for(connector, k + 1);
-  const double low = before ? before->fraction : 0, high = after ? after->fraction : 1;
   PinRecord record;
-  record.fraction = low + f * (high - low);
-  record.link_rest = before ? before->link_rest : after ? after->link_rest : connector.rest[k];
-  insert_at(connector.position, added, between(connector.position, place));
-  insert_at(connector.velocity, added, between(connector.velocity, place));
-  insert_at(connector.particle_mass, added, 0.0);
-  connector.rest[k] = (record.fraction - low) * record.link_rest;
-  insert_at(connector.rest, added, (high - record.fraction) * record.link_rest);
-  if (!connector.sections.empty()) {
-    insert_at(connector.sections, added, Section(connector.sections[k]));
-  }
-  for (Hold& hold : connector.holds) hold.particle += hold.particle > k;
+  add_particles(connector, {&place, 1}, {&record, 1});
   return record;
+}
+
+void add_particles(Connector& connector, std::span<const Place> places,
+                   std::span<PinRecord> records) {
+  std::vector<Vec3>&position = connector.position, &velocity = connector.velocity;
+  std::size_t before = places.size();  // how many of them lie before the particle
+  std::size_t k = connector.links();
+  const std::size_t particles = connector.particles() + before;
+  position.resize(particles);
+  velocity.resize(particles);
+  connector.particle_mass.resize(particles);
+  connector.rest.resize(particles - 1);
+  const bool has_sections = !connector.sections.empty();
+  if (has_sections) connector.sections.resize(particles - 1);
+  while (before > 0) {  // from the last link on: what is not moved yet stays where it is
+    position[k + before] = position[k];
+    velocity[k + before] = velocity[k];
+    connector.particle_mass[k + before] = connector.particle_mass[k];
+    const std::size_t beyond = k-- + before;
+    // On a link that pins divide already, fractions and rest length are those of the whole link.
+    const PinRecord *start = nullptr, *end = nullptr;
+    if (places[before - 1].particle == k) {
+      start = added_for(connector, k);
+      end = added_for(connector, k + 1);
+    }
+    const double rest = start ? start->link_rest : end ? end->link_rest : connector.rest[k];
+    const double low = start ? start->fraction : 0;
+    double high = end ? end->fraction : 1;
+    const bool divided = places[before - 1].particle == k;
+    for (; before > 0 && places[before - 1].particle == k; --before) {
+      const double f = places[before - 1].fraction;
+      PinRecord& record = records[before - 1];
+      record.fraction = low + f * ((end ? end->fraction : 1) - low);
+      record.link_rest = rest;
+      const std::size_t added = k + before;
+      position[added] = position[k] + f * (position[beyond] - position[k]);
+      velocity[added] = velocity[k] + f * (velocity[beyond] - velocity[k]);
+      connector.particle_mass[added] = 0;
+      connector.rest[added] = (high - record.fraction) * rest;
+      if (has_sections) connector.sections[added] = connector.sections[k];
+      high = record.fraction;
+    }
+    connector.rest[k + before] = divided ? (high - low) * rest : connector.rest[k];
+    if (has_sections) connector.sections[k + before] = connector.sections[k];
+  }
+  auto place = places.begin();
+  for (Hold& hold : connector.holds) {
+    while (place != places.end() && place->particle < hold.particle) ++place;
+    hold.particle += static_cast<std::size_t>(place - places.begin());
+  }
 }
 
 void fit(Connector& connector) {
@@ -107,17 +128,38 @@ void fit(Connector& connector) {
   connector.velocity.shrink_to_fit();
 }
 
-void remove_particle(Connector& connector, std::size_t particle, double link_rest) {
-  const PinRecord* before = added_for(connector, particle - 1);
-  const PinRecord* after = added_for(connector, particle + 1);
-  const double low = before ? before->fraction : 0, high = after ? after->fraction : 1;
-  connector.rest[particle - 1] = (high - low) * link_rest;
-  erase_at(connector.rest, particle);
-  if (!connector.sections.empty()) erase_at(connector.sections, particle);
-  erase_at(connector.position, particle);
-  erase_at(connector.velocity, particle);
-  erase_at(connector.particle_mass, particle);
-  for (Hold& hold : connector.holds) hold.particle -= hold.particle > particle;
+void remove_particles(Connector& connector, std::span<const std::size_t> particles,
+                      std::span<const double> link_rests) {
+  if (particles.empty()) return;
+  // The links before each run of them become one with those behind it.
+  for (std::size_t i = 0, end = 0; i < particles.size(); i = end) {
+    for (end = i + 1; end < particles.size() && particles[end] == particles[end - 1] + 1; ++end) {
+    }
+    const PinRecord* before = added_for(connector, particles[i] - 1);
+    const PinRecord* after = added_for(connector, particles[end - 1] + 1);
+    const double low = before ? before->fraction : 0, high = after ? after->fraction : 1;
+    connector.rest[particles[i] - 1] = (high - low) * link_rests[i];
+  }
+  const auto remove = [&](auto& items) {
+    auto to = items.begin() + static_cast<std::ptrdiff_t>(particles[0]);
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      const bool last = i + 1 == particles.size();
+      const auto next =
+          last ? items.end() : items.begin() + static_cast<std::ptrdiff_t>(particles[i + 1]);
+      to = std::move(items.begin() + static_cast<std::ptrdiff_t>(particles[i]) + 1, next, to);
+    }
+    items.erase(to, items.end());
+  };
+  remove(connector.rest);
+  if (!connector.sections.empty()) remove(connector.sections);
+  remove(connector.position);
+  remove(connector.velocity);
+  remove(connector.particle_mass);
+  auto removed = particles.begin();
+  for (Hold& hold : connector.holds) {
+    while (removed != particles.end() && *removed < hold.particle) ++removed;
+    hold.particle -= static_cast<std::size_t>(removed - particles.begin());
+  }
 }
 
 }  // namespace taut

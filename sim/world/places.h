@@ -1,6 +1,8 @@
 // Places along a connector, and particles that come and go there.
 #pragma once
 
+#include <span>
+
 #include "sim/world/connector.h"
 
 namespace taut {
@@ -53,13 +55,18 @@ PinRecord* added_for(Connector& connector, std::size_t particle);
 /// Adds a particle without mass behind `place.particle`, where the link is now; its place on the
 /// link is in the record.
 PinRecord add_particle(Connector& connector, const Place& place);
+/// The same for many places, which rise and lie on links; in one pass.
+void add_particles(Connector& connector, std::span<const Place> places,
+                   std::span<PinRecord> records);
 
 /// Gives back what room the connector's arrays have beyond what is in them: methods make as much
 /// for each of the parts that it may be divided into.
 void fit(Connector& connector);
 
-/// Removes a particle that was added for a pin and whose hold is gone. Where no other such particle
-/// stands on its link, the link's rest length is what it was, bit by bit.
-void remove_particle(Connector& connector, std::size_t particle, double link_rest);
+/// Removes particles, which rise, that were added for pins and whose holds are gone; in one pass.
+/// Where no other such particle stands on a link, its rest length is what it was, bit by bit:
+/// `link_rests` (m) are those of the links that they stand on.
+void remove_particles(Connector& connector, std::span<const std::size_t> particles,
+                      std::span<const double> link_rests);
 
 }  // namespace taut

@@ -64,7 +64,7 @@ bool LinkRestorer::solve(std::size_t first, std::size_t last) {
   return true;
 }
 
-void LinkRestorer::restore(Connector& connector, std::size_t link) {
+std::size_t LinkRestorer::restore(Connector& connector, std::size_t link) {
   std::size_t first = link, last = link + 1;
   while (first > 0 && !holds(connector, first)) --first;
   while (last < connector.links() && !holds(connector, last)) ++last;
@@ -83,7 +83,7 @@ void LinkRestorer::restore(Connector& connector, std::size_t link) {
   constexpr double kRestored = 1e-10;
   const bool both = holds(connector, first) && holds(connector, last);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    if (measure(connector, first, last) <= kRestored) return;
+    if (measure(connector, first, last) <= kRestored) return last;
     if (!solve(first, last)) break;
     Vec3 before = Vec3::Zero();  // the pull of the link before
     for (std::size_t i = first; i <= last; ++i) {
@@ -94,6 +94,7 @@ void LinkRestorer::restore(Connector& connector, std::size_t link) {
     if (!both) lay(connector, first, last);  // what is left is of second order
   }
   for (std::size_t i = first; i <= last; ++i) p[i] = rows_[i].before;
+  return last;
 }
 
 }  // namespace taut

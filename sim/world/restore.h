@@ -15,8 +15,9 @@ class LinkRestorer {
   /// Room for so many particles.
   void reserve(std::size_t particles) { rows_.reserve(particles); }
 
-  /// Restores the span of the link; leaves it as it is where that fails.
-  void restore(Connector& connector, std::size_t link);
+  /// Restores the span of the link, and tells its last particle; leaves the span as it is where
+  /// that fails.
+  std::size_t restore(Connector& connector, std::size_t link);
 
  private:
   struct Row {                   // a particle, and the link behind it

@@ -5,28 +5,28 @@
 namespace taut {
 
 void Ties::reserve(const World& world, std::size_t connectors, std::size_t holds) {
-  places_.reserve(connectors);
+  ties_.reserve(connectors);
   std::size_t held = holds, joined = 0;
   for (const Connector& connector : world.connectors) held += connector.holds.size();
   for (const Joint& joint : world.joints) joined += joint.particles.size();
   holder_.reserve(held);
-  place_.reserve(joined);
+  tie_.reserve(joined);
   holders_.reserve(world.bodies.size());
 }
 
 void Ties::follow(const World& world) {
-  if (topology_ == world.topology && places_.size() == world.connectors.size() &&
+  if (topology_ == world.topology && ties_.size() == world.connectors.size() &&
       holders_.size() == world.bodies.size()) {
     return;
   }
-  places_.assign(world.connectors.size(), kNone);
-  place_.clear();
+  ties_.assign(world.connectors.size(), kNone);
+  tie_.clear();
   for (std::size_t j = 0; j < world.joints.size(); ++j) {
     const std::vector<Joint::Particle>& particles = world.joints[j].particles;
     for (std::size_t i = 0; i < particles.size(); ++i) {
-      std::uint32_t& first = places_[particles[i].connector];
-      place_.push_back({std::uint32_t(j), std::uint32_t(i), first});
-      first = std::uint32_t(place_.size() - 1);
+      std::uint32_t& first = ties_[particles[i].connector];
+      tie_.push_back({std::uint32_t(j), std::uint32_t(i), first});
+      first = std::uint32_t(tie_.size() - 1);
     }
   }
   holders_.assign(world.bodies.size(), kNone);
@@ -42,9 +42,9 @@ void Ties::follow(const World& world) {
 
 const Joint* Ties::find_joint(const World& world, std::size_t connector,
                               std::size_t particle) const {
-  for (std::uint32_t p = places_[connector]; p != kNone; p = place_[p].next) {
-    const Joint& joint = world.joints[place_[p].joint];
-    if (joint.particles[place_[p].particle].particle == particle) return &joint;
+  for (std::uint32_t p = ties_[connector]; p != kNone; p = tie_[p].next) {
+    const Joint& joint = world.joints[tie_[p].joint];
+    if (joint.particles[tie_[p].particle].particle == particle) return &joint;
   }
   return nullptr;
 }
@@ -79,8 +79,8 @@ void Ties::place_joined(World& world, std::size_t connector, std::size_t particl
 
 /// Lets `change` change the joints' particles on a connector, and the topology with them.
 void Ties::each(World& world, std::size_t connector, auto change) {
-  for (std::uint32_t p = places_[connector]; p != kNone;) {
-    const auto [joint, particle, next] = place_[p];
+  for (std::uint32_t p = ties_[connector]; p != kNone;) {
+    const auto [joint, particle, next] = tie_[p];
     Joint::Particle& at = world.joints[joint].particles[particle];
     const std::uint64_t before = structure_of_joint(world, joint);
     change(at);
@@ -89,12 +89,19 @@ void Ties::each(World& world, std::size_t connector, auto change) {
   }
 }
 
-void Ties::particle_added(World& world, std::size_t connector, std::size_t particle) {
-  each(world, connector, [&](Joint::Particle& at) { at.particle += at.particle > particle; });
+void Ties::particles_added(World& world, std::size_t connector, std::span<const Place> places) {
+  each(world, connector, [&](Joint::Particle& at) {
+    const auto behind = std::ranges::lower_bound(places, at.particle, {}, &Place::particle);
+    at.particle += static_cast<std::size_t>(behind - places.begin());
+  });
 }
 
-void Ties::particle_removed(World& world, std::size_t connector, std::size_t particle) {
-  each(world, connector, [&](Joint::Particle& at) { at.particle -= at.particle > particle; });
+void Ties::particles_removed(World& world, std::size_t connector,
+                             std::span<const std::size_t> removed) {
+  each(world, connector, [&](Joint::Particle& at) {
+    const auto behind = std::ranges::lower_bound(removed, at.particle);
+    at.particle -= static_cast<std::size_t>(behind - removed.begin());
+  });
 }
 
 void Ties::connector_divided(World& world, std::size_t connector, std::size_t first,
@@ -102,16 +109,16 @@ void Ties::connector_divided(World& world, std::size_t connector, std::size_t fi
   each(world, connector, [&](Joint::Particle& at) {
     if (at.particle >= first) at = {second, at.particle - first};
   });
-  for (std::uint32_t* from = &places_[connector]; *from != kNone;) {
+  for (std::uint32_t* from = &ties_[connector]; *from != kNone;) {
     const std::uint32_t p = *from;
-    Place& place = place_[p];
-    if (world.joints[place.joint].particles[place.particle].connector == connector) {
-      from = &place.next;
+    Tie& tie = tie_[p];
+    if (world.joints[tie.joint].particles[tie.particle].connector == connector) {
+      from = &tie.next;
       continue;
     }
-    *from = place.next;
-    place.next = places_[second];
-    places_[second] = p;
+    *from = tie.next;
+    tie.next = ties_[second];
+    ties_[second] = p;
   }
   for (const Hold& hold : world.connectors[second].holds) {
     if (is_prescribed(world, hold.to)) continue;

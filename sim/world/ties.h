@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "sim/world/places.h"
 #include "sim/world/world.h"
 
 namespace taut {
@@ -27,16 +29,17 @@ class Ties {
   /// Takes what is joined with the particle to where that is which stands for it.
   void place_joined(World& world, std::size_t connector, std::size_t particle) const;
 
-  /// Keeps joints at their particles, and the topology with them, where one has been added behind
-  /// `particle` of a connector, or `removed` there; where those from `first` on are now `second`.
-  void particle_added(World& world, std::size_t connector, std::size_t particle);
-  void particle_removed(World& world, std::size_t connector, std::size_t particle);
+  /// Keeps joints at their particles, and the topology with them, where some have been added at
+  /// places of a connector, or `removed` from it, as add_particles() and remove_particles() do; or
+  /// where those from `first` on are now `second`.
+  void particles_added(World& world, std::size_t connector, std::span<const Place> places);
+  void particles_removed(World& world, std::size_t connector, std::span<const std::size_t> removed);
   /// `second` has its holds.
   void connector_divided(World& world, std::size_t connector, std::size_t first,
                          std::size_t second);
 
   /// There is one more, which nothing is tied to.
-  void connector_added() { places_.push_back(kNone); }
+  void connector_added() { ties_.push_back(kNone); }
 
   /// A free body holds the connector at one more place, or one less.
   void held(std::size_t connector, std::size_t body);
@@ -44,7 +47,7 @@ class Ties {
 
  private:
   static constexpr std::uint32_t kNone = UINT32_MAX;
-  struct Place {  // of a joint's particle
+  struct Tie {  // of a joint's particle
     std::uint32_t joint, particle, next;
   };
   struct Holder {
@@ -52,9 +55,9 @@ class Ties {
   };
   void each(World& world, std::size_t connector, auto change);
 
-  std::uint64_t topology_ = 0;         // of the world that this knows
-  std::vector<std::uint32_t> places_;  // [connector] the first of its joints' particles
-  std::vector<Place> place_;
+  std::uint64_t topology_ = 0;       // of the world that this knows
+  std::vector<std::uint32_t> ties_;  // [connector] the first of its joints' particles
+  std::vector<Tie> tie_;
   std::vector<std::uint32_t> holders_;  // [body] the first of its holders, connectors rising
   std::vector<Holder> holder_;
   std::uint32_t spare_ = kNone;  // the first of those that are not in use
