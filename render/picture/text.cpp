@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <ft2build.h>
 #include FT_FREETYPE_H
+#include FT_MODULE_H
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <new>
 #include <stdexcept>
 #include <vector>
@@ -49,8 +51,30 @@ std::vector<char32_t> code_points(std::string_view text) {
 }  // namespace
 
 struct Font::Face {
+  // FreeType calls a font broken where memory runs out inside of one of its tables.
+  bool ran_out = false;
+  FT_MemoryRec_ memory{this,
+                       [](FT_Memory at, long size) {
+                         void* block = std::malloc(std::size_t(size));
+                         static_cast<Face*>(at->user)->ran_out |= block == nullptr;
+                         return block;
+                       },
+                       [](FT_Memory, void* block) { std::free(block); },
+                       [](FT_Memory at, long, long size, void* old) {
+                         void* block = std::realloc(old, std::size_t(size));
+                         static_cast<Face*>(at->user)->ran_out |= block == nullptr;
+                         return block;
+                       }};
   FT_Library library = nullptr;
   FT_Face face = nullptr;
+
+  Face() {
+    if (FT_New_Library(&memory, &library) != 0) throw std::bad_alloc();
+    FT_Add_Default_Modules(library);
+  }
+  ~Face() { FT_Done_Library(library); }  // and the face
+  Face(const Face&) = delete;
+  Face& operator=(const Face&) = delete;
 
   /// Calls `use(glyph slot, x of its origin)` for each character of a line that starts at `x`
   /// (pixels), and returns where the line ends.
@@ -67,9 +91,9 @@ struct Font::Face {
       // The origin's fraction of a pixel goes into the outline, so that moving text does not jump.
       FT_Vector shift{FT_Pos((x - std::floor(x)) * 64), 0};
       FT_Set_Transform(face, nullptr, &shift);
-      const FT_Error error = FT_Load_Glyph(face, glyph, flags);
-      if (error == FT_Err_Out_Of_Memory) throw std::bad_alloc();
-      if (error != 0) continue;
+      const bool loaded = FT_Load_Glyph(face, glyph, flags) == 0;
+      if (ran_out) throw std::bad_alloc();
+      if (!loaded) continue;
       use(*face->glyph, int(std::floor(x)));
       x += double(face->glyph->linearHoriAdvance) / 65536;
     }
@@ -81,18 +105,13 @@ Font::Font(Weight weight, Family family) : face_(std::make_unique<Face>()) {
   const Typeface& typeface = kTypefaces[std::size_t(family)];
   const std::string file =
       fmt::format("{}{}", kFolder, weight == Weight::bold ? typeface.bold : typeface.regular);
-  if (FT_Init_FreeType(&face_->library) != 0) throw std::bad_alloc();
-  if (const FT_Error error = FT_New_Face(face_->library, file.c_str(), 0, &face_->face)) {
-    FT_Done_FreeType(face_->library);
-    if (error == FT_Err_Out_Of_Memory) throw std::bad_alloc();
-    throw std::runtime_error(fmt::format("{}: missing (package {})", file, typeface.package));
-  }
+  const bool opened = FT_New_Face(face_->library, file.c_str(), 0, &face_->face) == 0;
+  if (face_->ran_out) throw std::bad_alloc();
+  if (opened) return;
+  throw std::runtime_error(fmt::format("{}: missing (package {})", file, typeface.package));
 }
 
-Font::~Font() {
-  FT_Done_Face(face_->face);
-  FT_Done_FreeType(face_->library);
-}
+Font::~Font() = default;
 
 double Font::width(std::string_view text, double size) {
   return face_->lay_out(text, size, 0, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP,

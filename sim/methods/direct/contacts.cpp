@@ -47,6 +47,12 @@ bool same_state(const Body& a, const Body& b) {
 
 }  // namespace
 
+/// Steps are of second order: finer ones are those of a tolerance that is lower by their square.
+Contacts::Contacts(const StepOptions& options, std::function<std::unique_ptr<Method>()> make)
+    : options_(options), make_(std::move(make)) {
+  options_.tolerance /= options.finer * options.finer;
+}
+
 void Contacts::prepare(const World& world) {
   obstacles_ = world.obstacles;
   const std::size_t bodies = world.bodies.size();
@@ -236,7 +242,7 @@ void Contacts::step_through(Group& group, double until) {
   const double lowest = kLowest * options_.tolerance;
   if (group.h == 0) {
     group.first = kFirst * std::sqrt(options_.tolerance / std::max(part.gravity.norm(), 1.0));
-    group.h = options_.step > 0 ? options_.step : std::min(kLongest, group.first);
+    group.h = options_.step > 0 ? options_.step : std::min(kLongest / options_.finer, group.first);
   }
   double time = part.time;
   double spin = 0;
@@ -289,7 +295,7 @@ double Contacts::adapted(const Group& group, double gone, double wish) const {
       next = std::min(next, 0.9 * gone * std::sqrt(kShare * options_.tolerance * gone / error));
       next = std::max(next, gone / 2);
     }
-    next = std::min(std::max(next, kFinest * group.first), kLongest);
+    next = std::min(std::max(next, kFinest * group.first), kLongest / options_.finer);
   }
   return next;
 }

@@ -19,8 +19,7 @@ namespace taut::direct {
 class Contacts {
  public:
   /// `make` makes methods that follow links without obstacles.
-  Contacts(const StepOptions& options, std::function<std::unique_ptr<Method>()> make)
-      : options_(options), make_(std::move(make)) {}
+  Contacts(const StepOptions& options, std::function<std::unique_ptr<Method>()> make);
 
   /// Call before the first advance() and whenever the topology is new.
   void prepare(const World& world);
