@@ -146,6 +146,54 @@ TEST(ErrorEstimate, ParticlesCountWhereThereAreAnyAndBodiesByTheirEndsWhereThere
   EXPECT_EQ(error(beside), error(chain()));
 }
 
+/// A rope of strings with a weight, thrown up: it falls and snaps taut.
+World falling_string() {
+  World world = worlds::chain(4, 1, worlds::from_down(175));
+  Connector& rope = world.connectors[0];
+  rope.pulls = true;
+  rope.particle_mass.back() += 0.5;
+  finish(world);
+  return world;
+}
+
+/// A chain that swings down onto a ball.
+World chain_on_a_ball() {
+  World world = worlds::chain(10, 1, worlds::from_down(80));
+  world.connectors[0].radius = 0.005;
+  Obstacle ball;
+  ball.name = "ball";
+  ball.shape = sphere_shape(0.1);
+  ball.place.position = Vec3(0.1, -0.5, 0);
+  world.obstacles = {ball};
+  finish(world);
+  return world;
+}
+
+TEST(ErrorEstimate, TellsWhatStringsAndContactErr) {
+  constexpr double kTolerance = 1e-4;
+  for (const World& world : {falling_string(), chain_on_a_ball()}) {
+    const Settings settings{{"tolerance", kTolerance}};
+    Simulation simulation(world, make_method("direct", settings));
+    Simulation truth(world, make_method("direct", {{"tolerance", kTolerance / 1000}}));
+    ErrorEstimate estimate(world, "direct", settings);
+    double largest = 0;
+    for (int k = 0; k <= 60; ++k) {
+      for (Simulation* each : {&simulation, &truth}) each->advance_to(k / 60.0);
+      estimate.follow(simulation);
+      double sum = 0;
+      const Connector &found = simulation.world().connectors[0],
+                      &exact = truth.world().connectors[0];
+      for (std::size_t i = 0; i < found.particles(); ++i) {
+        sum += (found.position[i] - exact.position[i]).squaredNorm();
+      }
+      largest = std::max(largest, std::sqrt(sum / double(found.particles())));
+    }
+    EXPECT_GT(largest, kTolerance / 1000);
+    EXPECT_GT(estimate.largest(), largest / 3);
+    EXPECT_LT(estimate.largest(), largest * 3);
+  }
+}
+
 TEST(ErrorEstimate, InterventionsThatItDoesNotKnowAreAMistake) {
   Simulation simulation(chain(), make_method("xpbd", {}));
   ErrorEstimate estimate(chain(), "xpbd", {});

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/methods/direct/contact/body_touches.h"
+#include "sim/methods/direct/contact/entry.h"
 
 namespace taut::direct {
 namespace {
@@ -11,9 +12,6 @@ using contact::Spot;
 using contact::SpotGap;
 using ConstMap = Eigen::Map<const Vec3>;
 
-constexpr int kBisections = 60;
-constexpr double kStride = 1e-4;   // of the step, at least, from one look to the next
-constexpr double kReached = 1e-8;  // m: that near, it is there
 constexpr double kEntered = 1e-2;  // times touching: what else of a body that touches is inside
 
 }  // namespace
@@ -83,16 +81,9 @@ BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>&
     const double entered = -kEntered * step.touching;
     hit.spots = spots_within(1, entered);
     if (hit.spots == 0) return hit;
-    double outside = 0, inside = 1;
-    if (spots_within(0, step.touching) & hit.spots) {
-      hit.share = 1;
-      return hit;
-    }
-    for (int i = 0; i < kBisections && inside - outside > 1e-15; ++i) {
-      const double middle = (outside + inside) / 2;
-      (spots_within(middle, 0) & hit.spots ? inside : outside) = middle;
-    }
-    hit.share = inside;
+    const auto inside = [&](double share) { return (spots_within(share, 0) & hit.spots) != 0; };
+    const bool at_once = (spots_within(0, step.touching) & hit.spots) != 0;
+    hit.share = at_once ? 1 : first_inside(0, 1, inside);
     return hit;
   }
   const auto look = [&](double share) {
@@ -100,33 +91,10 @@ BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>&
   };
   const double at_start = contact::least_gap(with.shape, start, first);
   const double at_end = contact::least_gap(with.shape, end, last);
-  double outside = 0, inside = 1;
-  if (at_end >= 0) {
-    if (at_start + at_end > far) return hit;
-    double share = at_start > kReached ? 0 : kStride;
-    for (double distance = look(share); distance > kReached; distance = look(share)) {
-      outside = share;
-      share += std::max(distance / far, kStride);
-      if (share >= 1) return hit;
-    }
-    if (outside == 0 && !(at_start > kReached)) return hit;  // it has only just left
-    inside = share;
-    hit.passes = true;
-  } else if (!(at_start > 0)) {
-    outside = 0.5;
-    while (outside > kStride && !(look(outside) > 0)) outside /= 2;
-    if (!(outside > kStride)) {
-      hit.share = 1;
-      hit.spots = spots_within(1, 2 * kReached);
-      return hit;
-    }
-  }
-  for (int i = 0; i < kBisections && inside - outside > 1e-15; ++i) {
-    const double middle = (outside + inside) / 2;
-    (look(middle) > 0 ? outside : inside) = middle;
-  }
-  hit.share = inside;
-  hit.spots = spots_within(inside, 2 * kReached);
+  const Entry entry = find_entry(at_start, at_end, far, look);
+  hit.share = entry.share;
+  hit.passes = entry.passes;
+  if (entry.share <= 1) hit.spots = spots_within(entry.share, 2 * kReached);
   return hit;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/methods/direct/contact/contact_step.h"
+#include "sim/methods/direct/contact/entry.h"
 
 namespace taut::direct {
 namespace {
@@ -10,10 +11,6 @@ namespace {
 constexpr double kSteady = 1.0 / 60;  // s: what changes faster is a wave
 
 using ConstMap = Eigen::Map<const Vec3>;
-
-constexpr int kHalvings = 60;
-constexpr double kStride = 1e-4;   // of the step, at least, from one look to the next
-constexpr double kReached = 1e-8;  // m: that near, it is there
 
 }  // namespace
 
@@ -60,33 +57,10 @@ ContactStep::Hit ContactStep::sweep(double time, double h, std::uint32_t point,
     return with.shape.from(local(share)).distance - radius_[point];
   };
   const double at_end = gap(with, end, to, radius_[point]).distance;
-  double outside = 0, inside = 1;
-  if (at_end >= 0) {
-    if (at_start + at_end > way) return hit;
-    double share = at_start > kReached ? 0 : kStride;
-    for (double distance = look(share); distance > kReached; distance = look(share)) {
-      outside = share;
-      share += std::max(distance / way, kStride);
-      if (share >= 1) return hit;
-    }
-    if (outside == 0 && !(at_start > kReached)) return hit;  // it has only just left
-    inside = share;
-    hit.passes = true;
-  } else if (!(at_start > 0)) {
-    outside = 0.5;
-    while (outside > kStride && !(look(outside) > 0)) outside /= 2;
-    if (!(outside > kStride)) {
-      hit.share = 1;
-      hit.anchor = before;
-      return hit;
-    }
-  }
-  for (int i = 0; i < kHalvings && inside - outside > 1e-15; ++i) {
-    const double middle = (outside + inside) / 2;
-    (look(middle) > 0 ? outside : inside) = middle;
-  }
-  hit.share = inside;
-  hit.anchor = local(inside);
+  const Entry entry = find_entry(at_start, at_end, way, look);
+  hit.share = entry.share;
+  hit.passes = entry.passes;
+  if (entry.share <= 1) hit.anchor = entry.stays ? before : local(entry.share);
   return hit;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/methods/direct/contact/contact_step.h"
+#include "sim/methods/direct/contact/entry.h"
 
 namespace taut::direct {
 namespace {
@@ -10,7 +11,6 @@ namespace {
 using ConstMap = Eigen::Map<const Vec3>;
 
 constexpr double kNearly = 100;  // times touching(): a string so much shorter may pull
-constexpr int kHalvings = 60;
 
 }  // namespace
 
@@ -52,13 +52,10 @@ bool ContactStep::find_snaps(double h) {
     if (!((start + way).norm() > row.rest)) continue;
     const Vec3 straight = h * (ConstMap(&state_[mechanism_.velocity(row.b)]) -
                                ConstMap(&state_[mechanism_.velocity(row.a)]));
-    double before = 0, after = 1;
-    for (int i = 0; i < kHalvings; ++i) {
-      const double share = (before + after) / 2;
-      const Vec3 gap = start + share * straight + share * share * (way - straight);
-      (gap.norm() > row.rest ? after : before) = share;
-    }
-    snaps_.push_back({.share = after, .row = r});
+    const auto too_long = [&](double share) {
+      return (start + share * straight + share * share * (way - straight)).norm() > row.rest;
+    };
+    snaps_.push_back({.share = first_inside(0, 1, too_long), .row = r});
   }
   return !snaps_.empty();
 }
