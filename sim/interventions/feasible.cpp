@@ -81,7 +81,7 @@ Outcome feasible(const World& world, const Connector& connector, const Place& pl
   return Outcome::done;
 }
 
-Joined join(const World& world, const Connector& connector, const Span& span) {
+Joined join(const World& world, const Connector& connector, const JoinedSpan& span) {
   const double apart = (connector.position[span.last] - connector.position[span.first]).norm();
   const bool folds = apart >= 2 * span.longest - span.length - kSamePlace * connector.length;
   bool gives_way = false;

@@ -28,13 +28,13 @@ Outcome feasible(const World& world, const Connector& connector, const Place& pl
 enum class Joined { straightens, needs_a_body, bent };
 
 /// A span as it will be, once some of its particles have gone.
-struct Span {
+struct JoinedSpan {
   std::size_t first = 0, last = 0;  // particles, as they are now
   double length = 0, longest = 0;   // m, of it and its longest link
 };
 
 /// Holds on either side may be nearer than the links between them fold; then a free body among them
 /// must give way.
-Joined join(const World& world, const Connector& connector, const Span& span);
+Joined join(const World& world, const Connector& connector, const JoinedSpan& span);
 
 }  // namespace taut

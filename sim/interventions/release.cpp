@@ -18,9 +18,10 @@ const Hold* find_in(std::span<const Hold> holds, std::size_t particle) {
 
 /// The span around a particle as it will be once what holds `released` (rising) is gone, and the
 /// particles that were added for it.
-Span span_around(const Connector& connector, std::size_t particle, std::span<const Hold> released) {
+JoinedSpan span_around(const Connector& connector, std::size_t particle,
+                       std::span<const Hold> released) {
   const auto stays = [&](std::size_t i) { return holds(connector, i) && !find_in(released, i); };
-  Span span{particle, particle, 0, 0};
+  JoinedSpan span{particle, particle, 0, 0};
   while (span.first > 0 && !stays(span.first)) --span.first;
   while (span.last < connector.links() && !stays(span.last)) ++span.last;
   double link = 0;  // m, of what will be one
@@ -69,7 +70,7 @@ Outcome Interventions::drop(World& world, std::size_t index) {
   std::size_t seen = 0;
   for (const Hold& hold : released_) {
     if (!left_links(hold) || hold.particle < seen) continue;
-    const Span span = span_around(connector, hold.particle, released_);
+    const JoinedSpan span = span_around(connector, hold.particle, released_);
     seen = span.last;
     const Joined joined = join(world, connector, span);
     if (joined == Joined::bent) return Outcome::too_near;
