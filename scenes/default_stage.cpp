@@ -1,6 +1,5 @@
 #include "scenes/default_stage.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -141,12 +140,15 @@ Vec3 way_to_look(const std::vector<Vec3>& points) {
     const Eigen::Vector2d off = Eigen::Vector2d(p.x(), p.z()) - mean;
     spread += off * off.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
+  // Its eigenvalues are middle +- apart, the larger one in the direction of `angle`.
+  const double middle = (spread(0, 0) + spread(1, 1)) / 2;
+  const double half = (spread(0, 0) - spread(1, 1)) / 2;
+  const double apart = std::hypot(half, spread(0, 1));
   Vec3 back(0, 0, 1);  // towards the camera
   constexpr double kPlane = 0.5;
-  if (axes.eigenvalues()[0] < kPlane * axes.eigenvalues()[1]) {
-    const Eigen::Vector2d thin = axes.eigenvectors().col(0);
-    back = Vec3(thin.x(), 0, thin.y());
+  if (middle - apart < kPlane * (middle + apart)) {
+    const double angle = std::atan2(spread(0, 1), half) / 2;
+    back = Vec3(-std::sin(angle), 0, std::cos(angle));
     if (back.z() < -1e-6 || (std::abs(back.z()) <= 1e-6 && back.x() < 0)) back = -back;
   }
   const Eigen::AngleAxisd aside(kAside, Vec3::UnitY());
