@@ -203,10 +203,10 @@ chart::Table side_by_side(const std::vector<studies::AccuracyStudy>& studies,
 /// The same, a row each, with the settings that do it.
 chart::Table details(const std::vector<studies::AccuracyStudy>& studies,
                      const std::vector<double>& errors) {
-  chart::Table table{
-      {"scene", "method", "error asked for (m)", "settings", "error (m)",
-       "CPU per simulated second (s)", "low quartile (s)", "high quartile (s)", "timings"},
-      {}};
+  chart::Table table{{"scene", "method", "error asked for (m)", "settings", "error (m)",
+                      "CPU per simulated second (s)", "low quartile (s)", "high quartile (s)",
+                      "timings", "penetration (m)", "energy gained (J)"},
+                     {}};
   for (const studies::AccuracyStudy& study : studies) {
     for (const double error : errors) {
       const auto best = cheapest_rows(study, error);
@@ -217,7 +217,9 @@ chart::Table details(const std::vector<studies::AccuracyStudy>& studies,
                    study::describe(best[i]->candidate.settings),
                    fmt::format("{:.3g}", best[i]->errors[0]), fmt::format("{:.4g}", time.median),
                    fmt::format("{:.4g}", time.low), fmt::format("{:.4g}", time.high),
-                   std::to_string(best[i]->cpu.size())});
+                   std::to_string(best[i]->cpu.size()),
+                   fmt::format("{:.2g}", best[i]->penetration_max),
+                   fmt::format("{:.2g}", best[i]->energy_gain)});
       }
     }
   }
@@ -268,6 +270,8 @@ program::Json json_of(const studies::AccuracyStudy& study, const std::vector<dou
                       {"high_quartile_ms", 1e3 * time.high},
                       {"timings", row.cpu.size()},
                       {"rms_error_m", row.errors[0]},
+                      {"penetration_m", row.penetration_max},
+                      {"energy_gained_j", row.energy_gain},
                       {"settings", options::settings_json(row.candidate.settings)}});
       }
       entry["reach"].push_back(std::move(reach));
@@ -330,6 +334,7 @@ processes of their own, on any machines that share the folder of --out: each tak
 and times them one after another; --merge makes the tables.)");
   const auto options = std::make_shared<Options>();
   options->study.budget = 120;
+  options->study.among_obstacles = true;
   options::add_scene_options(command, options->study.inputs);
   command.add_option("--errors", options->errors, "m, with commas; default: 0.01,0.001,0.0001")
       .delimiter(',')

@@ -38,6 +38,8 @@ std::vector<std::string> cells_of(const study::AccuracyRow& row) {
                                  program::exact(row.steps),
                                  program::exact(row.solves),
                                  program::exact(row.stretch_max),
+                                 program::exact(row.penetration_max),
+                                 program::exact(row.energy_gain),
                                  list_of(row.cpu)};
   for (const double error : row.errors) cells.push_back(program::exact(error));
   return cells;
@@ -73,8 +75,10 @@ study::AccuracyRow row_from(const study::Candidate& candidate,
   row.steps = program::number_in(cells.at(2));
   row.solves = program::number_in(cells.at(3));
   row.stretch_max = program::number_in(cells.at(4));
-  row.cpu = numbers_in(cells.at(5));
-  for (std::size_t i = 6; i < cells.size(); ++i) row.errors.push_back(program::number_in(cells[i]));
+  row.penetration_max = program::number_in(cells.at(5));
+  row.energy_gain = program::number_in(cells.at(6));
+  row.cpu = numbers_in(cells.at(7));
+  for (std::size_t i = 8; i < cells.size(); ++i) row.errors.push_back(program::number_in(cells[i]));
   return row;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/world/components.h"
 #include "sim/world/places.h"
 
 namespace taut {
@@ -122,6 +123,21 @@ double stretch_max(const World& world) {
       const double rest = connector.rest[k];
       const double longer = rest > 0 ? length / rest - 1 : length;
       most = std::max(most, connector.pulls ? longer : std::abs(longer));
+    }
+  }
+  return most;
+}
+
+double penetration_max(const World& world) {
+  double most = 0;
+  for (const Obstacle& obstacle : world.obstacles) {
+    const Pose frame = obstacle.frame(world.time).pose();
+    for (const Connector& connector : world.connectors) {
+      for (std::size_t i = 0; i < connector.particles(); ++i) {
+        if (find_hold(connector, i)) continue;
+        most =
+            std::max(most, -gap(obstacle, frame, connector.position[i], connector.radius).distance);
+      }
     }
   }
   return most;

@@ -96,6 +96,8 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
       result.energy_loss = std::max(result.energy_loss, -gained);
       result.stretch.push_back(stretch);
       result.stretch_max = std::max(result.stretch_max, stretch);
+      result.penetration_max =
+          std::max(result.penetration_max, penetration_max(std::as_const(simulation).world()));
     }
   } catch (const Diverged& error) {
     result.end = Run::End::diverged;

@@ -9,7 +9,14 @@ AccuracyRow score(const Problem& problem, const truth::Reference& reference,
                   std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap,
                   const std::function<void()>& tick) {
   const Run result = run(problem, candidate, cpu_cap, tick);
-  AccuracyRow row{candidate, result.end, result.reason, {}, {}, 0, 0, result.stretch_max};
+  AccuracyRow row{.candidate = candidate,
+                  .end = result.end,
+                  .reason = result.reason,
+                  .errors = {},
+                  .cpu = {},
+                  .stretch_max = result.stretch_max,
+                  .penetration_max = result.penetration_max,
+                  .energy_gain = result.energy_gain};
   for (const Metric& metric : metrics) {
     row.errors.push_back(
         result.end == Run::End::done

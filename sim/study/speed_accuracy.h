@@ -21,6 +21,8 @@ struct AccuracyRow {
   std::vector<double> cpu;       // s per simulated second, one per timing
   double steps = 0, solves = 0;  // per simulated second
   double stretch_max = 0;
+  double penetration_max = 0;  // m
+  double energy_gain = 0;      // J, the most above the energy at the start
 };
 
 /// Runs a candidate once, as run() does, and scores it against the reference. Runs that end early

@@ -193,22 +193,6 @@ def schemes(work):
     return "![Schemes by waves and step](../../../assets/pictures/schemes.png)\n\n" + markdown(rows, range(1, len(rows[0])))
 
 
-@result("engines", STUDY)
-def engines(work):
-    """other engines on the same scenes, and their picture"""
-    every = "direct,dynamic-constraints,xpbd,multibody,bullet,mujoco,ode,sdfast,sdfast:ball"
-    some = "direct,multibody,bullet,mujoco,ode"
-    spaces = " ".join(f"tests/bench/engines/{name}.toml" for name in ("stick_in_space", "swing_from_30", "swing_in_space"))
-    tables = [first_table(work.run(f"taut_engines work-precision {files} --methods {methods} --budget {budget} --markdown"))
-              for files, methods, budget in (("scenes/bench_swing.toml scenes/bench_stick.toml", every, 70),
-                                             ("scenes/bench_heavy.toml", every, 270), (spaces, some, 100))]
-    if any("not installed" in table for table in tables):
-        raise Failed("an engine is not installed; sim/README.md says how to get SD/FAST")
-    work.run(f"taut_engines chart scenes/bench_swing.toml --methods {every} --budget 70 --out out/results/engines")
-    keep(work, work.out / "engines/chart.png", "engines.png")
-    return "\n\n".join(tables)
-
-
 @result("compare", STUDY)
 def compare(work):
     """the picture of methods side by side"""

@@ -147,6 +147,13 @@ TEST(Bench, AmongObstaclesItTimesTheMethodsThatKnowContact) {
   const chart::Table table = chart::from_csv(read_file(folder.path() / "out/floor/bench.csv"));
   EXPECT_NE(cells(table, "remark").at(0), "");
   EXPECT_GT(std::stod(cells(table, "µs per frame").at(1)), 0);
+  const ProgramResult precision =
+      run_taut({"work-precision", "floor.toml", "--quick", "--budget", "2", "--methods",
+                "xpbd,direct", "--errors", "0.01", "--json"},
+               folder.path());
+  ASSERT_EQ(precision.code, 0) << precision.messages;
+  const auto methods = nlohmann::json::parse(precision.output).at("scenes").at(0).at("methods");
+  EXPECT_LT(double(methods.at(1).at("reach").at(0).at("penetration_m")), 1e-9);
   const ProgramResult stability = run_taut({"stability", "floor.toml"}, folder.path());
   EXPECT_EQ(stability.code, 2);
   EXPECT_NE(stability.messages.find("has obstacles, which bench, chart"), std::string::npos);

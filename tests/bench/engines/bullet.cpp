@@ -2,10 +2,12 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Eigenvalues>
 #include <memory>
+#include <span>
 
 #include "tests/bench/engines/engine.h"
 
@@ -25,19 +27,31 @@ Quat eigen(const btQuaternion& q) {
 class Bullet : public Engine {
  public:
   explicit Bullet(const Settings& settings)
-      : Engine(number(settings, "step")), runge_kutta_(text(settings, "integrator") == "rk4") {}
+      : Engine(number(settings, "step")), runge_kutta_(text(settings, "integrator") == "rk4") {
+    world_.getSolverInfo().m_numIterations = static_cast<int>(number(settings, "iterations"));
+  }
+  ~Bullet() override {
+    for (const auto& object : objects_) world_.removeCollisionObject(object.get());
+  }
 
  private:
   void build(const Rods& rods) override {
-    const auto count = static_cast<int>(rods.rods().size()) + (rods.load() ? 1 : 0);
-    constexpr bool kFixedBase = true, kCanSleep = false;
-    body_ = std::make_unique<btMultiBody>(count, 0, btVector3(0, 0, 0), kFixedBase, kCanSleep);
+    hangs_ = rods.hangs();
+    first_ = hangs_ ? 0 : 1;  // rod that is a link; the one before, if any, is the base
+    const auto links = static_cast<int>(rods.rods().size()) - first_ + (rods.load() ? 1 : 0);
+    const Rod& top = rods.rods()[0];
+    constexpr bool kCanSleep = false;
+    body_ = hangs_ ? std::make_unique<btMultiBody>(links, 0, btVector3(0, 0, 0), true, kCanSleep)
+                   : std::make_unique<btMultiBody>(
+                         links, top.mass, btVector3(1, 1, 1) * top.inertia, false, kCanSleep);
     Vec3 from = Vec3::Zero();  // of the joint, from the centre of mass above
-    int i = 0;
+    int i = -first_;
     for (const Rod& rod : rods.rods()) {
       const Vec3 centre = rod.centre * rod.along;
-      body_->setupSpherical(i, rod.mass, btVector3(1, 1, 1) * rod.inertia, i - 1,
-                            btQuaternion::getIdentity(), bullet(from), bullet(centre), true);
+      if (i >= 0) {
+        body_->setupSpherical(i, rod.mass, btVector3(1, 1, 1) * rod.inertia, i - 1,
+                              btQuaternion::getIdentity(), bullet(from), bullet(centre), true);
+      }
       lower_.push_back(rod.along - centre);
       from = lower_.back();
       ++i;
@@ -50,6 +64,69 @@ class Bullet : public Engine {
     body_->useRK4Integration(runge_kutta_);
     set_in_motion(rods);
     world_.addMultiBody(body_.get());
+    upper_ = -top.centre * top.along;
+    for (const Bead& bead : rods.beads()) add(bead, rods.radius());
+    for (const Obstacle& obstacle : rods.obstacles()) add(obstacle);
+    body_->forwardKinematics(rotations_, origins_);
+    body_->updateCollisionObjectWorldTransforms(rotations_, origins_);
+  }
+
+  // What two things have together is the product of what they have.
+  static constexpr int kSolids = 1, kBeads = 2;
+
+  /// A rod's beads are one shape: the first free rod has two.
+  void add(const Bead& bead, double radius) {
+    const int link = static_cast<int>(bead.rod) - first_;
+    if (link != last_link_) {
+      shapes_.push_back(std::make_unique<btCompoundShape>());
+      auto collider = std::make_unique<btMultiBodyLinkCollider>(body_.get(), link);
+      collider->setCollisionShape(shapes_.back().get());
+      collider->setFriction(1);
+      collider->setRestitution(1);
+      if (link < 0) {
+        body_->setBaseCollider(collider.get());
+      } else {
+        body_->getLink(link).m_collider = collider.get();
+      }
+      world_.addCollisionObject(collider.get(), kBeads, kSolids);
+      objects_.push_back(std::move(collider));
+      compound_ = static_cast<btCompoundShape*>(shapes_.back().get());
+      last_link_ = link;
+    }
+    shapes_.push_back(std::make_unique<btSphereShape>(radius));
+    compound_->addChildShape(btTransform(btQuaternion::getIdentity(), bullet(bead.at)),
+                             shapes_.back().get());
+  }
+
+  void add(const Obstacle& obstacle) {
+    const Shape& shape = obstacle.shape;
+    switch (shape.kind) {
+      case Shape::Kind::plane:
+        shapes_.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), 0));
+        break;
+      case Shape::Kind::sphere:
+        shapes_.push_back(std::make_unique<btSphereShape>(shape.radius));
+        break;
+      case Shape::Kind::capsule:
+        shapes_.push_back(std::make_unique<btCapsuleShape>(shape.radius, shape.length));
+        break;
+      case Shape::Kind::cylinder:
+        shapes_.push_back(std::make_unique<btCylinderShape>(
+            btVector3(shape.radius, shape.length / 2, shape.radius)));
+        break;
+      case Shape::Kind::box:
+        shapes_.push_back(std::make_unique<btBoxShape>(bullet(shape.size / 2)));
+        break;
+    }
+    auto solid = std::make_unique<btCollisionObject>();
+    solid->setCollisionShape(shapes_.back().get());
+    const Quat& turn = obstacle.place.rotation;
+    solid->setWorldTransform(
+        btTransform({turn.x(), turn.y(), turn.z(), turn.w()}, bullet(obstacle.place.position)));
+    solid->setFriction(obstacle.kinetic_friction);
+    solid->setRestitution(obstacle.restitution);
+    world_.addCollisionObject(solid.get(), kSolids, kBeads);
+    objects_.push_back(std::move(solid));
   }
 
   /// Bullet's links have the axes of their principal moments.
@@ -67,7 +144,15 @@ class Bullet : public Engine {
 
   /// Joints turn by the difference of the spins that they join, in the axes of the link below.
   void set_in_motion(const Rods& rods) {
+    const Rod& top = rods.rods()[0];
     Vec3 above = Vec3::Zero();
+    if (!hangs_) {
+      const Vec3 centre = top.centre * top.along;
+      body_->setBasePos(bullet(centre));
+      body_->setBaseVel(bullet(rods.velocity() + top.spin.cross(centre)));
+      body_->setBaseOmega(bullet(top.spin));
+      above = top.spin;
+    }
     int i = 0;
     const auto set = [&](const Vec3& spin, const Quat& to_link) {
       const btVector3 turn = bullet(to_link * (spin - above));
@@ -75,7 +160,9 @@ class Bullet : public Engine {
       body_->setJointVelMultiDof(i++, rates);
       above = spin;
     };
-    for (const Rod& rod : rods.rods()) set(rod.spin, Quat::Identity());
+    for (const Rod& rod : std::span(rods.rods()).subspan(static_cast<std::size_t>(first_))) {
+      set(rod.spin, Quat::Identity());
+    }
     if (rods.load()) set(rods.load()->spin, axes_.conjugate());
   }
 
@@ -87,12 +174,16 @@ class Bullet : public Engine {
 
   void read(std::vector<Vec3>& ends, Quat& turn) override {
     body_->forwardKinematics(rotations_, origins_);
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      const btTransform& at = body_->getLink(static_cast<int>(i)).m_cachedWorldTransform;
-      ends[i] = eigen(at * bullet(lower_[i]));
+    const btTransform base(body_->getWorldToBaseRot().inverse(), body_->getBasePos());
+    if (!hangs_) ends[0] = eigen(base * bullet(upper_));
+    for (std::size_t i = 0; i < lower_.size(); ++i) {
+      const int link = static_cast<int>(i) - first_;
+      const btTransform& at = link < 0 ? base : body_->getLink(link).m_cachedWorldTransform;
+      ends[i + 1] = eigen(at * bullet(lower_[i]));
     }
     if (!loaded_) return;
-    const btTransform& at = body_->getLink(static_cast<int>(ends.size())).m_cachedWorldTransform;
+    const int load = static_cast<int>(lower_.size()) - first_;
+    const btTransform& at = body_->getLink(load).m_cachedWorldTransform;
     turn = (eigen(at.getRotation()) * axes_.conjugate()).normalized();
   }
 
@@ -102,8 +193,15 @@ class Bullet : public Engine {
   btDbvtBroadphase broadphase_;
   btMultiBodyConstraintSolver solver_;
   btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
-  std::unique_ptr<btMultiBody> body_;  // the world does not own it
-  std::vector<Vec3> lower_;            // m, from each rod's centre of mass to its lower end
+  // The world owns none of these.
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<std::unique_ptr<btCollisionObject>> objects_;
+  std::unique_ptr<btMultiBody> body_;
+  btCompoundShape* compound_ = nullptr;  // the last rod's beads
+  int first_ = 0, last_link_ = -2;
+  bool hangs_ = true;
+  Vec3 upper_ = Vec3::Zero();  // m, from the first rod's centre of mass to its upper end
+  std::vector<Vec3> lower_;    // m, from each rod's centre of mass to its lower end
   bool loaded_ = false;
   Quat axes_ = Quat::Identity();  // of the load's principal moments, at the start
   btAlignedObjectArray<btQuaternion> rotations_;
@@ -121,10 +219,18 @@ MethodInfo bullet_method() {
                         .unit = "",
                         .fallback = std::string("euler"),
                         .choices = {"euler", "rk4"},
-                        .sweep = {std::string("euler"), std::string("rk4")}}},
+                        .sweep = {std::string("euler"), std::string("rk4")}},
+                       {.name = "iterations",
+                        .meaning = "Of the solver of contacts.",
+                        .unit = "1",
+                        .fallback = 50.0,
+                        .maximum = 1e6,
+                        .whole = true,
+                        .sweep = {}}},
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Bullet>(settings);
-          }};
+          },
+          .touches_obstacles = true};
 }
 
 }  // namespace taut::engines

@@ -1,18 +1,48 @@
 // MuJoCo: joint coordinates, the composite rigid body algorithm, one ball joint a rod.
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <sstream>
-#include <stdexcept>
 
+#include "sim/world/rotation.h"
 #include "tests/bench/engines/engine.h"
 
 namespace taut::engines {
 namespace {
 
+/// An obstacle; MuJoCo's planes, capsules and cylinders have the z axis where taut's have y.
+void write(std::ostringstream& out, const Obstacle& obstacle, const std::string& contact) {
+  const Shape& shape = obstacle.shape;
+  const bool turned = shape.kind != Shape::Kind::sphere && shape.kind != Shape::Kind::box;
+  const Quat z_to_y = rotation_between(Vec3::UnitZ(), Vec3::UnitY());
+  const Quat turn = turned ? obstacle.place.rotation * z_to_y : obstacle.place.rotation;
+  const Vec3& at = obstacle.place.position;
+  constexpr const char* kTypes[] = {"plane", "sphere", "capsule", "cylinder", "box"};
+  out << "<geom type='" << kTypes[static_cast<int>(shape.kind)] << "' pos='" << at.x() << ' '
+      << at.y() << ' ' << at.z() << "' quat='" << turn.w() << ' ' << turn.x() << ' ' << turn.y()
+      << ' ' << turn.z() << "' size='";
+  switch (shape.kind) {
+    case Shape::Kind::plane:
+      out << "0 0 1";
+      break;
+    case Shape::Kind::sphere:
+      out << shape.radius;
+      break;
+    case Shape::Kind::box:
+      out << shape.size.x() / 2 << ' ' << shape.size.y() / 2 << ' ' << shape.size.z() / 2;
+      break;
+    default:
+      out << shape.radius << ' ' << shape.length / 2;
+  }
+  const bool slides = obstacle.kinetic_friction == 0;
+  out << "' contype='1' conaffinity='0' condim='" << (slides ? 1 : 3) << "' friction='"
+      << std::max(obstacle.kinetic_friction, 1e-5) << " 0 0' " << contact << "/>";
+}
+
 /// The model in MuJoCo's own language. All bodies have the world's axes at the start.
-std::string xml(const Rods& rods, const std::string& integrator) {
+std::string xml(const Rods& rods, const std::string& integrator, const std::string& contact) {
   std::ostringstream out;
   out.precision(17);
   const auto vector = [](const Vec3& v) {
@@ -21,23 +51,34 @@ std::string xml(const Rods& rods, const std::string& integrator) {
     text << v.x() << ' ' << v.y() << ' ' << v.z();
     return text.str();
   };
-  const auto open = [&](const Vec3& at) {
-    out << "<body pos='" << vector(at) << "'><joint type='ball'/>";
+  const auto open = [&](const Vec3& at, bool is_joined) {
+    out << "<body pos='" << vector(at) << (is_joined ? "'><joint type='ball'/>" : "'><freejoint/>");
   };
-  // Nothing touches and nothing is limited: what looks for that is switched off.
+  // Where nothing touches and nothing is limited, what looks for that is switched off.
+  const char* touching = rods.obstacles().empty() ? "constraint='disable' contact='disable' " : "";
   out << "<mujoco><compiler inertiafromgeom='false'/><option integrator='" << integrator
-      << "'><flag constraint='disable' contact='disable' limit='disable' equality='disable' "
-         "frictionloss='disable' warmstart='disable' sensor='disable'/></option><worldbody>";
+      << "'><flag " << touching
+      << "limit='disable' equality='disable' frictionloss='disable' warmstart='disable' "
+         "sensor='disable'/></option><worldbody>";
+  for (const Obstacle& obstacle : rods.obstacles()) write(out, obstacle, contact);
+  const std::vector<Bead> beads = rods.beads();
+  auto bead = beads.begin();
   Vec3 at = Vec3::Zero();
-  for (const Rod& rod : rods.rods()) {
-    open(at);
+  for (std::size_t i = 0; i < rods.rods().size(); ++i) {
+    const Rod& rod = rods.rods()[i];
+    open(at, rods.hangs() || i > 0);
+    for (; bead != beads.end() && bead->rod == i; ++bead) {
+      out << "<geom type='sphere' size='" << rods.radius() << "' pos='"
+          << vector(rod.centre * rod.along + bead->at)
+          << "' contype='0' conaffinity='1' condim='1' friction='0 0 0' " << contact << "/>";
+    }
     out << "<inertial pos='" << vector(rod.centre * rod.along) << "' mass='" << rod.mass
         << "' diaginertia='" << vector(Vec3::Constant(rod.inertia)) << "'/>";
     at = rod.along;
   }
   if (const auto& load = rods.load()) {
     const Mat3& i = load->inertia;
-    open(at);
+    open(at, true);
     out << "<inertial pos='" << vector(load->centre) << "' mass='" << load->mass
         << "' fullinertia='" << vector(i.diagonal()) << ' ' << vector({i(0, 1), i(0, 2), i(1, 2)})
         << "'/></body>";
@@ -56,19 +97,23 @@ mjModel* compile(const std::string& text) {
   char error[500] = "";
   mjModel* model = mj_loadXML(kName, files.get(), error, sizeof error);
   mj_deleteVFS(files.get());
-  if (!model) throw std::runtime_error(std::string("MuJoCo: ") + error);
+  if (!model) throw Diverged("mujoco", 0, 0, "", 0, std::string(error, std::strcspn(error, "\n")));
   return model;
 }
 
 class MuJoCo : public Engine {
  public:
   explicit MuJoCo(const Settings& settings)
-      : Engine(number(settings, "step")), integrator_(text(settings, "integrator")) {}
+      : Engine(number(settings, "step")),
+        integrator_(text(settings, "integrator")),
+        // As stiff as MuJoCo lets a step be (two of them), or as it comes.
+        contact_(text(settings, "contact") == "stiff" ? "solref='1e-9 1' solimp='0.99 0.9999 1e-6'"
+                                                      : "") {}
   ~MuJoCo() override { mjcb_passive = nullptr; }
 
  private:
   void build(const Rods& rods) override {
-    model_.reset(compile(xml(rods, integrator_)));
+    model_.reset(compile(xml(rods, integrator_, contact_)));
     data_.reset(mj_makeData(model_.get()));
     rods_ = &rods;
     // Joints turn by the difference of the spins that they join.
@@ -78,6 +123,9 @@ class MuJoCo : public Engine {
       for (int k = 0; k < 3; ++k) *rate++ = spin[k] - above[k];
       above = spin;
     };
+    if (!rods.hangs()) {
+      for (int k = 0; k < 3; ++k) *rate++ = rods.velocity()[k];
+    }
     for (const Rod& rod : rods.rods()) set(rod.spin);
     if (rods.load()) set(rods.load()->spin);
     mju_user_warning = [](const char*) {};  // it would keep a log in the working directory
@@ -104,11 +152,13 @@ class MuJoCo : public Engine {
   void read(std::vector<Vec3>& ends, Quat& turn) override {
     mj_kinematics(model_.get(), data_.get());
     constexpr std::size_t kWorld = 1;  // body 0
-    for (std::size_t i = 0; i < ends.size(); ++i) {
+    const std::size_t rods = rods_->rods().size();
+    for (std::size_t i = 0; i < rods; ++i) {
       const mjtNum* at = data_->xpos + 3 * (i + kWorld);
-      ends[i] = Vec3(at[0], at[1], at[2]) + rotation(i + kWorld) * rods_->rods()[i].along;
+      if (i == 0 && !rods_->hangs()) ends[0] = Vec3(at[0], at[1], at[2]);
+      ends[i + 1] = Vec3(at[0], at[1], at[2]) + rotation(i + kWorld) * rods_->rods()[i].along;
     }
-    if (rods_->load()) turn = rotation(ends.size() + kWorld);
+    if (rods_->load()) turn = rotation(rods + kWorld);
   }
 
   Quat rotation(std::size_t body) const {
@@ -121,7 +171,7 @@ class MuJoCo : public Engine {
     void operator()(mjData* data) const { mj_deleteData(data); }
   };
   static inline MuJoCo* active_ = nullptr;  // the one that is stepping: hooks are global
-  std::string integrator_;
+  std::string integrator_, contact_;
   std::unique_ptr<mjModel, Delete> model_;
   std::unique_ptr<mjData, Delete> data_;
   const Rods* rods_ = nullptr;
@@ -139,10 +189,17 @@ MethodInfo mujoco_method() {
                     .unit = "",
                     .fallback = std::string("Euler"),
                     .choices = {"Euler", "implicit", "RK4"},
-                    .sweep = {std::string("Euler"), std::string("implicit"), std::string("RK4")}}},
+                    .sweep = {std::string("Euler"), std::string("implicit"), std::string("RK4")}},
+                   {.name = "contact",
+                    .meaning = "As soft as it comes, or as stiff as the step lets it be.",
+                    .unit = "",
+                    .fallback = std::string("stiff"),
+                    .choices = {"soft", "stiff"},
+                    .sweep = {}}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<MuJoCo>(settings);
-      }};
+      },
+      .touches_obstacles = true};
 }
 
 }  // namespace taut::engines

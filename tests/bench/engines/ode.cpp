@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "sim/world/rotation.h"
 #include "tests/bench/engines/engine.h"
 
 namespace taut::engines {
@@ -29,22 +30,81 @@ class Ode : public Engine {
     dWorldSetCFM(world_, 0);
     if (iterations_ > 0) dWorldSetQuickStepNumIterations(world_, iterations_);
   }
-  ~Ode() override { dWorldDestroy(world_); }
+  ~Ode() override {
+    for (const dSpaceID space : {beads_, solids_}) dSpaceDestroy(space);  // with what is in them
+    dJointGroupDestroy(contacts_);
+    dWorldDestroy(world_);
+  }
 
  private:
   void build(const Rods& rods) override {
-    Vec3 top = Vec3::Zero(), moves = Vec3::Zero();  // m, m/s
+    Vec3 top = Vec3::Zero(), moves = rods.velocity();  // m, m/s
     for (const Rod& rod : rods.rods()) {
       const Vec3 centre = rod.centre * rod.along;
-      add(rod.mass, top, centre, rod.inertia * Mat3::Identity());
+      const bool is_joined = rods.hangs() || !bodies_.empty();
+      add(rod.mass, top, centre, rod.inertia * Mat3::Identity(), is_joined);
       set_in_motion(moves + rod.spin.cross(centre), rod.spin);
       lower_.push_back(rod.along - centre);
       top += rod.along;
       moves += rod.spin.cross(rod.along);
     }
     if (const auto& load = rods.load()) {
-      add(load->mass, top, load->centre, load->inertia);
+      add(load->mass, top, load->centre, load->inertia, true);
       set_in_motion(moves + load->spin.cross(load->centre), load->spin);
+    }
+    hangs_ = rods.hangs();
+    upper_ = -rods.rods()[0].centre * rods.rods()[0].along;
+    for (const Bead& bead : rods.beads()) {
+      const dGeomID ball = dCreateSphere(beads_, rods.radius());
+      dGeomSetBody(ball, bodies_[bead.rod]);
+      dGeomSetOffsetPosition(ball, bead.at.x(), bead.at.y(), bead.at.z());
+    }
+    obstacles_ = &rods.obstacles();
+    for (const Obstacle& obstacle : *obstacles_) {
+      const dGeomID solid = add(obstacle);
+      dGeomSetData(solid, const_cast<Obstacle*>(&obstacle));
+    }
+  }
+
+  dGeomID add(const Obstacle& obstacle) {
+    const Shape& shape = obstacle.shape;
+    const Vec3& at = obstacle.place.position;
+    Quat turn = obstacle.place.rotation;
+    if (shape.kind == Shape::Kind::plane) {
+      const Vec3 up = turn * Vec3::UnitY();
+      return dCreatePlane(solids_, up.x(), up.y(), up.z(), up.dot(at));
+    }
+    dGeomID solid = nullptr;
+    if (shape.kind == Shape::Kind::sphere) {
+      solid = dCreateSphere(solids_, shape.radius);
+    } else if (shape.kind == Shape::Kind::box) {
+      solid = dCreateBox(solids_, shape.size.x(), shape.size.y(), shape.size.z());
+    } else {
+      const bool has_caps = shape.kind == Shape::Kind::capsule;
+      solid = has_caps ? dCreateCapsule(solids_, shape.radius, shape.length)
+                       : dCreateCylinder(solids_, shape.radius, shape.length);
+      turn = turn * rotation_between(Vec3::UnitZ(), Vec3::UnitY());
+    }
+    const dQuaternion q{turn.w(), turn.x(), turn.y(), turn.z()};
+    dGeomSetQuaternion(solid, q);
+    dGeomSetPosition(solid, at.x(), at.y(), at.z());
+    return solid;
+  }
+
+  /// Contact joints where a bead is in a solid.
+  void touch(dGeomID bead, dGeomID solid) {
+    constexpr int kMost = 4;
+    dContact found[kMost];
+    const int count = dCollide(bead, solid, kMost, &found[0].geom, sizeof(dContact));
+    const bool is_first = dGeomGetSpace(bead) == solids_;
+    const auto& with = *static_cast<const Obstacle*>(dGeomGetData(is_first ? bead : solid));
+    for (int i = 0; i < count; ++i) {
+      found[i].surface = {};
+      found[i].surface.mode = dContactApprox1 | dContactBounce;
+      found[i].surface.mu = with.kinetic_friction;
+      found[i].surface.bounce = with.restitution;
+      const dJointID joint = dJointCreateContact(world_, contacts_, &found[i]);
+      dJointAttach(joint, dGeomGetBody(found[i].geom.g1), dGeomGetBody(found[i].geom.g2));
     }
   }
 
@@ -55,7 +115,7 @@ class Ode : public Engine {
   }
 
   /// A body whose centre of mass is `centre` from the joint at `top`, with the world's axes.
-  void add(double mass, const Vec3& top, const Vec3& centre, const Mat3& i) {
+  void add(double mass, const Vec3& top, const Vec3& centre, const Mat3& i, bool is_joined) {
     const dBodyID above = bodies_.empty() ? nullptr : bodies_.back();
     const dBodyID body = dBodyCreate(world_);
     const Vec3 at = top + centre;
@@ -64,29 +124,42 @@ class Ode : public Engine {
                        i(1, 2));
     dBodySetMass(body, &properties);
     dBodySetPosition(body, at.x(), at.y(), at.z());
+    bodies_.push_back(body);
+    if (!is_joined) return;
     const dJointID joint = dJointCreateBall(world_, nullptr);
     dJointAttach(joint, body, above);
     dJointSetBallAnchor(joint, top.x(), top.y(), top.z());
-    bodies_.push_back(body);
   }
 
   void step(double time, double dt) override {
     const Vec3 g = gravity(time + dt / 2);
     dWorldSetGravity(world_, g.x(), g.y(), g.z());
+    if (!obstacles_->empty()) {
+      const auto near = [](void* own, dGeomID a, dGeomID b) {
+        static_cast<Ode*>(own)->touch(a, b);
+      };
+      dSpaceCollide2(reinterpret_cast<dGeomID>(beads_), reinterpret_cast<dGeomID>(solids_), this,
+                     near);
+    }
     if (iterations_ > 0) {
       dWorldQuickStep(world_, dt);
     } else {
       dWorldStep(world_, dt);
     }
+    dJointGroupEmpty(contacts_);
   }
 
   void read(std::vector<Vec3>& ends, Quat& turn) override {
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      dVector3 at;
-      dBodyGetRelPointPos(bodies_[i], lower_[i].x(), lower_[i].y(), lower_[i].z(), at);
-      ends[i] = eigen(at);
+    dVector3 at;
+    if (!hangs_) {
+      dBodyGetRelPointPos(bodies_[0], upper_.x(), upper_.y(), upper_.z(), at);
+      ends[0] = eigen(at);
     }
-    if (bodies_.size() > ends.size()) {
+    for (std::size_t i = 0; i < lower_.size(); ++i) {
+      dBodyGetRelPointPos(bodies_[i], lower_[i].x(), lower_[i].y(), lower_[i].z(), at);
+      ends[i + 1] = eigen(at);
+    }
+    if (bodies_.size() > lower_.size()) {
       const dReal* q = dBodyGetQuaternion(bodies_.back());
       turn = Quat(q[0], q[1], q[2], q[3]);
     }
@@ -96,6 +169,11 @@ class Ode : public Engine {
   dWorldID world_;
   std::vector<dBodyID> bodies_;  // the world owns them
   std::vector<Vec3> lower_;      // m, from each rod's centre of mass to its lower end
+  bool hangs_ = true;
+  Vec3 upper_ = Vec3::Zero();  // m, from the first rod's centre of mass to its upper end
+  const std::vector<Obstacle>* obstacles_ = nullptr;
+  dSpaceID beads_ = dSimpleSpaceCreate(nullptr), solids_ = dSimpleSpaceCreate(nullptr);
+  dJointGroupID contacts_ = dJointGroupCreate(0);
 };
 
 }  // namespace
@@ -119,7 +197,8 @@ MethodInfo ode_method() {
                         .sweep = {0.2, 0.8}}},
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Ode>(settings);
-          }};
+          },
+          .touches_obstacles = true};
 }
 
 }  // namespace taut::engines

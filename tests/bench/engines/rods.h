@@ -27,9 +27,16 @@ struct Load {
   Vec3 spin = Vec3::Zero();     // rad/s, at the start
 };
 
-/// The one connector of a world, from a fixed or driven point down to a point mass, a free end or a
-/// free body. Places and speeds are relative to where it hangs from: an end that is driven is a
-/// frame that falls, in which gravity is less by the end's acceleration.
+/// A ball about one end of a rod: a particle that obstacles touch.
+struct Bead {
+  std::size_t rod = 0;
+  Vec3 at = Vec3::Zero();  // m, from the rod's centre of mass
+};
+
+/// The one connector of a world, from a fixed, driven or free end down to a point mass, a free end
+/// or a free body. Places and speeds are relative to where it hangs from: an end that is driven is
+/// a frame that falls, in which gravity is less by the end's acceleration. One that is free is
+/// where it was at the start. Beside obstacles, which stand still, no end is driven.
 class Rods {
  public:
   /// Throws std::invalid_argument with the reason where the world is another.
@@ -37,15 +44,26 @@ class Rods {
 
   const std::vector<Rod>& rods() const { return rods_; }
   const std::optional<Load>& load() const { return load_; }
+  /// Whether the upper end is held; otherwise it moves by `velocity` (m/s) at the start.
+  bool hangs() const { return hangs_; }
+  const Vec3& velocity() const { return velocity_; }
+
+  const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  std::vector<Bead> beads() const;
+  double radius() const { return radius_; }  // m, of the beads
   /// m/s^2, as what hangs feels it at `time`.
   Vec3 gravity(const World& world, double time) const;
-  /// Puts the world at `time`: `ends` are the rods' lower ends (m), `turn` the load's rotation
-  /// since the start.
+  /// Puts the world at `time`: `ends` are the upper end of the first rod and the rods' lower ends
+  /// (m), `turn` the load's rotation since the start.
   void place(const std::vector<Vec3>& ends, const Quat& turn, double time, World& world) const;
 
  private:
   std::vector<Rod> rods_;
   std::optional<Load> load_;
+  bool hangs_ = true;
+  Vec3 velocity_ = Vec3::Zero(), start_ = Vec3::Zero();
+  std::vector<Obstacle> obstacles_;
+  double radius_ = 0;
   std::size_t body_ = 0;
   Quat at_start_ = Quat::Identity();  // of the body
 };

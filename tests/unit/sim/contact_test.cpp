@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "sim/contact/touch.h"
+#include "sim/measure/measure.h"
+#include "sim/world/connector.h"
 #include "sim/world/obstacle.h"
 #include "tests/support/dice.h"
 
@@ -172,6 +174,20 @@ TEST(Touch, TwoThatMoveAlwaysHaveAnAnswer) {
     ASSERT_LT((moved - response.velocity - response.derivative * nudge).norm(), 1e-10) << k;
   }
   EXPECT_GT(grazed, 500);
+}
+
+TEST(Penetration, IsThatOfTheDeepestBeadThatNothingHolds) {
+  World world;
+  world.connectors = {straight_connector("rope", 1, 0.2, 3, Vec3(0, 0.02, 0), Vec3(1, -0.1, 0))};
+  world.connectors[0].radius = 0.01;
+  world.obstacles.push_back({});
+  world.obstacles[0].shape = plane_shape();
+  world.connectors[0].holds = {{2, {}}};  // the lowest
+  const double middle = world.connectors[0].position[1].y();
+  ASSERT_LT(middle, 0);
+  EXPECT_DOUBLE_EQ(penetration_max(world), 0.01 - middle);
+  world.obstacles[0].place.position.y() = -1;
+  EXPECT_EQ(penetration_max(world), 0);
 }
 
 }  // namespace

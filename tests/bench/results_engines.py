@@ -1,0 +1,34 @@
+"""What results.py writes of other engines."""
+from markdown_tables import cells, first_table, markdown
+from results_tables import STUDY, Failed, keep, result
+
+
+@result("engines", STUDY)
+def engines(work):
+    """other engines on the same scenes, and their picture"""
+    every = "direct,dynamic-constraints,xpbd,multibody,bullet,mujoco,ode,sdfast,sdfast:ball"
+    some = "direct,multibody,bullet,mujoco,ode"
+    spaces = " ".join(f"tests/bench/engines/{name}.toml" for name in ("stick_in_space", "swing_30", "swing_in_space"))
+    tables = [first_table(work.run(f"taut_engines work-precision {files} --methods {methods} --budget {budget} --markdown"))
+              for files, methods, budget in (("scenes/bench_swing.toml scenes/bench_stick.toml", every, 70),
+                                             ("scenes/bench_heavy.toml", every, 270), (spaces, some, 100))]
+    if any("not installed" in table for table in tables):
+        raise Failed("an engine is not installed; sim/README.md says how to get SD/FAST")
+    work.run(f"taut_engines chart scenes/bench_swing.toml --methods {every} --budget 70 --out out/results/engines")
+    keep(work, work.out / "engines/chart.png", "engines.png")
+    return "\n\n".join(tables)
+
+
+@result("touching", STUDY)
+def touching(work):
+    """other engines where ropes touch something"""
+    scenes = "tests/bench/engines/rope_on_floor.toml tests/bench/engines/rope_on_ball.toml scenes/contact/post.toml"
+    printed = work.run(f"taut_engines work-precision {scenes} --methods direct,xpbd,bullet,mujoco,ode "
+                       "--budget 100 --errors 0.03,0.01,0.003,0.001 --markdown")
+    costs, details = printed.split("\n\n")[:2]
+    names, *rows = cells(details)
+    kept = ["scene", "method", "error asked for (m)", "settings", "error (m)", "penetration (m)", "energy gained (J)"]
+    some = [[row[names.index(name)] for name in kept] for row in rows if row[names.index(kept[2])] == "0.01"]
+    for row in some:
+        row[0] = row[0].rpartition("/")[2]
+    return costs + "\n\n" + markdown([kept] + some, range(4, 7))
