@@ -41,7 +41,7 @@ uniform vec4 part;  // its low corner, its high corner
 
 vec4 gathered(vec4 own, vec2 middle, float radius, int count) {
   float radius2 = radius * radius;
-  float level = clamp(floor(0.5 * log2(3.1416 * radius2 / float(count)) + 0.5), HALF, LEVELS - 1);
+  float level = clamp(floor(0.5 * log2(3.1416 * radius2 / float(count)) + 0.5), float(HALF), LEVELS - 1);
   float border = exp2(level);
   vec2 low = part.xy + border, high = part.zw - border;
   vec4 sum = vec4(own.rgb, 1) * (1 / radius2);

@@ -45,23 +45,8 @@ RestShape::RestShape(const gl::Gl& gl, std::vector<std::uint32_t> triangles,
 
 Drawable::Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
                    const scenes::Material& material, Surface surface)
-    : gl_(&gl),
-      shape_(std::move(shape)),
-      array_(gl::make_vertex_array(gl)),
-      material_(material),
-      surface_(surface) {
-  gl.VertexArrayElementBuffer(array_.id(), shape_->indices_.id());
-  gl.VertexArrayVertexBuffer(array_.id(), 0, shape_->moving_.id(), 0, sizeof(mesh::MovingVertex));
-  gl.VertexArrayVertexBuffer(array_.id(), 1, shape_->rest_buffer_.id(), 0,
-                             sizeof(mesh::RestVertex));
-  const std::size_t offsets[] = {
-      offsetof(mesh::MovingVertex, position), offsetof(mesh::MovingVertex, normal),
-      offsetof(mesh::RestVertex, rest), offsetof(mesh::RestVertex, color)};
-  for (GLuint i = 0; i < 4; ++i) {
-    gl.EnableVertexArrayAttrib(array_.id(), i);
-    gl.VertexArrayAttribFormat(array_.id(), i, 3, GL_FLOAT, GL_FALSE, GLuint(offsets[i]));
-    gl.VertexArrayAttribBinding(array_.id(), i, i / 2);
-  }
+    : gl_(&gl), shape_(std::move(shape)), material_(material), surface_(surface) {
+  make_arrays();
   Eigen::AlignedBox3f box;
   for (const mesh::RestVertex& v : shape_->rest()) box.extend(v.rest);
   if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.5f ? 5 : 1;
@@ -127,29 +112,57 @@ void Drawable::find_positions(std::vector<Eigen::Vector3f>& positions) const {
 }
 
 void Drawable::bathe(std::span<const Eigen::Vector3f> light) {
-  constexpr GLuint kLight = 4, kBinding = 2;
   light_ = gl::make_buffer(*gl_);
   gl::upload(*gl_, light_, light, GL_STATIC_DRAW);
-  gl_->VertexArrayVertexBuffer(array_.id(), kBinding, light_.id(), 0, sizeof(Eigen::Vector3f));
-  gl_->EnableVertexArrayAttrib(array_.id(), kLight);
-  gl_->VertexArrayAttribFormat(array_.id(), kLight, 3, GL_FLOAT, GL_FALSE, 0);
-  gl_->VertexArrayAttribBinding(array_.id(), kLight, kBinding);
+  make_arrays();
+}
+
+/// They are never changed: NVIDIA's driver overlooks changes to an array that it has drawn.
+void Drawable::make_arrays() {
+  all_ = make_array(shape_->indices_);
+  some_ = make_array(shape_->some_indices_);
+}
+
+gl::GlObject Drawable::make_array(const gl::GlObject& indices) const {
+  struct Attribute {
+    GLuint location, binding;
+    std::size_t offset;
+  };
+  constexpr Attribute kAttributes[] = {{0, 0, offsetof(mesh::MovingVertex, position)},
+                                       {1, 0, offsetof(mesh::MovingVertex, normal)},
+                                       {2, 1, offsetof(mesh::RestVertex, rest)},
+                                       {3, 1, offsetof(mesh::RestVertex, color)},
+                                       {4, 2, 0}};
+  gl::GlObject array = gl::make_vertex_array(*gl_);
+  const GLuint id = array.id();
+  gl_->VertexArrayElementBuffer(id, indices.id());
+  gl_->VertexArrayVertexBuffer(id, 0, shape_->moving_.id(), 0, sizeof(mesh::MovingVertex));
+  gl_->VertexArrayVertexBuffer(id, 1, shape_->rest_buffer_.id(), 0, sizeof(mesh::RestVertex));
+  if (bathed()) gl_->VertexArrayVertexBuffer(id, 2, light_.id(), 0, sizeof(Eigen::Vector3f));
+  for (const auto& [location, binding, offset] : kAttributes) {
+    if (binding == 2 && !bathed()) continue;
+    gl_->EnableVertexArrayAttrib(id, location);
+    gl_->VertexArrayAttribFormat(id, location, 3, GL_FLOAT, GL_FALSE, GLuint(offset));
+    gl_->VertexArrayAttribBinding(id, location, binding);
+  }
+  return array;
 }
 
 void Drawable::draw(std::span<const std::uint32_t> indices) {
   if (indices.empty()) return;
   load();
   gl::upload(*gl_, shape_->some_indices_, indices, GL_STREAM_DRAW);
-  gl_->VertexArrayElementBuffer(array_.id(), shape_->some_indices_.id());
-  gl_->BindVertexArray(array_.id());
-  gl_->DrawElements(GL_TRIANGLES, GLsizei(indices.size()), GL_UNSIGNED_INT, nullptr);
-  gl_->VertexArrayElementBuffer(array_.id(), shape_->indices_.id());
+  draw(some_, indices.size());
 }
 
 void Drawable::draw() const {
   load();
-  gl_->BindVertexArray(array_.id());
-  gl_->DrawElements(GL_TRIANGLES, GLsizei(triangles().size()), GL_UNSIGNED_INT, nullptr);
+  draw(all_, triangles().size());
+}
+
+void Drawable::draw(const gl::GlObject& array, std::size_t indices) const {
+  gl_->BindVertexArray(array.id());
+  gl_->DrawElements(GL_TRIANGLES, GLsizei(indices), GL_UNSIGNED_INT, nullptr);
 }
 
 }  // namespace taut::draw

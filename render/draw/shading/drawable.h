@@ -79,10 +79,13 @@ class Drawable {
 
  private:
   void load() const;
+  void make_arrays();
+  gl::GlObject make_array(const gl::GlObject& indices) const;
+  void draw(const gl::GlObject& array, std::size_t indices) const;
 
   const gl::Gl* gl_;
   std::shared_ptr<const RestShape> shape_;
-  gl::GlObject light_, array_;
+  gl::GlObject light_, all_, some_;  // vertex arrays of all triangles, and of some
   Vertices follows_;
   std::vector<Eigen::Vector3f> positions_;
   Eigen::AlignedBox3f box_;
