@@ -1,10 +1,12 @@
 // The frames of a clip, drawn.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 #include "render/base/interrupt.h"
 #include "render/chart/table.h"
@@ -115,13 +117,23 @@ FramesMade draw_frames(const ClipJob& job, ClipStates& states, film::RenderWorke
   return made;
 }
 
+/// A frame of a graphics card is drawn in less time than it takes to compress.
+int writers_beside(const film::RenderWorkers& workers, const program::Common& common) {
+  constexpr int kMost = 4;
+  if (workers.context().is_software()) return 1;
+  const int threads =
+      common.threads > 0 ? common.threads : int(std::thread::hardware_concurrency());
+  return std::clamp(threads, 1, kMost);
+}
+
 }  // namespace
 
 DrawnClip draw_clip(const ClipJob& job, const program::Common& common) {
   const RenderOptions& options = job.options;
   film::RenderWorkers workers(job.backend, common.threads, options.profile, job.scene,
                               job.scene.width, job.scene.height, options.samples);
-  film::FrameFolder folder(job.frame_path, !options.anew, job.size());
+  film::FrameFolder folder(job.frame_path, !options.anew, job.size(),
+                           writers_beside(workers, common));
   std::optional<Profiled> profiled;
   if (options.profile) profiled.emplace(job, workers);
   studies::SelfEstimate estimate(job.scene, !options.no_estimate && !options.part.is_part());

@@ -45,7 +45,7 @@ bool is_frame(const std::filesystem::path& file) {
 
 }  // namespace
 
-FrameFolder::FrameFolder(std::filesystem::path folder, bool keep, Size size)
+FrameFolder::FrameFolder(std::filesystem::path folder, bool keep, Size size, int writers)
     : folder_(std::move(folder)) {
   std::error_code error, unknown;
   std::filesystem::create_directories(folder_, error);
@@ -71,19 +71,15 @@ FrameFolder::FrameFolder(std::filesystem::path folder, bool keep, Size size)
       render::Descriptor(open((folder_ / "journal").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
   if (!journal_.is_open()) fail_journal();
   try {
-    worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
+    while (std::ssize(writers_) < writers)
+      writers_.emplace_back([this](std::stop_token stop) { work(stop); });
   } catch (const std::system_error&) {  // no thread is to be had: put() writes
   }
 }
 
 FrameFolder::~FrameFolder() {
-  if (worker_.joinable()) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return (queue_.empty() && !busy_) || failure_; });
-    lock.unlock();
-    worker_.request_stop();
-    worker_.join();
-  }
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return (queue_.empty() && busy_ == 0) || failure_; });
 }
 
 /// Removes frames that are not to be kept, and what a run that was killed left half-written.
@@ -132,7 +128,7 @@ bool FrameFolder::has(int frame, std::uint64_t inputs) const {
 
 void FrameFolder::put(int frame, std::uint64_t inputs, picture::Picture picture,
                       picture::PngExtras extras) {
-  if (!worker_.joinable()) {
+  if (writers_.empty()) {
     return write({frame, inputs, std::move(picture), std::move(extras)});
   }
   std::unique_lock lock(mutex_);
@@ -144,16 +140,16 @@ void FrameFolder::put(int frame, std::uint64_t inputs, picture::Picture picture,
 
 void FrameFolder::finish() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return (queue_.empty() && !busy_) || failure_; });
+  changed_.wait(lock, [&] { return (queue_.empty() && busy_ == 0) || failure_; });
   if (failure_) std::rethrow_exception(failure_);
 }
 
 void FrameFolder::work(std::stop_token stop) {
   std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [&] { return !queue_.empty(); })) {
+  while (changed_.wait(lock, stop, [&] { return !queue_.empty() || failure_; }) && !failure_) {
     const Job job = std::move(queue_.front());
     queue_.pop_front();
-    busy_ = true;
+    ++busy_;
     lock.unlock();
     std::exception_ptr failure;
     try {
@@ -162,10 +158,9 @@ void FrameFolder::work(std::stop_token stop) {
       failure = std::current_exception();
     }
     lock.lock();
-    busy_ = false;
+    --busy_;
     if (failure && !failure_) failure_ = failure;
     changed_.notify_all();
-    if (failure_) return;
   }
 }
 
@@ -197,6 +192,7 @@ void FrameFolder::take(int frame, const Entry& entry, const std::filesystem::pat
 
 void FrameFolder::note(int frame, const Entry& entry) {
   const std::string line = fmt::format("{:06} {:016x} {:016x}\n", frame, entry.inputs, entry.file);
+  const std::lock_guard lock(mutex_);
   if (!render::write_all(journal_.get(), line)) fail_journal();
 }
 

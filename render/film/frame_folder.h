@@ -10,6 +10,7 @@
 #include <map>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "render/base/atomic_file.h"
 #include "render/base/descriptor.h"
@@ -36,9 +37,9 @@ class FrameFolder {
   static Entries whole_frames(const std::filesystem::path& folder, Size size);
 
   /// Makes the folder. Frames of that size that another run left stay where their journal stands
-  /// and `keep` is set, and are removed otherwise. Throws CannotWrite, also while another run
-  /// writes here.
-  FrameFolder(std::filesystem::path folder, bool keep, Size size);
+  /// and `keep` is set, and are removed otherwise. `writers`: threads that write, where so many
+  /// can be had. Throws CannotWrite, also while another run writes here.
+  FrameFolder(std::filesystem::path folder, bool keep, Size size, int writers = 1);
   /// Waits until the frames given so far are written.
   ~FrameFolder();
   FrameFolder(const FrameFolder&) = delete;
@@ -50,8 +51,8 @@ class FrameFolder {
   bool knows(int frame) const { return kept_.contains(frame); }
   /// True where a frame made from these inputs is there, whole.
   bool has(int frame, std::uint64_t inputs) const;
-  /// Writes the frame, on another thread where there can be one; waits while two others are on
-  /// their way. Throws CannotWrite where an earlier frame could not be written.
+  /// Writes the frame, on another thread where there can be one; waits while two others wait, too.
+  /// Throws CannotWrite where an earlier frame could not be written.
   void put(int frame, std::uint64_t inputs, picture::Picture picture,
            picture::PngExtras extras = {});
   /// Waits for all frames. Throws CannotWrite.
@@ -80,9 +81,9 @@ class FrameFolder {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<Job> queue_;
-  bool busy_ = false;
+  int busy_ = 0;  // writers that write
   std::exception_ptr failure_;
-  std::jthread worker_;  // last: it uses everything above
+  std::vector<std::jthread> writers_;  // last: they use everything above
 };
 
 }  // namespace taut::film

@@ -27,17 +27,19 @@ void fill(film::FrameFolder& frames) {
 }
 
 TEST(FrameFolder, WritesEveryFrameAndKnowsItAgain) {
-  const Folder folder;
-  {
-    film::FrameFolder frames(folder.path() / "frames", true, kSize);
-    fill(frames);
-    frames.finish();
-  }
-  const film::FrameFolder again(folder.path() / "frames", true, kSize);
-  for (int k = 0; k < kFrames; ++k) {
-    EXPECT_TRUE(again.has(k, static_cast<std::uint64_t>(k)));
-    EXPECT_FALSE(again.has(k, 1000));
-    EXPECT_EQ(picture::read_png(again.file(k)).pixels, picture(k).pixels);
+  for (const int writers : {0, 1, 4}) {
+    const Folder folder;
+    {
+      film::FrameFolder frames(folder.path() / "frames", true, kSize, writers);
+      fill(frames);
+      frames.finish();
+    }
+    const film::FrameFolder again(folder.path() / "frames", true, kSize);
+    for (int k = 0; k < kFrames; ++k) {
+      EXPECT_TRUE(again.has(k, static_cast<std::uint64_t>(k))) << writers;
+      EXPECT_FALSE(again.has(k, 1000));
+      EXPECT_EQ(picture::read_png(again.file(k)).pixels, picture(k).pixels);
+    }
   }
 }
 
