@@ -145,10 +145,11 @@ A golden.toml in the folder names pictures and motions:
 
 `check` draws each from its kept state and compares: every pixel on the driver and processor that
 accepted it, by tolerance on others. It also simulates the scene, and fails where that ends further
-than `within` from the kept state. Motions must have the same bits on the processor and compiler
-that accepted them, and stay `within` elsewhere. What differs is left in out/golden: pictures,
-report.json, and index.html to look at. `accept` takes over what the frames look like now, from
-their kept states; where a scene moves otherwise by more than `within`, from where it is now.)");
+than `within` from the kept state. Motions must have the same bits on the processor, compiler and C
+library that accepted them, and stay `within` elsewhere. What differs is left in out/golden:
+pictures, report.json, and index.html to look at. `accept` takes over what the frames look like now,
+from their kept states; where a scene moves otherwise by more than `within`, from where it is
+now.)");
   const auto options = std::make_shared<Options>();
   command.add_option("action", options->action, "check or accept")
       .required()

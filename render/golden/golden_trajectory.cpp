@@ -1,6 +1,7 @@
 #include "render/golden/golden_trajectory.h"
 
 #include <fmt/format.h>
+#include <gnu/libc-version.h>
 
 #include <algorithm>
 #include <limits>
@@ -67,7 +68,8 @@ TrajectoryRecord record_of(const scenes::GoldenTrajectory& trajectory) {
   const scenes::Scene scene = scenes::load_scene(trajectory.scene, false);
   Simulation simulation = scenes::start(scene, trajectory.method);
   TrajectoryRecord record;
-  record.machine = fmt::format("{}, compiler {}", processor(), __VERSION__);
+  record.machine = fmt::format("{}, compiler {}, C library {}", processor(), __VERSION__,
+                               gnu_get_libc_version());
   record.made_from = sources(scene, trajectory.method);
   Hash hash;
   const int states = std::min(kStates, trajectory.last);

@@ -12,9 +12,9 @@
 
 namespace taut::golden {
 
-/// Bits of states are the same wherever processor and compiler are.
+/// Bits of states are the same wherever processor, compiler and C library are.
 struct TrajectoryRecord {
-  std::string machine;                           // processor and compiler
+  std::string machine;                           // processor, compiler, C library
   std::map<std::string, std::string> made_from;  // of the scene and the method, by their keys
   std::uint64_t hash = 0;                        // of the whole dynamic state at every frame
   std::vector<Snapshot> states;                  // some of the frames, the last included
