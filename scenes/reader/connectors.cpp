@@ -234,7 +234,8 @@ class Layout {
     const Value& name = *over.find("obstacle");
     const Value* table = document_.root.find("obstacles");
     const Names names(table);
-    const Value& value = table->children[names.index_of(document_, name, "round obstacle")];
+    const std::size_t named = names.index_of(document_, name, "round obstacle");
+    const Value& value = table->children[named];
     const Obstacle around = read_obstacle(document_, value, motions_, world_);
     const bool round =
         around.shape.kind == Shape::Kind::cylinder || around.shape.kind == Shape::Kind::capsule;

@@ -28,7 +28,7 @@ struct Fault {
 };
 
 TEST(BadImporter, EndsAloneAndIsNamed) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TAUT_SANITIZED
   GTEST_SKIP() << "a sanitizer's library must be loaded before all others";
 #endif
   if (!has_filters()) GTEST_SKIP() << "no filters of system calls here";

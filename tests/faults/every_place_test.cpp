@@ -28,7 +28,7 @@ constexpr fs::perms kOwnMode =
     fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read;
 
 bool is_sanitized() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TAUT_SANITIZED
   return true;  // its own allocator has to come first
 #else
   return false;

@@ -90,7 +90,7 @@ TEST(Sandbox, WorkWithoutEndIsEnded) {
 }
 
 TEST(Sandbox, MemoryEndsWhereTheLimitIs) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TAUT_SANITIZED
   GTEST_SKIP() << "a sanitizer's allocator ends the process itself";
 #endif
   const auto take = [](std::size_t bytes) {

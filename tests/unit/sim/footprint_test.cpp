@@ -65,6 +65,15 @@ World chain_of_bodies(std::size_t count) {
   return world;
 }
 
+class Footprint : public testing::Test {
+ protected:
+  void SetUp() override {
+#ifdef TAUT_SANITIZED
+    GTEST_SKIP() << "a sanitizer's allocator takes more";
+#endif
+  }
+};
+
 void expect_within(const MethodInfo& method, const Settings& settings, const World& world) {
   const Settings full = with_defaults(method, settings);
   const auto taken_by = [&](const World& start) {
@@ -82,7 +91,7 @@ void expect_within(const MethodInfo& method, const Settings& settings, const Wor
   EXPECT_GE(taken, said / 8) << method.name;
 }
 
-TEST(Footprint, IsWhatAMethodTakes) {
+TEST_F(Footprint, IsWhatAMethodTakes) {
   for (const MethodInfo& method : all_methods()) {
     // SD/FAST's models are made for a number of particles beforehand.
     if (!method.missing.empty() || method.name == "sdfast") continue;
@@ -91,7 +100,7 @@ TEST(Footprint, IsWhatAMethodTakes) {
 }
 
 // Each leaves a part to the method; that of one after another grew with the square of their number.
-TEST(Footprint, LastingPinsOneAfterAnotherTakeLittleMore) {
+TEST_F(Footprint, LastingPinsOneAfterAnotherTakeLittleMore) {
   const MethodInfo& method = *find_method("direct");
   World world = rope_of(2001);
   Connector& rope = world.connectors[0];
@@ -109,13 +118,13 @@ TEST(Footprint, LastingPinsOneAfterAnotherTakeLittleMore) {
   EXPECT_LE(taken, footprint(method, world, with_defaults(method, {})).memory + 800 * kPart);
 }
 
-TEST(Footprint, GrowsWithTheSquareOfBodiesThatHangFromEachOther) {
+TEST_F(Footprint, GrowsWithTheSquareOfBodiesThatHangFromEachOther) {
   for (const char* method : {"dynamic-constraints", "truth"}) {
     expect_within(*find_method(method), {}, chain_of_bodies(500));
   }
 }
 
-TEST(Footprint, OfAWholeMatrixGrowsWithItsSquare) {
+TEST_F(Footprint, OfAWholeMatrixGrowsWithItsSquare) {
   const MethodInfo& method = *find_method("dynamic-constraints");
   expect_within(method, {{"solver", std::string("dense")}}, rope_of(1000));
   const Settings dense = with_defaults(method, {{"solver", std::string("dense")}});
