@@ -257,7 +257,7 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
         double value = near.distinct ? near.distance + touching_ / 2 : kFar;
         if (value < 0) {
           aim(there, state);
-          if (near.normal.dot(passing(there, state)) >= -kStill) value = touching_;
+          value = crossing(value, near.normal.dot(passing(there, state)) >= -kStill);
         }
         values.push_back(value);
       }

@@ -237,8 +237,7 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
       const Bead there{.obstacle = static_cast<std::uint32_t>(o), .touch = {}};
       const double parts =
           near.normal.dot(velocity(scratch_, p) - surface(there, at).velocity);  // m/s
-      const double value = near.distance + touching_ / 2;
-      values.push_back(value < 0 && parts >= -kStill ? touching_ : value);
+      values.push_back(crossing(near.distance + touching_ / 2, parts >= -kStill));
     }
     if (bead.mode == Mode::open) continue;
     const Touch& touch = bead.touch;
@@ -260,8 +259,8 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
       values.push_back(change_[r] + spare(r));
       continue;
     }
-    const double value = kLonger * touching_ - mechanism_.violation()[r];
-    values.push_back(value < 0 && mechanism_.rate()[r] <= kStill ? touching_ : value);
+    values.push_back(
+        crossing(kLonger * touching_ - mechanism_.violation()[r], mechanism_.rate()[r] <= kStill));
   }
 }
 

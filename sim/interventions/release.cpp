@@ -64,7 +64,8 @@ Outcome Interventions::release(World& world, std::size_t index,
 Outcome Interventions::drop(World& world, std::size_t index) {
   Connector& connector = world.connectors[index];
   const auto left_links = [&](const Hold& hold) {  // that are not what they were before it
-    return hold.pin.fraction > 0 && hold.pin.since != world.time && !connector.stretches();
+    return hold.pin.fraction > 0 && hold.pin.since != world.time && !connector.stretches() &&
+           !connector.pulls;
   };
   bool needs_a_body = false;
   std::size_t seen = 0;

@@ -15,6 +15,8 @@ namespace {
 constexpr std::string_view kTruth = "truth";
 constexpr double kFirstStep = 1e-4;  // s
 constexpr double kShortest = 1e-12;  // s: a step below it says that the motion is not smooth
+constexpr int kMostSteps = 3000;     // steps in so short a time: rounding makes them, and no motion
+constexpr double kBriefTime = 1e-4;  // s
 
 class Multipliers final : public Method {
  public:
@@ -42,6 +44,8 @@ class Multipliers final : public Method {
   std::uint64_t topology_ = 0;
   std::vector<double> keys_;  // s, rising: times at which a path is not smooth
   double step_ = kFirstStep;  // s, the next one to try
+  double brief_ = 0;          // s, from which on steps are counted
+  int short_ = 0;             // how many there were since
   reference::State state_, before_, scratch_, right_, tension_;
   std::unique_ptr<Method> among_obstacles_;
 };
@@ -124,6 +128,15 @@ void Multipliers::step(double& time, double until) {
   if (last) time = until;
   step_ = last ? std::max(wanted, taken) : taken;
   ++counters_.steps;
+  if (!(std::abs(time - brief_) < kBriefTime)) {
+    brief_ = time;
+    short_ = 0;
+  }
+  if (++short_ > kMostSteps) {
+    give_up(time, 0,
+            "no step is small enough: joined links may be at their full length between what holds "
+            "them");
+  }
   project(time);
   mechanism_.follow(time, state_);
 }

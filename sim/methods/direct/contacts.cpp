@@ -234,17 +234,18 @@ void Contacts::give_up(const World& part) const {
 void Contacts::step_through(Group& group, double until) {
   ContactStep& step = group.step;
   World& part = group.part;
-  if (!group.steps) {
-    place_held(part, part.time);
-    step.load(part, obstacles_);
-  }
-  group.steps = true;
   const double lowest = kLowest * options_.tolerance;
   if (group.h == 0) {
     group.first = kFirst * std::sqrt(options_.tolerance / std::max(part.gravity.norm(), 1.0));
     group.h = options_.step > 0 ? options_.step : std::min(kLongest / options_.finer, group.first);
   }
   double time = part.time;
+  if (!group.steps) {
+    place_held(part, time);
+    step.load(part, obstacles_);
+    time += step.resolve(time, lowest);
+  }
+  group.steps = true;
   double spin = 0;
   for (const Obstacle& obstacle : obstacles_) {
     spin = std::max(spin, obstacle.frame(time).spin.norm());

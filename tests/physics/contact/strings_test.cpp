@@ -263,6 +263,24 @@ World folded(std::size_t particles) {
   return with_strings(world);
 }
 
+// A string flies along itself. A pin stops what is ahead of it, at that moment, and nothing else.
+TEST(Strings, AreStoppedByAPinAtItsMoment) {
+  World world = with_strings(worlds::chain(2, 1, Vec3::UnitX(), 0.1));
+  Connector& string = world.connectors[0];
+  string.holds.clear();
+  for (Vec3& velocity : string.velocity) velocity = Vec3::UnitX();
+  world.gravity.setZero();
+  for (const std::string method : {"truth", "direct"}) {
+    Simulation simulation = by(method, world);
+    simulation.advance_to(0.1);
+    ASSERT_EQ(simulation.interventions().pin(simulation.world(), 0, 0.5).outcome, Outcome::done);
+    simulation.advance_to(0.2);
+    const Connector& now = simulation.world().connectors[0];
+    EXPECT_LT((now.position[0] - Vec3(0.2, 0, 0)).norm(), 1e-8) << method;
+    EXPECT_LT((now.position[2] - Vec3(1.1, 0, 0)).norm(), 1e-7) << method;
+  }
+}
+
 // The time stepping comes to the located events, by a power of two, as steps are halved.
 TEST(Strings, TwoSolversAgree) {
   Simulation truth = by("truth", folded(5));

@@ -141,6 +141,22 @@ TEST(Interventions, ReleaseRestoresTheLinkThatAPinHadBent) {
   EXPECT_EQ(interventions.release(world, pinned.pin), Outcome::no_pin);
 }
 
+// A string may be shorter than it is long: nothing is to be restored.
+TEST(Interventions, ReleaseLeavesAStringThatAPinHadBentAsItIs) {
+  World world = swinging_rope();
+  world.connectors[0].pulls = true;
+  world.topology = structure(world);
+  Interventions interventions;
+  const Pinned pinned = interventions.pin(world, 0, 0.45);
+  world.connectors[0].position[6] += Vec3(0.01, 0, 0.02);
+  const std::vector<Vec3> bent = world.connectors[0].position;
+  world.time += 0.1;
+  ASSERT_EQ(interventions.release(world, pinned.pin), Outcome::done);
+  const std::vector<Vec3>& now = world.connectors[0].position;
+  ASSERT_EQ(now.size(), bent.size() - 1);
+  for (std::size_t i = 0; i < now.size(); ++i) EXPECT_EQ(now[i], bent[i < 5 ? i : i + 1]) << i;
+}
+
 TEST(Interventions, AFreeBodyTakesTheMomentumOfWhatItCatches) {
   World world = swinging_rope();
   const Vec3 linear = linear_momentum(world), angular = angular_momentum(world);

@@ -197,4 +197,26 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
   return 0;
 }
 
+/// m/s, the most by which the length of a link changes that may not.
+double ContactStep::parting(double time) {
+  mechanism_.update(time, state_.data());
+  find_taut(false);
+  double most = 0;
+  for (std::size_t r = 0; r < taut_.size(); ++r) {
+    const double parts = mechanism_.rate()[r];
+    if (!taut_[r]) continue;
+    most = std::max(most, mechanism_.rows()[r].pulls ? parts : std::abs(parts));
+  }
+  return most;
+}
+
+double ContactStep::resolve(double time, double lowest) {
+  constexpr double kMoment = 1e-8;   // s
+  constexpr double kParting = 1e-9;  // m/s
+  if (!(parting(time) > kParting) || attempt(time, kMoment, 0, false, lowest) == 0) return 0;
+  hits_ = true;
+  accept();
+  return kMoment;
+}
+
 }  // namespace taut::direct

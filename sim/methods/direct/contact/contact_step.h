@@ -30,6 +30,10 @@ class ContactStep {
   void load(const World& world, const std::vector<Obstacle>& obstacles);
   void store(World& world, double time) const { mechanism_.store(state_, time, world); }
 
+  /// After load(): velocities that links do not allow, as what is done to a world may leave them,
+  /// settle in an impact of this moment. Returns how long (s) that took.
+  double resolve(double time, double lowest);
+
   /// Two solid things nearer than this (m) touch.
   double touching() const { return touching_; }
   /// Steps from `time` by at most `h` (s); where a bead hits an obstacle on the way and `locates`
@@ -74,6 +78,7 @@ class ContactStep {
   };
   using TouchRange = std::span<BeadTouch>;
 
+  double parting(double time);
   void find_touches();
   void add_touch(const Hit& hit, std::size_t sorted);
   bool find_hits(double time, double h);
