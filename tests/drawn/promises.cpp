@@ -20,10 +20,15 @@
 namespace taut::drawn {
 namespace {
 
+#ifdef TAUT_SANITIZED
+constexpr double kSlower = 10;
+#else
+constexpr double kSlower = 1;
+#endif
 // In s of CPU time, as is kShare of a run, and twice that of its error's:
-constexpr double kTogether = 3;  // of all runs of a scene, of which most take far less
-constexpr double kAlone = 1;     // of a run for which that was too little
-constexpr double kPatience = 5;  // of a slice of it
+constexpr double kTogether = 3 * kSlower;  // of all runs of a scene, of which most take far less
+constexpr double kAlone = kSlower;         // of a run for which that was too little
+constexpr double kPatience = 5 * kSlower;  // of a slice of it
 
 constexpr std::size_t kMemory = 1024u << 20;  // bytes
 constexpr double kMostTolerances = 10;        // that an error may have of which nothing is told

@@ -48,6 +48,7 @@ void RadauStep::load(double time) {
   std::ranges::fill(tension_, 0.0);
   system_.restore_lengths(0, tension_.data(), x_.data());
   system_.stop_stretch(x_.data(), v_.data());
+  system_.follow_turn(system_.end_turn(x_.data()));  // particles that come or go change it at once
   system_.find_tensions(x_.data(), v_.data(), tension_.data());
   before_h_ = 0;
 }
