@@ -102,6 +102,8 @@ class Checker {
         return fmt::format("a list of {} numbers", count_text(key));
       case Type::text:
         return "a string";
+      case Type::texts:
+        return "a list of strings";
       case Type::file:
         return "the path of a file, as a string";
       case Type::choice:
@@ -146,10 +148,10 @@ class Checker {
         for (const Value& element : value.children) number(element, key);
         return;
       case Type::text:
-        expect(value, Value::Kind::text, wanted(key));
-        if (value.text.find('\0') != std::string::npos) {
-          document_.fail(value, "contains a zero byte, expected text");
-        }
+        return text(value, wanted(key));
+      case Type::texts:
+        count(value, key);
+        for (const Value& element : value.children) text(element, "a string");
         return;
       case Type::file:
         return file(value, key);
@@ -173,6 +175,13 @@ class Checker {
         return;
       case Type::method:
         return method(value);
+    }
+  }
+
+  void text(const Value& value, const std::string& what) const {
+    expect(value, Value::Kind::text, what);
+    if (value.text.find('\0') != std::string::npos) {
+      document_.fail(value, "contains a zero byte, expected text");
     }
   }
 

@@ -21,6 +21,7 @@ struct KeyFormat {
     number,
     numbers,  // a list of numbers, at least `least` and at most `most`
     text,
+    texts,   // a list of them
     file,    // a path, of characters that are safe in one
     choice,  // one of `choices`
     points,  // a list of [x, y, z]

@@ -56,6 +56,8 @@ Json key_schema(const KeyFormat& key) {
       return list_schema(key, number_schema(key));
     case Type::text:
       return {{"type", "string"}};
+    case Type::texts:
+      return list_schema(key, {{"type", "string"}});
     case Type::file:
       return {{"type", "string"}, {"minLength", 1}};
     case Type::files:

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "scenes/character/capsules.h"
 #include "scenes/reader/reader.h"
@@ -71,6 +72,54 @@ Shape read_surface(const Document& document, const Value& shape) {
                         read_rounding(document, kind, std::min(diameter, length)));
 }
 
+/// Gives each thing that obstacles ignore a category of its own.
+class Ignored {
+ public:
+  Ignored(const Document& document, World& world)
+      : document_(document), world_(world), names_(all_names(world)) {}
+
+  /// The categories of what an obstacle's `ignores` names; 0 for null.
+  std::uint64_t categories(const Value* ignores) {
+    std::uint64_t all = 0;
+    if (!ignores) return 0;
+    for (const Value& name : ignores->children) all |= category(name);
+    return all;
+  }
+
+ private:
+  static std::string_view stem(std::string_view name) { return name.substr(0, name.find('#')); }
+
+  static std::vector<std::string_view> all_names(const World& world) {
+    std::vector<std::string_view> names;
+    for (const Connector& c : world.connectors) names.push_back(stem(c.name));
+    for (const Body& body : world.bodies)
+      if (!body.driven()) names.push_back(body.name);
+    const auto copies = std::ranges::unique(names);
+    names.erase(copies.begin(), copies.end());
+    return names;
+  }
+
+  std::uint64_t category(const Value& name) {
+    const std::size_t index = names_.index_of(document_, name, "connector or free body");
+    const auto known = bits_.find(index);
+    if (known != bits_.end()) return known->second;
+    if (bits_.size() == 64)
+      document_.fail(name, "is one too many, expected at most 64 names that obstacles ignore");
+    const std::uint64_t bit = std::uint64_t{1} << bits_.size();
+    bits_[index] = bit;
+    for (Connector& c : world_.connectors)
+      if (stem(c.name) == name.text) c.category |= bit;
+    for (Body& body : world_.bodies)
+      if (body.name == name.text) body.capsule.category |= bit;
+    return bit;
+  }
+
+  const Document& document_;
+  World& world_;
+  Names names_;
+  std::map<std::size_t, std::uint64_t> bits_;  // by index of the name
+};
+
 /// No held particle may be inside of an obstacle, and no bead reach into one.
 void check_start(const Document& document, const Value& value, const Obstacle& obstacle,
                  const World& world) {
@@ -78,6 +127,7 @@ void check_start(const Document& document, const Value& value, const Obstacle& o
   const Value* connectors = document.root.find("connectors");
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
+    if (!obstacle.touches(connector.category)) continue;
     const double rounding = kRounding * connector.length;
     for (std::size_t i = 0; i < connector.particles(); ++i) {
       const bool held = std::ranges::any_of(connector.holds,
@@ -103,6 +153,7 @@ void check_start_of_bodies(const Document& document, const Obstacle& obstacle, c
   const Pose frame = obstacle.frame(0).pose();
   for (const Body& body : world.bodies) {
     if (body.driven() || !body.capsule.touches()) continue;
+    if (!obstacle.touches(body.capsule.category)) continue;
     const contact::Capsule own{body.point(body.capsule.from), body.point(body.capsule.to),
                                body.capsule.radius};
     const double apart = contact::least_gap(obstacle.shape, frame, own);
@@ -162,9 +213,10 @@ void read_obstacles(const Document& document, Motions& motions, World& world) {
     document.mismatch(*model,
                       "\"links\": a massless span touches no obstacle, and the scene has some");
   }
+  Ignored ignored(document, world);
   for (const Value& value : table->children) {
-    const Obstacle& made =
-        world.obstacles.emplace_back(read_obstacle(document, value, motions, world));
+    Obstacle& made = world.obstacles.emplace_back(read_obstacle(document, value, motions, world));
+    made.ignores = ignored.categories(value.find("ignores"));
     if (!made.path || !shows_obstacle(value)) continue;
     Body seen;
     seen.name = made.name;

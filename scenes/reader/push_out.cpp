@@ -36,6 +36,7 @@ bool move_beads(const std::vector<Obstacle>& obstacles, const Vec3& out, Connect
   const double link = connector.rest.front();
   bool found = false;
   for (const Obstacle& obstacle : obstacles) {
+    if (!obstacle.touches(connector.category)) continue;
     const Pose frame = obstacle.frame(0).pose();
     for (std::size_t i = 0; i < connector.particles(); ++i) {
       if (holds(connector, i)) continue;

@@ -20,10 +20,13 @@ double friction_share(const Obstacle& obstacle, double slip, double push) {
 void BeadContacts::rebuild(const Mechanism& mechanism, const World& world) {
   obstacles_ = world.obstacles;
   radius_.clear();
+  category_.clear();
   if (obstacles_.empty()) return;
   radius_.reserve(mechanism.state_room());  // enough for points that pins add
+  category_.reserve(mechanism.state_room());
   for (const Connector& connector : world.connectors) {
     radius_.insert(radius_.end(), connector.particles(), connector.radius);
+    category_.insert(category_.end(), connector.particles(), connector.category);
   }
   for (std::size_t p = 0; p < radius_.size(); ++p) {
     if (mechanism.inverse_mass()[p] == 0) radius_[p] = -1;
@@ -35,7 +38,7 @@ void BeadContacts::find(const Mechanism& mechanism, double time, const std::vect
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     const FrameMotion frame = obstacles_[o].frame(time);
     for (std::size_t p = 0; p < radius_.size(); ++p) {
-      if (radius_[p] < 0) continue;
+      if (radius_[p] < 0 || !obstacles_[o].touches(category_[p])) continue;
       const Vec3 at = ConstMap(&state[mechanism.position(p)]);
       const SurfaceDistance near = gap(obstacles_[o], frame.pose(), at, radius_[p]);
       if (near.distance > 0) continue;

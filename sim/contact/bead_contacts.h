@@ -39,7 +39,8 @@ class BeadContacts {
   void find(const Mechanism& mechanism, double time, const std::vector<double>& state);
 
   std::vector<Obstacle> obstacles_;
-  std::vector<double> radius_;  // m, per point; negative: it touches nothing
+  std::vector<double> radius_;           // m, per point; negative: it touches nothing
+  std::vector<std::uint64_t> category_;  // per point
   std::vector<Met> met_;
 };
 

@@ -246,6 +246,7 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
     if (!capsules_[b].touches()) continue;
     const Capsule own = capsule(state, b);
     for (std::uint32_t o = 0; o < obstacles_.size(); ++o) {
+      if (!obstacles_[o].touches(capsules_[b].category)) continue;
       const auto gaps = all_gaps(obstacles_[o].shape, frames_[o].pose(), own);
       for (const Spot spot : kSpots) {
         const auto is_here = [&](const BodyTouch& at) {
@@ -321,6 +322,7 @@ void ContactMotion::find_body_touches(const State& state) {
     if (!capsules_[b].touches()) continue;
     const Capsule own = capsule(state, b);
     for (std::uint32_t o = 0; o < obstacles_.size(); ++o) {
+      if (!obstacles_[o].touches(capsules_[b].category)) continue;
       const auto gaps = all_gaps(obstacles_[o].shape, frames_[o].pose(), own);
       for (const Spot spot : kSpots) {
         const SpotGap& near = gaps[static_cast<std::size_t>(spot)];

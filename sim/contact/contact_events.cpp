@@ -30,6 +30,7 @@ void ContactMotion::find_touches(const State& state) {
     int count = 0;
     const Bead was = bead;
     for (std::uint32_t o = 0; o < obstacles_.size(); ++o) {
+      if (!obstacles_[o].touches(category_[p])) continue;
       const SurfaceDistance near =
           gap(obstacles_[o], frames_[o].pose(), place(state, p), radius_[p]);
       if (near.distance > touching_) continue;

@@ -21,10 +21,12 @@ void ContactMotion::rebuild(const World& world, double slowest) {
   mechanism_.rebuild(world);
   system_.rebuild(mechanism_);
   radius_.clear();
+  category_.clear();
   double longest = 0;
   for (const Connector& connector : world.connectors) {
     longest = std::max(longest, connector.length);
     radius_.insert(radius_.end(), connector.particles(), connector.radius);
+    category_.insert(category_.end(), connector.particles(), connector.category);
   }
   for (std::size_t p = 0; p < radius_.size(); ++p) {
     if (mechanism_.inverse_mass()[p] == 0) radius_[p] = -1;
@@ -233,6 +235,7 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
     const Vec3 at = place(scratch_, p);
     for (std::size_t o = 0; o < obstacles_.size(); ++o) {
       if (bead.mode != Mode::open && bead.obstacle == o) continue;
+      if (!obstacles_[o].touches(category_[p])) continue;
       const SurfaceDistance near = gap(obstacles_[o], frames_[o].pose(), at, radius_[p]);
       const Bead there{.obstacle = static_cast<std::uint32_t>(o), .touch = {}};
       const double parts =

@@ -121,6 +121,7 @@ class ContactMotion {
   RowSystem system_;
   double slowest_ = 0, touching_ = 0;    // m/s, m
   std::vector<double> radius_;           // per point, m; negative: it touches nothing
+  std::vector<std::uint64_t> category_;  // per point
   std::vector<Bead> beads_;              // per point
   std::vector<FrameMotion> frames_;      // of the obstacles
   std::vector<char> is_carried_;         // per point: a free body has it

@@ -310,6 +310,7 @@ std::string why_inside(const World& world, std::size_t index, std::size_t partic
   constexpr double kInside = 1e-6;  // of the connector's length: as deep as methods leave beads
   const Connector& connector = world.connectors[index];
   for (const Obstacle& obstacle : world.obstacles) {
+    if (!obstacle.touches(connector.category)) continue;
     const double apart = gap(obstacle, obstacle.frame(world.time).pose(),
                              connector.position[particle], connector.radius)
                              .distance;

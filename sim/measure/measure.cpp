@@ -133,6 +133,7 @@ double penetration_max(const World& world) {
   for (const Obstacle& obstacle : world.obstacles) {
     const Pose frame = obstacle.frame(world.time).pose();
     for (const Connector& connector : world.connectors) {
+      if (!obstacle.touches(connector.category)) continue;
       for (std::size_t i = 0; i < connector.particles(); ++i) {
         if (find_hold(connector, i)) continue;
         most =

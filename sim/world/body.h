@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -40,6 +41,7 @@ enum class BodyModel {
 struct BodyCapsule {
   double radius = -1;  // negative: it touches nothing
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+  std::uint64_t category = 0;  // bits, of which an obstacle may ignore some
 
   bool touches() const { return radius >= 0; }
 };

@@ -97,6 +97,7 @@ struct Connector {
   double mass = 0;         // kg, of all particles, ends included; without point masses at the ends
   double restitution = 0;  // coefficient of restitution when the span goes taut, 0 to 1
   double radius = 0;       // m, of the beads that touch obstacles: each particle is one
+  std::uint64_t category = 0;  // bits, of which an obstacle may ignore some
   ConnectorModel model = ConnectorModel::links;
   /// Its links are strings: they may be shorter than `rest`, and never push (sim/contact). Such a
   /// connector is a model of links, has no sections and no joint.

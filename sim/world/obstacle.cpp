@@ -41,6 +41,7 @@ std::uint64_t fingerprint(const Obstacle& obstacle) {
   for (const double c : obstacle.place.rotation.coeffs()) hash.word(c);
   hash.word(obstacle.path ? obstacle.path->fingerprint() : 0);
   hash.word(obstacle.static_friction).word(obstacle.kinetic_friction).word(obstacle.restitution);
+  if (obstacle.ignores != 0) hash.word(obstacle.ignores);
   return hash.value();
 }
 

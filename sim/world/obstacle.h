@@ -1,6 +1,7 @@
 // What connectors touch: a shape in the world, fixed or on a path.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -19,7 +20,9 @@ struct Obstacle {
   std::shared_ptr<const Path> path;  // null: it stands still
   double static_friction = 0, kinetic_friction = 0;  // Coulomb's coefficients
   double restitution = 0;                            // Newton's coefficient, 0 to 1
+  std::uint64_t ignores = 0;  // what has one of these categories passes through it
 
+  bool touches(std::uint64_t category) const { return (ignores & category) == 0; }
   /// The motion of the shape's frame at `time` (s).
   FrameMotion frame(double time) const;
 };

@@ -126,6 +126,7 @@ std::uint64_t structure_of_body(const World& world, std::size_t index) {
     hash.word(body.capsule.radius);
     add(body.capsule.from, hash);
     add(body.capsule.to, hash);
+    if (body.capsule.category != 0) hash.word(body.capsule.category);
   }
   return hash.value();
 }
@@ -158,6 +159,7 @@ std::uint64_t structure_of_connector(const World& world, std::size_t index) {
   hash.word(sum);
   if (!connector.sections.empty()) add_materials(connector, hash);
   if (connector.pulls) hash.text("pulls");
+  if (connector.category != 0) hash.word(connector.category);
   return hash.value();
 }
 

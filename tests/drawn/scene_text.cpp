@@ -14,7 +14,7 @@ constexpr const char* kFree = "{ free = true }";
 
 class Scene : Pieces {
  public:
-  explicit Scene(unsigned seed) : Pieces(seed), string_dice_(~seed) {}
+  explicit Scene(unsigned seed) : Pieces(seed), own_dice_(~seed) {}
 
   std::string drawn() {
     constexpr int kRates[] = {1, 5, 24, 24, 30, 30, 60, 60, 60, 120, 120, 240};
@@ -32,7 +32,7 @@ class Scene : Pieces {
     const bool obstacles = kind > 0.85;
     const bool joins = kind > 0.5 && kind < 0.7;
     sections_ = kind > 0.35 && kind < 0.55;
-    strings_ = !spans && !joins && !sections_ && string_dice_.between(0, 1) < 0.25;
+    strings_ = !spans && !joins && !sections_ && own_dice_.between(0, 1) < 0.25;
     if (sections_) add_air();
     const int connectors = 1 + dice_.pick(3);
     for (int i = 0; i < connectors; ++i) {
@@ -128,7 +128,7 @@ class Scene : Pieces {
     } else if (section.find("density") == section.npos) {
       line("mass = {}", mass_);
     }
-    const bool pulls = strings_ && string_dice_.between(0, 1) < 0.7;
+    const bool pulls = strings_ && own_dice_.between(0, 1) < 0.7;
     if (pulls) line("links = \"pull\"");
     line("from = {}\nto = {}", from, to);
     // Without a start it hangs between its ends, or straight down from the one that has a place.
@@ -136,7 +136,7 @@ class Scene : Pieces {
     if (straight && (adrift || chance(0.8))) {
       std::string start = fmt::format("direction = {}", text(along));
       if (adrift) {
-        const double way = pulls ? string_dice_.between(0.2, 1.1) : 1.001;
+        const double way = pulls ? own_dice_.between(0.2, 1.1) : 1.001;
         start = fmt::format("points = [{}, {}]", text(place), text(place + way * length * along));
       } else if (to == kFree && particles > 3 && chance(0.2)) {
         start =
@@ -313,6 +313,9 @@ class Scene : Pieces {
       line("static_friction = {}", friction * dice_.between(1, 2));
     }
     if (chance(0.3)) line("restitution = {}", dice_.between(0, 1));
+    if (!strands_.empty() && own_dice_.between(0, 1) < 0.15) {
+      line("ignores = [\"{}\"]", strands_.front().name);
+    }
     if (round && path.empty() && chance(0.3)) add_wound(name, size);
   }
 
@@ -320,7 +323,7 @@ class Scene : Pieces {
   double mass_ = 1;        // kg, of the last connector
   bool sections_ = false;  // connectors stretch, bend or meet the air
   bool strings_ = false;   // links of connectors only pull
-  Dice string_dice_;       // of its own, so that what else is drawn stays
+  Dice own_dice_;          // for what came later, so that what else is drawn stays
   std::vector<Strand> strands_;
   int nets_ = 0;
 };

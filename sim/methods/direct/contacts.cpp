@@ -146,6 +146,7 @@ bool Contacts::is_body_near(const Body& body, const World& part, double within) 
   const double reach =
       std::max((own.from - body.position).norm(), (own.to - body.position).norm()) + own.radius;
   for (const Obstacle& obstacle : obstacles_) {
+    if (!obstacle.touches(body.capsule.category)) continue;
     const FrameMotion frame = obstacle.frame(part.time);
     const double apart = contact::least_gap(obstacle.shape, frame.pose(), own);
     const double far = (body.position - frame.position).norm() + reach + std::max(apart, 0.0);
@@ -165,6 +166,7 @@ bool Contacts::is_near(const World& part, double within) const {
   for (const Obstacle& obstacle : obstacles_) {
     const FrameMotion frame = obstacle.frame(part.time);
     for (const Connector& connector : part.connectors) {
+      if (!obstacle.touches(connector.category)) continue;
       for (std::size_t i = 0; i < connector.particles(); ++i) {
         if (find_hold(connector, i)) continue;
         const Vec3& at = connector.position[i];
@@ -214,6 +216,7 @@ void Contacts::give_up(const World& part) const {
   for (const Obstacle& obstacle : obstacles_) {
     const Pose frame = obstacle.frame(part.time).pose();
     for (const Connector& connector : part.connectors) {
+      if (!obstacle.touches(connector.category)) continue;
       for (std::size_t i = 0; i < connector.particles(); ++i) {
         const bool held = find_hold(connector, i);
         const double radius = held ? 0 : connector.radius;

@@ -62,6 +62,7 @@ Rods::Rods(const World& world) {
   start_ = connector.position[0];
   radius_ = connector.radius;
   obstacles_ = world.obstacles;
+  std::erase_if(obstacles_, [&](const Obstacle& o) { return !o.touches(connector.category); });
   for (Obstacle& obstacle : obstacles_) obstacle.place.position -= start_;
   if (world.bodies.empty()) return;
   const Attachment& to = connector.holds.back().to;

@@ -236,6 +236,24 @@ TEST_F(ObstacleScene, FaultsOfWhatCarriesItAreNamed) {
   expect("[obstacles.arm]\nfriction = 1\n", "13:", "shape is missing");
 }
 
+TEST_F(ObstacleScene, IgnoresWhatItNames) {
+  const std::string start = "start = { direction = [1, 0, 0] }\n";
+  std::string scene = kScene;
+  scene.insert(scene.find(start) + start.size(),
+               "[connectors.cord]\nlength = 1\nparticles = 5\nmass = 0.1\nrepeat = [{ count = 2, "
+               "by = [0, 0, 1] }]\nfrom = { fixed = [0, -1, 0] }\nto = { free = true }\n");
+  const World world = read(scene + "ignores = [\"cord\"]\n").world;
+  ASSERT_EQ(world.connectors.size(), 3u);
+  for (const Connector& connector : world.connectors) {
+    EXPECT_EQ(world.obstacles[0].touches(connector.category), connector.name == "rope")
+        << connector.name;
+  }
+  expect(
+      "ignores = [\"rod\"]\n", "13:12",
+      "obstacles.floor.ignores[0]: found \"rod\", expected the name of a connector or free body");
+  expect("ignores = \"rope\"\n", "13:11", "expected a list of strings");
+}
+
 TEST_F(ObstacleScene, FaultsAreNamed) {
   expect("restitution = 1.5\n", "13:15", "found 1.5, expected a number from 0 to 1");
   expect("static_friction = 0.1\n", "13:19", "found 0.1, expected at least friction, 0.4");

@@ -22,6 +22,7 @@ const std::vector<BodyTouches::Hit>& BodyTouches::hits(const Step& step,
   for (std::uint32_t b = 0; b < capsules_.size(); ++b) {
     if (!capsules_[b].touches()) continue;
     for (std::uint32_t o = 0; o < step.obstacles.size(); ++o) {
+      if (!step.obstacles[o].touches(capsules_[b].category)) continue;
       const Hit hit = sweep(step, next, b, o);
       if (hit.share <= 1) hits_.push_back(hit);
     }

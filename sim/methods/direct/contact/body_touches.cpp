@@ -63,6 +63,7 @@ void BodyTouches::find(const Step& step) {
     const contact::Capsule own = capsule(pose, b);
     const Vec6 twist = twist_at(&step.state[step.mechanism.twist(b)]);
     for (std::uint32_t o = 0; o < step.obstacles.size(); ++o) {
+      if (!step.obstacles[o].touches(capsules_[b].category)) continue;
       const Shape& shape = step.obstacles[o].shape;
       const Pose frame = step.start[o].pose();
       if (contact::gap_at(shape, frame, own, 0.5).distance > (own.to - own.from).norm()) continue;

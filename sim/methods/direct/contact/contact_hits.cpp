@@ -22,7 +22,7 @@ bool ContactStep::find_hits(double time, double h) {
     if (radius_[p] < 0) continue;
     while (known < touches_.size() && touches_[known].point < p) ++known;
     for (std::uint32_t o = 0; o < start_.size(); ++o) {
-      bool touches = false;
+      bool touches = !(*obstacles_)[o].touches(category_[p]);  // it need not be looked for
       for (std::size_t i = known; i < touches_.size() && touches_[i].point == p; ++i) {
         touches = touches || touches_[i].obstacle == o;
       }

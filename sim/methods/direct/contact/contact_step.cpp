@@ -21,10 +21,12 @@ void ContactStep::rebuild(const World& world) {
   system_.rebuild(mechanism_);
   glide_system_.rebuild(mechanism_);
   radius_.clear();
+  category_.clear();
   double longest = 0;
   for (const Connector& connector : world.connectors) {
     longest = std::max(longest, connector.length);
     const bool joint = !(connector.length > 0);
+    category_.insert(category_.end(), connector.particles(), connector.category);
     for (std::size_t i = 0; i < connector.particles(); ++i) {
       radius_.push_back(joint ? -1 : connector.radius);
     }
@@ -88,6 +90,7 @@ void ContactStep::find_touches() {
     if (radius_[p] < 0) continue;
     const Vec3 at = position(state_, p);
     for (std::uint32_t o = 0; o < start_.size(); ++o) {
+      if (!(*obstacles_)[o].touches(category_[p])) continue;
       const SurfaceDistance near = gap((*obstacles_)[o], start_[o].pose(), at, radius_[p]);
       if (near.distance > touching_) continue;
       const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);

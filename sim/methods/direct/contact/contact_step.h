@@ -134,10 +134,11 @@ class ContactStep {
   std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;
   std::vector<double> reach_;  // per body, m: to the farthest point that touches or holds a link
   double touching_ = 0;
-  double exact_ = 0;                    // m: roundings of positions
-  std::vector<double> radius_;          // per point, m; negative: it touches nothing
-  std::vector<double> state_, next_;    // as Mechanism has them
-  std::vector<double> aimed_, glided_;  // next_ of the last iteration, and after the first stage
+  double exact_ = 0;                     // m: roundings of positions
+  std::vector<double> radius_;           // per point, m; negative: it touches nothing
+  std::vector<std::uint64_t> category_;  // per point
+  std::vector<double> state_, next_;     // as Mechanism has them
+  std::vector<double> aimed_, glided_;   // next_ of the last iteration, and after the first stage
   std::vector<BeadTouch> touches_, before_;  // in order of points; before_: of the step before
   std::vector<FrameMotion> start_, end_;     // of the obstacles
   std::vector<Hit> found_;
