@@ -114,6 +114,17 @@ std::string_view kind_of(const Obstacle& obstacle) {
   return kKinds[static_cast<std::size_t>(obstacle.shape.kind)];
 }
 
+/// The connectors and bodies that pass through an obstacle; of copies the first.
+std::vector<std::string> ignored_by(const Obstacle& obstacle, const World& world) {
+  std::vector<std::string> names;
+  for (const Connector& connector : world.connectors)
+    if (!obstacle.touches(connector.category) && connector.name.find('#') == std::string::npos)
+      names.push_back(connector.name);
+  for (const Body& body : world.bodies)
+    if (!obstacle.touches(body.capsule.category)) names.push_back(body.name);
+  return names;
+}
+
 /// Whether the body is there only to show an obstacle on a path.
 bool shows_obstacle(const World& world, const Body& body) {
   return std::ranges::any_of(world.obstacles, [&](const Obstacle& obstacle) {
@@ -175,7 +186,8 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
             {"moves", obstacle.path != nullptr},
             {"friction", obstacle.kinetic_friction},
             {"static_friction", obstacle.static_friction},
-            {"restitution", obstacle.restitution}});
+            {"restitution", obstacle.restitution},
+            {"ignores", ignored_by(obstacle, scene.world)}});
   }
   if (scene.stage) json["clip_frames"] = std::uint64_t(options::clip_length(scene));
   json["pins"] = scene.timeline.pins.size();
@@ -221,9 +233,11 @@ std::string as_text(const scenes::Scene& scene, bool staged,
   }
   if (!world.joints.empty()) line(fmt::format("joints: {}", world.joints.size()));
   for (const Obstacle& obstacle : world.obstacles) {
-    line(fmt::format("obstacle {}: {}{}, friction {}, restitution {}", obstacle.name,
+    const std::vector<std::string> names = ignored_by(obstacle, world);
+    line(fmt::format("obstacle {}: {}{}, friction {}, restitution {}{}{}", obstacle.name,
                      kind_of(obstacle), obstacle.path ? " on a path" : "",
-                     obstacle.kinetic_friction, obstacle.restitution));
+                     obstacle.kinetic_friction, obstacle.restitution,
+                     names.empty() ? "" : ", ignores ", fmt::join(names, ", ")));
   }
   for (const TimedPin& pin : scene.timeline.pins) {
     line(fmt::format("pin: {} at {} m, from {} s {}", world.connectors[pin.connector].name,
