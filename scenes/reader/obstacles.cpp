@@ -76,7 +76,7 @@ Shape read_surface(const Document& document, const Value& shape) {
 class Ignored {
  public:
   Ignored(const Document& document, World& world)
-      : document_(document), world_(world), names_(all_names(world)) {}
+      : document_(document), world_(world), names_(all_names(document)) {}
 
   /// The categories of what an obstacle's `ignores` names; 0 for null.
   std::uint64_t categories(const Value* ignores) {
@@ -89,13 +89,16 @@ class Ignored {
  private:
   static std::string_view stem(std::string_view name) { return name.substr(0, name.find('#')); }
 
-  static std::vector<std::string_view> all_names(const World& world) {
+  /// As the document has them, which stays.
+  static std::vector<std::string_view> all_names(const Document& document) {
     std::vector<std::string_view> names;
-    for (const Connector& c : world.connectors) names.push_back(stem(c.name));
-    for (const Body& body : world.bodies)
-      if (!body.driven()) names.push_back(body.name);
-    const auto copies = std::ranges::unique(names);
-    names.erase(copies.begin(), copies.end());
+    for (const char* kind : {"connectors", "bodies"}) {
+      const Value* table = document.root.find(kind);
+      for (std::size_t i = 0; table && i < table->children.size(); ++i) {
+        const Value& value = table->children[i];
+        if (!value.find("driven_by")) names.push_back(value.name);
+      }
+    }
     return names;
   }
 
