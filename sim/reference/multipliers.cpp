@@ -134,8 +134,9 @@ void Multipliers::step(double& time, double until) {
   }
   if (++short_ > kMostSteps) {
     give_up(time, 0,
-            "no step is small enough: joined links may be at their full length between what holds "
-            "them");
+            world_->joints.empty() ? "no step is small enough"
+                                   : "no step is small enough: joined links may be at their full "
+                                     "length between what holds them");
   }
   project(time);
   mechanism_.follow(time, state_);
