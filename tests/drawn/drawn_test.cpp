@@ -82,7 +82,7 @@ void check_seeds(unsigned first, unsigned count) {
   EXPECT_GT(sum.ended + sum.diverged, sum.runs * 3 / 4);
   EXPECT_GE(sum.compared, static_cast<int>(count) / 4);
   EXPECT_LE(sum.told, sum.compared / 20);
-  EXPECT_LE(sum.missed, sum.compared / 200);  // strings that snap many times in a step
+  EXPECT_LE(sum.missed, 1 + sum.compared / 1000);
 }
 
 TEST(Drawn, ScenesKeepEveryPromise) {
