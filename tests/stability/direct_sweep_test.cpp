@@ -109,6 +109,9 @@ double explained(double mass, double kinetic) {
 }
 
 void follow(const Case& c, double duration, double cpu_cap) {
+#ifdef TAUT_SANITIZED
+  cpu_cap *= 10;
+#endif
   Simulation simulation(world_of(c), make_method("direct", {{"tolerance", kTolerance}}));
   study::EnergyBalance balance({});
   const double mass = kMass * (1 + c.mass_ratio);
