@@ -20,11 +20,6 @@
 namespace taut::drawn {
 namespace {
 
-#ifdef TAUT_SANITIZED
-constexpr double kSlower = 10;
-#else
-constexpr double kSlower = 1;
-#endif
 // In s of CPU time, as is kShare of a run, and twice that of its error's:
 constexpr double kTogether = 3 * kSlower;  // of all runs of a scene, of which most take far less
 constexpr double kAlone = kSlower;         // of a run for which that was too little
