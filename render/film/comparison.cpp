@@ -164,7 +164,7 @@ void ComparisonFilm::draw_scale(picture::Picture& picture) {
   const double length = round_length(0.4 * cell.width / metre), size = 0.0168 * height_;
   const int wide = std::max(int(std::lround(length * metre)), 1),
             thick = std::max(height_ / 360, 1);
-  const int left = cell.x + int(size), bottom = cell.top() - int(size);
+  const int left = cell.x + int(size), bottom = cell.top() - int(2.8 * size);  // above the note
   picture::fill(picture, {left, bottom - thick, wide, thick}, kInk);
   for (const int x : {left, left + wide - thick})
     picture::fill(picture, {x, bottom - 3 * thick, thick, 3 * thick}, kInk);
@@ -266,11 +266,13 @@ void ComparisonFilm::draw_legend(picture::Picture& picture, std::size_t frame) {
 /// Behind the truth's horizon a cell says that the ghost is gone, and why.
 void ComparisonFilm::draw_truth_note(picture::Picture& picture, const picture::Rect& cell,
                                      std::size_t frame) {
-  const double time = comparison_.times[frame], size = 0.0168 * height_;
+  const double time = comparison_.times[frame];
   const std::string text =
       time <= comparison_.horizon
           ? "ghost: the truth"
           : fmt::format("no truth after {:.2g} s: not predictable", comparison_.horizon);
+  double size = 0.0168 * height_;
+  size *= std::min(1.0, (cell.width - 2 * size) / font_.width(text, size));
   const double wide = font_.width(text, size);
   const double x = std::max(cell.right() - size - wide, double(cell.x) + size);
   picture::fill(
