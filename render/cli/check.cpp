@@ -18,12 +18,12 @@
 #include "render/program/command.h"
 #include "render/program/json.h"
 #include "render/program/program.h"
-#include "scenes/default_stage.h"
-#include "scenes/faults.h"
 #include "scenes/format/schema.h"
-#include "scenes/load_scene.h"
-#include "scenes/plan_file.h"
-#include "scenes/warnings.h"
+#include "scenes/load/default_stage.h"
+#include "scenes/load/faults.h"
+#include "scenes/load/load_scene.h"
+#include "scenes/load/plan_file.h"
+#include "scenes/load/warnings.h"
 
 namespace taut::cli {
 

@@ -19,11 +19,11 @@
 #include "render/program/note.h"
 #include "render/program/progress.h"
 #include "render/program/terminal.h"
-#include "scenes/default_stage.h"
 #include "scenes/files/error.h"
+#include "scenes/load/default_stage.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
 #include "sim/truth/truth.h"
 
 namespace taut::cli {

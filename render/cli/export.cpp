@@ -20,7 +20,7 @@
 #include "render/program/note.h"
 #include "render/program/output.h"
 #include "render/program/progress.h"
-#include "scenes/default_stage.h"
+#include "scenes/load/default_stage.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::cli {

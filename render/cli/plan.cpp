@@ -16,12 +16,12 @@
 #include "render/program/progress.h"
 #include "render/study/study_target.h"
 #include "scenes/files/regular_file.h"
-#include "scenes/load_scene.h"
-#include "scenes/plan_file.h"
+#include "scenes/load/load_scene.h"
+#include "scenes/load/plan_file.h"
 #include "scenes/scene/clip.h"
+#include "sim/evaluation/side_by_side.h"
 #include "sim/study/front.h"
 #include "sim/study/refined.h"
-#include "sim/study/side_by_side.h"
 
 namespace taut::cli {
 namespace {

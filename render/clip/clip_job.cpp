@@ -14,7 +14,7 @@
 #include "render/options/needs.h"
 #include "render/program/frame_list.h"
 #include "render/program/note.h"
-#include "scenes/default_stage.h"
+#include "scenes/load/default_stage.h"
 #include "sim/motion/hash.h"
 
 namespace taut::clips {

@@ -10,7 +10,7 @@
 #include "render/film/film.h"
 #include "render/program/command.h"
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut::clips {

@@ -11,7 +11,7 @@
 #include "render/gl/context.h"
 #include "render/golden/golden.h"
 #include "render/golden/golden_trajectory.h"
-#include "scenes/golden_suite.h"
+#include "scenes/load/golden_suite.h"
 
 namespace taut::clips {
 

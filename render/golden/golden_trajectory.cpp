@@ -11,7 +11,7 @@
 #include "render/golden/golden.h"
 #include "render/golden/snapshot_json.h"
 #include "scenes/files/regular_file.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/motion/hash.h"
 #include "sim/run/simulation.h"
 

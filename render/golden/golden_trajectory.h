@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/golden_suite.h"
+#include "scenes/load/golden_suite.h"
 #include "sim/run/trajectory.h"
 
 namespace taut::golden {

@@ -10,8 +10,8 @@
 #include "render/options/scene_options.h"
 #include "render/program/command.h"
 #include "scenes/format/scene_keys.h"
-#include "scenes/load_scene.h"
-#include "sim/world/span.h"
+#include "scenes/load/load_scene.h"
+#include "sim/topology/span.h"
 
 namespace taut::options {
 

@@ -16,7 +16,7 @@
 #include "scenes/files/error.h"
 #include "sim/run/footprint.h"
 #include "sim/run/islands.h"
-#include "sim/world/room.h"
+#include "sim/topology/room.h"
 
 namespace taut::options {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/scene/scene.h"
-#include "sim/study/candidate.h"
+#include "sim/evaluation/candidate.h"
 
 namespace taut::options {
 

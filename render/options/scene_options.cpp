@@ -6,7 +6,7 @@
 #include "render/program/note.h"
 #include "render/program/program.h"
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::options {
 namespace {

@@ -10,7 +10,7 @@
 #include "render/film/fingerprint.h"
 #include "render/program/command.h"
 #include "scenes/files/standard_input.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/motion/hash.h"
 
 namespace taut::options {

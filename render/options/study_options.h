@@ -11,7 +11,7 @@
 #include "render/program/command.h"
 #include "render/program/part.h"
 #include "scenes/scene/scene.h"
-#include "sim/study/candidate.h"
+#include "sim/evaluation/candidate.h"
 
 namespace taut::options {
 

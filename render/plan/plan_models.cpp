@@ -8,11 +8,11 @@
 
 #include "render/options/study_options.h"
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/run/coarser.h"
 #include "sim/study/refined.h"
-#include "sim/world/span.h"
+#include "sim/topology/span.h"
 
 namespace taut::planning {
 namespace {

@@ -10,7 +10,7 @@
 #include "render/options/method_options.h"
 #include "render/options/study_options.h"
 #include "sim/run/bodies_as_links.h"
-#include "sim/world/span.h"
+#include "sim/topology/span.h"
 
 namespace taut::planning {
 namespace {

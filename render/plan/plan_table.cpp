@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "render/options/study_options.h"
-#include "scenes/load_scene.h"
-#include "scenes/plan_file.h"
+#include "scenes/load/load_scene.h"
+#include "scenes/load/plan_file.h"
 
 namespace taut::planning {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "render/program/command.h"
-#include "scenes/faults.h"
+#include "scenes/load/faults.h"
 
 namespace taut::program {
 

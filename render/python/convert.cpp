@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/world/span.h"
+#include "sim/topology/span.h"
 
 namespace taut::python {
 

@@ -9,7 +9,7 @@
 #include "render/python/scene.h"
 #include "render/python/signals.h"
 #include "render/python/simulation.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::python {
 namespace {

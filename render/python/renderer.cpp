@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "scenes/default_stage.h"
+#include "scenes/load/default_stage.h"
 #include "scenes/scene/clip_simulation.h"
 
 namespace taut::python {

@@ -10,9 +10,9 @@
 #include "render/python/errors.h"
 #include "render/python/signals.h"
 #include "render/python/simulation.h"
-#include "scenes/faults.h"
 #include "scenes/files/asset_path.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/faults.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::python {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "scenes/scene/scene.h"
-#include "sim/study/run.h"
+#include "sim/evaluation/run.h"
 #include "sim/truth/reference.h"
 
 namespace taut::report {

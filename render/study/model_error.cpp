@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "render/base/interrupt.h"
-#include "sim/study/run.h"
+#include "sim/evaluation/run.h"
 
 namespace taut::studies {
 namespace {

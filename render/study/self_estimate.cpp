@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sim/study/run.h"
+#include "sim/evaluation/run.h"
 
 namespace taut::studies {
 namespace {

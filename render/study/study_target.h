@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "scenes/scene/scene.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 #include "sim/truth/reference.h"
 #include "sim/truth/truth.h"
 

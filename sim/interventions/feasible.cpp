@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 #include "sim/world/places.h"
 
 namespace taut {

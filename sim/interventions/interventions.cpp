@@ -7,8 +7,8 @@
 #include "sim/interventions/feasible.h"
 #include "sim/interventions/pinned.h"
 #include "sim/interventions/renumber.h"
+#include "sim/topology/room.h"
 #include "sim/world/places.h"
-#include "sim/world/room.h"
 #include "sim/world/rotation.h"
 
 namespace taut {

@@ -5,7 +5,7 @@
 #include "sim/interventions/interventions.h"
 #include "sim/interventions/pinned.h"
 #include "sim/links/projection.h"
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 #include "sim/world/places.h"
 
 namespace taut {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "sim/world/parts.h"
+#include "sim/topology/parts.h"
 
 namespace taut {
 std::vector<TimedCut> in_order_of_time(std::vector<TimedCut> cuts) {

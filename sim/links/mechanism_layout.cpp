@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "sim/links/mechanism.h"
-#include "sim/world/room.h"
+#include "sim/topology/room.h"
 
 namespace taut {
 namespace {

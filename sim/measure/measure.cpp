@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 #include "sim/world/places.h"
 
 namespace taut {

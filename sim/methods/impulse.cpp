@@ -6,8 +6,8 @@
 
 #include "sim/methods/span_impulse.h"
 #include "sim/run/companion.h"
-#include "sim/world/room.h"
-#include "sim/world/span.h"
+#include "sim/topology/room.h"
+#include "sim/topology/span.h"
 
 namespace taut::methods {
 namespace {

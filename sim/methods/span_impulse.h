@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "sim/run/method.h"
+#include "sim/topology/span.h"
 #include "sim/world/rotation.h"
-#include "sim/world/span.h"
 
 namespace taut::methods {
 

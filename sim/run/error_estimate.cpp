@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sim/measure/measure.h"
-#include "sim/world/room.h"
+#include "sim/topology/room.h"
 
 namespace taut {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "sim/world/span.h"
+#include "sim/topology/span.h"
 #include "sim/world/world.h"
 
 namespace taut {

@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-#include "sim/world/parts.h"
+#include "sim/topology/parts.h"
 #include "sim/world/world.h"
 
 namespace taut {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "sim/interventions/flaws.h"
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 #include "sim/world/places.h"
 
 namespace taut {

@@ -11,7 +11,7 @@
 #include "sim/run/islands.h"
 #include "sim/run/method.h"
 #include "sim/run/trajectory.h"
-#include "sim/world/parts.h"
+#include "sim/topology/parts.h"
 #include "sim/world/world.h"
 
 namespace taut {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/evaluation/run.h"
 #include "sim/study/front.h"
-#include "sim/study/run.h"
 
 namespace taut::study {
 

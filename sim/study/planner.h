@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/study/compared_run.h"
+#include "sim/evaluation/compared_run.h"
 
 namespace taut::study {
 

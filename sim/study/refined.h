@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "sim/study/compared_run.h"
+#include "sim/evaluation/compared_run.h"
 
 namespace taut::study {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/study/accuracy.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 #include "sim/study/front.h"
-#include "sim/study/run.h"
 #include "sim/truth/reference.h"
 
 namespace taut::study {

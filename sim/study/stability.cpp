@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/evaluation/accuracy.h"
 #include "sim/measure/measure.h"
-#include "sim/study/accuracy.h"
 
 namespace taut::study {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "sim/study/run.h"
+#include "sim/evaluation/run.h"
 #include "sim/truth/reference.h"
 
 namespace taut::study {

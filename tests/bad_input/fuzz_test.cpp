@@ -13,7 +13,7 @@
 #include "render/golden/golden.h"
 #include "render/golden/golden_trajectory.h"
 #include "render/picture/picture.h"
-#include "sim/study/run.h"
+#include "sim/evaluation/run.h"
 #include "tests/fuzz/targets.h"
 #include "tests/support/folder.h"
 #include "tests/unit/scenes/model_files.h"

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <thread>
 
-#include "scenes/load_scene.h"
-#include "sim/study/run.h"
+#include "scenes/load/load_scene.h"
+#include "sim/evaluation/run.h"
 
 namespace taut {
 namespace {

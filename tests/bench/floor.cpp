@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim/study/run.h"
+#include "sim/evaluation/run.h"
 
 namespace taut::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "sim/evaluation/run.h"
 #include "sim/run/simulation.h"
-#include "sim/study/run.h"
 
 namespace taut {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "scenes/load_scene.h"
-#include "sim/study/run.h"
+#include "scenes/load/load_scene.h"
+#include "sim/evaluation/run.h"
 #include "tests/bench/floor.h"
 
 namespace taut {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/shown_velocities.h"
 #include "tests/cli/export_scenes.h"
 #include "tests/support/folder.h"

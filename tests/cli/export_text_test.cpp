@@ -12,7 +12,7 @@
 #include "render/export/bvh.h"
 #include "render/export/usda.h"
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "tests/cli/export_scenes.h"
 #include "tests/cli/kept_states.h"
 #include "tests/support/folder.h"

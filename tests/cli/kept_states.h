@@ -5,7 +5,7 @@
 
 #include "render/export/frame_writer.h"
 #include "render/export/looks.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut {
 

@@ -11,9 +11,9 @@
 
 #include "render/plan/plan_models.h"
 #include "render/study/study_target.h"
-#include "scenes/load_scene.h"
-#include "scenes/plan_file.h"
-#include "sim/study/sample_points.h"
+#include "scenes/load/load_scene.h"
+#include "scenes/load/plan_file.h"
+#include "sim/evaluation/sample_points.h"
 #include "tests/support/folder.h"
 
 namespace taut {

@@ -10,10 +10,10 @@
 #include "scenes/model/sandbox.h"
 #include "scenes/reader/reader.h"
 #include "scenes/scene/scene.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
 #include "sim/run/error_estimate.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
 #include "tests/bench/promise/reference.h"
 #include "tests/drawn/watch.h"
 

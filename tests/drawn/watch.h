@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "scenes/scene/scene.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
 
 namespace taut::drawn {
 

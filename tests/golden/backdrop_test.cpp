@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "render/draw/stage_renderer.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut::backdrop_test {

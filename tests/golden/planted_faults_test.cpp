@@ -9,8 +9,8 @@
 
 #include "render/film/film.h"
 #include "render/golden/golden.h"
-#include "scenes/golden_suite.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/golden_suite.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::planted_faults_test {
 namespace {

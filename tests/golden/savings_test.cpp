@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "render/film/film.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "scenes/scene/clip_simulation.h"
 #include "tests/support/folder.h"
 

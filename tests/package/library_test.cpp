@@ -142,7 +142,7 @@ add_executable(rooms rooms.cpp)
 target_link_libraries(rooms PRIVATE taut::render)
 )cmake");
   folder.write("rooms.cpp", R"cpp(#include <taut/render/picture/picture.h>
-#include <taut/scenes/load_scene.h>
+#include <taut/scenes/load/load_scene.h>
                                   int main() {
                                     return taut::find_method("multibody") && taut::scenes::frame_count(1, 60) == 60 ? 0 : 1;
                                   }

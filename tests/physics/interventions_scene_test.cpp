@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/measure/measure.h"
 #include "worlds.h"
 

@@ -8,12 +8,12 @@
 #include <numbers>
 #include <span>
 
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
 #include "sim/motion/circle.h"
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
 #include "tests/support/dice.h"
 
 namespace taut::direct_accuracy_test {

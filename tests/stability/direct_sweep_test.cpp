@@ -9,11 +9,11 @@
 #include <numbers>
 #include <vector>
 
+#include "sim/evaluation/energy_balance.h"
+#include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
-#include "sim/study/energy_balance.h"
-#include "sim/study/run.h"
 
 namespace taut::direct_sweep_test {
 namespace {

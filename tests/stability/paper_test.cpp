@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "../physics/worlds.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 
 namespace taut::paper_test {
 namespace {

@@ -8,10 +8,10 @@
 #include <optional>
 #include <random>
 
+#include "sim/evaluation/run.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 #include "sim/run/trajectory.h"
-#include "sim/study/run.h"
 #include "tests/stability/flail.h"
 
 namespace taut::storm_test {

@@ -10,7 +10,7 @@
 #include "sim/methods/direct/joined.h"
 #include "sim/methods/direct/spans.h"
 #include "sim/run/companion.h"
-#include "sim/world/room.h"
+#include "sim/topology/room.h"
 
 namespace taut::direct {
 namespace {

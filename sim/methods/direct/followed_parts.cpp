@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sim/topology/room.h"
 #include "sim/world/places.h"
-#include "sim/world/room.h"
 
 namespace taut::direct {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 
 namespace taut::direct {
 

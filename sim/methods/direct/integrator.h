@@ -14,7 +14,7 @@
 #include "sim/methods/direct/system/system.h"
 #include "sim/motion/plane.h"
 #include "sim/run/method.h"
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 
 namespace taut::direct {
 

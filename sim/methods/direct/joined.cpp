@@ -6,7 +6,7 @@
 
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/system/scales.h"
-#include "sim/world/span.h"
+#include "sim/topology/span.h"
 
 namespace taut::direct {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "sim/methods/direct/system/system.h"
 #include "sim/run/method.h"
-#include "sim/world/components.h"
-#include "sim/world/span.h"
+#include "sim/topology/components.h"
+#include "sim/topology/span.h"
 
 namespace taut::direct {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 #include "sim/run/simulation.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
 #include "sim/truth/truth.h"
 
 namespace taut::promise {

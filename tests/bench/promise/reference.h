@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "sim/evaluation/run.h"
 #include "sim/run/trajectory.h"
-#include "sim/study/run.h"
 #include "tests/bench/promise/draw.h"
 
 namespace taut::promise {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 #include "sim/run/error_estimate.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
 
 namespace taut::promise {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::choreography_scene_test {
 namespace {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut {

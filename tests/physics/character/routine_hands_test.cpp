@@ -10,7 +10,7 @@
 
 #include "render/mesh/skinning.h"
 #include "scenes/character/capsules.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::routine_hands_test {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/contact/capsule.h"
 #include "sim/run/simulation.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "render/mesh/skinning.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "tests/physics/worlds.h"
 
 namespace taut::earring_scene_test {

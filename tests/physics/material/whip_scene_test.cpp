@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut::whip_scene_test {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "scenes/load_scene.h"
-#include "sim/study/accuracy.h"
-#include "sim/study/run.h"
+#include "scenes/load/load_scene.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/run.h"
 
 namespace taut::direct_loose_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut::chain_contact_test {

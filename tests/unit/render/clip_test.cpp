@@ -10,7 +10,7 @@
 #include "render/draw/motion_extents.h"
 #include "render/draw/shading/lighting.h"
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "scenes/scene/clip_simulation.h"
 #include "tests/physics/worlds.h"
 

@@ -7,7 +7,7 @@
 
 #include "render/draw/jitter.h"
 #include "render/draw/shading/lighting.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::exposure_test {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "render/mesh/chain_contact.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
 
 namespace taut::link_frames_test {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/run/method.h"
 #include "tests/support/folder.h"
 

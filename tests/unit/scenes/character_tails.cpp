@@ -7,7 +7,7 @@
 #include "render/mesh/skinning.h"
 #include "scenes/character/character.h"
 #include "scenes/character/tails.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::character_tails {
 namespace {

@@ -1,9 +1,9 @@
 // The stage of a scene that has none.
-#include "scenes/default_stage.h"
+#include "scenes/load/default_stage.h"
 
 #include <gtest/gtest.h>
 
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "scenes/scene/view.h"
 #include "tests/support/folder.h"
 

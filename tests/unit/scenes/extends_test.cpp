@@ -4,7 +4,7 @@
 #include <string>
 
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "tests/support/folder.h"
 
 namespace taut::extends_test {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/measure/measure.h"
 #include "tests/support/folder.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
-#include "scenes/warnings.h"
+#include "scenes/load/load_scene.h"
+#include "scenes/load/warnings.h"
 #include "tests/support/folder.h"
 
 namespace taut::obstacle_scene_test {

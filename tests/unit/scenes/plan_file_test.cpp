@@ -1,9 +1,9 @@
-#include "scenes/plan_file.h"
+#include "scenes/load/plan_file.h"
 
 #include <gtest/gtest.h>
 
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "scenes/scene/plan.h"
 #include "tests/support/folder.h"
 

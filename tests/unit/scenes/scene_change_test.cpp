@@ -5,7 +5,7 @@
 #include <string>
 
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 namespace taut::scene_change_test {
 namespace {

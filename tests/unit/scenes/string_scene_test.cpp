@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/files/error.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "sim/interventions/interventions.h"
 #include "tests/support/folder.h"
 

@@ -1,4 +1,4 @@
-#include "sim/study/energy_balance.h"
+#include "sim/evaluation/energy_balance.h"
 
 #include <gtest/gtest.h>
 

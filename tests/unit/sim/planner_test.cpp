@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "sim/evaluation/run.h"
+#include "sim/evaluation/sample_points.h"
 #include "sim/study/refined.h"
-#include "sim/study/run.h"
-#include "sim/study/sample_points.h"
 
 namespace taut::planner_test {
 namespace {

@@ -4,10 +4,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sim/study/accuracy.h"
-#include "sim/study/candidate.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/candidate.h"
+#include "sim/evaluation/run.h"
 #include "sim/study/front.h"
-#include "sim/study/run.h"
 #include "sim/study/speed_accuracy.h"
 
 namespace taut::study_test {

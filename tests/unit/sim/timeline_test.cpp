@@ -9,7 +9,7 @@
 
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
-#include "sim/world/parts.h"
+#include "sim/topology/parts.h"
 #include "sim/world/places.h"
 
 namespace taut::timeline_test {

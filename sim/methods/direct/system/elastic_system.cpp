@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/material/elements.h"
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 
 namespace taut::direct {
 namespace {

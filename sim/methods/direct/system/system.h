@@ -11,7 +11,7 @@
 #include "sim/methods/direct/system/links.h"
 #include "sim/methods/direct/system/motion.h"
 #include "sim/motion/plane.h"
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 #include "sim/world/world.h"
 
 namespace taut::direct {

@@ -1,10 +1,10 @@
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
-#include "sim/world/room.h"
+#include "sim/topology/room.h"
 
 namespace taut {
 std::size_t Division::find(std::size_t node) {

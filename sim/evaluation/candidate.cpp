@@ -1,4 +1,4 @@
-#include "sim/study/candidate.h"
+#include "sim/evaluation/candidate.h"
 
 #include <sstream>
 

@@ -1,10 +1,10 @@
-#include "sim/study/energy_balance.h"
+#include "sim/evaluation/energy_balance.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "sim/measure/measure.h"
-#include "sim/world/span.h"
+#include "sim/topology/span.h"
 
 namespace taut::study {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/interventions/timeline.h"
-#include "sim/world/components.h"
+#include "sim/topology/components.h"
 #include "sim/world/world.h"
 
 namespace taut::study {

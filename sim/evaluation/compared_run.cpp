@@ -1,4 +1,4 @@
-#include "sim/study/compared_run.h"
+#include "sim/evaluation/compared_run.h"
 
 #include <algorithm>
 #include <cmath>

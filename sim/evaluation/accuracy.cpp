@@ -1,4 +1,4 @@
-#include "sim/study/accuracy.h"
+#include "sim/evaluation/accuracy.h"
 
 #include <cmath>
 #include <limits>

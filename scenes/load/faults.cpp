@@ -1,4 +1,4 @@
-#include "scenes/faults.h"
+#include "scenes/load/faults.h"
 
 #include <algorithm>
 #include <set>

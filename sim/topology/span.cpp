@@ -1,4 +1,4 @@
-#include "sim/world/span.h"
+#include "sim/topology/span.h"
 
 #include <algorithm>
 

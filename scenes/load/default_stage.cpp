@@ -1,11 +1,11 @@
-#include "scenes/default_stage.h"
+#include "scenes/load/default_stage.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "scenes/format/document.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "scenes/scene/shapes.h"
 
 namespace taut::scenes {

@@ -1,10 +1,10 @@
 // A run beside the reference solution: how far from it, and at what price.
 #pragma once
 
-#include "sim/study/accuracy.h"
-#include "sim/study/energy_balance.h"
-#include "sim/study/reference_solution.h"
-#include "sim/study/statistics.h"
+#include "sim/evaluation/accuracy.h"
+#include "sim/evaluation/energy_balance.h"
+#include "sim/evaluation/reference_solution.h"
+#include "sim/evaluation/statistics.h"
 
 namespace taut::study {
 

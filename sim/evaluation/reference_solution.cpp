@@ -1,4 +1,4 @@
-#include "sim/study/reference_solution.h"
+#include "sim/evaluation/reference_solution.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +6,12 @@
 #include <mutex>
 #include <span>
 
+#include "sim/evaluation/energy_balance.h"
+#include "sim/evaluation/side_by_side.h"
+#include "sim/evaluation/statistics.h"
 #include "sim/measure/measure.h"
-#include "sim/study/energy_balance.h"
-#include "sim/study/side_by_side.h"
-#include "sim/study/statistics.h"
+#include "sim/topology/span.h"
 #include "sim/truth/truth.h"
-#include "sim/world/span.h"
 
 namespace taut::study {
 namespace {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "sim/study/run.h"
-#include "sim/study/sample_points.h"
+#include "sim/evaluation/run.h"
+#include "sim/evaluation/sample_points.h"
 
 namespace taut::study {
 

@@ -1,4 +1,4 @@
-#include "sim/study/sample_points.h"
+#include "sim/evaluation/sample_points.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "sim/world/parts.h"
+#include "sim/topology/parts.h"
 
 #include <algorithm>
 #include <iterator>

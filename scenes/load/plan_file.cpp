@@ -1,4 +1,4 @@
-#include "scenes/plan_file.h"
+#include "scenes/load/plan_file.h"
 
 #include <fmt/format.h>
 

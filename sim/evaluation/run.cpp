@@ -1,4 +1,4 @@
-#include "sim/study/run.h"
+#include "sim/evaluation/run.h"
 
 #include <time.h>
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/evaluation/candidate.h"
 #include "sim/run/simulation.h"
-#include "sim/study/candidate.h"
 
 namespace taut::study {
 

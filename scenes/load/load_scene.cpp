@@ -1,11 +1,11 @@
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "scenes/format/old_keys.h"
-#include "scenes/plan_file.h"
+#include "scenes/load/plan_file.h"
 #include "scenes/reader/reader.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/run/coarser.h"

@@ -1,4 +1,4 @@
-#include "sim/study/statistics.h"
+#include "sim/evaluation/statistics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "scenes/golden_suite.h"
+#include "scenes/load/golden_suite.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "scenes/format/format.h"
-#include "scenes/load_scene.h"
+#include "scenes/load/load_scene.h"
 #include "scenes/reader/reader.h"
 
 namespace taut::scenes {

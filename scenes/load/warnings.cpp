@@ -1,4 +1,4 @@
-#include "scenes/warnings.h"
+#include "scenes/load/warnings.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 
 #include "scenes/character/reach.h"
-#include "scenes/default_stage.h"
+#include "scenes/load/default_stage.h"
 #include "scenes/scene/clip.h"
 #include "scenes/scene/view.h"
 
