@@ -25,6 +25,14 @@ bool same_time(double a, double b) {
   return std::abs(a - b) <= kRoundings * std::abs(b);
 }
 
+/// Whether a cut on a link there takes mass from farther off: pins that were added have none.
+bool takes_from_afar(const World& world, const Parts::Place& spot) {
+  const Connector& connector = world.connectors[spot.connector];
+  const Place place = locate(connector, spot.along);
+  const auto has_mass = [&](std::size_t i) { return connector.particle_mass[i] > 0; };
+  return place.fraction > 0 && !(has_mass(place.particle) && has_mass(place.particle + 1));
+}
+
 }  // namespace
 
 Simulation::Simulation(World world, std::unique_ptr<Method> method, Timeline timeline)
@@ -81,18 +89,21 @@ void Simulation::tell(const Simulation& other, void (*say)(Method& own, const Me
 }
 
 /// Where the entries from the next one on are that happen at `time` (s): none where one of them
-/// ties the connector to another thing that moves freely, or where islands have several to do.
+/// ties the connector to another thing that moves freely or takes mass from farther off, or where
+/// islands have several to do.
 std::vector<Parts::Place> Simulation::places_at(double time) const {
   std::vector<Parts::Place> places;
   for (std::size_t i = next_; i < entries_.size(); ++i) {
     const Entry& entry = entries_[i];
     if (entry.time > time && !same_time(entry.time, time)) break;
     if (islands_ && !places.empty()) return {};
-    if (entry.kind != Entry::Kind::cut) {
+    places.push_back(place_of(entry));
+    if (entry.kind == Entry::Kind::cut) {
+      if (takes_from_afar(world_, places.back())) return {};
+    } else {
       const TimedPin& pin = timeline_.pins[entry.index];
       if (pin.to && !is_prescribed(world_, *pin.to)) return {};
     }
-    places.push_back(place_of(entry));
   }
   return places;
 }

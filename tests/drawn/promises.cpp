@@ -83,14 +83,14 @@ double told_error(const study::Problem& problem, const Settings& settings, std::
   return estimate.largest();
 }
 
-/// How far `direct` is off, where that can be told. A step's error of a tolerance grows as the
+/// How far `direct` is off, as far as the truth gets. A step's error of a tolerance grows as the
 /// motion has it: more than kTolerances may come of that, where the run's own estimate says so.
 std::string compare(const scenes::Scene& scene) {
   const study::Problem problem{scene.world, study::frame_times(scene.duration, scene.fps),
                                scene.timeline};
   const double length = length_scale(scene.world);
   const promise::Reference reference = promise::make_reference(problem, length, 2 * kShare);
-  if (!reference.usable()) return kUnknown;
+  if (reference.frames.size() <= promise::kLeast) return kUnknown;
   const Settings settings = with_defaults(*find_method("direct"), scene.method.settings);
   const study::Run found = study::run(problem, {"direct", settings}, kShare);
   const double tolerance = number(settings, "tolerance");

@@ -157,9 +157,6 @@ bool FollowedParts::mark(const World& world, std::span<const Parts::Place> place
     const Connector& connector = world.connectors[spot.connector];
     const auto [first, fraction] = locate(connector, spot.along);
     const std::size_t last = first + (fraction > 0 ? 1 : 0);
-    // A cut takes the mass that these lack from farther off.
-    const bool has_mass = connector.particle_mass[first] > 0 && connector.particle_mass[last] > 0;
-    if (fraction > 0 && !has_mass) return false;
     touched_.push_back(spot.connector);
     // The last hold up to the place, the first from it on, and where it is a hold, one farther.
     const auto& holds = connector.holds;
