@@ -15,6 +15,7 @@
 #include "render/study/bench_results.h"
 
 namespace taut::cli {
+namespace bench_command {
 namespace {
 
 struct Options {
@@ -59,8 +60,10 @@ int run(const Options& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace bench_command
 
 void add_bench(CLI::App& app, program::Program& program) {
+  using namespace bench_command;
   program::Command command =
       program::add_command(app, program, "bench", "What each frame costs each method",
                            R"(  taut bench scenes/rope_swing.toml

@@ -18,6 +18,7 @@
 #include "render/study/study_target.h"
 
 namespace taut::cli {
+namespace chart_command {
 namespace {
 
 constexpr const char* kTruth = "truth";  // the row of a part's horizon (s) and self-error (m)
@@ -125,8 +126,10 @@ int run(const options::StudyOptions& options, bool markdown, const program::Comm
 }
 
 }  // namespace
+}  // namespace chart_command
 
 void add_chart(CLI::App& app, program::Program& program) {
+  using namespace chart_command;
   program::Command command =
       program::add_command(app, program, "chart", "Speed against accuracy of every method",
                            R"(  taut chart scenes/rope_swing.toml

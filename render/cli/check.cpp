@@ -26,7 +26,7 @@
 #include "scenes/load/warnings.h"
 
 namespace taut::cli {
-
+namespace check_command {
 namespace {
 
 struct Options {
@@ -359,8 +359,10 @@ int run(const Options& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace check_command
 
 void add_check(CLI::App& app, program::Program& program) {
+  using namespace check_command;
   program::Command command = program::add_command(
       app, program, "check", "What is wrong with a scene, and what it would do",
       R"(  taut check scenes/nunchaku.toml

@@ -11,6 +11,7 @@
 #include "render/study/evidence.h"
 
 namespace taut::cli {
+namespace claims_command {
 namespace {
 
 struct Options {
@@ -199,8 +200,10 @@ int run(const Options& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace claims_command
 
 void add_claims(CLI::App& app, program::Program& program) {
+  using namespace claims_command;
   program::Command command =
       program::add_command(app, program, "claims", "What of the paper reproduces, measured",
                            R"(  taut claims scenes/rope_swing.toml

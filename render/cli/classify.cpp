@@ -18,6 +18,7 @@
 #include "sim/study/stability.h"
 
 namespace taut::cli {
+namespace classify_command {
 namespace {
 
 struct Options {
@@ -182,8 +183,10 @@ int run(const Options& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace classify_command
 
 void add_classify(CLI::App& app, program::Program& program) {
+  using namespace classify_command;
   program::Command command = program::add_command(
       app, program, "classify", "The class of the motion of each method in each scene",
       R"(  taut classify scenes/hard/*.toml

@@ -27,6 +27,7 @@
 #include "sim/truth/truth.h"
 
 namespace taut::cli {
+namespace compare_command {
 namespace {
 
 constexpr std::size_t kCells = 6;  // unless --methods chooses
@@ -267,8 +268,10 @@ int compare(const program::Common& common, const Options& options) {
 }
 
 }  // namespace
+}  // namespace compare_command
 
 void add_compare(CLI::App& app, program::Program& program) {
+  using namespace compare_command;
   program::Command command = program::add_command(
       app, program, "compare", "Show methods side by side in one clip, scored against the truth",
       "  taut compare scenes/rope_drop.toml\n"

@@ -9,6 +9,7 @@
 #include "scenes/files/error.h"
 
 namespace taut::cli {
+namespace demo_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,8 +51,10 @@ int demo(const program::Common& common, const Options& options) {
 }
 
 }  // namespace
+}  // namespace demo_command
 
 void add_demo(CLI::App& app, program::Program& program) {
+  using namespace demo_command;
   program::Command command = program::add_command(
       app, program, "demo", "Render the demonstration that taut comes with",
       "  taut demo               out/nunchaku: a picture and a small clip within "

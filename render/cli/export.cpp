@@ -24,6 +24,7 @@
 #include "scenes/scene/scene.h"
 
 namespace taut::cli {
+namespace export_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,8 +160,10 @@ int run(const Options& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace export_command
 
 void add_export(CLI::App& app, program::Program& program) {
+  using namespace export_command;
   program::Command command =
       program::add_command(app, program, "export", "A scene's motion for other programs",
                            R"(  taut export scenes/nunchaku.toml --to glb

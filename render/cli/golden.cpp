@@ -13,6 +13,7 @@
 #include "render/program/progress.h"
 
 namespace taut::cli {
+namespace golden_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -125,8 +126,10 @@ int run(const Options& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace golden_command
 
 void add_golden(CLI::App& app, program::Program& program) {
+  using namespace golden_command;
   program::Command command = program::add_command(
       app, program, "golden", "Pictures and motions that are kept, and compared with today's",
       R"(  taut golden check tests/golden/scenes

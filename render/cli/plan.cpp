@@ -24,6 +24,7 @@
 #include "sim/study/refined.h"
 
 namespace taut::cli {
+namespace plan_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -355,8 +356,10 @@ int run(const Options& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace plan_command
 
 void add_plan(CLI::App& app, program::Program& program) {
+  using namespace plan_command;
   program::Command command = program::add_command(
       app, program, "plan", "The cheapest model that nobody can tell from the reference solution",
       R"(  taut plan scenes/rope_swing.toml --tolerance 1px

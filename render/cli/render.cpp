@@ -14,6 +14,7 @@
 #include "scenes/format/document.h"
 
 namespace taut::cli {
+namespace render_command {
 namespace {
 
 int draw_stills(const clips::ClipJob& job, const program::Common& common) {
@@ -60,8 +61,10 @@ int render_or_watch(const program::Common& common, const clips::RenderOptions& o
 }
 
 }  // namespace
+}  // namespace render_command
 
 void add_render(CLI::App& app, program::Program& program) {
+  using namespace render_command;
   program::Command command = program::add_command(
       app, program, "render", "Render a scene's clip",
       "  taut render scenes/nunchaku.toml\n"

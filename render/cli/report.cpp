@@ -17,6 +17,7 @@
 #include "render/study/stability_study.h"
 
 namespace taut::cli {
+namespace report_command {
 namespace {
 
 // Shares of the budget; clips take what they take.
@@ -128,8 +129,10 @@ int run(const options::StudyOptions& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace report_command
 
 void add_report(CLI::App& app, program::Program& program) {
+  using namespace report_command;
   program::Command command = program::add_command(
       app, program, "report", "Everything that is measured of scenes, as one page",
       R"(  taut report scenes/rope_swing.toml

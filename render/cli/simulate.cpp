@@ -28,6 +28,7 @@
 
 namespace taut::cli {
 
+namespace simulate_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -206,8 +207,10 @@ int run(const Options& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace simulate_command
 
 void add_simulate(CLI::App& app, program::Program& program) {
+  using namespace simulate_command;
   program::Command command =
       program::add_command(app, program, "simulate", "A scene's trajectory, without pictures",
                            fmt::format(R"(  taut simulate scenes/rope_swing.toml > swing.csv

@@ -10,6 +10,7 @@
 #include "render/study/stability_study.h"
 
 namespace taut::cli {
+namespace stability_command {
 namespace {
 
 /// How many cells of all maps each method has of each class.
@@ -60,8 +61,10 @@ int run(const options::StudyOptions& options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace stability_command
 
 void add_stability(CLI::App& app, program::Program& program) {
+  using namespace stability_command;
   program::Command command =
       program::add_command(app, program, "stability", "Where each method fails, as maps",
                            R"(  taut stability scenes/rope_swing.toml

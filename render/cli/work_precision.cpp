@@ -21,6 +21,7 @@
 #include "sim/motion/hash.h"
 
 namespace taut::cli {
+namespace work_precision_command {
 namespace {
 
 struct Options {
@@ -320,8 +321,10 @@ int run(Options options, const program::Common& common) {
 }
 
 }  // namespace
+}  // namespace work_precision_command
 
 void add_work_precision(CLI::App& app, program::Program& program) {
+  using namespace work_precision_command;
   program::Command command = program::add_command(
       app, program, "work-precision", "The cost of an error for each method, scene beside scene",
       R"(  taut work-precision scenes/bench_*.toml
