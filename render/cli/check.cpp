@@ -189,6 +189,14 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
             {"restitution", obstacle.restitution},
             {"ignores", ignored_by(obstacle, scene.world)}});
   }
+  json["touching"] = program::Json::array();
+  for (const BodyPair& pair : scene.world.pairs) {
+    json["touching"].push_back(
+        {{"bodies", {scene.world.bodies[pair.a].name, scene.world.bodies[pair.b].name}},
+         {"friction", pair.kinetic_friction},
+         {"static_friction", pair.static_friction},
+         {"restitution", pair.restitution}});
+  }
   if (scene.stage) json["clip_frames"] = std::uint64_t(options::clip_length(scene));
   json["pins"] = scene.timeline.pins.size();
   json["cuts"] = scene.timeline.cuts.size();
@@ -238,6 +246,11 @@ std::string as_text(const scenes::Scene& scene, bool staged,
                      kind_of(obstacle), obstacle.path ? " on a path" : "",
                      obstacle.kinetic_friction, obstacle.restitution,
                      names.empty() ? "" : ", ignores ", fmt::join(names, ", ")));
+  }
+  for (const BodyPair& pair : world.pairs) {
+    line(fmt::format("bodies {} and {} touch: friction {}, restitution {}",
+                     world.bodies[pair.a].name, world.bodies[pair.b].name, pair.kinetic_friction,
+                     pair.restitution));
   }
   for (const TimedPin& pin : scene.timeline.pins) {
     line(fmt::format("pin: {} at {} m, from {} s {}", world.connectors[pin.connector].name,

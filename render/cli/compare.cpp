@@ -171,8 +171,8 @@ std::pair<film::Comparison, std::vector<Measured>> compare(
     if (const double frames = double(run.frames.size()); frames > 0) {
       m.stretch = run.stretch_max;
       if (closed) {
-        // Obstacles take some, and strings where they go taut.
-        const bool takes = !scene.world.obstacles.empty() || has_strings(scene.world);
+        // Contact takes some, and strings where they go taut.
+        const bool takes = has_contact(scene.world) || has_strings(scene.world);
         const double lost = takes ? 0 : run.energy_loss;
         m.drift = std::max(run.energy_gain, lost) / energy_scale(scene.world);
       }

@@ -275,18 +275,15 @@ int run(const Options& options, const program::Common& common) {
   if (scene.world.connectors.empty()) {
     throw program::Misuse(fmt::format("{}: has no connector to plan for", options.scene));
   }
-  if (!scene.world.obstacles.empty()) {
+  const auto refuse = [&](bool there, const char* what) {
+    if (!there) return;
     throw program::Misuse(
-        fmt::format("{}: has obstacles, which plans do not follow yet", options.scene));
-  }
-  if (has_strings(scene.world)) {
-    throw program::Misuse(
-        fmt::format("{}: has links that only pull, which plans do not follow yet", options.scene));
-  }
-  if (!scene.world.joints.empty()) {
-    throw program::Misuse(
-        fmt::format("{}: joins connectors, which plans do not follow yet", options.scene));
-  }
+        fmt::format("{}: {}, which plans do not follow yet", options.scene, what));
+  };
+  refuse(!scene.world.obstacles.empty(), "has obstacles");
+  refuse(!scene.world.pairs.empty(), "has bodies that touch each other");
+  refuse(has_strings(scene.world), "has links that only pull");
+  refuse(!scene.world.joints.empty(), "joins connectors");
   planning::Asked asked = asked_for(options.tolerance, scene);
   const std::uint64_t stamp = scenes::plan_stamp(scene.file);
   std::optional<PlanFile> file;

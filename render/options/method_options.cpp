@@ -129,8 +129,9 @@ scenes::MethodChoice chosen_method(const MethodOptions& options, const scenes::S
                     scene.world.obstacles.front().name));
   }
   if (has_touching_bodies(scene.world) && !method->touches_with_bodies) {
-    throw program::Misuse(
-        fmt::format("--method: {} follows no free bodies that touch obstacles", choice.name));
+    throw program::Misuse(fmt::format("--method: {} follows no free bodies that touch {}",
+                                      choice.name,
+                                      scene.world.pairs.empty() ? "obstacles" : "each other"));
   }
   if (has_materials(scene.world) && !method->follows_materials) {
     throw program::Misuse(

@@ -204,7 +204,7 @@ double restarts(const scenes::Scene& scene, double step) {
   }
   for (const TimedCut& cut : scene.timeline.cuts) add(cut.connector, cut.time, 1);
   const bool parts_go_on = find_method(scene.method.name)->parts_go_on && world.joints.empty() &&
-                           world.obstacles.empty() && !has_materials(world) && !has_strings(world);
+                           !has_contact(world) && !has_materials(world) && !has_strings(world);
   double sum = 0, parts = 1;
   std::size_t last = 0;
   for (const auto& [when, added] : times) {

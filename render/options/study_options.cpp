@@ -129,6 +129,12 @@ scenes::Scene study_scene(const StudyOptions& options,
         "command does not",
         options.scene));
   }
+  if (!scene.world.pairs.empty() && !options.among_obstacles) {
+    throw program::Misuse(fmt::format(
+        "{}: has bodies that touch each other, which bench, chart, compare and work-precision "
+        "follow, and this command does not",
+        options.scene));
+  }
   if (has_strings(scene.world) && !options.among_obstacles) {
     throw program::Misuse(fmt::format(
         "{}: has links that only pull, which bench, chart, compare and work-precision follow, "

@@ -27,7 +27,7 @@ struct StudyOptions {
   bool quick = false;
   program::PartOptions part;  // of chart and stability
   Follows follows = Follows::nothing;
-  bool among_obstacles = false;  // whether the study takes scenes with obstacles or strings
+  bool among_obstacles = false;  // whether the study takes scenes with contact or strings
 };
 
 /// SCENE..., --set, --out, --methods, --budget (`budget` seconds unless told) and --quick.

@@ -112,7 +112,7 @@ PaperRatio paper_ratio(const options::StudyOptions& options,
   if (!impulse || !springs) return result;
   const scenes::Scene scene = options::study_scene(options, particles);
   // The paper's method follows none of these.
-  if (!scene.world.obstacles.empty() || has_materials(scene.world)) return result;
+  if (has_contact(scene.world) || has_materials(scene.world)) return result;
   if (!scene.world.joints.empty() || has_strings(scene.world)) return result;
   const double length = scene.world.connectors.front().length;
   truth::TruthOptions truth;  // errors of a hundredth of the length are asked for, and not less

@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "sim/links/dense.h"
 
 namespace taut::contact {
 namespace {
 
-constexpr double kSlack = 1e-13;  // of the speeds: a law broken by rounding
-constexpr int kSweeps = 400;      // of Gauss-Seidel
-constexpr int kNewtons = 8;       // from states that seem to be right
-constexpr int kTurns = 20;        // of Newton's method on the way of sliding
-constexpr int kWays = 32;         // looked at where that fails
-constexpr int kHalvings = 60;
+constexpr double kSlack = 1e-13;      // of the speeds: a law broken by rounding
+constexpr double kSeveral = 1000;     // times that, of bodies that touch each other
+constexpr int kSweeps = 400;          // of Gauss-Seidel
+constexpr int kNewtons = 8;           // from states that seem to be right
 constexpr double kDependent = 1e-11;  // of the largest pivot: touches that say the same
 
 constexpr double kLeastPart = 1e-6;  // of what presses most
@@ -33,55 +30,51 @@ Eigen::Index row(std::size_t touch) {
   return 3 * static_cast<Eigen::Index>(touch);
 }
 
-Mat3 across(const Vec3& normal) {
-  return Mat3::Identity() - normal * normal.transpose();
-}
-
-double hold_of(const Touch& touch, const Vec3& slip) {
-  return touch.slid.dot(slip) > 0 ? touch.slide : touch.stick;
-}
-
-void set(BodyTouch& at, Touch::State state, const Vec3& given) {
-  at.given = given;
-  at.touch.state = state;
-  at.touch.push = at.touch.normal.dot(given);
-  at.touch.rub = given - at.touch.push * at.touch.normal;
-}
-
 }  // namespace
 
-Vec3 velocity_at(const Vec6& twist, const Vec3& arm) {
-  return twist.head<3>() + twist.tail<3>().cross(arm);
+std::uint32_t BodySystem::index_of(std::uint32_t body, std::span<const Mat6> mobility) {
+  const auto found = std::ranges::find(bodies_, body);
+  const auto index = static_cast<std::uint32_t>(found - bodies_.begin());
+  if (found == bodies_.end()) {
+    bodies_.push_back(body);
+    mobility_.push_back(mobility[body]);
+  }
+  return index;
 }
 
-Mat6 mobility(double inverse_mass, const Mat3& inverse_inertia) {
-  Mat6 m = Mat6::Zero();
-  m.topLeftCorner<3, 3>() = inverse_mass * Mat3::Identity();
-  m.bottomRightCorner<3, 3>() = inverse_inertia;
-  return m;
-}
-
-Mat3 mobility(const Mat6& answer, const Vec3& arm, const Vec3& pulled) {
-  const Mat3 at = cross_matrix(arm), by = cross_matrix(pulled);
-  return answer.topLeftCorner<3, 3>() + answer.topRightCorner<3, 3>() * by -
-         at * answer.bottomLeftCorner<3, 3>() - at * answer.bottomRightCorner<3, 3>() * by;
-}
-
-void BodySystem::assemble(const Mat6& mobility, std::span<const BodyTouch> touches, double share) {
-  mobility_ = mobility;
+void BodySystem::assemble(std::span<const Mat6> mobility, std::span<const BodyTouch> touches,
+                          double share) {
   share_ = share;
-  ease_ = share * mobility(0, 0);
-  lever_.clear();
+  bodies_.clear();
+  mobility_.clear();
+  sides_.clear();
+  ease_.clear();
   for (const BodyTouch& at : touches) {
-    Block& lever = lever_.emplace_back();
-    lever.leftCols<3>().setIdentity();
-    lever.rightCols<3>() = -cross_matrix(at.arm);
+    auto& [own, other] = sides_.emplace_back();
+    own.index = index_of(at.body, mobility);
+    own.lever.leftCols<3>().setIdentity();
+    own.lever.rightCols<3>() = -cross_matrix(at.arm);
+    double ease = mobility[at.body](0, 0);
+    if (at.other != kNoBody) {
+      other.index = index_of(at.other, mobility);
+      other.lever.leftCols<3>() = -Mat3::Identity();
+      other.lever.rightCols<3>() = cross_matrix(at.other_arm);
+      ease += mobility[at.other](0, 0);
+    }
+    ease_.push_back(share * ease);
   }
   const Eigen::Index size = row(touches.size());
   coupling_.resize(size, size);
   for (std::size_t i = 0; i < touches.size(); ++i) {
     for (std::size_t k = 0; k < touches.size(); ++k) {
-      coupling_.block<3, 3>(row(i), row(k)) = share * lever_[i] * mobility * lever_[k].transpose();
+      Mat3 sum = Mat3::Zero();
+      for (const Side& at : sides_[i]) {
+        for (const Side& by : sides_[k]) {
+          if (at.index == kNoBody || at.index != by.index) continue;
+          sum += share * at.lever * mobility_[at.index] * by.lever.transpose();
+        }
+      }
+      coupling_.block<3, 3>(row(i), row(k)) = sum;
     }
   }
 }
@@ -94,93 +87,6 @@ Vec3 BodySystem::velocity(std::size_t i, std::span<const Vec3> bare) const {
   Vec3 sum = bare[i];
   for (std::size_t k = 0; k < given_.size(); ++k) sum += coupling(i, k) * given_[k];
   return sum;
-}
-
-/// One touch alone, where the others give what they do. False: friction jams it.
-bool BodySystem::solve_one(std::size_t i, const Vec3& bare, BodyTouch& at) const {
-  const Touch& touch = at.touch;
-  const Vec3& n = touch.normal;
-  const double short_of = touch.least - n.dot(bare);
-  if (!(short_of > kSlack * (1 + bare.norm()))) {
-    set(at, Touch::State::open, Vec3::Zero());
-    return true;
-  }
-  const Mat3 eases = coupling(i, i);
-  if (touch.stick == 0 && touch.slide == 0) {
-    set(at, Touch::State::slides, short_of / n.dot(eases * n) * n);
-    return true;
-  }
-  if (at.ahead.isZero(0)) {
-    const Mat3 tangent = across(n);
-    const Vec3 slip = tangent * (bare - touch.surface);
-    const Mat3 creeps = eases + creep_ * ease_ * tangent;
-    const Vec3 given = creeps.partialPivLu().solve(short_of * n - slip);
-    const double push = n.dot(given);
-    if (push > 0 && (given - push * n).norm() <= hold_of(touch, slip) * push) {
-      set(at, Touch::State::sticks, given);
-      return true;
-    }
-  }
-  return slide_one(i, bare, at);
-}
-
-/// The way of sliding under which friction is against it: a root of one angle.
-bool BodySystem::slide_one(std::size_t i, const Vec3& bare, BodyTouch& at) const {
-  const Touch& touch = at.touch;
-  const Vec3& n = touch.normal;
-  const Mat3 eases = coupling(i, i);
-  const double short_of = touch.least - n.dot(bare);
-  const auto given = [&](const Vec3& way) -> Vec3 {
-    const Vec3 force = n - touch.slide * way;
-    const double answers = n.dot(eases * force);
-    return answers > 0 ? Vec3(short_of / answers * force) : Vec3(Vec3::Zero());
-  };
-  const auto slip = [&](const Vec3& way) -> Vec3 {
-    return across(n) * (bare + eases * given(way) - touch.surface);
-  };
-  if (!at.ahead.isZero(0)) {
-    set(at, Touch::State::slides, given(at.ahead));
-    return touch.push > 0;
-  }
-  Vec3 first = across(n) * (bare - touch.surface);
-  if (!(first.norm() > 0)) first = touch.slid - n.dot(touch.slid) * n;
-  if (!(first.norm() > 0)) first = n.unitOrthogonal();
-  first.normalize();
-  const Vec3 aside = n.cross(first);
-  Vec3 way = first;
-  for (int turn = 0; turn < kTurns; ++turn) {  // mostly a contraction
-    const Vec3 goes = slip(way);
-    const double speed = goes.norm();
-    if (!(speed > 0) || !(way.dot(goes) > 0)) break;
-    const Vec3 next = goes / speed;
-    const double moved = (next - way).norm();
-    way = next;
-    if (moved > 1e-15) continue;
-    set(at, Touch::State::slides, given(way));
-    return touch.push > 0;
-  }
-  const auto towards = [&](double angle) -> Vec3 {
-    return std::cos(angle) * first + std::sin(angle) * aside;
-  };
-  const auto off = [&](double angle) {
-    return slip(towards(angle)).dot(towards(angle + std::numbers::pi / 2));
-  };
-  constexpr double kStep = 2 * std::numbers::pi / kWays;
-  for (int k = 0; k < kWays; ++k) {
-    double low = (k - 0.5) * kStep, high = low + kStep;
-    const double at_low = off(low);
-    if (at_low * off(high) > 0) continue;
-    for (int halving = 0; halving < kHalvings; ++halving) {
-      const double middle = (low + high) / 2;
-      (at_low * off(middle) > 0 ? low : high) = middle;
-    }
-    way = towards((low + high) / 2);
-    const Vec3 found = given(way);
-    if (!(n.dot(found) > 0) || !(slip(way).dot(way) >= 0)) continue;
-    set(at, Touch::State::slides, found);
-    return true;
-  }
-  return false;
 }
 
 /// The laws of the touches in their states, by what is given and by the velocities without.
@@ -198,15 +104,16 @@ void BodySystem::linearize(std::span<const Vec3> bare, std::span<const BodyTouch
       continue;
     }
     const Vec3& n = touch.normal;
+    const double ease = ease_[i];
     const Mat3 tangent = across(n);
     const Vec3 moves = velocity(i, bare);
     const Vec3 slip = tangent * (moves - touch.surface);
-    Mat3 by_velocity = n * n.transpose() / ease_, by_given;
-    Vec3 error = (n.dot(moves) - touch.least) / ease_ * n;
+    Mat3 by_velocity = n * n.transpose() / ease, by_given;
+    Vec3 error = (n.dot(moves) - touch.least) / ease * n;
     if (touch.state == Touch::State::sticks) {
-      by_velocity = Mat3::Identity() / ease_;
+      by_velocity = Mat3::Identity() / ease;
       by_given = creep_ * tangent;
-      error += slip / ease_ + creep_ * tangent * given_[i];
+      error += slip / ease + creep_ * tangent * given_[i];
     } else {
       const double speed = slip.norm();
       const bool known = !touches[i].ahead.isZero(0);
@@ -276,8 +183,16 @@ bool BodySystem::polish(std::span<const Vec3> bare, std::span<BodyTouch> touches
     }
     return true;
   }
+  tried_ = given_;
   given_ = kept;
   return false;
+}
+
+/// Whether the touches obey the laws in the states that they had last: of several bodies that is
+/// found sooner than from sticking.
+bool BodySystem::goes_on(std::span<const Vec3> bare, std::span<BodyTouch> touches) {
+  const auto is_open = [](const BodyTouch& at) { return at.touch.state == Touch::State::open; };
+  return !std::ranges::all_of(touches, is_open) && polish(bare, touches);
 }
 
 /// Whether the body is held at all that touches it: where that is a solution, static friction may
@@ -290,6 +205,17 @@ bool BodySystem::sticks(std::span<const Vec3> bare, std::span<BodyTouch> touches
   const std::vector<BodyTouch> kept(touches.begin(), touches.end());
   for (BodyTouch& at : touches) at.touch.state = Touch::State::sticks;
   if (polish(bare, touches)) return true;
+  // Of several bodies some may be about to part, and the others stick.
+  for (bool opens = bodies_.size() > 1; opens;) {
+    opens = false;
+    for (std::size_t i = 0; i < touches.size(); ++i) {
+      const bool pulls = !(touches[i].touch.normal.dot(tried_[i]) > 0);
+      if (touches[i].touch.state == Touch::State::open || !pulls) continue;
+      touches[i].touch.state = Touch::State::open;
+      opens = true;
+    }
+    if (opens && polish(bare, touches)) return true;
+  }
   std::ranges::copy(kept, touches.begin());
   return false;
 }
@@ -297,9 +223,10 @@ bool BodySystem::sticks(std::span<const Vec3> bare, std::span<BodyTouch> touches
 bool BodySystem::is_solved(std::span<const Vec3> bare, std::span<const BodyTouch> touches) const {
   double speed = 1;
   for (const Vec3& moves : bare) speed = std::max(speed, moves.norm());
-  const double slack = 10 * kSlack * speed, weak = slack / ease_;
+  const double slack = (bodies_.size() > 1 ? kSeveral : 10) * kSlack * speed;
   for (std::size_t i = 0; i < touches.size(); ++i) {
     const Touch& touch = touches[i].touch;
+    const double ease = ease_[i], weak = slack / ease;
     const Vec3 moves = velocity(i, bare);
     const Vec3 slip = across(touch.normal) * (moves - touch.surface);
     const double past = touch.normal.dot(moves) - touch.least;
@@ -310,11 +237,11 @@ bool BodySystem::is_solved(std::span<const Vec3> bare, std::span<const BodyTouch
     if (past > slack) return false;
     if (touch.state == Touch::State::sticks) {
       const Vec3 slips = across(touch.normal) * (bare[i] - touch.surface);
-      if (rub > hold_of(touch, slips) * push + weak) return false;
-      const double yields = touches.size() > 1 ? kYields * ease_ * touch.stick * push : 0;
-      if (slip.norm() > slack + yields + 2 * creep_ * ease_ * rub) return false;
+      if (rub > friction_of(touch, slips) * push + weak) return false;
+      const double yields = touches.size() > 1 ? kYields * ease * touch.stick * push : 0;
+      if (slip.norm() > slack + yields + 2 * creep_ * ease * rub) return false;
     } else if (std::abs(rub - touch.slide * push) > weak ||
-               slip.dot(given_[i] - push * touch.normal) > slack * weak) {
+               slip.dot(given_[i] - push * touch.normal) > weak * (slack + slip.norm())) {
       if (touches[i].ahead.isZero(0)) return false;
     }
   }
@@ -326,6 +253,7 @@ bool BodySystem::solve(std::span<const Vec3> bare, std::span<BodyTouch> touches,
   bare_.assign(bare.begin(), bare.end());
   given_.clear();
   for (const BodyTouch& at : touches) given_.push_back(at.given);
+  if (bodies_.size() > 1 && goes_on(bare, touches)) return true;
   if (sticks(bare, touches)) return true;
   const auto states = [&] {
     std::size_t number = 0;
@@ -372,27 +300,44 @@ void BodySystem::hold(std::span<const Vec3> bare, std::span<BodyTouch> touches) 
   }
 }
 
-Vec6 BodySystem::twist(std::span<const BodyTouch> touches) const {
+Vec6 BodySystem::twist(std::span<const BodyTouch> touches, std::size_t index) const {
   Vec6 wrench = Vec6::Zero();
   for (std::size_t i = 0; i < touches.size(); ++i) {
-    wrench += lever_[i].transpose() * touches[i].given;
+    for (const Side& side : sides_[i]) {
+      if (side.index == index) wrench += side.lever.transpose() * touches[i].given;
+    }
   }
-  return mobility_ * wrench;
+  return mobility_[index] * wrench;
 }
 
-Mat6 BodySystem::answer(std::span<const BodyTouch> touches) {
-  if (touches.empty()) return mobility_;
+void BodySystem::answer(std::span<const BodyTouch> touches, BodyAnswers& answers) {
   linearize(bare_, touches);
   LeastSquares decomposed(kDependent);
   decomposed.compute(matrix_);
-  Eigen::MatrixXd levers(row(touches.size()), 6);
-  for (std::size_t i = 0; i < touches.size(); ++i) levers.block<3, 6>(row(i), 0) = lever_[i];
-  const Eigen::MatrixXd gives = decomposed.solve(Eigen::MatrixXd(slope_ * levers));
-  const Mat6 answer = mobility_ - share_ * mobility_ * (levers.transpose() * gives) * mobility_;
-  // What cannot move at all does not move by rounding either.
-  return answer.cwiseAbs().maxCoeff() > kImmobile * mobility_.cwiseAbs().maxCoeff()
-             ? answer
-             : Mat6(Mat6::Zero());
+  const std::size_t count = bodies_.size();
+  blocks_.assign(count * count, Mat6::Zero());
+  std::vector<Eigen::MatrixXd> levers(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    levers[b].setZero(row(touches.size()), 6);
+    for (std::size_t i = 0; i < touches.size(); ++i) {
+      for (const Side& side : sides_[i]) {
+        if (side.index == b) levers[b].block<3, 6>(row(i), 0) = side.lever;
+      }
+    }
+  }
+  for (std::size_t b = 0; b < count; ++b) {
+    const Eigen::MatrixXd gives = decomposed.solve(Eigen::MatrixXd(slope_ * levers[b]));
+    for (std::size_t a = 0; a < count; ++a) {
+      const Mat6 free = a == b ? mobility_[a] : Mat6(Mat6::Zero());
+      const Mat6 found =
+          free - share_ * mobility_[a] * (levers[a].transpose() * gives) * mobility_[b];
+      // What cannot move at all does not move by rounding either.
+      const double most =
+          std::sqrt(mobility_[a].cwiseAbs().maxCoeff() * mobility_[b].cwiseAbs().maxCoeff());
+      if (found.cwiseAbs().maxCoeff() > kImmobile * most) blocks_[a * count + b] = found;
+    }
+  }
+  answers.set(bodies_, blocks_);
 }
 
 }  // namespace taut::contact

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/world/rotation.h"
+
 namespace taut::contact {
 namespace {
 
@@ -129,6 +131,15 @@ double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule) 
     least = std::min(least, axis.at(axis.least(0)).distance);
   }
   return least - capsule.radius;
+}
+
+double least_gap(const Capsule& solid, const Capsule& capsule) {
+  const Vec3 way = solid.to - solid.from;
+  const double length = way.norm();
+  const Pose frame{solid.at(0.5),
+                   length > 0 ? rotation_between(Vec3::UnitY(), way) : Quat::Identity()};
+  const Shape shape = length > 0 ? capsule_shape(solid.radius, length) : sphere_shape(solid.radius);
+  return least_gap(shape, frame, capsule);
 }
 
 }  // namespace taut::contact

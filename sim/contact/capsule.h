@@ -42,5 +42,7 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
 
 /// The least of the distances of a capsule (m).
 double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule);
+/// The distance of two capsules (m).
+double least_gap(const Capsule& solid, const Capsule& capsule);
 
 }  // namespace taut::contact

@@ -11,13 +11,8 @@ namespace {
 using Map = Eigen::Map<Vec3>;
 using ConstMap = Eigen::Map<const Vec3>;
 
-constexpr double kSpare = 1e-9;     // of forces per mass: no event yet
-constexpr double kArrives = 1e-10;  // m/s
-constexpr double kFlat = 1e-12;     // rad/s: out of a plane by rounding
-constexpr double kFar = 1;          // an event that is none
-constexpr double kSame = 1e-6;      // of an axis: a spot so near to an end is that
-constexpr double kNudge = 2e-3;     // of a curve: the step of a difference
-constexpr double kLongest = 1e-4;   // s, of it
+constexpr double kNudge = 2e-3;    // of a curve: the step of a difference
+constexpr double kLongest = 1e-4;  // s, of it
 
 /// A frame after so many seconds.
 FrameMotion later(const FrameMotion& frame, double time) {
@@ -38,23 +33,20 @@ Vec3 surface_velocity(const FrameMotion& frame, const Vec3& at) {
 }  // namespace
 
 void ContactMotion::rebuild_bodies(const World& world) {
-  capsules_.clear();
+  capsules_ = capsules_of_free_bodies(world);
+  meetings_ = meetings_of_bodies(world, world.obstacles, world.pairs);
   is_carried_.assign(mechanism_.points(), false);
   for (const auto& carried : mechanism_.body_points()) is_carried_[carried.point] = true;
   double reach = 0;
-  for (const Body& body : world.bodies) {
-    if (body.driven()) continue;
-    BodyCapsule capsule = body.capsule;
-    capsule.from -= body.mass_properties.centre;
-    capsule.to -= body.mass_properties.centre;
+  for (const BodyCapsule& capsule : capsules_) {
     if (capsule.touches()) reach = std::max(reach, (capsule.to - capsule.from).norm());
-    capsules_.push_back(capsule);
   }
   if (touching_ == 0) touching_ = kTouching * (reach > 0 ? reach : 1);
-  for (auto* array : {&body_free_, &body_pulled_, &body_added_}) {
+  for (auto* array : {&body_free_, &body_pulled_, &body_added_, &twists_}) {
     array->assign(capsules_.size(), Vec6::Zero());
   }
-  body_answer_.assign(capsules_.size(), Mat6::Zero());
+  body_mobility_.assign(capsules_.size(), Mat6::Zero());
+  body_answer_.set_apart(body_mobility_);
   body_touches_.clear();
 }
 
@@ -70,49 +62,85 @@ Vec6 ContactMotion::twist(const State& state, std::size_t body) const {
   return Eigen::Map<const Vec6>(&state[mechanism_.twist(body)]);
 }
 
+/// Where what a body may touch is.
+Pose ContactMotion::solid(const BodyMeeting& meeting, const State& state) const {
+  if (meeting.other == kNoBody) return frames_[meeting.obstacle].pose();
+  const double* q = &state[mechanism_.pose(meeting.other)];
+  return pose_of_solid(meeting, ConstMap(q), quaternion(q + 3).normalized());
+}
+
 /// Tells a touch where it is; the gap there.
 SpotGap ContactMotion::aim(BodyTouch& at, const State& state) const {
+  const BodyMeeting& meeting = meetings_[at.meeting];
   const Capsule own = capsule(state, at.body);
-  const SpotGap near =
-      gap_at(obstacles_[at.obstacle].shape, frames_[at.obstacle].pose(), own, at.spot);
+  const SpotGap near = gap_at(meeting.shape, solid(meeting, state), own, at.spot);
+  const Vec3 there = own.at(near.along) - own.radius * near.normal;
   at.touch.normal = near.normal;
-  at.arm =
-      own.at(near.along) - own.radius * near.normal - ConstMap(&state[mechanism_.pose(at.body)]);
+  at.arm = there - ConstMap(&state[mechanism_.pose(at.body)]);
+  if (at.other != kNoBody) at.other_arm = there - ConstMap(&state[mechanism_.pose(at.other)]);
   return near;
 }
 
-/// The velocity of a body past the surface where it touches.
+/// The velocity of a body past what it touches, there.
 Vec3 ContactMotion::passing(const BodyTouch& at, const State& state) const {
+  const Vec3 moves = velocity_at(twist(state, at.body), at.arm);
+  if (at.other != kNoBody) return moves - velocity_at(twist(state, at.other), at.other_arm);
   const Vec3 there = ConstMap(&state[mechanism_.pose(at.body)]) + at.arm;
-  return velocity_at(twist(state, at.body), at.arm) - surface_velocity(frames_[at.obstacle], there);
+  return moves - surface_velocity(frames_[meetings_[at.meeting].obstacle], there);
+}
+
+/// m/s: no point of what touches there moves faster past another.
+double ContactMotion::quickness(const BodyTouch& at, const State& state) const {
+  const BodyMeeting& meeting = meetings_[at.meeting];
+  const Vec6 moves = twist(state, at.body);
+  const double length = (capsules_[at.body].to - capsules_[at.body].from).norm();
+  const double curve = capsules_[at.body].radius + std::min(meeting.shape.sharpest(), 1.0);
+  if (at.other != kNoBody) {
+    const Vec6 other = twist(state, at.other);
+    return moves.head<3>().norm() + other.head<3>().norm() +
+           (moves.tail<3>().norm() + other.tail<3>().norm()) *
+               (length + meeting.shape.length + curve);
+  }
+  const FrameMotion& frame = frames_[meeting.obstacle];
+  return moves.head<3>().norm() + frame.velocity.norm() +
+         (moves.tail<3>().norm() + frame.spin.norm()) * (length + curve);
 }
 
 /// Asks for the accelerations with which a body stays on the surface, and with which it does not
 /// slide: what twists and motions as they are make of its passing is taken back. The touch's point
 /// travels along both.
 void ContactMotion::ask_accelerations(BodyTouch& at, const State& state) const {
-  const FrameMotion& frame = frames_[at.obstacle];
-  const Shape& shape = obstacles_[at.obstacle].shape;
-  const Vec6 moves = twist(state, at.body);
-  const double length = (capsules_[at.body].to - capsules_[at.body].from).norm();
-  const double curve = capsules_[at.body].radius + std::min(shape.sharpest(), 1.0);
-  const double speed = moves.head<3>().norm() + frame.velocity.norm() +
-                       (moves.tail<3>().norm() + frame.spin.norm()) * (length + curve);
-  const double step = std::min(kLongest, kNudge * std::max(curve, 1e-3) / std::max(speed, 1e-9));
-  Vec3 normal, past = Vec3::Zero();
+  const BodyMeeting& meeting = meetings_[at.meeting];
+  const double curve = capsules_[at.body].radius + std::min(meeting.shape.sharpest(), 1.0);
+  const double step =
+      std::min(kLongest, kNudge * std::max(curve, 1e-3) / std::max(quickness(at, state), 1e-9));
+  Vec3 past = Vec3::Zero();
   double parts = 0;
   State moved = state;
-  double* q = &moved[mechanism_.pose(at.body)];
+  const auto move = [&](std::size_t body, double time) {
+    double* q = &moved[mechanism_.pose(body)];
+    const Vec6 moves = twist(state, body);
+    std::copy_n(&state[mechanism_.pose(body)], 7, q);
+    Map{q} += time * moves.head<3>();
+    rotate(time * moves.tail<3>(), q + 3);
+    return moves;
+  };
   for (const auto& [times, weight] :
        {std::pair(-2.0, 1.0), std::pair(-1.0, -8.0), std::pair(1.0, 8.0), std::pair(2.0, -1.0)}) {
-    std::copy_n(&state[mechanism_.pose(at.body)], 7, q);
-    Map{q} += times * step * moves.head<3>();
-    rotate(times * step * moves.tail<3>(), q + 3);
-    const FrameMotion there = later(frame, times * step);
+    const Vec6 moves = move(at.body, times * step);
+    const Vec6 others = at.other != kNoBody ? move(at.other, times * step) : Vec6(Vec6::Zero());
+    FrameMotion frame;
+    if (at.other == kNoBody) frame = later(frames_[meeting.obstacle], times * step);
+    const Pose place = at.other != kNoBody ? solid(meeting, moved) : frame.pose();
     const Capsule own = capsule(moved, at.body);
-    const SpotGap near = gap_at(shape, there.pose(), own, at.spot);
+    const SpotGap near = gap_at(meeting.shape, place, own, at.spot);
     const Vec3 point = own.at(near.along) - own.radius * near.normal;
-    const Vec3 passes = velocity_at(moves, point - ConstMap(q)) - surface_velocity(there, point);
+    const Vec3 surface =
+        at.other != kNoBody
+            ? velocity_at(others, point - ConstMap(&moved[mechanism_.pose(at.other)]))
+            : surface_velocity(frame, point);
+    const Vec3 passes =
+        velocity_at(moves, point - ConstMap(&moved[mechanism_.pose(at.body)])) - surface;
     past += weight / (12 * step) * passes;
     parts += weight / (12 * step) * near.normal.dot(passes);
   }
@@ -128,41 +156,51 @@ void ContactMotion::free_bodies(const State* velocities) {
   }
 }
 
+/// How bodies answer without what they touch.
+void ContactMotion::free_mobilities() {
+  for (std::size_t b = 0; b < body_mobility_.size(); ++b) {
+    const auto& body = mechanism_.bodies()[b];
+    body_mobility_[b] = contact::mobility(body.inverse_mass, body.world_inverse);
+  }
+  body_answer_.set_apart(body_mobility_);
+}
+
+/// Adds what touches give to the bodies that the system has.
+void ContactMotion::add_twists(std::span<const BodyTouch> touches, std::span<Vec6> twists) const {
+  for (std::size_t i = 0; i < body_system_.bodies().size(); ++i) {
+    twists[body_system_.bodies()[i]] += body_system_.twist(touches, i);
+  }
+}
+
 /// What bodies do under `tension`, in the states that their touches have or in those that the laws
 /// ask for; and with them the points that they carry.
 void ContactMotion::answer_bodies(std::span<const double> tension, std::span<const Vec3> along,
                                   bool held) {
   if (body_free_.empty()) return;
   std::ranges::fill(body_pulled_, Vec6::Zero());
-  for (std::size_t b = 0; b < body_answer_.size(); ++b) {
-    const auto& body = mechanism_.bodies()[b];
-    body_answer_[b] = contact::mobility(body.inverse_mass, body.world_inverse);
-  }
+  free_mobilities();
   for (const auto& end : mechanism_.row_ends()) {
     const auto& carried = mechanism_.body_points()[end.body_point];
     const Vec3 pull = end.sign * tension[end.row] * along[end.row];
     Vec6 wrench;
     wrench << pull, carried.arm.cross(pull);
-    body_pulled_[carried.body] += body_answer_[carried.body] * wrench;
+    body_pulled_[carried.body] += body_mobility_[carried.body] * wrench;
   }
   body_added_ = body_pulled_;
-  for (std::size_t first = 0, end = 0; first < body_touches_.size(); first = end) {
-    const std::size_t b = body_touches_[first].body;
-    while (end < body_touches_.size() && body_touches_[end].body == b) ++end;
-    const std::span touches(&body_touches_[first], end - first);
+  for (std::size_t b = 0; b < twists_.size(); ++b) twists_[b] = body_free_[b] + body_pulled_[b];
+  clusters_.each(body_touches_, [&](std::size_t first, std::size_t count) {
+    const std::span touches(&body_touches_[first], count);
     std::vector<Vec3> bare;
-    for (const BodyTouch& at : touches) {
-      bare.push_back(velocity_at(body_free_[b] + body_pulled_[b], at.arm));
-    }
-    body_system_.assemble(body_answer_[b], touches);
+    for (const BodyTouch& at : touches) bare.push_back(contact::passing(twists_, at));
+    body_system_.assemble(body_mobility_, touches);
     if (held) {
       body_system_.hold(bare, touches);
     } else if (!body_system_.solve(bare, touches, 0)) {
       throw Unresolved{0, "contact and friction of a body have no solution"};
     }
-    body_added_[b] += body_system_.twist(touches);
-    body_answer_[b] = body_system_.answer(touches);
-  }
+    add_twists(touches, body_added_);
+    body_system_.answer(touches, body_answer_);
+  });
   for (const auto& carried : mechanism_.body_points()) {
     added_[carried.point] = velocity_at(body_added_[carried.body], carried.arm);
   }
@@ -177,21 +215,16 @@ void ContactMotion::aim_bodies(const State& state) {
     const Vec3 across = slip - at.touch.normal.dot(slip) * at.touch.normal;
     if (at.touch.state != Touch::State::slides) continue;
     at.ahead = at.touch.slid;  // the way in which it began
-    if (across.norm() > kStill) at.ahead = heading(across, at.touch.slid);
+    if (across.norm() > still(at)) at.ahead = heading(across, at.touch.slid);
   }
 }
 
 /// Takes bodies back to surfaces and from velocities that leave them; returns the largest gap (m).
 double ContactMotion::project_bodies(State& state) {
   double worst = 0;
-  for (std::size_t b = 0; b < body_answer_.size(); ++b) {
-    const auto& body = mechanism_.bodies()[b];
-    body_answer_[b] = contact::mobility(body.inverse_mass, body.world_inverse);
-  }
-  for (std::size_t first = 0, end = 0; first < body_touches_.size(); first = end) {
-    const std::size_t b = body_touches_[first].body;
-    while (end < body_touches_.size() && body_touches_[end].body == b) ++end;
-    std::vector<BodyTouch> touches(&body_touches_[first], &body_touches_[first] + (end - first));
+  free_mobilities();
+  clusters_.each(body_touches_, [&](std::size_t first, std::size_t count) {
+    std::vector<BodyTouch> touches(&body_touches_[first], &body_touches_[first] + count);
     std::vector<BodyTouch> normals = touches;
     std::vector<Vec3> apart, bare;
     for (std::size_t i = 0; i < touches.size(); ++i) {
@@ -205,18 +238,21 @@ double ContactMotion::project_bodies(State& state) {
       normals[i] = at;
       normals[i].touch.state = Touch::State::slides;
     }
-    const Mat6 free = body_answer_[b];
-    body_system_.assemble(free, normals);
+    body_system_.assemble(body_mobility_, normals);
     body_system_.hold(apart, normals);
-    const Vec6 shift = body_system_.twist(normals);
-    body_system_.assemble(free, touches);
+    std::ranges::fill(twists_, Vec6::Zero());
+    add_twists(normals, twists_);
+    body_system_.assemble(body_mobility_, touches);
     body_system_.hold(bare, touches);
-    Eigen::Map<Vec6>(&state[mechanism_.twist(b)]) += body_system_.twist(touches);
-    body_answer_[b] = body_system_.answer(touches);
-    double* q = &state[mechanism_.pose(b)];
-    Map{q} += shift.head<3>();
-    rotate(shift.tail<3>(), q + 3);
-  }
+    body_system_.answer(touches, body_answer_);
+    for (std::size_t i = 0; i < body_system_.bodies().size(); ++i) {
+      const std::uint32_t b = body_system_.bodies()[i];
+      Eigen::Map<Vec6>(&state[mechanism_.twist(b)]) += body_system_.twist(touches, i);
+      double* q = &state[mechanism_.pose(b)];
+      Map{q} += twists_[b].head<3>();
+      rotate(twists_[b].tail<3>(), q + 3);
+    }
+  });
   return worst;
 }
 
@@ -228,7 +264,9 @@ void ContactMotion::shift_bodies(std::span<const Vec3> along, bool poses, State&
     const Vec3 pull = end.sign * change_[end.row] * along[end.row];
     Vec6 wrench;
     wrench << pull, carried.arm.cross(pull);
-    body_pulled_[carried.body] += body_answer_[carried.body] * wrench;
+    for (const std::uint32_t moved : body_answer_.moved_with(carried.body)) {
+      body_pulled_[moved] += body_answer_.between(moved, carried.body) * wrench;
+    }
   }
   for (std::size_t b = 0; b < body_pulled_.size(); ++b) {
     if (poses) {
@@ -238,154 +276,6 @@ void ContactMotion::shift_bodies(std::span<const Vec3> along, bool poses, State&
     } else {
       Eigen::Map<Vec6>(&state[mechanism_.twist(b)]) += body_pulled_[b];
     }
-  }
-}
-
-void ContactMotion::body_events(const State& state, std::vector<double>& values) const {
-  for (std::uint32_t b = 0; b < capsules_.size(); ++b) {
-    if (!capsules_[b].touches()) continue;
-    const Capsule own = capsule(state, b);
-    for (std::uint32_t o = 0; o < obstacles_.size(); ++o) {
-      if (!obstacles_[o].touches(capsules_[b].category)) continue;
-      const auto gaps = all_gaps(obstacles_[o].shape, frames_[o].pose(), own);
-      for (const Spot spot : kSpots) {
-        const auto is_here = [&](const BodyTouch& at) {
-          return at.body == b && at.obstacle == o && at.spot == spot;
-        };
-        if (std::ranges::any_of(body_touches_, is_here)) continue;
-        const SpotGap& near = gaps[static_cast<std::size_t>(spot)];
-        BodyTouch there{.body = b, .obstacle = o, .spot = spot, .touch = {}};
-        double value = near.distinct ? near.distance + touching_ / 2 : kFar;
-        if (value < 0) {
-          aim(there, state);
-          value = crossing(value, near.normal.dot(passing(there, state)) >= -kStill);
-        }
-        values.push_back(value);
-      }
-    }
-  }
-  for (const BodyTouch& at : body_touches_) {
-    const double ease = mechanism_.bodies()[at.body].inverse_mass;
-    const double push = ease * at.touch.push;
-    const double spare = kSpare * (body_free_[at.body].head<3>().norm() +
-                                   body_pulled_[at.body].head<3>().norm() + std::abs(push));
-    values.push_back(push + spare);
-    if (at.spot != Spot::from && at.spot != Spot::to) {
-      const double along = gap_at(obstacles_[at.obstacle].shape, frames_[at.obstacle].pose(),
-                                  capsule(state, at.body), at.spot)
-                               .along;
-      values.push_back(std::min(along, 1 - along) - kSame);
-    }
-    if (at.touch.stick == 0) continue;
-    if (at.touch.state == Touch::State::sticks) {
-      values.push_back(at.touch.stick * push - ease * at.touch.rub.norm() + spare);
-    } else {
-      values.push_back(passing(at, state).dot(at.touch.slid) + kStill / 2);
-    }
-  }
-}
-
-/// Adds their places, and the ways in which they and what they touch go.
-void ContactMotion::add_ways_of_bodies(const State& state, std::vector<Vec3>& places,
-                                       std::vector<Vec3>& ways) const {
-  for (std::size_t b = 0; b < capsules_.size(); ++b) {
-    places.push_back(ConstMap(&state[mechanism_.pose(b)]));
-    ways.push_back(twist(state, b).head<3>());
-    if (!capsules_[b].touches()) continue;
-    const Capsule own = capsule(state, b);
-    places.push_back(own.from);
-    places.push_back(own.to);
-  }
-  for (const BodyTouch& at : body_touches_) {
-    const Vec3 there = ConstMap(&state[mechanism_.pose(at.body)]) + at.arm;
-    places.push_back(there);
-    ways.push_back(at.touch.normal);
-    ways.push_back(surface_velocity(frames_[at.obstacle], there));
-  }
-}
-
-/// Whether bodies turn about a direction alone, and go on to.
-bool ContactMotion::turn_within(const State& state, const Vec3& normal) const {
-  for (std::size_t b = 0; b < capsules_.size(); ++b) {
-    const Vec3 spin = twist(state, b).tail<3>();
-    const Vec3 eased = mechanism_.bodies()[b].world_inverse * normal;
-    if (normal.cross(spin).norm() > kFlat) return false;
-    if (normal.cross(eased).norm() > kFlat * eased.norm()) return false;
-  }
-  return true;
-}
-
-/// All that bodies touch and do not leave.
-void ContactMotion::find_body_touches(const State& state) {
-  body_touches_.clear();
-  for (std::uint32_t b = 0; b < capsules_.size(); ++b) {
-    if (!capsules_[b].touches()) continue;
-    const Capsule own = capsule(state, b);
-    for (std::uint32_t o = 0; o < obstacles_.size(); ++o) {
-      if (!obstacles_[o].touches(capsules_[b].category)) continue;
-      const auto gaps = all_gaps(obstacles_[o].shape, frames_[o].pose(), own);
-      for (const Spot spot : kSpots) {
-        const SpotGap& near = gaps[static_cast<std::size_t>(spot)];
-        if (!near.distinct || near.distance > touching_) continue;
-        BodyTouch found{.body = b, .obstacle = o, .spot = spot, .touch = {}};
-        aim(found, state);
-        found.touch.stick = obstacles_[o].static_friction;
-        found.touch.slide = obstacles_[o].kinetic_friction;
-        const Vec3 slip = passing(found, state);
-        const double parts = near.normal.dot(slip);
-        if (parts > kArrives) continue;  // it leaves
-        found.touch.slid = slip - parts * near.normal;
-        body_touches_.push_back(found);
-      }
-    }
-  }
-}
-
-/// Asks for velocities after an impact; whether a body arrives.
-bool ContactMotion::bodies_arrive(const State& state) {
-  free_bodies(&state);
-  bool any = false;
-  for (BodyTouch& at : body_touches_) {
-    const Vec3 there = ConstMap(&state[mechanism_.pose(at.body)]) + at.arm;
-    at.ahead.setZero();
-    at.given.setZero();
-    at.touch.surface = surface_velocity(frames_[at.obstacle], there);
-    const double carried = at.touch.normal.dot(at.touch.surface);
-    const double into = carried - at.touch.normal.dot(velocity_at(body_free_[at.body], at.arm));
-    any = any || into > kArrives;
-    const double bounce = obstacles_[at.obstacle].restitution * into;
-    at.touch.least = carried + (bounce > slowest_ ? bounce : 0);
-  }
-  return any;
-}
-
-/// Asks for accelerations, before the active set is chosen.
-void ContactMotion::ask_of_bodies(const State& state) {
-  free_bodies(nullptr);
-  for (BodyTouch& at : body_touches_) {
-    aim(at, state);
-    ask_accelerations(at, state);
-    at.given.setZero();
-    at.ahead.setZero();
-    if (at.touch.slid.norm() > kStill) at.ahead = heading(at.touch.slid, at.touch.slid);
-    at.touch.slid.setZero();
-  }
-}
-
-/// Takes the active set that was chosen.
-void ContactMotion::take_touches() {
-  std::erase_if(body_touches_,
-                [](const BodyTouch& at) { return at.touch.state == Touch::State::open; });
-  for (BodyTouch& at : body_touches_) {
-    if (at.touch.stick == 0) at.touch.state = Touch::State::slides;
-    if (at.touch.state == Touch::State::sticks) continue;
-    if (at.ahead.isZero(0)) {
-      const Vec3 slip =
-          velocity_at(body_free_[at.body] + body_added_[at.body], at.arm) - at.touch.surface;
-      const Vec3 across = slip - at.touch.normal.dot(slip) * at.touch.normal;
-      if (across.squaredNorm() > 0) at.ahead = heading(across, across);
-    }
-    at.touch.slid = at.ahead;
   }
 }
 

@@ -126,7 +126,7 @@ void ContactMotion::balance(std::span<const double> start) {
       continue;
     }
     const std::span<const Vec3> along = pulling();
-    system_.assemble(mechanism_, answer_, along, along, body_answer_);
+    system_.assemble(mechanism_, answer_, along, along, &body_answer_);
     for (std::size_t r = 0; r < change_.size(); ++r) change_[r] *= pulls_[r];
     system_.solve(change_);
     ++solves_;

@@ -19,7 +19,6 @@ void ContactMotion::rebuild(const World& world, double slowest) {
   obstacles_ = world.obstacles;
   slowest_ = slowest;
   mechanism_.rebuild(world);
-  system_.rebuild(mechanism_);
   radius_.clear();
   category_.clear();
   double longest = 0;
@@ -43,6 +42,7 @@ void ContactMotion::rebuild(const World& world, double slowest) {
   along_.assign(rows, Vec3::Zero());
   frames_.resize(obstacles_.size());
   rebuild_bodies(world);
+  system_.rebuild(mechanism_, bodies_together(meetings_, capsules_.size()));
 }
 
 Vec3 ContactMotion::place(const State& state, std::size_t point) const {
@@ -142,7 +142,7 @@ void ContactMotion::accelerate(double time, const State& state) {
                                  along[r].dot(added_[rows[r].b] - added_[rows[r].a])
                            : 0;
   }
-  system_.assemble(mechanism_, answer_, along, along, body_answer_);
+  system_.assemble(mechanism_, answer_, along, along, &body_answer_);
   system_.solve(change_);
   ++solves_;
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -213,7 +213,7 @@ double ContactMotion::project(double time, State& state) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
       if (pulls_[r]) worst = std::max(worst, std::abs(mechanism_.violation()[r]));
     }
-    system_.assemble(mechanism_, answer_, along, along, body_answer_);
+    system_.assemble(mechanism_, answer_, along, along, &body_answer_);
     ++solves_;
     std::ranges::copy(mechanism_.rate(), change_.begin());
     system_.solve(change_);

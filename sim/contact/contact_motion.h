@@ -5,7 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "sim/contact/body_meetings.h"
 #include "sim/contact/body_system.h"
+#include "sim/contact/clusters.h"
 #include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
 #include "sim/links/mechanism.h"
@@ -53,7 +55,9 @@ class ContactMotion {
   std::uint64_t solves() const { return solves_; }
 
  private:
-  static constexpr double kStill = 1e-10;     // m/s: slower is no sliding
+  static constexpr double kStill = 1e-10;  // m/s: slower is no sliding
+  /// m/s: the same of two bodies, whose turns let it waver by more.
+  static constexpr double kStillOfTwo = 2e-9;
   static constexpr double kTouching = 1e-11;  // of the longest connector
 
   enum class Mode { open, slides, sticks };
@@ -93,10 +97,15 @@ class ContactMotion {
   void rebuild_bodies(const World& world);
   Capsule capsule(const State& state, std::size_t body) const;
   Vec6 twist(const State& state, std::size_t body) const;
+  Pose solid(const BodyMeeting& meeting, const State& state) const;
   SpotGap aim(BodyTouch& at, const State& state) const;
   Vec3 passing(const BodyTouch& at, const State& state) const;
+  static double still(const BodyTouch& at) { return at.other == kNoBody ? kStill : kStillOfTwo; }
+  double quickness(const BodyTouch& at, const State& state) const;
   void ask_accelerations(BodyTouch& at, const State& state) const;
   void free_bodies(const State* velocities);
+  void free_mobilities();
+  void add_twists(std::span<const BodyTouch> touches, std::span<Vec6> twists) const;
   void answer_bodies(std::span<const double> tension, std::span<const Vec3> along, bool held);
   void aim_bodies(const State& state);
   double project_bodies(State& state);
@@ -114,6 +123,7 @@ class ContactMotion {
   void find_body_touches(const State& state);
   bool bodies_arrive(const State& state);
   void ask_of_bodies(const State& state);
+  void gather();
   void take_touches();
 
   std::vector<Obstacle> obstacles_;
@@ -126,7 +136,9 @@ class ContactMotion {
   std::vector<FrameMotion> frames_;      // of the obstacles
   std::vector<char> is_carried_;         // per point: a free body has it
   std::vector<BodyCapsule> capsules_;    // per free body, from its centre of mass
-  std::vector<BodyTouch> body_touches_;  // those that are closed, in order of bodies
+  std::vector<BodyMeeting> meetings_;    // of free bodies
+  std::vector<BodyTouch> body_touches_;  // those that are closed, in order of clusters
+  Clusters clusters_;
   BodySystem body_system_;
   Vec3 aside_ = Vec3::Zero();  // out of the plane of the motion, where there is one
   State scratch_;
@@ -134,10 +146,12 @@ class ContactMotion {
   // touches add.
   std::vector<Vec3> free_, pulled_, added_;
   std::vector<Vec6> body_free_, body_pulled_, body_added_;  // the same of twists, per body
-  std::vector<Mat6> body_answer_;                           // per body
-  std::vector<Mat3> answer_;                                // per point, 1/kg
-  std::vector<double> tension_, change_;                    // per row
-  std::vector<double> start_;                               // per row, of what is asked
+  std::vector<Mat6> body_mobility_;                         // per body, by itself
+  BodyAnswers body_answer_;
+  std::vector<Vec6> twists_;              // per body, scratch
+  std::vector<Mat3> answer_;              // per point, 1/kg
+  std::vector<double> tension_, change_;  // per row
+  std::vector<double> start_;             // per row, of what is asked
   // Where there are strings, per row: whether it is a rod or as long as it may be; whether it pulls
   // besides; the directions of those that do, zero for the others.
   std::vector<char> taut_, pulls_;

@@ -15,10 +15,12 @@ double or_nothing(double mobility, const Mat3& answer) {
 
 }  // namespace
 
-std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism) {
+std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism,
+                                        std::span<const std::uint32_t> together) {
   const auto& ends = mechanism.row_ends();
   const auto body = [&](const Mechanism::RowEnd& end) {
-    return mechanism.body_points()[end.body_point].body;
+    const std::uint32_t own = mechanism.body_points()[end.body_point].body;
+    return together.empty() ? own : together[own];
   };
   std::vector<std::size_t> count(mechanism.bodies().size()), found;
   for (const auto& end : ends) ++count[body(end)];
@@ -28,13 +30,13 @@ std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism) {
   return found;
 }
 
-void RowSystem::rebuild(const Mechanism& mechanism) {
+void RowSystem::rebuild(const Mechanism& mechanism, std::span<const std::uint32_t> together) {
   const std::size_t rows = mechanism.rows().size();
   for (auto* array : {&diagonal_, &lower_, &upper_, &inverse_pivot_, &scale_}) {
     array->reserve(mechanism.row_room());
     array->assign(rows, 0);
   }
-  border_ = ends_that_meet(mechanism);
+  border_ = ends_that_meet(mechanism, together);
   border_rows_.clear();
   for (const std::size_t end : border_) border_rows_.push_back(mechanism.row_ends()[end].row);
   const auto size = static_cast<Eigen::Index>(border_.size());
@@ -45,7 +47,7 @@ void RowSystem::rebuild(const Mechanism& mechanism) {
 
 void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answer,
                          std::span<const Vec3> left, std::span<const Vec3> right,
-                         std::span<const Mat6> bodies) {
+                         const BodyAnswers* bodies) {
   const auto& rows = mechanism.rows();
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const Row& row = rows[r];
@@ -81,14 +83,15 @@ void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answe
 }
 
 void RowSystem::add_bodies(const Mechanism& mechanism, std::span<const Vec3> left,
-                           std::span<const Vec3> right, std::span<const Mat6> bodies) {
+                           std::span<const Vec3> right, const BodyAnswers* bodies) {
   const auto& ends = mechanism.row_ends();
   const auto mobility = [&](const Mechanism::RowEnd& end, const Mechanism::RowEnd& other) {
     const auto& at = mechanism.body_points()[end.body_point];
     const auto& pulled = mechanism.body_points()[other.body_point];
     const auto& body = mechanism.bodies()[at.body];
-    if (!bodies.empty()) {
-      const Mat3 answer = contact::mobility(bodies[at.body], at.arm, pulled.arm);
+    if (bodies) {
+      const Mat3 answer =
+          contact::mobility(bodies->between(at.body, pulled.body), at.arm, pulled.arm);
       const double moves = left[end.row].dot(answer * right[other.row]);
       return end.sign * other.sign * or_nothing(moves, Mat3(body.inverse_mass * Mat3::Identity()));
     }
@@ -105,8 +108,9 @@ void RowSystem::add_bodies(const Mechanism& mechanism, std::span<const Vec3> lef
   for (std::size_t i = 0; i < border_.size(); ++i) {
     for (std::size_t k = 0; k < border_.size(); ++k) {
       const auto &end = ends[border_[i]], &other = ends[border_[k]];
-      const bool same = mechanism.body_points()[end.body_point].body ==
-                        mechanism.body_points()[other.body_point].body;
+      const std::uint32_t moved = mechanism.body_points()[end.body_point].body;
+      const std::uint32_t pulled = mechanism.body_points()[other.body_point].body;
+      const bool same = moved == pulled || (bodies && bodies->meet(moved, pulled));
       coupling_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
           i != k && same ? mobility(end, other) : 0;
     }

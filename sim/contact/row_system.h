@@ -4,37 +4,40 @@
 #include <span>
 #include <vector>
 
-#include "sim/contact/body_system.h"
+#include "sim/contact/body_answers.h"
 #include "sim/links/dense.h"
 #include "sim/links/mechanism.h"
 
 namespace taut::contact {
 
 /// The ends of rows at free bodies that rows meet in several points; indices into row_ends().
-std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism);
+/// `together`, per body: the number of those that may touch each other and count as one; empty:
+/// each by itself.
+std::vector<std::size_t> ends_that_meet(const Mechanism& mechanism,
+                                        std::span<const std::uint32_t> together = {});
 
 /// A x = b over the rows of a mechanism, where A(r, s) says by how much row r stays shorter under a
 /// pull along row s. Particle p moves by answer[p] times what pulls it (1/kg): a multiple of the
 /// identity where it is free; less across a surface; not symmetric where it slides with friction.
 /// Rows pull along `right` and are measured along `left`, unit vectors. Body b answers to what
-/// pulls it as bodies[b] says, or freely where nothing is said.
+/// pulls it, and what pulls those that it touches, as `bodies` says, or freely for null.
 ///
 /// Linear time: elimination along the connectors, and by Woodbury's identity a dense system for the
 /// rows that meet in free bodies which have several. A row that nothing can change, or that its
 /// neighbours determine already, is left out: its x is zero.
 class RowSystem {
  public:
-  void rebuild(const Mechanism& mechanism);
+  void rebuild(const Mechanism& mechanism, std::span<const std::uint32_t> together = {});
 
   void assemble(const Mechanism& mechanism, std::span<const Mat3> answer,
                 std::span<const Vec3> left, std::span<const Vec3> right,
-                std::span<const Mat6> bodies = {});
+                const BodyAnswers* bodies = nullptr);
   /// In place.
   void solve(std::span<double> x) const;
 
  private:
   void add_bodies(const Mechanism& mechanism, std::span<const Vec3> left,
-                  std::span<const Vec3> right, std::span<const Mat6> bodies);
+                  std::span<const Vec3> right, const BodyAnswers* bodies);
   void eliminate();
   void sweep(std::span<double> x) const;
 

@@ -80,10 +80,9 @@ void Multipliers::prepare(const World& world) {
 }
 
 void Multipliers::advance(World& world, double until) {
-  if (!world.obstacles.empty() || has_strings(world)) {
-    const bool obstacles = !world.obstacles.empty();
+  if (has_contact(world) || has_strings(world)) {
     const std::string_view name =
-        obstacles ? "truth among obstacles" : "truth beside links that only pull";
+        has_contact(world) ? "truth with contact" : "truth beside links that only pull";
     refuse_materials(name, world);
     refuse_joints(name, world);
     among_obstacles_->advance(world, until);

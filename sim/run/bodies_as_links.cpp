@@ -39,6 +39,8 @@ double moment_across(const MassProperties& body, const Vec3& along) {
 
 std::string why_no_link(const World& world, const Timeline& timeline, std::size_t body) {
   if (world.bodies[body].driven()) return "driven";
+  const auto is_of = [&](const BodyPair& pair) { return pair.a == body || pair.b == body; };
+  if (std::ranges::any_of(world.pairs, is_of)) return "it touches other bodies";
   const std::vector<End> holds = holds_on(world, body);
   if (holds.empty()) return "nothing holds it";
   if (holds.size() > 1) return "held by more than one point";

@@ -11,7 +11,8 @@
 namespace taut {
 
 /// Why the body cannot be a link, or empty: it has to be free, and to hang by one of its points,
-/// which is not its centre of mass, at an end of a connector of links that nothing pins or cuts.
+/// which is not its centre of mass, at an end of a connector of links that nothing pins or cuts,
+/// and to touch no other body.
 std::string why_no_link(const World& world, const Timeline& timeline, std::size_t body);
 
 /// Puts a link (see Stick) in the place of every body of a world whose model says so, and says

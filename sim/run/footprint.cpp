@@ -52,7 +52,7 @@ Footprint footprint(const MethodInfo& method, const World& world, const Settings
   const auto bodies = double(world.bodies.size());
   Footprint sum{2 * memory + (particles + 12 * bodies) * method.cost.memory,
                 (particles + 4 * bodies) * method.cost.step};
-  if (!world.obstacles.empty() || has_strings(world)) {
+  if (has_contact(world) || has_strings(world)) {
     sum.memory += kContactMemory * particles;
     sum.step += kContactStep * particles;
   }

@@ -41,6 +41,7 @@ Sets tied(const World& world, const Timeline& timeline) {
       sets.join(joint.particles[0].connector, at.connector);
     }
   }
+  for (const BodyPair& pair : world.pairs) sets.join(bodies + pair.a, bodies + pair.b);
   for (const TimedPin& pin : timeline.pins) {
     if (pin.to && on_free_body(world, *pin.to)) sets.join(pin.connector, bodies + pin.to->body);
   }
@@ -134,6 +135,13 @@ void Islands::take(const World& whole, Island& island) {
         hold.to.body = index_of(island.bodies, hold.to.body);
       }
     }
+  }
+  part.pairs.clear();
+  for (const BodyPair& pair : whole.pairs) {
+    if (!std::ranges::binary_search(island.bodies, pair.a)) continue;
+    BodyPair& own = part.pairs.emplace_back(pair);
+    own.a = index_of(island.bodies, pair.a);
+    own.b = index_of(island.bodies, pair.b);
   }
   part.joints.clear();
   for (const std::size_t j : island.joints) {

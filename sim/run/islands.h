@@ -16,10 +16,10 @@ namespace taut {
 std::vector<std::size_t> island_numbers(const World& world, const Timeline& timeline);
 
 /// Advances islands, as physics engines call them: connectors and free bodies that nothing ties
-/// together, neither holds nor joints nor what a timeline has to come. Each is a world of its own
-/// with a method of its own, so that a pin or cut ends the steps of its island alone, and has
-/// nothing else built anew: n events on n islands take time in proportion to n, not to its square.
-/// All that the timeline leaves alone is one island.
+/// together, neither holds nor joints nor what a timeline has to come, and that never touch. Each
+/// is a world of its own with a method of its own, so that a pin or cut ends the steps of its
+/// island alone, and has nothing else built anew: n events on n islands take time in proportion to
+/// n, not to its square. All that the timeline leaves alone is one island.
 class Islands : public Method {
  public:
   /// Null where there is one island alone, or where nobody knows how to make more such methods.

@@ -133,10 +133,17 @@ SettingInfo step_setting(bool limited, int sweep) {
 }
 
 void refuse_obstacles(std::string_view method, const World& world) {
-  if (world.obstacles.empty()) return;
+  if (!has_contact(world)) return;
+  std::string what = "there is the obstacle ";
+  if (!world.obstacles.empty()) {
+    what += world.obstacles.front().name;
+  } else {
+    const BodyPair& pair = world.pairs.front();
+    what = world.bodies[pair.a].name + " and " + world.bodies[pair.b].name + " touch each other";
+  }
   throw Diverged(std::string(method), world.time, 0,
                  world.connectors.empty() ? "" : world.connectors.front().name, 0,
-                 "knows no contact, and there is the obstacle " + world.obstacles.front().name);
+                 "knows no contact, and " + what);
 }
 
 void refuse_touching_bodies(std::string_view method, const World& world) {
@@ -144,7 +151,8 @@ void refuse_touching_bodies(std::string_view method, const World& world) {
   const auto found = std::ranges::find_if(
       world.bodies, [](const Body& body) { return body.capsule.touches() && !body.driven(); });
   throw Diverged(std::string(method), world.time, 0, found->name, 0,
-                 "follows no free bodies that touch obstacles");
+                 std::string("follows no free bodies that touch ") +
+                     (world.pairs.empty() ? "obstacles" : "each other"));
 }
 
 void refuse_materials(std::string_view method, const World& world) {

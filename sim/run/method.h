@@ -186,10 +186,10 @@ Settings with_defaults(const MethodInfo& method, Settings settings);
 /// complaint when a setting is wrong or the name is unknown.
 std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings);
 
-/// For methods whose beads touch nothing: throws Diverged where the world has obstacles.
+/// For methods that know no contact: throws Diverged where has_contact().
 void refuse_obstacles(std::string_view method, const World& world);
 
-/// For methods whose bodies touch nothing: throws Diverged where some have capsules for obstacles.
+/// For methods whose bodies touch nothing: throws Diverged where has_touching_bodies().
 void refuse_touching_bodies(std::string_view method, const World& world);
 
 /// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.

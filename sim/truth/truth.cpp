@@ -111,7 +111,7 @@ Reference solve_truth(const World& world, std::span<const double> times,
   }
   const std::span<const double> until = times.subspan(0, predictable);
   Frames checked;
-  if (!world.obstacles.empty() || has_strings(world)) {
+  if (has_contact(world) || has_strings(world)) {
     const Settings steps{{"step", kContactStep * options.scored_error}};
     checked = run(world, "direct", steps, timeline, until, close);
   } else if (has_materials(world) || !world.joints.empty()) {

@@ -36,8 +36,8 @@ enum class BodyModel {
   link,  // one more link of the connector that it hangs by, see BodiesAsLinks
 };
 
-/// What of a free body touches obstacles: all that is within `radius` (m) of a line between two
-/// points (m, body frame), which may be one.
+/// What of a free body touches obstacles, and other bodies where a BodyPair says so: all that is
+/// within `radius` (m) of a line between two points (m, body frame), which may be one.
 struct BodyCapsule {
   double radius = -1;  // negative: it touches nothing
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();
@@ -79,6 +79,13 @@ struct Body {
     const Mat3 r = rotation.toRotationMatrix();
     return r * mass_properties.inertia * r.transpose();
   }
+};
+
+/// Two free bodies whose capsules touch each other; others pass through.
+struct BodyPair {
+  std::size_t a = 0, b = 0;                          // of World::bodies
+  double static_friction = 0, kinetic_friction = 0;  // Coulomb's coefficients
+  double restitution = 0;                            // Newton's coefficient, 0 to 1
 };
 
 /// Changes a body's mass properties; its frame and the velocities of its points stay.

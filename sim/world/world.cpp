@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/motion/hash.h"
 #include "sim/world/ties.h"
@@ -68,6 +70,12 @@ std::vector<MassProperties> all_laden(const World& world) {
   return laden;
 }
 
+void refuse_flaws(const World& world) {
+  for (const std::string& flaw : {joint_flaw(world), pair_flaw(world)}) {
+    if (!flaw.empty()) throw std::invalid_argument(flaw);
+  }
+}
+
 }  // namespace
 
 void reweigh(World& world) {
@@ -78,7 +86,7 @@ void reweigh(World& world) {
 }
 
 void finish(World& world) {
-  if (const std::string flaw = joint_flaw(world); !flaw.empty()) throw std::invalid_argument(flaw);
+  refuse_flaws(world);
   for (Body& body : world.bodies) body.bare = body.mass_properties;
   reweigh(world);
   place_held(world, world.time);
@@ -90,7 +98,7 @@ void finish(World& world) {
 
 void refresh(World& world) {
   if (structure(world) == world.topology) return;
-  if (const std::string flaw = joint_flaw(world); !flaw.empty()) throw std::invalid_argument(flaw);
+  refuse_flaws(world);
   for (Body& body : world.bodies) {
     if (body.bare.mass == 0) body.bare = body.mass_properties;  // it is new
   }
@@ -108,10 +116,34 @@ bool has_strings(const World& world) {
   return std::ranges::any_of(world.connectors, &Connector::pulls);
 }
 
+std::string pair_flaw(const World& world) {
+  std::set<std::pair<std::size_t, std::size_t>> seen;
+  for (const BodyPair& pair : world.pairs) {
+    for (const std::size_t b : {pair.a, pair.b}) {
+      if (b >= world.bodies.size()) return "a pair is of a body that is not there";
+      const Body& body = world.bodies[b];
+      if (body.driven()) return "a pair is of the body " + body.name + ", which is driven";
+      if (!body.capsule.touches()) {
+        return "a pair is of the body " + body.name + ", which touches nothing";
+      }
+    }
+    const std::string& name = world.bodies[pair.a].name;
+    if (pair.a == pair.b) return "a pair is of the body " + name + " and itself";
+    if (seen.insert(std::minmax(pair.a, pair.b)).second) continue;
+    return "there are two pairs of the bodies " + name + " and " + world.bodies[pair.b].name;
+  }
+  return {};
+}
+
 bool has_touching_bodies(const World& world) {
+  if (!world.pairs.empty()) return true;
   return !world.obstacles.empty() && std::ranges::any_of(world.bodies, [](const Body& body) {
     return body.capsule.touches() && !body.driven();
   });
+}
+
+bool has_contact(const World& world) {
+  return !world.obstacles.empty() || !world.pairs.empty();
 }
 
 std::uint64_t structure_of_body(const World& world, std::size_t index) {
@@ -184,6 +216,10 @@ std::uint64_t structure(const World& world) {
     if (world.air.gusts) hash.word(world.air.gusts->fingerprint());
   }
   for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
+  for (const BodyPair& pair : world.pairs) {
+    hash.word(pair.a).word(pair.b).word(pair.static_friction).word(pair.kinetic_friction);
+    hash.word(pair.restitution);
+  }
   return sum + hash.value();
 }
 

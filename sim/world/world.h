@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "sim/motion/path.h"
@@ -33,14 +34,15 @@ struct World {
   std::vector<Connector> connectors;
   std::vector<Joint> joints;        // what joins connectors to each other and to themselves
   std::vector<Obstacle> obstacles;  // what beads of connectors and free bodies touch
+  std::vector<BodyPair> pairs;      // of free bodies that touch each other
   std::uint64_t topology = 0;       // another one whenever what structure() tells changes
   std::uint64_t pins = 0;           // how many there ever were
 };
 
 /// Joins the masses of particles held by free bodies to those bodies, sets every held particle and
 /// driven body to its place at `world.time`, takes connectors for untwisted, and numbers the
-/// topology. Call once, after building a world. Throws std::invalid_argument where joint_flaw()
-/// finds one, or carries_twist() throws.
+/// topology. Call once, after building a world. Throws std::invalid_argument where joint_flaw() or
+/// pair_flaw() finds one, or carries_twist() throws.
 void finish(World& world);
 
 /// Makes a finished world consistent again after changes by hand to connectors, holds, joints,
@@ -49,18 +51,25 @@ void finish(World& world);
 /// structure() tells has changed. A Simulation calls it. Throws like finish().
 void refresh(World& world);
 
+/// What is wrong with World::pairs, or empty: each is of two free bodies that have capsules, and
+/// stands there once.
+std::string pair_flaw(const World& world);
+
 /// Whether some connector stretches, resists bending or meets the air (Connector::sections).
 bool has_materials(const World& world);
+
+/// Whether anything touches: there are obstacles, or bodies that touch each other.
+bool has_contact(const World& world);
 
 /// Whether some connector's links are strings (Connector::pulls).
 bool has_strings(const World& world);
 
-/// Whether some free body touches obstacles (Body::capsule), and there are some.
+/// Whether some free body touches obstacles (Body::capsule), and there are some, or another body.
 bool has_touching_bodies(const World& world);
 
 /// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
-/// them and joins them, bodies with their mass properties, paths, obstacles. Methods build on it,
-/// so World::topology is this number, which refresh() takes anew.
+/// them and joins them, bodies with their mass properties, paths, obstacles, pairs. Methods build
+/// on it, so World::topology is this number, which refresh() takes anew.
 std::uint64_t structure(const World& world);
 
 /// What a body, a connector and a joint add to structure(), which is a sum modulo 2^64: so that

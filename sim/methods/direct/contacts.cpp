@@ -65,6 +65,7 @@ void Contacts::prepare(const World& world) {
       parent[find(parent, bodies + c)] = find(parent, hold.to.body);
     }
   }
+  for (const BodyPair& pair : world.pairs) parent[find(parent, pair.a)] = find(parent, pair.b);
   counters_ = counters();
   groups_.clear();
   std::vector<std::size_t> group_of(parent.size(), parent.size());
@@ -103,10 +104,20 @@ void Contacts::prepare(const World& world) {
         hold.to.body = static_cast<std::size_t>(at - made->bodies.begin());
       }
     }
+    const auto index_of = [&](std::size_t body) {
+      const auto at = std::ranges::lower_bound(made->bodies, body);
+      return static_cast<std::size_t>(at - made->bodies.begin());
+    };
+    for (const BodyPair& pair : world.pairs) {
+      if (!std::ranges::binary_search(made->bodies, pair.a)) continue;
+      BodyPair& own = made->pairs.emplace_back(pair);
+      own.a = index_of(pair.a);
+      own.b = index_of(pair.b);
+    }
     part.topology = structure(part);
     made->strings = has_strings(part);
     made->links = make_();
-    made->step.rebuild(part);
+    made->step.rebuild(part, obstacles_, made->pairs);
   }
 }
 
@@ -157,11 +168,32 @@ bool Contacts::is_body_near(const Body& body, const World& part, double within) 
   return false;
 }
 
-/// Whether a bead may touch something within so many seconds of the part's present time.
-bool Contacts::is_near(const World& part, double within) const {
+/// Whether two bodies may touch within so many seconds of the part's present time.
+bool Contacts::is_pair_near(const BodyPair& pair, const World& part, double within) {
+  const Body &a = part.bodies[pair.a], &b = part.bodies[pair.b];
+  const auto axis = [](const Body& body) {
+    return contact::Capsule{body.point(body.capsule.from), body.point(body.capsule.to),
+                            body.capsule.radius};
+  };
+  const contact::Capsule own = axis(a), other = axis(b);
+  const auto reach = [](const Body& body, const contact::Capsule& of) {
+    return std::max((of.from - body.position).norm(), (of.to - body.position).norm()) + of.radius;
+  };
+  const double fall = part.gravity.norm() * within;
+  const double speed = (a.velocity - b.velocity).norm() + a.spin.norm() * reach(a, own) +
+                       b.spin.norm() * reach(b, other) + fall;
+  return contact::least_gap(other, own) <= kSurprise * speed * within;
+}
+
+/// Whether something of the group may touch something within so many seconds of its present time.
+bool Contacts::is_near(const Group& group, double within) const {
+  const World& part = group.part;
   const double fall = part.gravity.norm() * within;
   for (const Body& body : part.bodies) {
     if (is_body_near(body, part, within)) return true;
+  }
+  for (const BodyPair& pair : group.pairs) {
+    if (is_pair_near(pair, part, within)) return true;
   }
   for (const Obstacle& obstacle : obstacles_) {
     const FrameMotion frame = obstacle.frame(part.time);
@@ -197,10 +229,10 @@ void Contacts::advance(World& world, double until) {
 void Contacts::follow(Group& group, double until) {
   World& part = group.part;
   const double within = until - part.time;
-  if (!group.strings && !is_near(part, within)) {
+  if (!group.strings && !is_near(group, within)) {
     group.before = part;
     group.links->advance(part, until);
-    if (!is_near(part, within)) {
+    if (!is_near(group, within)) {
       group.steps = false;
       return;
     }
@@ -211,7 +243,8 @@ void Contacts::follow(Group& group, double until) {
 
 /// Says why no step is possible. Links touch nothing, nor do bodies without a capsule: they may
 /// carry an end inside of an obstacle, or a cut make a bead there, farther than a link is long.
-void Contacts::give_up(const World& part) const {
+void Contacts::give_up(const Group& group) const {
+  const World& part = group.part;
   constexpr double kInside = 1e-6;  // of the connector's length
   for (const Obstacle& obstacle : obstacles_) {
     const Pose frame = obstacle.frame(part.time).pose();
@@ -229,9 +262,10 @@ void Contacts::give_up(const World& part) const {
     }
   }
   const std::string name = part.connectors.empty() ? part.bodies[0].name : part.connectors[0].name;
-  throw Diverged("direct", part.time, counters_.steps, name, 0,
-                 obstacles_.empty() ? "no step of strings is small enough"
-                                    : "no step at an obstacle is small enough");
+  const char* what = "no step of strings is small enough";
+  if (!obstacles_.empty()) what = "no step at an obstacle is small enough";
+  if (!group.pairs.empty()) what = "no step where bodies may touch is small enough";
+  throw Diverged("direct", part.time, counters_.steps, name, 0, what);
 }
 
 void Contacts::step_through(Group& group, double until) {
@@ -245,7 +279,7 @@ void Contacts::step_through(Group& group, double until) {
   double time = part.time;
   if (!group.steps) {
     place_held(part, time);
-    step.load(part, obstacles_);
+    step.load(part);
     time += step.resolve(time, lowest);
   }
   group.steps = true;
@@ -274,7 +308,7 @@ void Contacts::step_through(Group& group, double until) {
       group.h = group.limit = h / 2;
       if (group.h >= kShortest) continue;
       step.store(part, time);
-      give_up(part);
+      give_up(group);
     }
     step.accept();
     group.located = gone < h ? group.located + 1 : 0;

@@ -1,4 +1,4 @@
-// Worlds with obstacles or strings by the direct method: as without until something is near.
+// Worlds with contact or strings by the direct method: as without until something is near.
 #pragma once
 
 #include <functional>
@@ -13,9 +13,10 @@
 namespace taut::direct {
 
 /// Follows a world in groups that move without each other: connectors with the free bodies that
-/// they hold. While no bead of a group can reach an obstacle before the next look, a method that
-/// knows no obstacles follows it, and leaves the same bits as in a world without. Near obstacles
-/// ContactStep does, with steps that follow from the tolerance.
+/// they hold and those that these may touch. While nothing of a group can reach an obstacle, or
+/// bodies each other, before the next look, a method that knows no contact follows it, and leaves
+/// the same bits as in a world without. Else ContactStep does, with steps that follow from the
+/// tolerance.
 class Contacts {
  public:
   /// `make` makes methods that follow links without obstacles.
@@ -32,6 +33,7 @@ class Contacts {
   struct Group {
     World part, before;
     std::vector<std::size_t> bodies, connectors;  // indices into the world's
+    std::vector<BodyPair> pairs;                  // of the part's bodies
     std::unique_ptr<Method> links;
     ContactStep step;
     bool strings = false;  // some of its links are: ContactStep follows it throughout
@@ -48,11 +50,12 @@ class Contacts {
 
   bool read(const World& world, Group& group) const;
   static void write(const Group& group, World& world);
-  bool is_near(const World& part, double within) const;
+  bool is_near(const Group& group, double within) const;
+  static bool is_pair_near(const BodyPair& pair, const World& part, double within);
   bool is_body_near(const Body& body, const World& part, double within) const;
   void follow(Group& group, double until);
   void step_through(Group& group, double until);
-  [[noreturn]] void give_up(const World& part) const;
+  [[noreturn]] void give_up(const Group& group) const;
   double adapted(const Group& group, double gone, double wish) const;
   static void watch_jam(Group& group, double gone);
 

@@ -27,7 +27,7 @@ class Direct : public Method {
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
       if (!world.joints.empty()) return advance_joined(world, until);
       if (has_materials(world)) return advance_materials(world, until);
-      if (!world.obstacles.empty() || has_strings(world)) return advance_contacts(world, until);
+      if (has_contact(world) || has_strings(world)) return advance_contacts(world, until);
       if (has_spans(world)) return advance_spans(world, until);
     }
     prepare(world);
@@ -36,7 +36,7 @@ class Direct : public Method {
 
   bool advance_near(World& world, double until, std::span<const Parts::Place> places) override {
     const bool in_parts =
-        left_behind_ || (world.joints.empty() && !has_materials(world) && world.obstacles.empty() &&
+        left_behind_ || (world.joints.empty() && !has_materials(world) && !has_contact(world) &&
                          !has_spans(world) && !has_strings(world));
     if (!in_parts) {
       advance(world, until);
@@ -223,7 +223,7 @@ class Direct : public Method {
   bool left_behind_ = false;  // parts of the world, by advance_near()
   direct::FollowedParts parts_{options_};
   std::unique_ptr<direct::Spans> spans_;        // where the world has massless ones
-  std::unique_ptr<direct::Contacts> contacts_;  // where it has obstacles or strings
+  std::unique_ptr<direct::Contacts> contacts_;  // where something touches, or strings are
   std::unique_ptr<direct::Elastic> elastic_;    // where connectors stretch, bend or meet the air
   std::unique_ptr<direct::Joined> joined_;      // where connectors are joined
   std::vector<double> noted_;                   // the world as advance() left it

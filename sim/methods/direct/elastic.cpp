@@ -32,7 +32,7 @@ Elastic::Elastic(const StepOptions& options, std::function<std::unique_ptr<Metho
     : options_(options), rest_method_(make()) {}
 
 void Elastic::prepare(const World& world) {
-  if (!world.obstacles.empty()) refuse_materials("direct among obstacles", world);
+  if (has_contact(world)) refuse_materials("direct with contact", world);
   if (has_strings(world)) refuse_materials("direct beside links that only pull", world);
   refuse_laden_materials("direct", world);
   rest_ = world;

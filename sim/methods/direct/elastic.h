@@ -19,7 +19,7 @@ class Elastic {
   Elastic(const StepOptions& options, std::function<std::unique_ptr<Method>()> make);
 
   /// Call when the world's topology is new. Throws Diverged where such a connector holds a free
-  /// body, or where there are obstacles.
+  /// body, or where there is contact.
   void prepare(const World& world);
   void advance(World& world, double until);
   Counters counters() const;

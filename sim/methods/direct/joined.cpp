@@ -34,7 +34,7 @@ void add_up(const std::array<double, kStages>& weights, int count, double h,
 }  // namespace
 
 void Joined::rebuild(const World& world) {
-  if (!world.obstacles.empty()) refuse_joints("direct among obstacles", world);
+  if (has_contact(world)) refuse_joints("direct with contact", world);
   if (has_strings(world)) refuse_joints("direct beside links that only pull", world);
   if (has_spans(world)) refuse_joints("direct beside a massless span", world);
   built_ = true;

@@ -20,7 +20,7 @@ class Joined {
  public:
   explicit Joined(const StepOptions& options) : options_(options) {}
 
-  /// Throws Diverged, also where there are obstacles or massless spans.
+  /// Throws Diverged, also where there is contact or massless spans.
   void advance(World& world, double until);
   const Counters& counters() const { return counters_; }
 

@@ -1,6 +1,8 @@
 // What bodies hit on their way through a step.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "sim/methods/direct/contact/body_touches.h"
 #include "sim/methods/direct/contact/entry.h"
@@ -8,68 +10,118 @@
 namespace taut::direct {
 namespace {
 
+using contact::kNoBody;
 using contact::Spot;
 using contact::SpotGap;
 using ConstMap = Eigen::Map<const Vec3>;
 
 constexpr double kEntered = 1e-2;  // times touching: what else of a body that touches is inside
+constexpr double kMostTurn = 2;    // rad: turns in a step from which on it seems to turn evenly
+
+/// A body's way through a step: from its velocity at the start, bent to where it ends.
+struct Way {
+  Way(const double* at_start, const double* at_end, const contact::Vec6& twist, double step)
+      : from(at_start),
+        h(step),
+        velocity(twist.head<3>()),
+        bend(ConstMap(at_end) - ConstMap(at_start) - step * velocity),
+        turn(angle(quaternion(at_end + 3) * quaternion(at_start + 3).conjugate())) {}
+
+  /// The same of its turn: what has been stopped does not seem to come again.
+  void bend_turn(const Vec3& spin) {
+    if (!(h * spin.norm() < kMostTurn)) return;
+    turn_bend = turn - h * spin;
+    turn = h * spin;
+  }
+
+  /// The pose at a share of the step.
+  std::array<double, 7> at(double share) const {
+    std::array<double, 7> pose;
+    Eigen::Map<Vec3>{pose.data()} = ConstMap(from) + share * h * velocity + share * share * bend;
+    std::copy_n(from + 3, 4, pose.begin() + 3);
+    rotate(share * turn + share * share * turn_bend, &pose[3]);
+    return pose;
+  }
+
+  /// m: no point of the body that is within `reach` of its centre of mass turns farther.
+  double turned(double reach) const { return reach * (turn.norm() + 2 * turn_bend.norm()); }
+
+  const double* from;
+  double h;
+  Vec3 velocity, bend, turn, turn_bend = Vec3::Zero();
+};
 
 }  // namespace
 
 const std::vector<BodyTouches::Hit>& BodyTouches::hits(const Step& step,
                                                        const std::vector<double>& next) {
   hits_.clear();
-  for (std::uint32_t b = 0; b < capsules_.size(); ++b) {
-    if (!capsules_[b].touches()) continue;
-    for (std::uint32_t o = 0; o < step.obstacles.size(); ++o) {
-      if (!step.obstacles[o].touches(capsules_[b].category)) continue;
-      const Hit hit = sweep(step, next, b, o);
-      if (hit.share <= 1) hits_.push_back(hit);
-    }
+  for (std::uint32_t m = 0; m < meetings_.size(); ++m) {
+    const Hit hit = sweep(step, next, m);
+    if (hit.share <= 1) hits_.push_back(hit);
   }
   return hits_;
 }
 
-/// Where on its way a body enters an obstacle; a share above 1: nowhere.
+bool BodyTouches::meet_within(double share) const {
+  return std::ranges::any_of(hits_, [&](const Hit& hit) {
+    return hit.share <= share && meetings_[hit.meeting].other != kNoBody;
+  });
+}
+
+/// Where on its way a body enters what it may touch; a share above 1: nowhere.
 BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>& next,
-                                    std::uint32_t body, std::uint32_t obstacle) const {
-  Hit hit{.share = 2, .body = body, .obstacle = obstacle};
-  const Obstacle& with = step.obstacles[obstacle];
+                                    std::uint32_t index) const {
+  Hit hit{.share = 2, .meeting = index};
+  const contact::BodyMeeting& meeting = meetings_[index];
   const Mechanism& mechanism = step.mechanism;
-  const double *from = &step.state[mechanism.pose(body)], *to = &next[mechanism.pose(body)];
-  const Pose start = step.start[obstacle].pose(), end = step.end[obstacle].pose();
-  const Vec3 velocity = ConstMap(&step.state[mechanism.twist(body)]);
-  const Vec3 way = ConstMap(to) - ConstMap(from), bend = way - step.h * velocity;
-  const Quat rotation = quaternion(from + 3);
-  const Vec3 turn = angle(quaternion(to + 3) * rotation.conjugate());
+  const auto way_of = [&](std::uint32_t body) {
+    return Way(&step.state[mechanism.pose(body)], &next[mechanism.pose(body)],
+               twist_at(&step.state[mechanism.twist(body)]), step.h);
+  };
+  const std::uint32_t body = meeting.body;
+  Way way = way_of(body);
+  std::optional<Way> others;
+  if (meeting.other != kNoBody) {
+    others = way_of(meeting.other);
+    way.bend_turn(twist_at(&step.state[mechanism.twist(body)]).tail<3>());
+    others->bend_turn(twist_at(&step.state[mechanism.twist(meeting.other)]).tail<3>());
+  }
+  const Pose start = solid(meeting, step.start, mechanism, step.state);
+  const Pose end = solid(meeting, step.end, mechanism, next);
   const auto frame = [&](double share) {
+    if (others) {
+      const std::array<double, 7> pose = others->at(share);
+      return contact::pose_of_solid(meeting, ConstMap(pose.data()), quaternion(&pose[3]));
+    }
+    const Obstacle& with = step.obstacles[meeting.obstacle];
     return with.path ? with.frame(step.time + share * step.h).pose() : start;
   };
-  const auto place = [&](double share) {
-    double pose[7];
-    Eigen::Map<Vec3>{pose} = ConstMap(from) + share * step.h * velocity + share * share * bend;
-    std::copy_n(from + 3, 4, pose + 3);
-    rotate(share * turn, pose + 3);
-    return capsule(pose, body);
-  };
-  // The largest way of any of its points in the obstacle's frame.
-  const contact::Capsule first = capsule(from, body), last = capsule(to, body);
-  const auto local = [](const Pose& pose, const Vec3& at) -> Vec3 {
-    return pose.rotation.conjugate() * (at - pose.position);
-  };
-  const double turned = angle(end.rotation * start.rotation.conjugate()).norm();
+  const auto place = [&](double share) { return capsule(way.at(share).data(), body); };
+  const contact::Capsule first = capsule(way.from, body);
+  const contact::Capsule last = capsule(&next[mechanism.pose(body)], body);
   const double size = (first.to - first.from).norm();
-  const double moved = (local(end, last.at(0.5)) - local(start, first.at(0.5))).norm();
-  const double far = moved + bend.norm() + (turn.norm() + turned) * (size + reach_[body]);
+  double far = 0;  // the largest way of any of its points in the other's frame
+  if (others) {    // or by how much the distance of any two points may change
+    far = step.h * (way.velocity - others->velocity).norm() + 2 * (way.bend - others->bend).norm() +
+          way.turned(reach_[body]) + others->turned(reach_[meeting.other]);
+  } else {
+    const auto local = [](const Pose& pose, const Vec3& at) -> Vec3 {
+      return pose.rotation.conjugate() * (at - pose.position);
+    };
+    const double turned = angle(end.rotation * start.rotation.conjugate()).norm();
+    const double moved = (local(end, last.at(0.5)) - local(start, first.at(0.5))).norm();
+    far = moved + way.bend.norm() + (way.turn.norm() + turned) * (size + reach_[body]);
+  }
   const double around = size / 2 + far;
-  if (contact::gap_at(with.shape, start, first, 0.5).distance > around) return hit;
+  if (contact::gap_at(meeting.shape, start, first, 0.5).distance > around) return hit;
 
   unsigned known = 0;
   for (std::size_t s = 0; s < contact::kSpots.size(); ++s) {
-    if (is_known(body, obstacle, s)) known |= 1u << s;
+    if (is_known(index, s)) known |= 1u << s;
   }
   const auto spots_within = [&](double share, double distance) {
-    const auto gaps = contact::all_gaps(with.shape, share < 1 ? frame(share) : end,
+    const auto gaps = contact::all_gaps(meeting.shape, share < 1 ? frame(share) : end,
                                         share < 1 ? place(share) : last);
     unsigned spots = 0;
     for (std::size_t s = 0; s < gaps.size(); ++s) {
@@ -88,10 +140,10 @@ BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>&
     return hit;
   }
   const auto look = [&](double share) {
-    return contact::least_gap(with.shape, frame(share), place(share));
+    return contact::least_gap(meeting.shape, frame(share), place(share));
   };
-  const double at_start = contact::least_gap(with.shape, start, first);
-  const double at_end = contact::least_gap(with.shape, end, last);
+  const double at_start = contact::least_gap(meeting.shape, start, first);
+  const double at_end = contact::least_gap(meeting.shape, end, last);
   const Entry entry = find_entry(at_start, at_end, far, look);
   hit.share = entry.share;
   hit.passes = entry.passes;

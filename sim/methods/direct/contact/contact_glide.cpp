@@ -181,7 +181,7 @@ void ContactStep::stiffen(double h) {
   for (const auto& carried : mechanism_.body_points()) {
     if (bodies_.any()) {
       answer_[carried.point] =
-          contact::mobility(bodies_.answers()[carried.body], carried.arm, carried.arm);
+          contact::mobility(bodies_.answers()->own(carried.body), carried.arm, carried.arm);
       continue;
     }
     const auto& body = mechanism_.bodies()[carried.body];

@@ -140,7 +140,7 @@ void ContactStep::rub(double share) {
     at.touch.stick = share * (*obstacles_)[at.obstacle].static_friction;
     at.touch.slide = share * (*obstacles_)[at.obstacle].kinetic_friction;
   }
-  bodies_.rub(*obstacles_, share);
+  bodies_.rub(share);
 }
 
 /// With friction raised in shares from none, as much as there is a solution with.

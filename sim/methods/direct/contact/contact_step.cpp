@@ -12,14 +12,18 @@ using ConstMap = Eigen::Map<const Vec3>;
 constexpr double kTouching = 1e-9;  // of the longest connector
 constexpr double kExact = 1e-14;    // of it, or of a metre
 constexpr double kShortest = 1e-7;  // s: nothing is located more precisely
+constexpr double kMeeting = 1e-6;   // s, of a step in which bodies meet that are as near
 constexpr int kRounds = 12;         // of finding what is hit in a step
 
 }  // namespace
 
-void ContactStep::rebuild(const World& world) {
+void ContactStep::rebuild(const World& world, const std::vector<Obstacle>& obstacles,
+                          std::span<const BodyPair> pairs) {
+  obstacles_ = &obstacles;
   mechanism_.rebuild(world);
-  system_.rebuild(mechanism_);
-  glide_system_.rebuild(mechanism_);
+  bodies_.rebuild(world, obstacles, pairs);
+  system_.rebuild(mechanism_, bodies_.together());
+  glide_system_.rebuild(mechanism_, bodies_.together());
   radius_.clear();
   category_.clear();
   double longest = 0;
@@ -34,7 +38,6 @@ void ContactStep::rebuild(const World& world) {
   for (std::size_t p = 0; p < radius_.size(); ++p) {
     if (mechanism_.inverse_mass()[p] == 0) radius_[p] = -1;
   }
-  bodies_.rebuild(world);
   for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
     if (world.connectors.empty()) longest = std::max(longest, bodies_.reach(b));
   }
@@ -70,8 +73,7 @@ void ContactStep::rebuild(const World& world) {
   solves_ = 0;
 }
 
-void ContactStep::load(const World& world, const std::vector<Obstacle>& obstacles) {
-  obstacles_ = &obstacles;
+void ContactStep::load(const World& world) {
   mechanism_.load(world, state_);
   next_ = state_;
   last_hits_ = true;
@@ -169,7 +171,10 @@ bool ContactStep::take_hits(bool locates, double& h) {
     if (!shortens || snap.share <= first * (1 + 1e-6)) taut_[snap.row] = true;
   }
   if (shortens) h *= first;
-  return shortens;
+  // Bodies that meet at once do so in a moment: not held together for the rest of the step.
+  const bool at_once = locates && !shortens && h > kMeeting && bodies_.meet_within(kShortest / h);
+  if (at_once) h = kMeeting;
+  return shortens || at_once;
 }
 
 double ContactStep::attempt(double time, double h, double slippery, bool locates, double lowest) {

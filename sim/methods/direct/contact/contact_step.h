@@ -24,10 +24,12 @@ namespace taut::direct {
 /// method, in which each bead answers for itself (see respond()), and each body (BodyTouches).
 class ContactStep {
  public:
-  /// Call when the topology is new.
-  void rebuild(const World& world);
-  /// Reads the state; `world` and the obstacles must stay as long as steps are taken.
-  void load(const World& world, const std::vector<Obstacle>& obstacles);
+  /// Call when the topology is new; `pairs` of the world's bodies touch each other. The obstacles
+  /// must stay as long as steps are taken.
+  void rebuild(const World& world, const std::vector<Obstacle>& obstacles,
+               std::span<const BodyPair> pairs);
+  /// Reads the state; `world` must stay as long as steps are taken.
+  void load(const World& world);
   void store(World& world, double time) const { mechanism_.store(state_, time, world); }
 
   /// After load(): velocities that links do not allow, as what is done to a world may leave them,

@@ -28,7 +28,7 @@ Mat3 mobility(const Mechanism& mechanism, const Mechanism::BodyPoint& at,
 
 }  // namespace
 
-void GlideSystem::rebuild(const Mechanism& mechanism) {
+void GlideSystem::rebuild(const Mechanism& mechanism, std::span<const std::uint32_t> together) {
   const auto& rows = mechanism.rows();
   first_.assign(mechanism.points(), 0);
   row_.assign(rows.size(), 0);
@@ -41,7 +41,7 @@ void GlideSystem::rebuild(const Mechanism& mechanism) {
   }
   // Neighbours' velocities couple.
   for (const Row& row : rows) half_ = std::max(half_, first_[row.b] + 2 - first_[row.a]);
-  border_ = contact::ends_that_meet(mechanism);
+  border_ = contact::ends_that_meet(mechanism, together);
   border_rows_.clear();
   for (const std::size_t end : border_) border_rows_.push_back(mechanism.row_ends()[end].row);
 }
@@ -100,10 +100,12 @@ void GlideSystem::add_bodies(const Mechanism& mechanism, const Terms& terms) {
     const std::span column(&columns_[c * size_], size_);
     for (const std::size_t e : border_) {
       const auto& at = mechanism.body_points()[ends[e].body_point];
-      if (at.body != pulled.body || at.point == pulled.point) continue;
-      const Mat3 answer = terms.bodies.empty()
-                              ? mobility(mechanism, at, pulled)
-                              : contact::mobility(terms.bodies[at.body], at.arm, pulled.arm);
+      const bool meet = terms.bodies && terms.bodies->meet(at.body, pulled.body);
+      if ((at.body != pulled.body && !meet) || at.point == pulled.point) continue;
+      const Mat3 answer =
+          !terms.bodies
+              ? mobility(mechanism, at, pulled)
+              : contact::mobility(terms.bodies->between(at.body, pulled.body), at.arm, pulled.arm);
       const Vec3 moves = -kMean * end.sign * (answer * terms.along[end.row]);
       for (int i = 0; i < 3; ++i) column[first_[at.point] + static_cast<std::size_t>(i)] = moves[i];
     }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/contact/band_system.h"
-#include "sim/contact/body_system.h"
+#include "sim/contact/body_answers.h"
 #include "sim/links/mechanism.h"
 
 namespace taut::direct {
@@ -24,11 +24,12 @@ class GlideSystem {
     std::span<const Mat3> bend;       // 1: to its own displacement over h, as surfaces curve
     std::span<const Mat3> turn;       // N s/m: of a row's impulse with the way from a to b
     std::span<const Vec3> along, to;  // of the row's pull; in which its length grows
-    /// Of a body to what pulls it; none: freely.
-    std::span<const contact::Mat6> bodies = {};
+    /// Of bodies to what pulls them; null: freely.
+    const contact::BodyAnswers* bodies = nullptr;
   };
 
-  void rebuild(const Mechanism& mechanism);
+  /// `together`: see contact::ends_that_meet().
+  void rebuild(const Mechanism& mechanism, std::span<const std::uint32_t> together = {});
   void assemble(const Mechanism& mechanism, const Terms& terms);
   /// In: by how much each point is slower than its answer, and each row grows too slowly (m/s).
   /// Out: what to add to velocities and impulses.

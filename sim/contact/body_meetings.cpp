@@ -1,0 +1,91 @@
+#include "sim/contact/body_meetings.h"
+
+#include <algorithm>
+
+#include "sim/contact/clusters.h"
+#include "sim/world/rotation.h"
+
+namespace taut::contact {
+namespace {
+
+/// A capsule as a solid in the frame of its body.
+void make_solid(const BodyCapsule& capsule, BodyMeeting& meeting) {
+  const Vec3 way = capsule.to - capsule.from;
+  const double length = way.norm();
+  meeting.place.position = (capsule.from + capsule.to) / 2;
+  meeting.shape = sphere_shape(capsule.radius);
+  if (!(length > 0)) return;
+  meeting.shape = capsule_shape(capsule.radius, length);
+  meeting.place.rotation = rotation_between(Vec3::UnitY(), way);
+}
+
+}  // namespace
+
+std::vector<BodyCapsule> capsules_of_free_bodies(const World& world) {
+  std::vector<BodyCapsule> capsules;
+  for (const Body& body : world.bodies) {
+    if (body.driven()) continue;
+    BodyCapsule capsule = body.capsule;
+    capsule.from -= body.mass_properties.centre;
+    capsule.to -= body.mass_properties.centre;
+    capsules.push_back(capsule);
+  }
+  return capsules;
+}
+
+std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const Obstacle> obstacles,
+                                            std::span<const BodyPair> pairs) {
+  const std::vector<BodyCapsule> capsules = capsules_of_free_bodies(world);
+  std::vector<std::uint32_t> number(world.bodies.size(), kNoBody);
+  std::uint32_t free = 0;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (!world.bodies[b].driven()) number[b] = free++;
+  }
+  std::vector<BodyMeeting> meetings;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (number[b] == kNoBody || !world.bodies[b].capsule.touches()) continue;
+    for (std::uint32_t o = 0; o < obstacles.size(); ++o) {
+      const Obstacle& with = obstacles[o];
+      if (!with.touches(world.bodies[b].capsule.category)) continue;
+      meetings.push_back({.body = number[b],
+                          .obstacle = o,
+                          .shape = with.shape,
+                          .place = {},
+                          .static_friction = with.static_friction,
+                          .kinetic_friction = with.kinetic_friction,
+                          .restitution = with.restitution});
+    }
+    for (const BodyPair& pair : pairs) {
+      if (pair.a != b) continue;
+      BodyMeeting& made = meetings.emplace_back();
+      made.body = number[b];
+      made.other = number[pair.b];
+      make_solid(capsules[made.other], made);
+      made.static_friction = pair.static_friction;
+      made.kinetic_friction = pair.kinetic_friction;
+      made.restitution = pair.restitution;
+    }
+  }
+  return meetings;
+}
+
+std::vector<std::uint32_t> bodies_together(std::span<const BodyMeeting> meetings,
+                                           std::size_t bodies) {
+  std::vector<BodyTouch> touches;
+  for (const BodyMeeting& meeting : meetings) {
+    if (meeting.other == kNoBody) continue;
+    touches.push_back({.body = meeting.body, .other = meeting.other, .touch = {}});
+  }
+  std::vector<std::uint32_t> numbers;
+  if (touches.empty()) return numbers;
+  Clusters clusters;
+  clusters.find(bodies, touches);
+  for (std::uint32_t b = 0; b < bodies; ++b) numbers.push_back(clusters.of(b));
+  return numbers;
+}
+
+Pose pose_of_solid(const BodyMeeting& meeting, const Vec3& centre, const Quat& rotation) {
+  return {centre + rotation * meeting.place.position, rotation * meeting.place.rotation};
+}
+
+}  // namespace taut::contact
