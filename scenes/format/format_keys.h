@@ -61,6 +61,7 @@ namespace taut::scenes {
 
 const TableFormat& path_format();
 const TableFormat& obstacle_format();
+const TableFormat& touching_format();
 const TableFormat& material_format();
 const TableFormat& drag_format();
 const TableFormat& air_format();

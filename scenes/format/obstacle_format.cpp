@@ -10,6 +10,26 @@ KeyFormat rounding() {
   return not_negative("rounding", "Radius of its edges, within its size; default: 0, sharp.", "m");
 }
 
+KeyFormat friction() {
+  return {.name = "friction",
+          .meaning = "Coulomb's coefficient, of what slides; default: 0.",
+          .unit = "1",
+          .minimum = 0,
+          .maximum = kMostFriction};
+}
+
+KeyFormat static_friction() {
+  return {.name = "static_friction",
+          .meaning = "Coulomb's coefficient, of what sticks; default: as friction.",
+          .unit = "1",
+          .minimum = 0,
+          .maximum = kMostFriction};
+}
+
+KeyFormat restitution(std::string_view meaning) {
+  return {.name = "restitution", .meaning = meaning, .unit = "1", .minimum = 0, .maximum = 1};
+}
+
 const TableFormat& surface_format() {
   static const TableFormat plane{
       {positive("size", "Edge of the square that is drawn of it; default: 4.", "m")}};
@@ -50,22 +70,10 @@ const TableFormat& obstacle_format() {
        vector("position",
               "Of its origin: in the world, or in the frame of what carries it; default: 0, 0, 0."),
        rotation("Of its frame, as a quaternion [w, x, y, z]; default: none."),
-       {.name = "friction",
-        .meaning = "Coulomb's coefficient, of what slides; default: 0.",
-        .unit = "1",
-        .minimum = 0,
-        .maximum = kMostFriction},
-       {.name = "static_friction",
-        .meaning = "Coulomb's coefficient, of what sticks; default: as friction.",
-        .unit = "1",
-        .minimum = 0,
-        .maximum = kMostFriction},
-       {.name = "restitution",
-        .meaning = "Newton's coefficient: the share of its speed with which a bead bounces off; "
-                   "default: 0.",
-        .unit = "1",
-        .minimum = 0,
-        .maximum = 1},
+       friction(),
+       static_friction(),
+       restitution("Newton's coefficient: the share of its speed with which a bead bounces off; "
+                   "default: 0."),
        {.name = "ignores",
         .type = Type::texts,
         .meaning = "Names of connectors and free bodies that pass through it; default: none."},
@@ -74,6 +82,18 @@ const TableFormat& obstacle_format() {
         .type = Type::flag,
         .meaning = "Whether pictures show it; default: true, unless a body or bone carries it."}},
       {{{"path", "body", "bone"}, false}}};
+  return format;
+}
+
+const TableFormat& touching_format() {
+  static const TableFormat format{
+      {needed(
+           {.name = "bodies",
+            .type = Type::texts,
+            .meaning = "Names of free bodies with `contact`, of which each touches each other."}),
+       friction(), static_friction(),
+       restitution("Newton's coefficient: the share of the speed at which they meet with which "
+                   "they part; default: 0.")}};
   return format;
 }
 

@@ -69,7 +69,11 @@ const TableFormat& capsule_format() {
        vector("from",
               "Where the line begins, in the body's frame; default: on the cylinder's axis, "
               "the radius from its end."),
-       vector("to", "Where it ends; default: at the cylinder's other end.")}};
+       vector("to", "Where it ends; default: at the cylinder's other end."),
+       {.name = "ignores",
+        .type = Type::texts,
+        .meaning = "Names of free bodies that it passes through, whatever stands in `touching`; "
+                   "default: none."}}};
   return format;
 }
 
@@ -92,10 +96,11 @@ const TableFormat& body_format() {
        rotation("Of the body's frame at the start, as a quaternion [w, x, y, z]."),
        vector("velocity", "Of the centre of mass at the start.", "m/s"),
        vector("spin", "At the start, about the world's axes.", "rad/s"),
-       table("contact",
-             "The capsule as which a free body touches obstacles; {}: that of its cylinder or "
-             "sphere. Without it the body touches nothing.",
-             capsule_format()),
+       table(
+           "contact",
+           "The capsule as which a free body touches obstacles, and other bodies where `touching` "
+           "says so; {}: that of its cylinder or sphere. Without it the body touches nothing.",
+           capsule_format()),
        {.name = "mesh",
         .type = Type::file,
         .meaning = "A glTF, GLB or OBJ model in the body's frame; default: its shape."},
@@ -340,6 +345,8 @@ const TableFormat& scene_format() {
             net_format(), Type::named),
       table("obstacles", "Solids that beads of connectors and free bodies touch.",
             obstacle_format(), Type::named),
+      table("touching", "Free bodies that touch each other; others pass through each other.",
+            touching_format(), Type::named),
       table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
       table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),
       table("stage", "What pictures need beside the world.", stage_format()),

@@ -14,8 +14,8 @@ namespace {
 /// The part of the document that is left out once something in it is wrong: one named thing, one
 /// element of a list, one key of the stage, or else a key at the top.
 std::string entry_of(const std::string& key) {
-  static const std::set<std::string_view> tables = {"paths",      "characters", "bodies",
-                                                    "connectors", "obstacles",  "stage"};
+  static const std::set<std::string_view> tables = {
+      "paths", "characters", "bodies", "connectors", "obstacles", "touching", "stage"};
   const std::size_t dot = key.find('.');
   const std::string first = key.substr(0, dot);
   if (dot == std::string::npos || !tables.contains(first)) return first;

@@ -36,19 +36,37 @@ void refuse_obstacles(const Document& document, const MethodInfo& method) {
 }
 
 void refuse_touching_bodies(const Document& document, const MethodInfo& method) {
+  if (method.touches_with_bodies) return;
+  std::vector<std::string_view> able;
+  for (const MethodInfo& info : all_methods()) {
+    if (info.touches_with_bodies) able.push_back(info.name);
+  }
+  const Value* touching = document.root.find("touching");
+  if (touching && !touching->children.empty()) {
+    document.fail_at_key(touching->children.front(),
+                         fmt::format("the method {} follows no free bodies that touch each other, "
+                                     "expected one of: {}",
+                                     method.name, fmt::join(able, ", ")));
+  }
   const Value *obstacles = document.root.find("obstacles"), *bodies = document.root.find("bodies");
-  if (!obstacles || obstacles->children.empty() || !bodies || method.touches_with_bodies) return;
+  if (!obstacles || obstacles->children.empty() || !bodies) return;
   for (const Value& body : bodies->children) {
     const Value* key = body.find("contact");
     if (!key) continue;
-    std::vector<std::string_view> able;
-    for (const MethodInfo& info : all_methods()) {
-      if (info.touches_with_bodies) able.push_back(info.name);
-    }
     document.fail_at_key(*key, fmt::format("the method {} follows no free bodies that touch "
                                            "obstacles, expected one of: {}",
                                            method.name, fmt::join(able, ", ")));
   }
+}
+
+/// What in a scene touches, in words; null: nothing.
+const char* what_touches(const Document& document) {
+  const auto is_there = [&](const char* name) {
+    const Value* table = document.root.find(name);
+    return table && !table->children.empty();
+  };
+  if (is_there("obstacles")) return "obstacles";
+  return is_there("touching") ? "bodies that touch each other" : nullptr;
 }
 
 /// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
@@ -63,15 +81,15 @@ const Value* material_key(const Value& connector) {
 
 void refuse_materials(const Document& document, const MethodInfo& method) {
   const Value* connectors = document.root.find("connectors");
-  const Value* obstacles = document.root.find("obstacles");
+  const char* touching = what_touches(document);
   if (!connectors) return;
   for (const Value& connector : connectors->children) {
     const Value* key = material_key(connector);
     if (!key) continue;
-    if (obstacles && !obstacles->children.empty()) {
-      document.fail_at_key(*key,
-                           "stands in a scene with obstacles, where links are rigid, bend "
-                           "freely and meet no air");
+    if (touching) {
+      document.fail_at_key(*key, fmt::format("stands in a scene with {}, where links are rigid, "
+                                             "bend freely and meet no air",
+                                             touching));
     }
     if (method.follows_materials) continue;
     std::vector<std::string_view> able;
@@ -99,9 +117,10 @@ const Value* joining_key(const Value& root) {
 void refuse_joints(const Document& document, const MethodInfo& method) {
   const Value* key = joining_key(document.root);
   if (!key) return;
-  const Value* obstacles = document.root.find("obstacles");
-  if (obstacles && !obstacles->children.empty()) {
-    document.fail_at_key(*key, "stands in a scene with obstacles, where connectors are not joined");
+  if (const char* touching = what_touches(document)) {
+    document.fail_at_key(*key, fmt::format("stands in a scene with {}, where connectors are not "
+                                           "joined",
+                                           touching));
   }
   if (method.follows_joints) return;
   std::vector<std::string_view> able;
@@ -194,6 +213,7 @@ Scene read_scene(Document document, bool with_stage) {
   read_connectors(document, motions, scene.world);
   read_nets(document, scene.world);
   read_obstacles(document, motions, scene.world);
+  read_touching(document, scene.world);
   push_out_starts(document, scene.world);
   refuse_spans(document, *find_method(scene.method.name));
   refuse_obstacles(document, *find_method(scene.method.name));
@@ -203,6 +223,7 @@ Scene read_scene(Document document, bool with_stage) {
   refuse_strings(document, *find_method(scene.method.name));
   finish(scene.world);
   check_obstacles(document, scene.world);
+  check_touching(document, scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
   check_curvatures(document, scene.world, scene.timeline);
   if (plan) try_plan(document, *plan, scene);

@@ -143,6 +143,10 @@ void push_out_starts(const Document& document, World& world);
 bool shows_obstacle(const Value& value);
 /// What stands where an obstacle is at the start; of a world that is finished.
 void check_obstacles(const Document& document, const World& world);
+/// Pairs of free bodies that touch each other.
+void read_touching(const Document& document, World& world);
+/// Whether these start apart; of a world that is finished.
+void check_touching(const Document& document, const World& world);
 /// Pins and cuts, of a world that is finished.
 Timeline read_timeline(const Document& document, Motions& motions, const World& world,
                        double duration);

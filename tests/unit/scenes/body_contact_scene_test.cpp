@@ -91,5 +91,76 @@ TEST_F(BodyContactScene, OtherMethodsAreRefused) {
   }
 }
 
+/// Three sticks side by side, and what else stands in the scene.
+std::string sticks_with(const std::string& keys, const std::string& method = "direct") {
+  std::string text = "duration = 1.0\n[method]\nname = \"" + method + "\"\n";
+  for (int i = 0; i < 3; ++i) {
+    text += "[bodies.s" + std::to_string(i) + "]\nmass = 0.1\n" + kStick + "position = [" +
+            std::to_string(i) + ", 0, 0]\ncontact = {}\n";
+  }
+  return text + "[bodies.led]\nmass = 0.1\n" + kStick +
+         "driven_by = { path = \"hand\" }\n[bodies.bare]\nmass = 0.1\n" + kStick +
+         "position = [9, 0, 0]\n[paths.hand]\nkeys = [{ t = 0, position = [0, 1, 0] }]\n" + keys;
+}
+
+const std::string kAll = "[touching.sticks]\nbodies = [\"s0\", \"s1\", \"s2\"]\n";
+
+TEST_F(BodyContactScene, PairsAreReadAsTheySay) {
+  EXPECT_TRUE(read(sticks_with("")).pairs.empty());
+  const World world =
+      read(sticks_with(kAll + "friction = 0.2\nstatic_friction = 0.3\nrestitution = 0.4"));
+  ASSERT_EQ(world.pairs.size(), 3u);
+  EXPECT_EQ(world.pairs[1].a, 0u);
+  EXPECT_EQ(world.pairs[1].b, 2u);
+  EXPECT_DOUBLE_EQ(world.pairs[1].kinetic_friction, 0.2);
+  EXPECT_DOUBLE_EQ(world.pairs[1].static_friction, 0.3);
+  EXPECT_DOUBLE_EQ(world.pairs[1].restitution, 0.4);
+  EXPECT_TRUE(has_touching_bodies(world));
+  std::string ignoring = sticks_with(kAll);
+  ignoring.replace(ignoring.find("contact = {}"), 12, "contact = { ignores = [\"s2\"] }");
+  const World fewer = read(ignoring);
+  ASSERT_EQ(fewer.pairs.size(), 2u);
+  EXPECT_EQ(fewer.pairs[0].b, 1u);
+  EXPECT_EQ(fewer.pairs[1].a, 1u);
+}
+
+TEST_F(BodyContactScene, FaultsOfPairsAreNamed) {
+  const auto of = [](const std::string& names) {
+    return sticks_with("[touching.sticks]\nbodies = [" + names + "]");
+  };
+  expect(of("\"s0\""), "touching.sticks.bodies: found");
+  expect(of("\"s0\", \"s0\""), "is there twice");
+  expect(of("\"s0\", \"none\""), "none");
+  expect(of("\"s0\", \"led\""), "expected a free body");
+  expect(of("\"s0\", \"bare\""), "expected a body with contact");
+  expect(sticks_with(kAll + "[touching.more]\nbodies = [\"s2\", \"s1\"]"),
+         "has s1 and s2, which are in touching.sticks already");
+  expect(sticks_with(kAll + "friction = 0.2\nstatic_friction = 0.1"), "at least friction, 0.2");
+  std::string inside = sticks_with(kAll);
+  inside.replace(inside.find("[1, 0, 0]"), 9, "[0.01, 0, 0]");
+  expect(inside, "bodies.s1.contact: starts 0.01 m inside of body s0");
+  const auto rope = [](const std::string& keys) {
+    return sticks_with(kAll +
+                       "[connectors.rope]\nlength = 1.0\nfrom = { fixed = [5, 5, 0] }\n"
+                       "to = { free = true }\n" +
+                       keys);
+  };
+  expect(rope("mass = 0\nparticles = 2\nmodel = \"span\""), "massless spans");
+  expect(rope("mass = 0.1\nparticles = 9\naxial_stiffness = 10.0"),
+         "stands in a scene with bodies that touch each other");
+}
+
+TEST_F(BodyContactScene, OtherMethodsAreRefusedWithPairs) {
+  for (const MethodInfo& method : all_methods()) {
+    if (!method.missing.empty()) continue;
+    const std::string text = sticks_with(kAll, std::string(method.name));
+    if (method.touches_with_bodies) {
+      EXPECT_TRUE(follows(method, read(text))) << method.name;
+    } else {
+      expect(text, "follows no free bodies that touch each other, expected one of: direct, truth");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace taut::body_contact_scene_test
