@@ -53,11 +53,11 @@ std::string run_twice(const scenes::Scene& scene, const scenes::MethodChoice& me
   } catch (const Diverged& error) {
     const std::string_view why = error.what();
     const auto says = [&](std::string_view words) { return why.find(words) != why.npos; };
-    // Among obstacles and of strings the truth does not find every motion, and where rigid links
+    // With contact and of strings the truth does not find every motion, and where rigid links
     // are joined there may be none: both say where they stop.
     const bool stops =
         method.name == "truth" &&
-        (!scene.world.obstacles.empty() || !scene.world.joints.empty() || has_strings(scene.world));
+        (has_contact(scene.world) || !scene.world.joints.empty() || has_strings(scene.world));
     const bool tells = says("inside of obstacle") || says("follows no") ||
                        says("joined links may be at their full length") ||
                        says("a link is pressed together to nothing");
@@ -212,7 +212,7 @@ Verdict check_promises(const std::string& text, const std::string& only) {
     tasks.push_back({choice, false});
     ++verdict.runs;
   }
-  if (scene->method.name == "direct" && scene->world.obstacles.empty() &&
+  if (scene->method.name == "direct" && !has_contact(scene->world) &&
       (only.empty() || only == "direct") && takes(*find_method("truth"), scene->world)) {
     tasks.push_back({scene->method, true});
     ++verdict.compared;

@@ -14,7 +14,8 @@ constexpr const char* kFree = "{ free = true }";
 
 class Scene : Pieces {
  public:
-  explicit Scene(unsigned seed) : Pieces(seed), own_dice_(~seed) {}
+  explicit Scene(unsigned seed)
+      : Pieces(seed), own_dice_(~seed), meeting_dice_(seed ^ 0x2545f491u) {}
 
   std::string drawn() {
     constexpr int kRates[] = {1, 5, 24, 24, 30, 30, 60, 60, 60, 120, 120, 240};
@@ -46,6 +47,9 @@ class Scene : Pieces {
     }
     if (obstacles) {
       for (int i = 1 + dice_.pick(2); i > 0; --i) add_obstacle(i);
+    }
+    if (!spans && !joins && !sections_ && !obstacles && meeting_dice_.between(0, 1) < 0.3) {
+      add_meeting();
     }
     if (!spans) {
       for (const Strand& strand : std::vector(strands_)) {
@@ -319,11 +323,57 @@ class Scene : Pieces {
     if (round && path.empty() && chance(0.3)) add_wound(name, size);
   }
 
+  /// Sticks on their way to one that hangs or flies.
+  void add_meeting() {
+    Dice& dice = meeting_dice_;
+    const Vec3 middle = dice.within(length_);
+    const double size = length_ * dice.scale(0.02, 0.3);
+    const int count = 2 + dice.pick(2);
+    std::string names;
+    for (int i = 0; i < count; ++i) {
+      const std::string name = fmt::format("stick{}", i);
+      names += (i > 0 ? ", \"" : "\"") + name + '"';
+      line("\n[bodies.{}]\nmass = {}", name, dice.scale(1e-2, 10));
+      const double diameter = size * dice.between(0.05, 0.4);
+      line("shape = {{ cylinder = {{ length = {}, diameter = {} }} }}\ncontact = {{}}", size,
+           diameter);
+      const bool hangs = i == 0 && dice.between(0, 1) < 0.5;
+      const Vec3 way = dice.direction();
+      if (hangs) {
+        line("hangs = [0, -1, 0]");
+        hang(name, middle + size / 2 * Vec3::UnitY(), size);
+        continue;
+      }
+      // Each comes from a distance at which none can reach another.
+      const Vec3 apart = i == 0 ? Vec3(Vec3::Zero()) : Vec3(3.0 * i * size * way);
+      line("position = {}\nspin = {}", text(middle + apart), text(dice.within(8)));
+      line("velocity = {}", text(-dice.between(1, 6) * apart));
+      line("rotation = [{}, {}, {}, {}]", dice.between(0.1, 1), dice.between(-1, 1),
+           dice.between(-1, 1), dice.between(-1, 1));
+    }
+    text_ += hung_;
+    line("\n[touching.sticks]\nbodies = [{}]", names);
+    if (dice.between(0, 1) < 0.6) line("friction = {}", dice.scale(0.01, 2));
+    if (dice.between(0, 1) < 0.5) line("restitution = {}", dice.between(0, 1));
+  }
+
+  /// The connector from which a stick hangs by its upper end, at `end`.
+  void hang(const std::string& body, const Vec3& end, double size) {
+    const double length = length_ * meeting_dice_.between(0.2, 0.6);
+    hung_ = fmt::format(
+        "\n[connectors.hung]\nlength = {}\nparticles = {}\nmass = {}\nfrom = {{ fixed = {} }}\n"
+        "to = {{ body = \"{}\", point = {} }}\nstart = {{ direction = [0, -1, 0] }}\n",
+        length, 2 + meeting_dice_.pick(8), meeting_dice_.scale(1e-3, 1),
+        text(end + length * Vec3::UnitY()), body, text(size / 2 * Vec3::UnitY()));
+  }
+
   double most_ = 0;        // particles: few find as much as many, and take less time
   double mass_ = 1;        // kg, of the last connector
   bool sections_ = false;  // connectors stretch, bend or meet the air
   bool strings_ = false;   // links of connectors only pull
   Dice own_dice_;          // for what came later, so that what else is drawn stays
+  Dice meeting_dice_;      // for what came later still
+  std::string hung_;       // the connector of a stick that hangs
   std::vector<Strand> strands_;
   int nets_ = 0;
 };
