@@ -16,6 +16,7 @@ namespace {
 using Pair = std::pair<std::size_t, std::size_t>;
 
 constexpr double kInside = 1e-6;  // of the sizes: rounding
+constexpr std::size_t kMostPairs = 100'000;
 
 /// Pairs that some body's contact.ignores names, in order.
 std::set<Pair> ignored_pairs(const Document& document, const Names& names) {
@@ -72,6 +73,12 @@ void read_touching(const Document& document, World& world) {
   for (const Value& value : table->children) {
     const BodyPair surfaces = read_surfaces(document, value);
     const Value& list = *value.find("bodies");
+    const std::size_t count = list.children.size();
+    if (count > kMostPairs || world.pairs.size() + count * (count - 1) / 2 > kMostPairs) {
+      document.fail(list, fmt::format("makes more than {} pairs with what is before it: each of "
+                                      "its {} bodies touches each other",
+                                      kMostPairs, count));
+    }
     std::vector<std::size_t> bodies;
     for (const Value& name : list.children) {
       const std::size_t b = names.index_of(document, name, "body");

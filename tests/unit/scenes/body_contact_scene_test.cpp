@@ -131,6 +131,9 @@ TEST_F(BodyContactScene, FaultsOfPairsAreNamed) {
   expect(of("\"s0\""), "touching.sticks.bodies: found");
   expect(of("\"s0\", \"s0\""), "is there twice");
   expect(of("\"s0\", \"none\""), "none");
+  std::string many = "\"s0\"";
+  for (int i = 1; i < 500; ++i) many += ", \"s0\"";
+  expect(of(many), "makes more than 100000 pairs");
   expect(of("\"s0\", \"led\""), "expected a free body");
   expect(of("\"s0\", \"bare\""), "expected a body with contact");
   expect(sticks_with(kAll + "[touching.more]\nbodies = [\"s2\", \"s1\"]"),
