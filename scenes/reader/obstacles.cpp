@@ -192,14 +192,19 @@ Obstacle read_obstacle(const Document& document, const Value& value, Motions& mo
   } else {
     fit_to_skin(document, *bone, *who, motions, made);
   }
-  made.kinetic_friction = number_or(value, "friction", 0);
-  made.static_friction = number_or(value, "static_friction", made.kinetic_friction);
-  if (made.static_friction < made.kinetic_friction) {
-    document.mismatch(*value.find("static_friction"),
-                      fmt::format("at least friction, {}", made.kinetic_friction));
-  }
-  made.restitution = number_or(value, "restitution", 0);
+  read_friction(document, value, made.static_friction, made.kinetic_friction, made.restitution);
   return made;
+}
+
+void read_friction(const Document& document, const Value& value, double& static_friction,
+                   double& kinetic_friction, double& restitution) {
+  kinetic_friction = number_or(value, "friction", 0);
+  static_friction = number_or(value, "static_friction", kinetic_friction);
+  if (static_friction < kinetic_friction) {
+    document.mismatch(*value.find("static_friction"),
+                      fmt::format("at least friction, {}", kinetic_friction));
+  }
+  restitution = number_or(value, "restitution", 0);
 }
 
 bool shows_obstacle(const Value& value) {

@@ -143,6 +143,9 @@ void push_out_starts(const Document& document, World& world);
 bool shows_obstacle(const Value& value);
 /// What stands where an obstacle is at the start; of a world that is finished.
 void check_obstacles(const Document& document, const World& world);
+/// Friction and restitution of an obstacle or of bodies that touch each other.
+void read_friction(const Document& document, const Value& value, double& static_friction,
+                   double& kinetic_friction, double& restitution);
 /// Pairs of free bodies that touch each other.
 void read_touching(const Document& document, World& world);
 /// Whether these start apart; of a world that is finished.

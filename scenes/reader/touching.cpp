@@ -38,18 +38,6 @@ std::set<Pair> ignored_pairs(const Document& document, const Names& names) {
   return pairs;
 }
 
-BodyPair read_surfaces(const Document& document, const Value& value) {
-  BodyPair made;
-  made.kinetic_friction = number_or(value, "friction", 0);
-  made.static_friction = number_or(value, "static_friction", made.kinetic_friction);
-  if (made.static_friction < made.kinetic_friction) {
-    document.mismatch(*value.find("static_friction"),
-                      fmt::format("at least friction, {}", made.kinetic_friction));
-  }
-  made.restitution = number_or(value, "restitution", 0);
-  return made;
-}
-
 void refuse_spans_beside(const Document& document) {
   const Value* connectors = document.root.find("connectors");
   for (std::size_t c = 0; connectors && c < connectors->children.size(); ++c) {
@@ -71,7 +59,9 @@ void read_touching(const Document& document, World& world) {
   refuse_spans_beside(document);
   std::map<Pair, std::string> known;
   for (const Value& value : table->children) {
-    const BodyPair surfaces = read_surfaces(document, value);
+    BodyPair surfaces;
+    read_friction(document, value, surfaces.static_friction, surfaces.kinetic_friction,
+                  surfaces.restitution);
     const Value& list = *value.find("bodies");
     const std::size_t count = list.children.size();
     if (count > kMostPairs || world.pairs.size() + count * (count - 1) / 2 > kMostPairs) {

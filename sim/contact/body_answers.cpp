@@ -1,15 +1,8 @@
 #include "sim/contact/body_answers.h"
 
+#include "sim/world/rotation.h"
+
 namespace taut::contact {
-namespace {
-
-Mat3 lever(const Vec3& v) {
-  Mat3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-}  // namespace
 
 Vec3 velocity_at(const Vec6& twist, const Vec3& arm) {
   return twist.head<3>() + twist.tail<3>().cross(arm);
@@ -23,7 +16,7 @@ Mat6 mobility(double inverse_mass, const Mat3& inverse_inertia) {
 }
 
 Mat3 mobility(const Mat6& answer, const Vec3& arm, const Vec3& pulled) {
-  const Mat3 at = lever(arm), by = lever(pulled);
+  const Mat3 at = cross_matrix(arm), by = cross_matrix(pulled);
   return answer.topLeftCorner<3, 3>() + answer.topRightCorner<3, 3>() * by -
          at * answer.bottomLeftCorner<3, 3>() - at * answer.bottomRightCorner<3, 3>() * by;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sim/links/dense.h"
+#include "sim/world/rotation.h"
 
 namespace taut::contact {
 namespace {
@@ -19,12 +20,6 @@ constexpr double kLeastPart = 1e-6;  // of what presses most
 constexpr double kFirst = 1e5;       // normals before friction, where both cannot be had
 constexpr double kYields = 1e-3;     // of what friction could change: what sticks may part by less
 constexpr double kImmobile = 1e-12;  // of the mobility of the free body
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 Eigen::Index row(std::size_t touch) {
   return 3 * static_cast<Eigen::Index>(touch);

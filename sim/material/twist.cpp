@@ -5,16 +5,11 @@
 #include <numbers>
 
 #include "sim/material/forces.h"
+#include "sim/world/rotation.h"
 #include "sim/world/twist.h"
 
 namespace taut::material {
 namespace {
-
-Mat3 crossing(const Vec3& v) {
-  Mat3 matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 /// The turn of a hold that is the farthest from none, rad.
 double farthest(const Hold& hold) {
@@ -40,8 +35,8 @@ Bend::Stiffness Carry::second() const {
         by_direction * (Mat3::Identity() - t * t.transpose()) - slope_ * t.transpose();
     return (full + full.transpose()) / 2;
   };
-  const Mat3 by_t0 = share_ * (-crossing(t1_) - slope_ * t1_.transpose());
-  const Mat3 by_t1 = share_ * (crossing(t0_) - slope_ * t0_.transpose());
+  const Mat3 by_t0 = share_ * (-cross_matrix(t1_) - slope_ * t1_.transpose());
+  const Mat3 by_t1 = share_ * (cross_matrix(t0_) - slope_ * t0_.transpose());
   return {inverse0_ * inverse0_ * own(by_t0, t0_),
           inverse0_ * inverse1_ * by_t1 * (Mat3::Identity() - t1_ * t1_.transpose()),
           inverse1_ * inverse1_ * own(by_t1, t1_)};

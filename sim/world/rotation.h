@@ -12,6 +12,13 @@ namespace taut {
 /// value decomposition, which takes a quarter of a minute to compile.
 Quat rotation_between(const Vec3& from, const Vec3& to);
 
+/// The matrix whose product with a vector is the cross product of `v` with it.
+inline Mat3 cross_matrix(const Vec3& v) {
+  Mat3 m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
 /// How fast the quaternion of a rotation changes at a spin (rad/s, world axes).
 inline Quat quaternion_rate(const Vec3& spin, const Quat& rotation) {
   return Quat(0, spin.x() / 2, spin.y() / 2, spin.z() / 2) * rotation;

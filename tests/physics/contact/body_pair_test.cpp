@@ -331,7 +331,7 @@ World storm(unsigned seed) {
   return world;
 }
 
-TEST(BodyPairStorms, NothingPassesAndNoEnergyIsGained) {
+TEST(BodyPairStorms, NothingPassesAndAllLand) {
   for (unsigned seed = 0; seed < 8; ++seed) {
     const World world = storm(seed);
     Simulation simulation(world, make_method("direct", {{"tolerance", 1e-3}}));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/contact/row_system.h"
+#include "sim/world/rotation.h"
 
 namespace taut::direct {
 namespace {
@@ -11,12 +12,6 @@ namespace {
 constexpr double kMean = 0.5;
 /// A row whose pull moves its ends by less than this share of what others would moves nothing.
 constexpr double kNoShare = 1e-6;
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 /// How a body's point moves with a pull at another (or the same) of its points.
 Mat3 mobility(const Mechanism& mechanism, const Mechanism::BodyPoint& at,
