@@ -70,7 +70,7 @@ std::string mutated(std::string bytes, const std::vector<std::string>& others,
 
 /// Those with characters, whose hands take a hundred times as long as all else, less often.
 std::vector<std::string> scenes() {
-  constexpr int kOthers = 10;
+  constexpr int kOthers = 100;
   std::vector<std::string> inputs;
   for (const std::vector<std::string>& files :
        {files_in(TAUT_SOURCE_DIR "/scenes", ".toml"),
