@@ -1,11 +1,13 @@
 #include "render/film/video.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -35,6 +37,14 @@ render::ChildResult run(const std::vector<std::string>& arguments, const std::st
   return result;
 }
 
+bool is_in_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
 /// A path as FFmpeg's list of files wants it, in single quotes.
 std::string quoted(const std::filesystem::path& file) {
   std::string text = "'file:";
@@ -47,7 +57,8 @@ std::string quoted(const std::filesystem::path& file) {
 
 void require_ffmpeg() {
   run({"ffmpeg", "-hide_banner", "-version"}, "");
-  run({"ffprobe", "-hide_banner", "-version"}, "");
+  if (!is_in_path("ffprobe"))  // it comes with FFmpeg: looked for alone
+    throw render::EncoderFailed("cannot start ffprobe: not found (is FFmpeg installed?)");
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -49,7 +50,11 @@ void limit(int resource, rlim_t soft, rlim_t hard) {
 }
 
 void take_away(const SandboxLimits& limits) {
-  const auto seconds = static_cast<rlim_t>(std::ceil(limits.cpu_time));
+  const double whole = std::floor(limits.cpu_time);
+  const itimerval timer{
+      {}, {static_cast<time_t>(whole), static_cast<suseconds_t>(1e6 * (limits.cpu_time - whole))}};
+  setitimer(ITIMER_PROF, &timer, nullptr);
+  const auto seconds = static_cast<rlim_t>(whole) + 1;  // which it cannot undo
   limit(RLIMIT_CPU, seconds, seconds + 1);
   limit(RLIMIT_FSIZE, 0, 0);
   limit(RLIMIT_CORE, 0, 0);
@@ -62,7 +67,7 @@ void take_away(const SandboxLimits& limits) {
 
 /// The child has the handlers of its parent, which may do more than end it.
 void end_by_faults() {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU, SIGSYS}) {
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPROF, SIGXCPU, SIGSYS}) {
     std::signal(signal, SIG_DFL);
   }
   std::signal(SIGXFSZ, SIG_IGN);  // what is said on standard error may go to a file
@@ -120,6 +125,7 @@ SandboxResult::End end_of(int status) {
       return End::replied;
     case kNoMemory:
       return End::no_memory;
+    case 128 + SIGPROF:
     case 128 + SIGXCPU:
     case 128 + SIGKILL:  // the hard limit of CPU time
       return End::no_time;

@@ -10,7 +10,7 @@ namespace taut::scenes {
 struct SandboxLimits {
   std::size_t memory = 0;  // bytes, beyond what the process has at the fork
   std::size_t reply = 0;   // bytes; a longer one counts as too much memory
-  double cpu_time = 0;     // s, rounded up to whole ones
+  double cpu_time = 0;     // s, more than 0
   double wall_time = 0;    // s, for a child that waits instead of working
 };
 

@@ -21,8 +21,8 @@ inline constexpr double kSlower = 10;
 #else
 inline constexpr double kSlower = 1;
 #endif
-inline constexpr double kShare = 0.0125 * kSlower;  // s of CPU time of a run: it goes no farther
-inline constexpr double kSlice = 1e-3;              // s of the scene
+inline constexpr double kShare = 0.01 * kSlower;  // s of CPU time of a run: it goes no farther
+inline constexpr double kSlice = 1e-3;            // s of the scene
 inline constexpr double kTolerances = 3;     // that an error may have, but for one in a thousand
 inline constexpr double kTruthError = 1e-6;  // of the length: what the truth is taken to claim
 inline constexpr double kStretch = 1e-6;     // of a link's length

@@ -1,13 +1,15 @@
 #include "render/draw/shading/noise.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 namespace taut::draw {
 namespace {
 
 /// An even hash of a lattice point, 0 to 1.
-float lattice(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
+float hashed(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
   std::uint32_t h = x * 0x8da6b343u ^ y * 0xd8163841u ^ seed * 0xcb1ab31fu;
   h = (h ^ (h >> 15)) * 0x2c1b3c6du;
   h = (h ^ (h >> 12)) * 0x297a2d39u;
@@ -19,34 +21,54 @@ float smooth(float t) {
 }
 
 /// Value noise that repeats after `period` cells.
-float value_noise(float x, float y, std::uint32_t period, std::uint32_t seed) {
-  const auto x0 = std::uint32_t(x), y0 = std::uint32_t(y);
-  const float u = smooth(x - float(x0)), v = smooth(y - float(y0));
-  const auto at = [&](std::uint32_t i, std::uint32_t j) {
-    return lattice((x0 + i) % period, (y0 + j) % period, seed);
-  };
-  return std::lerp(std::lerp(at(0, 0), at(1, 0), u), std::lerp(at(0, 1), at(1, 1), u), v);
-}
+class ValueNoise {
+ public:
+  ValueNoise(std::uint32_t period, std::uint32_t seed) : period_(period) {
+    for (std::uint32_t y = 0; y < period; ++y)
+      for (std::uint32_t x = 0; x < period; ++x) lattice_.push_back(hashed(x, y, seed));
+  }
+
+  /// For places in the first period, in cells.
+  float at(float x, float y) const {
+    const auto x0 = std::uint32_t(x), y0 = std::uint32_t(y);
+    const float u = smooth(x - float(x0)), v = smooth(y - float(y0));
+    const std::uint32_t x1 = x0 + 1 < period_ ? x0 + 1 : 0, y1 = y0 + 1 < period_ ? y0 + 1 : 0;
+    const float *row = &lattice_[y0 * period_], *next = &lattice_[y1 * period_];
+    return between(between(row[x0], row[x1], u), between(next[x0], next[x1], u), v);
+  }
+
+ private:
+  static float between(float a, float b, float t) { return a + t * (b - a); }
+
+  std::uint32_t period_;
+  std::vector<float> lattice_;
+};
 
 }  // namespace
 
 gl::GlObject make_noise_texture(const gl::Gl& gl) {
-  constexpr int kSize = 256, kLevels = 9;
-  std::vector<std::uint8_t> pixels;
-  for (int y = 0; y < kSize; ++y)
-    for (int x = 0; x < kSize; ++x)
-      for (std::uint32_t channel = 0; channel < 2; ++channel) {
-        // The second channel starts at finer cells.
+  constexpr int kSize = 256, kLevels = 9, kOctaves = 4;
+  std::vector<std::uint8_t> pixels(2 * kSize * kSize);
+  for (std::uint32_t channel = 0; channel < 2; ++channel) {
+    std::vector<ValueNoise> octaves;
+    std::vector<float> scales;                // cells of a pixel
+    std::uint32_t period = channel ? 32 : 8;  // the second channel starts at finer cells
+    for (std::uint32_t octave = 0; octave < kOctaves; ++octave) {
+      octaves.emplace_back(period, 8 * channel + octave);
+      scales.push_back(float(period) / kSize);
+      period = std::min(2 * period, std::uint32_t(kSize));
+    }
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x) {
         float sum = 0, amplitude = 0.5f;
-        for (std::uint32_t octave = 0, period = channel ? 32 : 8; octave < 4; ++octave) {
-          const float scale = float(period) / kSize;
-          sum += amplitude *
-                 value_noise(float(x) * scale, float(y) * scale, period, 8 * channel + octave);
+        for (std::size_t i = 0; i < kOctaves; ++i) {
+          sum += amplitude * octaves[i].at(float(x) * scales[i], float(y) * scales[i]);
           amplitude *= 0.5f;
-          period = std::min(2 * period, std::uint32_t(kSize));
         }
-        pixels.push_back(std::uint8_t(std::lround(255 * sum / (1 - amplitude * 2))));
+        pixels[2 * std::size_t(y * kSize + x) + channel] =
+            std::uint8_t(std::lround(255 * sum / (1 - amplitude * 2)));
       }
+  }
   gl::GlObject texture = gl::make_texture(gl, GL_RG8, kSize, kSize, 0, kLevels);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl.TextureSubImage2D(texture.id(), 0, 0, 0, kSize, kSize, GL_RG, GL_UNSIGNED_BYTE, pixels.data());

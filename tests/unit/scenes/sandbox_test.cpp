@@ -75,11 +75,14 @@ TEST(Sandbox, WorkWithoutEndIsEnded) {
     }
     return {};
   };
-  EXPECT_EQ(run(loop).end, End::no_time);
+  scenes::SandboxLimits limits = kLimits;
+  limits.cpu_time = 0.1;
+  const scenes::SandboxResult ended = run(loop, limits);
+  EXPECT_EQ(ended.end, End::no_time);
+  EXPECT_EQ(ended.status, 128 + SIGPROF);  // not by whole seconds
   const auto sleep = []() -> std::string {
     for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
   };
-  scenes::SandboxLimits limits = kLimits;
   limits.wall_time = 0.1;
   EXPECT_EQ(run(sleep, limits).end, End::no_time);
   const auto silent = [&]() -> std::string {
