@@ -181,6 +181,17 @@ TEST_F(Render, FfmpegMissing) {
   EXPECT_FALSE(fs::exists(out_));
 }
 
+TEST_F(Render, FfmpegWithoutFfprobe) {
+  const fs::path program = folder_.write("bin/ffmpeg", "#!/bin/sh\n");
+  fs::permissions(program, fs::perms::owner_all);
+  const std::string path = program.parent_path().string();
+  const ProgramResult outcome = run_taut({"render", scene_.string(), "--out", out_.string()},
+                                         TAUT_SOURCE_DIR, [&] { setenv("PATH", path.c_str(), 1); });
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_NE(outcome.messages.find("ffprobe"), std::string::npos) << outcome.messages;
+  EXPECT_FALSE(fs::exists(out_));
+}
+
 TEST_F(Render, FfmpegThatFailsOrStopsShort) {
   const auto with_ffmpeg = [&](const std::string& script) {
     const fs::path program = folder_.write("bin/ffmpeg", "#!/bin/sh\n" + script);
