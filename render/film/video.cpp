@@ -37,9 +37,10 @@ render::ChildResult run(const std::vector<std::string>& arguments, const std::st
   return result;
 }
 
+/// Whether a child would find it, which without a PATH looks where the C library does.
 bool is_in_path(const std::string& program) {
   const char* path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "");
+  std::istringstream folders(path ? path : "/bin:/usr/bin");
   for (std::string folder; std::getline(folders, folder, ':');)
     if (access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
   return false;
@@ -57,7 +58,7 @@ std::string quoted(const std::filesystem::path& file) {
 
 void require_ffmpeg() {
   run({"ffmpeg", "-hide_banner", "-version"}, "");
-  if (!is_in_path("ffprobe"))  // it comes with FFmpeg: looked for alone
+  if (!is_in_path("ffprobe"))  // of the same package: to find it is enough
     throw render::EncoderFailed("cannot start ffprobe: not found (is FFmpeg installed?)");
 }
 

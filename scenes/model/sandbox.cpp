@@ -54,7 +54,8 @@ void take_away(const SandboxLimits& limits) {
   const itimerval timer{
       {}, {static_cast<time_t>(whole), static_cast<suseconds_t>(1e6 * (limits.cpu_time - whole))}};
   setitimer(ITIMER_PROF, &timer, nullptr);
-  const auto seconds = static_cast<rlim_t>(whole) + 1;  // which it cannot undo
+  // The child can stop a timer where the kernel has no filters of calls, but not raise a limit.
+  const auto seconds = static_cast<rlim_t>(whole) + 1;
   limit(RLIMIT_CPU, seconds, seconds + 1);
   limit(RLIMIT_FSIZE, 0, 0);
   limit(RLIMIT_CORE, 0, 0);
