@@ -5,6 +5,7 @@
 
 #include "sim/measure/measure.h"
 #include "sim/topology/span.h"
+#include "sim/world/winched.h"
 
 namespace taut::study {
 namespace {
@@ -47,7 +48,7 @@ double EnergyBalance::next(const World& world) {
 }
 
 std::vector<EnergyBalance::Part> EnergyBalance::parts(const World& world) {
-  if (has_spans(world)) {  // they are in no part
+  if (has_spans(world) || has_winches(world)) {  // massless, or of a mass that changes
     complete_ &= is_closed(world);
     return {};
   }

@@ -28,13 +28,12 @@ void JoinedTension::find_point_terms(const Mechanism& mechanism) {
   }
   point_terms_.clear();
   for (std::uint32_t point = 0; point < at.size(); ++point) {
-    const double w = mechanism.inverse_mass()[point];
-    if (w == 0) continue;
+    if (mechanism.inverse_mass()[point] == 0) continue;
     for (std::size_t i = 0; i < at[point].size(); ++i) {
       for (std::size_t j = i + 1; j < at[point].size(); ++j) {
         const std::uint32_t row = at[point][i], other = at[point][j];
         const bool same_side = (point == rows[row].a) == (point == rows[other].a);
-        point_terms_.push_back({row, other, 0, same_side ? w : -w});
+        point_terms_.push_back({row, other, 0, point, same_side ? 1.0 : -1.0});
       }
     }
   }
@@ -95,7 +94,8 @@ void JoinedTension::assemble(const Mechanism& mechanism) {
     values_[r] = (w[rows[r].a] + w[rows[r].b]) * direction[r].squaredNorm();
   }
   for (const PointTerm& term : point_terms_) {
-    values_[term.value] += term.weight * direction[term.row].dot(direction[term.other]);
+    values_[term.value] +=
+        term.sign * w[term.point] * direction[term.row].dot(direction[term.other]);
   }
   const auto& ends = mechanism.row_ends();
   for (const BodyTerm& term : body_terms_) {

@@ -30,8 +30,8 @@ class JoinedTension {
  private:
   /// What two rows that share a particle, or two ends at a free body, add to values_[value].
   struct PointTerm {
-    std::uint32_t row = 0, other = 0, value = 0;
-    double weight = 0;  // 1/kg, signed
+    std::uint32_t row = 0, other = 0, value = 0, point = 0;
+    double sign = 0;
   };
   struct BodyTerm {
     std::uint32_t end = 0, other = 0, value = 0;

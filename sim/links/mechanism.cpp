@@ -95,7 +95,7 @@ void Mechanism::follow(double time, const std::vector<double>& state) {
 
 void Mechanism::update(double time, double* state) {
   place(time, state);
-  if (material_.any()) add_material(state);
+  if (material_.any() || has_winches()) add_forces(state);
   measure(state);
 }
 
@@ -107,6 +107,7 @@ void Mechanism::place(double time, double* state) {
     point_acceleration_[point] = motion.acceleration;
   }
   if (material_.any()) material_.place(*world_, time);
+  if (has_winches()) place_winches(time);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     FreeBody& body = bodies_[b];
     const Mat3 turn = quaternion(state + pose(b) + 3).normalized().toRotationMatrix();
@@ -132,10 +133,56 @@ void Mechanism::place(double time, double* state) {
   }
 }
 
-/// After place(): adds what the material's forces do to points and bodies.
-void Mechanism::add_material(const double* state) {
+void Mechanism::place_winches(double time) {
+  for (Winched& at : winches_) {
+    const Winch& winch = *at.winch;
+    at.first = winch.paid_out(0, time);
+    at.last = winch.paid_out(1, time);
+    at.longer = winch.longer(time);
+    const double longer = at.longer.length;
+    for (std::size_t k = 0; k < winch.rest.size(); ++k) {
+      rows_[at.first_row + k].rest = winch.rest[k] + winch.share(k) * longer;
+    }
+    for (std::size_t i = 0; i < winch.particle_mass.size(); ++i) {
+      double& easy = inverse_mass_[at.first_point + i];
+      if (easy == 0) continue;
+      easy = 1 / (winch.particle_mass[i] + winch.density * winch.share_at(i) * longer);
+    }
+  }
+}
+
+void Mechanism::add_flow(const double* state, std::vector<Vec3>& force) const {
+  const double* velocities = state + velocities_;
+  for (const Winched& at : winches_) {
+    const Winch& winch = *at.winch;
+    for (std::size_t k = 0; k < winch.rest.size(); ++k) {
+      const std::size_t a = at.first_point + k, b = a + 1;
+      const Winch::Flow before = winch.flow(k, at.first, at.last),
+                        behind = winch.flow(k + 1, at.first, at.last);
+      const Vec3 gap = vector(state + 3 * b) - vector(state + 3 * a);
+      const Vec3 turned =
+          (before.speed + behind.speed) * (vector(velocities + 3 * b) - vector(velocities + 3 * a));
+      force[a] -= winch.density / 2 * (turned + before.rate * gap);
+      force[b] -= winch.density / 2 * (turned + behind.rate * gap);
+    }
+  }
+}
+
+/// Beside measure(): rest lengths change.
+void Mechanism::measure_winches() {
+  for (const Winched& at : winches_) {
+    for (std::size_t k = 0; k < at.winch->rest.size(); ++k) {
+      rate_[at.first_row + k] -= at.winch->share(k) * at.longer.rate;
+      velocity_term_[at.first_row + k] -= at.winch->share(k) * at.longer.acceleration;
+    }
+  }
+}
+
+/// After place(): adds what the forces of materials and of their flow do to points and bodies.
+void Mechanism::add_forces(const double* state) {
   std::ranges::fill(force_, Vec3::Zero());
   material_.add(state, state + velocities_, force_);
+  if (has_winches()) add_flow(state, force_);
   for (std::size_t i = 0; i < points(); ++i) {
     if (inverse_mass_[i] != 0) point_acceleration_[i] = gravity_ + inverse_mass_[i] * force_[i];
   }
@@ -172,6 +219,7 @@ void Mechanism::measure(const double* state) {
     rate_[r] = direction_[r].dot(gap_rate);
     velocity_term_[r] = (gap_rate - rate_[r] * direction_[r]).squaredNorm() * inverse;
   }
+  if (has_winches()) measure_winches();
 }
 
 void Mechanism::differentiate(const double* state, const double* tension,
@@ -190,7 +238,7 @@ void Mechanism::differentiate(const double* state, const double* tension,
     vector(derivative + twist(b)) = gravity_;
     vector(derivative + twist(b) + 3) = bodies_[b].gyration;
   }
-  if (material_.any()) {
+  if (material_.any() || has_winches()) {
     for (std::size_t i = 0; i < p; ++i) vector(acceleration + 3 * i) = point_acceleration_[i];
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       vector(derivative + twist(b)) += body_push_[b].linear;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -86,6 +87,11 @@ class Mechanism {
   /// for.
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }
   const Vec3& gravity() const { return gravity_; }
+  /// Whether winches change lengths and masses with time.
+  bool has_winches() const { return !winches_.empty(); }
+  /// Adds the forces (N) at each point of the material that flows past it, at the instant of the
+  /// last place().
+  void add_flow(const double* state, std::vector<Vec3>& force) const;
   /// The forces of what stretches, bends and meets the air; place() turns its clamps.
   const material::MaterialForces& material() const { return material_; }
 
@@ -103,7 +109,7 @@ class Mechanism {
   /// Tells that the state was reached, so that twist is followed over any number of turns.
   void follow(double time, const std::vector<double>& state);
 
-  /// Puts held points at their places.
+  /// Puts held points at their places, and gives winched links their lengths.
   void place(double time, double* state);
   /// place(), and measures the rows; everything below speaks of the instant of the last update.
   void update(double time, double* state);
@@ -151,8 +157,18 @@ class Mechanism {
   void join_points(const World& world);
   void add_rows(const World& world);
   void add_row_ends();
-  void add_material(const double* state);
+  void add_winches(const World& world);
+  void place_winches(double time);
+  void measure_winches();
+  void add_forces(const double* state);
   void measure(const double* state);
+
+  /// A connector whose links change their lengths; where its points and rows begin.
+  struct Winched {
+    std::shared_ptr<const Winch> winch;
+    std::uint32_t first_point = 0, first_row = 0;
+    PaidOut first = {}, last = {}, longer = {};  // at the instant of the last place()
+  };
 
   /// What a material's forces at its points give a free body: m/s^2 and rad/s^2.
   struct BodyPush {
@@ -180,7 +196,8 @@ class Mechanism {
   std::vector<Vec3> point_acceleration_;  // per point, m/s^2: its acceleration without tensions
   std::vector<double> violation_, rate_, velocity_term_;
   material::MaterialForces material_;
-  std::vector<Vec3> force_;  // N, per point, of the material
+  std::vector<Winched> winches_;
+  std::vector<Vec3> force_;  // N, per point, of the material and of its flow
   std::vector<BodyPush> body_push_;
 };
 

@@ -22,7 +22,8 @@ void Mechanism::rebuild(const World& world) {
   add_rows(world);
   add_row_ends();
   material_.rebuild(world, room_, leaders_);
-  if (material_.any()) {
+  add_winches(world);
+  if (material_.any() || has_winches()) {
     force_.reserve(room_);
     force_.resize(points());
     body_push_.resize(bodies_.size());
@@ -150,6 +151,21 @@ void Mechanism::add_rows(const World& world) {
   for (Row& row : rows_) {
     row.a = leaders_[row.a];
     row.b = leaders_[row.b];
+  }
+}
+
+void Mechanism::add_winches(const World& world) {
+  winches_.clear();
+  std::size_t first = 0;
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
+    if (connector.winch) {
+      const auto row = std::ranges::find(rows_, small(c), &Row::connector);
+      winches_.push_back({.winch = connector.winch,
+                          .first_point = small(first),
+                          .first_row = small(static_cast<std::size_t>(row - rows_.begin()))});
+    }
+    first += connector.particles();
   }
 }
 

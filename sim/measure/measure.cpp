@@ -46,6 +46,24 @@ void each_free_particle(const World& world, Visit visit) {
   }
 }
 
+/// Calls `visit(mass, position, velocity, flow)` for half of every link of a winched connector: at
+/// its particle, past which the material moves by `flow` (m/s), held or not.
+template <typename Visit>
+void each_flow(const World& world, Visit visit) {
+  for (const Connector& connector : world.connectors) {
+    if (!connector.winch) continue;
+    const Winch& winch = *connector.winch;
+    const PaidOut first = winch.paid_out(0, world.time), last = winch.paid_out(1, world.time);
+    for (std::size_t k = 0; k < connector.links(); ++k) {
+      const Vec3 along = (connector.position[k + 1] - connector.position[k]).normalized();
+      for (const std::size_t i : {k, k + 1}) {
+        visit(winch.density * connector.rest[k] / 2, connector.position[i], connector.velocity[i],
+              Vec3(winch.flow(i, first, last).speed * along));
+      }
+    }
+  }
+}
+
 template <typename Visit>
 void each_free_body(const World& world, Visit visit) {
   for (const Body& body : world.bodies) {
@@ -75,6 +93,9 @@ double kinetic_energy(const World& world) {
   each_free_particle(world, [&](double mass, const Vec3&, const Vec3& velocity) {
     energy += mass * velocity.squaredNorm() / 2;
   });
+  each_flow(world, [&](double mass, const Vec3&, const Vec3& velocity, const Vec3& flow) {
+    energy += mass * (velocity + flow / 2).dot(flow);
+  });
   return energy;
 }
 
@@ -100,6 +121,9 @@ Vec3 linear_momentum(const World& world) {
                  [&](const Body& body) { momentum += body.mass_properties.mass * body.velocity; });
   each_free_particle(
       world, [&](double mass, const Vec3&, const Vec3& velocity) { momentum += mass * velocity; });
+  each_flow(world, [&](double mass, const Vec3&, const Vec3&, const Vec3& flow) {
+    momentum += mass * flow;
+  });
   return momentum;
 }
 
@@ -111,6 +135,9 @@ Vec3 angular_momentum(const World& world, const Vec3& about) {
   });
   each_free_particle(world, [&](double mass, const Vec3& position, const Vec3& velocity) {
     momentum += mass * (position - about).cross(velocity);
+  });
+  each_flow(world, [&](double mass, const Vec3& position, const Vec3&, const Vec3& flow) {
+    momentum += mass * (position - about).cross(flow);
   });
   return momentum;
 }
@@ -183,6 +210,7 @@ bool is_closed(const World& world) {
       world.bodies, [&](const Body& body) { return !body.driven() || rests(*body.path); });
   return bodies && !dissipates(world) &&
          std::ranges::all_of(world.connectors, [&](const Connector& connector) {
+           if (connector.winch && !connector.winch->rests()) return false;
            return std::ranges::all_of(connector.holds, [&](const Hold& hold) {
              return (hold.to.kind != Attachment::Kind::path || rests(*hold.to.path)) &&
                     (!hold.turn || rests(*hold.turn));

@@ -38,6 +38,7 @@ class DynamicConstraints final : public SteppedMethod {
     refuse_obstacles(kDynamicConstraints, world);
     refuse_materials(kDynamicConstraints, world);
     refuse_joints(kDynamicConstraints, world);
+    refuse_winches(kDynamicConstraints, world);
     refuse_strings(kDynamicConstraints, world);
     stepper_.prepare(mechanism);
     system_.rebuild(mechanism);

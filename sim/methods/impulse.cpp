@@ -70,6 +70,7 @@ void Impulse::prepare(const World& world) {
   refuse_obstacles(kImpulse, world);
   refuse_materials(kImpulse, world);
   refuse_joints(kImpulse, world);
+  refuse_winches(kImpulse, world);
   refuse_strings(kImpulse, world);
   topology_ = world.topology;
   impulses_.prepare(world);

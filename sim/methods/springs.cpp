@@ -161,6 +161,7 @@ MethodInfo springs_method() {
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,
+      .follows_winches = true,
       .companion = companion_of_springs,
       .cost = {.memory = 350, .step = 1e-8},
   };

@@ -26,6 +26,10 @@ void SteppedMethod::advance(World& world, double until) {
     limit_ = prepare(mechanism_, world);
   } else {
     mechanism_.load(world, state_);
+    if (mechanism_.has_winches()) {
+      mechanism_.place(world.time, state_.data());
+      limit_ = prepare(mechanism_, world);
+    }
   }
   const StepTimes times(world.time, until, step_ > 0 ? step_ : limit_);
   for (std::uint64_t i = 0; i < times.count; ++i) {

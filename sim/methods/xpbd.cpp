@@ -38,6 +38,7 @@ class Xpbd final : public SteppedMethod {
   double prepare(Mechanism& mechanism, const World&) override;
   bool stops_stretch() const override { return false; }  // velocities come from positions
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override;
+  void flow(Mechanism& mechanism, double time, double dt, std::vector<double>& state);
   void pass(const Mechanism& mechanism, double softness, double* state);
   double mobility(const Mechanism& mechanism, int carried, const Vec3& along, const double* state);
   void pull(const Mechanism& mechanism, int carried, const Vec3& by, double* state);
@@ -48,6 +49,7 @@ class Xpbd final : public SteppedMethod {
   std::vector<Carriers> carriers_;          // per row
   std::vector<double> multiplier_, flown_;  // kg m per row; the state after free motion
   std::vector<double> started_;             // the state before it
+  std::vector<Vec3> force_;                 // N, per point, of what flows past it
   contact::BeadContacts contacts_;
   XpbdMaterial material_;
 };
@@ -80,6 +82,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     material_.begin(state);
     material_.blow(mechanism, dt, state);
   }
+  if (mechanism.has_winches()) flow(mechanism, time, dt, state);
   const Vec3 gain = dt * mechanism.gravity();
   for (std::size_t p = 0; p < mechanism.points(); ++p)
     vector(&state[mechanism.velocity(p)]) += gain;
@@ -111,6 +114,16 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     spin += angle(turned) / dt;
   }
   if (contacts_.any()) contacts_.rebound(mechanism, dt, started_, state);
+}
+
+/// Changes velocities by what flows past the particles.
+void Xpbd::flow(Mechanism& mechanism, double time, double dt, std::vector<double>& state) {
+  mechanism.place(time, state.data());
+  force_.assign(mechanism.points(), Vec3::Zero());
+  mechanism.add_flow(state.data(), force_);
+  for (std::size_t p = 0; p < force_.size(); ++p) {
+    vector(&state[mechanism.velocity(p)]) += dt * mechanism.inverse_mass()[p] * force_[p];
+  }
 }
 
 /// Goes through the rows once; `softness` is the compliance over dt^2, 1/kg.
@@ -214,6 +227,7 @@ MethodInfo xpbd_method() {
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,
+      .follows_winches = true,
       .companion = [](const MethodInfo& xpbd,
                       const Settings& settings) { return with_step_doubled(xpbd, settings, 1); },
       .cost = {.memory = 250, .step = 3e-8},

@@ -36,6 +36,7 @@ void Multibody::advance(World& world, double until) {
   refuse_obstacles(kMultibody, world);
   refuse_materials(kMultibody, world);
   refuse_joints(kMultibody, world);
+  refuse_winches(kMultibody, world);
   refuse_strings(kMultibody, world);
   try {
     if (!model_ || topology_ != world.topology || left_at_ != state_hash(world)) {

@@ -8,6 +8,7 @@
 #include "sim/reference/event_driven.h"
 #include "sim/reference/runge_kutta.h"
 #include "sim/run/companion.h"
+#include "sim/world/winched.h"
 
 namespace taut::reference {
 namespace {
@@ -75,6 +76,8 @@ void Multipliers::prepare(const World& world) {
       add(hold.to.path);
       add(hold.turn);
     }
+    if (!connector.winch) continue;
+    for (const auto& path : connector.winch->paths) add(path);
   }
   std::ranges::sort(keys_);
 }
@@ -133,9 +136,10 @@ void Multipliers::step(double& time, double until) {
   }
   if (++short_ > kMostSteps) {
     give_up(time, 0,
-            world_->joints.empty() ? "no step is small enough"
-                                   : "no step is small enough: joined links may be at their full "
-                                     "length between what holds them");
+            world_->joints.empty() && !has_winches(*world_)
+                ? "no step is small enough"
+                : "no step is small enough: the links may be at their full length between what "
+                  "holds them");
   }
   project(time);
   mechanism_.follow(time, state_);
@@ -193,6 +197,7 @@ MethodInfo truth_method() {
           .follows_materials = true,
           .follows_joints = true,
           .follows_strings = true,
+          .follows_winches = true,
           .companion =
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");

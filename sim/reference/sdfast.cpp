@@ -74,6 +74,7 @@ void SdFast::choose(const World& world) {
   refuse_obstacles(kSdfast, world);
   refuse_materials(kSdfast, world);
   refuse_joints(kSdfast, world);
+  refuse_winches(kSdfast, world);
   refuse_strings(kSdfast, world);
   try {
     chain_ = sdfast::find_chain(world);

@@ -50,6 +50,7 @@ std::string why_no_link(const World& world, const Timeline& timeline, std::size_
   if (chain.model != ConnectorModel::links) return "on a massless span";
   if (!chain.sections.empty()) return "on a connector that stretches, bends or meets the air";
   if (chain.pulls) return "on links that only pull";
+  if (chain.winch) return "on a connector that has a winch";
   if (hold.particle != 0 && hold.particle + 1 != chain.particles()) return "not at an end";
   if (!(arm_of(world.bodies[body], hold).norm() > 0)) return "held by its centre of mass";
   const auto touches = [&](const auto& entry) { return entry.connector == connector; };

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "sim/topology/span.h"
+#include "sim/world/winched.h"
 #include "sim/world/world.h"
 
 namespace taut {
@@ -15,7 +16,8 @@ bool follows(const MethodInfo& method, const World& world) {
          (method.touches_with_bodies || !has_touching_bodies(world)) &&
          (method.follows_materials || !has_materials(world)) &&
          (method.follows_joints || world.joints.empty()) &&
-         (method.follows_strings || !has_strings(world));
+         (method.follows_strings || !has_strings(world)) &&
+         (method.follows_winches || !has_winches(world));
 }
 
 const MethodInfo* find_method(std::string_view name) {
@@ -175,6 +177,14 @@ void refuse_strings(std::string_view method, const World& world) {
   if (found == world.connectors.end()) return;
   throw Diverged(std::string(method), world.time, 0, found->name, 0,
                  "follows no links that only pull");
+}
+
+void refuse_winches(std::string_view method, const World& world) {
+  for (const Connector& connector : world.connectors) {
+    if (!connector.winch) continue;
+    throw Diverged(std::string(method), world.time, 0, connector.name, 0,
+                   "follows no connectors that have winches");
+  }
 }
 
 void refuse_laden_materials(std::string_view method, const World& world) {

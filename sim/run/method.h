@@ -153,6 +153,8 @@ struct MethodInfo {
   bool follows_joints = false;
   /// Links may be strings (Connector::pulls); others throw Diverged where some are.
   bool follows_strings = false;
+  /// Connectors may have winches (Connector::winch); others throw Diverged where some have.
+  bool follows_winches = false;
   /// What is done to a part of a connector, between what holds it, leaves its other parts to their
   /// own steps, where they are rigid links and touch nothing (Method::advance_near()).
   bool parts_go_on = false;
@@ -198,6 +200,8 @@ void refuse_materials(std::string_view method, const World& world);
 void refuse_joints(std::string_view method, const World& world);
 /// For methods whose links push as they pull: throws Diverged where a connector's only pull.
 void refuse_strings(std::string_view method, const World& world);
+/// For methods whose links keep their lengths: throws Diverged where a connector has a winch.
+void refuse_winches(std::string_view method, const World& world);
 /// For methods that follow no free body on such a connector.
 void refuse_laden_materials(std::string_view method, const World& world);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim/run/simulation.h"
+#include "sim/world/winched.h"
 
 namespace taut::truth {
 namespace {
@@ -15,7 +16,8 @@ namespace {
 // of a metre off by about 0.01 m per second of step.
 constexpr double kContactStep = 0.2;
 
-// The tolerance of the second solver where connectors stretch, bend, meet the air or are joined.
+// The tolerance of the second solver where connectors stretch, bend, meet the air, are joined or
+// have winches.
 constexpr double kMaterialTolerance = 1e-3;  // of the scored error
 
 using Frames = std::vector<Snapshot>;
@@ -114,7 +116,7 @@ Reference solve_truth(const World& world, std::span<const double> times,
   if (has_contact(world) || has_strings(world)) {
     const Settings steps{{"step", kContactStep * options.scored_error}};
     checked = run(world, "direct", steps, timeline, until, close);
-  } else if (has_materials(world) || !world.joints.empty()) {
+  } else if (has_materials(world) || has_winches(world) || !world.joints.empty()) {
     const Settings finer{{"tolerance", kMaterialTolerance * options.scored_error}};
     checked = run(world, "direct", finer, timeline, until, close);
   } else {

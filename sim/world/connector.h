@@ -11,6 +11,7 @@
 
 #include "sim/motion/path.h"
 #include "sim/motion/types.h"
+#include "sim/winch/winch.h"
 
 namespace taut {
 
@@ -112,6 +113,9 @@ struct Connector {
   std::vector<Section> sections;  // of each link; none: rigid links that bend freely, without air
   Drag drag;                      // with `sections` alone
   EndTurn end_turn;               // of one that is clamped at both ends and resists twist
+
+  /// At its ends; null: none. Lengths, rests and masses are then those of World::time.
+  std::shared_ptr<const Winch> winch;
 
   std::size_t particles() const { return position.size(); }
   std::size_t links() const { return rest.size(); }

@@ -4,11 +4,13 @@
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "sim/motion/hash.h"
 #include "sim/world/ties.h"
 #include "sim/world/twist.h"
+#include "sim/world/winched.h"
 
 namespace taut {
 namespace {
@@ -71,7 +73,7 @@ std::vector<MassProperties> all_laden(const World& world) {
 }
 
 void refuse_flaws(const World& world) {
-  for (const std::string& flaw : {joint_flaw(world), pair_flaw(world)}) {
+  for (const std::string& flaw : {joint_flaw(world), pair_flaw(world), winch_flaw(world)}) {
     if (!flaw.empty()) throw std::invalid_argument(flaw);
   }
 }
@@ -171,9 +173,12 @@ std::uint64_t structure_of_connector(const World& world, std::size_t index) {
   hash.word(connector.restitution).word(connector.radius);
   // Sums of short hashes, none of which waits for another.
   std::uint64_t sum = 0;
+  const auto& [rests, masses] =
+      connector.winch ? std::tie(connector.winch->rest, connector.winch->particle_mass)
+                      : std::tie(connector.rest, connector.particle_mass);
   for (std::size_t i = 0; i < connector.particles(); ++i) {
-    const double rest = i < connector.links() ? connector.rest[i] : 0;
-    sum += Hash().word(i).word(rest).word(connector.particle_mass[i]).value();
+    const double rest = i < connector.links() ? rests[i] : 0;
+    sum += Hash().word(i).word(rest).word(masses[i]).value();
   }
   hash.word(sum).word(connector.holds.size());
   sum = 0;
@@ -191,6 +196,9 @@ std::uint64_t structure_of_connector(const World& world, std::size_t index) {
   hash.word(sum);
   if (!connector.sections.empty()) add_materials(connector, hash);
   if (connector.pulls) hash.text("pulls");
+  if (connector.winch) {
+    for (const auto& path : connector.winch->paths) add(path, hash);
+  }
   if (connector.category != 0) hash.word(connector.category);
   return hash.value();
 }
@@ -280,6 +288,9 @@ void place_driven(World& world, double time) {
     body.velocity = centre.velocity;
     body.rotation = frame.rotation;
     body.spin = frame.spin;
+  }
+  for (Connector& connector : world.connectors) {
+    if (connector.winch) set_lengths(connector, time);
   }
 }
 

@@ -41,8 +41,8 @@ struct World {
 
 /// Joins the masses of particles held by free bodies to those bodies, sets every held particle and
 /// driven body to its place at `world.time`, takes connectors for untwisted, and numbers the
-/// topology. Call once, after building a world. Throws std::invalid_argument where joint_flaw() or
-/// pair_flaw() finds one, or carries_twist() throws.
+/// topology. Call once, after building a world. Throws std::invalid_argument where joint_flaw(),
+/// pair_flaw() or winch_flaw() finds one, or carries_twist() throws.
 void finish(World& world);
 
 /// Makes a finished world consistent again after changes by hand to connectors, holds, joints,
@@ -103,7 +103,8 @@ void place_held(World& world, double time);
 void place_prescribed(World& world, double time);
 void place_carried(World& world);
 
-/// Sets the time, and driven bodies to their places and velocities.
+/// Sets the time, driven bodies to their places and velocities, and the lengths and masses of
+/// connectors that have winches.
 void place_driven(World& world, double time);
 /// Sets a particle that is held, but not by a free body, to its place and velocity at the world's
 /// time, once driven bodies are at theirs.

@@ -65,7 +65,8 @@ TEST(SourceTree, NoProgramHasTwoTypesOfOneName) {
 /// The rooms that each room may look into, beside its own files.
 const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/motion", {}},
-    {"sim/world", {"sim/motion"}},
+    {"sim/winch", {"sim/motion"}},
+    {"sim/world", {"sim/motion", "sim/winch"}},
     {"sim/topology", {"sim/world"}},
     {"sim/measure", {"sim/world", "sim/topology"}},
     {"sim/material", {"sim/motion", "sim/world", "sim/measure"}},
@@ -200,6 +201,7 @@ TEST(SourceTree, NoIncludeRunsTheWrongWay) {
 /// The namespace of each room, within taut. The core of sim is the library's own: taut itself.
 const std::map<std::string, std::string> kNamespaces = {
     {"sim/motion", ""},
+    {"sim/winch", ""},
     {"sim/world", ""},
     {"sim/topology", ""},
     {"sim/measure", ""},

@@ -11,6 +11,7 @@
 #include "sim/methods/direct/spans.h"
 #include "sim/run/companion.h"
 #include "sim/topology/room.h"
+#include "sim/world/winched.h"
 
 namespace taut::direct {
 namespace {
@@ -25,7 +26,7 @@ class Direct : public Method {
 
   void advance(World& world, double until) override {
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
-      if (!world.joints.empty()) return advance_joined(world, until);
+      if (!world.joints.empty() || has_winches(world)) return advance_joined(world, until);
       if (has_materials(world)) return advance_materials(world, until);
       if (has_contact(world) || has_strings(world)) return advance_contacts(world, until);
       if (has_spans(world)) return advance_spans(world, until);
@@ -36,7 +37,7 @@ class Direct : public Method {
 
   bool advance_near(World& world, double until, std::span<const Parts::Place> places) override {
     const bool in_parts =
-        left_behind_ || (world.joints.empty() && !has_materials(world) && !has_contact(world) &&
+        left_behind_ || (world.joints.empty() && !has_winches(world) && !has_materials(world) && !has_contact(world) &&
                          !has_spans(world) && !has_strings(world));
     if (!in_parts) {
       advance(world, until);
@@ -293,6 +294,7 @@ MethodInfo direct_method() {
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,
+      .follows_winches = true,
       .parts_go_on = true,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {

@@ -7,6 +7,7 @@
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/system/scales.h"
 #include "sim/topology/span.h"
+#include "sim/world/winched.h"
 
 namespace taut::direct {
 namespace {
@@ -48,7 +49,7 @@ void Joined::rebuild(const World& world) {
   for (State* state : {&right_, &tension_}) state->assign(rows, 0.0);
   length_ = length_scale(world);
   shortest_ = length_;
-  driven_ = false;
+  driven_ = has_winches(world);
   for (const Connector& connector : world.connectors) {
     for (const double rest : connector.rest) {
       if (rest > 0) shortest_ = std::min(shortest_, rest);
@@ -197,8 +198,8 @@ void Joined::advance(World& world, double until) {
 
 void Joined::give_up(const World& world, double time) const {
   throw Diverged("direct", time, counters_.steps, world.connectors.front().name, 0,
-                 "no step is small enough for the tolerance: joined links may be at their full "
-                 "length between what holds them");
+                 "no step is small enough for the tolerance: the links may be at their full length "
+                 "between what holds them");
 }
 
 }  // namespace taut::direct

@@ -1,0 +1,55 @@
+#include "sim/winch/winch.h"
+
+#include <algorithm>
+
+namespace taut {
+
+PaidOut Winch::paid_out(std::size_t end, double time) const {
+  if (!paths[end]) return {};
+  const FrameMotion at = paths[end]->at(time);
+  return {at.position.x(), at.velocity.x(), at.acceleration.x()};
+}
+
+PaidOut Winch::longer(double time) const {
+  const PaidOut first = paid_out(0, time), last = paid_out(1, time);
+  return {first.length + last.length, first.rate + last.rate,
+          first.acceleration + last.acceleration};
+}
+
+double Winch::share_at(std::size_t particle) const {
+  const std::size_t left = particle > 0 ? particle - 1 : 0;
+  const std::size_t right = std::min(particle + 1, before.size() - 1);
+  return (before[right] - before[left]) / 2;
+}
+
+Winch::Flow Winch::flow(std::size_t particle, const PaidOut& first, const PaidOut& last) const {
+  const double behind = 1 - before[particle];
+  return {behind * first.rate - before[particle] * last.rate,
+          behind * first.acceleration - before[particle] * last.acceleration};
+}
+
+double Winch::least() const {
+  // Between two keys a path is a polynomial of degree five: so many places miss little of it.
+  constexpr int kPlaces = 64;
+  std::vector<double> times;
+  for (const auto& path : paths) {
+    if (!path) continue;
+    for (const PathKey& key : path->keys()) times.push_back(key.time);
+  }
+  std::ranges::sort(times);
+  double least = longer(times.front()).length;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    for (int k = 1; k <= kPlaces; ++k) {
+      const double time = times[i - 1] + k * (times[i] - times[i - 1]) / kPlaces;
+      least = std::min(least, longer(time).length);
+    }
+  }
+  return least;
+}
+
+bool Winch::rests() const {
+  return std::ranges::all_of(paths,
+                             [](const auto& path) { return !path || path->keys().size() == 1; });
+}
+
+}  // namespace taut

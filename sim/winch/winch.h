@@ -1,0 +1,52 @@
+// Connectors whose length changes: a winch at an end pays rope out or takes it in.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "sim/motion/path.h"
+
+namespace taut {
+
+/// What a winch has paid out since the start, and its derivatives: m, m/s, m/s^2.
+struct PaidOut {
+  double length = 0, rate = 0, acceleration = 0;
+};
+
+/// What winches do to a connector: its links share what is paid out, and its material flows past
+/// its particles (README.md). Never changes; everything that depends on time is a function of it.
+struct Winch {
+  /// Where the x of a path, in m, is what the winch at the first or last particle has paid out.
+  /// Null: there is none.
+  std::array<std::shared_ptr<const Path>, 2> paths;
+  /// Of each particle: the share of what is paid out that the links before it have, from 0 to 1.
+  std::vector<double> before;
+  double density = 0;  // kg/m, of what is paid out
+  // Where nothing is paid out.
+  std::vector<double> rest;           // m, of each link
+  std::vector<double> particle_mass;  // kg
+
+  PaidOut paid_out(std::size_t end, double time) const;
+  /// Of both ends together: what the connector is longer than at the start.
+  PaidOut longer(double time) const;
+  /// Of a link: the share of what is paid out that it has.
+  double share(std::size_t link) const { return before[link + 1] - before[link]; }
+  /// How much longer the links beside a particle are, half of each: its part of what is paid out.
+  double share_at(std::size_t particle) const;
+
+  /// How fast the material flows past a particle towards the last one, m/s, and its rate, m/s^2,
+  /// where the ends have paid out so much.
+  struct Flow {
+    double speed = 0, rate = 0;
+  };
+  Flow flow(std::size_t particle, const PaidOut& first, const PaidOut& last) const;
+
+  /// The least that longer() ever is, m.
+  double least() const;
+  /// Whether the winches stand still throughout.
+  bool rests() const;
+};
+
+}  // namespace taut

@@ -1,0 +1,275 @@
+// Winches: lengths that change, against known answers, energy, momentum and the truth.
+#include "sim/winch/winch.h"
+
+#include <gtest/gtest.h>
+
+#include "../material/material_worlds.h"
+#include "../worlds.h"
+#include "sim/links/winch_tension.h"
+#include "sim/measure/measure.h"
+#include "sim/truth/truth.h"
+#include "sim/world/winched.h"
+
+namespace taut::winch_test {
+namespace {
+
+using material_worlds::after;
+using material_worlds::apart;
+using worlds::kGravity;
+
+std::shared_ptr<const Path> paying(std::vector<std::pair<double, double>> keys, bool ease = true) {
+  std::vector<PathKey> made;
+  for (const auto& [time, length] : keys) {
+    made.push_back({time, Vec3(length, 0, 0), Quat::Identity(), ease});
+  }
+  return std::make_shared<const Path>(std::move(made));
+}
+
+/// A rope of 0.1 kg with a load of 0.3 kg, held at the origin, that starts `degrees` from down; in
+/// a second it is let out by half of its length, and in the next two it is drawn in to a half.
+World hoist(std::size_t particles, double degrees) {
+  World world = worlds::chain(particles, 1, worlds::from_down(degrees), 0.1);
+  Connector& rope = world.connectors[0];
+  rope.particle_mass.back() += 0.3;
+  add_winches(world, rope, paying({{0, 0}, {1, 0.5}, {3, -0.5}}), nullptr);
+  finish(world);
+  return world;
+}
+
+/// The same in space, where the load flies about the winch.
+World whirl(std::size_t particles) {
+  World world = hoist(particles, 90);
+  world.gravity.setZero();
+  Connector& rope = world.connectors[0];
+  for (std::size_t i = 0; i < particles; ++i) {
+    rope.velocity[i] =
+        3 * Vec3::UnitY() * rope.position[i].x() + Vec3::UnitZ() * rope.position[i].x();
+  }
+  finish(world);
+  return world;
+}
+
+/// A trolley at the origin that drives off with the winch, and a box that it carries.
+World crane(std::size_t particles) {
+  World world = worlds::chain_with_box(particles);
+  Connector& rope = world.connectors[0];
+  std::vector<PathKey> way(2);
+  way[0].ease = way[1].ease = true;
+  way[1].time = 0.8;
+  way[1].position = Vec3(1, 0.1, -0.3);
+  rope.holds[0].to = worlds::on_path(std::make_shared<const Path>(std::move(way)));
+  add_winches(world, rope, paying({{0, 0}, {0.3, 0.1}, {1, -0.15}}), nullptr);
+  world.bodies[0].mass_properties = world.bodies[0].bare;
+  finish(world);
+  return world;
+}
+
+/// A rope that sags between two winches, of which one pays out what the other takes in, and more.
+World between_two(std::size_t particles) {
+  World world;
+  const Vec3 to(0.6, 0.2, 0);
+  Connector rope = straight_connector("rope", 1, 0.2, particles, Vec3::Zero(), Vec3::UnitX());
+  rope.position = hanging_points(rope, Vec3::Zero(), to, world.gravity);
+  rope.holds = {{0, worlds::fixed_at(Vec3::Zero())}, {particles - 1, worlds::fixed_at(to)}};
+  add_winches(world, rope, paying({{0, 0}, {1, 0.8}}), paying({{0, 0}, {0.5, -0.1}, {1, -0.5}}));
+  world.connectors = {rope};
+  finish(world);
+  return world;
+}
+
+struct Case {
+  const char* name;
+  World world;
+};
+std::vector<Case> cases() {
+  return {{"hoist", hoist(9, 40)},
+          {"whirl", whirl(9)},
+          {"crane", crane(7)},
+          {"between two", between_two(9)}};
+}
+
+TEST(Winch, LengthsAreWhatIsPaidOut) {
+  for (const Case& each : cases()) {
+    const World end = after(each.world, 0.7, 1e-6);
+    const Connector& rope = end.connectors[0];
+    const double longer = rope.winch->longer(0.7).length;
+    EXPECT_GT(std::abs(longer), 0.01) << each.name;
+    EXPECT_NEAR(rope.length, each.world.connectors[0].length + longer, 1e-15) << each.name;
+    EXPECT_NEAR(rope.mass - each.world.connectors[0].mass, rope.winch->density * longer, 1e-15);
+    EXPECT_LT(stretch_max(end), 1e-12) << each.name;
+  }
+}
+
+TEST(Winch, DirectKeepsToItsTolerance) {
+  for (const Case& each : cases()) {
+    const World truth = after(each.world, 0.9, "truth", {});
+    for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+      EXPECT_LT(apart(after(each.world, 0.9, tolerance), truth), tolerance)
+          << each.name << " " << tolerance;
+    }
+  }
+}
+
+// The tension at the drum by the momentum equation: what hangs straight moves as one.
+TEST(Winch, DrumPullsWithWhatItsLoadWeighsAndHowThatIsAccelerated) {
+  Simulation simulation(hoist(9, 0), make_method("direct", {{"tolerance", 1e-8}}));
+  for (const double time : {0.0, 0.3, 0.8, 1.7, 2.6}) {
+    simulation.advance_to(time);
+    const World& world = simulation.world();
+    const Connector& rope = world.connectors[0];
+    double mass = 0.3 + 0.1 / 9 / 2;  // the end's own half of a particle
+    mass += rope.winch->density * rope.length;
+    const double expected = mass * (kGravity - rope.winch->paid_out(0, time).acceleration);
+    EXPECT_NEAR(winch_tension(world, 0, 0), expected, 1e-9 * expected) << time;
+  }
+}
+
+// The winch's work, and the kinetic energy with which rope comes out of it: all by Simpson's rule
+// over intervals of 2 ms, whose error is below 1e-9 J here.
+TEST(Winch, WorkIsTheEnergyGained) {
+  const World world = hoist(9, 40);
+  Simulation simulation(world, make_method("direct", {{"tolerance", 1e-9}}));
+  const double start = energy(world);
+  double work = 0;
+  constexpr int kIntervals = 1500;
+  for (int i = 0; i <= kIntervals; ++i) {
+    simulation.advance_to(i * 1e-3);
+    const World& now = simulation.world();
+    const Winch& winch = *now.connectors[0].winch;
+    const double rate = winch.paid_out(0, now.time).rate;
+    const double power = (winch.density * rate * rate / 2 - winch_tension(now, 0, 0)) * rate;
+    work += power * 1e-3 / 3 * (i == 0 || i == kIntervals ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  EXPECT_GT(std::abs(work), 0.1);
+  EXPECT_NEAR(energy(simulation.world()) - start, work, 1e-7 * std::abs(work));
+}
+
+// No particle enters or leaves, so nothing jumps: second differences of the tension fall with the
+// square of the time between them, where a jump would stay.
+TEST(Winch, TensionNeverJumps) {
+  const World world = hoist(9, 40);
+  const auto roughest = [&](double interval) {
+    Simulation simulation(world, make_method("direct", {{"tolerance", 1e-9}}));
+    std::vector<double> tension;
+    double most = 0;
+    for (int i = 0; i * interval < 0.8; ++i) {  // no key of the path is in there
+      simulation.advance_to(0.1 + i * interval);
+      tension.push_back(winch_tension(simulation.world(), 0, 0));
+      if (i < 2) continue;
+      const double* last = &tension.back();
+      most = std::max(most, std::abs(last[0] - 2 * last[-1] + last[-2]) / last[0]);
+    }
+    return most;
+  };
+  EXPECT_NEAR(std::log2(roughest(2e-3) / roughest(1e-3)), 2, 0.1);
+}
+
+// The winch's pull has no moment about the winch, and what comes out of it brings none.
+TEST(Winch, WhirlKeepsItsAngularMomentum) {
+  const World start = whirl(9), end = after(start, 2.9, 1e-8);
+  EXPECT_LT(end.connectors[0].length, 0.51);
+  const Vec3 before = angular_momentum(start, Vec3::Zero());
+  EXPECT_LT((angular_momentum(end, Vec3::Zero()) - before).norm(), 1e-7 * before.norm());
+}
+
+// A rope that runs along its own line keeps any shape, under the tension density * speed^2.
+TEST(Winch, RunningRopeKeepsItsShape) {
+  World world = between_two(9);
+  world.gravity.setZero();
+  Connector& rope = world.connectors[0];
+  // Far from its ends a spline through equal steps is straight.
+  std::vector<std::pair<double, double>> out, in;
+  for (int i = -30; i <= 30; ++i) {
+    out.emplace_back(i, 5 * i);
+    in.emplace_back(i, -5 * i);
+  }
+  add_winches(world, rope, paying(out, false), paying(in, false));
+  finish(world);
+  const World end = after(world, 0.5, 1e-6);
+  EXPECT_LT(apart(end, world), 1e-12);
+  const double expected = rope.winch->density * 25;
+  for (const std::size_t each : {0u, 1u}) {
+    EXPECT_NEAR(winch_tension(end, 0, each), expected, 1e-9 * expected);
+  }
+}
+
+TEST(Winch, SpringsAndXpbdComeNear) {
+  const World start = hoist(5, 40);
+  const World truth = after(start, 0.6, "truth", {});
+  const auto error = [&](const char* method, const Settings& settings) {
+    return apart(after(start, 0.6, method, settings), truth);
+  };
+  const double soft = error("springs", {{"stiffness", 1e4}}),
+               stiff = error("springs", {{"stiffness", 1e6}});
+  EXPECT_LT(stiff, 1e-3);
+  EXPECT_GT(soft / stiff, 3);
+  const double coarse = error("xpbd", {{"step", 4e-4}}), fine = error("xpbd", {{"step", 1e-4}});
+  EXPECT_LT(fine, 1e-3);
+  EXPECT_NEAR(coarse / fine, 4, 1);  // it is of first order
+}
+
+// With particles that share the mass by links, the model is of second order.
+TEST(Winch, MoreParticlesComeNearToARope) {
+  const auto load = [](std::size_t links) {
+    World world = worlds::chain(links + 1, 1, worlds::from_down(40), 0.1);
+    Connector& rope = world.connectors[0];
+    const double part = 0.1 / static_cast<double>(links);
+    rope.particle_mass.assign(links + 1, part);
+    rope.particle_mass.front() = part / 2;
+    rope.particle_mass.back() = part / 2 + 0.3;
+    Winch winch;
+    add_winches(world, rope, paying({{0, 0}, {1, 0.5}}), nullptr);
+    winch = *rope.winch;
+    winch.density = 0.1;
+    rope.winch = std::make_shared<const Winch>(winch);
+    finish(world);
+    return after(world, 0.8, 1e-8).connectors[0].position.back();
+  };
+  const Vec3 four = load(4), eight = load(8), sixteen = load(16);
+  EXPECT_NEAR(std::log2((four - eight).norm() / (eight - sixteen).norm()), 2, 0.2);
+}
+
+TEST(Winch, TheTwoSolversOfTheTruthAgree) {
+  const std::vector<double> times{0.1, 0.5};
+  for (const Case& each : cases()) {
+    const truth::Reference truth = truth::solve_truth(each.world, times);
+    EXPECT_EQ(truth.horizon, 0.5) << each.name;
+    EXPECT_LT(truth.self_error, 1e-6) << each.name;
+  }
+}
+
+TEST(Winch, OthersRefuseByName) {
+  std::size_t refused = 0;
+  for (const MethodInfo& method : all_methods()) {
+    if (method.follows_winches || !method.missing.empty()) continue;
+    World world = hoist(4, 0);
+    try {
+      make_method(method.name, {})->advance(world, 0.01);
+      ADD_FAILURE() << method.name;
+    } catch (const Diverged& refusal) {
+      EXPECT_NE(std::string(refusal.what()).find("winches"), std::string::npos) << refusal.what();
+      ++refused;
+    }
+  }
+  EXPECT_GE(refused, 3u);
+}
+
+TEST(Winch, WorldsSayWhatIsWrongWithTheirs) {
+  World pinned = hoist(5, 0);
+  pinned.connectors[0].holds.push_back({2, worlds::fixed_at(pinned.connectors[0].position[2])});
+  EXPECT_NE(winch_flaw(pinned).find("between its ends"), std::string::npos);
+  World strings = hoist(5, 0);
+  strings.connectors[0].pulls = true;
+  EXPECT_NE(winch_flaw(strings).find("pull"), std::string::npos);
+  World loose = hoist(5, 0);
+  loose.connectors[0].holds.clear();
+  EXPECT_THROW(finish(loose), std::invalid_argument);
+  World joined = hoist(5, 0);
+  joined.connectors.push_back(joined.connectors[0]);
+  joined.connectors[1].winch = nullptr;
+  joined.joints = {{{{0, 4}, {1, 4}}}};
+  EXPECT_NE(winch_flaw(joined).find("joined"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace taut::winch_test
