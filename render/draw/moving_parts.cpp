@@ -48,6 +48,9 @@ MovingParts::MovingParts(const gl::Gl& gl, const scenes::Stage& stage, const Wor
     if (!shape || shape->triangles() != triangles || !std::ranges::equal(shape->rest(), rest, same))
       shape = std::make_shared<const RestShape>(gl, std::move(triangles), std::move(rest));
     connectors_.emplace_back(gl, shape, material, chain ? Surface::plain : Surface::rope);
+    if (const auto& winch = world.connectors[i].winch) {
+      winched_.push_back({i, winch, world.connectors[i].length, winch->longer(world.time).length});
+    }
   }
 }
 
@@ -59,6 +62,12 @@ void MovingParts::pose(const FrameState& instant) {
       mesh::skin(model.meshes[k], bones, vertices_);
       characters_[i][k].move(vertices_);
     }
+  }
+  for (const Winched& at : winched_) {
+    const double time = instant.state.time;
+    const double length = at.length + at.winch->longer(time).length - at.longer;
+    connectors_[at.connector].set_flow({.paid_out = float(at.winch->paid_out(0, time).length),
+                                        .length_ratio = float(length / at.length)});
   }
   for (std::size_t i = 0; i < connectors_.size(); ++i) {
     connectors_[i].follow(

@@ -33,6 +33,12 @@ class MovingParts {
   std::vector<std::vector<Drawable>> bodies_, characters_;  // [body or character][mesh]
   std::vector<std::unique_ptr<mesh::ConnectorMesh>> connector_meshes_;
   std::vector<Drawable> connectors_;
+  struct Winched {
+    std::size_t connector = 0;
+    std::shared_ptr<const Winch> winch;
+    double length = 0, longer = 0;  // m: with which it was made, and what had been paid out then
+  };
+  std::vector<Winched> winched_;
   std::vector<mesh::MovingVertex> vertices_;
 };
 

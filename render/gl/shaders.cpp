@@ -52,6 +52,7 @@ uniform vec3 base_color;
 uniform float base_roughness, metallic, opacity;
 uniform int grain_axis;
 uniform float grain_scale;
+uniform float paid_out, length_ratio;  // of a rope: how its material moves past what is drawn
 layout(binding = 0) uniform sampler2DShadow shadow_map;
 layout(binding = 1) uniform sampler2D noise;
 #define GROUNDED (SHADE == 2 || SHADE == 4)
@@ -248,7 +249,8 @@ void main() {
   wrap = vec3(0.22, 0.14, 0.11);
   albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * 6.0).r;
 #elif SURFACE == 4  // rope: three strands; rest_position is (turn, metres along, radius)
-  float strand = abs(sin(3.14159 * (3.0 * rest_position.x + rest_position.y / (7.0 * rest_position.z))));
+  float along = length_ratio * rest_position.y - paid_out;
+  float strand = abs(sin(3.14159 * (3.0 * rest_position.x + along / (7.0 * rest_position.z))));
   albedo *= 0.45 + 0.55 * sqrt(strand);
   wrap = vec3(0.1);
 #elif SURFACE == 5  // paper: daylight from behind comes through, and shows the fibres

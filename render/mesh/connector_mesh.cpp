@@ -97,8 +97,9 @@ class TubeMesh final : public ConnectorMesh {
       if (!radius) continue;
       const auto first = std::uint32_t(rest_.size());
       for (const std::uint32_t i : unit_ball().indices) indices_.push_back(first + i);
-      // On the crest of a strand everywhere: the rope's pattern leaves the ball plain.
-      rest_.resize(rest_.size() + unit_ball().vertices.size(), {Vec3f(1 / 6.0f, 0, 1), kIron});
+      // On the crest of a strand everywhere, of a rope without end: its pattern leaves the ball
+      // plain.
+      rest_.resize(rest_.size() + unit_ball().vertices.size(), {Vec3f(1 / 6.0f, 0, 1e9f), kIron});
       weights_.push_back({particle, *radius});
     }
   }

@@ -121,6 +121,18 @@ const TableFormat& turn_key_format() {
   return format;
 }
 
+const TableFormat& winch_key_format() {
+  static const TableFormat format{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed({.name = "paid_out",
+               .meaning = "Since the start; below zero: taken in.",
+               .unit = "m",
+               .minimum = -kMostPaidOut,
+               .maximum = kMostPaidOut}),
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
+  return format;
+}
+
 const TableFormat& end_format() {
   static const TableFormat format{
       {text("body", "Name of the body that holds the end."),
@@ -147,7 +159,13 @@ const TableFormat& end_format() {
         .meaning = "How far the clamp is turned about that direction, which twists the connector; "
                    "it is untwisted at the start with none. Smooth between keys.",
         .least = 1,
-        .table = &turn_key_format()}},
+        .table = &turn_key_format()},
+       {.name = "winch",
+        .type = Type::tables,
+        .meaning = "How much of the connector is paid out here when: its links share it, and none "
+                   "enters or leaves. At an end that is fixed or driven. Smooth between keys.",
+        .least = 1,
+        .table = &winch_key_format()}},
       {{{"body", "fixed", "path", "bone", "connector", "point_mass", "free"}}}};
   return format;
 }

@@ -112,6 +112,7 @@ class Layout {
                          "a number above 0 (kg), unless model is span or both of 2 particles are "
                          "held");
     }
+    read_winches(document_, value, world_, connector);
     world_.connectors.push_back(std::move(connector));
   }
 
@@ -160,7 +161,7 @@ class Layout {
       connector.holds.back().clamp = direction(document_, *clamp);
     }
     if (const Value* turn = value.find(key)->find("turn")) {
-      connector.holds.back().turn = read_turn(document_, *turn);
+      connector.holds.back().turn = read_number_keys(document_, *turn, "angle");
     }
     if (end.hanging) waiting_[end.to->body].push_back(world_.connectors.size());
   }

@@ -151,20 +151,6 @@ void read_sections(const Document& document, const Value& value, Connector& conn
   }
 }
 
-std::shared_ptr<const Path> read_turn(const Document& document, const Value& list) {
-  std::vector<PathKey> keys;
-  for (const Value& entry : list.children) {
-    const Value& time = *entry.find("t");
-    if (!keys.empty() && !(time.number > keys.back().time)) {
-      document.mismatch(
-          time, fmt::format("a time after {} s, that of the key before it", keys.back().time));
-    }
-    const Vec3 angle(entry.find("angle")->number, 0, 0);
-    keys.push_back({time.number, angle, Quat::Identity(), flag_or(entry, "ease", false)});
-  }
-  return std::make_shared<const Path>(std::move(keys));
-}
-
 void check_curvatures(const Document& document, const World& world, const Timeline& timeline) {
   const Value* table = document.root.find("connectors");
   for (std::size_t c = 0; table && c < table->children.size(); ++c) {

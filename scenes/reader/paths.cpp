@@ -150,4 +150,19 @@ std::vector<std::shared_ptr<const Path>> read_paths(const Document& document) {
   return paths;
 }
 
+std::shared_ptr<const Path> read_number_keys(const Document& document, const Value& list,
+                                             std::string_view value) {
+  std::vector<PathKey> keys;
+  for (const Value& entry : list.children) {
+    const Value& time = *entry.find("t");
+    if (!keys.empty() && !(time.number > keys.back().time)) {
+      document.mismatch(
+          time, fmt::format("a time after {} s, that of the key before it", keys.back().time));
+    }
+    const Vec3 number(entry.find(value)->number, 0, 0);
+    keys.push_back({time.number, number, Quat::Identity(), flag_or(entry, "ease", false)});
+  }
+  return std::make_shared<const Path>(std::move(keys));
+}
+
 }  // namespace taut::scenes

@@ -221,6 +221,7 @@ Scene read_scene(Document document, bool with_stage) {
   refuse_materials(document, *find_method(scene.method.name));
   refuse_joints(document, *find_method(scene.method.name));
   refuse_strings(document, *find_method(scene.method.name));
+  refuse_winches(document, *find_method(scene.method.name));
   finish(scene.world);
   check_obstacles(document, scene.world);
   check_touching(document, scene.world);

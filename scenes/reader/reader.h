@@ -126,8 +126,14 @@ double mass_of(const Value& connector, double length);
 /// What the connector's links are made of, and the air's drag on them; changes its masses where
 /// they follow the links.
 void read_sections(const Document& document, const Value& value, Connector& connector);
-/// What turns a clamp, from its keys (Hold::turn).
-std::shared_ptr<const Path> read_turn(const Document& document, const Value& list);
+/// A number over time, from the values of keys: the x of a path (Hold::turn, Winch::paths).
+std::shared_ptr<const Path> read_number_keys(const Document& document, const Value& list,
+                                             std::string_view value);
+/// The winches at a connector's ends, once it has its holds. Throws BadScene.
+void read_winches(const Document& document, const Value& value, const World& world,
+                  Connector& connector);
+/// Fails where a winch stands in a scene with what does not go with one, or a method without.
+void refuse_winches(const Document& document, const MethodInfo& method);
 /// The air of a scene.
 Air read_air(const Document& document);
 /// Obstacles, behind bodies and connectors. Those that move and are shown come with a driven body,

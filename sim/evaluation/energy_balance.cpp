@@ -5,7 +5,6 @@
 
 #include "sim/measure/measure.h"
 #include "sim/topology/span.h"
-#include "sim/world/winched.h"
 
 namespace taut::study {
 namespace {

@@ -113,6 +113,7 @@ void Interventions::add_part(World& world, std::size_t index) {
 
 Divided Interventions::cut(World& world, std::size_t index, double along) {
   if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
+  if (world.connectors[index].winch) return {Outcome::has_winch, 0};
   ties_.follow(world);
   const Place place = locate(world.connectors[index], along);
   const Outcome outcome = why_not_cut(world, index, along, place);

@@ -158,6 +158,7 @@ class Sweep {
 
   std::string place_flaw(std::size_t connector, double along, double time) const {
     if (connector >= world_.connectors.size()) return std::string(words(Outcome::no_connector));
+    if (world_.connectors[connector].winch) return std::string(words(Outcome::has_winch));
     std::ostringstream line;
     const double length = world_.connectors[connector].length;
     if (!(along >= 0 && along <= length)) {

@@ -95,6 +95,8 @@ std::string_view words(Outcome outcome) {
       return "it is nearer to another hold than the links between them can fold";
     case Outcome::no_pin:
       return "there is no such pin, or it is released already";
+    case Outcome::has_winch:
+      return "the connector has a winch, expected one that keeps its length";
   }
   return "";
 }
@@ -156,6 +158,7 @@ bool Interventions::is_held(const World& world, std::size_t index, const Place& 
 
 Pinned Interventions::pin(World& world, std::size_t index, double along) {
   if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
+  if (world.connectors[index].winch) return {Outcome::has_winch, 0};
   if (!on(world.connectors[index], along)) return {Outcome::outside, 0};
   Attachment here;
   here.point = material_point(world.connectors[index], along).position;
@@ -166,6 +169,7 @@ Pinned Interventions::pin(World& world, std::size_t index, double along, const A
                           double over) {
   if (index >= world.connectors.size()) return {Outcome::no_connector, 0};
   Connector& connector = world.connectors[index];
+  if (connector.winch) return {Outcome::has_winch, 0};
   if (!on(connector, along)) return {Outcome::outside, 0};
   if (!exists(world, to)) return {Outcome::no_target, 0};
   ties_.follow(world);

@@ -25,6 +25,7 @@ enum class Outcome {
   out_of_reach,  // farther from another hold than the connector is long between them
   too_near,      // nearer to another hold than the links between them can fold
   no_pin,        // never set, or released already
+  has_winch,     // a connector whose length changes is neither pinned nor cut
 };
 
 /// Says it in words that end a sentence about the intervention.

@@ -141,7 +141,12 @@ void Mechanism::place_winches(double time) {
     at.longer = winch.longer(time);
     const double longer = at.longer.length;
     for (std::size_t k = 0; k < winch.rest.size(); ++k) {
-      rows_[at.first_row + k].rest = winch.rest[k] + winch.share(k) * longer;
+      double& rest = rows_[at.first_row + k].rest;
+      rest = winch.rest[k] + winch.share(k) * longer;
+      if (!at.first_drag) continue;
+      const double speed =
+          winch.flow(k, at.first, at.last).speed + winch.flow(k + 1, at.first, at.last).speed;
+      material_.flow_past(*at.first_drag + k, rest, speed / 2);
     }
     for (std::size_t i = 0; i < winch.particle_mass.size(); ++i) {
       double& easy = inverse_mass_[at.first_point + i];

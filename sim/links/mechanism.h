@@ -167,6 +167,7 @@ class Mechanism {
   struct Winched {
     std::shared_ptr<const Winch> winch;
     std::uint32_t first_point = 0, first_row = 0;
+    std::optional<std::uint32_t> first_drag = {};  // where it meets the air
     PaidOut first = {}, last = {}, longer = {};  // at the instant of the last place()
   };
 

@@ -164,6 +164,10 @@ void Mechanism::add_winches(const World& world) {
       winches_.push_back({.winch = connector.winch,
                           .first_point = small(first),
                           .first_row = small(static_cast<std::size_t>(row - rows_.begin()))});
+      const auto& drags = material_.drags();
+      const auto drag = std::ranges::find(drags, small(first), &material::DragElement::a);
+      if (drag != drags.end())
+        winches_.back().first_drag = small(static_cast<std::size_t>(drag - drags.begin()));
     }
     first += connector.particles();
   }

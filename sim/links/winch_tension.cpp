@@ -9,10 +9,11 @@
 namespace taut {
 namespace {
 
-/// Tensions of a connector's links, N, and accelerations of its particles, m/s^2.
+/// Tensions of a connector's links, N, what of the air's force on each link is at either end, N,
+/// and accelerations of the particles, m/s^2.
 struct Dynamics {
   std::vector<double> tension;
-  std::vector<Vec3> acceleration;
+  std::vector<Vec3> air, acceleration;
 };
 
 Dynamics solve(const World& world, std::size_t index) {
@@ -35,6 +36,12 @@ Dynamics solve(const World& world, std::size_t index) {
   std::size_t first = 0;
   for (std::size_t c = 0; c < index; ++c) first += world.connectors[c].particles();
   const Connector& connector = world.connectors[index];
+  found.air.resize(connector.links(), Vec3::Zero());
+  for (const material::DragElement& link : mechanism.material().drags()) {
+    if (link.a < first || link.a >= first + connector.links()) continue;
+    found.air[link.a - first] =
+        mechanism.material().drag(link, state.data(), state.data() + mechanism.velocity(0));
+  }
   for (std::size_t i = 0; i < connector.particles(); ++i) {
     found.acceleration.push_back(Eigen::Map<const Vec3>(&slope[mechanism.velocity(first + i)]));
   }
@@ -52,7 +59,7 @@ double winch_tension(const World& world, std::size_t index, std::size_t end) {
     throw std::invalid_argument("the connector " + connector.name + " has no winch there");
   }
   const Winch& winch = *connector.winch;
-  const auto [tension, acceleration] = solve(world, index);
+  const auto [tension, air, acceleration] = solve(world, index);
   const PaidOut first = winch.paid_out(0, world.time), last = winch.paid_out(1, world.time);
   const PaidOut longer = winch.longer(world.time), own = end == 0 ? first : last;
   // Lagrange's equation for what this winch has paid out, in the frame of its end.
@@ -72,6 +79,7 @@ double winch_tension(const World& world, std::size_t index, std::size_t end) {
     for (const std::size_t i : {k, k + 1}) {
       const double part = end == 0 ? 1 - winch.before[i] : -winch.before[i];  // of the flow there
       const Winch::Flow flow = winch.flow(i, first, last);
+      pull += part * air[k].dot(gap) / length;
       rate += part * ((acceleration[i] - acceleration[eye]).dot(gap) + speed(i).dot(gap_rate) +
                       share * longer.rate * flow.speed + length * flow.rate);
       slope +=

@@ -152,12 +152,13 @@ void add_drags(const Connector& connector, const Air& air, std::uint32_t first,
     return;
   }
   for (std::uint32_t k = 0; k < connector.links(); ++k) {
-    elements.push_back(
-        {.a = first + k,
-         .b = first + k + 1,
-         .density_area = air.density * connector.rest[k] * connector.sections[k].diameter,
-         .across = drag.across,
-         .along = drag.along});
+    elements.push_back({.a = first + k,
+                        .b = first + k + 1,
+                        .density = air.density,
+                        .length = connector.rest[k],
+                        .diameter = connector.sections[k].diameter,
+                        .across = drag.across,
+                        .along = drag.along});
   }
 }
 
@@ -306,15 +307,26 @@ void MaterialForces::add_bends(const double* positions, const double* velocities
   }
 }
 
+Vec3 MaterialForces::drag(const DragElement& link, const double* positions,
+                          const double* velocities) const {
+  const Vec3 edge = point(positions, link.b) - point(positions, link.a);
+  Vec3 speed = (point(velocities, link.a) + point(velocities, link.b)) / 2 - wind_;
+  if (link.flow != 0) speed += link.flow * edge.normalized();
+  return drag_force(edge, speed, link.density_area(), link.across, link.along) / 2;
+}
+
 void MaterialForces::add_drag(const double* positions, const double* velocities,
                               std::vector<Vec3>& force) const {
   for (const DragElement& link : drags_) {
-    const Vec3 edge = point(positions, link.b) - point(positions, link.a);
-    const Vec3 speed = (point(velocities, link.a) + point(velocities, link.b)) / 2 - wind_;
-    const Vec3 half = drag_force(edge, speed, link.density_area, link.across, link.along) / 2;
+    const Vec3 half = drag(link, positions, velocities);
     force[link.a] += half;
     force[link.b] += half;
   }
+}
+
+void MaterialForces::flow_past(std::size_t drag, double length, double speed) {
+  drags_[drag].length = length;
+  drags_[drag].flow = speed;
 }
 
 // Of each element the matrix is stiffness d d^T, d how it changes with its points along the way in

@@ -37,8 +37,12 @@ struct BendElement {
 /// A link that meets the air.
 struct DragElement {
   std::uint32_t a = 0, b = 0;
-  double density_area = 0;  // kg/m, see drag_force()
+  double density = 0;               // kg/m^3, of the air
+  double length = 0, diameter = 0;  // m
   double across = 0, along = 0;
+  double flow = 0;  // m/s, of its material towards b, where a winch moves that past its points
+
+  double density_area() const { return density * length * diameter; }  // kg/m, see drag_force()
 };
 
 /// The first link that is pressed together to less than a thousandth of its length, with its points
@@ -79,11 +83,15 @@ class MaterialForces {
 
   /// Turns the clamps to where they are at `time` (s), and the wind to what it is then.
   void place(const World& world, double time);
+  /// Gives a link that meets the air another length (m), and its material a flow (m/s).
+  void flow_past(std::size_t drag, double length, double speed);
   /// The two edges that an element bends, and their rates.
   void edges(const BendElement& bend, const double* positions, Vec3& e0, Vec3& e1) const;
   void edge_rates(const BendElement& bend, const double* velocities, Vec3& e0, Vec3& e1) const;
   /// Adds the forces (N) at each point.
   void add(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
+  /// Of the air's force on a link what is at either end, N.
+  Vec3 drag(const DragElement& link, const double* positions, const double* velocities) const;
   /// Those of bends, and those of the air, alone.
   void add_bends(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   void add_drag(const double* positions, const double* velocities, std::vector<Vec3>& force) const;

@@ -8,7 +8,6 @@
 #include "sim/reference/event_driven.h"
 #include "sim/reference/runge_kutta.h"
 #include "sim/run/companion.h"
-#include "sim/world/winched.h"
 
 namespace taut::reference {
 namespace {

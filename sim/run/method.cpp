@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "sim/topology/span.h"
-#include "sim/world/winched.h"
 #include "sim/world/world.h"
 
 namespace taut {

@@ -43,6 +43,10 @@ std::vector<std::vector<Vec3>> ShownVelocities::of(const Simulation& simulation)
     const auto [connector, along] = parts.at(shown.whole, middle);
     const double before = shifted_[shown.whole] ? now[connector].rest.front() : 0;
     if (connector != std::exchange(last, connector)) walk = {};
+    if (now[connector].winch) {
+      result[row] = now[connector].velocity;
+      continue;
+    }
     result[row] = velocities(now[connector], middle - along - before, shown.along, walk);
   }
   return result;

@@ -273,6 +273,10 @@ Snapshot Simulation::state() const {
     const double middle = (shown.along.front() + shown.along.back()) / 2;
     const auto [connector, along] = parts_.at(shown.whole, middle);
     if (connector != std::exchange(last, connector)) walk = {};
+    if (world_.connectors[connector].winch) {  // nothing divides it, and its lengths change
+      shot.connectors[row] = world_.connectors[connector].position;
+      continue;
+    }
     shot.connectors[row] =
         positions(world_.connectors[connector], middle - along, shown.along, walk);
   }

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "sim/run/simulation.h"
-#include "sim/world/winched.h"
 
 namespace taut::truth {
 namespace {

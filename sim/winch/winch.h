@@ -25,6 +25,8 @@ struct Winch {
   std::vector<double> before;
   double density = 0;  // kg/m, of what is paid out
   // Where nothing is paid out.
+  double length = 0;                  // m
+  double mass = 0;                    // kg
   std::vector<double> rest;           // m, of each link
   std::vector<double> particle_mass;  // kg
 

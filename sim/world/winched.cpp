@@ -1,6 +1,7 @@
 #include "sim/world/winched.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -13,7 +14,11 @@ bool at_end(const Connector& connector, const Hold& hold) {
 
 std::string flaw_of(const World& world, std::size_t index) {
   const Connector& connector = world.connectors[index];
-  if (!connector.sections.empty()) return "stretches, bends or meets the air";
+  for (const Section& section : connector.sections) {  // which may meet the air
+    const bool rigid = !std::isfinite(section.axial_stiffness);
+    const bool free = section.bending_stiffness == 0 && section.twisting_stiffness == 0;
+    if (!rigid || !free) return "stretches or resists bending";
+  }
   if (connector.pulls) return "is of strings";
   if (connector.model == ConnectorModel::span) return "is a massless span";
   for (const Hold& hold : connector.holds) {
@@ -43,6 +48,8 @@ void add_winches(const World& world, Connector& connector, std::shared_ptr<const
                  std::shared_ptr<const Path> last) {
   Winch winch;
   winch.paths = {std::move(first), std::move(last)};
+  winch.length = connector.length;
+  winch.mass = connector.mass;
   winch.rest = connector.rest;
   winch.particle_mass = connector.particle_mass;
   const auto links = static_cast<double>(connector.links());
@@ -65,11 +72,6 @@ void add_winches(const World& world, Connector& connector, std::shared_ptr<const
   connector.winch = std::make_shared<const Winch>(std::move(winch));
 }
 
-bool has_winches(const World& world) {
-  return std::ranges::any_of(world.connectors,
-                             [](const Connector& connector) { return connector.winch != nullptr; });
-}
-
 std::string winch_flaw(const World& world) {
   if (!has_winches(world)) return {};
   if (has_contact(world)) return "there are winches, and something touches";
@@ -87,20 +89,15 @@ std::string winch_flaw(const World& world) {
 void set_lengths(Connector& connector, double time) {
   const Winch& winch = *connector.winch;
   const double longer = winch.longer(time).length;
-  connector.length = 0;
+  connector.length = winch.length + longer;
+  connector.mass = winch.mass + winch.density * longer;
   for (std::size_t k = 0; k < connector.links(); ++k) {
     connector.rest[k] = winch.rest[k] + winch.share(k) * longer;
-    connector.length += connector.rest[k];
   }
-  double start = 0;
-  for (const double rest : winch.rest) start += rest;
   for (std::size_t i = 0; i < connector.particles(); ++i) {
     connector.particle_mass[i] =
         winch.particle_mass[i] + winch.density * winch.share_at(i) * longer;
   }
-  connector.mass = winch.density * (start / static_cast<double>(connector.links()) *
-                                        static_cast<double>(connector.particles()) +
-                                    longer);
 }
 
 }  // namespace taut

@@ -15,9 +15,6 @@ namespace taut {
 void add_winches(const World& world, Connector& connector, std::shared_ptr<const Path> first,
                  std::shared_ptr<const Path> last);
 
-/// Whether some connector has a winch.
-bool has_winches(const World& world);
-
 /// What is wrong with a world's winches, or empty: they are at ends whose motion is known
 /// beforehand, of rigid links that no pin holds and no joint, in worlds without contact, strings
 /// and massless spans.

@@ -118,6 +118,11 @@ bool has_strings(const World& world) {
   return std::ranges::any_of(world.connectors, &Connector::pulls);
 }
 
+bool has_winches(const World& world) {
+  return std::ranges::any_of(world.connectors,
+                             [](const Connector& connector) { return connector.winch != nullptr; });
+}
+
 std::string pair_flaw(const World& world) {
   std::set<std::pair<std::size_t, std::size_t>> seen;
   for (const BodyPair& pair : world.pairs) {

@@ -61,6 +61,9 @@ bool has_materials(const World& world);
 /// Whether anything touches: there are obstacles, or bodies that touch each other.
 bool has_contact(const World& world);
 
+/// Whether some connector has a winch (Connector::winch).
+bool has_winches(const World& world);
+
 /// Whether some connector's links are strings (Connector::pulls).
 bool has_strings(const World& world);
 

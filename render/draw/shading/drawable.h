@@ -76,6 +76,13 @@ class Drawable {
   int grain_axis() const { return grain_axis_; }
   /// How many times finer the grain is than that of a beam: small things are made of fine wood.
   float grain_scale() const { return grain_scale_; }
+  /// How a rope's material moves past its vertices where winches change its length.
+  struct Flow {
+    float paid_out = 0;      // m, at its first end
+    float length_ratio = 1;  // of its length to that with which it was made
+  };
+  const Flow& flow() const { return flow_; }
+  void set_flow(const Flow& flow) { flow_ = flow; }
 
  private:
   void load() const;
@@ -93,6 +100,7 @@ class Drawable {
   Surface surface_;
   int grain_axis_ = 1;
   float grain_scale_ = 1;
+  Flow flow_;
 };
 
 }  // namespace taut::draw

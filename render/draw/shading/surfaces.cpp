@@ -82,6 +82,8 @@ void Surfaces::draw(const DrawItem& item, Shade shade, float opacity) {
   p.set("opacity", opacity);
   p.set("grain_axis", item.drawable->grain_axis());
   p.set("grain_scale", item.drawable->grain_scale());
+  p.set("paid_out", item.drawable->flow().paid_out);
+  p.set("length_ratio", item.drawable->flow().length_ratio);
   item.draw();
 }
 

@@ -11,7 +11,6 @@
 #include "sim/methods/direct/spans.h"
 #include "sim/run/companion.h"
 #include "sim/topology/room.h"
-#include "sim/world/winched.h"
 
 namespace taut::direct {
 namespace {

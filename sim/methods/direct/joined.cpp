@@ -7,7 +7,6 @@
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/system/scales.h"
 #include "sim/topology/span.h"
-#include "sim/world/winched.h"
 
 namespace taut::direct {
 namespace {

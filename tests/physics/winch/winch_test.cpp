@@ -77,6 +77,21 @@ World between_two(std::size_t particles) {
   return world;
 }
 
+/// A rope in space that runs from one winch to the other at `speed` (m/s).
+World running(double speed) {
+  World world = between_two(9);
+  world.gravity.setZero();
+  // Far from its ends a spline through equal steps is straight.
+  std::vector<std::pair<double, double>> out, in;
+  for (int i = -30; i <= 30; ++i) {
+    out.emplace_back(i, speed * i);
+    in.emplace_back(i, -speed * i);
+  }
+  add_winches(world, world.connectors[0], paying(out, false), paying(in, false));
+  finish(world);
+  return world;
+}
+
 struct Case {
   const char* name;
   World world;
@@ -174,23 +189,31 @@ TEST(Winch, WhirlKeepsItsAngularMomentum) {
 
 // A rope that runs along its own line keeps any shape, under the tension density * speed^2.
 TEST(Winch, RunningRopeKeepsItsShape) {
-  World world = between_two(9);
-  world.gravity.setZero();
-  Connector& rope = world.connectors[0];
-  // Far from its ends a spline through equal steps is straight.
-  std::vector<std::pair<double, double>> out, in;
-  for (int i = -30; i <= 30; ++i) {
-    out.emplace_back(i, 5 * i);
-    in.emplace_back(i, -5 * i);
-  }
-  add_winches(world, rope, paying(out, false), paying(in, false));
-  finish(world);
-  const World end = after(world, 0.5, 1e-6);
+  const World world = running(5), end = after(world, 0.5, 1e-6);
   EXPECT_LT(apart(end, world), 1e-12);
-  const double expected = rope.winch->density * 25;
+  const double expected = world.connectors[0].winch->density * 25;
   for (const std::size_t each : {0u, 1u}) {
     EXPECT_NEAR(winch_tension(end, 0, each), expected, 1e-9 * expected);
   }
+}
+
+// Between its two drums the tension of what runs straight through the air rises by the drag.
+TEST(Winch, WhatRunsThroughTheAirIsDraggedAlong) {
+  World world = running(5);
+  Connector& rope = world.connectors[0];
+  const Vec3 along = Vec3(0.6, 0.2, 0).normalized();
+  for (std::size_t i = 0; i < rope.particles(); ++i) {
+    rope.position[i] = along * static_cast<double>(i) / static_cast<double>(rope.links());
+  }
+  rope.holds[1].to.point = along;
+  rope.sections.assign(rope.links(), Section{});
+  for (Section& section : rope.sections) section.diameter = 0.01;
+  rope.drag = {1, 0.5};
+  world.air.density = 1.2;
+  finish(world);
+  const double drag = 1.2 / 2 * 0.01 * 0.5 * 25;
+  const double drop = winch_tension(world, 0, 1) - winch_tension(world, 0, 0);
+  EXPECT_NEAR(drop, drag, 1e-9 * drag);
 }
 
 TEST(Winch, SpringsAndXpbdComeNear) {
@@ -217,9 +240,8 @@ TEST(Winch, MoreParticlesComeNearToARope) {
     rope.particle_mass.assign(links + 1, part);
     rope.particle_mass.front() = part / 2;
     rope.particle_mass.back() = part / 2 + 0.3;
-    Winch winch;
     add_winches(world, rope, paying({{0, 0}, {1, 0.5}}), nullptr);
-    winch = *rope.winch;
+    Winch winch = *rope.winch;
     winch.density = 0.1;
     rope.winch = std::make_shared<const Winch>(winch);
     finish(world);

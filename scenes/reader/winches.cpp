@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "scenes/reader/reader.h"
+#include "sim/world/winched.h"
+
+namespace taut::scenes {
+
+namespace {
+
+constexpr double kShortest = 1e-3;  // of what a link is at the start: with less it turns too fast
+
+const Value* winch_of(const Value& connector) {
+  for (const char* end : {"from", "to"}) {
+    if (const Value* winch = connector.find(end)->find("winch")) return winch;
+  }
+  return nullptr;
+}
+
+/// What in a connector does not go with a winch; null: nothing.
+const char* misfit(const Value& connector) {
+  if (text_or(connector, "model", "links") == "span") return "a massless span";
+  if (text_or(connector, "links", "rigid") == "pull") return "links that only pull";
+  if (text_or(connector, "look", "rope") == "chain") {
+    return "the look of a chain, whose links have one size";
+  }
+  for (const std::string_view key : {"axial_stiffness", "bending_stiffness", "material", "taper"}) {
+    if (connector.find(key)) return "links that stretch or resist bending";
+  }
+  for (const char* end : {"from", "to"}) {
+    if (connector.find(end)->find("connector")) return "an end that is joined";
+  }
+  return connector.find("repeat") ? "copies" : nullptr;
+}
+
+std::shared_ptr<const Path> read_winch(const Document& document, const Value& list) {
+  auto path = read_number_keys(document, list, "paid_out");
+  const double start = path->at(0).position.x();
+  if (std::abs(start) > 1e-9) {
+    document.fail_at_key(list,
+                         fmt::format("has paid out {:.6g} m at the start, expected 0", start));
+  }
+  return path;
+}
+
+}  // namespace
+
+void read_winches(const Document& document, const Value& value, const World& world,
+                  Connector& connector) {
+  const Value* named = winch_of(value);
+  if (!named) return;
+  if (const char* other = misfit(value)) {
+    document.fail_at_key(*named,
+                         fmt::format("stands beside {}, expected rigid links alone", other));
+  }
+  std::array<std::shared_ptr<const Path>, 2> paths;
+  for (const std::size_t end : {0u, 1u}) {
+    const Value* winch = value.find(end == 0 ? "from" : "to")->find("winch");
+    if (!winch) continue;
+    const std::size_t particle = end == 0 ? 0 : connector.links();
+    const auto held = std::ranges::find(connector.holds, particle, &Hold::particle);
+    if (held == connector.holds.end() || !is_prescribed(world, held->to)) {
+      document.fail_at_key(*winch, "needs an end that is fixed or driven, not a free body's");
+    }
+    paths[end] = read_winch(document, *winch);
+  }
+  const auto carried = [&](const Hold& hold) { return !is_prescribed(world, hold.to); };
+  const bool any_carried = std::ranges::any_of(connector.holds, carried);
+  if (any_carried && connector.links() < 2) {
+    document.mismatch(*value.find("particles"),
+                      "at least 3, as the link at a free body keeps its length");
+  }
+  if (connector.mass == 0) document.mismatch(*value.find("mass"), "a number above 0 (kg)");
+  add_winches(world, connector, paths[0], paths[1]);
+  const Winch& winch = *connector.winch;
+  for (std::size_t k = 0; k < connector.links(); ++k) {
+    const double least = winch.rest[k] + winch.share(k) * winch.least();
+    if (least >= kShortest * winch.rest[k]) continue;
+    document.fail_at_key(*named,
+                         fmt::format("takes in {:.6g} m, of {:.6g} m that it can", -winch.least(),
+                                     (1 - kShortest) * winch.rest[k] / winch.share(k)));
+  }
+}
+
+void refuse_winches(const Document& document, const MethodInfo& method) {
+  const Value* connectors = document.root.find("connectors");
+  if (!connectors) return;
+  for (const Value& connector : connectors->children) {
+    const Value* winch = winch_of(connector);
+    if (!winch) continue;
+    for (const char* table : {"obstacles", "touching"}) {
+      const Value* found = document.root.find(table);
+      if (!found || found->children.empty()) continue;
+      document.fail_at_key(*winch, fmt::format("stands in a scene with {}, where connectors keep "
+                                               "their lengths",
+                                               table));
+    }
+    for (const Value& other : connectors->children) {
+      const bool spans = text_or(other, "model", "links") == "span";
+      if (!spans && text_or(other, "links", "rigid") != "pull") continue;
+      document.fail_at_key(*winch, fmt::format("stands in a scene with {}, which is {}", other.path,
+                                               spans ? "a massless span" : "of strings"));
+    }
+    if (method.follows_winches) continue;
+    std::vector<std::string_view> able;
+    for (const MethodInfo& info : all_methods()) {
+      if (info.follows_winches) able.push_back(info.name);
+    }
+    document.fail_at_key(*winch, fmt::format("is unknown to the method {}, expected one of: {}",
+                                             method.name, fmt::join(able, ", ")));
+  }
+}
+
+}  // namespace taut::scenes

@@ -1,0 +1,50 @@
+// The crane of scenes/topology: a load that is let down without swing.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "scenes/load/load_scene.h"
+#include "sim/run/simulation.h"
+#include "tests/support/folder.h"
+
+namespace taut::winch_test {
+namespace {
+
+std::string text_of_crane() {
+  std::ifstream file(std::string(TAUT_SOURCE_DIR) + "/scenes/topology/crane.toml");
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// The most by which the load is aside of where it is to stand, from when it is there, m.
+double swing(const std::string& text, double standing, double until) {
+  const Folder folder;
+  const scenes::Scene scene = scenes::load_scene(folder.write("crane.toml", text), false);
+  Simulation simulation(scene.world, make_method("direct", {{"tolerance", 1e-5}}));
+  double most = 0;
+  for (double time = standing; time <= until; time += 1.0 / 60) {
+    simulation.advance_to(time);
+    most = std::max(most, std::abs(simulation.world().connectors[0].position.back().x() - 1.1));
+  }
+  return most;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what)) {
+    text.replace(at, what.size(), by);
+  }
+  return text;
+}
+
+// A smooth step of fifth degree in 1.834 periods leaves a pendulum at rest; one in 2.03 does not.
+TEST(Crane, LetsItsLoadDownWithoutSwing) {
+  const std::string text = text_of_crane();
+  EXPECT_LT(swing(text, 8.42, 11), 0.002);
+  const std::string slower = replaced(replaced(text, "t = 6.12", "t = 6.5"), "t = 8.42", "t = 8.8");
+  EXPECT_GT(swing(slower, 8.8, 11), 0.05);
+}
+
+}  // namespace
+}  // namespace taut::winch_test

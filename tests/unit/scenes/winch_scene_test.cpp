@@ -1,0 +1,106 @@
+// Winches in scene files: what they are read as, and what is said against them.
+#include <gtest/gtest.h>
+
+#include "scenes/files/error.h"
+#include "scenes/load/load_scene.h"
+#include "sim/interventions/interventions.h"
+#include "sim/run/simulation.h"
+#include "tests/support/folder.h"
+
+namespace taut::winch_scene_test {
+namespace {
+
+const std::string kKeys = "[{ t = 0.0, paid_out = 0.0 }, { t = 1.0, paid_out = -0.5 }]";
+
+std::string scene(const std::string& from, const std::string& to = "free = true",
+                  const std::string& more = "", const std::string& method = "direct") {
+  return "duration = 1.0\n[method]\nname = \"" + method +
+         "\"\n[connectors.rope]\nlength = 1.0\nmass = 0.1\nparticles = 11\nfrom = { " + from +
+         " }\nto = { " + to + " }\n" + more + "\n";
+}
+std::string held(const std::string& keys) {
+  return "fixed = [0, 2, 0], winch = " + keys;
+}
+
+class WinchScene : public testing::Test {
+ protected:
+  scenes::Scene read(const std::string& text) const {
+    return scenes::load_scene(folder_.write("scene.toml", text), false);
+  }
+  void expect(const std::string& text, const std::string& words) const {
+    std::string message = "nothing";
+    try {
+      read(text);
+    } catch (const scenes::BadScene& error) {
+      message = error.what();
+    }
+    EXPECT_NE(message.find("scene.toml:"), std::string::npos) << message;
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  }
+
+  Folder folder_;
+};
+
+TEST_F(WinchScene, PaysOutByKeys) {
+  const scenes::Scene made = read(scene(held(kKeys)));
+  const Winch& winch = *made.world.connectors[0].winch;
+  EXPECT_EQ(winch.longer(0.5).length, -0.25);  // a smooth step is at its middle there
+  EXPECT_EQ(winch.paid_out(1, 0.5).length, 0);
+  EXPECT_DOUBLE_EQ(winch.share(0), winch.share(9));
+}
+
+TEST_F(WinchScene, LinkAtAFreeBodyKeepsItsLength) {
+  const std::string body =
+      "[bodies.load]\nmass = 1.0\nshape = { sphere = { diameter = 0.1 } }\nhangs = [0, -1, 0]\n";
+  const scenes::Scene made =
+      read(scene(held(kKeys), "body = \"load\", point = [0, 0.05, 0]", body));
+  Simulation simulation(made.world, make_method("direct", {}));
+  simulation.advance_to(1);
+  const Connector& rope = simulation.world().connectors[0];
+  EXPECT_DOUBLE_EQ(rope.rest[9], 0.1);
+  EXPECT_DOUBLE_EQ(rope.rest[0], 0.1 - 0.5 / 9);
+  EXPECT_DOUBLE_EQ(rope.length, 0.5);
+}
+
+TEST_F(WinchScene, IsNeitherPinnedNorCut) {
+  World world = read(scene(held(kKeys))).world;
+  Interventions interventions;
+  EXPECT_EQ(interventions.pin(world, 0, 0.5).outcome, Outcome::has_winch);
+  EXPECT_EQ(interventions.cut(world, 0, 0.5).outcome, Outcome::has_winch);
+  const std::string cut = "[[cuts]]\nt = 0.5\nconnector = \"rope\"\nat = 0.5\n";
+  expect(scene(held(kKeys), "free = true", cut), "has a winch, expected one that keeps");
+}
+
+// Beside an intervention elsewhere, what is shown of it are its own particles.
+TEST_F(WinchScene, IsShownBesideATimeline) {
+  const std::string other =
+      "[connectors.other]\nlength = 1.0\nmass = 0.1\nparticles = 5\nfrom = { fixed = [1, 2, 0] }\n"
+      "to = { free = true }\n[[cuts]]\nt = 0.5\nconnector = \"other\"\nat = 0.5\n";
+  const scenes::Scene made = read(scene(held(kKeys), "free = true", other));
+  Simulation simulation(made.world, make_method("direct", {}), made.timeline);
+  simulation.advance_to(1);
+  const Snapshot shown = simulation.state();
+  EXPECT_EQ(shown.connectors[0], simulation.world().connectors[0].position);
+  EXPECT_NEAR(shown.connectors[0].back().y(), 1.5, 1e-9);
+}
+
+TEST_F(WinchScene, SaysWhatIsWrong) {
+  expect(scene("point_mass = 1.0, winch = " + kKeys, "fixed = [0, 2, 0]"),
+         "needs an end that is fixed");
+  expect(scene(held("[{ t = 0.0, paid_out = 0.1 }]")), "has paid out 0.1 m at the start");
+  expect(scene(held("[{ t = 0.0, paid_out = 0.0 }, { t = 1.0, paid_out = -1.0 }]")),
+         "takes in 1 m, of 0.999 m that it can");
+  expect(scene(held("[{ t = 1.0, paid_out = 0.0 }, { t = 1.0, paid_out = 0.1 }]")),
+         "a time after 1 s");
+  expect(scene(held(kKeys), "free = true", "links = \"pull\""), "links that only pull");
+  expect(scene(held(kKeys), "free = true", "bending_stiffness = 0.1"), "stretch or resist bending");
+  expect(scene(held(kKeys), "free = true", "look = \"chain\""), "look of a chain");
+  expect(scene(held(kKeys), "free = true", "repeat = [{ count = 2, by = [1, 0, 0] }]"), "copies");
+  expect(scene(held(kKeys), "free = true", "", "impulse"), "is unknown to the method impulse");
+  expect(scene(held(kKeys), "free = true",
+               "[obstacles.floor]\nshape = { plane = {} }\nposition = [0, -1, 0]\n"),
+         "in a scene with obstacles");
+}
+
+}  // namespace
+}  // namespace taut::winch_scene_test
