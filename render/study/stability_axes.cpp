@@ -47,10 +47,12 @@ MapAxis mass_ratio(const scenes::Scene& scene, double load) {
 }
 
 MapAxis particles(const scenes::Scene& scene) {
+  // Where a free body hangs from what has a winch, the last link keeps its length.
+  const double least = scene.world.connectors.front().winch ? 3 : 2;
   return {"particles",
           "particles",
           true,
-          {2, 5, 11, 41, 101, 321, 1000},
+          {least, 5, 11, 41, 101, 321, 1000},
           [key = options::connector_key(scene, "particles")](double n) {
             return std::vector<scenes::SceneChange>{{key, fmt::format("{:.0f}", n)}};
           },

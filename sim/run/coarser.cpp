@@ -1,6 +1,8 @@
 #include "sim/run/coarser.h"
 
 #include <algorithm>
+#include <memory>
+#include <utility>
 
 namespace taut {
 
@@ -22,6 +24,11 @@ void take_masses(World& world, const World& exact) {
       coarse.particle_mass[link] += (1 - ahead) * fine.particle_mass[i];
       coarse.particle_mass[link + 1] += ahead * fine.particle_mass[i];
     }
+    if (!coarse.winch) continue;
+    Winch winch = *coarse.winch;
+    winch.particle_mass = coarse.particle_mass;
+    winch.density = fine.winch->density;
+    coarse.winch = std::make_shared<const Winch>(std::move(winch));
   }
   reweigh(world);
 }

@@ -15,7 +15,10 @@ constexpr const char* kFree = "{ free = true }";
 class Scene : Pieces {
  public:
   explicit Scene(unsigned seed)
-      : Pieces(seed), own_dice_(~seed), meeting_dice_(seed ^ 0x2545f491u) {}
+      : Pieces(seed),
+        own_dice_(~seed),
+        meeting_dice_(seed ^ 0x2545f491u),
+        winch_dice_(seed ^ 0x9e3779b9u) {}
 
   std::string drawn() {
     constexpr int kRates[] = {1, 5, 24, 24, 30, 30, 60, 60, 60, 120, 120, 240};
@@ -34,6 +37,9 @@ class Scene : Pieces {
     const bool joins = kind > 0.5 && kind < 0.7;
     sections_ = kind > 0.35 && kind < 0.55;
     strings_ = !spans && !joins && !sections_ && own_dice_.between(0, 1) < 0.25;
+    const bool alone = !spans && !joins && !sections_ && !obstacles;
+    const bool meets = alone && meeting_dice_.between(0, 1) < 0.3;
+    winches_ = alone && !meets && !strings_ && winch_dice_.between(0, 1) < 0.3;
     if (sections_) add_air();
     const int connectors = 1 + dice_.pick(3);
     for (int i = 0; i < connectors; ++i) {
@@ -48,9 +54,7 @@ class Scene : Pieces {
     if (obstacles) {
       for (int i = 1 + dice_.pick(2); i > 0; --i) add_obstacle(i);
     }
-    if (!spans && !joins && !sections_ && !obstacles && meeting_dice_.between(0, 1) < 0.3) {
-      add_meeting();
-    }
+    if (meets) add_meeting();
     if (!spans) {
       for (const Strand& strand : std::vector(strands_)) {
         while (chance(0.25)) add_pin(strand);
@@ -134,6 +138,12 @@ class Scene : Pieces {
     }
     const bool pulls = strings_ && own_dice_.between(0, 1) < 0.7;
     if (pulls) line("links = \"pull\"");
+    const bool winched = winches_ && has_place(from) && (is_led(to) || particles > 2);
+    if (winched) {
+      add_winch(length, straight, from);
+      if (has_place(to) && winch_dice_.between(0, 1) < 0.3) add_winch(length, false, to);
+      strands_.pop_back();  // it is neither pinned nor cut
+    }
     line("from = {}\nto = {}", from, to);
     // Without a start it hangs between its ends, or straight down from the one that has a place.
     const bool adrift = from == kFree;
@@ -150,13 +160,34 @@ class Scene : Pieces {
       }
       line("start = {{ {} }}", start);
     }
-    line("look = \"{}\"", kLooks[dice_.pick(3)]);
+    const int look = dice_.pick(3);
+    line("look = \"{}\"", winched ? "rope" : kLooks[look]);
     line("radius = {}", length * dice_.scale(1e-3, 1e-2));
     text_ += section;
     if (from.find("fixed") != from.npos && to.find("path") == to.npos && is_led(to) &&
-        chance(0.1)) {
+        chance(0.1) && !winched) {
       line("repeat = [{{ count = {}, by = {} }}]", 1 + dice_.pick(4), text(dice_.within(length)));
     }
+  }
+
+  /// Whether it is fixed, or on a path.
+  static bool has_place(const std::string& end) {
+    return end.find("fixed") != end.npos || end.find("path") != end.npos;
+  }
+
+  /// Lets the end pay out, or take in where it may.
+  void add_winch(double length, bool takes_in, std::string& end) {
+    Dice& dice = winch_dice_;
+    std::string keys = "{ t = 0, paid_out = 0 }";
+    double time = 0, paid_out = 0;
+    for (int i = 1 + dice.pick(3); i > 0; --i) {
+      time += dice.between(0.15, 0.6);
+      const double least = takes_in ? -0.8 * length : 0;
+      paid_out = std::max(paid_out + length * dice.between(takes_in ? -0.4 : 0, 0.4), least);
+      keys += fmt::format(", {{ t = {}, paid_out = {}{} }}", time, paid_out,
+                          dice.between(0, 1) < 0.3 ? ", ease = true" : "");
+    }
+    end.insert(end.size() - 2, fmt::format(", winch = [{}]", keys));
   }
 
   static bool is_led(const std::string& end) { return end.find("body") == end.npos; }
@@ -373,7 +404,9 @@ class Scene : Pieces {
   bool strings_ = false;   // links of connectors only pull
   Dice own_dice_;          // for what came later, so that what else is drawn stays
   Dice meeting_dice_;      // for what came later still
-  std::string hung_;       // the connector of a stick that hangs
+  Dice winch_dice_;
+  bool winches_ = false;
+  std::string hung_;  // the connector of a stick that hangs
   std::vector<Strand> strands_;
   int nets_ = 0;
 };

@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "../material/material_worlds.h"
 #include "../worlds.h"
 #include "sim/links/winch_tension.h"
 #include "sim/measure/measure.h"
+#include "sim/run/coarser.h"
 #include "sim/truth/truth.h"
 #include "sim/world/winched.h"
 
@@ -249,6 +252,23 @@ TEST(Winch, MoreParticlesComeNearToARope) {
   };
   const Vec3 four = load(4), eight = load(8), sixteen = load(16);
   EXPECT_NEAR(std::log2((four - eight).norm() / (eight - sixteen).norm()), 2, 0.2);
+}
+
+TEST(Winch, CoarserWorldsHaveTheMassesOfTheExactOne) {
+  World coarse = hoist(5, 40);
+  const World exact = hoist(9, 40);
+  take_masses(coarse, exact);
+  finish(coarse);
+  const auto sum = [](const World& world) {
+    const std::vector<double>& all = world.connectors[0].particle_mass;
+    return std::accumulate(all.begin(), all.end(), 0.0);
+  };
+  for (const double time : {0.0, 1.0, 3.0}) {
+    World later = exact;
+    place_held(coarse, time);
+    place_held(later, time);
+    EXPECT_NEAR(sum(coarse), sum(later), 1e-15) << time;
+  }
 }
 
 TEST(Winch, TheTwoSolversOfTheTruthAgree) {
