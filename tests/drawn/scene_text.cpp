@@ -57,6 +57,7 @@ class Scene : Pieces {
     if (meets) add_meeting();
     if (!spans) {
       for (const Strand& strand : std::vector(strands_)) {
+        if (strand.winched) continue;
         while (chance(0.25)) add_pin(strand);
         while (chance(0.15)) add_cut(strand);
       }
@@ -70,7 +71,8 @@ class Scene : Pieces {
     std::string name;
     double length = 0;  // m
     int particles = 0;
-    Vec3 place;  // m, of its first end, or near
+    Vec3 place;            // m, of its first end, or near
+    bool winched = false;  // neither pinned nor cut
   };
 
   /// What holds the first end, and where that is.
@@ -142,7 +144,7 @@ class Scene : Pieces {
     if (winched) {
       add_winch(length, straight, from);
       if (has_place(to) && winch_dice_.between(0, 1) < 0.3) add_winch(length, false, to);
-      strands_.pop_back();  // it is neither pinned nor cut
+      strands_.back().winched = true;
     }
     line("from = {}\nto = {}", from, to);
     // Without a start it hangs between its ends, or straight down from the one that has a place.
@@ -182,7 +184,7 @@ class Scene : Pieces {
     double time = 0, paid_out = 0;
     for (int i = 1 + dice.pick(3); i > 0; --i) {
       time += dice.between(0.15, 0.6);
-      const double least = takes_in ? -0.8 * length : 0;
+      const double least = takes_in ? -0.7 * length : 0;
       paid_out = std::max(paid_out + length * dice.between(takes_in ? -0.4 : 0, 0.4), least);
       keys += fmt::format(", {{ t = {}, paid_out = {}{} }}", time, paid_out,
                           dice.between(0, 1) < 0.3 ? ", ease = true" : "");
