@@ -26,8 +26,9 @@ const char* misfit(const Value& connector) {
   if (text_or(connector, "look", "rope") == "chain") {
     return "the look of a chain, whose links have one size";
   }
-  for (const std::string_view key : {"axial_stiffness", "bending_stiffness", "material", "taper"}) {
-    if (connector.find(key)) return "links that stretch or resist bending";
+  for (const char* key : {"axial_stiffness", "bending_damping", "rest_curvature",
+                          "twisting_stiffness", "material", "taper"}) {
+    if (connector.find(key)) return key;
   }
   for (const char* end : {"from", "to"}) {
     if (connector.find(end)->find("connector")) return "an end that is joined";
@@ -52,8 +53,11 @@ void read_winches(const Document& document, const Value& value, const World& wor
   const Value* named = winch_of(value);
   if (!named) return;
   if (const char* other = misfit(value)) {
-    document.fail_at_key(*named,
-                         fmt::format("stands beside {}, expected rigid links alone", other));
+    document.fail_at_key(
+        *named,
+        fmt::format(
+            "stands beside {}, expected rigid links, which may resist bending and meet the air",
+            other));
   }
   std::array<std::shared_ptr<const Path>, 2> paths;
   for (const std::size_t end : {0u, 1u}) {

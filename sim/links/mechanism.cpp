@@ -143,11 +143,13 @@ void Mechanism::place_winches(double time) {
     for (std::size_t k = 0; k < winch.rest.size(); ++k) {
       double& rest = rows_[at.first_row + k].rest;
       rest = winch.rest[k] + winch.share(k) * longer;
+      if (material_.any()) material_.set_rest(at.first_point + small(k), rest);
       if (!at.first_drag) continue;
       const double speed =
           winch.flow(k, at.first, at.last).speed + winch.flow(k + 1, at.first, at.last).speed;
-      material_.flow_past(*at.first_drag + k, rest, speed / 2);
+      material_.flow_past(*at.first_drag + k, speed / 2);
     }
+    material_.bend_over_lengths(at.first_bend, at.bends_end);
     for (std::size_t i = 0; i < winch.particle_mass.size(); ++i) {
       double& easy = inverse_mass_[at.first_point + i];
       if (easy == 0) continue;

@@ -168,7 +168,8 @@ class Mechanism {
     std::shared_ptr<const Winch> winch;
     std::uint32_t first_point = 0, first_row = 0;
     std::optional<std::uint32_t> first_drag = {};  // where it meets the air
-    PaidOut first = {}, last = {}, longer = {};  // at the instant of the last place()
+    std::uint32_t first_bend = 0, bends_end = 0;   // where it resists bending
+    PaidOut first = {}, last = {}, longer = {};    // at the instant of the last place()
   };
 
   /// What a material's forces at its points give a free body: m/s^2 and rad/s^2.

@@ -160,14 +160,20 @@ void Mechanism::add_winches(const World& world) {
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     const Connector& connector = world.connectors[c];
     if (connector.winch) {
-      const auto row = std::ranges::find(rows_, small(c), &Row::connector);
-      winches_.push_back({.winch = connector.winch,
-                          .first_point = small(first),
-                          .first_row = small(static_cast<std::size_t>(row - rows_.begin()))});
+      const auto index = [](const auto& all, auto found) {
+        return small(static_cast<std::size_t>(found - all.begin()));
+      };
+      Winched added{.winch = connector.winch, .first_point = small(first)};
+      added.first_row = index(rows_, std::ranges::find(rows_, small(c), &Row::connector));
       const auto& drags = material_.drags();
       const auto drag = std::ranges::find(drags, small(first), &material::DragElement::a);
-      if (drag != drags.end())
-        winches_.back().first_drag = small(static_cast<std::size_t>(drag - drags.begin()));
+      if (drag != drags.end()) added.first_drag = index(drags, drag);
+      const auto& bends = material_.bends();
+      const auto point = &material::BendElement::b;
+      added.first_bend = index(bends, std::ranges::lower_bound(bends, first, {}, point));
+      added.bends_end =
+          index(bends, std::ranges::lower_bound(bends, first + connector.particles(), {}, point));
+      winches_.push_back(std::move(added));
     }
     first += connector.particles();
   }

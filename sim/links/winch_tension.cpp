@@ -5,6 +5,7 @@
 
 #include "sim/links/mechanism.h"
 #include "sim/links/tension.h"
+#include "sim/material/elements.h"
 
 namespace taut {
 namespace {
@@ -14,7 +15,30 @@ namespace {
 struct Dynamics {
   std::vector<double> tension;
   std::vector<Vec3> air, acceleration;
+  double bending = 0;  // N: by how much the energy of bends falls with what is paid out
 };
+
+/// Dynamics::bending, of a connector whose points begin at `first`.
+double bending(const Connector& connector, const Mechanism& mechanism, std::size_t first,
+               const double* state) {
+  const material::MaterialForces& material = mechanism.material();
+  double sum = 0;
+  Vec3 e0, e1;
+  for (const material::BendElement& bend : material.bends()) {
+    if (bend.b < first || bend.b >= first + connector.particles()) continue;
+    material.edges(bend, state, e0, e1);
+    const std::size_t particle = bend.b - first;
+    double length = 0, share = 0;  // of half of either link
+    const auto add = [&](std::size_t link) {
+      length += connector.rest[link] / 2;
+      share += connector.winch->share(link) / 2;
+    };
+    if (!bend.clamped_before()) add(particle - 1);
+    if (!bend.clamped_behind()) add(particle);
+    sum += material::Bend(e0, e1, bend.rest).energy(bend.stiffness) / length * share;
+  }
+  return sum;
+}
 
 Dynamics solve(const World& world, std::size_t index) {
   Mechanism mechanism(world);
@@ -36,6 +60,7 @@ Dynamics solve(const World& world, std::size_t index) {
   std::size_t first = 0;
   for (std::size_t c = 0; c < index; ++c) first += world.connectors[c].particles();
   const Connector& connector = world.connectors[index];
+  found.bending = bending(connector, mechanism, first, state.data());
   found.air.resize(connector.links(), Vec3::Zero());
   for (const material::DragElement& link : mechanism.material().drags()) {
     if (link.a < first || link.a >= first + connector.links()) continue;
@@ -59,7 +84,7 @@ double winch_tension(const World& world, std::size_t index, std::size_t end) {
     throw std::invalid_argument("the connector " + connector.name + " has no winch there");
   }
   const Winch& winch = *connector.winch;
-  const auto [tension, air, acceleration] = solve(world, index);
+  const auto [tension, air, acceleration, bending] = solve(world, index);
   const PaidOut first = winch.paid_out(0, world.time), last = winch.paid_out(1, world.time);
   const PaidOut longer = winch.longer(world.time), own = end == 0 ? first : last;
   // Lagrange's equation for what this winch has paid out, in the frame of its end.
@@ -71,7 +96,7 @@ double winch_tension(const World& world, std::size_t index, std::size_t end) {
     return connector.velocity[i] - connector.velocity[eye];
   };
   const Vec3 weight = world.gravity - acceleration[eye];
-  double rate = 0, slope = 0, pull = 0;  // of dL/dq' by time, dL/dq, and of the links
+  double rate = 0, slope = 0, pull = bending;  // of dL/dq' by time, dL/dq, and of the links
   for (std::size_t k = 0; k < connector.links(); ++k) {
     const double length = connector.rest[k], share = winch.share(k);
     const Vec3 gap = place(k + 1) - place(k), gap_rate = speed(k + 1) - speed(k);

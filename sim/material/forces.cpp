@@ -205,6 +205,12 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
   lengths_.clear();
   lengths_.reserve(bends_.capacity());
   for (const BendElement& bend : bends_) lengths_.push_back({rest_[bend.a], rest_[bend.b]});
+  moduli_.clear();
+  if (has_winches(world)) {
+    for (std::size_t i = 0; i < bends_.size(); ++i) {
+      moduli_.push_back(bends_[i].stiffness * bent_length(i));
+    }
+  }
   if (!leaders.empty()) lead(leaders);
 }
 
@@ -324,9 +330,23 @@ void MaterialForces::add_drag(const double* positions, const double* velocities,
   }
 }
 
-void MaterialForces::flow_past(std::size_t drag, double length, double speed) {
-  drags_[drag].length = length;
+void MaterialForces::flow_past(std::size_t drag, double speed) {
+  drags_[drag].length = rest_[drags_[drag].a];
   drags_[drag].flow = speed;
+}
+
+/// How much of a rope bends there at rest, m: half of either link.
+double MaterialForces::bent_length(std::size_t bend) const {
+  const double before = bends_[bend].clamped_before() ? 0 : lengths_[bend].before;
+  const double behind = bends_[bend].clamped_behind() ? 0 : lengths_[bend].behind;
+  return (before + behind) / 2;
+}
+
+void MaterialForces::bend_over_lengths(std::size_t first, std::size_t end) {
+  for (std::size_t i = first; i < end; ++i) {
+    lengths_[i] = {rest_[bends_[i].a], rest_[bends_[i].b]};
+    bends_[i].stiffness = moduli_[i] / bent_length(i);
+  }
 }
 
 // Of each element the matrix is stiffness d d^T, d how it changes with its points along the way in

@@ -83,8 +83,13 @@ class MaterialForces {
 
   /// Turns the clamps to where they are at `time` (s), and the wind to what it is then.
   void place(const World& world, double time);
-  /// Gives a link that meets the air another length (m), and its material a flow (m/s).
-  void flow_past(std::size_t drag, double length, double speed);
+  // Where a winch changes lengths:
+  /// gives the link behind a point another rest length (m);
+  void set_rest(std::uint32_t point, double rest) { rest_[point] = rest; }
+  /// lets a link that meets the air have that of its first point, and its material a flow (m/s);
+  void flow_past(std::size_t drag, double speed);
+  /// gives the bends from `first` until `end` the stiffness of their lengths.
+  void bend_over_lengths(std::size_t first, std::size_t end);
   /// The two edges that an element bends, and their rates.
   void edges(const BendElement& bend, const double* positions, Vec3& e0, Vec3& e1) const;
   void edge_rates(const BendElement& bend, const double* velocities, Vec3& e0, Vec3& e1) const;
@@ -136,6 +141,7 @@ class MaterialForces {
 
  private:
   void lead(std::span<const std::uint32_t> leaders);
+  double bent_length(std::size_t bend) const;
   struct Clamp {
     std::size_t connector = 0, hold = 0;
     ClampMotion motion;
@@ -160,6 +166,7 @@ class MaterialForces {
   };
   std::vector<double> rest_;      // m, per point: of the link behind it
   std::vector<Lengths> lengths_;  // of the edges of each bend
+  std::vector<double> moduli_;    // EI (N m^2) of each bend
 };
 
 }  // namespace taut::material

@@ -14,10 +14,12 @@ bool at_end(const Connector& connector, const Hold& hold) {
 
 std::string flaw_of(const World& world, std::size_t index) {
   const Connector& connector = world.connectors[index];
-  for (const Section& section : connector.sections) {  // which may meet the air
-    const bool rigid = !std::isfinite(section.axial_stiffness);
-    const bool free = section.bending_stiffness == 0 && section.twisting_stiffness == 0;
-    if (!rigid || !free) return "stretches or resists bending";
+  for (const Section& section : connector.sections) {
+    if (std::isfinite(section.axial_stiffness)) return "stretches";
+    if (section.twisting_stiffness > 0) return "resists twist";
+    if (section.bending_damping > 0) return "damps its bending";
+    if (!section.rest_curvature.isZero(0)) return "is curved at rest";
+    if (section.bending_stiffness != connector.sections[0].bending_stiffness) return "has a taper";
   }
   if (connector.pulls) return "is of strings";
   if (connector.model == ConnectorModel::span) return "is a massless span";

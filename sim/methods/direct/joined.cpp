@@ -61,9 +61,13 @@ void Joined::rebuild(const World& world) {
   const auto& easy = mechanism_.inverse_mass();
   carried_ = static_cast<double>(mechanism_.body_points().size());
   for (const double inverse_mass : easy) carried_ += inverse_mass > 0 ? 1 : 0;
+  find_material_waves();
+}
+
+void Joined::find_material_waves() {
   material_waves_ = 0;
   if (!mechanism_.material().any()) return;
-  const auto [frequency, damping_ratio] = mechanism_.material().fastest(easy);
+  const auto [frequency, damping_ratio] = mechanism_.material().fastest(mechanism_.inverse_mass());
   material_waves_ = frequency * std::max(1.0, 2 * damping_ratio);
 }
 
@@ -163,6 +167,7 @@ void Joined::advance(World& world, double until) {
     state_ = loaded_;
     if (!project(world.time, state_)) give_up(world, world.time);
   }
+  if (mechanism_.has_winches()) find_material_waves();
   double time = world.time;
   const double first = kFirst * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
   if (step_ == 0) step_ = first;

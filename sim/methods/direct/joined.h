@@ -29,6 +29,7 @@ class Joined {
 
   void rebuild(const World& world);
   void find_slope(double time, const State& state, State& slope);
+  void find_material_waves();
   double wave_frequency();
   double longest_step(double waves) const;
   double allowed_error(double h) const;

@@ -93,7 +93,7 @@ TEST_F(WinchScene, SaysWhatIsWrong) {
   expect(scene(held("[{ t = 1.0, paid_out = 0.0 }, { t = 1.0, paid_out = 0.1 }]")),
          "a time after 1 s");
   expect(scene(held(kKeys), "free = true", "links = \"pull\""), "links that only pull");
-  expect(scene(held(kKeys), "free = true", "bending_stiffness = 0.1"), "stretch or resist bending");
+  expect(scene(held(kKeys), "free = true", "axial_stiffness = 0.1"), "stands beside axial_stiffness");
   expect(scene(held(kKeys), "free = true", "look = \"chain\""), "look of a chain");
   expect(scene(held(kKeys), "free = true", "repeat = [{ count = 2, by = [1, 0, 0] }]"), "copies");
   expect(scene(held(kKeys), "free = true", "", "impulse"), "is unknown to the method impulse");
