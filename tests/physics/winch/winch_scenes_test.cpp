@@ -1,4 +1,4 @@
-// The crane of scenes/topology: a load that is let down without swing.
+// Scenes with winches: a load that is let down without swing, a string that stands in the air.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -11,8 +11,8 @@
 namespace taut::winch_test {
 namespace {
 
-std::string text_of_crane() {
-  std::ifstream file(std::string(TAUT_SOURCE_DIR) + "/scenes/topology/crane.toml");
+std::string text_of(const std::string& scene) {
+  std::ifstream file(std::string(TAUT_SOURCE_DIR) + "/scenes/topology/" + scene + ".toml");
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
@@ -40,10 +40,33 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 // A smooth step of fifth degree in 1.834 periods leaves a pendulum at rest; one in 2.03 does not.
 TEST(Crane, LetsItsLoadDownWithoutSwing) {
-  const std::string text = text_of_crane();
+  const std::string text = text_of("crane");
   EXPECT_LT(swing(text, 8.42, 11), 0.002);
   const std::string slower = replaced(replaced(text, "t = 6.12", "t = 6.5"), "t = 8.42", "t = 8.8");
   EXPECT_GT(swing(slower, 8.8, 11), 0.05);
+}
+
+/// How high the string is on an average above the wheels, m, from 3 s until 8 s.
+double height(const std::string& text) {
+  const Folder folder;
+  const scenes::Scene scene = scenes::load_scene(folder.write("shooter.toml", text), false);
+  Simulation simulation(scene.world, make_method("direct", {{"tolerance", 1e-3}}));
+  double sum = 0, count = 0;
+  for (double time = 3; time < 8; time += 0.05) {
+    simulation.advance_to(time);
+    for (const Vec3& at : simulation.world().connectors[0].position) {
+      sum += at.y() - 1.25;
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+// The air carries it: where that drags nothing along, the loop hangs, however fast it runs.
+TEST(StringShooter, StandsInTheAir) {
+  const std::string text = text_of("string_shooter");
+  EXPECT_GT(height(text), 0.2);
+  EXPECT_LT(height(replaced(text, "along = 0.06", "along = 0.0")), -0.1);
 }
 
 }  // namespace
