@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "tests/support/dice.h"
@@ -16,7 +17,8 @@ inline std::string text(const Vec3& v) {
 /// A scene that grows.
 class Pieces {
  protected:
-  explicit Pieces(unsigned seed) : dice_(seed), twist_dice_(seed ^ 0x5bd1e995u) {}
+  explicit Pieces(unsigned seed)
+      : dice_(seed), twist_dice_(seed ^ 0x5bd1e995u), winch_dice_(seed ^ 0x9e3779b9u) {}
 
   bool chance(double share) { return dice_.between(0, 1) < share; }
 
@@ -53,6 +55,32 @@ class Pieces {
     }
     line("keys = [{}]", keys);
     return name;
+  }
+
+  /// Whether it is fixed, or on a path.
+  static bool has_place(const std::string& end) {
+    return end.find("fixed") != end.npos || end.find("path") != end.npos;
+  }
+
+  /// Lets the end pay out, or take in where it may.
+  void add_winch(double length, bool takes_in, std::string& end) {
+    Dice& dice = winch_dice_;
+    std::string keys = "{ t = 0, paid_out = 0 }";
+    double time = 0, paid_out = 0;
+    for (int i = 1 + dice.pick(3); i > 0; --i) {
+      time += dice.between(0.15, 0.6);
+      const double least = takes_in ? -0.7 * length : 0;
+      paid_out = std::max(paid_out + length * dice.between(takes_in ? -0.4 : 0, 0.4), least);
+      keys += fmt::format(", {{ t = {}, paid_out = {}{} }}", time, paid_out,
+                          dice.between(0, 1) < 0.3 ? ", ease = true" : "");
+    }
+    end.insert(end.size() - 2, fmt::format(", winch = [{}]", keys));
+  }
+
+  /// What a rope with a winch is made of: `stiffness` (N m^2) is much.
+  std::string winched_section(double stiffness) {
+    if (winch_dice_.between(0, 1) > 0.3) return {};
+    return fmt::format("bending_stiffness = {}\n", stiffness * winch_dice_.scale(1e-5, 1));
   }
 
   std::string shape() {
@@ -159,7 +187,7 @@ class Pieces {
   }
 
   Dice dice_;
-  Dice twist_dice_;  // of its own, so that what else is drawn stays
+  Dice twist_dice_, winch_dice_;  // of their own, so that what else is drawn stays
   std::string text_;
   double length_ = 1;  // m, which all sizes go by
   int paths_ = 0, bodies_ = 0;

@@ -15,10 +15,7 @@ constexpr const char* kFree = "{ free = true }";
 class Scene : Pieces {
  public:
   explicit Scene(unsigned seed)
-      : Pieces(seed),
-        own_dice_(~seed),
-        meeting_dice_(seed ^ 0x2545f491u),
-        winch_dice_(seed ^ 0x9e3779b9u) {}
+      : Pieces(seed), own_dice_(~seed), meeting_dice_(seed ^ 0x2545f491u) {}
 
   std::string drawn() {
     constexpr int kRates[] = {1, 5, 24, 24, 30, 30, 60, 60, 60, 120, 120, 240};
@@ -145,6 +142,7 @@ class Scene : Pieces {
       add_winch(length, straight, from);
       if (has_place(to) && winch_dice_.between(0, 1) < 0.3) add_winch(length, false, to);
       strands_.back().winched = true;
+      section = winched_section(mass_ * length * length);
     }
     line("from = {}\nto = {}", from, to);
     // Without a start it hangs between its ends, or straight down from the one that has a place.
@@ -170,26 +168,6 @@ class Scene : Pieces {
         chance(0.1) && !winched) {
       line("repeat = [{{ count = {}, by = {} }}]", 1 + dice_.pick(4), text(dice_.within(length)));
     }
-  }
-
-  /// Whether it is fixed, or on a path.
-  static bool has_place(const std::string& end) {
-    return end.find("fixed") != end.npos || end.find("path") != end.npos;
-  }
-
-  /// Lets the end pay out, or take in where it may.
-  void add_winch(double length, bool takes_in, std::string& end) {
-    Dice& dice = winch_dice_;
-    std::string keys = "{ t = 0, paid_out = 0 }";
-    double time = 0, paid_out = 0;
-    for (int i = 1 + dice.pick(3); i > 0; --i) {
-      time += dice.between(0.15, 0.6);
-      const double least = takes_in ? -0.7 * length : 0;
-      paid_out = std::max(paid_out + length * dice.between(takes_in ? -0.4 : 0, 0.4), least);
-      keys += fmt::format(", {{ t = {}, paid_out = {}{} }}", time, paid_out,
-                          dice.between(0, 1) < 0.3 ? ", ease = true" : "");
-    }
-    end.insert(end.size() - 2, fmt::format(", winch = [{}]", keys));
   }
 
   static bool is_led(const std::string& end) { return end.find("body") == end.npos; }
@@ -406,7 +384,6 @@ class Scene : Pieces {
   bool strings_ = false;   // links of connectors only pull
   Dice own_dice_;          // for what came later, so that what else is drawn stays
   Dice meeting_dice_;      // for what came later still
-  Dice winch_dice_;
   bool winches_ = false;
   std::string hung_;  // the connector of a stick that hangs
   std::vector<Strand> strands_;
