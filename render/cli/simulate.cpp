@@ -23,6 +23,7 @@
 #include "render/report/run_score.h"
 #include "render/study/self_estimate.h"
 #include "scenes/scene/scene.h"
+#include "sim/links/winch_tension.h"
 #include "sim/measure/measure.h"
 #include "sim/run/simulation.h"
 
@@ -58,12 +59,31 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::string header(const scenes::Scene& scene, bool estimated) {
-  return exporting::csv_header(scene) + (estimated ? ",error_estimate\n" : "\n");
+/// Calls visit(connector, end) for every winch.
+template <typename Visit>
+void each_winch(const World& world, Visit visit) {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    for (const std::size_t end : {0u, 1u}) {
+      const auto& winch = world.connectors[c].winch;
+      if (winch && winch->paths[end]) visit(c, end);
+    }
+  }
 }
 
-std::string row(const Snapshot& state, const studies::SelfEstimate& estimate) {
-  std::string line = exporting::csv_row(state);
+std::string header(const scenes::Scene& scene, bool estimated) {
+  std::string line = exporting::csv_header(scene);
+  each_winch(scene.world, [&](std::size_t c, std::size_t end) {
+    line += fmt::format(",{}.{}.tension", scene.world.connectors[c].name, end == 0 ? "from" : "to");
+  });
+  return line + (estimated ? ",error_estimate\n" : "\n");
+}
+
+std::string row(const Simulation& simulation, const studies::SelfEstimate& estimate) {
+  std::string line = exporting::csv_row(simulation.state());
+  const World& world = simulation.world();
+  each_winch(world, [&](std::size_t c, std::size_t end) {
+    line += fmt::format(",{:.17g}", winch_tension(world, c, end));
+  });
   if (estimate.on()) line += fmt::format(",{:.17g}", estimate.error());
   return line + '\n';
 }
@@ -111,7 +131,7 @@ Report simulate(const scenes::Scene& scene, Simulation& simulation, studies::Sel
     const double now = energy(world);
     report.drift = std::max(report.drift, std::abs(now - start));
     report.stretch = std::max(report.stretch, stretch_max(world));
-    if (rows.wanted()) rows.write(row(simulation.state(), estimate));
+    if (rows.wanted()) rows.write(row(simulation, estimate));
     progress.update(static_cast<std::uint64_t>(frame) + 1);
   }
   rows.finish();
@@ -219,9 +239,9 @@ void add_simulate(CLI::App& app, program::Program& program) {
   taut simulate scenes/rope_swing.toml --method xpbd --step 1e-4 --score 1e-4
 
 One row per frame: t, every particle of every connector (NAME.0.x,NAME.0.y,NAME.0.z,...), every
-body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz), error_estimate. SI units.
-Particles that pins add have no columns; what is cut off a connector has its own from the start, as
-NAME'.
+body's own frame (NAME.x,NAME.y,NAME.z,NAME.qw,NAME.qx,NAME.qy,NAME.qz), the tension at the drum of
+every winch (NAME.from.tension, NAME.to.tension), error_estimate. SI units. Particles that pins add
+have no columns; what is cut off a connector has its own from the start, as NAME'.
 
 {}
 It is the last column (inf once the run beside it diverges, nan where the method has no estimate)

@@ -138,7 +138,7 @@ void Mechanism::place_winches(double time) {
     const Winch& winch = *at.winch;
     at.first = winch.paid_out(0, time);
     at.last = winch.paid_out(1, time);
-    at.longer = winch.longer(time);
+    at.longer = at.first + at.last;
     const double longer = at.longer.length;
     for (std::size_t k = 0; k < winch.rest.size(); ++k) {
       double& rest = rows_[at.first_row + k].rest;

@@ -86,7 +86,7 @@ double winch_tension(const World& world, std::size_t index, std::size_t end) {
   const Winch& winch = *connector.winch;
   const auto [tension, air, acceleration, bending] = solve(world, index);
   const PaidOut first = winch.paid_out(0, world.time), last = winch.paid_out(1, world.time);
-  const PaidOut longer = winch.longer(world.time), own = end == 0 ? first : last;
+  const PaidOut longer = first + last, own = end == 0 ? first : last;
   // Lagrange's equation for what this winch has paid out, in the frame of its end.
   const std::size_t eye = end == 0 ? 0 : connector.particles() - 1;
   const auto place = [&](std::size_t i) -> Vec3 {

@@ -10,12 +10,6 @@ PaidOut Winch::paid_out(std::size_t end, double time) const {
   return {at.position.x(), at.velocity.x(), at.acceleration.x()};
 }
 
-PaidOut Winch::longer(double time) const {
-  const PaidOut first = paid_out(0, time), last = paid_out(1, time);
-  return {first.length + last.length, first.rate + last.rate,
-          first.acceleration + last.acceleration};
-}
-
 double Winch::share_at(std::size_t particle) const {
   const std::size_t left = particle > 0 ? particle - 1 : 0;
   const std::size_t right = std::min(particle + 1, before.size() - 1);

@@ -13,6 +13,10 @@ namespace taut {
 /// What a winch has paid out since the start, and its derivatives: m, m/s, m/s^2.
 struct PaidOut {
   double length = 0, rate = 0, acceleration = 0;
+
+  PaidOut operator+(const PaidOut& other) const {
+    return {length + other.length, rate + other.rate, acceleration + other.acceleration};
+  }
 };
 
 /// What winches do to a connector: its links share what is paid out, and its material flows past
@@ -32,7 +36,7 @@ struct Winch {
 
   PaidOut paid_out(std::size_t end, double time) const;
   /// Of both ends together: what the connector is longer than at the start.
-  PaidOut longer(double time) const;
+  PaidOut longer(double time) const { return paid_out(0, time) + paid_out(1, time); }
   /// Of a link: the share of what is paid out that it has.
   double share(std::size_t link) const { return before[link + 1] - before[link]; }
   /// How much longer the links beside a particle are, half of each: its part of what is paid out.

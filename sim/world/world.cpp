@@ -203,6 +203,8 @@ std::uint64_t structure_of_connector(const World& world, std::size_t index) {
   if (connector.pulls) hash.text("pulls");
   if (connector.winch) {
     for (const auto& path : connector.winch->paths) add(path, hash);
+    hash.word(connector.winch->density);
+    for (const double share : connector.winch->before) hash.word(share);
   }
   if (connector.category != 0) hash.word(connector.category);
   return hash.value();

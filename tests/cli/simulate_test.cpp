@@ -153,6 +153,29 @@ std::vector<std::string> last_column(const std::string& csv) {
   return fields;
 }
 
+// A rope that hangs still pulls at its drum with its weight, but for the half of a particle there.
+TEST(Simulate, HasTheTensionAtEveryWinch) {
+  const Folder folder;
+  folder.write("scene.toml", R"(
+duration = 0.1
+[method]
+name = "direct"
+[connectors.rope]
+length = 1.0
+mass = 0.5
+particles = 6
+from = { fixed = [0, 2, 0], winch = [{ t = 1, paid_out = 0 }, { t = 2, paid_out = 1 }] }
+to = { free = true }
+)");
+  const ProgramResult outcome =
+      run_taut({"simulate", "scene.toml", "--no-estimate"}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.messages;
+  const auto rows = lines(outcome.output);
+  EXPECT_TRUE(rows[0].ends_with("rope.5.z,rope.from.tension")) << rows[0];
+  const double weight = 9.81 * 0.5 * (1 - 0.5 / 6);
+  EXPECT_NEAR(std::stod(last_column(outcome.output).back()), weight, 1e-12);
+}
+
 TEST(Simulate, EstimatesItsOwnError) {
   const Folder folder;
   folder.write("scene.toml", kPushedStick);
