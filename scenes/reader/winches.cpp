@@ -79,12 +79,11 @@ void read_winches(const Document& document, const Value& value, const World& wor
   if (connector.mass == 0) document.mismatch(*value.find("mass"), "a number above 0 (kg)");
   add_winches(world, connector, paths[0], paths[1]);
   const Winch& winch = *connector.winch;
+  const double least = winch.least();
   for (std::size_t k = 0; k < connector.links(); ++k) {
-    const double least = winch.rest[k] + winch.share(k) * winch.least();
-    if (least >= kShortest * winch.rest[k]) continue;
-    document.fail_at_key(*named,
-                         fmt::format("takes in {:.6g} m, of {:.6g} m that it can", -winch.least(),
-                                     (1 - kShortest) * winch.rest[k] / winch.share(k)));
+    if (winch.rest[k] + winch.share(k) * least >= kShortest * winch.rest[k]) continue;
+    document.fail_at_key(*named, fmt::format("takes in {:.6g} m, of {:.6g} m that it can", -least,
+                                             (1 - kShortest) * winch.rest[k] / winch.share(k)));
   }
 }
 

@@ -23,19 +23,32 @@ Winch::Flow Winch::flow(std::size_t particle, const PaidOut& first, const PaidOu
 }
 
 double Winch::least() const {
-  // Between two keys a path is a polynomial of degree five: so many places miss little of it.
-  constexpr int kPlaces = 64;
+  // Between two keys a path is a polynomial of degree five: at so many places beside one another
+  // its least value is near the least of them.
+  constexpr int kPlaces = 64, kHalvings = 40;
   std::vector<double> times;
   for (const auto& path : paths) {
     if (!path) continue;
     for (const PathKey& key : path->keys()) times.push_back(key.time);
   }
   std::ranges::sort(times);
-  double least = longer(times.front()).length;
+  double least = longer(times.front()).length, at = times.front(), step = 0;
   for (std::size_t i = 1; i < times.size(); ++i) {
+    const double apart = (times[i] - times[i - 1]) / kPlaces;
     for (int k = 1; k <= kPlaces; ++k) {
-      const double time = times[i - 1] + k * (times[i] - times[i - 1]) / kPlaces;
-      least = std::min(least, longer(time).length);
+      const double time = times[i - 1] + k * apart, more = longer(time).length;
+      if (more >= least) continue;
+      least = more;
+      at = time;
+      step = apart;
+    }
+  }
+  for (int i = 0; i < kHalvings; ++i, step /= 2) {
+    for (const double time : {at - step, at + step}) {
+      const double more = longer(time).length;
+      if (more >= least) continue;
+      least = more;
+      at = time;
     }
   }
   return least;

@@ -131,6 +131,18 @@ TEST(Winch, LengthsAreWhatIsPaidOut) {
   }
 }
 
+// A spline goes below its keys.
+TEST(Winch, KnowsTheLeastThatItPaysOut) {
+  World world = worlds::chain(5, 1, worlds::from_down(0));
+  add_winches(world, world.connectors[0], paying({{0, 0}, {1, -0.5}, {1.3, 3}, {2, 0}}, false),
+              nullptr);
+  const Winch& winch = *world.connectors[0].winch;
+  double sampled = 0;
+  for (int i = 0; i <= 2000000; ++i) sampled = std::min(sampled, winch.longer(i * 1e-6).length);
+  EXPECT_LT(sampled, -0.5);
+  EXPECT_NEAR(winch.least(), sampled, 1e-10);
+}
+
 TEST(Winch, DirectKeepsToItsTolerance) {
   for (const Case& each : cases()) {
     const World truth = after(each.world, 0.9, "truth", {});
