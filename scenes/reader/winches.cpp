@@ -10,7 +10,7 @@ namespace taut::scenes {
 
 namespace {
 
-constexpr double kShortest = 1e-3;  // of what a link is at the start: with less it turns too fast
+constexpr double kShortest = 1e-2;  // of what a link is at the start: with less it turns too fast
 
 const Value* winch_of(const Value& connector) {
   for (const char* end : {"from", "to"}) {

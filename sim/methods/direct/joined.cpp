@@ -15,6 +15,8 @@ constexpr double kStable = 5.2;       // over the highest frequency: the longest
 constexpr double kErrorOrder = 8;     // of its estimate, see Dop853Step
 constexpr double kFirst = 0.1;        // of the shortest link's swing: the first step
 constexpr double kLeastStep = 1e-12;  // s
+constexpr double kBriefTime = 1e-4;   // s, in which more steps than these lead nowhere
+constexpr int kMostSteps = 3000;
 
 Eigen::Map<const Vec3> part(const std::vector<double>& state, std::size_t at) {
   return Eigen::Map<const Vec3>(&state[at]);
@@ -168,7 +170,8 @@ void Joined::advance(World& world, double until) {
     if (!project(world.time, state_)) give_up(world, world.time);
   }
   if (mechanism_.has_winches()) find_material_waves();
-  double time = world.time;
+  double time = brief_ = world.time;
+  short_ = 0;
   const double first = kFirst * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
   if (step_ == 0) step_ = first;
   while (time < until) {
@@ -186,6 +189,11 @@ void Joined::advance(World& world, double until) {
         std::swap(state_, next_);
         time = count == 1 ? until : time + h;
         mechanism_.follow(time, state_);
+        if (time - brief_ > kBriefTime) {
+          brief_ = time;
+          short_ = 0;
+        }
+        if (++short_ > kMostSteps) give_up(world, time);
         // A step that was cut to end at `until` says nothing against the longer one.
         const double next = h * std::min(ratio, kConstants.most_change);
         if (ratio < 1 || next > step_) step_ = next;
@@ -201,9 +209,11 @@ void Joined::advance(World& world, double until) {
 }
 
 void Joined::give_up(const World& world, double time) const {
-  throw Diverged("direct", time, counters_.steps, world.connectors.front().name, 0,
-                 "no step is small enough for the tolerance: the links may be at their full length "
-                 "between what holds them");
+  throw Diverged(
+      "direct", time, counters_.steps, world.connectors.front().name, 0,
+      std::string("no step is small enough for the tolerance: ") +
+          (mechanism_.has_winches() ? "a winch may take in what then whirls too fast, or " : "") +
+          "the links may be at their full length between what holds them");
 }
 
 }  // namespace taut::direct

@@ -51,7 +51,9 @@ class Joined {
   double material_waves_ = 0;         // rad/s
   double carried_ = 0;                // particles that nothing prescribes
   bool driven_ = false;
-  double step_ = 0;  // s, what the error allows; zero: not known yet
+  double step_ = 0;   // s, what the error allows; zero: not known yet
+  double brief_ = 0;  // s, from which on steps are counted
+  int short_ = 0;     // how many there were since
 };
 
 }  // namespace taut::direct

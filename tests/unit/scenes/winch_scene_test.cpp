@@ -89,7 +89,7 @@ TEST_F(WinchScene, SaysWhatIsWrong) {
          "needs an end that is fixed");
   expect(scene(held("[{ t = 0.0, paid_out = 0.1 }]")), "has paid out 0.1 m at the start");
   expect(scene(held("[{ t = 0.0, paid_out = 0.0 }, { t = 1.0, paid_out = -1.0 }]")),
-         "takes in 1 m, of 0.999 m that it can");
+         "takes in 1 m, of 0.99 m that it can");
   expect(scene(held("[{ t = 1.0, paid_out = 0.0 }, { t = 1.0, paid_out = 0.1 }]")),
          "a time after 1 s");
   expect(scene(held(kKeys), "free = true", "links = \"pull\""), "links that only pull");
