@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -26,27 +25,21 @@ void refuse_spans(const Document& document, const MethodInfo& method) {
 void refuse_obstacles(const Document& document, const MethodInfo& method) {
   const Value* obstacles = document.root.find("obstacles");
   if (!obstacles || obstacles->children.empty() || method.touches_obstacles) return;
-  std::vector<std::string_view> able;
-  for (const MethodInfo& info : all_methods()) {
-    if (info.touches_obstacles) able.push_back(info.name);
-  }
-  document.fail_at_key(obstacles->children.front(),
-                       fmt::format("the method {} knows no contact, expected one of: {}",
-                                   method.name, fmt::join(able, ", ")));
+  const std::string able = methods_with(&MethodInfo::touches_obstacles);
+  document.fail_at_key(
+      obstacles->children.front(),
+      fmt::format("the method {} knows no contact, expected one of: {}", method.name, able));
 }
 
 void refuse_touching_bodies(const Document& document, const MethodInfo& method) {
   if (method.touches_with_bodies) return;
-  std::vector<std::string_view> able;
-  for (const MethodInfo& info : all_methods()) {
-    if (info.touches_with_bodies) able.push_back(info.name);
-  }
+  const std::string able = methods_with(&MethodInfo::touches_with_bodies);
   const Value* touching = document.root.find("touching");
   if (touching && !touching->children.empty()) {
     document.fail_at_key(touching->children.front(),
                          fmt::format("the method {} follows no free bodies that touch each other, "
                                      "expected one of: {}",
-                                     method.name, fmt::join(able, ", ")));
+                                     method.name, able));
   }
   const Value *obstacles = document.root.find("obstacles"), *bodies = document.root.find("bodies");
   if (!obstacles || obstacles->children.empty() || !bodies) return;
@@ -55,7 +48,7 @@ void refuse_touching_bodies(const Document& document, const MethodInfo& method) 
     if (!key) continue;
     document.fail_at_key(*key, fmt::format("the method {} follows no free bodies that touch "
                                            "obstacles, expected one of: {}",
-                                           method.name, fmt::join(able, ", ")));
+                                           method.name, able));
   }
 }
 
@@ -92,12 +85,9 @@ void refuse_materials(const Document& document, const MethodInfo& method) {
                                              touching));
     }
     if (method.follows_materials) continue;
-    std::vector<std::string_view> able;
-    for (const MethodInfo& info : all_methods()) {
-      if (info.follows_materials) able.push_back(info.name);
-    }
-    document.fail_at_key(*key, fmt::format("is unknown to the method {}, expected one of: {}",
-                                           method.name, fmt::join(able, ", ")));
+    const std::string able = methods_with(&MethodInfo::follows_materials);
+    document.fail_at_key(
+        *key, fmt::format("is unknown to the method {}, expected one of: {}", method.name, able));
   }
 }
 
@@ -123,13 +113,10 @@ void refuse_joints(const Document& document, const MethodInfo& method) {
                                            touching));
   }
   if (method.follows_joints) return;
-  std::vector<std::string_view> able;
-  for (const MethodInfo& info : all_methods()) {
-    if (info.follows_joints) able.push_back(info.name);
-  }
+  const std::string able = methods_with(&MethodInfo::follows_joints);
   document.fail_at_key(*key, fmt::format("the method {} follows no connectors that are joined, "
                                          "expected one of: {}",
-                                         method.name, fmt::join(able, ", ")));
+                                         method.name, able));
 }
 
 void refuse_strings(const Document& document, const MethodInfo& method) {
@@ -160,13 +147,10 @@ void refuse_strings(const Document& document, const MethodInfo& method) {
       document.fail_at_key(*key, "stands in a scene in which connectors are joined");
     }
     if (method.follows_strings) continue;
-    std::vector<std::string_view> able;
-    for (const MethodInfo& info : all_methods()) {
-      if (info.follows_strings) able.push_back(info.name);
-    }
+    const std::string able = methods_with(&MethodInfo::follows_strings);
     document.fail_at_key(*key, fmt::format("the method {} follows no links that only pull, "
                                            "expected one of: {}",
-                                           method.name, fmt::join(able, ", ")));
+                                           method.name, able));
   }
 }
 
@@ -189,6 +173,14 @@ void try_plan(const Document& document, const Value& plan, Scene& scene) {
 }
 
 }  // namespace
+
+std::string methods_with(bool MethodInfo::*trait) {
+  std::string names;
+  for (const MethodInfo& info : all_methods()) {
+    if (info.*trait) names += (names.empty() ? "" : ", ") + std::string(info.name);
+  }
+  return names;
+}
 
 Scene read_scene(Document document, bool with_stage) {
   const std::optional<Value> plan = take_plan(document);

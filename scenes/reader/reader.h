@@ -19,6 +19,9 @@ namespace taut::scenes {
 /// The scene that a document describes. Throws BadScene.
 Scene read_scene(Document document, bool with_stage);
 
+/// The names of all methods that have a trait, in words that end "expected one of: ".
+std::string methods_with(bool MethodInfo::*trait);
+
 /// The file that `value` names, in the first of the asset_folders() that has it. Throws BadScene
 /// when the name is absolute, or the file missing or outside of the folder.
 std::filesystem::path find_file(const Document& document, const Value& value);

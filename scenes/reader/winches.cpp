@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -107,12 +106,9 @@ void refuse_winches(const Document& document, const MethodInfo& method) {
                                                spans ? "a massless span" : "of strings"));
     }
     if (method.follows_winches) continue;
-    std::vector<std::string_view> able;
-    for (const MethodInfo& info : all_methods()) {
-      if (info.follows_winches) able.push_back(info.name);
-    }
-    document.fail_at_key(*winch, fmt::format("is unknown to the method {}, expected one of: {}",
-                                             method.name, fmt::join(able, ", ")));
+    const std::string able = methods_with(&MethodInfo::follows_winches);
+    document.fail_at_key(
+        *winch, fmt::format("is unknown to the method {}, expected one of: {}", method.name, able));
   }
 }
 
