@@ -179,6 +179,9 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
     append(json["connectors"], connector.name, std::move(one));
   }
   json["joints"] = scene.world.joints.size();
+  json["pulleys"] = program::Json::object();
+  for (const Pulley& pulley : scene.world.pulleys)
+    append(json["pulleys"], pulley.name, {{"inertia_kg", pulley.inertia}});
   json["obstacles"] = program::Json::object();
   for (const Obstacle& obstacle : scene.world.obstacles) {
     append(json["obstacles"], obstacle.name,
@@ -240,6 +243,8 @@ std::string as_text(const scenes::Scene& scene, bool staged,
                      material_text(connector), ends_text(world, c, joined)));
   }
   if (!world.joints.empty()) line(fmt::format("joints: {}", world.joints.size()));
+  for (const Pulley& pulley : world.pulleys)
+    line(fmt::format("pulley {}: inertia {} kg", pulley.name, pulley.inertia));
   for (const Obstacle& obstacle : world.obstacles) {
     const std::vector<std::string> names = ignored_by(obstacle, world);
     line(fmt::format("obstacle {}: {}{}, friction {}, restitution {}{}{}", obstacle.name,

@@ -49,9 +49,25 @@ MovingParts::MovingParts(const gl::Gl& gl, const scenes::Stage& stage, const Wor
       shape = std::make_shared<const RestShape>(gl, std::move(triangles), std::move(rest));
     connectors_.emplace_back(gl, shape, material, chain ? Surface::plain : Surface::rope);
     if (const auto& winch = world.connectors[i].winch) {
-      winched_.push_back({i, winch, world.connectors[i].length, winch->longer(world.time).length});
+      Winched added{.connector = i, .winch = winch, .length = world.connectors[i].length};
+      for (std::size_t p = 0; p < world.pulleys.size(); ++p) {
+        if (world.pulleys[p].to == i) added.enters = p;
+        if (world.pulleys[p].from == i) added.leaves = p;
+      }
+      added.longer = added.paid_out(world.time, snapshot(world).passed)[1];
+      winched_.push_back(std::move(added));
     }
   }
+}
+
+std::array<double, 2> MovingParts::Winched::paid_out(double time,
+                                                     std::span<const double> passed) const {
+  const auto at = [&](std::optional<std::size_t> pulley) {
+    return pulley && *pulley < passed.size() ? passed[*pulley] : 0;
+  };
+  const double first = winch->paid_out(0, time).length + at(enters);
+  const double last = winch->paid_out(1, time).length - at(leaves);
+  return {first, first + last};
 }
 
 void MovingParts::pose(const FrameState& instant) {
@@ -64,10 +80,10 @@ void MovingParts::pose(const FrameState& instant) {
     }
   }
   for (const Winched& at : winched_) {
-    const double time = instant.state.time;
-    const double length = at.length + at.winch->longer(time).length - at.longer;
-    connectors_[at.connector].set_flow({.paid_out = float(at.winch->paid_out(0, time).length),
-                                        .length_ratio = float(length / at.length)});
+    const auto [first, longer] = at.paid_out(instant.state.time, instant.state.passed);
+    const double length = at.length + longer - at.longer;
+    connectors_[at.connector].set_flow(
+        {.paid_out = float(first), .length_ratio = float(length / at.length)});
   }
   for (std::size_t i = 0; i < connectors_.size(); ++i) {
     connectors_[i].follow(

@@ -1,7 +1,10 @@
 // What moves on a stage: characters, bodies and connectors, on the graphics side.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "render/draw/frame_state.h"
@@ -37,6 +40,9 @@ class MovingParts {
     std::size_t connector = 0;
     std::shared_ptr<const Winch> winch;
     double length = 0, longer = 0;  // m: with which it was made, and what had been paid out then
+    std::optional<std::size_t> enters = {}, leaves = {};  // pulleys, by which rope does
+    /// At the first end, and in all (m).
+    std::array<double, 2> paid_out(double time, std::span<const double> passed) const;
   };
   std::vector<Winched> winched_;
   std::vector<mesh::MovingVertex> vertices_;

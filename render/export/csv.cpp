@@ -36,6 +36,7 @@ std::string csv_header(const scenes::Scene& scene) {
       line += fmt::format(",{}.{}", body.name, part);
     }
   }
+  for (const Pulley& pulley : world.pulleys) line += fmt::format(",{}.passed", pulley.name);
   return line;
 }
 
@@ -52,6 +53,7 @@ std::string csv_row(const Snapshot& state) {
     std::ranges::for_each(frame.position, add);
     for (const double part : {q.w(), q.x(), q.y(), q.z()}) add(part);
   }
+  std::ranges::for_each(state.passed, add);
   return line;
 }
 

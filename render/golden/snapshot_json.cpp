@@ -29,7 +29,9 @@ nlohmann::ordered_json to_json(const Snapshot& state) {
     bodies.push_back(
         {{"position", to_json(body.position)}, {"rotation", {q.w(), q.x(), q.y(), q.z()}}});
   }
-  return {{"time", state.time}, {"connectors", connectors}, {"bodies", bodies}};
+  nlohmann::ordered_json json{{"time", state.time}, {"connectors", connectors}, {"bodies", bodies}};
+  if (!state.passed.empty()) json["passed"] = state.passed;
+  return json;
 }
 
 Snapshot snapshot_from(const nlohmann::json& json) {
@@ -45,6 +47,7 @@ Snapshot snapshot_from(const nlohmann::json& json) {
     state.bodies.push_back(
         {vec3(body.at("position")), Quat(part(0), part(1), part(2), part(3)).normalized()});
   }
+  state.passed = json.value("passed", std::vector<double>());
   return state;
 }
 

@@ -68,6 +68,8 @@ const TableFormat& drag_format();
 const TableFormat& air_format();
 const TableFormat& net_format();
 const TableFormat& start_format();
+const TableFormat& end_format();
+const TableFormat& pulley_format();
 const TableFormat& stage_format();
 const TableFormat& plan_format();
 

@@ -109,67 +109,6 @@ const TableFormat& body_format() {
   return format;
 }
 
-const TableFormat& turn_key_format() {
-  static const TableFormat format{
-      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
-       needed({.name = "angle",
-               .meaning = "Right-handed about the clamp's direction.",
-               .unit = "rad",
-               .minimum = -kMostTurn,
-               .maximum = kMostTurn}),
-       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
-  return format;
-}
-
-const TableFormat& winch_key_format() {
-  static const TableFormat format{
-      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
-       needed({.name = "paid_out",
-               .meaning = "Since the start; below zero: taken in.",
-               .unit = "m",
-               .minimum = -kMostPaidOut,
-               .maximum = kMostPaidOut}),
-       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
-  return format;
-}
-
-const TableFormat& end_format() {
-  static const TableFormat format{
-      {text("body", "Name of the body that holds the end."),
-       vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
-       vector("fixed", "A point in space."),
-       text("path", "Name of the path that carries the end."),
-       text("bone", "Name of the bone that carries the end, of a character."),
-       text("character", "Name of that character."),
-       text("connector",
-            "Name of the connector that the end is joined to: the two particles are one. Of the "
-            "connector itself: it is a closed loop."),
-       not_negative("at", "Where along that connector: the place of one of its particles.", "m"),
-       positive("point_mass", "Mass of a point that the end carries.", "kg"),
-       {.name = "free",
-        .type = Type::flag,
-        .meaning = "true: nothing holds the end.",
-        .minimum = 1},
-       vector("clamp",
-              "The connector's direction there, from its first end to its last, is held as well; "
-              "in the frame of what holds it.",
-              ""),
-       {.name = "turn",
-        .type = Type::tables,
-        .meaning = "How far the clamp is turned about that direction, which twists the connector; "
-                   "it is untwisted at the start with none. Smooth between keys.",
-        .least = 1,
-        .table = &turn_key_format()},
-       {.name = "winch",
-        .type = Type::tables,
-        .meaning = "How much of the connector is paid out here when: its links share it, and none "
-                   "enters or leaves. At an end that is fixed or driven. Smooth between keys.",
-        .least = 1,
-        .table = &winch_key_format()}},
-      {{{"body", "fixed", "path", "bone", "connector", "point_mass", "free"}}}};
-  return format;
-}
-
 const TableFormat& repeat_format() {
   static const TableFormat format{
       {needed({.name = "count",
@@ -206,6 +145,13 @@ const TableFormat& connector_format() {
              "Its shape at the start; default: hanging between ends whose places are "
              "known, else straight along gravity.",
              start_format()),
+       {.name = "over",
+        .type = Type::texts,
+        .meaning = "Names of the pulleys that the rope passes, from its first end to its last. Its "
+                   "spans between them are connectors NAME, NAME#2 and so on, of so many "
+                   "`particles` each. Where both of its ends are held and the length is within "
+                   "1e-4 of taut, it starts taut.",
+        .least = 1},
        table("repeat", "Copies in a row; a second entry: copies of that row, and so on.",
              repeat_format(), Type::tables),
        {.name = "model",
@@ -359,6 +305,8 @@ const TableFormat& scene_format() {
       table("characters", "People who hold bodies.", character_format(), Type::named),
       table("bodies", "Rigid bodies.", body_format(), Type::named),
       table("connectors", "Ropes, chains and cords.", connector_format(), Type::named),
+      table("pulleys", "Eyes and sheaves that ropes pass, without size.", pulley_format(),
+            Type::named),
       table("nets", "Nets, rope ladders and webs; their cords are connectors NAME#1 and so on.",
             net_format(), Type::named),
       table("obstacles", "Solids that beads of connectors and free bodies touch.",

@@ -24,7 +24,7 @@ const TableFormat& start_format() {
   static const TableFormat circle{{needed(vector("centre", "Of the circle.")),
                                    needed(vector("axis", "Across which it stands.", ""))}};
   static const TableFormat format{
-      {vector("direction", "Straight from the first end.", ""),
+      {vector("direction", "Straight from the first end, or from the last pulley.", ""),
        {.name = "points",
         .type = Type::points,
         .meaning = "Along these straight pieces, from the first end to the last; as long together "
@@ -37,8 +37,13 @@ const TableFormat& start_format() {
              "A closed loop: a polygon whose sides are the links; the last particle is joined to "
              "the first.",
              circle),
+       not_negative("before",
+                    "Length up to the first pulley; default: straight from where the first end "
+                    "is held.",
+                    "m"),
        vector("spin",
-              "Turns as one stiff piece about the first particle, or about the circle's centre.",
+              "Turns as one stiff piece about the first particle, the circle's centre or the last "
+              "pulley.",
               "rad/s"),
        vector("push_out",
               "Moves beads that would start inside of obstacles this way, to their surfaces; links "

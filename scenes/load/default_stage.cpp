@@ -219,7 +219,9 @@ void find_looks(const Document& document, Scene& scene, double size) {
     ConnectorLook& look = scene.stage->connector_looks[i];
     const double line = connector.length > 0 ? connector.mass / connector.length : 0;
     if (!written->find("look") && !written->find("color")) {
-      look.kind = line > 0.6 && !connector.winch ? Kind::chain : line < 0.03 ? Kind::cord : Kind::rope;
+      look.kind = line > 0.6 && !connector.winch ? Kind::chain
+                  : line < 0.03                  ? Kind::cord
+                                                 : Kind::rope;
       if (look.kind == Kind::chain) look.color = Vec3(0.45, 0.46, 0.48);
       if (look.kind == Kind::cord) look.color = Vec3(0.40, 0.05, 0.03);
     }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/reader/reader.h"
 
@@ -57,6 +58,21 @@ std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t parti
     }
   }
   return line;
+}
+
+std::vector<Vec3> polygon(const Vec3& axis, const Vec3& centre, const Connector& connector,
+                          const std::optional<Vec3>& first) {
+  const double corners = static_cast<double>(connector.links());
+  const double radius = connector.rest.front() / (2 * std::sin(std::numbers::pi / corners));
+  const Vec3 towards = first ? Vec3(*first - centre) : axis.unitOrthogonal();
+  const Vec3 x = (towards - axis.dot(towards) * axis).stableNormalized(), y = axis.cross(x);
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i < connector.links(); ++i) {
+    const double turn = 2 * std::numbers::pi * static_cast<double>(i) / corners;
+    places.push_back(centre + radius * (std::cos(turn) * x + std::sin(turn) * y));
+  }
+  places.push_back(places.front());
+  return places;
 }
 
 }  // namespace taut::scenes

@@ -10,6 +10,7 @@
 #include "scenes/reader/joints.h"
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
+#include "scenes/reader/routes.h"
 #include "sim/world/rotation.h"
 
 namespace taut::scenes {
@@ -31,7 +32,7 @@ struct End {
 class Layout {
  public:
   Layout(const Document& document, Motions& motions, World& world)
-      : document_(document), motions_(motions), world_(world) {
+      : document_(document), motions_(motions), world_(world), routes_(document, motions, world) {
     const Value* bodies = document.root.find("bodies");
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
       unplaced_.push_back(bodies->children[i].find("hangs"));
@@ -73,8 +74,12 @@ class Layout {
     }
     if (table) {
       joined_->join(world_);
-      for (std::size_t i = 0; i < table->children.size(); ++i) repeat(table->children[i], i);
+      for (std::size_t i = 0; i < table->children.size(); ++i) {
+        repeat(table->children[i], i);
+        routes_.add(i, world_);
+      }
     }
+    routes_.check_passed();
     for (const Value* hangs : unplaced_) {
       if (hangs) document_.fail(*hangs, "no connector holds the body, expected one to hang from");
     }
@@ -91,7 +96,7 @@ class Layout {
                                      "2)",
                                      particles));
     }
-    particles_ += particles * repeat_count(value);
+    particles_ += particles * repeat_count(value) * span_count(value);
     if (particles_ > kMostInAll) {
       document_.mismatch(*value.find("particles"),
                          fmt::format("at most {} in all connectors together", kMostInAll));
@@ -104,6 +109,7 @@ class Layout {
     connector.radius =
         number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
     read_sections(document_, value, connector);
+    if (value.find("over")) return add_route(value, std::move(connector));
     add_end(value, "from", 0, connector);
     add_end(value, "to", particles - 1, connector);
     const bool all_held = connector.holds.size() == particles;
@@ -113,6 +119,15 @@ class Layout {
                          "held");
     }
     read_winches(document_, value, world_, connector);
+    world_.connectors.push_back(std::move(connector));
+  }
+
+  void add_route(const Value& value, Connector connector) {
+    std::ranges::fill(connector.particle_mass, 0);  // once spans have their lengths
+    Connector last = connector;
+    add_end(value, "from", 0, connector);
+    add_end(value, "to", connector.links(), last);
+    routes_.divide(value, world_, world_.connectors.size(), connector, std::move(last));
     world_.connectors.push_back(std::move(connector));
   }
 
@@ -185,7 +200,13 @@ class Layout {
     const Value* points = start ? start->find("points") : nullptr;
     const Value* over = start ? start->find("over") : nullptr;
     const Value* circle = start ? start->find("circle") : nullptr;
+    const Value* before = start ? start->find("before") : nullptr;
+    if (before && !value.find("over")) document_.fail_at_key(*before, "needs over, with pulleys");
     const auto first = place(from), last = place(to);
+    if (routes_.passes(index)) {
+      routes_.lay(world_, index, connector, first, last);
+      return finish(value, connector, from, first, routes_.last(index), to, last);
+    }
     const bool loop = joined_->is_loop(index, connector.particles() - 1);
     if (loop && !points && !circle) {
       document_.fail(value, "is a closed loop, expected start = { circle = ... } or points");
@@ -200,7 +221,8 @@ class Layout {
                               "needs an end that is joined to the connector's first "
                               "particle, at = 0 of itself");
       }
-      connector.position = on_circle(*circle, connector, first);
+      connector.position = polygon(direction(document_, *circle->find("axis")),
+                                   circle->find("centre")->vec3(), connector, first);
     } else if ((from.joined && !first) || (to.joined && !last && !start)) {
       return false;  // what it is joined to has no place yet
     } else if (first) {
@@ -211,17 +233,26 @@ class Layout {
     } else {
       return false;
     }
+    return finish(value, connector, from, first, connector, to, last);
+  }
+
+  /// Lets a connector that has its shape turn, and brings together its ends and what holds them.
+  bool finish(const Value& value, Connector& connector, const End& from,
+              const std::optional<Vec3>& first, Connector& behind, const End& to,
+              const std::optional<Vec3>& last) {
+    const Value* start = value.find("start");
+    const Value* circle = start ? start->find("circle") : nullptr;
     if (const Value* spin = start ? start->find("spin") : nullptr) {
       if (to.to || (to.joined && !circle)) {
         document_.fail_at_key(*spin, "needs a last particle that nothing holds");
       }
-      const Vec3 about = circle ? circle->find("centre")->vec3() : connector.position.front();
-      for (std::size_t i = 0; i < connector.particles(); ++i) {
-        connector.velocity[i] = spin->vec3().cross(connector.position[i] - about);
+      const Vec3 about = circle ? circle->find("centre")->vec3() : behind.position.front();
+      for (std::size_t i = 0; i < behind.particles(); ++i) {
+        behind.velocity[i] = spin->vec3().cross(behind.position[i] - about);
       }
     }
     meet(value, connector, from, first, connector.position.front());
-    meet(value, connector, to, last, connector.position.back());
+    meet(value, connector, to, last, behind.position.back());
     return true;
   }
 
@@ -267,24 +298,6 @@ class Layout {
                                        line.size() - 1, connector.links(), connector.rest.front()));
     }
     return line;
-  }
-
-  /// A regular polygon whose links have their length; from `first` on, or from anywhere.
-  std::vector<Vec3> on_circle(const Value& circle, const Connector& connector,
-                              const std::optional<Vec3>& first) const {
-    const double corners = static_cast<double>(connector.links());
-    const Vec3 axis = direction(document_, *circle.find("axis"));
-    const Vec3 centre = circle.find("centre")->vec3();
-    const double radius = connector.rest.front() / (2 * std::sin(std::numbers::pi / corners));
-    const Vec3 towards = first ? Vec3(*first - centre) : axis.unitOrthogonal();
-    const Vec3 x = (towards - axis.dot(towards) * axis).stableNormalized(), y = axis.cross(x);
-    std::vector<Vec3> places;
-    for (std::size_t i = 0; i < connector.links(); ++i) {
-      const double turn = 2 * std::numbers::pi * static_cast<double>(i) / corners;
-      places.push_back(centre + radius * (std::cos(turn) * x + std::sin(turn) * y));
-    }
-    places.push_back(places.front());
-    return places;
   }
 
   /// The shape that starts at `origin`, which is a known end's place; `far` is the other's.
@@ -363,6 +376,7 @@ class Layout {
   const Document& document_;
   Motions& motions_;
   World& world_;
+  Routes routes_;
   std::optional<JoinedEnds> joined_;
   std::vector<bool> laid_;              // [connector] it has its shape
   std::size_t particles_ = 0;           // of all connectors so far

@@ -2,8 +2,10 @@
 // at what keys mean together: names, files, and numbers that must fit each other.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -132,10 +134,17 @@ void read_sections(const Document& document, const Value& value, Connector& conn
 /// A number over time, from the values of keys: the x of a path (Hold::turn, Winch::paths).
 std::shared_ptr<const Path> read_number_keys(const Document& document, const Value& list,
                                              std::string_view value);
+/// The paths of the winches at the first end of `first` and the last of `last`, once those have
+/// their holds; null where there is none.
+std::array<std::shared_ptr<const Path>, 2> read_winches(const Document& document,
+                                                        const Value& value, const World& world,
+                                                        const Connector& first,
+                                                        const Connector& last);
 /// The winches at a connector's ends, once it has its holds. Throws BadScene.
 void read_winches(const Document& document, const Value& value, const World& world,
                   Connector& connector);
-/// Fails where a winch stands in a scene with what does not go with one, or a method without.
+/// Fails where a winch or pulley stands in a scene with what does not go with one, or a method
+/// without.
 void refuse_winches(const Document& document, const MethodInfo& method);
 /// The air of a scene.
 Air read_air(const Document& document);
@@ -183,6 +192,11 @@ std::vector<Vec3> along_line(const std::vector<Vec3>& corners, std::size_t parti
 
 /// As many places along all of it, equally far from each other on it.
 std::vector<Vec3> evenly_along(const std::vector<Vec3>& corners, std::size_t particles);
+
+/// A regular polygon across `axis` whose sides are the links of a connector; from `first` on, or
+/// from anywhere.
+std::vector<Vec3> polygon(const Vec3& axis, const Vec3& centre, const Connector& connector,
+                          const std::optional<Vec3>& first);
 
 /// How a rope lies on a round obstacle.
 struct Winding {

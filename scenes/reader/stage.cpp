@@ -4,6 +4,7 @@
 
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
+#include "scenes/reader/routes.h"
 #include "scenes/scene/obstacle_model.h"
 #include "scenes/scene/shapes.h"
 
@@ -216,8 +217,9 @@ void read_stage(const Document& document, Motions& motions, Scene& scene) {
   const Value* connectors = root.find("connectors");
   for (std::size_t i = 0; connectors && i < connectors->children.size(); ++i) {
     const ConnectorLook look = stage.connector_looks[i];
-    stage.connector_looks.insert(stage.connector_looks.end(),
-                                 repeat_count(connectors->children[i]) - 1, look);
+    stage.connector_looks.insert(
+        stage.connector_looks.end(),
+        repeat_count(connectors->children[i]) * span_count(connectors->children[i]) - 1, look);
   }
   for_each(root.find("nets"), [&](const Value& net) {
     stage.connector_looks.insert(stage.connector_looks.end(), cord_count(net), read_look(net));

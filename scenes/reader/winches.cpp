@@ -47,6 +47,25 @@ std::shared_ptr<const Path> read_winch(const Document& document, const Value& li
 
 }  // namespace
 
+std::array<std::shared_ptr<const Path>, 2> read_winches(const Document& document,
+                                                        const Value& value, const World& world,
+                                                        const Connector& first,
+                                                        const Connector& last) {
+  std::array<std::shared_ptr<const Path>, 2> paths;
+  for (const std::size_t end : {0u, 1u}) {
+    const Value* winch = value.find(end == 0 ? "from" : "to")->find("winch");
+    if (!winch) continue;
+    const Connector& connector = end == 0 ? first : last;
+    const std::size_t particle = end == 0 ? 0 : connector.links();
+    const auto held = std::ranges::find(connector.holds, particle, &Hold::particle);
+    if (held == connector.holds.end() || !is_prescribed(world, held->to)) {
+      document.fail_at_key(*winch, "needs an end that is fixed or driven, not a free body's");
+    }
+    paths[end] = read_winch(document, *winch);
+  }
+  return paths;
+}
+
 void read_winches(const Document& document, const Value& value, const World& world,
                   Connector& connector) {
   const Value* named = winch_of(value);
@@ -58,17 +77,7 @@ void read_winches(const Document& document, const Value& value, const World& wor
             "stands beside {}, expected rigid links, which may resist bending and meet the air",
             other));
   }
-  std::array<std::shared_ptr<const Path>, 2> paths;
-  for (const std::size_t end : {0u, 1u}) {
-    const Value* winch = value.find(end == 0 ? "from" : "to")->find("winch");
-    if (!winch) continue;
-    const std::size_t particle = end == 0 ? 0 : connector.links();
-    const auto held = std::ranges::find(connector.holds, particle, &Hold::particle);
-    if (held == connector.holds.end() || !is_prescribed(world, held->to)) {
-      document.fail_at_key(*winch, "needs an end that is fixed or driven, not a free body's");
-    }
-    paths[end] = read_winch(document, *winch);
-  }
+  const auto [first, last] = read_winches(document, value, world, connector, connector);
   const auto carried = [&](const Hold& hold) { return !is_prescribed(world, hold.to); };
   const bool any_carried = std::ranges::any_of(connector.holds, carried);
   if (any_carried && connector.links() < 2) {
@@ -76,7 +85,7 @@ void read_winches(const Document& document, const Value& value, const World& wor
                       "at least 3, as the link at a free body keeps its length");
   }
   if (connector.mass == 0) document.mismatch(*value.find("mass"), "a number above 0 (kg)");
-  add_winches(world, connector, paths[0], paths[1]);
+  add_winches(world, connector, first, last);
   const Winch& winch = *connector.winch;
   const double least = winch.least();
   for (std::size_t k = 0; k < connector.links(); ++k) {
@@ -90,25 +99,31 @@ void refuse_winches(const Document& document, const MethodInfo& method) {
   const Value* connectors = document.root.find("connectors");
   if (!connectors) return;
   for (const Value& connector : connectors->children) {
-    const Value* winch = winch_of(connector);
-    if (!winch) continue;
-    for (const char* table : {"obstacles", "touching"}) {
+    const Value* over = connector.find("over");
+    const Value* key = over ? over : winch_of(connector);
+    if (!key) continue;
+    for (const char* table : {"obstacles", "touching", over ? "nets" : "touching"}) {
       const Value* found = document.root.find(table);
       if (!found || found->children.empty()) continue;
-      document.fail_at_key(*winch, fmt::format("stands in a scene with {}, where connectors keep "
-                                               "their lengths",
-                                               table));
+      document.fail_at_key(*key, fmt::format("stands in a scene with {}, where connectors keep "
+                                             "their lengths",
+                                             table));
     }
     for (const Value& other : connectors->children) {
-      const bool spans = text_or(other, "model", "links") == "span";
-      if (!spans && text_or(other, "links", "rigid") != "pull") continue;
-      document.fail_at_key(*winch, fmt::format("stands in a scene with {}, which is {}", other.path,
-                                               spans ? "a massless span" : "of strings"));
+      const char* what = nullptr;
+      if (text_or(other, "model", "links") == "span") what = "a massless span";
+      if (text_or(other, "links", "rigid") == "pull") what = "of strings";
+      for (const char* end : {"from", "to"}) {
+        if (over && other.find(end)->find("connector")) what = "joined";
+      }
+      if (!what) continue;
+      document.fail_at_key(*key,
+                           fmt::format("stands in a scene with {}, which is {}", other.path, what));
     }
-    if (method.follows_winches) continue;
-    const std::string able = methods_with(&MethodInfo::follows_winches);
-    document.fail_at_key(
-        *winch, fmt::format("is unknown to the method {}, expected one of: {}", method.name, able));
+    const auto follows = over ? &MethodInfo::follows_pulleys : &MethodInfo::follows_winches;
+    if (method.*follows) continue;
+    document.fail_at_key(*key, fmt::format("is unknown to the method {}, expected one of: {}",
+                                           method.name, methods_with(follows)));
   }
 }
 

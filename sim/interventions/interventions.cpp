@@ -96,7 +96,7 @@ std::string_view words(Outcome outcome) {
     case Outcome::no_pin:
       return "there is no such pin, or it is released already";
     case Outcome::has_winch:
-      return "the connector has a winch, expected one that keeps its length";
+      return "the connector has a winch or passes a pulley, expected one that keeps its length";
   }
   return "";
 }

@@ -64,6 +64,10 @@ void Mechanism::load(const World& world, std::vector<double>& state) {
     vector(u) = body.velocity;
     vector(u + 3) = body.spin;
   }
+  for (std::size_t p = 0; p < pulleys(); ++p) {
+    state[passed(p)] = world.pulleys[p].passed;
+    state[speed(p)] = world.pulleys[p].speed;
+  }
 }
 
 void Mechanism::store(const std::vector<double>& state, double time, World& world) const {
@@ -83,6 +87,10 @@ void Mechanism::store(const std::vector<double>& state, double time, World& worl
     body.velocity = vector(u);
     body.spin = vector(u + 3);
   }
+  for (std::size_t p = 0; p < pulleys(); ++p) {
+    world.pulleys[p].passed = state[passed(p)];
+    world.pulleys[p].speed = state[speed(p)];
+  }
   material_.store_twists(world);
   place_held(world, time);
 }
@@ -97,6 +105,7 @@ void Mechanism::update(double time, double* state) {
   place(time, state);
   if (material_.any() || has_winches()) add_forces(state);
   measure(state);
+  if (pulleys() > 0) measure_pulleys(state);
 }
 
 void Mechanism::place(double time, double* state) {
@@ -107,7 +116,6 @@ void Mechanism::place(double time, double* state) {
     point_acceleration_[point] = motion.acceleration;
   }
   if (material_.any()) material_.place(*world_, time);
-  if (has_winches()) place_winches(time);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     FreeBody& body = bodies_[b];
     const Mat3 turn = quaternion(state + pose(b) + 3).normalized().toRotationMatrix();
@@ -131,58 +139,7 @@ void Mechanism::place(double time, double* state) {
     vector(state + position(point)) = vector(state + position(leads));
     vector(state + velocity(point)) = vector(state + velocity(leads));
   }
-}
-
-void Mechanism::place_winches(double time) {
-  for (Winched& at : winches_) {
-    const Winch& winch = *at.winch;
-    at.first = winch.paid_out(0, time);
-    at.last = winch.paid_out(1, time);
-    at.longer = at.first + at.last;
-    const double longer = at.longer.length;
-    for (std::size_t k = 0; k < winch.rest.size(); ++k) {
-      double& rest = rows_[at.first_row + k].rest;
-      rest = winch.rest[k] + winch.share(k) * longer;
-      if (material_.any()) material_.set_rest(at.first_point + small(k), rest);
-      if (!at.first_drag) continue;
-      const double speed =
-          winch.flow(k, at.first, at.last).speed + winch.flow(k + 1, at.first, at.last).speed;
-      material_.flow_past(*at.first_drag + k, speed / 2);
-    }
-    material_.bend_over_lengths(at.first_bend, at.bends_end);
-    for (std::size_t i = 0; i < winch.particle_mass.size(); ++i) {
-      double& easy = inverse_mass_[at.first_point + i];
-      if (easy == 0) continue;
-      easy = 1 / (winch.particle_mass[i] + winch.density * winch.share_at(i) * longer);
-    }
-  }
-}
-
-void Mechanism::add_flow(const double* state, std::vector<Vec3>& force) const {
-  const double* velocities = state + velocities_;
-  for (const Winched& at : winches_) {
-    const Winch& winch = *at.winch;
-    for (std::size_t k = 0; k < winch.rest.size(); ++k) {
-      const std::size_t a = at.first_point + k, b = a + 1;
-      const Winch::Flow before = winch.flow(k, at.first, at.last),
-                        behind = winch.flow(k + 1, at.first, at.last);
-      const Vec3 gap = vector(state + 3 * b) - vector(state + 3 * a);
-      const Vec3 turned =
-          (before.speed + behind.speed) * (vector(velocities + 3 * b) - vector(velocities + 3 * a));
-      force[a] -= winch.density / 2 * (turned + before.rate * gap);
-      force[b] -= winch.density / 2 * (turned + behind.rate * gap);
-    }
-  }
-}
-
-/// Beside measure(): rest lengths change.
-void Mechanism::measure_winches() {
-  for (const Winched& at : winches_) {
-    for (std::size_t k = 0; k < at.winch->rest.size(); ++k) {
-      rate_[at.first_row + k] -= at.winch->share(k) * at.longer.rate;
-      velocity_term_[at.first_row + k] -= at.winch->share(k) * at.longer.acceleration;
-    }
-  }
+  if (has_winches()) place_winches(time, state);
 }
 
 /// After place(): adds what the forces of materials and of their flow do to points and bodies.
@@ -245,6 +202,10 @@ void Mechanism::differentiate(const double* state, const double* tension,
     vector(derivative + twist(b)) = gravity_;
     vector(derivative + twist(b) + 3) = bodies_[b].gyration;
   }
+  for (std::size_t i = 0; i < pulleys(); ++i) {
+    derivative[passed(i)] = state[speed(i)];
+    derivative[speed(i)] = 0;
+  }
   if (material_.any() || has_winches()) {
     for (std::size_t i = 0; i < p; ++i) vector(acceleration + 3 * i) = point_acceleration_[i];
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -278,6 +239,15 @@ void Mechanism::push(const double* impulse, double* state) const {
     vector(u) += body.inverse_mass * pull;
     vector(u + 3) += body.world_inverse * carried.arm.cross(pull);
   }
+  if (pulleys() == 0) return;
+  const double* by = impulse + rows_.size();
+  push_pulleys(by, velocities, state + speed(0));
+  for (std::size_t p = 0; p < pulleys(); ++p) {
+    for (const auto& [body, push] : pulleys_[p].pushes) {
+      vector(state + twist(body)) += by[p] * push.linear;
+      vector(state + twist(body) + 3) += by[p] * push.angular;
+    }
+  }
 }
 
 void Mechanism::move(const double* shift, double* state) const {
@@ -294,6 +264,15 @@ void Mechanism::move(const double* shift, double* state) const {
     double* q = state + pose(carried.body);
     vector(q) += body.inverse_mass * pull;
     rotate(body.world_inverse * carried.arm.cross(pull), q + 3);
+  }
+  if (pulleys() == 0) return;
+  const double* by = shift + rows_.size();
+  push_pulleys(by, state, state + passed(0));
+  for (std::size_t p = 0; p < pulleys(); ++p) {
+    for (const auto& [body, push] : pulleys_[p].pushes) {
+      vector(state + pose(body)) += by[p] * push.linear;
+      rotate(by[p] * push.angular, state + pose(body) + 3);
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 // A world as an integrator sees it: one flat state vector, and the rows that links put on it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -32,13 +33,16 @@ struct Row {
 
 /// A link that stretches is no row but a force (MaterialForces).
 ///
-/// The points (all particles, connector by connector), free bodies and rows of a world, as flat
-/// arrays. The state vector of P points and B free bodies is
-///   [ P positions | B poses: centre of mass, quaternion w x y z | P velocities | B twists:
-///   velocity of the centre of mass, spin in the world's axes ],
-/// 6 P + 13 B numbers in SI units. Held points stand in it too: update() puts them where their
-/// holds are, and their derivatives are zero. So do joined particles but the one that stands for
-/// them, which rows and forces name.
+/// The points (all particles, connector by connector), free bodies, pulleys and rows of a world, as
+/// flat arrays. The state vector of P points, B free bodies and S pulleys is
+///   [ P positions | B poses: centre of mass, quaternion w x y z | S lengths passed | P velocities
+///   | B twists: velocity of the centre of mass, spin in the world's axes | S speeds ],
+/// 6 P + 13 B + 2 S numbers in SI units. Held points stand in it too: update() puts them where
+/// their holds are, and their derivatives are zero. So do joined particles but the one that stands
+/// for them, which rows and forces name.
+///
+/// Arrays of rows hold, behind them, one number for each pulley: beside tensions its acceleration
+/// (m/s^2), beside impulses the change of its speed.
 class Mechanism {
  public:
   /// A point that a free body carries; `arm` (m) from its centre of mass, world axes at the instant
@@ -70,11 +74,11 @@ class Mechanism {
   /// as much room as the world has, so that a later call does not allocate.
   void rebuild(const World& world);
 
-  std::size_t state_size() const { return twists_ + 6 * bodies_.size(); }
+  std::size_t state_size() const { return twists_ + 6 * bodies_.size() + pulleys(); }
   std::size_t points() const { return inverse_mass_.size(); }
   /// The sizes of a state and of arrays of rows that there is room for.
   std::size_t state_room() const { return state_size() + 6 * (room_ - points()); }
-  std::size_t row_room() const { return rows_.capacity(); }
+  std::size_t row_room() const { return rows_.capacity() + pulleys(); }
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<FreeBody>& bodies() const { return bodies_; }
   const std::vector<BodyPoint>& body_points() const { return body_points_; }
@@ -90,8 +94,24 @@ class Mechanism {
   /// Whether winches change lengths and masses with time.
   bool has_winches() const { return !winches_.empty(); }
   /// Adds the forces (N) at each point of the material that flows past it, at the instant of the
-  /// last place().
+  /// last place(), pulleys' accelerations aside.
   void add_flow(const double* state, std::vector<Vec3>& force) const;
+  std::size_t pulleys() const { return pulleys_.size(); }
+  /// The numbers in an array of rows, pulleys behind them.
+  std::size_t unknowns() const { return rows_.size() + pulleys(); }
+  /// How the second derivative of a row's violation changes with a pulley's acceleration.
+  struct Coupling {
+    std::uint32_t row = 0, pulley = 0;
+    double share = 0;  // of what passes the pulley that the link has
+    double value = 0;
+  };
+  const std::vector<Coupling>& couplings() const { return couplings_; }  // sorted by pulleys
+  /// kg: how what drives a pulley grows with the acceleration of another, or of itself.
+  const Eigen::MatrixXd& passing_inertia() const { return passing_inertia_; }
+  /// What a connector's winch or pulley feels of the rope (N) at its first (0) or last (1) end,
+  /// under tensions and accelerations (m/s^2) of all points that belong together.
+  double drum_force(std::size_t connector, std::size_t end, const double* state,
+                    const double* tension, std::span<const Vec3> acceleration) const;
   /// The forces of what stretches, bends and meets the air; place() turns its clamps.
   const material::MaterialForces& material() const { return material_; }
 
@@ -100,6 +120,8 @@ class Mechanism {
   std::size_t velocity(std::size_t point) const { return velocities_ + 3 * point; }
   std::size_t pose(std::size_t body) const { return 3 * points() + 7 * body; }
   std::size_t twist(std::size_t body) const { return twists_ + 6 * body; }
+  std::size_t passed(std::size_t pulley) const { return velocities_ - pulleys() + pulley; }
+  std::size_t speed(std::size_t pulley) const { return twists_ + 6 * bodies_.size() + pulley; }
 
   /// Reads the state of `world`, which must stay until the state is stored again.
   void load(const World& world, std::vector<double>& state);
@@ -135,6 +157,9 @@ class Mechanism {
            velocity_term_[row];
   }
 
+  /// The rows' free accelerations, and what drives the pulleys, as TensionSystem takes them.
+  void right_side(std::vector<double>& right) const;
+
   /// The cycles (see Counters::work) of update(), differentiate() and the sums that an integrator
   /// makes of it: of a row some 85 additions and multiplications, two divisions and a root; of a
   /// body three products of matrices and what turns it.
@@ -149,6 +174,9 @@ class Mechanism {
   /// The first link whose points are not finite or beyond any sense (a rigid one stretched a
   /// hundredfold).
   std::optional<Link> broken_link(const double* state) const;
+  /// A connector whose links are under a hundredth of what they were as its rope has run through a
+  /// pulley, where it whirls too fast and then is none.
+  std::optional<std::size_t> run_through(double time, double* state);
 
  private:
   void reserve(const World& world);
@@ -158,15 +186,17 @@ class Mechanism {
   void add_rows(const World& world);
   void add_row_ends();
   void add_winches(const World& world);
-  void place_winches(double time);
+  void add_pulleys(const World& world);
+  void place_winches(double time, const double* state);
   void measure_winches();
+  void measure_pulleys(const double* state);
   void add_forces(const double* state);
   void measure(const double* state);
 
   /// A connector whose links change their lengths; where its points and rows begin.
   struct Winched {
     std::shared_ptr<const Winch> winch;
-    std::uint32_t first_point = 0, first_row = 0;
+    std::uint32_t connector = 0, first_point = 0, first_row = 0;
     std::optional<std::uint32_t> first_drag = {};  // where it meets the air
     std::uint32_t first_bend = 0, bends_end = 0;   // where it resists bending
     PaidOut first = {}, last = {}, longer = {};    // at the instant of the last place()
@@ -176,6 +206,30 @@ class Mechanism {
   struct BodyPush {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   };
+
+  /// A connector's end at a pulley: what the material that passes presses at its points, N per
+  /// m/s^2.
+  struct RopeEnd {
+    std::uint32_t connector = 0, winched = 0;
+    std::vector<Vec3> force = {};
+    std::vector<std::uint32_t> carried = {};  // body points among them
+  };
+  /// A pulley: what changes with its acceleration.
+  struct Passing {
+    double inertia = 0;                                           // kg, of the sheave
+    std::array<RopeEnd, 2> end = {};                              // that it passes from, and to
+    std::vector<std::pair<std::uint32_t, BodyPush>> pushes = {};  // bodies, sorted
+    double free_force = 0;  // N: what drives it without tensions
+  };
+  double paying_force(const Winched& at, std::size_t end, const double* state,
+                      std::span<const Vec3> acceleration, const PointMotion& frame) const;
+  double bending_force(const Winched& at, const double* state) const;
+  double passing_inertia(const Passing& pulley, const Passing& other) const;
+  double flow_inertia(const Winched& at, std::size_t end, std::size_t other) const;
+  void find_flow(Passing& pulley, const double* state) const;
+  template <class Visit>
+  void each_moved(const Passing& pulley, Visit visit) const;
+  void push_pulleys(const double* by, double* velocities, double* speeds) const;
 
   const World* world_ = nullptr;  // between load() and store()
   std::size_t room_ = 0;          // points
@@ -199,6 +253,10 @@ class Mechanism {
   std::vector<double> violation_, rate_, velocity_term_;
   material::MaterialForces material_;
   std::vector<Winched> winches_;
+  std::vector<Passing> pulleys_;
+  std::vector<Coupling> couplings_;
+  Eigen::MatrixXd passing_inertia_;
+  std::vector<Vec3> unit_;   // per point: what one pulley's acceleration of 1 m/s^2 gives it
   std::vector<Vec3> force_;  // N, per point, of the material and of its flow
   std::vector<BodyPush> body_push_;
 };

@@ -17,12 +17,13 @@ void Mechanism::rebuild(const World& world) {
   reserve(world);
   add_bodies(world);
   add_points(world);
-  velocities_ = 3 * points() + 7 * bodies_.size();
+  velocities_ = 3 * points() + 7 * bodies_.size() + world.pulleys.size();
   twists_ = velocities_ + 3 * points();
   add_rows(world);
   add_row_ends();
   material_.rebuild(world, room_, leaders_);
   add_winches(world);
+  add_pulleys(world);
   if (material_.any() || has_winches()) {
     force_.reserve(room_);
     force_.resize(points());
@@ -163,7 +164,7 @@ void Mechanism::add_winches(const World& world) {
       const auto index = [](const auto& all, auto found) {
         return small(static_cast<std::size_t>(found - all.begin()));
       };
-      Winched added{.winch = connector.winch, .first_point = small(first)};
+      Winched added{.winch = connector.winch, .connector = small(c), .first_point = small(first)};
       added.first_row = index(rows_, std::ranges::find(rows_, small(c), &Row::connector));
       const auto& drags = material_.drags();
       const auto drag = std::ranges::find(drags, small(first), &material::DragElement::a);

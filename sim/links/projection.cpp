@@ -15,7 +15,15 @@ constexpr double kRounding = 1e-14;  // m: rounding of positions of about a metr
 void Projection::rebuild(const Mechanism& mechanism) {
   system_.rebuild(mechanism);
   multiplier_.reserve(mechanism.row_room());
-  multiplier_.resize(mechanism.rows().size());
+  multiplier_.resize(mechanism.unknowns());
+  right_.resize(mechanism.pulleys() > 0 ? mechanism.unknowns() : 0);
+}
+
+/// `rows`, and zero for each pulley.
+const std::vector<double>& Projection::right_side(const std::vector<double>& rows) {
+  if (right_.empty()) return rows;
+  std::ranges::copy(rows, right_.begin());
+  return right_;
 }
 
 Projection::Left Projection::lengths(Mechanism& mechanism, double time,
@@ -35,7 +43,7 @@ Projection::Left Projection::lengths(Mechanism& mechanism, double time,
     const bool settled = i > 0 && left.violation < kKept && left.violation > before / 2;
     if (!(left.violation >= kRounding) || settled || i == kIterations) return left;
     system_.assemble(mechanism);
-    system_.solve(violation, multiplier_);
+    system_.solve(right_side(violation), multiplier_);
     mechanism.move(multiplier_.data(), state.data());
     mechanism.update(time, state.data());
   }
@@ -45,7 +53,7 @@ void Projection::rates(Mechanism& mechanism, double time, std::vector<double>& s
   mechanism.update(time, state.data());
   if (multiplier_.empty()) return;
   system_.assemble(mechanism);
-  system_.solve(mechanism.rate(), multiplier_);
+  system_.solve(right_side(mechanism.rate()), multiplier_);
   mechanism.push(multiplier_.data(), state.data());
   mechanism.place(time, state.data());
 }

@@ -35,8 +35,11 @@ class Projection {
   void rates(Mechanism& mechanism, double time, std::vector<double>& state);
 
  private:
+  const std::vector<double>& right_side(const std::vector<double>& rows);
+
   TensionSystem system_;
   std::vector<double> multiplier_;  // per row: kg m or N s
+  std::vector<double> right_;       // where there are pulleys
 };
 
 /// Gives all links of `world` their lengths, whatever moves for it: particles and free bodies.

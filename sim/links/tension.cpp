@@ -1,13 +1,11 @@
 #include "sim/links/tension.h"
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <limits>
 
 namespace taut {
 namespace {
-
-// A pivot this small beside what it was made from is rounding: A is singular.
-constexpr double kSingular = 1e-12;
 
 /// True where `row` and the next are neighbouring links of one connector.
 bool neighbours(const std::vector<Row>& rows, std::size_t row) {
@@ -18,7 +16,8 @@ bool neighbours(const std::vector<Row>& rows, std::size_t row) {
 }  // namespace
 
 void TensionSystem::rebuild(const Mechanism& mechanism) {
-  rows_ = mechanism.rows().size();
+  rows_ = mechanism.unknowns();
+  pulleys_ = mechanism.pulleys();
   is_joined_ = mechanism.is_joined();
   if (is_joined_) return joined_.rebuild(mechanism);
   const std::size_t room = mechanism.row_room();
@@ -30,16 +29,15 @@ void TensionSystem::rebuild(const Mechanism& mechanism) {
   inverse_pivot_.resize(rows_);
   factor_.resize(rows_);
   find_terms(mechanism);
-  find_border();
+  find_border(mechanism);
 }
 
 /// The index into values_ of A(row, other), row <= other.
 std::uint32_t TensionSystem::entry(const Mechanism& mechanism, std::size_t row, std::size_t other) {
   if (row == other) return small(row);
   if (other == row + 1 && neighbours(mechanism.rows(), row)) return small(rows_ + row);
-  const auto found = std::ranges::find_if(
-      entries_, [&](const Entry& e) { return e.row == row && e.other == other; });
-  if (found != entries_.end()) return found->value;
+  const auto [found, added] = entry_at_.try_emplace({row, other}, small(values_.size()));
+  if (!added) return found->second;
   entries_.push_back({small(row), small(other), small(values_.size())});
   values_.push_back(0);
   return entries_.back().value;
@@ -47,12 +45,13 @@ std::uint32_t TensionSystem::entry(const Mechanism& mechanism, std::size_t row, 
 
 void TensionSystem::find_terms(const Mechanism& mechanism) {
   entries_.clear();
+  entry_at_.clear();
   point_terms_.clear();
   body_terms_.clear();
   const auto& rows = mechanism.rows();
-  for (std::size_t r = 0; r < rows_; ++r) {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
     // Rows of a connector stand together; those that share a point are at most six apart.
-    for (std::size_t s = r + 1; s < rows_ && rows[s].a <= rows[r].b; ++s) {
+    for (std::size_t s = r + 1; s < rows.size() && rows[s].a <= rows[r].b; ++s) {
       if (s == r + 1 && neighbours(rows, r)) continue;  // in assemble()'s own loop
       for (const std::uint32_t point : {rows[s].a, rows[s].b}) {
         const double w = mechanism.inverse_mass()[point];
@@ -74,19 +73,42 @@ void TensionSystem::find_terms(const Mechanism& mechanism) {
       body_terms_.push_back({small(g), small(h), entry(mechanism, row, other), times});
     }
   }
+  couplings_.clear();
+  for (const Mechanism::Coupling& coupling : mechanism.couplings()) {
+    couplings_.push_back(entry(mechanism, coupling.row, rows.size() + coupling.pulley));
+  }
+  pulley_pairs_.clear();
+  for (std::size_t p = rows.size(); p < rows_; ++p) {
+    for (std::size_t q = p; q < rows_; ++q) pulley_pairs_.push_back(entry(mechanism, p, q));
+  }
 }
 
-void TensionSystem::find_border() {
+void TensionSystem::add_to_border(std::size_t row) {
+  if (border_index_[row] != kInside) return;
+  border_index_[row] = small(border_.size());
+  border_.push_back(small(row));
+}
+
+void TensionSystem::find_border(const Mechanism& mechanism) {
   border_.clear();
   border_entries_.clear();
   border_index_.assign(rows_, kInside);
+  const auto& rows = mechanism.rows();
   for (const Entry& e : entries_) {
-    for (const std::uint32_t row : {e.row, e.other}) {
-      if (border_index_[row] != kInside) continue;
-      border_index_[row] = small(border_.size());
-      border_.push_back(row);
-    }
+    if (e.other >= rows.size()) continue;  // a pulley's
+    add_to_border(e.row);
+    add_to_border(e.other);
   }
+  // The rows of a connector between two ends that hardly move are nearly dependent: without one of
+  // them they are not.
+  for (std::size_t c = 0; c < mechanism.couplings().size(); ++c) {
+    const std::uint32_t row = mechanism.couplings()[c].row, connector = rows[row].connector;
+    const auto of_it = [&](std::uint32_t r) {
+      return r < rows.size() && rows[r].connector == connector;
+    };
+    if (std::ranges::none_of(border_, of_it)) add_to_border(row);
+  }
+  for (std::size_t p = rows.size(); p < rows_; ++p) add_to_border(p);
   for (const std::uint32_t row : border_) {
     if (row > 0) border_entries_.push_back({row, row - 1, small(rows_ + row - 1)});
     if (row + 1 < rows_) border_entries_.push_back({row, row + 1, small(rows_ + row)});
@@ -94,6 +116,25 @@ void TensionSystem::find_border() {
       if (e.row == row) border_entries_.push_back(e);
       if (e.other == row) border_entries_.push_back({row, e.row, e.value});
     }
+  }
+  // The rows inside that a column of the border reaches by their couplings to each other.
+  const auto coupled = [&](std::size_t row) {
+    return border_index_[row] == kInside && border_index_[row + 1] == kInside &&
+           neighbours(rows, row);
+  };
+  column_spans_.assign(border_.size(), {});
+  for (const Entry& e : border_entries_) {
+    if (border_index_[e.other] != kInside) continue;
+    RowSpan& span = column_spans_[border_index_[e.row]];
+    if (span.has(e.other)) continue;
+    std::size_t from = e.other, until = e.other + 1;
+    while (from > 0 && coupled(from - 1)) --from;
+    while (until < rows_ && coupled(until - 1)) ++until;
+    if (span.from < span.until) {
+      from = std::min<std::size_t>(from, span.from);
+      until = std::max<std::size_t>(until, span.until);
+    }
+    span = {from, until};
   }
   const auto size = static_cast<Eigen::Index>(border_.size());
   columns_.resize(rows_ * border_.size());
@@ -107,7 +148,7 @@ void TensionSystem::assemble(const Mechanism& mechanism) {
   const auto& w = mechanism.inverse_mass();
   const auto& direction = mechanism.direction();
   double* beside = values_.data() + rows_;
-  for (std::size_t r = 0; r < rows_; ++r) {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
     values_[r] = (w[rows[r].a] + w[rows[r].b]) * direction[r].squaredNorm();
     beside[r] = neighbours(rows, r) ? -w[rows[r].b] * direction[r].dot(direction[r + 1]) : 0;
   }
@@ -124,6 +165,15 @@ void TensionSystem::assemble(const Mechanism& mechanism) {
     const Vec3 other_torque = mechanism.body_points()[h.body_point].arm.cross(other);
     values_[term.value] += term.times * (body.inverse_mass * pull.dot(other) +
                                          torque.dot(body.world_inverse * other_torque));
+  }
+  for (std::size_t c = 0; c < couplings_.size(); ++c) {
+    values_[couplings_[c]] = -mechanism.couplings()[c].value;
+  }
+  for (std::size_t p = 0; p < pulleys_; ++p) {
+    for (std::size_t q = p; q < pulleys_; ++q) {
+      values_[entry(mechanism, rows.size() + p, rows.size() + q)] =
+          -mechanism.passing_inertia()(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(q));
+    }
   }
 }
 
@@ -148,11 +198,12 @@ bool TensionSystem::eliminate() {
   return true;
 }
 
-template <class Vector>
-void TensionSystem::sweep(Vector&& x) const {
-  for (std::size_t r = 1; r < rows_; ++r) x[r] -= factor_[r - 1] * x[r - 1];
-  x[rows_ - 1] *= inverse_pivot_[rows_ - 1];
-  for (std::size_t r = rows_ - 1; r-- > 0;) {
+/// Solves for the rows of `span` inside, which are not coupled to others there.
+void TensionSystem::sweep(RowSpan span, double* x) const {
+  if (span.from >= span.until) return;
+  for (std::size_t r = span.from + 1; r < span.until; ++r) x[r] -= factor_[r - 1] * x[r - 1];
+  x[span.until - 1] *= inverse_pivot_[span.until - 1];
+  for (std::size_t r = span.until - 1; r-- > span.from;) {
     x[r] = x[r] * inverse_pivot_[r] - factor_[r] * x[r + 1];
   }
 }
@@ -162,7 +213,7 @@ bool TensionSystem::solve_banded(const std::vector<double>& right, std::vector<d
   if (rows_ == 0) return true;
   if (!eliminate()) return false;
   for (const std::uint32_t row : border_) x[row] = 0;
-  sweep(x.data());
+  sweep({0, rows_}, x.data());
   if (border_.empty()) return true;
 
   std::ranges::fill(columns_, 0.0);
@@ -178,26 +229,61 @@ bool TensionSystem::solve_banded(const std::vector<double>& right, std::vector<d
     (t == kInside ? column(s)[e.other] : schur_(s, t)) = values_[e.value];
   }
   const double largest = schur_.diagonal().maxCoeff();
-  for (std::size_t s = 0; s < border_.size(); ++s) sweep(column(s));
+  for (std::size_t s = 0; s < border_.size(); ++s) sweep(column_spans_[s], column(s));
   for (const Entry& e : border_entries_) {
     if (border_index_[e.other] != kInside) continue;
     const auto s = border_index_[e.row];
     for (std::size_t t = 0; t < border_.size(); ++t) {
+      if (!column_spans_[t].has(e.other)) continue;
       schur_(s, static_cast<Eigen::Index>(t)) -= values_[e.value] * column(t)[e.other];
     }
     border_x_[s] -= values_[e.value] * x[e.other];
   }
-  border_solver_.compute(schur_);
-  if (!(border_solver_.vectorD().minCoeff() > kSingular * largest)) return false;
-  border_solver_.solveInPlace(border_x_);
+  if (pulleys_ > 0) {
+    solve_border();
+  } else {
+    border_solver_.compute(schur_);
+    if (!(border_solver_.vectorD().minCoeff() > kSingular * largest)) return false;
+    border_solver_.solveInPlace(border_x_);
+  }
   for (std::size_t s = 0; s < border_.size(); ++s) {
     const double share = border_x_[static_cast<Eigen::Index>(s)];
-    for (std::size_t r = 0; r < rows_; ++r) x[r] -= column(s)[r] * share;
+    for (std::size_t r = column_spans_[s].from; r < column_spans_[s].until; ++r) {
+      x[r] -= column(s)[r] * share;
+    }
   }
   for (std::size_t s = 0; s < border_.size(); ++s) {
     x[border_[s]] = border_x_[static_cast<Eigen::Index>(s)];
   }
   return true;
+}
+
+/// Of a border with pulleys, whose rows and columns are of many sizes.
+void TensionSystem::solve_border() {
+  constexpr int kScalings = 2;
+  const Eigen::Index size = schur_.rows();
+  scale_.setOnes(size);
+  for (int i = 0; i < kScalings; ++i) {  // Ruiz: the largest of each row comes near one
+    for (Eigen::Index r = 0; r < size; ++r) {
+      const double largest = schur_.col(r).cwiseAbs().cwiseProduct(scale_).maxCoeff();
+      if (largest > 0) scale_[r] /= std::sqrt(largest * scale_[r]);
+    }
+  }
+  for (Eigen::Index r = 0; r < size; ++r) {
+    schur_.col(r).array() *= scale_.array() * scale_[r];
+    border_x_[r] *= scale_[r];
+  }
+  scaled_right_ = border_x_;
+  pulley_solver_.compute(schur_);
+  pulley_solver_.solve(scaled_right_, border_x_);
+  constexpr double kOff = 1e-6;  // beside the right side: no solution
+  residual_ = scaled_right_;
+  residual_.noalias() -= schur_ * border_x_;
+  if (!(residual_.norm() <= kOff * scaled_right_.norm())) {
+    dense_solver_.compute(schur_);
+    border_x_ = dense_solver_.solve(scaled_right_);
+  }
+  border_x_.array() *= scale_.array();
 }
 
 const Eigen::MatrixXd& TensionSystem::dense() {
@@ -224,95 +310,12 @@ void TensionSystem::solve_dense(const std::vector<double>& right, std::vector<do
 bool TensionSystem::solve(const std::vector<double>& right, std::vector<double>& x) {
   if (is_joined_) return joined_.solve(right, x);
   if (solve_banded(right, x)) return true;
-  solve_blocks(right, x);
+  if (pulleys_ > 0) {  // links without any mass between them
+    x.assign(rows_, std::numeric_limits<double>::quiet_NaN());
+  } else {
+    solve_blocks(right, x);
+  }
   return false;
-}
-
-/// Which rows couple, as the values of A are.
-void TensionSystem::find_blocks() {
-  block_.resize(rows_);
-  std::iota(block_.begin(), block_.end(), 0u);
-  const auto first = [&](std::uint32_t row) {
-    while (block_[row] != row) row = block_[row] = block_[block_[row]];
-    return row;
-  };
-  const auto unite = [&](std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t one = first(a), other = first(b);
-    block_[std::max(one, other)] = std::min(one, other);
-  };
-  for (std::uint32_t r = 0; r + 1 < rows_; ++r) {
-    if (values_[rows_ + r] != 0) unite(r, r + 1);
-  }
-  for (const Entry& e : entries_) unite(e.row, e.other);
-  for (std::uint32_t r = 0; r < rows_; ++r) block_[r] = first(r);
-  block_rows_.resize(rows_);
-  std::iota(block_rows_.begin(), block_rows_.end(), 0u);
-  std::ranges::stable_sort(block_rows_, {}, [&](std::uint32_t row) { return block_[row]; });
-  block_entries_.resize(entries_.size());
-  std::iota(block_entries_.begin(), block_entries_.end(), 0u);
-  std::ranges::stable_sort(block_entries_, {},
-                           [&](std::uint32_t e) { return block_[entries_[e].row]; });
-}
-
-void TensionSystem::solve_blocks(const std::vector<double>& right, std::vector<double>& x) {
-  find_blocks();
-  place_.resize(rows_);
-  x.resize(rows_);
-  std::size_t entry = 0;
-  for (std::size_t begin = 0, end = 0; begin < rows_; begin = end) {
-    const std::uint32_t block = block_[block_rows_[begin]];
-    const std::size_t from = entry;
-    for (; end < rows_ && block_[block_rows_[end]] == block; ++end) {
-      place_[block_rows_[end]] = small(end - begin);
-    }
-    while (entry < entries_.size() && block_[entries_[block_entries_[entry]].row] == block) ++entry;
-    solve_block(std::span(block_rows_).subspan(begin, end - begin),
-                std::span(block_entries_).subspan(from, entry - from), right, x);
-  }
-}
-
-void TensionSystem::solve_block(std::span<const std::uint32_t> rows,
-                                std::span<const std::uint32_t> entries,
-                                const std::vector<double>& right, std::vector<double>& x) {
-  if (entries.empty()) {  // neighbours, one behind the other
-    double before = 0, moved = 0;
-    bool singular = false;
-    for (const std::uint32_t r : rows) {
-      const double pivot = values_[r] - before;
-      if ((singular = !(pivot > kSingular * values_[r]))) break;
-      inverse_pivot_[r] = 1 / pivot;
-      factor_[r] = values_[rows_ + r] * inverse_pivot_[r];
-      x[r] = right[r] - moved;
-      moved = factor_[r] * x[r];
-      before = values_[rows_ + r] * factor_[r];
-    }
-    if (!singular) {
-      double behind = 0;
-      for (std::size_t i = rows.size(); i-- > 0;) {
-        x[rows[i]] = behind = x[rows[i]] * inverse_pivot_[rows[i]] - factor_[rows[i]] * behind;
-      }
-      return;
-    }
-  }
-  const auto size = static_cast<Eigen::Index>(rows.size());
-  dense_.setZero(size, size);
-  dense_right_.resize(size);
-  for (const std::uint32_t r : rows) {
-    const auto i = static_cast<Eigen::Index>(place_[r]);
-    dense_(i, i) = values_[r];
-    dense_right_[i] = right[r];
-    if (values_[rows_ + r] == 0) continue;
-    const auto j = static_cast<Eigen::Index>(place_[r + 1]);
-    dense_(i, j) = dense_(j, i) = values_[rows_ + r];
-  }
-  for (const std::uint32_t e : entries) {
-    const Entry& at = entries_[e];
-    dense_(place_[at.row], place_[at.other]) = values_[at.value];
-    dense_(place_[at.other], place_[at.row]) = values_[at.value];
-  }
-  dense_solver_.compute(dense_);
-  dense_right_ = dense_solver_.solve(dense_right_);
-  for (const std::uint32_t r : rows) x[r] = dense_right_[place_[r]];
 }
 
 }  // namespace taut

@@ -3,7 +3,9 @@
 
 #include <Eigen/Cholesky>
 #include <cstdint>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sim/links/dense.h"
@@ -19,6 +21,10 @@ namespace taut {
 /// Rows of a connector couple with their neighbours alone, so A is tridiagonal, but for a border:
 /// links without length, and the rows at a free body that carries more than one point. Where
 /// connectors are joined, A is sparse (JoinedTension).
+///
+/// Pulleys stand in the border, too, with a row of each connector that passes one: with their
+/// couplings C and inertia S (Mechanism) the matrix is [A, -C; -C^T, -S], which is symmetric and
+/// not definite; A alone may be singular there.
 class TensionSystem {
  public:
   TensionSystem() = default;
@@ -75,23 +81,35 @@ class TensionSystem {
     double times = 1;
   };
 
+  // A pivot this small beside what it was made from is rounding: A is singular.
+  static constexpr double kSingular = 1e-12;
+
   std::uint32_t entry(const Mechanism& mechanism, std::size_t row, std::size_t other);
   void find_terms(const Mechanism& mechanism);
-  void find_border();
+  void find_border(const Mechanism& mechanism);
+  void add_to_border(std::size_t row);
+  void solve_border();
   void find_blocks();
   void solve_blocks(const std::vector<double>& right, std::vector<double>& x);
   void solve_block(std::span<const std::uint32_t> rows, std::span<const std::uint32_t> entries,
                    const std::vector<double>& right, std::vector<double>& x);
   bool eliminate();
-  template <class Vector>
-  void sweep(Vector&& x) const;
+  struct RowSpan {
+    std::size_t from = 0, until = 0;
+    bool has(std::size_t row) const { return row >= from && row < until; }
+  };
+  void sweep(RowSpan span, double* x) const;
   double next(std::size_t row) const;  // A(row, row + 1), zero at the border
 
-  std::size_t rows_ = 0;
+  std::size_t rows_ = 0;     // pulleys behind them
+  std::size_t pulleys_ = 0;  // of these
   bool is_joined_ = false;
   JoinedTension joined_;
+  // Into values_: as Mechanism::couplings(), and pairs of pulleys, row by row.
+  std::vector<std::uint32_t> couplings_, pulley_pairs_;
   std::vector<double> values_;  // [ diagonal | A(r, r+1) | entries ], 1/kg
   std::vector<Entry> entries_;
+  std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> entry_at_;  // by row and other
   std::vector<PointTerm> point_terms_;
   std::vector<BodyTerm> body_terms_;
 
@@ -104,10 +122,13 @@ class TensionSystem {
   std::vector<std::uint32_t> block_rows_, place_;  // sorted by blocks; of a row in its block
   std::vector<std::uint32_t> block_entries_;       // indices into entries_, sorted by blocks
   std::vector<double> inverse_pivot_, factor_;
-  std::vector<double> columns_;  // one of rows_ numbers per border row
+  std::vector<double> columns_;        // one of rows_ numbers per border row
+  std::vector<RowSpan> column_spans_;  // per border row: where its column is not zero
   Eigen::MatrixXd schur_, dense_;
   Eigen::VectorXd border_x_, dense_right_;
   Eigen::LDLT<Eigen::MatrixXd> border_solver_;
+  LinearSystem pulley_solver_;  // of the border where there are pulleys, as scaled
+  Eigen::VectorXd scale_, scaled_right_, residual_;
   LeastSquares dense_solver_;
 };
 

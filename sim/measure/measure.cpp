@@ -7,6 +7,7 @@
 
 #include "sim/topology/components.h"
 #include "sim/world/places.h"
+#include "sim/world/winched.h"
 
 namespace taut {
 namespace {
@@ -50,16 +51,32 @@ void each_free_particle(const World& world, Visit visit) {
 /// its particle, past which the material moves by `flow` (m/s), held or not.
 template <typename Visit>
 void each_flow(const World& world, Visit visit) {
-  for (const Connector& connector : world.connectors) {
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const Connector& connector = world.connectors[c];
     if (!connector.winch) continue;
     const Winch& winch = *connector.winch;
-    const PaidOut first = winch.paid_out(0, world.time), last = winch.paid_out(1, world.time);
+    const PaidOut first = paid_out(world, c, 0, world.time);
+    const PaidOut last = paid_out(world, c, 1, world.time);
     for (std::size_t k = 0; k < connector.links(); ++k) {
       const Vec3 along = (connector.position[k + 1] - connector.position[k]).normalized();
       for (const std::size_t i : {k, k + 1}) {
         visit(winch.density * connector.rest[k] / 2, connector.position[i], connector.velocity[i],
               Vec3(winch.flow(i, first, last).speed * along));
       }
+    }
+  }
+}
+
+/// Calls `visit(mass, position)` for the ends of winched connectors whose motion is known
+/// beforehand: their mass changes.
+template <typename Visit>
+void each_held_flow(const World& world, Visit visit) {
+  for (const Connector& connector : world.connectors) {
+    if (!connector.winch) continue;
+    for (const Hold& hold : connector.holds) {
+      if (!is_prescribed(world, hold.to)) continue;
+      const double link = hold.particle == 0 ? connector.rest.front() : connector.rest.back();
+      visit(connector.winch->density * link / 2, connector.position[hold.particle]);
     }
   }
 }
@@ -96,6 +113,9 @@ double kinetic_energy(const World& world) {
   each_flow(world, [&](double mass, const Vec3&, const Vec3& velocity, const Vec3& flow) {
     energy += mass * (velocity + flow / 2).dot(flow);
   });
+  for (const Pulley& pulley : world.pulleys) {
+    energy += pulley.inertia * pulley.speed * pulley.speed / 2;
+  }
   return energy;
 }
 
@@ -105,6 +125,9 @@ double potential_energy(const World& world) {
     energy -= body.mass_properties.mass * world.gravity.dot(body.position);
   });
   each_free_particle(world, [&](double mass, const Vec3& position, const Vec3&) {
+    energy -= mass * world.gravity.dot(position);
+  });
+  each_held_flow(world, [&](double mass, const Vec3& position) {
     energy -= mass * world.gravity.dot(position);
   });
   return energy;

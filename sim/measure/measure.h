@@ -7,7 +7,8 @@ namespace taut {
 
 /// Kinetic energy of free bodies and of particles that no body holds, J.
 double kinetic_energy(const World& world);
-/// Potential energy in the world's gravity, zero at the origin, J.
+/// Potential energy in the world's gravity, zero at the origin, J; of held particles only of those
+/// whose mass changes, as rope is paid out.
 double potential_energy(const World& world);
 /// What links that stretch or bend have taken up, J.
 double elastic_energy(const World& world);

@@ -62,6 +62,7 @@ class Springs : public SteppedMethod {
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
     refuse_touching_bodies("springs", world);
+    refuse_pulleys("springs", world);
     stepper_.prepare(mechanism);
     contacts_.rebuild(mechanism, world);
     row_mobility(mechanism, mobility_);

@@ -57,6 +57,7 @@ class Xpbd final : public SteppedMethod {
 double Xpbd::prepare(Mechanism& mechanism, const World& world) {
   contacts_.rebuild(mechanism, world);
   refuse_touching_bodies(kXpbd, world);
+  refuse_pulleys(kXpbd, world);
   refuse_laden_materials(kXpbd, world);
   material_.rebuild(mechanism);
   resize_within(mechanism.row_room(), mechanism.rows().size(), multiplier_);

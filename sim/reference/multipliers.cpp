@@ -61,7 +61,7 @@ void Multipliers::prepare(const World& world) {
   if (!built_) stepper_.adjust_size(reference::State(mechanism_.state_room()));
   built_ = true;
   topology_ = world.topology;
-  right_.resize(mechanism_.rows().size());
+  right_.resize(mechanism_.unknowns());
   tension_.resize(right_.size());
   keys_.clear();
   const auto add = [&](const std::shared_ptr<const Path>& path) {
@@ -126,8 +126,20 @@ void Multipliers::step(double& time, double until) {
     if (!(step_ > kShortest)) give_up(time, 0, "the motion is not smooth");
     return;
   }
+  const double next = last ? std::max(wanted, taken) : taken;
   if (last) time = until;
-  step_ = last ? std::max(wanted, taken) : taken;
+  if (const auto connector = mechanism_.run_through(time, state_.data())) {
+    if (time - from < kBriefTime) {
+      throw Diverged(std::string(kTruth), time, counters_.steps,
+                     world_->connectors[*connector].name, 0, kRunThrough);
+    }
+    ++counters_.rejected;
+    state_ = before_;
+    step_ = (time - from) / 4;
+    time = from;
+    return;
+  }
+  step_ = next;
   ++counters_.steps;
   if (!(std::abs(time - brief_) < kBriefTime)) {
     brief_ = time;
@@ -147,9 +159,7 @@ void Multipliers::step(double& time, double until) {
 void Multipliers::slope(const reference::State& state, reference::State& derivative, double time) {
   scratch_ = state;
   mechanism_.update(time, scratch_.data());
-  for (std::size_t r = 0; r < right_.size(); ++r) {
-    right_[r] = mechanism_.free_acceleration(r);
-  }
+  mechanism_.right_side(right_);
   system_.assemble(mechanism_);
   system_.solve(right_, tension_);
   ++counters_.solves;
@@ -197,6 +207,7 @@ MethodInfo truth_method() {
           .follows_joints = true,
           .follows_strings = true,
           .follows_winches = true,
+          .follows_pulleys = true,
           .companion =
               [](const MethodInfo& truth, const Settings& settings) {
                 return with_tolerance_raised(truth, settings, "local_error");

@@ -41,6 +41,7 @@ Sets tied(const World& world, const Timeline& timeline) {
       sets.join(joint.particles[0].connector, at.connector);
     }
   }
+  for (const Pulley& pulley : world.pulleys) sets.join(pulley.from, pulley.to);
   for (const BodyPair& pair : world.pairs) sets.join(bodies + pair.a, bodies + pair.b);
   for (const TimedPin& pin : timeline.pins) {
     if (pin.to && on_free_body(world, *pin.to)) sets.join(pin.connector, bodies + pin.to->body);
@@ -83,7 +84,7 @@ std::vector<std::size_t> island_numbers(const World& world, const Timeline& time
 
 std::unique_ptr<Islands> Islands::find(const World& world, const Timeline& timeline,
                                        const Method& method) {
-  if (timeline.empty() || !method.again) return nullptr;
+  if (timeline.empty() || !method.again || !world.pulleys.empty()) return nullptr;
   const std::vector<std::size_t> numbers = island_numbers(world, timeline);
   const std::size_t connectors = world.connectors.size();
   std::unique_ptr<Islands> found(new Islands);

@@ -22,7 +22,8 @@ std::vector<std::size_t> island_numbers(const World& world, const Timeline& time
 /// n, not to its square. All that the timeline leaves alone is one island.
 class Islands : public Method {
  public:
-  /// Null where there is one island alone, or where nobody knows how to make more such methods.
+  /// Null where there is one island alone, or pulleys, or where nobody knows how to make more such
+  /// methods.
   static std::unique_ptr<Islands> find(const World& world, const Timeline& timeline,
                                        const Method& method);
 

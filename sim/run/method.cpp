@@ -16,7 +16,8 @@ bool follows(const MethodInfo& method, const World& world) {
          (method.follows_materials || !has_materials(world)) &&
          (method.follows_joints || world.joints.empty()) &&
          (method.follows_strings || !has_strings(world)) &&
-         (method.follows_winches || !has_winches(world));
+         (method.follows_winches || !has_winches(world)) &&
+         (method.follows_pulleys || world.pulleys.empty());
 }
 
 const MethodInfo* find_method(std::string_view name) {
@@ -184,6 +185,13 @@ void refuse_winches(std::string_view method, const World& world) {
     throw Diverged(std::string(method), world.time, 0, connector.name, 0,
                    "follows no connectors that have winches");
   }
+}
+
+void refuse_pulleys(std::string_view method, const World& world) {
+  if (world.pulleys.empty()) return;
+  const Pulley& pulley = world.pulleys.front();
+  throw Diverged(std::string(method), world.time, 0, world.connectors[pulley.to].name, 0,
+                 "follows no rope that passes pulleys");
 }
 
 void refuse_laden_materials(std::string_view method, const World& world) {

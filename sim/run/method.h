@@ -155,6 +155,8 @@ struct MethodInfo {
   bool follows_strings = false;
   /// Connectors may have winches (Connector::winch); others throw Diverged where some have.
   bool follows_winches = false;
+  /// Rope may pass pulleys (World::pulleys); others throw Diverged where some do.
+  bool follows_pulleys = false;
   /// What is done to a part of a connector, between what holds it, leaves its other parts to their
   /// own steps, where they are rigid links and touch nothing (Method::advance_near()).
   bool parts_go_on = false;
@@ -202,6 +204,11 @@ void refuse_joints(std::string_view method, const World& world);
 void refuse_strings(std::string_view method, const World& world);
 /// For methods whose links keep their lengths: throws Diverged where a connector has a winch.
 void refuse_winches(std::string_view method, const World& world);
+/// For methods that follow winches alone: throws Diverged where there are pulleys.
+void refuse_pulleys(std::string_view method, const World& world);
+
+/// What Diverged says of Mechanism::run_through().
+inline constexpr const char* kRunThrough = "the rope has run through its pulley";
 /// For methods that follow no free body on such a connector.
 void refuse_laden_materials(std::string_view method, const World& world);
 

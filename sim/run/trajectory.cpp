@@ -18,6 +18,7 @@ Snapshot snapshot(const World& world) {
   for (const Connector& connector : world.connectors) shot.connectors.push_back(connector.position);
   shot.bodies.reserve(world.bodies.size());
   for (const Body& body : world.bodies) shot.bodies.push_back(body.frame());
+  for (const Pulley& pulley : world.pulleys) shot.passed.push_back(pulley.passed);
   return shot;
 }
 
@@ -34,6 +35,7 @@ std::uint64_t state_hash(const World& world) {
     for (const Vec3& position : connector.position) add(hash, position);
     for (const Vec3& velocity : connector.velocity) add(hash, velocity);
   }
+  for (const Pulley& pulley : world.pulleys) hash.number(pulley.passed).number(pulley.speed);
   return hash.value();
 }
 

@@ -13,6 +13,7 @@ struct Snapshot {
   double time = 0;
   std::vector<std::vector<Vec3>> connectors;  // [connector][particle], m
   std::vector<Pose> bodies;                   // own frames, not centres of mass
+  std::vector<double> passed = {};            // [pulley] m
 };
 
 Snapshot snapshot(const World& world);

@@ -29,4 +29,14 @@ Connector straight_connector(std::string name, double length, double mass, std::
   return connector;
 }
 
+void weigh_by_links(Connector& connector) {
+  const double each = connector.mass / static_cast<double>(connector.particles());
+  for (double& mass : connector.particle_mass) mass -= each;
+  for (std::size_t k = 0; k < connector.links(); ++k) {
+    const double half = connector.mass / static_cast<double>(connector.links()) / 2;
+    connector.particle_mass[k] += half;
+    connector.particle_mass[k + 1] += half;
+  }
+}
+
 }  // namespace taut

@@ -114,7 +114,8 @@ struct Connector {
   Drag drag;                      // with `sections` alone
   EndTurn end_turn;               // of one that is clamped at both ends and resists twist
 
-  /// At its ends; null: none. Lengths, rests and masses are then those of World::time.
+  /// At its ends, as are pulleys (World::pulleys); null: neither. Lengths, rests and masses are
+  /// then those of World::time.
   std::shared_ptr<const Winch> winch;
 
   std::size_t particles() const { return position.size(); }
@@ -129,6 +130,9 @@ struct Connector {
 /// at rest. Throws std::invalid_argument for particles < 2, negative mass or length.
 Connector straight_connector(std::string name, double length, double mass, std::size_t particles,
                              const Vec3& start, const Vec3& direction);
+
+/// Takes the mass of equal particles to the links, half of each at either end; point masses stay.
+void weigh_by_links(Connector& connector);
 
 /// The particles that hang as a catenary of equal links between `from` and `to` (both ends held, at
 /// most the connector's length apart); the equilibrium of the discrete chain. Throws

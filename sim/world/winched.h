@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "sim/world/world.h"
@@ -10,17 +11,28 @@ namespace taut {
 
 /// Puts winches at the ends of a connector whose links are equal, as its holds are: at the start,
 /// when it is as long as its `rest`. `first` and `last` are Winch::paths, and either may be null. A
-/// link at a free body keeps its length, so that the body keeps its mass. Throws
+/// link at a free body keeps its length, so that the body keeps its mass, unless the connector has
+/// none. `density` (kg/m) is of what is paid out; none: that of equal particles. Throws
 /// std::invalid_argument where there is no other link.
 void add_winches(const World& world, Connector& connector, std::shared_ptr<const Path> first,
-                 std::shared_ptr<const Path> last);
+                 std::shared_ptr<const Path> last, std::optional<double> density = {});
 
-/// What is wrong with a world's winches, or empty: they are at ends whose motion is known
-/// beforehand, of rigid links that no pin holds and no joint, in worlds without contact, strings
-/// and massless spans.
+/// Lets rope pass from the last end of the connector `from` into the first end of `to`, both held
+/// at one place; `inertia` as Pulley::inertia. Connectors without a winch, of equal particles, get
+/// one that pays nothing out, and are weighed by their links. winch_flaw() tells what is wrong.
+void add_pulley(World& world, std::string name, std::size_t from, std::size_t to, double inertia);
+
+/// What a connector's first (0) or last (1) end has paid out at `time` (s), by its winch and, as
+/// far as the world is now, by its pulley, whose acceleration is left zero.
+PaidOut paid_out(const World& world, std::size_t connector, std::size_t end, double time);
+
+/// What is wrong with a world's winches and pulleys, or empty: winches are at ends whose motion is
+/// known beforehand, pulleys at one place of two connectors of one density; both of rigid links
+/// that no pin holds and no joint, in worlds without contact, strings and massless spans.
 std::string winch_flaw(const World& world);
 
-/// Gives a connector that has winches the rest lengths and masses of `time` (s).
-void set_lengths(Connector& connector, double time);
+/// Gives all connectors that have winches the rest lengths and masses of `time` (s) and of what has
+/// passed the pulleys.
+void set_lengths(World& world, double time);
 
 }  // namespace taut

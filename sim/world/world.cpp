@@ -231,6 +231,9 @@ std::uint64_t structure(const World& world) {
     if (world.air.gusts) hash.word(world.air.gusts->fingerprint());
   }
   for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
+  for (const Pulley& pulley : world.pulleys) {
+    hash.text("pulley").word(pulley.from).word(pulley.to).word(pulley.inertia);
+  }
   for (const BodyPair& pair : world.pairs) {
     hash.word(pair.a).word(pair.b).word(pair.static_friction).word(pair.kinetic_friction);
     hash.word(pair.restitution);
@@ -296,9 +299,7 @@ void place_driven(World& world, double time) {
     body.rotation = frame.rotation;
     body.spin = frame.spin;
   }
-  for (Connector& connector : world.connectors) {
-    if (connector.winch) set_lengths(connector, time);
-  }
+  set_lengths(world, time);
 }
 
 void place_hold(const World& world, Connector& connector, const Hold& hold) {

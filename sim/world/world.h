@@ -8,6 +8,7 @@
 
 #include "sim/motion/path.h"
 #include "sim/motion/types.h"
+#include "sim/winch/pulley.h"
 #include "sim/world/body.h"
 #include "sim/world/connector.h"
 #include "sim/world/joint.h"
@@ -33,6 +34,7 @@ struct World {
   std::vector<Body> bodies;
   std::vector<Connector> connectors;
   std::vector<Joint> joints;        // what joins connectors to each other and to themselves
+  std::vector<Pulley> pulleys;      // where rope passes from one connector into another
   std::vector<Obstacle> obstacles;  // what beads of connectors and free bodies touch
   std::vector<BodyPair> pairs;      // of free bodies that touch each other
   std::uint64_t topology = 0;       // another one whenever what structure() tells changes
@@ -61,7 +63,7 @@ bool has_materials(const World& world);
 /// Whether anything touches: there are obstacles, or bodies that touch each other.
 bool has_contact(const World& world);
 
-/// Whether some connector has a winch (Connector::winch).
+/// Whether some connector has a winch or passes a pulley (Connector::winch).
 bool has_winches(const World& world);
 
 /// Whether some connector's links are strings (Connector::pulls).
@@ -71,8 +73,8 @@ bool has_strings(const World& world);
 bool has_touching_bodies(const World& world);
 
 /// A hash of all that moves in no step: connectors with their rest lengths and masses, what holds
-/// them and joins them, bodies with their mass properties, paths, obstacles, pairs. Methods build
-/// on it, so World::topology is this number, which refresh() takes anew.
+/// them, joins them and turns beside them, bodies with their mass properties, paths, obstacles,
+/// pairs. Methods build on it, so World::topology is this number, which refresh() takes anew.
 std::uint64_t structure(const World& world);
 
 /// What a body, a connector and a joint add to structure(), which is a sum modulo 2^64: so that

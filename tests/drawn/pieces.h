@@ -18,7 +18,10 @@ inline std::string text(const Vec3& v) {
 class Pieces {
  protected:
   explicit Pieces(unsigned seed)
-      : dice_(seed), twist_dice_(seed ^ 0x5bd1e995u), winch_dice_(seed ^ 0x9e3779b9u) {}
+      : dice_(seed),
+        twist_dice_(seed ^ 0x5bd1e995u),
+        winch_dice_(seed ^ 0x9e3779b9u),
+        pulley_dice_(seed ^ 0x85ebca6bu) {}
 
   bool chance(double share) { return dice_.between(0, 1) < share; }
 
@@ -186,8 +189,49 @@ class Pieces {
     }
   }
 
+  /// A rope over pulleys, which are fixed, on paths or on bodies.
+  void add_route(double most) {
+    Dice& dice = pulley_dice_;
+    const bool massless = dice.between(0, 1) < 0.3;
+    Vec3 place = dice.within(length_);
+    std::string names, pulleys;
+    double length = 0;
+    for (int i = 0, count = 1 + dice.pick(3); i < count; ++i) {
+      const double apart = length_ * dice.between(0.3, 1), kind = dice.between(0, 1);
+      if (i > 0) place += apart * dice.direction();
+      if (i > 0) length += apart;
+      std::string held = fmt::format("fixed = {}", text(place));
+      if (kind > 0.5) held = fmt::format("path = \"{}\"", add_path(place));
+      if (kind > 0.7) {
+        held = fmt::format("body = \"{}\"", add_body(fmt::format("position = {}", text(place))));
+      }
+      const double inertia = dice.between(0, 1) < 0.5 ? dice.scale(1e-3, 1) : 0;
+      pulleys += fmt::format("p{} = {{ {}, inertia = {} }}\n", i, held, inertia);
+      names += fmt::format("{}\"p{}\"", i > 0 ? ", " : "", i);
+    }
+    const auto mass = [&] { return fmt::format("{{ point_mass = {} }}", dice.scale(1e-2, 1)); };
+    const double before = length_ * dice.between(0.3, 1), after = length_ * dice.between(0.3, 1);
+    const Vec3 along = dice.direction();
+    const double kind = dice.between(0, 1);
+    std::string to = mass(), taut;
+    if (kind > 0.4 && !massless) to = "{ free = true }";
+    if (kind > 0.6 && kind < 0.8) {
+      to = fmt::format("{{ body = \"{}\", point = {} }}",
+                       add_body(fmt::format("hangs = {}", text(along))),
+                       text(dice.scale(0.01, 0.1) * length_ * dice.direction()));
+    }
+    if (kind > 0.8) to = fmt::format("{{ fixed = {} }}", text(place + after * along));
+    length += before + after * (kind > 0.8 && !massless ? dice.between(1, 1.3) : 1);
+    line("\n[pulleys]\n{}\n[connectors.route]", pulleys);
+    line("length = {}\nmass = {}\nparticles = {}\nover = [{}]", length,
+         massless ? 0 : dice.scale(1e-3, 1), massless ? 2 : static_cast<int>(dice.scale(4, most)),
+         names);
+    line("from = {}\nto = {}\nradius = 0.005", mass(), to);
+    line("start = {{ before = {}, direction = {} }}", before, text(along));
+  }
+
   Dice dice_;
-  Dice twist_dice_, winch_dice_;  // of their own, so that what else is drawn stays
+  Dice twist_dice_, winch_dice_, pulley_dice_;  // of their own, so that what else is drawn stays
   std::string text_;
   double length_ = 1;  // m, which all sizes go by
   int paths_ = 0, bodies_ = 0;

@@ -59,6 +59,7 @@ class Scene : Pieces {
         while (chance(0.15)) add_cut(strand);
       }
     }
+    if (winches_ && pulley_dice_.between(0, 1) < 0.6) add_route(most_);
     return text_;
   }
 

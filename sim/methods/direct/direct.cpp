@@ -36,8 +36,8 @@ class Direct : public Method {
 
   bool advance_near(World& world, double until, std::span<const Parts::Place> places) override {
     const bool in_parts =
-        left_behind_ || (world.joints.empty() && !has_winches(world) && !has_materials(world) && !has_contact(world) &&
-                         !has_spans(world) && !has_strings(world));
+        left_behind_ || (world.joints.empty() && !has_winches(world) && !has_materials(world) &&
+                         !has_contact(world) && !has_spans(world) && !has_strings(world));
     if (!in_parts) {
       advance(world, until);
       return false;
@@ -294,6 +294,7 @@ MethodInfo direct_method() {
       .follows_joints = true,
       .follows_strings = true,
       .follows_winches = true,
+      .follows_pulleys = true,
       .parts_go_on = true,
       .companion =
           [](const MethodInfo& direct, const Settings& settings) {

@@ -44,7 +44,7 @@ void Joined::rebuild(const World& world) {
   mechanism_.rebuild(world);
   system_.rebuild(mechanism_);
   projection_.rebuild(mechanism_);
-  const std::size_t size = mechanism_.state_size(), rows = mechanism_.rows().size();
+  const std::size_t size = mechanism_.state_size(), rows = mechanism_.unknowns();
   for (State* state : {&state_, &loaded_, &next_, &scratch_, &error_}) state->assign(size, 0.0);
   for (State& state : slope_) state.assign(size, 0.0);
   for (State* state : {&right_, &tension_}) state->assign(rows, 0.0);
@@ -61,7 +61,7 @@ void Joined::rebuild(const World& world) {
     }
   }
   const auto& easy = mechanism_.inverse_mass();
-  carried_ = static_cast<double>(mechanism_.body_points().size());
+  carried_ = static_cast<double>(mechanism_.body_points().size() + mechanism_.pulleys());
   for (const double inverse_mass : easy) carried_ += inverse_mass > 0 ? 1 : 0;
   find_material_waves();
 }
@@ -76,7 +76,7 @@ void Joined::find_material_waves() {
 void Joined::find_slope(double time, const State& state, State& slope) {
   scratch_ = state;
   mechanism_.update(time, scratch_.data());
-  for (std::size_t r = 0; r < right_.size(); ++r) right_[r] = mechanism_.free_acceleration(r);
+  mechanism_.right_side(right_);
   system_.assemble(mechanism_);
   system_.solve(right_, tension_);
   mechanism_.differentiate(scratch_.data(), tension_.data(), slope.data());
@@ -132,6 +132,10 @@ double Joined::size(const State& error) const {
     const double speed = part(error, twist).norm() + arm * part(error, twist + 3).norm();
     sum += place * place + time * time * speed * speed;
   }
+  for (std::size_t p = 0; p < mechanism_.pulleys(); ++p) {
+    const double place = error[mechanism_.passed(p)], speed = error[mechanism_.speed(p)];
+    sum += place * place + time * time * speed * speed;
+  }
   return std::sqrt(sum / std::max(carried_, 1.0));
 }
 
@@ -182,7 +186,13 @@ void Joined::advance(World& world, double until) {
       const double count = std::max(1.0, std::ceil((until - time) / wish * (1 - 1e-9)));
       const double h = (until - time) / count;
       const double error = attempt(time, h), limit = allowed_error(h);
-      taken = error <= limit && project(time + h, next_);
+      const auto run_through =
+          error <= limit ? mechanism_.run_through(time + h, next_.data()) : std::nullopt;
+      if (run_through && h < kBriefTime) {
+        throw Diverged("direct", time, counters_.steps, world.connectors[*run_through].name, 0,
+                       kRunThrough);
+      }
+      taken = error <= limit && !run_through && project(time + h, next_);
       const double ratio = kConstants.safety * std::pow(limit / error, 1 / kErrorOrder);
       ++counters_.steps;
       if (taken) {

@@ -46,6 +46,39 @@ TEST(Crane, LetsItsLoadDownWithoutSwing) {
   EXPECT_GT(swing(slower, 8.8, 11), 0.05);
 }
 
+/// The tackle's world at `time` (s).
+World lifted(const std::string& text, double tolerance, double time) {
+  const Folder folder;
+  const scenes::Scene scene = scenes::load_scene(folder.write("tackle.toml", text), false);
+  Simulation simulation(scene.world, make_method("direct", {{"tolerance", tolerance}}));
+  simulation.advance_to(time);
+  return simulation.world();
+}
+double bodies_apart(const World& a, const World& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.bodies.size(); ++i) {
+    most = std::max(most, (a.bodies[i].position - b.bodies[i].position).norm());
+  }
+  return most;
+}
+
+// Twelve falls: the block rises by a twelfth of what the winch takes in, as nearly as falls are
+// upright. A rope of a hundred-thousandth of the load is nearly one without mass.
+TEST(Tackle, LiftsByATwelfth) {
+  const std::string text = text_of("tackle");
+  const std::string massless =
+      replaced(replaced(text, "mass = 4.0", "mass = 0.0"), "particles = 4", "particles = 2");
+  const World end = lifted(massless, 1e-6, 5);
+  const double taken_in = -end.connectors.back().winch->paid_out(1, 5).length;
+  EXPECT_GT(taken_in, 8.5);
+  EXPECT_NEAR(end.bodies[6].position.y(), 1 + taken_in / 12, 0.01);
+  EXPECT_NEAR(end.pulleys.back().passed, taken_in, 1e-12);
+  EXPECT_LT(bodies_apart(lifted(massless, 1e-3, 5), end), 1e-3);
+  const std::string light =
+      replaced(replaced(text, "mass = 4.0", "mass = 0.01"), "particles = 4", "particles = 3");
+  EXPECT_LT(bodies_apart(lifted(light, 1e-3, 0.5), lifted(massless, 1e-3, 0.5)), 1e-3);
+}
+
 /// How high the string is on an average above the wheels, m, from 3 s until 8 s.
 double height(const std::string& text) {
   const Folder folder;

@@ -68,7 +68,8 @@ TEST_F(WinchScene, IsNeitherPinnedNorCut) {
   EXPECT_EQ(interventions.pin(world, 0, 0.5).outcome, Outcome::has_winch);
   EXPECT_EQ(interventions.cut(world, 0, 0.5).outcome, Outcome::has_winch);
   const std::string cut = "[[cuts]]\nt = 0.5\nconnector = \"rope\"\nat = 0.5\n";
-  expect(scene(held(kKeys), "free = true", cut), "has a winch, expected one that keeps");
+  expect(scene(held(kKeys), "free = true", cut),
+         "has a winch or passes a pulley, expected one that keeps");
 }
 
 // Beside an intervention elsewhere, what is shown of it are its own particles.
@@ -93,7 +94,8 @@ TEST_F(WinchScene, SaysWhatIsWrong) {
   expect(scene(held("[{ t = 1.0, paid_out = 0.0 }, { t = 1.0, paid_out = 0.1 }]")),
          "a time after 1 s");
   expect(scene(held(kKeys), "free = true", "links = \"pull\""), "links that only pull");
-  expect(scene(held(kKeys), "free = true", "axial_stiffness = 0.1"), "stands beside axial_stiffness");
+  expect(scene(held(kKeys), "free = true", "axial_stiffness = 0.1"),
+         "stands beside axial_stiffness");
   expect(scene(held(kKeys), "free = true", "look = \"chain\""), "look of a chain");
   expect(scene(held(kKeys), "free = true", "repeat = [{ count = 2, by = [1, 0, 0] }]"), "copies");
   expect(scene(held(kKeys), "free = true", "", "impulse"), "is unknown to the method impulse");

@@ -166,8 +166,8 @@ void ElasticSystem::differentiate(const double* x, const double* v, const double
   }
   for (const material::DragElement& link : material_.drags()) {
     const Vec3 speed = (at(v, link.a) + at(v, link.b)) / 2 - material_.wind();
-    const Mat3 slope = material::drag_slope(at(x, link.b) - at(x, link.a), speed, link.density_area(),
-                                            link.across, link.along) /
+    const Mat3 slope = material::drag_slope(at(x, link.b) - at(x, link.a), speed,
+                                            link.density_area(), link.across, link.along) /
                        4;
     add_block(link.a, link.a, slope, damping_);
     add_block(link.b, link.b, slope, damping_);

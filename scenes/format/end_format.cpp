@@ -1,0 +1,88 @@
+// What holds a connector's ends, and the pulleys that it passes.
+#include "scenes/format/format_keys.h"
+
+namespace taut::scenes {
+
+using namespace format_keys;
+
+namespace {
+
+const TableFormat& turn_key_format() {
+  static const TableFormat format{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed({.name = "angle",
+               .meaning = "Right-handed about the clamp's direction.",
+               .unit = "rad",
+               .minimum = -kMostTurn,
+               .maximum = kMostTurn}),
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
+  return format;
+}
+
+const TableFormat& winch_key_format() {
+  static const TableFormat format{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed({.name = "paid_out",
+               .meaning = "Since the start; below zero: taken in.",
+               .unit = "m",
+               .minimum = -kMostPaidOut,
+               .maximum = kMostPaidOut}),
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
+  return format;
+}
+
+}  // namespace
+
+const TableFormat& end_format() {
+  static const TableFormat format{
+      {text("body", "Name of the body that holds the end."),
+       vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
+       vector("fixed", "A point in space."),
+       text("path", "Name of the path that carries the end."),
+       text("bone", "Name of the bone that carries the end, of a character."),
+       text("character", "Name of that character."),
+       text("connector",
+            "Name of the connector that the end is joined to: the two particles are one. Of the "
+            "connector itself: it is a closed loop."),
+       not_negative("at", "Where along that connector: the place of one of its particles.", "m"),
+       positive("point_mass", "Mass of a point that the end carries.", "kg"),
+       {.name = "free",
+        .type = Type::flag,
+        .meaning = "true: nothing holds the end.",
+        .minimum = 1},
+       vector("clamp",
+              "The connector's direction there, from its first end to its last, is held as well; "
+              "in the frame of what holds it.",
+              ""),
+       {.name = "turn",
+        .type = Type::tables,
+        .meaning = "How far the clamp is turned about that direction, which twists the connector; "
+                   "it is untwisted at the start with none. Smooth between keys.",
+        .least = 1,
+        .table = &turn_key_format()},
+       {.name = "winch",
+        .type = Type::tables,
+        .meaning = "How much of the connector is paid out here when: its links share it, and none "
+                   "enters or leaves. At an end that is fixed or driven. Smooth between keys.",
+        .least = 1,
+        .table = &winch_key_format()}},
+      {{{"body", "fixed", "path", "bone", "connector", "point_mass", "free"}}}};
+  return format;
+}
+
+const TableFormat& pulley_format() {
+  static const TableFormat format{
+      {text("body", "Name of the body that carries it."),
+       vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
+       vector("fixed", "A point in space."), text("path", "Name of the path that carries it."),
+       text("bone", "Name of the bone that carries it, of a character."),
+       text("character", "Name of that character."),
+       not_negative("inertia",
+                    "Of a sheave about its axle, over the square of its radius: half of the mass "
+                    "of a disc; default: an eye without friction.",
+                    "kg")},
+      {{{"body", "fixed", "path", "bone"}}}};
+  return format;
+}
+
+}  // namespace taut::scenes

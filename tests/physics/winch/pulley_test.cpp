@@ -1,0 +1,320 @@
+// Pulleys: rope that passes from one connector into another, against known answers.
+#include "sim/winch/pulley.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "../material/material_worlds.h"
+#include "../worlds.h"
+#include "sim/measure/measure.h"
+#include "sim/world/winched.h"
+
+namespace taut::pulley_test {
+namespace {
+
+using material_worlds::after;
+using material_worlds::apart;
+using worlds::kGravity;
+
+/// Two ropes of `links` links that hang from the origin at angles (degrees from down) with point
+/// masses (kg) at their ends; rope passes from the first to the second. `density` in kg/m.
+struct Machine {
+  double left = 0.8, right = 1.2;  // m
+  double left_mass = 1, right_mass = 1;
+  double degrees = 0;  // of the right one
+  double density = 0;
+  double inertia = 0;
+  std::size_t links = 1;
+};
+
+World atwood(const Machine& machine) {
+  World world;
+  const auto rope = [&](const char* name, double length, const Vec3& towards) {
+    return straight_connector(name, length, machine.density * length, machine.links + 1,
+                              Vec3::Zero(), towards);
+  };
+  Connector left = rope("left", machine.left, worlds::from_down(0));
+  std::ranges::reverse(left.position);
+  Connector right = rope("right", machine.right, worlds::from_down(machine.degrees));
+  left.holds = {{machine.links, worlds::fixed_at(Vec3::Zero())}};
+  right.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  left.particle_mass.front() += machine.left_mass;
+  right.particle_mass.back() += machine.right_mass;
+  world.connectors = {left, right};
+  add_pulley(world, "eye", 0, 1, machine.inertia);
+  finish(world);
+  return world;
+}
+
+// Masses without rope fall by (m2 - m1) g / (m1 + m2 + I).
+TEST(Pulley, MassesFallByTheirDifference) {
+  const World start = atwood({.left_mass = 1, .right_mass = 1.5, .inertia = 0.25});
+  const double acceleration = kGravity * 0.5 / 2.75;
+  for (const char* method : {"truth", "direct"}) {
+    const World end = after(start, 0.5, method, {});
+    EXPECT_NEAR(end.pulleys[0].passed, acceleration * 0.125, 1e-10) << method;
+    EXPECT_NEAR(end.pulleys[0].speed, acceleration * 0.5, 1e-10) << method;
+    EXPECT_NEAR(end.connectors[0].position[0].y(), -0.8 + acceleration * 0.125, 1e-10) << method;
+    EXPECT_NEAR(end.connectors[1].position[1].y(), -1.2 - acceleration * 0.125, 1e-10) << method;
+  }
+}
+
+// A heavy rope that hangs straight: M q'' = (m2 - m1 + 2 density (q + (b - a)/2)) g.
+TEST(Pulley, HeavyRopeRunsAway) {
+  for (const std::size_t links : {1u, 2u, 7u}) {
+    const World start = atwood({.left = 1, .right = 1, .density = 0.6, .links = links});
+    World pushed = start;
+    pushed.pulleys[0].speed = 0.1;
+    for (Connector& rope : pushed.connectors) {
+      const double sign = rope.name == "left" ? 1 : -1;
+      for (std::size_t i = 0; i < rope.particles(); ++i) {
+        rope.velocity[i].y() = sign * 0.1 * -rope.position[i].y();
+      }
+    }
+    const double rate = std::sqrt(2 * 0.6 * kGravity / (2 + 0.6 * 2));
+    const World end = after(pushed, 0.6, "direct", {{"tolerance", 1e-9}});
+    EXPECT_NEAR(end.pulleys[0].passed, 0.1 / rate * std::sinh(rate * 0.6), 1e-8) << links;
+    EXPECT_NEAR(energy(end), energy(pushed), 1e-8 * energy_scale(pushed)) << links;
+  }
+}
+
+/// The swinging Atwood's machine as its two equations, by Runge and Kutta's method of order 4.
+struct Swing {
+  double length, rate, angle, turn;  // of the swinging side: m, m/s, rad, rad/s
+};
+Swing swung(Swing at, double heavy, double light, double duration) {
+  const auto slope = [&](const Swing& s) -> Swing {
+    const double pull = light * s.length * s.turn * s.turn + light * kGravity * std::cos(s.angle) -
+                        heavy * kGravity;
+    return {s.rate, pull / (heavy + light), s.turn,
+            -(kGravity * std::sin(s.angle) + 2 * s.rate * s.turn) / s.length};
+  };
+  const auto moved = [](const Swing& s, const Swing& by, double h) -> Swing {
+    return {s.length + h * by.length, s.rate + h * by.rate, s.angle + h * by.angle,
+            s.turn + h * by.turn};
+  };
+  constexpr int kSteps = 20000;
+  const double h = duration / kSteps;
+  for (int i = 0; i < kSteps; ++i) {
+    const Swing a = slope(at), b = slope(moved(at, a, h / 2)), c = slope(moved(at, b, h / 2)),
+                d = slope(moved(at, c, h));
+    at = moved(moved(moved(moved(at, a, h / 6), b, h / 3), c, h / 3), d, h / 6);
+  }
+  return at;
+}
+
+TEST(Pulley, SwingingMachineFollowsItsEquations) {
+  const World start = atwood({.left_mass = 3, .right_mass = 1.1, .degrees = 80});
+  const Swing known = swung({1.2, 0, 80 * std::numbers::pi / 180, 0}, 3, 1.1, 1.5);
+  const Vec3 place = known.length * worlds::from_down(known.angle * 180 / std::numbers::pi);
+  for (const char* method : {"truth", "direct"}) {
+    const World end = after(start, 1.5, method, {});
+    const double tolerance = method == std::string("truth") ? 1e-9 : 1e-3;
+    EXPECT_LT((end.connectors[1].position[1] - place).norm(), tolerance) << method;
+    EXPECT_NEAR(end.pulleys[0].passed, known.length - 1.2, tolerance) << method;
+  }
+  EXPECT_GT(std::abs(known.length - 1.2), 0.1);
+}
+
+/// A heavy rope over an eye that swings on one side, and turns about it.
+World swinging(std::size_t links, double density = 0.4) {
+  World world = atwood({.left_mass = 0.6,
+                        .right_mass = 0.5,
+                        .degrees = 70,
+                        .density = density,
+                        .inertia = 0.1,
+                        .links = links});
+  Connector& rope = world.connectors[1];
+  for (std::size_t i = 0; i < rope.particles(); ++i) {
+    rope.velocity[i] = 2 * rope.position[i].norm() * Vec3::UnitZ();
+  }
+  return world;
+}
+
+/// That whose eye is driven.
+World carried() {
+  World world = swinging(5);
+  std::vector<PathKey> way(2);
+  way[0].ease = way[1].ease = true;
+  way[1].time = 0.8;
+  way[1].position = Vec3(0.4, 0.1, -0.3);
+  const auto path = std::make_shared<const Path>(std::move(way));
+  world.connectors[0].holds[0].to = world.connectors[1].holds[0].to = worlds::on_path(path);
+  refresh(world);
+  return world;
+}
+
+/// A rope with masses at its ends that runs through an eye of a box, all of which turn in space.
+World in_space() {
+  World world = swinging(5);
+  world.gravity.setZero();
+  Body box = worlds::box("box");
+  const Vec3 eye(0.02, 0.1, 0.03);
+  box.position = -eye;
+  box.velocity = -box.spin.cross(eye);
+  world.bodies = {box};
+  for (Connector& rope : world.connectors) {
+    rope.holds[0].to = worlds::on_body(0, eye);
+    rope.winch = nullptr;
+  }
+  world.pulleys.clear();
+  for (Connector& rope : world.connectors) {  // equal particles again
+    const double half = rope.mass / static_cast<double>(rope.links()) / 2;
+    for (std::size_t k = 0; k < rope.links(); ++k) {
+      rope.particle_mass[k] -= half;
+      rope.particle_mass[k + 1] -= half;
+    }
+    for (double& mass : rope.particle_mass) {
+      mass += rope.mass / static_cast<double>(rope.particles());
+    }
+  }
+  add_pulley(world, "eye", 0, 1, 0.1);
+  finish(world);
+  return world;
+}
+
+/// A rope that falls over two eyes, one lower than the other.
+World stairs() {
+  World world;
+  const Vec3 upper(0, 0, 0), lower(0.3, -0.4, 0);
+  Connector from = straight_connector("rope", 0.8, 0.32, 4, Vec3(0, -0.8, 0), Vec3::UnitY());
+  Connector between = straight_connector("rope#2", 0.5, 0.2, 3, upper, lower - upper);
+  Connector to = straight_connector("rope#3", 0.6, 0.24, 5, lower, worlds::from_down(50));
+  from.holds = {{3, worlds::fixed_at(upper)}};
+  between.holds = {{0, worlds::fixed_at(upper)}, {2, worlds::fixed_at(lower)}};
+  to.holds = {{0, worlds::fixed_at(lower)}};
+  from.particle_mass.front() += 0.2;
+  to.particle_mass.back() += 0.4;
+  world.connectors = {from, between, to};
+  add_pulley(world, "upper", 0, 1, 0.05);
+  add_pulley(world, "lower", 1, 2, 0.0);
+  finish(world);
+  return world;
+}
+
+TEST(Pulley, RopeKeepsItsLengthAndItsEnergy) {
+  for (const World& world : {swinging(1, 0), swinging(4), swinging(12), in_space(), stairs()}) {
+    const World start = after(world, 1e-6, 1e-9), end = after(world, 0.6, 1e-9);
+    EXPECT_GT(std::abs(end.pulleys[0].passed), 0.02);
+    double longer = 0, heavier = 0;
+    for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+      longer += end.connectors[c].length - world.connectors[c].length;
+      heavier += end.connectors[c].mass - world.connectors[c].mass;
+    }
+    EXPECT_NEAR(longer, 0, 1e-13);
+    EXPECT_NEAR(heavier, 0, 1e-13);
+    EXPECT_LT(stretch_max(end), 1e-12);
+    EXPECT_NEAR(energy(end), energy(start), 1e-8 * energy_scale(start));
+  }
+}
+
+TEST(Pulley, WhatTurnsInSpaceKeepsItsMomenta) {
+  const World start = after(in_space(), 1e-6, 1e-9), end = after(in_space(), 1.0, 1e-9);
+  EXPECT_GT(std::abs(end.pulleys[0].passed), 0.02);
+  EXPECT_LT((linear_momentum(end) - linear_momentum(start)).norm(), 1e-10);
+  EXPECT_LT((angular_momentum(end, Vec3::Zero()) - angular_momentum(start, Vec3::Zero())).norm(),
+            1e-8);
+}
+
+TEST(Pulley, DirectKeepsToItsTolerance) {
+  for (const World& world : {swinging(1, 0), swinging(6), carried(), in_space(), stairs()}) {
+    const World truth = after(world, 0.6, "truth", {});
+    for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+      EXPECT_LT(apart(after(world, 0.6, tolerance), truth), tolerance) << tolerance;
+    }
+  }
+}
+
+// The middle of the swinging side comes nearer with the square of the links' length.
+TEST(Pulley, MoreParticlesComeNearToARope) {
+  const auto passed = [](std::size_t links) {
+    return after(swinging(links), 0.4, 1e-8).pulleys[0].passed;
+  };
+  const double coarse = passed(6), middle = passed(12), fine = passed(24);
+  EXPECT_NEAR((coarse - middle) / (middle - fine), 4, 0.8);
+}
+
+TEST(Pulley, RopeThatHasRunThroughIsTold) {
+  const World start = atwood({.left_mass = 1, .right_mass = 2});
+  for (const char* method : {"truth", "direct"}) {
+    try {
+      after(start, 2, method, {});
+      ADD_FAILURE() << method;
+    } catch (const Diverged& told) {
+      EXPECT_EQ(told.connector, "left") << method;
+      EXPECT_NEAR(told.time, std::sqrt(2 * 0.792 / (kGravity / 3)), 0.01) << method;
+      EXPECT_NE(std::string(told.what()).find("has run through its pulley"), std::string::npos)
+          << told.what();
+    }
+  }
+}
+
+/// A tackle: `falls` of massless rope between eyes of the crown and of a block of `load` (kg), from
+/// the crown on; then over `lead` fixed eyes, and down to a counterweight.
+World tackle(std::size_t falls, std::size_t lead, double load, double counterweight, double inertia,
+             double apart) {
+  World world;
+  Body block;
+  block.name = "block";
+  block.mass_properties = solid_box(load, Vec3(0.3, 0.2, 0.1));
+  block.position = Vec3(0, -1, 0);
+  world.bodies = {block};
+  const auto aside = [&](std::size_t i) {
+    return apart * (static_cast<double>(i) - static_cast<double>(falls) / 2 + 0.5);
+  };
+  const auto crown = [&](std::size_t i) { return worlds::fixed_at(Vec3(aside(i), 0, 0)); };
+  const auto add = [&](const Vec3& from, const Vec3& to, const Attachment& held_from,
+                       std::optional<Attachment> held_to) {
+    Connector rope = straight_connector("rope", (to - from).norm(), 0, 2, from, to - from);
+    rope.holds = {{0, held_from}};
+    if (held_to) rope.holds.push_back({1, *held_to});
+    world.connectors.push_back(std::move(rope));
+  };
+  for (std::size_t i = 0; i < falls; ++i) {
+    const Vec3 up(aside(i), 0, 0), down(aside(i), -1, 0);
+    // A fall begins where the one before it ends.
+    const std::size_t before = i == 0 ? 0 : i - 1;
+    const Vec3 last(aside(before), i % 2 == 0 ? 0 : -1, 0);
+    const Attachment bottom = worlds::on_body(0, Vec3(aside(i), 0, 0));
+    const Attachment from = i == 0       ? crown(0)
+                            : i % 2 == 0 ? crown(before)
+                                         : worlds::on_body(0, Vec3(aside(before), 0, 0));
+    i % 2 == 0 ? add(last, down, from, bottom) : add(last, up, from, crown(i));
+  }
+  Vec3 eye(aside(falls - 1), 0, 0);
+  for (std::size_t i = 0; i < lead; ++i) {
+    const Vec3 next = eye + Vec3(0.2, 0.1, 0);
+    add(eye, next, worlds::fixed_at(eye), worlds::fixed_at(next));
+    eye = next;
+  }
+  add(eye, eye - Vec3(0, 1, 0), worlds::fixed_at(eye), {});
+  world.connectors.back().particle_mass.back() = counterweight;
+  for (std::size_t c = 0; c + 1 < world.connectors.size(); ++c) {
+    add_pulley(world, "sheave", c, c + 1, inertia);
+  }
+  finish(world);
+  return world;
+}
+
+// Virtual work: the counterweight and the last sheaves move by `falls` times what the load does,
+// the sheaves of the tackle by 1, 2, ... times.
+TEST(Pulley, TackleMovesByVirtualWork) {
+  for (const double inertia : {0.0, 0.02}) {
+    const double load = 60, counterweight = 4;
+    const World start = tackle(12, 4, load, counterweight, inertia, 0);
+    ASSERT_EQ(start.pulleys.size(), 16u);
+    const double acceleration = (load - 12 * counterweight) * kGravity /
+                                (load + 144 * counterweight + inertia * (650 + 4 * 144));
+    for (const char* method : {"truth", "direct"}) {
+      const World end = after(start, 0.5, method, {});
+      EXPECT_NEAR(end.bodies[0].position.y(), -1 - acceleration * 0.125, 1e-9) << method;
+      EXPECT_NEAR(end.pulleys[15].passed, -12 * acceleration * 0.125, 1e-8) << method;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace taut::pulley_test

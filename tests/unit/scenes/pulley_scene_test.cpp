@@ -1,0 +1,121 @@
+// Pulleys in scene files: what they are read as, and what is said against them.
+#include <gtest/gtest.h>
+
+#include "scenes/files/error.h"
+#include "scenes/load/load_scene.h"
+#include "sim/run/simulation.h"
+#include "tests/support/folder.h"
+
+namespace taut::pulley_scene_test {
+namespace {
+
+const std::string kEyes =
+    "[pulleys]\nleft = { fixed = [0, 2, 0] }\nright = { fixed = [1, 2, 0], inertia = 0.2 }\n";
+
+struct Rope {
+  std::string from = "point_mass = 1.0", to = "point_mass = 2.0";
+  std::string over = "[\"left\", \"right\"]";
+  std::string start = "before = 0.8";
+  std::string length = "2.7", particles = "4", more = {}, eyes = kEyes, method = "direct";
+};
+std::string scene(const Rope& rope) {
+  return "duration = 1.0\n[method]\nname = \"" + rope.method + "\"\n" + rope.eyes +
+         "[connectors.rope]\nlength = " + rope.length +
+         "\nmass = 0.27\nparticles = " + rope.particles + "\nover = " + rope.over + "\nstart = { " +
+         rope.start + " }\nfrom = { " + rope.from + " }\nto = { " + rope.to + " }\n" + rope.more +
+         "\n";
+}
+
+class PulleyScene : public testing::Test {
+ protected:
+  scenes::Scene read(const std::string& text) const {
+    return scenes::load_scene(folder_.write("scene.toml", text), false);
+  }
+  void expect(const Rope& rope, const std::string& words) const {
+    std::string message = "nothing";
+    try {
+      read(scene(rope));
+    } catch (const scenes::BadScene& error) {
+      message = error.what();
+    }
+    EXPECT_NE(message.find("scene.toml:"), std::string::npos) << message;
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  }
+
+  Folder folder_;
+};
+
+TEST_F(PulleyScene, RopeHasASpanBetweenAnyTwo) {
+  const World world = read(scene({.more = "[connectors.other]\nlength = 1.0\nmass = 0.1\n"
+                                          "particles = 3\nfrom = { fixed = [5, 2, 0] }\n"
+                                          "to = { free = true }"}))
+                          .world;
+  ASSERT_EQ(world.connectors.size(), 4u);
+  EXPECT_EQ(world.connectors[2].name, "rope#2");
+  EXPECT_DOUBLE_EQ(world.connectors[0].length, 0.8);
+  EXPECT_DOUBLE_EQ(world.connectors[2].length, 1.0);
+  EXPECT_NEAR(world.connectors[3].length, 0.9, 1e-15);
+  EXPECT_NEAR(world.connectors[3].mass, 0.09, 1e-15);
+  EXPECT_LT((world.connectors[0].position[0] - Vec3(0, 1.2, 0)).norm(), 1e-15);
+  EXPECT_NEAR(world.connectors[3].position[3].y(), 1.1, 1e-15);
+  ASSERT_EQ(world.pulleys.size(), 2u);
+  EXPECT_EQ(world.pulleys[1].from, 2u);
+  EXPECT_EQ(world.pulleys[1].to, 3u);
+  EXPECT_EQ(world.pulleys[1].inertia, 0.2);
+  // Halves of links: 0.1 kg/m of 0.8/3 m, and the point mass.
+  EXPECT_NEAR(world.connectors[0].particle_mass[0], 1 + 0.1 * 0.8 / 6, 1e-15);
+  EXPECT_NEAR(world.connectors[0].particle_mass[1], 0.1 * 0.8 / 3, 1e-15);
+}
+
+TEST_F(PulleyScene, RopeBetweenHeldEndsStartsTaut) {
+  const World world = read(scene({.from = "fixed = [0, 1, 0]",
+                                  .to = "fixed = [1, 1.5, 0]",
+                                  .start = "direction = [0, -1, 0]",
+                                  .length = "2.5001"}))
+                          .world;
+  EXPECT_DOUBLE_EQ(world.connectors[0].length, 1.0);
+  EXPECT_DOUBLE_EQ(world.connectors[2].length, 0.5);
+}
+
+TEST_F(PulleyScene, LinkAtAFreeBodyKeepsItsLength) {
+  const std::string load =
+      "[bodies.load]\nmass = 1.0\nshape = { sphere = { diameter = 0.1 } }\nhangs = [0, -1, 0]\n";
+  const Rope rope{.to = "body = \"load\", point = [0, 0.05, 0]", .more = load};
+  Simulation simulation(read(scene(rope)).world, make_method("direct", {}));
+  simulation.advance_to(0.3);
+  const Connector& span = simulation.world().connectors[2];
+  EXPECT_DOUBLE_EQ(span.rest[2], 0.3);
+  EXPECT_GT(std::abs(span.rest[0] - 0.3), 1e-4);
+  Rope short_one = rope;
+  short_one.particles = "2";
+  expect(short_one, "particles: found 2, expected at least 3");
+}
+
+TEST_F(PulleyScene, SaysWhatIsWrong) {
+  expect({.over = "[\"left\", \"up\"]"}, "expected the name of a pulley");
+  expect({.over = "[\"left\", \"left\"]"}, "which connectors.rope.over[0] passes already");
+  expect({.over = "[\"left\"]"}, "pulleys.right: no rope passes it");
+  expect({.start = "direction = [0, -1, 0]"}, "needs start.before");
+  expect({.length = "1.7"}, "length: found 1.7, expected at least 1.8");
+  expect({.from = "fixed = [0, 1, 0]"}, "leaves 0.8 m up to the first pulley, which is 1 m away");
+  expect({.from = "fixed = [0, 1.5, 0]", .particles = "2"},
+         "a span of one link is 0.8 m long between places that are 0.5 m apart");
+  expect({.more = "links = \"pull\""}, "does not go with");
+  expect({.more = "look = \"chain\""}, "does not go with");
+  expect({.more = "axial_stiffness = 10.0"}, "does not go with");
+  expect({.method = "springs"}, "over: is unknown to the method springs");
+  expect({.more = "[obstacles.floor]\nshape = { plane = {} }\nposition = [0, -1, 0]\n"},
+         "in a scene with obstacles");
+  expect({.more = "[[cuts]]\nt = 0.5\nconnector = \"rope\"\nat = 0.5\n"},
+         "has a winch or passes a pulley");
+  expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0] }\nright = { fixed = [0, 2, 0] }\n"},
+         "is where the pulley before it is");
+  expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0], inertia = -1 }\n"}, "inertia");
+  expect({.more = "[bodies.load]\nmass = 1.0\nhangs = [0, -1, 0]\nshape = { sphere = { "
+                  "diameter = 0.1 } }\n",
+          .eyes = "[pulleys]\nleft = { body = \"load\" }\nright = { fixed = [1, 2, 0] }\n"},
+         "is of a body that hangs");
+}
+
+}  // namespace
+}  // namespace taut::pulley_scene_test
