@@ -128,11 +128,25 @@ void ContactMotion::balance(std::span<const double> start) {
     const std::span<const Vec3> along = pulling();
     system_.assemble(mechanism_, answer_, along, along, &body_answer_);
     for (std::size_t r = 0; r < change_.size(); ++r) change_[r] *= pulls_[r];
+    const std::vector<double> error = change_;
     system_.solve(change_);
     ++solves_;
-    for (std::size_t r = 0; r < change_.size(); ++r) tension_[r] += damping.share() * change_[r];
+    for (std::size_t r = 0; r < change_.size(); ++r) {
+      const bool sticks = system_.left_out(r) && std::abs(error[r]) > kSolved * std::sqrt(scale);
+      tension_[r] += damping.share() * (sticks ? until_it_slides(r, error[r]) : change_[r]);
+    }
   }
   throw Unresolved{0, "contact and friction have no solution"};
+}
+
+/// By how much more a row pulls that leads apart what sticks, until some of it slides.
+double ContactMotion::until_it_slides(std::size_t row, double error) const {
+  double mobile = 0, size = 0;
+  for (const std::size_t p : {mechanism_.rows()[row].a, mechanism_.rows()[row].b}) {
+    mobile += mechanism_.inverse_mass()[p];
+    size += free_[p].norm() + pulled_[p].norm();
+  }
+  return mobile > 0 ? std::copysign(size / mobile, error) : 0;
 }
 
 /// Nonlinear Gauss-Seidel along the rows and back (Jean 1999, section 5).

@@ -9,8 +9,9 @@ namespace {
 using Map = Eigen::Map<Vec3>;
 using ConstMap = Eigen::Map<const Vec3>;
 
-constexpr double kSpare = 1e-9;   // of forces per mass: no event yet
-constexpr double kLonger = 1e-4;  // times that: a string so much too long is taut
+constexpr double kSpare = 1e-9;     // of forces per mass: no event yet
+constexpr double kLedApart = 1e-6;  // of accelerations: what links that are left out may be off
+constexpr double kLonger = 1e-4;    // times that: a string so much too long is taut
 constexpr int kProjections = 20;
 
 }  // namespace
@@ -255,6 +256,18 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
     }
   }
   body_events(scratch_, values);
+  // A link whose ends are led apart while what it joins sticks: that has to slide.
+  for (std::size_t r = 0; r < pulls_.size(); ++r) {
+    const Row& row = mechanism_.rows()[r];
+    double size = mechanism_.gravity().norm();
+    for (const std::uint32_t p : {row.a, row.b}) size += free_[p].norm() + pulled_[p].norm();
+    double off = 0;
+    if (pulls_[r] && system_.left_out(r)) {
+      off = mechanism_.free_acceleration(r) +
+            mechanism_.direction()[r].dot(added_[row.b] - added_[row.a]);
+    }
+    values.push_back(kLedApart * size - std::abs(off));
+  }
   if (!mechanism_.has_strings()) return;
   for (std::size_t r = 0; r < pulls_.size(); ++r) {
     if (!mechanism_.rows()[r].pulls) continue;

@@ -18,8 +18,9 @@ namespace taut::contact {
 /// Between events the set of closed touches stays, and each of them slides or sticks: then links
 /// and touches are equations, and accelerations follow from one linear system. Events are: a bead
 /// or a body's capsule arrives, a touch would have to pull, friction is exhausted, sliding ends; a
-/// string goes taut, or would have to push. resolve() finds the velocities and the active set that
-/// follow, by the laws of Signorini, Coulomb and Newton.
+/// string goes taut, or would have to push; a link is led apart between what sticks. resolve()
+/// finds the velocities and the active set that follow, by the laws of Signorini, Coulomb and
+/// Newton.
 ///
 /// No bead may touch two obstacles at once; a body may.
 class ContactMotion {
@@ -85,6 +86,7 @@ class ContactMotion {
   void centre();
   void balance(std::span<const double> start);
   double measure(std::span<const double> start);
+  double until_it_slides(std::size_t row, double error) const;
   void relax(std::span<const double> start);
   void relax_row(std::size_t row, double start);
   std::span<const Vec3> pulling();

@@ -34,6 +34,7 @@ class RowSystem {
                 const BodyAnswers* bodies = nullptr);
   /// In place.
   void solve(std::span<double> x) const;
+  bool left_out(std::size_t row) const { return inverse_pivot_[row] == 0; }
 
  private:
   void add_bodies(const Mechanism& mechanism, std::span<const Vec3> left,

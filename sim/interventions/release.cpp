@@ -1,5 +1,7 @@
 // Releasing pins.
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "sim/interventions/feasible.h"
 #include "sim/interventions/interventions.h"
@@ -34,6 +36,71 @@ JoinedSpan span_around(const Connector& connector, std::size_t particle,
     link = 0;
   }
   return span;
+}
+
+/// Marks all connectors and free bodies that are tied to those that are marked.
+void mark_tied(const World& world, std::vector<char>& connectors, std::vector<char>& bodies) {
+  bool more = true;
+  const auto mark = [&](char& tied) { more |= std::exchange(tied, 1) == 0; };
+  while (std::exchange(more, false)) {
+    for (std::size_t c = 0; c < connectors.size(); ++c) {
+      for (const Hold& hold : world.connectors[c].holds) {
+        if (is_prescribed(world, hold.to)) continue;
+        if (connectors[c]) mark(bodies[hold.to.body]);
+        if (bodies[hold.to.body]) mark(connectors[c]);
+      }
+    }
+    for (const Joint& joint : world.joints) {
+      const bool any = std::ranges::any_of(joint.particles, [&](const Joint::Particle& at) {
+        return connectors[at.connector] != 0;
+      });
+      for (const Joint::Particle& at : joint.particles) {
+        if (any) mark(connectors[at.connector]);
+      }
+    }
+    for (const Pulley& pulley : world.pulleys) {
+      if (connectors[pulley.from]) mark(connectors[pulley.to]);
+      if (connectors[pulley.to]) mark(connectors[pulley.from]);
+    }
+  }
+}
+
+/// restore_lengths() of what is tied to a connector: what is not may stand at an earlier time
+/// (Islands).
+void restore_tied(World& world, std::size_t connector) {
+  std::vector<char> connectors(world.connectors.size(), 0), bodies(world.bodies.size(), 0);
+  connectors[connector] = 1;
+  mark_tied(world, connectors, bodies);
+  World part;
+  part.time = world.time;
+  part.bodies = world.bodies;
+  std::vector<std::size_t> own(connectors.size());  // index in the part
+  for (std::size_t c = 0; c < connectors.size(); ++c) {
+    if (!connectors[c]) continue;
+    own[c] = part.connectors.size();
+    part.connectors.push_back(world.connectors[c]);
+  }
+  for (const Joint& joint : world.joints) {
+    if (!connectors[joint.particles[0].connector]) continue;
+    for (Joint::Particle& at : part.joints.emplace_back(joint).particles) {
+      at.connector = own[at.connector];
+    }
+  }
+  for (const Pulley& pulley : world.pulleys) {
+    if (!connectors[pulley.from]) continue;
+    Pulley& made = part.pulleys.emplace_back(pulley);
+    made.from = own[pulley.from];
+    made.to = own[pulley.to];
+  }
+  if (!restore_lengths(part)) return;
+  for (std::size_t c = 0; c < connectors.size(); ++c) {
+    if (connectors[c]) world.connectors[c].position = part.connectors[own[c]].position;
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!bodies[b]) continue;
+    world.bodies[b].position = part.bodies[b].position;
+    world.bodies[b].rotation = part.bodies[b].rotation;
+  }
 }
 
 }  // namespace
@@ -115,7 +182,7 @@ Outcome Interventions::drop(World& world, std::size_t index) {
     if (needs_a_body || !left_links(hold) || there - 1 < seen) continue;
     seen = restorer_.restore(connector, there - 1);
   }
-  if (needs_a_body) restore_lengths(world);
+  if (needs_a_body) restore_tied(world, index);
   world.topology += structure_of_connector(world, index);
   ties_.followed(world);
   return Outcome::done;

@@ -17,6 +17,7 @@ constexpr double kFirst = 0.3;         // of the time in which gravity moves by 
 constexpr double kFinest = 0.02;       // of that first step: errors force none that is shorter
 constexpr double kTurn = 0.3;          // rad, of a link or an obstacle in a step
 constexpr double kShare = 0.3;         // of the tolerance, for what a second's steps err together
+constexpr double kGain = 1e-2;         // s, in which speed from nowhere may err by the tolerance
 constexpr double kGrowth = 1.3;        // of a step, at most
 constexpr double kLowest = 0.1;        // of the tolerance: bounces and waves that are not followed
 constexpr double kOver = 8;            // of the slippery steps, after which a jam fades
@@ -301,8 +302,9 @@ void Contacts::step_through(Group& group, double until) {
                         (200 * static_cast<double>(step.mechanism().rows().size()) + 500);
     const bool judged = options_.step == 0 && h > kFinest * group.first;
     const double error = judged ? step.error(lowest) : 0;
+    const bool gains = judged && step.gained() * kGain > options_.tolerance;
     const bool fails =
-        gone == 0 || step.turn() > kTurn || error > 8 * kShare * options_.tolerance * gone;
+        gone == 0 || step.turn() > kTurn || error > 8 * kShare * options_.tolerance * gone || gains;
     if (fails) {
       ++counters_.rejected;
       group.h = group.limit = h / 2;

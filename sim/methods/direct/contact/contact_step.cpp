@@ -198,7 +198,12 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
     if (!glide(time, h)) return 0;
     const bool enters = find_hits(time, h), snaps = find_snaps(h);
     const bool hits = bodies_.possible() && !bodies_.hits(body_step(time, h), next_).empty();
-    if (!enters && !snaps && !hits) return settle(time, h, lowest) ? h : 0;
+    if (!enters && !snaps && !hits) {
+      if (!settle(time, h, lowest)) return 0;
+      const bool changes = hits_ || last_hits_ || pattern() != last_pattern_;
+      gained_ = changes ? find_gain() : 0;
+      return h;
+    }
     hits_ = true;
     located_ = take_hits(locates, h);
   }

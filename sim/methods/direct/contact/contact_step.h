@@ -52,7 +52,11 @@ class ContactStep {
   /// Whether the first stage found a solution only with less friction: where jammed beads have none
   /// with all of it (Painleve).
   bool slips() const { return slips_; }
-  /// m, RMS, of the first stage; 0: not known. Waves lower than `lowest` (m) need not be followed.
+  /// m/s: by how much all is too fast after a step in which touches change, which error() knows
+  /// nothing of; 0 also where something is driven.
+  double gained() const { return gained_; }
+  /// m, RMS, of the first stage; 0: not known. Waves lower
+  /// than `lowest` (m) need not be followed.
   double error(double lowest) const;
   std::size_t solves() const { return solves_; }  // since rebuild()
   const Mechanism& mechanism() const { return mechanism_; }
@@ -81,6 +85,7 @@ class ContactStep {
   using TouchRange = std::span<BeadTouch>;
 
   double parting(double time);
+  double find_gain() const;
   void find_touches();
   void add_touch(const Hit& hit, std::size_t sorted);
   bool find_hits(double time, double h);
@@ -155,6 +160,7 @@ class ContactStep {
   std::vector<Vec3> left_, right_;              // to_, along_ of what pulls; zero for others
   std::vector<Snap> snaps_;
   bool snaps_now_ = false, slips_ = false;
+  double gained_ = 0;     // m/s
   bool located_ = false;  // the step ends where something hits or snaps
   std::vector<Vec3> acceleration_, last_acceleration_;  // per point, m/s^2
   std::vector<Vec3> steady_;                            // per point, m/s^2: without waves
