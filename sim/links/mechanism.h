@@ -217,6 +217,7 @@ class Mechanism {
   /// A pulley: what changes with its acceleration.
   struct Passing {
     double inertia = 0;                                           // kg, of the sheave
+    bool has_mass = false;                                        // the rope
     std::array<RopeEnd, 2> end = {};                              // that it passes from, and to
     std::vector<std::pair<std::uint32_t, BodyPush>> pushes = {};  // bodies, sorted
     double free_force = 0;  // N: what drives it without tensions

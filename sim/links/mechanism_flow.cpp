@@ -102,6 +102,8 @@ double Mechanism::bending_force(const Winched& at, const double* state) const {
 double Mechanism::paying_force(const Winched& at, std::size_t end, const double* state,
                                std::span<const Vec3> acceleration, const PointMotion& frame) const {
   const Winch& winch = *at.winch;
+  const double bent = bending_force(at, state);
+  if (winch.density == 0 && !at.first_drag) return bent;
   const auto point = [&](std::size_t particle) { return at.first_point + particle; };
   const auto place = [&](std::size_t i) -> Vec3 {
     return as_vector(state + position(point(i))) - frame.position;
@@ -130,7 +132,7 @@ double Mechanism::paying_force(const Winched& at, std::size_t end, const double*
                         weight.dot(place(i)));
     }
   }
-  return winch.density / 2 * (slope - rate) + air + bending_force(at, state);
+  return winch.density / 2 * (slope - rate) + air + bent;
 }
 
 double Mechanism::drum_force(std::size_t connector, std::size_t end, const double* state,
@@ -168,7 +170,8 @@ void Mechanism::add_pulleys(const World& world) {
       end.connector = small(connector);
       end.winched = small(static_cast<std::size_t>(found - winches_.begin()));
       const std::size_t links = found->winch->rest.size();
-      end.force.resize(links + 1);
+      added.has_mass = found->winch->density > 0;
+      end.force.assign(links + 1, Vec3::Zero());
       for (std::size_t k = 0; k < links; ++k) {
         const double share = found->winch->share(k);
         couplings_.push_back({found->first_row + small(k), number, side == 0 ? -share : share});
@@ -198,6 +201,7 @@ void Mechanism::add_pulleys(const World& world) {
 /// What a pulley that turns with 1 m/s^2 does: forces of the material that flows, and what bodies
 /// feel of them.
 void Mechanism::find_flow(Passing& pulley, const double* state) const {
+  if (!pulley.has_mass) return;
   for (auto& [body, push] : pulley.pushes) push = {};
   for (const std::size_t side : {0u, 1u}) {
     RopeEnd& end = pulley.end[side];
@@ -227,6 +231,7 @@ void Mechanism::find_flow(Passing& pulley, const double* state) const {
 
 template <class Visit>
 void Mechanism::each_moved(const Passing& pulley, Visit visit) const {
+  if (!pulley.has_mass) return;
   for (const RopeEnd& end : pulley.end) {
     const std::size_t first = winches_[end.winched].first_point;
     for (std::size_t i = 0; i < end.force.size(); ++i) {
@@ -269,6 +274,7 @@ void Mechanism::measure_pulleys(const double* state) {
 /// points.
 double Mechanism::passing_inertia(const Passing& pulley, const Passing& other) const {
   double sum = &pulley == &other ? pulley.inertia : 0;
+  if (!pulley.has_mass) return sum;
   for (const std::size_t side : {0u, 1u}) {
     const RopeEnd& end = pulley.end[side];
     const Winched& at = winches_[end.winched];

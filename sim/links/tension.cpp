@@ -260,14 +260,11 @@ bool TensionSystem::solve_banded(const std::vector<double>& right, std::vector<d
 
 /// Of a border with pulleys, whose rows and columns are of many sizes.
 void TensionSystem::solve_border() {
-  constexpr int kScalings = 2;
   const Eigen::Index size = schur_.rows();
   scale_.setOnes(size);
-  for (int i = 0; i < kScalings; ++i) {  // Ruiz: the largest of each row comes near one
-    for (Eigen::Index r = 0; r < size; ++r) {
-      const double largest = schur_.col(r).cwiseAbs().cwiseProduct(scale_).maxCoeff();
-      if (largest > 0) scale_[r] /= std::sqrt(largest * scale_[r]);
-    }
+  for (Eigen::Index r = 0; r < size; ++r) {  // as Ruiz: the largest of each row comes near one
+    const double largest = schur_.col(r).cwiseAbs().cwiseProduct(scale_).maxCoeff();
+    if (largest > 0) scale_[r] /= std::sqrt(largest * scale_[r]);
   }
   for (Eigen::Index r = 0; r < size; ++r) {
     schur_.col(r).array() *= scale_.array() * scale_[r];
