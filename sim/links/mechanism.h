@@ -222,6 +222,8 @@ class Mechanism {
     std::vector<std::pair<std::uint32_t, BodyPush>> pushes = {};  // bodies, sorted
     double free_force = 0;  // N: what drives it without tensions
   };
+  /// Lagrange's equation for what an end pays out, as seen from `frame`: what pulls there (N), the
+  /// links' tensions aside.
   double paying_force(const Winched& at, std::size_t end, const double* state,
                       std::span<const Vec3> acceleration, const PointMotion& frame) const;
   double bending_force(const Winched& at, const double* state) const;

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/files/error.h"
-#include "scenes/load/load_scene.h"
 #include "sim/measure/measure.h"
-#include "tests/support/folder.h"
+#include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::joined_scene_test {
 namespace {
@@ -36,27 +34,7 @@ std::string net(const std::string& kind, const std::string& held, const std::str
          cells + "\nheld = \"" + held + "\"\n" + more + "\n";
 }
 
-class JoinedScene : public testing::Test {
- protected:
-  scenes::Scene read(const std::string& text, bool staged = false) const {
-    return scenes::load_scene(folder_.write("scene.toml", text), staged);
-  }
-  std::string said(const std::string& text) const {
-    try {
-      read(text);
-    } catch (const scenes::BadScene& error) {
-      return error.what();
-    }
-    return "nothing";
-  }
-  void expect(const std::string& text, const std::string& words) const {
-    const std::string message = said(text);
-    EXPECT_NE(message.find("scene.toml:"), std::string::npos) << message;
-    EXPECT_NE(message.find(words), std::string::npos) << message;
-  }
-
-  Folder folder_;
-};
+class JoinedScene : public SceneTexts {};
 
 /// All joints are closed, and all links have their length.
 void expect_whole(const World& world) {

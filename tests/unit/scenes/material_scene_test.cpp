@@ -4,9 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/files/error.h"
-#include "scenes/load/load_scene.h"
-#include "tests/support/folder.h"
+#include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::material_scene_test {
 namespace {
@@ -19,27 +17,9 @@ std::string rope_with(const std::string& keys, const std::string& from = "fixed 
          " }\nto = { free = true }\nstart = { direction = [1, 0, 0] }\n" + keys + "\n";
 }
 
-class MaterialScene : public testing::Test {
+class MaterialScene : public SceneTexts {
  protected:
-  scenes::Scene read(const std::string& text) const {
-    return scenes::load_scene(folder_.write("scene.toml", text), false);
-  }
   Connector rope(const std::string& text) const { return read(text).world.connectors[0]; }
-  std::string said(const std::string& text) const {
-    try {
-      read(text);
-    } catch (const scenes::BadScene& error) {
-      return error.what();
-    }
-    return "nothing";
-  }
-  void expect(const std::string& text, const std::string& words) const {
-    const std::string message = said(text);
-    EXPECT_NE(message.find("scene.toml:"), std::string::npos) << message;
-    EXPECT_NE(message.find(words), std::string::npos) << message;
-  }
-
-  Folder folder_;
 };
 
 TEST_F(MaterialScene, StiffnessesAreRead) {

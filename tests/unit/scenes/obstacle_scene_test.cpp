@@ -3,10 +3,8 @@
 
 #include <algorithm>
 
-#include "scenes/files/error.h"
-#include "scenes/load/load_scene.h"
 #include "scenes/load/warnings.h"
-#include "tests/support/folder.h"
+#include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::obstacle_scene_test {
 namespace {
@@ -25,27 +23,16 @@ shape = { plane = {} }
 friction = 0.4
 )";
 
-class ObstacleScene : public testing::Test {
+class ObstacleScene : public SceneTexts {
  protected:
-  scenes::Scene read(const std::string& text, bool with_stage = false) const {
-    return scenes::load_scene(folder_.write("scene.toml", text), with_stage);
-  }
   /// What is said of the scene with `more` behind it.
   std::string said(const std::string& more, const std::string& scene = kScene) const {
-    try {
-      read(scene + more);
-    } catch (const scenes::BadScene& error) {
-      return error.what();
-    }
-    return "nothing";
+    return SceneTexts::said(scene + more);
   }
   void expect(const std::string& more, const std::string& place, const std::string& words) const {
-    const std::string message = said(more);
-    EXPECT_NE(message.find("scene.toml:" + place), std::string::npos) << message;
-    EXPECT_NE(message.find(words), std::string::npos) << message;
+    SceneTexts::expect(kScene + more, "scene.toml:" + place);
+    SceneTexts::expect(kScene + more, words);
   }
-
-  Folder folder_;
 };
 
 TEST_F(ObstacleScene, IsReadAsItSays) {

@@ -1,10 +1,8 @@
 // Pulleys in scene files: what they are read as, and what is said against them.
 #include <gtest/gtest.h>
 
-#include "scenes/files/error.h"
-#include "scenes/load/load_scene.h"
 #include "sim/run/simulation.h"
-#include "tests/support/folder.h"
+#include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::pulley_scene_test {
 namespace {
@@ -26,23 +24,11 @@ std::string scene(const Rope& rope) {
          "\n";
 }
 
-class PulleyScene : public testing::Test {
+class PulleyScene : public SceneTexts {
  protected:
-  scenes::Scene read(const std::string& text) const {
-    return scenes::load_scene(folder_.write("scene.toml", text), false);
-  }
   void expect(const Rope& rope, const std::string& words) const {
-    std::string message = "nothing";
-    try {
-      read(scene(rope));
-    } catch (const scenes::BadScene& error) {
-      message = error.what();
-    }
-    EXPECT_NE(message.find("scene.toml:"), std::string::npos) << message;
-    EXPECT_NE(message.find(words), std::string::npos) << message;
+    SceneTexts::expect(scene(rope), words);
   }
-
-  Folder folder_;
 };
 
 TEST_F(PulleyScene, RopeHasASpanBetweenAnyTwo) {

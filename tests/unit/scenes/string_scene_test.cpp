@@ -1,10 +1,8 @@
 // Connectors of strings in scenes: what they are read as, and what is said against them.
 #include <gtest/gtest.h>
 
-#include "scenes/files/error.h"
-#include "scenes/load/load_scene.h"
 #include "sim/interventions/interventions.h"
-#include "tests/support/folder.h"
+#include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::string_scene_test {
 namespace {
@@ -18,23 +16,9 @@ std::string string_with(const std::string& keys, const std::string& method = "di
 
 const std::string kPull = "links = \"pull\"\n";
 
-class StringScene : public testing::Test {
+class StringScene : public SceneTexts {
  protected:
-  World read(const std::string& text) const {
-    return scenes::load_scene(folder_.write("scene.toml", text), false).world;
-  }
-  void expect(const std::string& text, const std::string& words) const {
-    try {
-      read(text);
-      ADD_FAILURE() << "nothing is said: " << words;
-    } catch (const scenes::BadScene& error) {
-      const std::string message = error.what();
-      EXPECT_NE(message.find("scene.toml:"), std::string::npos) << message;
-      EXPECT_NE(message.find(words), std::string::npos) << message;
-    }
-  }
-
-  Folder folder_;
+  World read(const std::string& text) const { return SceneTexts::read(text).world; }
 };
 
 TEST_F(StringScene, IsReadAsItSays) {

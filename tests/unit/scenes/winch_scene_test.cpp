@@ -1,11 +1,9 @@
 // Winches in scene files: what they are read as, and what is said against them.
 #include <gtest/gtest.h>
 
-#include "scenes/files/error.h"
-#include "scenes/load/load_scene.h"
 #include "sim/interventions/interventions.h"
 #include "sim/run/simulation.h"
-#include "tests/support/folder.h"
+#include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::winch_scene_test {
 namespace {
@@ -22,24 +20,7 @@ std::string held(const std::string& keys) {
   return "fixed = [0, 2, 0], winch = " + keys;
 }
 
-class WinchScene : public testing::Test {
- protected:
-  scenes::Scene read(const std::string& text) const {
-    return scenes::load_scene(folder_.write("scene.toml", text), false);
-  }
-  void expect(const std::string& text, const std::string& words) const {
-    std::string message = "nothing";
-    try {
-      read(text);
-    } catch (const scenes::BadScene& error) {
-      message = error.what();
-    }
-    EXPECT_NE(message.find("scene.toml:"), std::string::npos) << message;
-    EXPECT_NE(message.find(words), std::string::npos) << message;
-  }
-
-  Folder folder_;
-};
+class WinchScene : public SceneTexts {};
 
 TEST_F(WinchScene, PaysOutByKeys) {
   const scenes::Scene made = read(scene(held(kKeys)));
