@@ -24,8 +24,9 @@ Target target_of(const scenes::Scene& scene, double duration, const truth::Truth
 Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions& options);
 
 /// A reference good enough to tell runs that are within `scored_error` (m) of the truth: two
-/// independent solvers, up to where they agree to a hundredth of that. None where one of them
-/// cannot solve the problem within `cpu_cap` (s) or they disagree at once.
+/// independent solvers, `direct` in place of the one that knows links alone where there is more, up
+/// to where they agree to a hundredth of that. None where one of them cannot solve the problem
+/// within `cpu_cap` (s) or they disagree at once.
 std::optional<truth::Reference> quick_reference(const study::Problem& problem, double scored_error,
                                                 double cpu_cap);
 
