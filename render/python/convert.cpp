@@ -95,6 +95,7 @@ std::size_t index_of(const std::vector<Named>& all, const std::string& name, con
 }
 template std::size_t index_of(const std::vector<Connector>&, const std::string&, const char*);
 template std::size_t index_of(const std::vector<Body>&, const std::string&, const char*);
+template std::size_t index_of(const std::vector<Pulley>&, const std::string&, const char*);
 
 std::optional<Attachment> attachment(const World& world, const py::object& point,
                                      const std::optional<std::string>& body,

@@ -41,6 +41,7 @@ std::size_t index_of(const std::vector<Named>& all, const std::string& name, con
 extern template std::size_t index_of(const std::vector<Connector>&, const std::string&,
                                      const char*);
 extern template std::size_t index_of(const std::vector<Body>&, const std::string&, const char*);
+extern template std::size_t index_of(const std::vector<Pulley>&, const std::string&, const char*);
 
 template <class Named>
 std::vector<std::string> names(const std::vector<Named>& all) {

@@ -146,6 +146,10 @@ py::array SimulationObject::pose(const std::string& name) const {
   return py::array_t<double>(7, all);
 }
 
+double SimulationObject::passed(const std::string& pulley) const {
+  return world().pulleys[index_of(world().pulleys, pulley, "pulley")].passed;
+}
+
 namespace {
 
 py::dict counters(const SimulationObject& object) {
@@ -226,6 +230,8 @@ the simulation's memory alive. A body that is simulated as a link is a particle 
            "Their velocities, (n, 3) m/s, in the same way.")
       .def("pose", &Sim::pose, "body"_a,
            "A body's own frame as a new array (7,): x, y, z (m), qw, qx, qy, qz.")
+      .def("passed", &Sim::passed, "pulley"_a,
+           "How much rope has passed a scene's pulley since the start, m.")
       .def_property_readonly(
           "time", [](const Sim& sim) { return sim.world().time; }, "s")
       .def_property_readonly(

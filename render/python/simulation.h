@@ -31,6 +31,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   py::array velocities(const std::string& connector);
   /// The body's own frame: x, y, z (m), qw, qx, qy, qz.
   py::array pose(const std::string& body) const;
+  double passed(const std::string& pulley) const;
 
   /// What another thread is not changing just now. Throws std::runtime_error where one is.
   const Simulation& simulation() const {

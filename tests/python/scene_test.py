@@ -121,6 +121,18 @@ class Trajectories(unittest.TestCase):
             simulation.cut(simulation.connectors[0], 0.1)
 
 
+    def test_rope_passes_pulleys(self):
+        scene = taut.load(str(SOURCE / "scenes/topology/tackle.toml"),
+                          {"connectors.rope.mass": 0.0, "connectors.rope.particles": 2})
+        simulation = scene.simulation()
+        simulation.advance(3.0)
+        lifted = simulation.pose("block")[1] - 1
+        self.assertGreater(lifted, 0.3)
+        self.assertAlmostEqual(simulation.passed("lead4") / lifted, 12, delta=0.2)
+        with self.assertRaisesRegex(taut.ArgumentError, "no pulley"):
+            simulation.passed("none")
+
+
 class Pictures(unittest.TestCase):
     def test_are_those_of_the_program(self):
         file = SOURCE / "scenes/rope_swing.toml"
