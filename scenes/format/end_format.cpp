@@ -71,17 +71,32 @@ const TableFormat& end_format() {
 }
 
 const TableFormat& pulley_format() {
+  static const TableFormat passed{
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed({.name = "passed",
+               .meaning = "Since the start; below zero: backwards.",
+               .unit = "m",
+               .minimum = -kMostPaidOut,
+               .maximum = kMostPaidOut}),
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
   static const TableFormat format{
       {text("body", "Name of the body that carries it."),
        vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
-       vector("fixed", "A point in space."), text("path", "Name of the path that carries it."),
+       vector("fixed", "A point in space."),
+       text("path", "Name of the path that carries it."),
        text("bone", "Name of the bone that carries it, of a character."),
        text("character", "Name of that character."),
        not_negative("inertia",
                     "Of a sheave about its axle, over the square of its radius: half of the mass "
                     "of a disc; default: an eye without friction.",
-                    "kg")},
-      {{{"body", "fixed", "path", "bone"}}}};
+                    "kg"),
+       {.name = "passed",
+        .type = Type::tables,
+        .meaning = "How much rope it passes when, where it is driven; default: it turns freely. "
+                   "Not on a free body. Smooth between keys.",
+        .least = 1,
+        .table = &passed}},
+      {{{"body", "fixed", "path", "bone"}}, {{"inertia", "passed"}, false}}};
   return format;
 }
 

@@ -134,6 +134,11 @@ void read_sections(const Document& document, const Value& value, Connector& conn
 /// A number over time, from the values of keys: the x of a path (Hold::turn, Winch::paths).
 std::shared_ptr<const Path> read_number_keys(const Document& document, const Value& list,
                                              std::string_view value);
+/// The same of lengths (m), which start with zero.
+std::shared_ptr<const Path> read_length_keys(const Document& document, const Value& list,
+                                             std::string_view key);
+/// Fails at `key` where winches whose lengths are all known take in more than the links have.
+void check_least(const Document& document, const Value& key, const Winch& winch);
 /// The paths of the winches at the first end of `first` and the last of `last`, once those have
 /// their holds; null where there is none.
 std::array<std::shared_ptr<const Path>, 2> read_winches(const Document& document,

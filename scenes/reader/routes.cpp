@@ -48,6 +48,14 @@ void give_length(Connector& span, double length, double density) {
   }
 }
 
+/// What a pulley passes on it takes in.
+std::shared_ptr<const Path> backwards(const std::shared_ptr<const Path>& path) {
+  if (!path) return nullptr;
+  std::vector<PathKey> keys = path->keys();
+  for (PathKey& key : keys) key.position = -key.position;
+  return std::make_shared<const Path>(std::move(keys));
+}
+
 std::vector<Vec3> straight(const Connector& span, const Vec3& from, const Vec3& towards) {
   return straight_connector("", span.length, 0, span.particles(), from, towards).position;
 }
@@ -66,8 +74,11 @@ Routes::Routes(const Document& document, Motions& motions, const World& world)
   for (const Value& value : table->children) {
     eyes_.push_back({&value, read_attachment(document, value, "fixed", motions)});
     const Attachment& to = eyes_.back().to;
+    const Value* passed = value.find("passed");
+    if (passed) eyes_.back().driven = read_length_keys(document, *passed, "passed");
     const Value* body = value.find("body");
     if (!body || is_prescribed(world, to)) continue;
+    if (passed) document.fail_at_key(*passed, "needs a place that is fixed or driven");
     if (!document.root.find("bodies")->children[to.body].find("position")) {
       document.fail_at_key(*body, "is of a body that hangs, expected one with a position");
     }
@@ -214,15 +225,23 @@ void Routes::add(std::size_t index, World& world) {
     spans.push_back(world.connectors.size());
     world.connectors.push_back(std::move(span));
   }
+  const auto eye = [&](std::size_t i) -> const Eye& { return eyes_[rope.eyes[i]]; };
   for (std::size_t i = 0; i < spans.size(); ++i) {
     Connector& span = world.connectors[spans[i]];
     check(world, rope, span);
-    add_winches(world, span, i == 0 ? rope.winches[0] : nullptr,
-                i + 1 == spans.size() ? rope.winches[1] : nullptr, rope.density);
+    const bool first = i == 0, last = i + 1 == spans.size();
+    const auto before = first ? rope.winches[0] : eye(i - 1).driven;
+    const auto behind = last ? rope.winches[1] : backwards(eye(i).driven);
+    add_winches(world, span, before, behind, rope.density);
+    const bool known = (first || before) && (last || behind);
+    if (known && (before || behind)) {
+      check_least(document_, *rope.value->find("over"), *span.winch);
+    }
   }
   for (std::size_t i = 0; i < rope.eyes.size(); ++i) {
-    const Value& eye = *eyes_[rope.eyes[i]].value;
-    add_pulley(world, eye.name, spans[i], spans[i + 1], number_or(eye, "inertia", 0));
+    if (eye(i).driven) continue;
+    const Value& value = *eye(i).value;
+    add_pulley(world, value.name, spans[i], spans[i + 1], number_or(value, "inertia", 0));
   }
 }
 

@@ -41,7 +41,8 @@ class Routes {
   struct Eye {
     const Value* value;
     Attachment to;
-    const Value* passed = nullptr;  // the name in the rope's list
+    const Value* passed = nullptr;                 // the name in the rope's list
+    std::shared_ptr<const Path> driven = nullptr;  // what it passes, where that is given
   };
   struct Rope {
     const Value* value = nullptr;

@@ -35,17 +35,27 @@ const char* misfit(const Value& connector) {
   return connector.find("repeat") ? "copies" : nullptr;
 }
 
-std::shared_ptr<const Path> read_winch(const Document& document, const Value& list) {
-  auto path = read_number_keys(document, list, "paid_out");
+}  // namespace
+
+std::shared_ptr<const Path> read_length_keys(const Document& document, const Value& list,
+                                             std::string_view key) {
+  auto path = read_number_keys(document, list, key);
   const double start = path->at(0).position.x();
   if (std::abs(start) > 1e-9) {
     document.fail_at_key(list,
-                         fmt::format("has paid out {:.6g} m at the start, expected 0", start));
+                         fmt::format("has {:.6g} m of {} at the start, expected 0", start, key));
   }
   return path;
 }
 
-}  // namespace
+void check_least(const Document& document, const Value& key, const Winch& winch) {
+  const double least = winch.least();
+  for (std::size_t k = 0; k < winch.rest.size(); ++k) {
+    if (winch.rest[k] + winch.share(k) * least >= kShortest * winch.rest[k]) continue;
+    document.fail_at_key(key, fmt::format("takes in {:.6g} m, of {:.6g} m that it can", -least,
+                                          (1 - kShortest) * winch.rest[k] / winch.share(k)));
+  }
+}
 
 std::array<std::shared_ptr<const Path>, 2> read_winches(const Document& document,
                                                         const Value& value, const World& world,
@@ -61,7 +71,7 @@ std::array<std::shared_ptr<const Path>, 2> read_winches(const Document& document
     if (held == connector.holds.end() || !is_prescribed(world, held->to)) {
       document.fail_at_key(*winch, "needs an end that is fixed or driven, not a free body's");
     }
-    paths[end] = read_winch(document, *winch);
+    paths[end] = read_length_keys(document, *winch, "paid_out");
   }
   return paths;
 }
@@ -86,13 +96,7 @@ void read_winches(const Document& document, const Value& value, const World& wor
   }
   if (connector.mass == 0) document.mismatch(*value.find("mass"), "a number above 0 (kg)");
   add_winches(world, connector, first, last);
-  const Winch& winch = *connector.winch;
-  const double least = winch.least();
-  for (std::size_t k = 0; k < connector.links(); ++k) {
-    if (winch.rest[k] + winch.share(k) * least >= kShortest * winch.rest[k]) continue;
-    document.fail_at_key(*named, fmt::format("takes in {:.6g} m, of {:.6g} m that it can", -least,
-                                             (1 - kShortest) * winch.rest[k] / winch.share(k)));
-  }
+  check_least(document, *named, *connector.winch);
 }
 
 void refuse_winches(const Document& document, const MethodInfo& method) {

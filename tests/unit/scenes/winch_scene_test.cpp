@@ -69,7 +69,7 @@ TEST_F(WinchScene, IsShownBesideATimeline) {
 TEST_F(WinchScene, SaysWhatIsWrong) {
   expect(scene("point_mass = 1.0, winch = " + kKeys, "fixed = [0, 2, 0]"),
          "needs an end that is fixed");
-  expect(scene(held("[{ t = 0.0, paid_out = 0.1 }]")), "has paid out 0.1 m at the start");
+  expect(scene(held("[{ t = 0.0, paid_out = 0.1 }]")), "has 0.1 m of paid_out at the start");
   expect(scene(held("[{ t = 0.0, paid_out = 0.0 }, { t = 1.0, paid_out = -1.0 }]")),
          "takes in 1 m, of 0.99 m that it can");
   expect(scene(held("[{ t = 1.0, paid_out = 0.0 }, { t = 1.0, paid_out = 0.1 }]")),
