@@ -206,7 +206,12 @@ class Pieces {
         held = fmt::format("body = \"{}\"", add_body(fmt::format("position = {}", text(place))));
       }
       const double inertia = dice.between(0, 1) < 0.5 ? dice.scale(1e-3, 1) : 0;
-      pulleys += fmt::format("p{} = {{ {}, inertia = {} }}\n", i, held, inertia);
+      std::string turns = fmt::format("inertia = {}", inertia);
+      if (kind < 0.7 && dice.between(0, 1) < 0.2) {
+        turns = fmt::format("passed = [{{ t = 0, passed = 0 }}, {{ t = {}, passed = {} }}]",
+                            dice.between(0.2, 1), length_ * dice.between(-0.1, 0.1));
+      }
+      pulleys += fmt::format("p{} = {{ {}, {} }}\n", i, held, turns);
       names += fmt::format("{}\"p{}\"", i > 0 ? ", " : "", i);
     }
     const auto mass = [&] { return fmt::format("{{ point_mass = {} }}", dice.scale(1e-2, 1)); };
