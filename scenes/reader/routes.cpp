@@ -10,8 +10,9 @@
 namespace taut::scenes {
 namespace {
 
-constexpr double kApart = 1e-9;  // of its length: what is nearer is one place
-constexpr double kTaut = 1e-4;   // of its length: a rope that starts taut may be off by so much
+constexpr std::size_t kMostPulleys = 1000;  // they are eliminated together, in cubic time
+constexpr double kApart = 1e-9;             // of its length: what is nearer is one place
+constexpr double kTaut = 1e-4;  // of its length: a rope that starts taut may be off by so much
 
 const Value* in_start(const Value& rope, const char* key) {
   const Value* start = rope.find("start");
@@ -71,6 +72,10 @@ Routes::Routes(const Document& document, Motions& motions, const World& world)
     : document_(document), names_(document.root.find("pulleys")) {
   const Value* table = document.root.find("pulleys");
   if (!table) return;
+  if (table->children.size() > kMostPulleys) {
+    document.fail(*table, fmt::format("has {} pulleys, expected at most {}", table->children.size(),
+                                      kMostPulleys));
+  }
   for (const Value& value : table->children) {
     eyes_.push_back({&value, read_attachment(document, value, "fixed", motions)});
     const Attachment& to = eyes_.back().to;

@@ -130,6 +130,9 @@ TEST_F(PulleyScene, SaysWhatIsWrong) {
   expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0] }\nright = { fixed = [0, 2, 0] }\n"},
          "is where the pulley before it is");
   expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0], inertia = -1 }\n"}, "inertia");
+  std::string many = "[pulleys]\n";
+  for (int i = 0; i < 1001; ++i) many += "p" + std::to_string(i) + " = { fixed = [0, 2, 0] }\n";
+  expect({.eyes = many}, "pulleys: has 1001 pulleys, expected at most 1000");
   expect({.more = "[bodies.load]\nmass = 1.0\nhangs = [0, -1, 0]\nshape = { sphere = { "
                   "diameter = 0.1 } }\n",
           .eyes = "[pulleys]\nleft = { body = \"load\" }\nright = { fixed = [1, 2, 0] }\n"},
