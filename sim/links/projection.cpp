@@ -70,7 +70,7 @@ bool restore_lengths(World& world) {
 }
 
 bool stretches(const World& world) {
-  constexpr double kRounding = 1e-13;
+  constexpr double kRelative = 1e-13;
   for (const Connector& connector : world.connectors) {
     const std::vector<Vec3>&position = connector.position, &velocity = connector.velocity;
     double speed = 0;  // squared, of the particle before
@@ -79,7 +79,7 @@ bool stretches(const World& world) {
       if (i == 0) continue;
       const Vec3 apart = position[i] - position[i - 1];
       const double stretch = apart.dot(velocity[i] - velocity[i - 1]);
-      const double most = kRounding * kRounding * std::max(last, speed) * apart.squaredNorm();
+      const double most = kRelative * kRelative * std::max(last, speed) * apart.squaredNorm();
       if (stretch * stretch > most) return true;
     }
   }

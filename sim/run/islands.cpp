@@ -124,8 +124,7 @@ void Islands::take(const World& whole, Island& island) {
     }
   }
   std::ranges::sort(island.bodies);
-  const auto twice = std::ranges::unique(island.bodies);
-  island.bodies.erase(twice.begin(), twice.end());
+  island.bodies.erase(std::unique(island.bodies.begin(), island.bodies.end()), island.bodies.end());
   part.bodies.clear();
   for (const std::size_t b : island.bodies) part.bodies.push_back(whole.bodies[b]);
   part.connectors.clear();

@@ -92,7 +92,7 @@ void Contacts::prepare(const World& world) {
   }
   for (const auto& made : groups_) {
     std::ranges::sort(made->bodies);
-    made->bodies.erase(std::ranges::unique(made->bodies).begin(), made->bodies.end());
+    made->bodies.erase(std::unique(made->bodies.begin(), made->bodies.end()), made->bodies.end());
     World& part = made->part;
     part.gravity = world.gravity;
     part.time = world.time;

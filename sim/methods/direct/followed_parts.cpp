@@ -175,7 +175,7 @@ bool FollowedParts::mark(const World& world, std::span<const Parts::Place> place
     }
   }
   std::ranges::sort(touched_);
-  touched_.erase(std::ranges::unique(touched_).begin(), touched_.end());
+  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
   return true;
 }
 
