@@ -40,8 +40,10 @@ TEST_F(PlanFaults, StoppedItLeavesNothingBehind) {
     kill(child.id(), signal);
     const ProgramResult outcome = child.wait();
     EXPECT_EQ(outcome.code, code) << outcome.messages;
-    EXPECT_NE(outcome.messages.find("; solving the reference: "), std::string::npos)
-        << outcome.messages;
+    const bool in_reference =
+        outcome.messages.find("; solving the reference: ") != std::string::npos;
+    const bool in_models = outcome.messages.find("; models: ") != std::string::npos;  // when slow
+    EXPECT_TRUE(in_reference || in_models) << outcome.messages;
     EXPECT_EQ(outcome.output, "");
     EXPECT_EQ(read_file(scene_), before);
     EXPECT_EQ(files(), 1);
