@@ -153,7 +153,7 @@ std::vector<Vec3> Routes::between(const Rope& rope, const Connector& span, const
   }
 }
 
-bool Routes::lay(const World& world, std::size_t index, Connector& first, std::optional<Vec3> from,
+void Routes::lay(const World& world, std::size_t index, Connector& first, std::optional<Vec3> from,
                  std::optional<Vec3> to) {
   Rope& rope = ropes_.at(index);
   std::vector<Vec3> places;
@@ -208,7 +208,6 @@ bool Routes::lay(const World& world, std::size_t index, Connector& first, std::o
     const Value* along = in_start(*rope.value, "direction");
     end.position = straight(end, places.back(), along ? direction(document_, *along) : down);
   }
-  return true;
 }
 
 /// Whether a span has links that change: that at a free body keeps its length.

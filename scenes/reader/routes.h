@@ -27,8 +27,8 @@ class Routes {
   bool passes(std::size_t index) const { return ropes_.contains(index); }
 
   /// Gives a rope's spans their lengths and shapes, between the places that its ends have already.
-  /// False where neither has one. The last span stays here until add().
-  bool lay(const World& world, std::size_t index, Connector& first, std::optional<Vec3> from,
+  /// All but the first stay here until add().
+  void lay(const World& world, std::size_t index, Connector& first, std::optional<Vec3> from,
            std::optional<Vec3> to);
   Connector& last(std::size_t index) { return ropes_.at(index).behind.back(); }
 
