@@ -110,7 +110,8 @@ void Impulse::make_room(const World& world) {
   if (strands_.size() >= world.connectors.size()) return;
   strands_.resize(world.connectors.capacity());
   const auto capacity = [](const Connector& c) { return c.position.capacity(); };
-  std::size_t most = std::ranges::max(world.connectors | std::views::transform(capacity));
+  std::size_t most = 0;
+  for (const Connector& connector : world.connectors) most = std::max(most, capacity(connector));
   if (double(strands_.size()) * double(most) > kMostRoom) most = 0;
   for (std::size_t c = 0; c < strands_.size(); ++c) {
     const bool cut_off = c >= world.connectors.size();  // later, from any of them

@@ -85,8 +85,8 @@ std::uint64_t ContactStep::pattern() const {
 }
 
 std::span<const ContactStep::BeadTouch> ContactStep::touches_of(std::size_t point) const {
-  const auto found = std::ranges::equal_range(touches_, point, {}, &BeadTouch::point);
-  return {found.begin(), found.end()};
+  const auto first = std::ranges::lower_bound(touches_, point, {}, &BeadTouch::point);
+  return {first, std::ranges::upper_bound(first, touches_.end(), point, {}, &BeadTouch::point)};
 }
 
 /// Nonlinear Gauss-Seidel, once along the rows and once back: each row in turn gets the pull at

@@ -112,8 +112,10 @@ void ContactStep::find_touches() {
 /// bead before `sorted` are in order of points, later ones in that of the calls.
 void ContactStep::add_touch(const Hit& hit, std::size_t sorted) {
   const auto of = [&](const std::vector<BeadTouch>& touches, std::size_t count) {
-    return std::ranges::equal_range(std::span(touches).first(count), hit.point, {},
-                                    &BeadTouch::point);
+    const auto end = touches.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto first =
+        std::ranges::lower_bound(touches.begin(), end, hit.point, {}, &BeadTouch::point);
+    return std::span(first, std::ranges::upper_bound(first, end, hit.point, {}, &BeadTouch::point));
   };
   const auto same = [&](const BeadTouch& touch) { return touch.obstacle == hit.obstacle; };
   const auto known = of(touches_, sorted);

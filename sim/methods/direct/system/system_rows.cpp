@@ -13,7 +13,7 @@ void System::place_rows(std::span<const ConstraintRow* const> rows) {
   if (rows.empty()) return;
   for (const ConstraintRow* row : rows) {
     if (floats_) throw std::invalid_argument("a row needs a component that something holds");
-    rows_.emplace_back(row, terms_.size());
+    rows_.push_back({.row = row, .first_term = terms_.size(), .value = {}});
     for (const ConstraintRow::Particle& particle : row->particles()) {
       terms_.push_back(term_of(particle));
     }
