@@ -7,33 +7,21 @@ using namespace format_keys;
 
 namespace {
 
-const TableFormat& turn_key_format() {
-  static const TableFormat format{
+/// Keys of a number over time.
+TableFormat number_keys(const char* name, const char* meaning, const char* unit, double most) {
+  return {
       {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
-       needed({.name = "angle",
-               .meaning = "Right-handed about the clamp's direction.",
-               .unit = "rad",
-               .minimum = -kMostTurn,
-               .maximum = kMostTurn}),
+       needed({.name = name, .meaning = meaning, .unit = unit, .minimum = -most, .maximum = most}),
        {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
-  return format;
-}
-
-const TableFormat& winch_key_format() {
-  static const TableFormat format{
-      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
-       needed({.name = "paid_out",
-               .meaning = "Since the start; below zero: taken in.",
-               .unit = "m",
-               .minimum = -kMostPaidOut,
-               .maximum = kMostPaidOut}),
-       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
-  return format;
 }
 
 }  // namespace
 
 const TableFormat& end_format() {
+  static const TableFormat turns =
+      number_keys("angle", "Right-handed about the clamp's direction.", "rad", kMostTurn);
+  static const TableFormat lengths =
+      number_keys("paid_out", "Since the start; below zero: taken in.", "m", kMostPaidOut);
   static const TableFormat format{
       {text("body", "Name of the body that holds the end."),
        vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
@@ -59,26 +47,20 @@ const TableFormat& end_format() {
         .meaning = "How far the clamp is turned about that direction, which twists the connector; "
                    "it is untwisted at the start with none. Smooth between keys.",
         .least = 1,
-        .table = &turn_key_format()},
+        .table = &turns},
        {.name = "winch",
         .type = Type::tables,
         .meaning = "How much of the connector is paid out here when: its links share it, and none "
                    "enters or leaves. At an end that is fixed or driven. Smooth between keys.",
         .least = 1,
-        .table = &winch_key_format()}},
+        .table = &lengths}},
       {{{"body", "fixed", "path", "bone", "connector", "point_mass", "free"}}}};
   return format;
 }
 
 const TableFormat& pulley_format() {
-  static const TableFormat passed{
-      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
-       needed({.name = "passed",
-               .meaning = "Since the start; below zero: backwards.",
-               .unit = "m",
-               .minimum = -kMostPaidOut,
-               .maximum = kMostPaidOut}),
-       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
+  static const TableFormat passed =
+      number_keys("passed", "Since the start; below zero: backwards.", "m", kMostPaidOut);
   static const TableFormat format{
       {text("body", "Name of the body that carries it."),
        vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
