@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-
 #include "scenes/reader/reader.h"
+#include "sim/world/rotation.h"
 
 namespace taut::scenes {
 
@@ -28,7 +27,7 @@ MassProperties read_inertia(const Document& document, const Value& body, double 
   inertia << v[0], v[3], v[5], v[3], v[1], v[4], v[5], v[4], v[2];
   // Mass that is somewhere has principal moments above zero, none larger than the other two
   // together (equal for a flat plate, hence the rounding).
-  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvalues();
+  const Vec3 moments = principal_axes(inertia).moments;
   if (!(moments[0] > 0) || moments[2] > (moments[0] + moments[1]) * (1 + 1e-9)) {
     document.fail(list, fmt::format("found principal moments {}, {}, {}, expected all above 0 and "
                                     "none above the sum of the others",

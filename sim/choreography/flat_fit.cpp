@@ -1,9 +1,10 @@
 #include "sim/choreography/flat_fit.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
-#include <unsupported/Eigen/NonLinearOptimization>
 
 namespace taut::choreography {
 namespace {
@@ -29,6 +30,8 @@ constexpr double kGravities = 8, kFirstStep = 0.4, kLastStep = 0.004;
 constexpr double kSmallJump = 2;                   // of the cost: the step is taken
 constexpr double kRoughly = 1e-3, kFinely = 1e-4;  // relative changes at which fits end
 constexpr int kMostTrials = 60;
+constexpr double kFirstDamping = 1e-3;  // share of the diagonal
+constexpr double kRidge = 1e-14;        // of the largest: what nothing determines stays
 
 constexpr double kNudge = 1e-6;  // m, of a coefficient, for differences
 
@@ -69,15 +72,14 @@ FlatFit::FlatFit(const Choreography& problem, double from)
 
   curve_ = GaussianSum::between(from, problem.until, spacing_of(problem, length));
   coefficients_ = Eigen::VectorXd::Zero(3 * curve_.count);
-  Eigen::Index row = 0;
-  for (std::size_t k = 0; k < problem.waypoints.size(); ++k, row += 3) {
+  for (std::size_t k = 0; k < problem.waypoints.size(); ++k) {
     const double time = problem.waypoints[k].time;
-    instants_.push_back({time, curve_.at(time, last_.columns(1)), row, k});
+    instants_.push_back({time, curve_.at(time, last_.columns(1)), k});
   }
   const int steps = steps_of(curve_.spacing / kInstants);
-  for (int k = 1; k < steps; ++k, row += kTerms) {
+  for (int k = 1; k < steps; ++k) {
     const double time = from + (problem.until - from) * k / steps;
-    instants_.push_back({time, curve_.at(time, chain_.columns(kHandColumns)), row, kNoWaypoint});
+    instants_.push_back({time, curve_.at(time, chain_.columns(kHandColumns)), kNoWaypoint});
   }
   start();
 }
@@ -101,15 +103,14 @@ void FlatFit::start() {
     const Vec3 out = (at - hand_.rest()).normalized();
     values.row(row) = (at - (along_ - 1) * chain_.length[0] * out - rest_) / kNear;
   }
-  const Eigen::MatrixX3d fitted = curve.colPivHouseholderQr().solve(values);
-  for (Eigen::Index k = 0; k < curve_.count; ++k) {
-    coefficients_.segment<3>(3 * k) = fitted.row(k);
+  Eigen::MatrixXd normal = curve.transpose() * curve;
+  normal.diagonal().array() += kRidge * normal.diagonal().maxCoeff();
+  const Eigen::LDLT<Eigen::MatrixXd> decomposed(normal);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Eigen::VectorXd right = curve.transpose() * values.col(axis);
+    const Eigen::VectorXd fitted = decomposed.solve(right);
+    for (Eigen::Index k = 0; k < curve_.count; ++k) coefficients_[3 * k + axis] = fitted[k];
   }
-}
-
-int FlatFit::values() const {
-  const Instant& last = instants_.back();
-  return static_cast<int>(last.row + (last.waypoint == kNoWaypoint ? kTerms : 3));
 }
 
 TaylorSeries FlatFit::free_end(const GaussianSum::Local& basis,
@@ -138,38 +139,63 @@ Eigen::VectorXd FlatFit::residuals(const Instant& instant, const TaylorSeries& f
   return terms;
 }
 
-int FlatFit::operator()(const Eigen::VectorXd& coefficients, Eigen::VectorXd& all) const {
+double FlatFit::cost(const Eigen::VectorXd& coefficients) const {
+  double squares = 0;
   for (const Instant& instant : instants_) {
-    const Eigen::VectorXd some = residuals(instant, free_end(instant.basis, coefficients));
-    all.segment(instant.row, some.size()) = some;
+    squares += residuals(instant, free_end(instant.basis, coefficients)).squaredNorm();
   }
-  return all.allFinite() ? 0 : -1;
+  return std::isfinite(squares) ? std::sqrt(squares) : std::numeric_limits<double>::infinity();
 }
 
-int FlatFit::df(const Eigen::VectorXd& coefficients, Eigen::MatrixXd& jacobian) const {
-  jacobian.setZero();
+void FlatFit::linearize(Eigen::MatrixXd& normal, Eigen::VectorXd& slope) const {
+  normal.setZero(coefficients_.size(), coefficients_.size());
+  slope.setZero(coefficients_.size());
   for (const Instant& instant : instants_) {
-    const TaylorSeries series = free_end(instant.basis, coefficients);
+    const TaylorSeries series = free_end(instant.basis, coefficients_);
     const Eigen::VectorXd here = residuals(instant, series);
-    for (Eigen::Index i = 0; i < instant.basis.series.rows(); ++i) {
-      for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        TaylorSeries nudged = series;
-        nudged.row(axis) += kNudge * instant.basis.series.row(i);
-        jacobian.col(3 * (instant.basis.begin + i) + axis).segment(instant.row, here.size()) =
-            (residuals(instant, nudged) - here) / kNudge;
-      }
+    const Eigen::Index size = 3 * instant.basis.series.rows();
+    Eigen::MatrixXd jacobian(here.size(), size);
+    for (Eigen::Index k = 0; k < size; ++k) {
+      TaylorSeries nudged = series;
+      nudged.row(k % 3) += kNudge * instant.basis.series.row(k / 3);
+      jacobian.col(k) = (residuals(instant, nudged) - here) / kNudge;
     }
+    const Eigen::Index first = 3 * instant.basis.begin;
+    normal.block(first, first, size, size) += jacobian.transpose() * jacobian;
+    slope.segment(first, size) += jacobian.transpose() * here;
   }
-  return 0;
 }
 
+// Nielsen, "Damping parameter in Marquardt's method", 1999; the damping is by the diagonal's share,
+// so that it has no unit.
 double FlatFit::fit(double gravities, double fine) {
   chain_.gravity = last_.gravity = gravities * problem_.world.gravity;
-  Eigen::LevenbergMarquardt<FlatFit> method(*this);
-  method.parameters.xtol = method.parameters.ftol = fine;
-  method.parameters.maxfev = kMostTrials;
-  method.minimize(coefficients_);
-  return method.fnorm;
+  Eigen::MatrixXd normal, damped;
+  Eigen::VectorXd slope;
+  double now = cost(coefficients_), damping = kFirstDamping, growth = 2;
+  linearize(normal, slope);
+  for (int trial = 0; trial < kMostTrials; ++trial) {
+    damped = normal;
+    damped.diagonal() *= 1 + damping;
+    damped.diagonal().array() += kRidge * normal.diagonal().maxCoeff();
+    const Eigen::VectorXd step = -damped.ldlt().solve(slope);
+    const double next = cost(coefficients_ + step);
+    const double foreseen = -step.dot(2 * slope + normal * step);  // of the squares
+    const double gained = now * now - next * next;
+    if (!(gained > 0)) {
+      if (!(foreseen > fine * now * now)) break;
+      damping *= growth;
+      growth *= 2;
+      continue;
+    }
+    coefficients_ += step;
+    now = next;
+    if (gained <= fine * now * now && foreseen <= fine * now * now) break;
+    damping *= std::max(1.0 / 3, 1 - std::pow(2 * gained / foreseen - 1, 3));
+    growth = 2;
+    linearize(normal, slope);
+  }
+  return now;
 }
 
 void FlatFit::solve(const std::vector<Vec3>& aims) {

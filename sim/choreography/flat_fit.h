@@ -27,26 +27,24 @@ class FlatFit {
   /// The least tension of the body's link (N).
   double least_tension() const;
 
-  // What Eigen's LevenbergMarquardt asks of a function.
-  int inputs() const { return static_cast<int>(coefficients_.size()); }
-  int values() const;
-  int operator()(const Eigen::VectorXd& coefficients, Eigen::VectorXd& residuals) const;
-  int df(const Eigen::VectorXd& coefficients, Eigen::MatrixXd& jacobian) const;
-
  private:
   /// An instant at which the motion counts.
   struct Instant {
     double time = 0;  // s
     GaussianSum::Local basis;
-    Eigen::Index row = 0;      // of its residuals
     std::size_t waypoint = 0;  // of it, or none: of the hand's motion
   };
   /// A smooth curve with the hand still, and the body pointing away from it at each waypoint.
   void start();
+  /// Under so many of the world's gravity, to this relative change of the cost, which it returns.
   double fit(double gravities, double fine);
   int steps_of(double longest) const;
   TaylorSeries free_end(const GaussianSum::Local& basis, const Eigen::VectorXd& coefficients) const;
   Eigen::VectorXd residuals(const Instant& instant, const TaylorSeries& free_end) const;
+  /// The root of the residuals' squares, of all instants; infinite where the chain has no motion.
+  double cost(const Eigen::VectorXd& coefficients) const;
+  /// J'J and J'r of the residuals r.
+  void linearize(Eigen::MatrixXd& normal, Eigen::VectorXd& slope) const;
 
   const Choreography& problem_;
   FlatChain chain_, last_;  // the whole, and the body's link alone

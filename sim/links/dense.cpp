@@ -10,8 +10,13 @@ Eigen::VectorXd LeastSquares::solve(const Eigen::VectorXd& right) const {
   return decomposed_.solve(right);
 }
 
+// By columns: what solves many at once would be compiled, too.
 Eigen::MatrixXd LeastSquares::solve(const Eigen::MatrixXd& right) const {
-  return decomposed_.solve(right);
+  Eigen::MatrixXd x(decomposed_.cols(), right.cols());
+  for (Eigen::Index k = 0; k < right.cols(); ++k) {
+    x.col(k) = solve(Eigen::VectorXd(right.col(k)));
+  }
+  return x;
 }
 
 void LinearSystem::compute(const Eigen::MatrixXd& matrix) {

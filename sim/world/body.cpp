@@ -1,8 +1,9 @@
 #include "sim/world/body.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {
@@ -40,15 +41,14 @@ MassProperties with_point_mass(const MassProperties& body, double mass, const Ve
 
 std::array<Vec3, 6> box_ends(const MassProperties& body) {
   // With half sides a, b, c the moment about the first axis is m (b^2 + c^2) / 3, and so on round.
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(body.inertia);
-  const Vec3& moments = axes.eigenvalues();
+  const auto [moments, axes] = principal_axes(body.inertia);
   std::array<Vec3, 6> ends;
   for (int i = 0; i < 3; ++i) {
     const double others = moments.sum() - 2 * moments[i];
     const double half = std::sqrt(std::max(0.0, 1.5 * others / body.mass));
     for (const int side : {0, 1}) {
       ends[static_cast<std::size_t>(2 * i + side)] =
-          body.centre + (side == 0 ? -half : half) * axes.eigenvectors().col(i);
+          body.centre + (side == 0 ? -half : half) * axes.col(i);
     }
   }
   return ends;

@@ -35,14 +35,18 @@ Quat rotation_between(const Vec3& from, const Vec3& to) {
   return turn;
 }
 
-FreeRotation::FreeRotation(const Mat3& inertia) {
+PrincipalAxes principal_axes(const Mat3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
-  const Vec3 m = solver.eigenvalues();  // rising
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+FreeRotation::FreeRotation(const Mat3& inertia) {
+  const auto [m, principal] = principal_axes(inertia);
   const int odd = m[1] - m[0] <= m[2] - m[1] ? 2 : 0;
   const int a = odd == 2 ? 0 : 1;
   Mat3 columns;
-  columns.col(0) = solver.eigenvectors().col(a);
-  columns.col(1) = solver.eigenvectors().col(a + 1);
+  columns.col(0) = principal.col(a);
+  columns.col(1) = principal.col(a + 1);
   columns.col(2) = columns.col(0).cross(columns.col(1));
   axes_ = Quat(columns);
   moments_ = Vec3(m[a], m[a + 1], m[odd]);

@@ -19,6 +19,13 @@ inline Mat3 cross_matrix(const Vec3& v) {
   return m;
 }
 
+/// An inertia about its principal axes.
+struct PrincipalAxes {
+  Vec3 moments;  // kg m^2, rising
+  Mat3 axes;     // one in each column
+};
+PrincipalAxes principal_axes(const Mat3& inertia);
+
 /// How fast the quaternion of a rotation changes at a spin (rad/s, world axes).
 inline Quat quaternion_rate(const Vec3& spin, const Quat& rotation) {
   return Quat(0, spin.x() / 2, spin.y() / 2, spin.z() / 2) * rotation;

@@ -121,11 +121,11 @@ void GlideSystem::solve(std::span<Vec3> velocity, std::span<double> impulse) {
   for (std::size_t r = 0; r < row_.size(); ++r) values_[row_[r]] = impulse[r];
   band_.solve(values_);
   if (!border_.empty()) {
-    share_.resize(static_cast<Eigen::Index>(border_.size()));
+    found_.resize(static_cast<Eigen::Index>(border_.size()));
     for (std::size_t k = 0; k < border_.size(); ++k) {
-      share_[static_cast<Eigen::Index>(k)] = values_[row_[border_rows_[k]]];
+      found_[static_cast<Eigen::Index>(k)] = values_[row_[border_rows_[k]]];
     }
-    share_ = decomposed_.solve(share_);
+    decomposed_.solve(found_, share_);
     for (std::size_t k = 0; k < border_.size(); ++k) {
       const double part = share_[static_cast<Eigen::Index>(k)];
       for (std::size_t i = 0; i < size_; ++i) values_[i] -= part * columns_[k * size_ + i];

@@ -1,12 +1,12 @@
 // Newton's equations of the first stage of a step at obstacles.
 #pragma once
 
-#include <Eigen/LU>
 #include <span>
 #include <vector>
 
 #include "sim/contact/band_system.h"
 #include "sim/contact/body_answers.h"
+#include "sim/links/dense.h"
 #include "sim/links/mechanism.h"
 
 namespace taut::direct {
@@ -46,8 +46,8 @@ class GlideSystem {
   std::vector<double> values_;
   std::vector<std::size_t> border_, border_rows_;  // ends of rows at bodies that have several
   std::vector<double> columns_;  // what a pull along each of those rows does through others
-  Eigen::PartialPivLU<Eigen::MatrixXd> decomposed_;
-  Eigen::VectorXd share_;
+  LinearSystem decomposed_;
+  Eigen::VectorXd found_, share_;
 };
 
 }  // namespace taut::direct

@@ -1,6 +1,5 @@
 // The state of a system back to where its constraints and its momentum have it, and how far a
 // change of state moves what it is the state of.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -13,12 +12,11 @@ namespace {
 /// The rotation rate that gives `momentum`, least where the inertia leaves a choice (a straight
 /// chain about its own line).
 Vec3 spin_for(const Mat3& inertia, const Vec3& momentum) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(inertia);
+  const auto [moments, axes] = principal_axes(inertia);
   Vec3 spin = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
-    const double moment = eigen.eigenvalues()[k];
-    const Vec3 axis = eigen.eigenvectors().col(k);
-    if (moment > 1e-9 * eigen.eigenvalues()[2]) spin += axis.dot(momentum) / moment * axis;
+    const Vec3 axis = axes.col(k);
+    if (moments[k] > 1e-9 * moments[2]) spin += axis.dot(momentum) / moments[k] * axis;
   }
   return spin;
 }
