@@ -7,13 +7,25 @@
 
 namespace taut::film {
 
+namespace {
+
+int number_of(int threads) {
+  return threads > 0 ? threads : std::max(int(std::thread::hardware_concurrency()), 1);
+}
+
+}  // namespace
+
+int frames_at_once(int threads) {
+  return number_of(threads) < 4 ? 1 : 2;
+}
+
 RenderWorkers::RenderWorkers(gl::Backend backend, int threads, bool alone,
                              const scenes::Scene& scene, int width, int height, int samples) {
-  if (threads == 0) threads = std::max(int(std::thread::hardware_concurrency()), 1);
+  threads = number_of(threads);
   const auto paint = [=, &scene](std::optional<Worker>& worker, int share, gl::EglDisplay display) {
     worker.emplace(backend, share, display, scene, width, height, samples);
   };
-  if (!alone && threads > 1 && backend != gl::Backend::osmesa) {
+  if (!alone && frames_at_once(threads) > 1 && backend != gl::Backend::osmesa) {
     std::promise<bool> ready;
     std::future<bool> is_ready = ready.get_future();
     auto help = [paint, threads, ready = std::move(ready), job = job_.get_future()]() mutable {

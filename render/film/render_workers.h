@@ -11,9 +11,12 @@
 
 namespace taut::film {
 
-/// Where threads of this machine draw, two films of the scene share them: most of a frame's work is
-/// one thread's, so that two frames at once take less time than one after another on all threads.
-/// Elsewhere, and where one thread is all there is, one film.
+/// How many frames so many threads of this machine draw at once; 0: as many as it has. Much of a
+/// frame's work is one thread's. Two threads do nearly as much on one frame as on two, which take
+/// twice the memory.
+int frames_at_once(int threads);
+
+/// Films of the scene that share the threads where these draw. A graphics card has one film.
 class RenderWorkers {
  public:
   /// `threads` 0: as many as the machine has. `alone`: one film, come what may. Throws as Context

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <thread>
 #include <utility>
 
 #include "render/base/error.h"
+#include "render/film/render_workers.h"
 #include "render/options/method_options.h"
 #include "render/program/note.h"
 #include "scenes/files/error.h"
@@ -255,8 +255,7 @@ Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int thr
   const double canvases = connectors.vertices < kKeeping ? 3 : 2;
   double canvas = (canvases * 8.0 * samples + 4 * kPixel) * pixels;
   if (has_lens(stage)) canvas += (8 * 4.0 / 3 + 8) * pixels;  // light with mipmaps, and blurred
-  const bool alone = threads == 1 || (threads == 0 && std::thread::hardware_concurrency() < 2);
-  needs.memory += (alone ? 1 : 2) * (kContext + canvas + connectors.memory);
+  needs.memory += film::frames_at_once(threads) * (kContext + canvas + connectors.memory);
   needs.disk = frames * pixels * kPixelOnDisk;
   needs.time += frames * pixels * kPixelTime;
   return needs;
