@@ -243,9 +243,11 @@ void Mechanism::push(const double* impulse, double* state) const {
   const double* by = impulse + rows_.size();
   push_pulleys(by, velocities, state + speed(0));
   for (std::size_t p = 0; p < pulleys(); ++p) {
-    for (const auto& [body, push] : pulleys_[p].pushes) {
-      vector(state + twist(body)) += by[p] * push.linear;
-      vector(state + twist(body) + 3) += by[p] * push.angular;
+    for (const RopeEnd& end : pulleys_[p].end) {
+      for (const auto& [body, push] : end.pushes) {
+        vector(state + twist(body)) += by[p] * push.linear;
+        vector(state + twist(body) + 3) += by[p] * push.angular;
+      }
     }
   }
 }
@@ -269,9 +271,11 @@ void Mechanism::move(const double* shift, double* state) const {
   const double* by = shift + rows_.size();
   push_pulleys(by, state, state + passed(0));
   for (std::size_t p = 0; p < pulleys(); ++p) {
-    for (const auto& [body, push] : pulleys_[p].pushes) {
-      vector(state + pose(body)) += by[p] * push.linear;
-      rotate(by[p] * push.angular, state + pose(body) + 3);
+    for (const RopeEnd& end : pulleys_[p].end) {
+      for (const auto& [body, push] : end.pushes) {
+        vector(state + pose(body)) += by[p] * push.linear;
+        rotate(by[p] * push.angular, state + pose(body) + 3);
+      }
     }
   }
 }

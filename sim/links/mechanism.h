@@ -99,15 +99,32 @@ class Mechanism {
   std::size_t pulleys() const { return pulleys_.size(); }
   /// The numbers in an array of rows, pulleys behind them.
   std::size_t unknowns() const { return rows_.size() + pulleys(); }
-  /// How the second derivative of a row's violation changes with a pulley's acceleration.
+  /// How the second derivative of a row's violation changes with a pulley's acceleration, and what
+  /// that row's tension does in the pulley's equation.
   struct Coupling {
     std::uint32_t row = 0, pulley = 0;
     double share = 0;  // of what passes the pulley that the link has
     double value = 0;
+    double drive = 0;   // -value where there is no friction
+    double before = 0;  // of what pulls at the pulley from where rope comes, without friction
   };
   const std::vector<Coupling>& couplings() const { return couplings_; }  // sorted by pulleys
-  /// kg: how what drives a pulley grows with the acceleration of another, or of itself.
+  /// kg: by how much what drives a pulley (row) falls with the acceleration of another, or itself.
   const Eigen::MatrixXd& passing_inertia() const { return passing_inertia_; }
+
+  /// What friction does at a pulley: none is there or the rope pushes, rope slides forwards (into
+  /// the connector behind) or backwards, or it stays.
+  enum class Slip { free, forwards, backwards, none };
+  void set_slip(std::size_t pulley, Slip slip) { pulleys_[pulley].slip = slip; }
+  Slip slip(std::size_t pulley) const { return pulleys_[pulley].slip; }
+  bool has_friction(std::size_t pulley) const { return pulleys_[pulley].has_friction(); }
+  /// The tensions (N) before and behind a pulley with friction, less what turns the rope there and
+  /// half of what turns the sheave, under the `tension` of rows and accelerations of pulleys behind
+  /// them; and the ratio of the larger to the smaller at which the rope slides.
+  struct Pull {
+    double before = 0, behind = 0, ratio = 1;
+  };
+  Pull pull_at(std::size_t pulley, const double* tension) const;
   /// What a connector's winch or pulley feels of the rope (N) at its first (0) or last (1) end,
   /// under tensions and accelerations (m/s^2) of all points that belong together.
   double drum_force(std::size_t connector, std::size_t end, const double* state,
@@ -212,26 +229,42 @@ class Mechanism {
   struct RopeEnd {
     std::uint32_t connector = 0, winched = 0;
     std::vector<Vec3> force = {};
-    std::vector<std::uint32_t> carried = {};  // body points among them
+    std::vector<std::uint32_t> carried = {};                      // body points among them
+    std::vector<std::pair<std::uint32_t, BodyPush>> pushes = {};  // bodies
   };
   /// A pulley: what changes with its acceleration.
   struct Passing {
-    double inertia = 0;                                           // kg, of the sheave
-    bool has_mass = false;                                        // the rope
-    std::array<RopeEnd, 2> end = {};                              // that it passes from, and to
-    std::vector<std::pair<std::uint32_t, BodyPush>> pushes = {};  // bodies, sorted
-    double free_force = 0;  // N: what drives it without tensions
+    double inertia = 0;                // kg, of the sheave
+    double friction = 0, bearing = 0;  // see Pulley
+    bool has_mass = false;             // the rope
+    std::array<RopeEnd, 2> end = {};   // that it passes from, and to
+    double free_force = 0;             // N: what drives it without tensions
+    Slip slip = Slip::free;
+    // With friction alone: how many times the one tension is the other, where rope slides; what
+    // pulls before it without tensions (N), and with the accelerations of all pulleys (kg).
+    double ratio = 1, before = 0;
+    Eigen::VectorXd before_inertia = {}, inertia_of_all = {};
+
+    bool has_friction() const { return friction > 0 || bearing > 0; }
+    /// By how much what pulls from behind is more than what pulls before it, as its share.
+    double excess() const {
+      return slip == Slip::forwards ? ratio - 1 : slip == Slip::backwards ? 1 / ratio - 1 : 0;
+    }
   };
   /// Lagrange's equation for what an end pays out, as seen from `frame`: what pulls there (N), the
   /// links' tensions aside.
   double paying_force(const Winched& at, std::size_t end, const double* state,
                       std::span<const Vec3> acceleration, const PointMotion& frame) const;
   double bending_force(const Winched& at, const double* state) const;
-  double passing_inertia(const Passing& pulley, const Passing& other) const;
+  double passing_inertia(const Passing& pulley, std::size_t side, const Passing& other) const;
+  void measure_friction(Passing& pulley, const double* state);
+  void use_friction();
+  void give_unit(const RopeEnd& end);
+  void clear_unit(const Passing& pulley);
   double flow_inertia(const Winched& at, std::size_t end, std::size_t other) const;
   void find_flow(Passing& pulley, const double* state) const;
   template <class Visit>
-  void each_moved(const Passing& pulley, Visit visit) const;
+  void each_moved(const RopeEnd& end, Visit visit) const;
   void push_pulleys(const double* by, double* velocities, double* speeds) const;
 
   const World* world_ = nullptr;  // between load() and store()

@@ -160,7 +160,8 @@ void Mechanism::add_pulleys(const World& world) {
   couplings_.clear();
   unit_.assign(world.pulleys.empty() ? 0 : points(), Vec3::Zero());
   for (const Pulley& pulley : world.pulleys) {
-    Passing added{.inertia = pulley.inertia};
+    Passing added{
+        .inertia = pulley.inertia, .friction = pulley.friction, .bearing = pulley.bearing};
     const std::uint32_t number = small(pulleys_.size());
     std::vector<std::uint32_t> bodies;
     for (const std::size_t side : {0u, 1u}) {
@@ -179,12 +180,13 @@ void Mechanism::add_pulleys(const World& world) {
       for (std::size_t b = 0; b < body_points_.size(); ++b) {
         if (body_points_[b].point - found->first_point > links) continue;
         end.carried.push_back(small(b));
-        bodies.push_back(body_points_[b].body);
+        const std::uint32_t body = body_points_[b].body;
+        const auto is_it = [&](const auto& push) { return push.first == body; };
+        if (std::ranges::none_of(end.pushes, is_it)) end.pushes.push_back({body, {}});
+        bodies.push_back(body);
       }
     }
     std::ranges::sort(bodies);
-    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
-    for (const std::uint32_t body : bodies) added.pushes.push_back({body, {}});
     for (const RowEnd& end : row_ends_) {  // rows of other connectors that these bodies hold
       const std::uint32_t row = end.row, connector = rows_[row].connector;
       if (connector == pulley.from || connector == pulley.to) continue;
@@ -196,15 +198,20 @@ void Mechanism::add_pulleys(const World& world) {
   }
   const auto size = static_cast<Eigen::Index>(pulleys_.size());
   passing_inertia_.setZero(size, size);
+  for (Passing& pulley : pulleys_) {
+    if (!pulley.has_friction()) continue;
+    pulley.before_inertia.setZero(size);
+    pulley.inertia_of_all.setZero(size);
+  }
 }
 
 /// What a pulley that turns with 1 m/s^2 does: forces of the material that flows, and what bodies
 /// feel of them.
 void Mechanism::find_flow(Passing& pulley, const double* state) const {
   if (!pulley.has_mass) return;
-  for (auto& [body, push] : pulley.pushes) push = {};
   for (const std::size_t side : {0u, 1u}) {
     RopeEnd& end = pulley.end[side];
+    for (auto& [body, push] : end.pushes) push = {};
     const Winched& at = winches_[end.winched];
     const Winch& winch = *at.winch;
     const double sign = side == 0 ? -1 : 1;  // of what the connector's end pays out
@@ -221,7 +228,7 @@ void Mechanism::find_flow(Passing& pulley, const double* state) const {
       const std::size_t particle = carried.point - at.first_point;
       const FreeBody& body = bodies_[carried.body];
       BodyPush& push =
-          std::ranges::find(pulley.pushes, carried.body, &std::pair<std::uint32_t, BodyPush>::first)
+          std::ranges::find(end.pushes, carried.body, &std::pair<std::uint32_t, BodyPush>::first)
               ->second;
       push.linear += body.inverse_mass * end.force[particle];
       push.angular += body.world_inverse * carried.arm.cross(end.force[particle]);
@@ -230,14 +237,29 @@ void Mechanism::find_flow(Passing& pulley, const double* state) const {
 }
 
 template <class Visit>
-void Mechanism::each_moved(const Passing& pulley, Visit visit) const {
-  if (!pulley.has_mass) return;
-  for (const RopeEnd& end : pulley.end) {
-    const std::size_t first = winches_[end.winched].first_point;
-    for (std::size_t i = 0; i < end.force.size(); ++i) {
-      if (inverse_mass_[first + i] != 0) visit(first + i, inverse_mass_[first + i] * end.force[i]);
+void Mechanism::each_moved(const RopeEnd& end, Visit visit) const {
+  const std::size_t first = winches_[end.winched].first_point;
+  for (std::size_t i = 0; i < end.force.size(); ++i) {
+    if (inverse_mass_[first + i] != 0) visit(first + i, inverse_mass_[first + i] * end.force[i]);
+  }
+}
+
+/// Adds to unit_ what the material before or behind a pulley gives all points.
+void Mechanism::give_unit(const RopeEnd& end) {
+  each_moved(end, [&](std::size_t point, const Vec3& by) { unit_[point] = by; });
+  for (const auto& [body, push] : end.pushes) {
+    for (const BodyPoint& carried : body_points_) {
+      if (body != carried.body) continue;
+      unit_[carried.point] += push.linear + push.angular.cross(carried.arm);
     }
   }
+}
+
+void Mechanism::clear_unit(const Passing& pulley) {
+  for (const RopeEnd& end : pulley.end) {
+    each_moved(end, [&](std::size_t point, const Vec3&) { unit_[point].setZero(); });
+  }
+  for (const BodyPoint& carried : body_points_) unit_[carried.point].setZero();
 }
 
 void Mechanism::measure_pulleys(const double* state) {
@@ -246,53 +268,65 @@ void Mechanism::measure_pulleys(const double* state) {
     const Winched &from = winches_[pulley.end[0].winched], &to = winches_[pulley.end[1].winched];
     pulley.free_force = paying_force(to, 0, state, point_acceleration_, {}) -
                         paying_force(from, 1, state, point_acceleration_, {});
+    if (pulley.has_friction()) measure_friction(pulley, state);
   }
   auto coupling = couplings_.begin();
   for (std::size_t p = 0; p < pulleys(); ++p) {
-    each_moved(pulleys_[p], [&](std::size_t point, const Vec3& by) { unit_[point] = by; });
-    for (const BodyPoint& carried : body_points_) {
-      for (const auto& [body, push] : pulleys_[p].pushes) {
-        if (body != carried.body) continue;
-        unit_[carried.point] = push.linear + push.angular.cross(carried.arm);
+    Passing& pulley = pulleys_[p];
+    const auto first = coupling;
+    const auto each_row = [&](auto visit) {
+      for (coupling = first; coupling != couplings_.end() && coupling->pulley == p; ++coupling) {
+        const Row& row = rows_[coupling->row];
+        visit(direction_[coupling->row].dot(unit_[row.b] - unit_[row.a]));
       }
+    };
+    if (pulley.has_mass) give_unit(pulley.end[0]);
+    if (pulley.has_friction()) {
+      each_row([&](double moved) { coupling->before = moved - std::min(coupling->share, 0.0); });
     }
-    for (; coupling != couplings_.end() && coupling->pulley == p; ++coupling) {
-      const Row& row = rows_[coupling->row];
-      coupling->value =
-          direction_[coupling->row].dot(unit_[row.b] - unit_[row.a]) - coupling->share;
-    }
+    if (pulley.has_mass) give_unit(pulley.end[1]);
+    each_row([&](double moved) {
+      coupling->value = moved - coupling->share;
+      coupling->drive = -coupling->value;
+    });
+    const auto column = static_cast<Eigen::Index>(p);
     for (std::size_t other = 0; other < pulleys(); ++other) {
-      passing_inertia_(static_cast<Eigen::Index>(other), static_cast<Eigen::Index>(p)) =
-          passing_inertia(pulleys_[other], pulleys_[p]);
+      Passing& driven = pulleys_[other];
+      const double before = passing_inertia(driven, 0, pulley);
+      const double behind = passing_inertia(driven, 1, pulley);
+      const double all = (other == p ? pulley.inertia : 0) + before + behind;
+      passing_inertia_(static_cast<Eigen::Index>(other), column) = all;
+      if (!driven.has_friction()) continue;
+      driven.before_inertia[column] = before + (other == p ? pulley.inertia / 2 : 0);
+      driven.inertia_of_all[column] = all;
     }
-    each_moved(pulleys_[p], [&](std::size_t point, const Vec3&) { unit_[point].setZero(); });
-    for (const BodyPoint& carried : body_points_) unit_[carried.point].setZero();
+    if (pulley.has_mass) clear_unit(pulley);
   }
+  use_friction();
 }
 
-/// How what drives `pulley` falls with the acceleration of `other`, which gives unit_ to all
-/// points.
-double Mechanism::passing_inertia(const Passing& pulley, const Passing& other) const {
-  double sum = &pulley == &other ? pulley.inertia : 0;
-  if (!pulley.has_mass) return sum;
-  for (const std::size_t side : {0u, 1u}) {
-    const RopeEnd& end = pulley.end[side];
-    const Winched& at = winches_[end.winched];
-    bool shared = false;
-    for (const std::size_t side_of_other : {0u, 1u}) {
-      if (other.end[side_of_other].winched != end.winched) continue;
-      shared = true;
-      sum += (side == side_of_other ? 1 : -1) * flow_inertia(at, 1 - side, 1 - side_of_other);
+/// How what drives `pulley` falls, by the rope before (0) or behind it (1), with the acceleration
+/// of `other`, which gives unit_ to all points.
+double Mechanism::passing_inertia(const Passing& pulley, std::size_t side,
+                                  const Passing& other) const {
+  if (!pulley.has_mass) return 0;
+  double sum = 0;
+  const RopeEnd& end = pulley.end[side];
+  const Winched& at = winches_[end.winched];
+  bool shared = false;
+  for (const std::size_t side_of_other : {0u, 1u}) {
+    if (other.end[side_of_other].winched != end.winched) continue;
+    shared = true;
+    sum += (side == side_of_other ? 1 : -1) * flow_inertia(at, 1 - side, 1 - side_of_other);
+  }
+  if (shared) {
+    for (std::size_t i = 0; i < end.force.size(); ++i) {
+      sum -= end.force[i].dot(unit_[at.first_point + i]);
     }
-    if (shared) {
-      for (std::size_t i = 0; i < end.force.size(); ++i) {
-        sum -= end.force[i].dot(unit_[at.first_point + i]);
-      }
-    } else {  // by a body alone
-      for (const std::uint32_t b : end.carried) {
-        const std::size_t point = body_points_[b].point;
-        sum -= end.force[point - at.first_point].dot(unit_[point]);
-      }
+  } else {  // by a body alone
+    for (const std::uint32_t b : end.carried) {
+      const std::size_t point = body_points_[b].point;
+      sum -= end.force[point - at.first_point].dot(unit_[point]);
     }
   }
   return sum;
@@ -327,14 +361,22 @@ std::optional<std::size_t> Mechanism::run_through(double time, double* state) {
 void Mechanism::right_side(std::vector<double>& right) const {
   right.resize(unknowns());
   for (std::size_t r = 0; r < rows_.size(); ++r) right[r] = free_acceleration(r);
-  for (std::size_t p = 0; p < pulleys(); ++p) right[rows_.size() + p] = -pulleys_[p].free_force;
+  for (std::size_t p = 0; p < pulleys(); ++p) {
+    const Passing& pulley = pulleys_[p];
+    right[rows_.size() + p] =
+        pulley.slip == Slip::none ? 0 : pulley.excess() * pulley.before - pulley.free_force;
+  }
 }
 
 void Mechanism::push_pulleys(const double* by, double* velocities, double* speeds) const {
   for (std::size_t p = 0; p < pulleys(); ++p) {
-    each_moved(pulleys_[p], [&](std::size_t point, const Vec3& unit) {
-      Eigen::Map<Vec3>(velocities + 3 * point) += by[p] * unit;
-    });
+    if (pulleys_[p].has_mass) {
+      for (const RopeEnd& end : pulleys_[p].end) {
+        each_moved(end, [&](std::size_t point, const Vec3& unit) {
+          Eigen::Map<Vec3>(velocities + 3 * point) += by[p] * unit;
+        });
+      }
+    }
     speeds[p] += by[p];
   }
 }

@@ -38,7 +38,7 @@ std::uint32_t TensionSystem::entry(const Mechanism& mechanism, std::size_t row, 
   if (other == row + 1 && neighbours(mechanism.rows(), row)) return small(rows_ + row);
   const auto [found, added] = entry_at_.try_emplace({row, other}, small(values_.size()));
   if (!added) return found->second;
-  entries_.push_back({small(row), small(other), small(values_.size())});
+  entries_.push_back({small(row), small(other), small(values_.size()), small(values_.size())});
   values_.push_back(0);
   return entries_.back().value;
 }
@@ -81,6 +81,11 @@ void TensionSystem::find_terms(const Mechanism& mechanism) {
   for (std::size_t p = rows.size(); p < rows_; ++p) {
     for (std::size_t q = p; q < rows_; ++q) pulley_pairs_.push_back(entry(mechanism, p, q));
   }
+  for (Entry& e : entries_) {
+    if (e.other < rows.size()) continue;
+    e.transposed = small(values_.size());
+    values_.push_back(0);
+  }
 }
 
 void TensionSystem::add_to_border(std::size_t row) {
@@ -110,11 +115,14 @@ void TensionSystem::find_border(const Mechanism& mechanism) {
   }
   for (std::size_t p = rows.size(); p < rows_; ++p) add_to_border(p);
   for (const std::uint32_t row : border_) {
-    if (row > 0) border_entries_.push_back({row, row - 1, small(rows_ + row - 1)});
-    if (row + 1 < rows_) border_entries_.push_back({row, row + 1, small(rows_ + row)});
+    const auto beside = [&](std::uint32_t other, std::size_t value) {
+      border_entries_.push_back({row, other, small(value), small(value)});
+    };
+    if (row > 0) beside(row - 1, rows_ + row - 1);
+    if (row + 1 < rows_) beside(row + 1, rows_ + row);
     for (const Entry& e : entries_) {
       if (e.row == row) border_entries_.push_back(e);
-      if (e.other == row) border_entries_.push_back({row, e.row, e.value});
+      if (e.other == row) border_entries_.push_back({row, e.row, e.transposed, e.value});
     }
   }
   // The rows inside that a column of the border reaches by their couplings to each other.
@@ -166,13 +174,19 @@ void TensionSystem::assemble(const Mechanism& mechanism) {
     values_[term.value] += term.times * (body.inverse_mass * pull.dot(other) +
                                          torque.dot(body.world_inverse * other_torque));
   }
+  const auto entry_of = [&](std::uint32_t value) { return entries_[value - 2 * rows_]; };
   for (std::size_t c = 0; c < couplings_.size(); ++c) {
-    values_[couplings_[c]] = -mechanism.couplings()[c].value;
+    const Entry e = entry_of(couplings_[c]);
+    values_[e.value] = -mechanism.couplings()[c].value;
+    values_[e.transposed] = mechanism.couplings()[c].drive;
   }
-  for (std::size_t p = 0; p < pulleys_; ++p) {
-    for (std::size_t q = p; q < pulleys_; ++q) {
-      values_[entry(mechanism, rows.size() + p, rows.size() + q)] =
-          -mechanism.passing_inertia()(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(q));
+  auto pair = pulley_pairs_.begin();
+  for (Eigen::Index p = 0; p < static_cast<Eigen::Index>(pulleys_); ++p) {
+    values_[*pair++] = -mechanism.passing_inertia()(p, p);
+    for (Eigen::Index q = p + 1; q < static_cast<Eigen::Index>(pulleys_); ++q) {
+      const Entry e = entry_of(*pair++);
+      values_[e.value] = -mechanism.passing_inertia()(p, q);
+      values_[e.transposed] = -mechanism.passing_inertia()(q, p);
     }
   }
 }
@@ -226,7 +240,11 @@ bool TensionSystem::solve_banded(const std::vector<double>& right, std::vector<d
   }
   for (const Entry& e : border_entries_) {
     const auto s = border_index_[e.row], t = border_index_[e.other];
-    (t == kInside ? column(s)[e.other] : schur_(s, t)) = values_[e.value];
+    if (t == kInside) {
+      column(s)[e.other] = values_[e.transposed];
+    } else {
+      schur_(s, t) = values_[e.value];
+    }
   }
   const double largest = schur_.diagonal().maxCoeff();
   for (std::size_t s = 0; s < border_.size(); ++s) sweep(column_spans_[s], column(s));
@@ -291,8 +309,10 @@ const Eigen::MatrixXd& TensionSystem::dense() {
     if (r + 1 < size)
       dense_(r, r + 1) = dense_(r + 1, r) = values_[rows_ + static_cast<std::size_t>(r)];
   }
-  for (const Entry& e : entries_)
-    dense_(e.row, e.other) = dense_(e.other, e.row) = values_[e.value];
+  for (const Entry& e : entries_) {
+    dense_(e.row, e.other) = values_[e.value];
+    dense_(e.other, e.row) = values_[e.transposed];
+  }
   return dense_;
 }
 

@@ -23,8 +23,8 @@ namespace taut {
 /// connectors are joined, A is sparse (JoinedTension).
 ///
 /// Pulleys stand in the border, too, with a row of each connector that passes one: with their
-/// couplings C and inertia S (Mechanism) the matrix is [A, -C; -C^T, -S], which is symmetric and
-/// not definite; A alone may be singular there.
+/// couplings C and inertia S (Mechanism) the matrix is [A, -C; -C^T, -S], which is not definite,
+/// and symmetric without friction; A alone may be singular there.
 class TensionSystem {
  public:
   TensionSystem() = default;
@@ -67,9 +67,10 @@ class TensionSystem {
   const Eigen::MatrixXd& dense();
 
  private:
-  /// An entry of A off its diagonals; `value` indexes values_.
+  /// An entry of A off its diagonals; `value` and `transposed`, A(other, row), index values_. These
+  /// differ in rows of pulleys, where friction may be.
   struct Entry {
-    std::uint32_t row = 0, other = 0, value = 0;
+    std::uint32_t row = 0, other = 0, value = 0, transposed = 0;
   };
   /// What two row ends that share a particle or a free body add to values_[value].
   struct PointTerm {
@@ -116,7 +117,7 @@ class TensionSystem {
   static constexpr std::uint32_t kInside = 0xffffffff;
   std::vector<std::uint32_t> border_index_;  // per row: its place in the border, or kInside
   std::vector<std::uint32_t> border_;        // rows
-  std::vector<Entry> border_entries_;        // every entry of a border row: {row, other, value}
+  std::vector<Entry> border_entries_;        // every entry of a border row
 
   std::vector<std::uint32_t> block_;               // per row: the first of its block
   std::vector<std::uint32_t> block_rows_, place_;  // sorted by blocks; of a row in its block

@@ -5,6 +5,7 @@
 
 #include "sim/links/mechanism.h"
 #include "sim/links/projection.h"
+#include "sim/links/pulley_friction.h"
 #include "sim/reference/event_driven.h"
 #include "sim/reference/runge_kutta.h"
 #include "sim/run/companion.h"
@@ -33,12 +34,14 @@ class Multipliers final : public Method {
   void step(double& time, double until);
   void slope(const reference::State& state, reference::State& derivative, double time);
   void project(double time);
+  bool ends_before_change(double from, double& time);
   [[noreturn]] void give_up(double time, std::size_t row, const char* what) const;
 
   reference::Stepper stepper_;
   Mechanism mechanism_;
   TensionSystem system_;
   Projection projection_;
+  PulleyFriction friction_;
   bool built_ = false;
   const World* world_ = nullptr;
   std::uint64_t topology_ = 0;
@@ -55,6 +58,7 @@ void Multipliers::prepare(const World& world) {
   mechanism_.rebuild(world);
   system_.rebuild(mechanism_);
   projection_.rebuild(mechanism_);
+  friction_.rebuild(mechanism_);
   for (reference::State* state : {&state_, &before_, &scratch_})
     state->reserve(mechanism_.state_room());
   for (reference::State* rows : {&right_, &tension_}) rows->reserve(mechanism_.row_room());
@@ -96,7 +100,10 @@ void Multipliers::advance(World& world, double until) {
   world_ = &world;
   mechanism_.load(world, state_);
   double time = world.time;
-  if (fresh) project(time);
+  if (fresh) {
+    project(time);
+    if (friction_.any()) friction_.decide(mechanism_, system_, time, state_);
+  }
   while (time < until) {
     const auto key = std::ranges::upper_bound(keys_, time);
     step(time, key == keys_.end() ? until : std::min(*key, until));
@@ -139,6 +146,7 @@ void Multipliers::step(double& time, double until) {
     time = from;
     return;
   }
+  if (friction_.any() && !ends_before_change(from, time)) return;
   step_ = next;
   ++counters_.steps;
   if (!(std::abs(time - brief_) < kBriefTime)) {
@@ -154,6 +162,23 @@ void Multipliers::step(double& time, double until) {
   }
   project(time);
   mechanism_.follow(time, state_);
+}
+
+/// Whether rope at pulleys does all along the step what it did at its begin. If it does not, the
+/// step is undone, and the next one ends about where that changes.
+bool Multipliers::ends_before_change(double from, double& time) {
+  project(time);
+  const double off = friction_.distance(mechanism_, system_, time, state_);
+  if (off < -PulleyFriction::kNear && time - from > kShortest) {
+    step_ = (time - from) *
+            PulleyFriction::share(friction_.distance(mechanism_, system_, from, before_), off);
+    state_ = before_;
+    time = from;
+    ++counters_.rejected;
+    return false;
+  }
+  if (off <= PulleyFriction::kNear) friction_.decide(mechanism_, system_, time, state_);
+  return true;
 }
 
 void Multipliers::slope(const reference::State& state, reference::State& derivative, double time) {

@@ -74,6 +74,13 @@ std::string pulley_flaw(const World& world, const Pulley& pulley) {
   }
   const double density = ropes[0]->winch->density, other = ropes[1]->winch->density;
   if (std::abs(density - other) > kRounding * density) return "is between two densities";
+  if (pulley.friction < 0 || pulley.bearing < 0) return "has a negative friction";
+  if (pulley.bearing >= 1) return "has a bearing that lets nothing turn";
+  const bool rubs = pulley.friction > 0 || pulley.bearing > 0;
+  if (rubs && density > 0 && before->to.kind == Attachment::Kind::body &&
+      !world.bodies[before->to.body].driven()) {
+    return "has friction at rope with mass on a body that is free";
+  }
   return pulley.inertia >= 0 ? "" : "has a negative inertia";
 }
 

@@ -233,6 +233,7 @@ std::uint64_t structure(const World& world) {
   for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
   for (const Pulley& pulley : world.pulleys) {
     hash.text("pulley").word(pulley.from).word(pulley.to).word(pulley.inertia);
+    hash.word(pulley.friction).word(pulley.bearing);
   }
   for (const BodyPair& pair : world.pairs) {
     hash.word(pair.a).word(pair.b).word(pair.static_friction).word(pair.kinetic_friction);

@@ -17,6 +17,7 @@ constexpr double kFirst = 0.1;        // of the shortest link's swing: the first
 constexpr double kLeastStep = 1e-12;  // s
 constexpr double kBriefTime = 1e-4;   // s, in which more steps than these lead nowhere
 constexpr int kMostSteps = 3000;
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 Eigen::Map<const Vec3> part(const std::vector<double>& state, std::size_t at) {
   return Eigen::Map<const Vec3>(&state[at]);
@@ -44,6 +45,7 @@ void Joined::rebuild(const World& world) {
   mechanism_.rebuild(world);
   system_.rebuild(mechanism_);
   projection_.rebuild(mechanism_);
+  friction_.rebuild(mechanism_);
   const std::size_t size = mechanism_.state_size(), rows = mechanism_.unknowns();
   for (State* state : {&state_, &loaded_, &next_, &scratch_, &error_}) state->assign(size, 0.0);
   for (State& state : slope_) state.assign(size, 0.0);
@@ -159,6 +161,11 @@ double Joined::attempt(double time, double h) {
   return blend > 0 ? error5 * error5 / blend : blend;
 }
 
+/// As PulleyFriction has it.
+double Joined::distance_to_change(double time, State& state) {
+  return friction_.any() ? friction_.distance(mechanism_, system_, time, state) : kNever;
+}
+
 bool Joined::project(double time, State& state) {
   if (!(projection_.lengths(mechanism_, time, state).violation <= Projection::kKept)) return false;
   projection_.rates(mechanism_, time, state);
@@ -172,6 +179,7 @@ void Joined::advance(World& world, double until) {
   if (fresh || loaded_ != state_) {
     state_ = loaded_;
     if (!project(world.time, state_)) give_up(world, world.time);
+    if (friction_.any()) friction_.decide(mechanism_, system_, world.time, state_);
   }
   if (mechanism_.has_winches()) find_material_waves();
   double time = brief_ = world.time;
@@ -181,10 +189,13 @@ void Joined::advance(World& world, double until) {
   while (time < until) {
     find_slope(time, state_, slope_[0]);
     const double stable = longest_step(wave_frequency());
+    const double from_change = distance_to_change(time, state_);
+    double change = kNever;  // s, from here to where rope begins to slide, or stops
     for (bool taken = false; !taken;) {
       const double wish = std::min(options_.step > 0 ? options_.step : step_, stable);
       const double count = std::max(1.0, std::ceil((until - time) / wish * (1 - 1e-9)));
-      const double h = (until - time) / count;
+      const bool to_change = change < (until - time) / count;
+      const double h = to_change ? change : (until - time) / count;
       const double error = attempt(time, h), limit = allowed_error(h);
       const auto run_through =
           error <= limit ? mechanism_.run_through(time + h, next_.data()) : std::nullopt;
@@ -195,9 +206,17 @@ void Joined::advance(World& world, double until) {
       taken = error <= limit && !run_through && project(time + h, next_);
       const double ratio = kConstants.safety * std::pow(limit / error, 1 / kErrorOrder);
       ++counters_.steps;
+      const double off = taken ? distance_to_change(time + h, next_) : kNever;
+      if (off < -PulleyFriction::kNear && h > kLeastStep) {
+        taken = false;
+        change = h * PulleyFriction::share(from_change, off);
+        ++counters_.rejected;
+        continue;
+      }
       if (taken) {
         std::swap(state_, next_);
-        time = count == 1 ? until : time + h;
+        time = count == 1 && !to_change ? until : time + h;
+        if (off <= PulleyFriction::kNear) friction_.decide(mechanism_, system_, time, state_);
         mechanism_.follow(time, state_);
         if (time - brief_ > kBriefTime) {
           brief_ = time;

@@ -6,6 +6,7 @@
 
 #include "sim/links/mechanism.h"
 #include "sim/links/projection.h"
+#include "sim/links/pulley_friction.h"
 #include "sim/links/tension.h"
 #include "sim/methods/direct/integrator.h"
 #include "sim/methods/direct/schemes/dop853_table.h"
@@ -36,6 +37,7 @@ class Joined {
   double attempt(double time, double h);
   double size(const State& error) const;
   bool project(double time, State& state);
+  double distance_to_change(double time, State& state);
   [[noreturn]] void give_up(const World& world, double time) const;
 
   StepOptions options_;
@@ -45,6 +47,7 @@ class Joined {
   Mechanism mechanism_;
   TensionSystem system_;
   Projection projection_;
+  PulleyFriction friction_;
   State state_, loaded_, next_, scratch_, error_, right_, tension_;
   std::array<State, kStages> slope_;  // of the stages
   double length_ = 0, shortest_ = 0;  // m: the scale of the world, and its shortest link

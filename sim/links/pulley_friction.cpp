@@ -1,0 +1,112 @@
+#include "sim/links/pulley_friction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace taut {
+namespace {
+
+using Slip = Mechanism::Slip;
+
+/// How far (share of both tensions) the larger one is from sliding: below zero it slides.
+double from_sliding(const Mechanism::Pull& pull) {
+  const double sum = std::abs(pull.before) + std::abs(pull.behind);
+  const double forwards = pull.ratio * pull.before - pull.behind;
+  const double backwards = pull.ratio * pull.behind - pull.before;
+  return sum > 0 ? std::min(forwards, backwards) / sum : 0;
+}
+
+double from_pushing(const Mechanism::Pull& pull) {
+  const double sum = std::abs(pull.before) + std::abs(pull.behind);
+  return sum > 0 ? pull.before / sum : 0;
+}
+
+}  // namespace
+
+void PulleyFriction::rebuild(const Mechanism& mechanism) {
+  any_ = false;
+  for (std::size_t p = 0; p < mechanism.pulleys(); ++p) any_ = any_ || mechanism.has_friction(p);
+  right_.reserve(mechanism.row_room());
+  tension_.reserve(mechanism.row_room());
+  right_.resize(mechanism.unknowns());
+  tension_.resize(mechanism.unknowns());
+}
+
+void PulleyFriction::solve(Mechanism& mechanism, TensionSystem& system, double time,
+                           std::vector<double>& state) {
+  mechanism.update(time, state.data());
+  mechanism.right_side(right_);
+  system.assemble(mechanism);
+  system.solve(right_, tension_);
+}
+
+void PulleyFriction::decide(Mechanism& mechanism, TensionSystem& system, double time,
+                            std::vector<double>& state) {
+  for (std::size_t p = 0; p < mechanism.pulleys(); ++p) {
+    if (!mechanism.has_friction(p)) continue;
+    double& speed = state[mechanism.speed(p)];
+    if (std::abs(speed) <= kNear) speed = 0;
+    mechanism.set_slip(p, speed > 0 ? Slip::forwards : speed < 0 ? Slip::backwards : Slip::none);
+  }
+  // One pulley after another: what one does changes the tensions at others.
+  for (std::size_t change = 0; change < 2 * mechanism.pulleys(); ++change) {
+    solve(mechanism, system, time, state);
+    double worst = -kNear;
+    std::size_t which = mechanism.pulleys();
+    Slip now = Slip::none;
+    const auto consider = [&](double distance, std::size_t pulley, Slip slip) {
+      if (!(distance < worst)) return;
+      worst = distance;
+      which = pulley;
+      now = slip;
+    };
+    for (std::size_t p = 0; p < mechanism.pulleys(); ++p) {
+      const Slip slip = mechanism.slip(p);
+      if (!mechanism.has_friction(p) || slip == Slip::free) continue;
+      const Mechanism::Pull pull = mechanism.pull_at(p, tension_.data());
+      if (from_pushing(pull) < 0) {
+        consider(from_pushing(pull), p, Slip::free);
+      } else if (slip == Slip::none) {
+        consider(from_sliding(pull), p,
+                 pull.behind > pull.before ? Slip::forwards : Slip::backwards);
+      }
+    }
+    if (which == mechanism.pulleys()) return;
+    mechanism.set_slip(which, now);
+  }
+}
+
+double PulleyFriction::distance(Mechanism& mechanism, TensionSystem& system, double time,
+                                std::vector<double>& state) {
+  solve(mechanism, system, time, state);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t p = 0; p < mechanism.pulleys(); ++p) {
+    if (!mechanism.has_friction(p)) continue;
+    const Mechanism::Pull pull = mechanism.pull_at(p, tension_.data());
+    const double speed = state[mechanism.speed(p)];
+    switch (mechanism.slip(p)) {
+      case Slip::free:
+        least = std::min(least, -from_pushing(pull));
+        break;
+      case Slip::none:
+        least = std::min({least, from_sliding(pull), from_pushing(pull)});
+        break;
+      case Slip::forwards:
+        least = std::min({least, speed, from_pushing(pull)});
+        break;
+      case Slip::backwards:
+        least = std::min({least, -speed, from_pushing(pull)});
+        break;
+    }
+  }
+  return least;
+}
+
+double PulleyFriction::share(double before, double behind) {
+  constexpr double kLeast = 0.01;
+  if (!(before > 0)) return 0.5;
+  return std::clamp(before / (before - behind), kLeast, 1 - kLeast);
+}
+
+}  // namespace taut

@@ -1,0 +1,193 @@
+// Friction of rope at pulleys, against known answers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "../material/material_worlds.h"
+#include "../worlds.h"
+#include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
+#include "sim/winch/pulley.h"
+#include "sim/world/winched.h"
+
+namespace taut::pulley_friction_test {
+namespace {
+
+using material_worlds::after;
+using worlds::kGravity;
+
+/// Two ropes that hang from an eye at the origin with masses (kg) at their ends. Rope passes from
+/// the first to the second at `speed` (m/s).
+struct Machine {
+  double left = 1, right = 1;  // m
+  double left_mass = 1, right_mass = 1;
+  double density = 0;  // kg/m
+  std::size_t links = 1;
+  double friction = 0, bearing = 0, inertia = 0, speed = 0;
+};
+
+World atwood(const Machine& machine) {
+  World world;
+  const auto rope = [&](const char* name, double length) {
+    return straight_connector(name, length, machine.density * length, machine.links + 1,
+                              Vec3::Zero(), -Vec3::UnitY());
+  };
+  Connector left = rope("left", machine.left), right = rope("right", machine.right);
+  std::ranges::reverse(left.position);
+  left.holds = {{machine.links, worlds::fixed_at(Vec3::Zero())}};
+  right.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
+  left.particle_mass.front() += machine.left_mass;
+  right.particle_mass.back() += machine.right_mass;
+  world.connectors = {left, right};
+  add_pulley(world, "eye", 0, 1, machine.inertia);
+  Pulley& eye = world.pulleys[0];
+  eye.friction = machine.friction;
+  eye.bearing = machine.bearing;
+  eye.speed = machine.speed;
+  for (const std::size_t c : {0u, 1u}) {
+    Connector& hanging = world.connectors[c];
+    const double length = c == 0 ? machine.left : machine.right;
+    for (std::size_t i = 0; i < hanging.particles(); ++i) {
+      const double share = -hanging.position[i].y() / length;
+      hanging.velocity[i].y() = (c == 0 ? 1 : -1) * machine.speed * share;
+    }
+  }
+  finish(world);
+  return world;
+}
+
+Settings finely(std::string_view method, double tolerance) {
+  return method == "direct" ? Settings{{"tolerance", tolerance}} : Settings();
+}
+
+constexpr double kFriction = 0.2;
+const double kHalfTurn = std::exp(kFriction * std::numbers::pi);  // T1/T2 over half a turn
+
+// Euler and Eytelwein: rope that slides over half a turn pulls exp(mu pi) times as much.
+TEST(PulleyFriction, MassesFallByWhatTheCapstanLeaves) {
+  const double heavy = 2.5, light = 1, inertia = 0.25;
+  const double fall = kGravity * (heavy - kHalfTurn * light) /
+                      (heavy + kHalfTurn * light + inertia * (1 + kHalfTurn) / 2);
+  for (const char* method : {"truth", "direct"}) {
+    for (const bool forwards : {true, false}) {
+      const World end = after(atwood({.left_mass = forwards ? light : heavy,
+                                      .right_mass = forwards ? heavy : light,
+                                      .friction = kFriction,
+                                      .inertia = inertia}),
+                              0.4, method, {});
+      const double sign = forwards ? 1 : -1;
+      EXPECT_NEAR(end.pulleys[0].speed, sign * fall * 0.4, 1e-9) << method;
+      EXPECT_NEAR(end.pulleys[0].passed, sign * fall * 0.08, 1e-9) << method;
+    }
+  }
+}
+
+// Over half a turn a bearing takes its share of both tensions: I q'' = T2 - T1 - bearing (T1 + T2).
+TEST(PulleyFriction, BearingsTakeAShareOfBothTensions) {
+  const double bearing = 0.1, behind = 0.9 * 1.5, before = 1.1;
+  const double fall = kGravity * (behind - before) / (behind + before + 0.5);
+  const World end =
+      after(atwood({.left_mass = 1, .right_mass = 1.5, .bearing = bearing, .inertia = 0.5}), 0.4,
+            "direct", {});
+  EXPECT_NEAR(end.pulleys[0].speed, fall * 0.4, 1e-9);
+}
+
+TEST(PulleyFriction, RopeStaysWhereTheCapstanHolds) {
+  for (const char* method : {"truth", "direct"}) {
+    for (const double share : {0.999, 1 / 0.999}) {
+      const World start =
+          atwood({.left_mass = 1, .right_mass = share * kHalfTurn, .friction = kFriction});
+      const World end = after(start, 1, method, {});
+      if (share < 1) {
+        EXPECT_EQ(end.pulleys[0].passed, 0) << method;
+        EXPECT_EQ(end.pulleys[0].speed, 0) << method;
+        EXPECT_LT((end.connectors[1].position[1] - Vec3(0, -1, 0)).norm(), 1e-14) << method;
+      } else {
+        EXPECT_GT(end.pulleys[0].passed, 1e-4) << method;
+      }
+    }
+  }
+}
+
+// Thrown upwards a mass slides until friction and its weight have stopped it, and stays there.
+TEST(PulleyFriction, RopeStopsWhereItMustAndStays) {
+  const double left = 1, right = 1.2, speed = -1;  // the right mass rises
+  const double slows = kGravity * (kHalfTurn * right - left) / (kHalfTurn * right + left);
+  for (const char* method : {"truth", "direct"}) {
+    const World start =
+        atwood({.left_mass = left, .right_mass = right, .friction = kFriction, .speed = speed});
+    const World early = after(start, 0.5 / slows, method, {});
+    EXPECT_NEAR(early.pulleys[0].speed, -0.5, 1e-9) << method;
+    const World end = after(start, 1, method, {});
+    EXPECT_EQ(end.pulleys[0].speed, 0) << method;
+    EXPECT_NEAR(end.pulleys[0].passed, -speed * speed / (2 * slows), 1e-9) << method;
+  }
+}
+
+/// A heavy rope over an eye, of lengths a before and b behind it, with E = exp(mu pi):
+/// density (b (g - q'') - q'^2) = E density (a (g + q'') - q'^2), by Runge and Kutta's method.
+double slid(double a, double b, double duration) {
+  const auto acceleration = [&](double q, double v) {
+    const double before = a - q, behind = b + q;
+    return (kGravity * (behind - kHalfTurn * before) + (kHalfTurn - 1) * v * v) /
+           (behind + kHalfTurn * before);
+  };
+  constexpr int kSteps = 20000;
+  const double h = duration / kSteps;
+  double q = 0, v = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double a1 = acceleration(q, v), a2 = acceleration(q + h / 2 * v, v + h / 2 * a1),
+                 v2 = v + h / 2 * a1, a3 = acceleration(q + h / 2 * v2, v + h / 2 * a2),
+                 v3 = v + h / 2 * a2, a4 = acceleration(q + h * v3, v + h * a3), v4 = v + h * a3;
+    q += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
+    v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+  return q;
+}
+
+TEST(PulleyFriction, HeavyRopeSlidesByItsEquation) {
+  const double left = 0.8, right = 2.2, duration = 0.5;
+  const double known = slid(left, right, duration);
+  EXPECT_GT(known, 0.1);
+  for (const std::size_t links : {1u, 2u, 6u}) {
+    for (const char* method : {"truth", "direct"}) {
+      World world = atwood({.left = left,
+                            .right = right,
+                            .left_mass = 0,
+                            .right_mass = 0,
+                            .density = 0.7,
+                            .links = links,
+                            .friction = kFriction});
+      const World end = after(world, duration, method, finely(method, 1e-8));
+      EXPECT_NEAR(end.pulleys[0].passed, known, 1e-7) << method << ' ' << links;
+    }
+  }
+}
+
+// The swinging machine loses what friction takes, sticks where it swings little, and truth and
+// direct agree all the way.
+TEST(PulleyFriction, SwingingRopeSlipsAndSticks) {
+  World start = atwood({.left_mass = 1.2, .right_mass = 1, .friction = 0.1});
+  start.connectors[1].position[1] = 1.0 * worlds::from_down(50);
+  finish(start);
+  bool stuck = false, slid = false;
+  double before = energy(start);
+  Simulation truth(start, make_method("truth", {}));
+  Simulation direct(start, make_method("direct", {{"tolerance", 1e-6}}));
+  for (int frame = 1; frame <= 120; ++frame) {
+    truth.advance_to(0.05 * frame);
+    direct.advance_to(0.05 * frame);
+    const Pulley& eye = truth.world().pulleys[0];
+    (eye.speed == 0 ? stuck : slid) = true;
+    EXPECT_NEAR(direct.world().pulleys[0].passed, eye.passed, 2e-6) << frame;
+    EXPECT_LE(energy(truth.world()), before + 1e-9) << frame;
+    before = energy(truth.world());
+  }
+  EXPECT_TRUE(stuck);
+  EXPECT_TRUE(slid);
+  EXPECT_LT(before, energy(start) - 0.01);
+}
+
+}  // namespace
+}  // namespace taut::pulley_friction_test
