@@ -181,7 +181,10 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
   json["joints"] = scene.world.joints.size();
   json["pulleys"] = program::Json::object();
   for (const Pulley& pulley : scene.world.pulleys)
-    append(json["pulleys"], pulley.name, {{"inertia_kg", pulley.inertia}});
+    append(json["pulleys"], pulley.name,
+           {{"inertia_kg", pulley.inertia},
+            {"friction", pulley.friction},
+            {"bearing", pulley.bearing}});
   json["obstacles"] = program::Json::object();
   for (const Obstacle& obstacle : scene.world.obstacles) {
     append(json["obstacles"], obstacle.name,
@@ -244,7 +247,8 @@ std::string as_text(const scenes::Scene& scene, bool staged,
   }
   if (!world.joints.empty()) line(fmt::format("joints: {}", world.joints.size()));
   for (const Pulley& pulley : world.pulleys)
-    line(fmt::format("pulley {}: inertia {} kg", pulley.name, pulley.inertia));
+    line(fmt::format("pulley {}: inertia {} kg, friction {}, of its bearing {}", pulley.name,
+                     pulley.inertia, pulley.friction, pulley.bearing));
   for (const Obstacle& obstacle : world.obstacles) {
     const std::vector<std::string> names = ignored_by(obstacle, world);
     line(fmt::format("obstacle {}: {}{}, friction {}, restitution {}{}{}", obstacle.name,

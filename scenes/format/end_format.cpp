@@ -70,15 +70,28 @@ const TableFormat& pulley_format() {
        text("character", "Name of that character."),
        not_negative("inertia",
                     "Of a sheave about its axle, over the square of its radius: half of the mass "
-                    "of a disc; default: an eye without friction.",
+                    "of a disc; default: an eye.",
                     "kg"),
+       not_negative("friction",
+                    "Coulomb's, of the rope on an eye: what pulls it is exp(friction turn) times "
+                    "what holds it.",
+                    "1"),
+       {.name = "bearing",
+        .meaning = "Coulomb's friction of a sheave's axle, times its radius over the sheave's: of "
+                   "both tensions together over half a turn.",
+        .unit = "1",
+        .minimum = 0,
+        .maximum = 0.99},
        {.name = "passed",
         .type = Type::tables,
         .meaning = "How much rope it passes when, where it is driven; default: it turns freely. "
                    "Not on a free body. Smooth between keys.",
         .least = 1,
         .table = &passed}},
-      {{{"body", "fixed", "path", "bone"}}, {{"inertia", "passed"}, false}}};
+      {{{"body", "fixed", "path", "bone"}},
+       {{"inertia", "passed"}, false},
+       {{"friction", "passed"}, false},
+       {{"bearing", "passed"}, false}}};
   return format;
 }
 

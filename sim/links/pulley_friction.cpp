@@ -17,9 +17,10 @@ double from_sliding(const Mechanism::Pull& pull) {
   return sum > 0 ? std::min(forwards, backwards) / sum : 0;
 }
 
+/// How far both are from pushing.
 double from_pushing(const Mechanism::Pull& pull) {
   const double sum = std::abs(pull.before) + std::abs(pull.behind);
-  return sum > 0 ? pull.before / sum : 0;
+  return sum > 0 ? std::max(pull.before, pull.behind) / sum : 0;
 }
 
 }  // namespace
@@ -49,8 +50,10 @@ void PulleyFriction::decide(Mechanism& mechanism, TensionSystem& system, double 
     if (std::abs(speed) <= kNear) speed = 0;
     mechanism.set_slip(p, speed > 0 ? Slip::forwards : speed < 0 ? Slip::backwards : Slip::none);
   }
-  // One pulley after another: what one does changes the tensions at others.
-  for (std::size_t change = 0; change < 2 * mechanism.pulleys(); ++change) {
+  // One pulley after another: what one does changes the tensions at others. Between two that stay
+  // the tension of rope without mass may be any: there one of them is left at its limit.
+  constexpr double kMost = 2;  // beyond all shares
+  for (std::size_t change = 0; change < 4 * mechanism.pulleys(); ++change) {
     solve(mechanism, system, time, state);
     double worst = -kNear;
     std::size_t which = mechanism.pulleys();
@@ -63,10 +66,17 @@ void PulleyFriction::decide(Mechanism& mechanism, TensionSystem& system, double 
     };
     for (std::size_t p = 0; p < mechanism.pulleys(); ++p) {
       const Slip slip = mechanism.slip(p);
-      if (!mechanism.has_friction(p) || slip == Slip::free) continue;
+      if (!mechanism.has_friction(p)) continue;
       const Mechanism::Pull pull = mechanism.pull_at(p, tension_.data());
-      if (from_pushing(pull) < 0) {
+      const double speed = state[mechanism.speed(p)];
+      const double goes = speed != 0 ? speed : tension_[mechanism.rows().size() + p];
+      const double ahead = slip == Slip::forwards ? goes : -goes;
+      if (slip == Slip::free) {
+        consider(-from_pushing(pull), p, goes > 0 ? Slip::forwards : Slip::backwards);
+      } else if (from_pushing(pull) < 0) {
         consider(from_pushing(pull), p, Slip::free);
+      } else if (slip != Slip::none && ahead < -kNear) {
+        consider(-kMost, p, Slip::none);  // it began to slide before others did
       } else if (slip == Slip::none) {
         consider(from_sliding(pull), p,
                  pull.behind > pull.before ? Slip::forwards : Slip::backwards);

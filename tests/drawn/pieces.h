@@ -210,6 +210,10 @@ class Pieces {
       if (kind < 0.7 && dice.between(0, 1) < 0.2) {
         turns = fmt::format("passed = [{{ t = 0, passed = 0 }}, {{ t = {}, passed = {} }}]",
                             dice.between(0.2, 1), length_ * dice.between(-0.1, 0.1));
+      } else if (kind < 0.7 || massless) {
+        const double rubs = dice.between(0, 1);
+        if (rubs < 0.3) turns += fmt::format(", friction = {}", dice.scale(1e-2, 1));
+        if (rubs > 0.7) turns += fmt::format(", bearing = {}", dice.scale(1e-2, 0.3));
       }
       pulleys += fmt::format("p{} = {{ {}, {} }}\n", i, held, turns);
       names += fmt::format("{}\"p{}\"", i > 0 ? ", " : "", i);

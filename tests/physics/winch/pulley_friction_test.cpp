@@ -125,6 +125,40 @@ TEST(PulleyFriction, RopeStopsWhereItMustAndStays) {
   }
 }
 
+/// The same rope over two eyes at one height, a quarter of a turn about each.
+World two_eyes(double left_mass, double right_mass) {
+  World world;
+  const Vec3 right_eye(0.7, 0, 0);
+  const auto rope = [&](const char* name, const Vec3& from, const Vec3& to) {
+    return straight_connector(name, (to - from).norm(), 0, 2, from, to - from);
+  };
+  Connector left = rope("left", -Vec3::UnitY(), Vec3::Zero()),
+            middle = rope("middle", Vec3::Zero(), right_eye),
+            right = rope("right", right_eye, right_eye - Vec3::UnitY());
+  left.holds = {{1, worlds::fixed_at(Vec3::Zero())}};
+  middle.holds = {{0, worlds::fixed_at(Vec3::Zero())}, {1, worlds::fixed_at(right_eye)}};
+  right.holds = {{0, worlds::fixed_at(right_eye)}};
+  left.particle_mass.front() += left_mass;
+  right.particle_mass.back() += right_mass;
+  world.connectors = {left, middle, right};
+  add_pulley(world, "left", 0, 1, 0);
+  add_pulley(world, "right", 1, 2, 0);
+  for (Pulley& eye : world.pulleys) eye.friction = kFriction;
+  finish(world);
+  return world;
+}
+
+// Only the sum of the angles counts.
+TEST(PulleyFriction, TwoQuarterTurnsHoldAsHalfATurn) {
+  for (const char* method : {"truth", "direct"}) {
+    const double fall = kGravity * (2.5 - kHalfTurn) / (2.5 + kHalfTurn);
+    const World falls = after(two_eyes(1, 2.5), 0.4, method, {});
+    for (const Pulley& eye : falls.pulleys) EXPECT_NEAR(eye.speed, fall * 0.4, 1e-9) << method;
+    const World stays = after(two_eyes(1, 0.999 * kHalfTurn), 0.4, method, {});
+    for (const Pulley& eye : stays.pulleys) EXPECT_NEAR(eye.passed, 0, 1e-15) << method;
+  }
+}
+
 /// A heavy rope over an eye, of lengths a before and b behind it, with E = exp(mu pi):
 /// density (b (g - q'') - q'^2) = E density (a (g + q'') - q'^2), by Runge and Kutta's method.
 double slid(double a, double b, double duration) {

@@ -54,6 +54,15 @@ TEST_F(PulleyScene, RopeHasASpanBetweenAnyTwo) {
   EXPECT_NEAR(world.connectors[0].particle_mass[1], 0.1 * 0.8 / 3, 1e-15);
 }
 
+TEST_F(PulleyScene, PulleysHaveFriction) {
+  const World world =
+      read(scene({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0], friction = 0.3 }\n"
+                          "right = { fixed = [1, 2, 0], bearing = 0.02 }\n"}))
+          .world;
+  EXPECT_EQ(world.pulleys[0].friction, 0.3);
+  EXPECT_EQ(world.pulleys[1].bearing, 0.02);
+}
+
 TEST_F(PulleyScene, RopeBetweenHeldEndsStartsTaut) {
   const World world = read(scene({.from = "fixed = [0, 1, 0]",
                                   .to = "fixed = [1, 1.5, 0]",
@@ -130,6 +139,8 @@ TEST_F(PulleyScene, SaysWhatIsWrong) {
   expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0] }\nright = { fixed = [0, 2, 0] }\n"},
          "is where the pulley before it is");
   expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0], inertia = -1 }\n"}, "inertia");
+  expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0], friction = -0.1 }\n"}, "friction");
+  expect({.eyes = "[pulleys]\nleft = { fixed = [0, 2, 0], bearing = 1 }\n"}, "bearing");
   std::string many = "[pulleys]\n";
   for (int i = 0; i < 1001; ++i) many += "p" + std::to_string(i) + " = { fixed = [0, 2, 0] }\n";
   expect({.eyes = many}, "pulleys: has 1001 pulleys, expected at most 1000");
@@ -137,6 +148,11 @@ TEST_F(PulleyScene, SaysWhatIsWrong) {
                   "diameter = 0.1 } }\n",
           .eyes = "[pulleys]\nleft = { body = \"load\" }\nright = { fixed = [1, 2, 0] }\n"},
          "is of a body that hangs");
+  expect({.over = "[\"left\"]",
+          .more = "[bodies.load]\nmass = 1.0\nposition = [0, 2, 0]\nshape = { sphere = { "
+                  "diameter = 0.1 } }\n",
+          .eyes = "[pulleys]\nleft = { body = \"load\", friction = 0.1 }\n"},
+         "needs a rope without mass on a free body");
 }
 
 }  // namespace
