@@ -161,9 +161,8 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
       {"size_px", {scene.width, scene.height}}};
   json["method"] = scene.method.name;
   json["settings"] = options::settings_json(options::full_settings(scene.method));
-  if (const double steps = options::steps_per_frame(scene); steps > 0) {
+  if (const double steps = options::steps_per_frame(scene); steps > 0)
     json["steps_per_frame"] = std::uint64_t(steps);
-  }
   json["bodies"] = program::Json::object();
   for (const Body& body : scene.world.bodies) {
     if (shows_obstacle(scene.world, body)) continue;
@@ -180,11 +179,9 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
   }
   json["joints"] = scene.world.joints.size();
   json["pulleys"] = program::Json::object();
-  for (const Pulley& pulley : scene.world.pulleys)
-    append(json["pulleys"], pulley.name,
-           {{"inertia_kg", pulley.inertia},
-            {"friction", pulley.friction},
-            {"bearing", pulley.bearing}});
+  for (const Pulley& p : scene.world.pulleys)
+    append(json["pulleys"], p.name,
+           {{"inertia_kg", p.inertia}, {"friction", p.friction}, {"bearing", p.bearing}});
   json["obstacles"] = program::Json::object();
   for (const Obstacle& obstacle : scene.world.obstacles) {
     append(json["obstacles"], obstacle.name,
