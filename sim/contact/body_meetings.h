@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/contact/body_answers.h"
+#include "sim/contact/body_mobility.h"
 #include "sim/world/world.h"
 
 namespace taut::contact {

@@ -305,7 +305,7 @@ Vec6 BodySystem::twist(std::span<const BodyTouch> touches, std::size_t index) co
   return mobility_[index] * wrench;
 }
 
-void BodySystem::answer(std::span<const BodyTouch> touches, BodyAnswers& answers) {
+void BodySystem::couple(std::span<const BodyTouch> touches, BodyMobility& mobility) {
   linearize(bare_, touches);
   LeastSquares decomposed(kDependent);
   decomposed.compute(matrix_);
@@ -332,7 +332,7 @@ void BodySystem::answer(std::span<const BodyTouch> touches, BodyAnswers& answers
       if (found.cwiseAbs().maxCoeff() > kImmobile * most) blocks_[a * count + b] = found;
     }
   }
-  answers.set(bodies_, blocks_);
+  mobility.set(bodies_, blocks_);
 }
 
 }  // namespace taut::contact

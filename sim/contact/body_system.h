@@ -1,4 +1,4 @@
-// How rigid bodies answer to what they touch: unilateral contact with Coulomb friction at several
+// How rigid bodies respond to what they touch: unilateral contact with Coulomb friction at several
 // points of one body, or of several that touch each other.
 #pragma once
 
@@ -35,8 +35,8 @@ class BodySystem {
   /// The twist that `touches` give to one of bodies().
   Vec6 twist(std::span<const BodyTouch> touches, std::size_t index) const;
 
-  /// After solve() or hold(): how the bodies answer to further pulls.
-  void answer(std::span<const BodyTouch> touches, BodyAnswers& answers);
+  /// After solve() or hold(): how the bodies respond to further pulls.
+  void couple(std::span<const BodyTouch> touches, BodyMobility& mobility);
 
  private:
   using Block = Eigen::Matrix<double, 3, 6>;

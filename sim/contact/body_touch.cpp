@@ -65,8 +65,8 @@ bool BodySystem::slide_one(std::size_t i, const Vec3& bare, BodyTouch& at) const
   const double short_of = touch.least - n.dot(bare);
   const auto given = [&](const Vec3& way) -> Vec3 {
     const Vec3 force = n - touch.slide * way;
-    const double answers = n.dot(eases * force);
-    return answers > 0 ? Vec3(short_of / answers * force) : Vec3(Vec3::Zero());
+    const double gives = n.dot(eases * force);
+    return gives > 0 ? Vec3(short_of / gives * force) : Vec3(Vec3::Zero());
   };
   const auto slip = [&](const Vec3& way) -> Vec3 {
     return across(n) * (bare + eases * given(way) - touch.surface);

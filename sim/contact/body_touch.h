@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "sim/contact/body_answers.h"
+#include "sim/contact/body_mobility.h"
 #include "sim/contact/capsule.h"
 #include "sim/contact/touch.h"
 

@@ -1,4 +1,4 @@
-// Free bodies in the smooth motion among obstacles: how they answer to pulls and to what their
+// Free bodies in the smooth motion among obstacles: how they respond to pulls and to what their
 // capsules touch.
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ void ContactMotion::rebuild_bodies(const World& world) {
     array->assign(capsules_.size(), Vec6::Zero());
   }
   body_mobility_.assign(capsules_.size(), Mat6::Zero());
-  body_answer_.set_apart(body_mobility_);
+  body_coupled_.set_apart(body_mobility_);
   body_touches_.clear();
 }
 
@@ -156,13 +156,13 @@ void ContactMotion::free_bodies(const State* velocities) {
   }
 }
 
-/// How bodies answer without what they touch.
+/// How bodies respond without what they touch.
 void ContactMotion::free_mobilities() {
   for (std::size_t b = 0; b < body_mobility_.size(); ++b) {
     const auto& body = mechanism_.bodies()[b];
     body_mobility_[b] = contact::mobility(body.inverse_mass, body.world_inverse);
   }
-  body_answer_.set_apart(body_mobility_);
+  body_coupled_.set_apart(body_mobility_);
 }
 
 /// Adds what touches give to the bodies that the system has.
@@ -174,7 +174,7 @@ void ContactMotion::add_twists(std::span<const BodyTouch> touches, std::span<Vec
 
 /// What bodies do under `tension`, in the states that their touches have or in those that the laws
 /// ask for; and with them the points that they carry.
-void ContactMotion::answer_bodies(std::span<const double> tension, std::span<const Vec3> along,
+void ContactMotion::couple_bodies(std::span<const double> tension, std::span<const Vec3> along,
                                   bool held) {
   if (body_free_.empty()) return;
   std::ranges::fill(body_pulled_, Vec6::Zero());
@@ -199,7 +199,7 @@ void ContactMotion::answer_bodies(std::span<const double> tension, std::span<con
       throw Unresolved{0, "contact and friction of a body have no solution"};
     }
     add_twists(touches, body_added_);
-    body_system_.answer(touches, body_answer_);
+    body_system_.couple(touches, body_coupled_);
   });
   for (const auto& carried : mechanism_.body_points()) {
     added_[carried.point] = velocity_at(body_added_[carried.body], carried.arm);
@@ -244,7 +244,7 @@ double ContactMotion::project_bodies(State& state) {
     add_twists(normals, twists_);
     body_system_.assemble(body_mobility_, touches);
     body_system_.hold(bare, touches);
-    body_system_.answer(touches, body_answer_);
+    body_system_.couple(touches, body_coupled_);
     for (std::size_t i = 0; i < body_system_.bodies().size(); ++i) {
       const std::uint32_t b = body_system_.bodies()[i];
       Eigen::Map<Vec6>(&state[mechanism_.twist(b)]) += body_system_.twist(touches, i);
@@ -264,8 +264,8 @@ void ContactMotion::shift_bodies(std::span<const Vec3> along, bool poses, State&
     const Vec3 pull = end.sign * change_[end.row] * along[end.row];
     Vec6 wrench;
     wrench << pull, carried.arm.cross(pull);
-    for (const std::uint32_t moved : body_answer_.moved_with(carried.body)) {
-      body_pulled_[moved] += body_answer_.between(moved, carried.body) * wrench;
+    for (const std::uint32_t moved : body_coupled_.moved_with(carried.body)) {
+      body_pulled_[moved] += body_coupled_.between(moved, carried.body) * wrench;
     }
   }
   for (std::size_t b = 0; b < body_pulled_.size(); ++b) {

@@ -59,7 +59,7 @@ Vec3 ContactMotion::heading(const Vec3& across, const Vec3& ahead) const {
 }
 
 /// How a bead goes on without what it touches, and with it.
-Response ContactMotion::answer(Bead& bead, const Vec3& bare) const {
+Response ContactMotion::response(Bead& bead, const Vec3& bare) const {
   Touch& touch = bead.touch;
   if (bead.mode == Mode::open) return {bare, Mat3::Identity()};
   if (bead.ahead.isZero(0)) return respond(bare, {&touch, 1});
@@ -85,11 +85,11 @@ double ContactMotion::measure(std::span<const double> start) {
     pulled_[rows[r].b] -= mobile[rows[r].b] * tension_[r] * along[r];
   }
   for (std::size_t p = 0; p < beads_.size(); ++p) {
-    const Response found = answer(beads_[p], free_[p] + pulled_[p]);
-    answer_[p] = mobile[p] * found.derivative;
+    const Response found = response(beads_[p], free_[p] + pulled_[p]);
+    mobility_[p] = mobile[p] * found.derivative;
     added_[p] = mobile[p] > 0 ? Vec3(found.velocity - free_[p]) : Vec3(Vec3::Zero());
   }
-  answer_bodies(tension_, along, false);
+  couple_bodies(tension_, along, false);
   double worst = 0;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     change_[r] = start[r] + along[r].dot(added_[rows[r].b] - added_[rows[r].a]);
@@ -126,7 +126,7 @@ void ContactMotion::balance(std::span<const double> start) {
       continue;
     }
     const std::span<const Vec3> along = pulling();
-    system_.assemble(mechanism_, answer_, along, along, &body_answer_);
+    system_.assemble(mechanism_, mobility_, along, along, &body_coupled_);
     for (std::size_t r = 0; r < change_.size(); ++r) change_[r] *= pulls_[r];
     const std::vector<double> error = change_;
     system_.solve(change_);
@@ -165,15 +165,15 @@ void ContactMotion::relax_row(std::size_t row, double start) {
   if (!taut_[row] || is_carried_[a] || is_carried_[b]) return;
   for (int i = 0; i < kTrials && mobile_a + mobile_b > 0; ++i) {
     Bead bead_a = beads_[a], bead_b = beads_[b];
-    const Response at_a = answer(bead_a, free_[a] + pulled_[a]);
-    const Response at_b = answer(bead_b, free_[b] + pulled_[b]);
+    const Response at_a = response(bead_a, free_[a] + pulled_[a]);
+    const Response at_b = response(bead_b, free_[b] + pulled_[b]);
     double error = start, slope = 0;
     for (const auto& [mobile, found, free, sign] :
          {std::tuple(mobile_a, at_a, free_[a], -1.0), std::tuple(mobile_b, at_b, free_[b], 1.0)}) {
       if (mobile == 0) continue;
       error += sign * along.dot(found.velocity - free);
-      const double answers = along.dot(found.derivative * along);
-      if (std::abs(answers) > kImmobile) slope += mobile * answers;
+      const double gives = along.dot(found.derivative * along);
+      if (std::abs(gives) > kImmobile) slope += mobile * gives;
     }
     if (std::abs(error) <= 1e-2 * kSolved || !(slope > 0)) return;
     double more = error / slope;

@@ -36,7 +36,7 @@ void ContactMotion::rebuild(const World& world, double slowest) {
   beads_.assign(points, {});
   for (auto* array : {&free_, &pulled_, &added_}) array->assign(points, Vec3::Zero());
   for (auto* array : {&tension_, &change_, &start_}) array->assign(rows, 0);
-  answer_.assign(points, Mat3::Zero());
+  mobility_.assign(points, Mat3::Zero());
   taut_.clear();
   for (const Row& row : mechanism_.rows()) taut_.push_back(!row.pulls);
   pulls_ = taut_;
@@ -113,37 +113,37 @@ void ContactMotion::accelerate(double time, const State& state) {
   }
   free_bodies(nullptr);
   aim_bodies(scratch_);
-  const auto answer_all = [&](std::span<const double> tension) {
+  const auto respond_all = [&](std::span<const double> tension) {
     for (std::size_t p = 0; p < beads_.size(); ++p) {
       Bead& bead = beads_[p];
       Touch& touch = bead.touch;
       const Vec3 bare = free_[p] + pulled_[p];
-      answer_[p] = mobile[p] * Mat3::Identity();
+      mobility_[p] = mobile[p] * Mat3::Identity();
       added_[p] = pulled_[p];
       if (bead.mode == Mode::slides) {
         touch.push = touch.least - touch.normal.dot(bare);
         const Vec3 force = touch.normal - touch.slide * touch.slid;
         touch.rub = -touch.slide * touch.push * touch.slid;
         added_[p] += touch.push * force;
-        answer_[p] -= mobile[p] * force * touch.normal.transpose();
+        mobility_[p] -= mobile[p] * force * touch.normal.transpose();
       } else if (bead.mode == Mode::sticks) {
         const Vec3 given = touch.surface - bare;
         touch.push = touch.normal.dot(given);
         touch.rub = given - touch.push * touch.normal;
         added_[p] += given;
-        answer_[p].setZero();
+        mobility_[p].setZero();
       }
     }
-    answer_bodies(tension, along, true);
+    couple_bodies(tension, along, true);
   };
   // Where links and what sticks leave a tension open, it is what it was.
-  answer_all(tension_);
+  respond_all(tension_);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     change_[r] = pulls_[r] ? mechanism_.free_acceleration(r) +
                                  along[r].dot(added_[rows[r].b] - added_[rows[r].a])
                            : 0;
   }
-  system_.assemble(mechanism_, answer_, along, along, &body_answer_);
+  system_.assemble(mechanism_, mobility_, along, along, &body_coupled_);
   system_.solve(change_);
   ++solves_;
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -151,7 +151,7 @@ void ContactMotion::accelerate(double time, const State& state) {
     pulled_[rows[r].b] -= mobile[rows[r].b] * change_[r] * along[r];
     change_[r] += tension_[r];
   }
-  answer_all(change_);
+  respond_all(change_);
 }
 
 void ContactMotion::differentiate(double time, const State& state, State& derivative) {
@@ -180,8 +180,8 @@ double ContactMotion::project(double time, State& state) {
   const auto shift = [&](std::size_t offset) {  // along the surfaces
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const Vec3 pull = change_[r] * along[r];
-      Map(&state[offset + 3 * rows[r].a]) += answer_[rows[r].a] * pull;
-      Map(&state[offset + 3 * rows[r].b]) -= answer_[rows[r].b] * pull;
+      Map(&state[offset + 3 * rows[r].a]) += mobility_[rows[r].a] * pull;
+      Map(&state[offset + 3 * rows[r].b]) -= mobility_[rows[r].b] * pull;
     }
     shift_bodies(along, offset == mechanism_.position(0), state);
   };
@@ -189,7 +189,7 @@ double ContactMotion::project(double time, State& state) {
     worst = 0;
     for (std::size_t p = 0; p < beads_.size(); ++p) {
       const Bead& bead = beads_[p];
-      answer_[p] = mobile[p] * Mat3::Identity();
+      mobility_[p] = mobile[p] * Mat3::Identity();
       if (bead.mode == Mode::open) continue;
       Map at(&state[mechanism_.position(p)]);
       Map moves(&state[mechanism_.velocity(p)]);
@@ -198,14 +198,14 @@ double ContactMotion::project(double time, State& state) {
         const PointMotion anchor = frame.point(bead.anchor);
         at = anchor.position;
         moves = anchor.velocity;
-        answer_[p].setZero();
+        mobility_[p].setZero();
         continue;
       }
       const SurfaceDistance near = gap(obstacles_[bead.obstacle], frame.pose(), at, radius_[p]);
       worst = std::max(worst, std::abs(near.distance));
       at -= near.distance * near.normal;
       moves += near.normal.dot(surface(bead, at).velocity - moves) * near.normal;
-      answer_[p] -= mobile[p] * near.normal * near.normal.transpose();
+      mobility_[p] -= mobile[p] * near.normal * near.normal.transpose();
     }
     mechanism_.place(time, state.data());
     if (!capsules_.empty()) worst = std::max(worst, project_bodies(state));
@@ -214,7 +214,7 @@ double ContactMotion::project(double time, State& state) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
       if (pulls_[r]) worst = std::max(worst, std::abs(mechanism_.violation()[r]));
     }
-    system_.assemble(mechanism_, answer_, along, along, &body_answer_);
+    system_.assemble(mechanism_, mobility_, along, along, &body_coupled_);
     ++solves_;
     std::ranges::copy(mechanism_.rate(), change_.begin());
     system_.solve(change_);

@@ -78,7 +78,7 @@ class ContactMotion {
   void accelerate(double time, const State& state);
   Vec3 plane_of(const State& state) const;
   Vec3 heading(const Vec3& across, const Vec3& ahead) const;
-  Response answer(Bead& bead, const Vec3& bare) const;
+  Response response(Bead& bead, const Vec3& bare) const;
   void find_touches(const State& state);
   bool arrive(double time, State& state);
   void choose(double time, const State& state);
@@ -108,7 +108,7 @@ class ContactMotion {
   void free_bodies(const State* velocities);
   void free_mobilities();
   void add_twists(std::span<const BodyTouch> touches, std::span<Vec6> twists) const;
-  void answer_bodies(std::span<const double> tension, std::span<const Vec3> along, bool held);
+  void couple_bodies(std::span<const double> tension, std::span<const Vec3> along, bool held);
   void aim_bodies(const State& state);
   double project_bodies(State& state);
   void shift_bodies(std::span<const Vec3> along, bool poses, State& state);
@@ -149,9 +149,9 @@ class ContactMotion {
   std::vector<Vec3> free_, pulled_, added_;
   std::vector<Vec6> body_free_, body_pulled_, body_added_;  // the same of twists, per body
   std::vector<Mat6> body_mobility_;                         // per body, by itself
-  BodyAnswers body_answer_;
+  BodyMobility body_coupled_;
   std::vector<Vec6> twists_;              // per body, scratch
-  std::vector<Mat3> answer_;              // per point, 1/kg
+  std::vector<Mat3> mobility_;            // per point, 1/kg
   std::vector<double> tension_, change_;  // per row
   std::vector<double> start_;             // per row, of what is asked
   // Where there are strings, per row: whether it is a rod or as long as it may be; whether it pulls

@@ -7,7 +7,7 @@
 namespace taut::contact {
 namespace {
 
-constexpr double kParting = 1e-10;  // m/s, at which ends part
+constexpr double kSeparating = 1e-10;  // m/s, at which ends part
 /// m/s: where two strings hold a bead in a corner it goes to and fro between them, ever slower.
 /// What comes together no faster, and is pulled apart again, comes less than a picometre.
 constexpr double kSlow = 1e-6;
@@ -48,7 +48,7 @@ bool ContactMotion::find_taut(double time, State& state) {
   for (std::size_t r = 0; r < taut_.size(); ++r) {
     const double parts = mechanism_.rate()[r];
     if (!mechanism_.rows()[r].pulls) {
-      any = any || std::abs(parts) > kParting;
+      any = any || std::abs(parts) > kSeparating;
       continue;
     }
     taut_[r] = mechanism_.violation()[r] >= -touching_ && parts >= -kSlow;
@@ -56,7 +56,7 @@ bool ContactMotion::find_taut(double time, State& state) {
       pulls_[r] = false;
       tension_[r] = 0;
     }
-    any = any || (taut_[r] && parts > kParting);
+    any = any || (taut_[r] && parts > kSeparating);
   }
   return any;
 }

@@ -9,8 +9,8 @@ namespace {
 constexpr double kSingular = 1e-12;    // of a row's own mobility: a pivot below is rounding
 constexpr double kNoMobility = 1e-12;  // of a particle's largest mobility: it has none
 
-double or_nothing(double mobility, const Mat3& answer) {
-  return std::abs(mobility) > kNoMobility * answer.lpNorm<Eigen::Infinity>() ? mobility : 0;
+double or_nothing(double along, const Mat3& mobility) {
+  return std::abs(along) > kNoMobility * mobility.lpNorm<Eigen::Infinity>() ? along : 0;
 }
 
 }  // namespace
@@ -45,16 +45,16 @@ void RowSystem::rebuild(const Mechanism& mechanism, std::span<const std::uint32_
   share_.resize(size);
 }
 
-void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answer,
+void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> mobility,
                          std::span<const Vec3> left, std::span<const Vec3> right,
-                         const BodyAnswers* bodies) {
+                         const BodyMobility* bodies) {
   const auto& rows = mechanism.rows();
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const Row& row = rows[r];
-    const Vec3 from_a = answer[row.a].transpose() * left[r];
-    const Vec3 from_b = answer[row.b].transpose() * left[r];
-    const double at_a = or_nothing(from_a.dot(right[r]), answer[row.a]);
-    const double at_b = or_nothing(from_b.dot(right[r]), answer[row.b]);
+    const Vec3 from_a = mobility[row.a].transpose() * left[r];
+    const Vec3 from_b = mobility[row.b].transpose() * left[r];
+    const double at_a = or_nothing(from_a.dot(right[r]), mobility[row.a]);
+    const double at_b = or_nothing(from_b.dot(right[r]), mobility[row.b]);
     scale_[r] = std::abs(at_a) + std::abs(at_b);
     diagonal_[r] = at_a + at_b;
     // Neighbours share a particle that the one's b and the other's a is.
@@ -83,16 +83,16 @@ void RowSystem::assemble(const Mechanism& mechanism, std::span<const Mat3> answe
 }
 
 void RowSystem::add_bodies(const Mechanism& mechanism, std::span<const Vec3> left,
-                           std::span<const Vec3> right, const BodyAnswers* bodies) {
+                           std::span<const Vec3> right, const BodyMobility* bodies) {
   const auto& ends = mechanism.row_ends();
   const auto mobility = [&](const Mechanism::RowEnd& end, const Mechanism::RowEnd& other) {
     const auto& at = mechanism.body_points()[end.body_point];
     const auto& pulled = mechanism.body_points()[other.body_point];
     const auto& body = mechanism.bodies()[at.body];
     if (bodies) {
-      const Mat3 answer =
+      const Mat3 coupled =
           contact::mobility(bodies->between(at.body, pulled.body), at.arm, pulled.arm);
-      const double moves = left[end.row].dot(answer * right[other.row]);
+      const double moves = left[end.row].dot(coupled * right[other.row]);
       return end.sign * other.sign * or_nothing(moves, Mat3(body.inverse_mass * Mat3::Identity()));
     }
     const Vec3 turn = at.arm.cross(left[end.row]);

@@ -1,4 +1,4 @@
-// How a bead answers to what it touches: unilateral contact with Coulomb friction, solved at one
+// How a bead responds to what it touches: unilateral contact with Coulomb friction, solved at one
 // bead.
 #pragma once
 

@@ -46,14 +46,14 @@ std::string full_length(const World& world, const Component& part, double time) 
     const bool folded =
         apart.norm() < folded_length(connector, span.first, span.last) + kNone * length;
     if (!full && !folded) continue;
-    const double parting = (b.velocity - a.velocity).dot(apart.normalized());  // m/s
+    const double separation_speed = (b.velocity - a.velocity).dot(apart.normalized());  // m/s
     const double begin = length_of(connector, 0, span.first);
     std::ostringstream line;
     line << "the " << length << " m of it from " << begin << " m on are "
          << (full ? "at full length" : "folded") << " between two places that are held, "
          << apart.norm() << " m apart";
-    if (full ? parting > 0 : parting < 0) {
-      line << " and " << (full ? "parting" : "nearing") << " at " << std::abs(parting)
+    if (full ? separation_speed > 0 : separation_speed < 0) {
+      line << " and " << (full ? "parting" : "nearing") << " at " << std::abs(separation_speed)
            << " m/s: no motion keeps the length";
     } else {
       line << ": they stop there by an impulse that links without stretch leave open";

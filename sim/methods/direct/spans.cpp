@@ -17,7 +17,7 @@ constexpr double kShortestFlight = 1e-4;
 struct Ends {
   PointMotion a, b;
   Vec3 line;  // unit vector from a to b
-  double distance = 0, parting = 0;
+  double distance = 0, separation_speed = 0;
 };
 
 Ends ends_of(const World& world, const Attachment& a, const Attachment& b) {
@@ -27,12 +27,12 @@ Ends ends_of(const World& world, const Attachment& a, const Attachment& b) {
   const Vec3 gap = ends.b.position - ends.a.position;
   ends.distance = gap.norm();
   ends.line = ends.distance > 0 ? Vec3(gap / ends.distance) : Vec3::UnitY();
-  ends.parting = ends.line.dot(ends.b.velocity - ends.a.velocity);
+  ends.separation_speed = ends.line.dot(ends.b.velocity - ends.a.velocity);
   return ends;
 }
 
 /// How fast the attached point moves along `line` after a unit impulse along it; 1/kg.
-double answer(const World& world, const Attachment& to, const Vec3& line) {
+double mobility_along(const World& world, const Attachment& to, const Vec3& line) {
   if (is_prescribed(world, to)) return 0;
   const Body& body = world.bodies[to.body];
   const Vec3 turn = (body.point(to.point) - body.position).cross(line);
@@ -222,7 +222,7 @@ bool Spans::breaks(const Tie& tie) const {
   if (is_prescribed(inner_, tie.a) && is_prescribed(inner_, tie.b)) return false;
   const Ends ends = ends_of(inner_, tie.a, tie.b);
   return ends.distance > length * (1 + kTooLong) &&
-         (ends.parting > 0 || ends.distance > tie.longest);
+         (ends.separation_speed > 0 || ends.distance > tie.longest);
 }
 
 bool Spans::breaks() {
@@ -251,10 +251,11 @@ void Spans::advance_to_break(double until) {
 /// The ends of a slack span part at its full length: true where they are thrown back.
 bool Spans::rebounds(Tie& tie, std::vector<Event>& events) {
   const Ends ends = ends_of(inner_, tie.a, tie.b);
-  const double mobility = answer(inner_, tie.a, ends.line) + answer(inner_, tie.b, ends.line);
-  const double back = tie.restitution * ends.parting;
+  const double mobility =
+      mobility_along(inner_, tie.a, ends.line) + mobility_along(inner_, tie.b, ends.line);
+  const double back = tie.restitution * ends.separation_speed;
   const bool flies = back > 0 && inner_.time - tie.thrown_back > kShortestFlight;
-  const double impulse = (ends.parting + (flies ? back : 0)) / mobility;
+  const double impulse = (ends.separation_speed + (flies ? back : 0)) / mobility;
   const Span& span = spans_[tie.span];
   events.push_back({Event::Kind::taut, inner_.time, span.connector, span.index, 0});
   events.push_back({Event::Kind::impulse, inner_.time, span.connector, span.index, impulse});

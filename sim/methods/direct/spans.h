@@ -19,7 +19,7 @@ namespace taut::direct {
 /// changes there is found between two looks and located in time: a slack span that gets longer than
 /// it is goes taut, a taut one whose tension turns negative goes slack. Going taut, the ends are
 /// thrown back with the connector's restitution; where that is none, or they were thrown back just
-/// before, the link takes their parting away, which keeps all momenta.
+/// before, the link takes their speed of separation away, which keeps all momenta.
 class Spans {
  public:
   /// `links` follows everything but spans.

@@ -90,12 +90,12 @@ Vec3 BodyTouches::mean_velocity(const Step& step, const std::vector<double>& nex
   return moves / step.h + spin.cross(side.down);
 }
 
-/// How bodies answer without what they touch.
+/// How bodies respond without what they touch.
 void BodyTouches::free_mobilities(const Mechanism& mechanism, std::span<const Mat3> inverse) {
   for (std::size_t b = 0; b < mobility_.size(); ++b) {
     mobility_[b] = contact::mobility(mechanism.bodies()[b].inverse_mass, inverse[b]);
   }
-  answers_.set_apart(mobility_);
+  coupled_.set_apart(mobility_);
 }
 
 bool BodyTouches::solve_means(const Step& step, std::span<const Mat3> inverse,
@@ -127,7 +127,7 @@ bool BodyTouches::solve_means(const Step& step, std::span<const Mat3> inverse,
       moved = std::max(moved, (touches[i].given - last_[i]).norm());
     }
     if (moved > 0) change = std::max(change, moved / std::max(most, moved));
-    if (!step.mechanism.rows().empty()) system_.answer(touches, answers_);
+    if (!step.mechanism.rows().empty()) system_.couple(touches, coupled_);
   });
   return finds;
 }

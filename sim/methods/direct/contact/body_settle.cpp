@@ -86,13 +86,13 @@ void BodyTouches::aim_velocities(const Step& step, const std::vector<double>& ne
   });
 }
 
-/// How bodies answer by themselves, at the instant of the mechanism's last update.
+/// How bodies respond by themselves, at the instant of the mechanism's last update.
 void BodyTouches::now_free(const Mechanism& mechanism) {
   for (std::size_t b = 0; b < mobility_.size(); ++b) {
     const auto& body = mechanism.bodies()[b];
     mobility_[b] = contact::mobility(body.inverse_mass, body.world_inverse);
   }
-  answers_.set_apart(mobility_);
+  coupled_.set_apart(mobility_);
 }
 
 bool BodyTouches::settle(const Mechanism& mechanism, const std::vector<double>& next,
@@ -129,7 +129,7 @@ bool BodyTouches::settle(const Mechanism& mechanism, const std::vector<double>& 
       take_back(touches[i].body, touches[i].arm, before);
       if (touches[i].other != kNoBody) take_back(touches[i].other, touches[i].other_arm, -before);
     }
-    if (!mechanism.rows().empty()) system_.answer(touches, answers_);
+    if (!mechanism.rows().empty()) system_.couple(touches, coupled_);
   });
   return finds;
 }

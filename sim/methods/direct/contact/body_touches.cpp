@@ -35,7 +35,7 @@ void BodyTouches::rebuild(const World& world, std::span<const Obstacle> obstacle
   before_.clear();
   places_.clear();
   mobility_.assign(capsules_.size(), contact::Mat6::Zero());
-  answers_.set_apart(mobility_);
+  coupled_.set_apart(mobility_);
   twists_.assign(capsules_.size(), Vec6::Zero());
   moves_ = twists_;
 }

@@ -21,7 +21,7 @@ inline contact::Vec6 twist_at(const double* u) {
 /// The touches of bodies' capsules. In the first stage of a step they hold for the mean velocities
 /// of the axes' points and the mean spin, and give half of their impulses where the step begins and
 /// half where it ends; in the second for the velocities at its end. As a bead does, each body
-/// answers for itself, or with those that it touches (BodySystem).
+/// responds by itself, or with those that it touches (BodySystem).
 class BodyTouches {
  public:
   /// A step, of which the bodies' poses and twists are known where it begins.
@@ -67,8 +67,8 @@ class BodyTouches {
   double aim(const Step& step, const std::vector<double>& next);
   /// Finds what is given so that bodies which `move` takes to `next` obey the laws. False: nothing.
   template <typename Move>
-  bool answer(const Step& step, std::span<const Mat3> inverse, const std::vector<double>& next,
-              double creep, const Move& move) {
+  bool respond(const Step& step, std::span<const Mat3> inverse, const std::vector<double>& next,
+               double creep, const Move& move) {
     double before = 1;
     for (int i = 0; i < kRounds; ++i) {
       move();
@@ -93,8 +93,8 @@ class BodyTouches {
   /// What settle() adds to the twist of a body.
   const contact::Vec6& added(std::size_t body) const { return twists_[body]; }
 
-  /// How bodies answer to pulls, of the last answer() or settle(); null: freely.
-  const contact::BodyAnswers* answers() const { return any() ? &answers_ : nullptr; }
+  /// How bodies respond to pulls, of the last respond() or settle(); null: freely.
+  const contact::BodyMobility* coupled() const { return any() ? &coupled_ : nullptr; }
   std::uint64_t pattern() const;
 
  private:
@@ -152,7 +152,7 @@ class BodyTouches {
   std::vector<Place> places_;            // per touch
   std::vector<double> aimed_;            // per body with touches: its pose at aim()
   std::vector<contact::Mat6> mobility_;  // per body, by itself
-  contact::BodyAnswers answers_;
+  contact::BodyMobility coupled_;
   std::vector<contact::Vec6> twists_;  // per body: what touches add in the second stage
   std::vector<contact::Vec6> moves_;   // per body
   std::vector<Vec3> bare_, last_;      // m/s, N s

@@ -74,12 +74,12 @@ bool ContactStep::glide(double time, double h) {
     mask();
     const bool strings = mechanism_.has_strings();
     glide_system_.assemble(mechanism_, {.h = h,
-                                        .answer = answer_,
+                                        .mobility = mobility_,
                                         .bend = bend_,
                                         .turn = stiffness_,
                                         .along = strings ? right_ : along_,
                                         .to = strings ? left_ : to_,
-                                        .bodies = bodies_.answers()});
+                                        .bodies = bodies_.coupled()});
     glide_system_.solve(behind_, change_);
     for (std::size_t p = 0; p < behind_.size(); ++p) {
       vector(&next_[mechanism_.position(p)]) += h * behind_[p];
@@ -124,7 +124,7 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
   const auto& rows = mechanism_.rows();
   const int most = trial ? kTrial : kIterations;
   const auto errors = [&] {
-    answer(time, h);
+    respond(time, h);
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const std::size_t a = rows[r].a, b = rows[r].b;
       const Vec3 start = position(state_, b) - position(state_, a);
@@ -155,8 +155,8 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
     for (double& change : change_) change *= 2;  // of a pull half makes the mean velocities
     mask();
     const bool strings = mechanism_.has_strings();
-    system_.assemble(mechanism_, answer_, strings ? left_ : to_, strings ? right_ : along_,
-                     bodies_.answers());
+    system_.assemble(mechanism_, mobility_, strings ? left_ : to_, strings ? right_ : along_,
+                     bodies_.coupled());
     system_.solve(change_);
     const double share = damping.share();
     for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += share * change_[r];
@@ -164,7 +164,7 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
   return false;
 }
 
-/// How the geometry makes rows and carried points answer.
+/// How the geometry makes rows and carried points respond.
 void ContactStep::stiffen(double h) {
   const auto& rows = mechanism_.rows();
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -180,15 +180,15 @@ void ContactStep::stiffen(double h) {
   }
   for (const auto& carried : mechanism_.body_points()) {
     if (bodies_.any()) {
-      answer_[carried.point] =
-          contact::mobility(bodies_.answers()->own(carried.body), carried.arm, carried.arm);
+      mobility_[carried.point] =
+          contact::mobility(bodies_.coupled()->own(carried.body), carried.arm, carried.arm);
       continue;
     }
     const auto& body = mechanism_.bodies()[carried.body];
     Mat3 lever;
     lever << 0, -carried.arm.z(), carried.arm.y(), carried.arm.z(), 0, -carried.arm.x(),
         -carried.arm.y(), carried.arm.x(), 0;
-    answer_[carried.point] =
+    mobility_[carried.point] =
         body.inverse_mass * Mat3::Identity() - lever * body.world_inverse * lever;
   }
   for (std::size_t p = 0; p < mean_.size(); ++p) {
@@ -198,7 +198,7 @@ void ContactStep::stiffen(double h) {
 }
 
 /// The mean velocities of all points under the pulls as they are.
-void ContactStep::answer(double time, double h) {
+void ContactStep::respond(double time, double h) {
   const Vec3 gain = h / 2 * mechanism_.gravity();
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     mean_[p] = ConstMap(&state_[mechanism_.velocity(p)]) + gain;
@@ -208,7 +208,7 @@ void ContactStep::answer(double time, double h) {
   if (!mechanism_.bodies().empty()) {
     aimed_ = next_;
     const auto move = [&] { move_bodies(time, h); };
-    jams_ = bodies_.any() && !bodies_.answer(body_step(time, h), inverse_, next_, creep_, move);
+    jams_ = bodies_.any() && !bodies_.respond(body_step(time, h), inverse_, next_, creep_, move);
     if (!bodies_.any()) move();
   }
   for (std::size_t p = 0; p < mean_.size(); ++p) {
@@ -224,7 +224,7 @@ void ContactStep::answer(double time, double h) {
   next_.swap(aimed_);
 }
 
-/// By how much (m) points are elsewhere than they answer, a row is too long, or a touch is open
+/// By how much (m) points are elsewhere than they respond, a row is too long, or a touch is open
 /// or broken.
 double ContactStep::residual(double h) const {
   double worst = bodies_.residual(next_, mechanism_);
@@ -294,7 +294,7 @@ void ContactStep::aim(BeadTouch& at, const Vec3& to, double h) const {
   at.touch.rubbed.setZero();
 }
 
-/// How the answers of beads at one surface change with where they end up, as it curves.
+/// How the responses of beads at one surface change with where they end up, as it curves.
 void ContactStep::bend(double h) {
   std::ranges::fill(bend_, Mat3::Zero());
   const double nudge = kNudge * touching_;

@@ -203,7 +203,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     } else {
       mask();
       const std::vector<Vec3>& along = mechanism_.has_strings() ? left_ : to_;
-      system_.assemble(mechanism_, answer_, along, along, bodies_.answers());
+      system_.assemble(mechanism_, mobility_, along, along, bodies_.coupled());
       system_.solve(change_);
       for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r] *= damping.share();
     }

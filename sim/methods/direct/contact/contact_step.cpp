@@ -51,7 +51,7 @@ void ContactStep::rebuild(const World& world, const std::vector<Obstacle>& obsta
   for (auto* array : {&from_, &along_, &to_}) array->assign(rows, Vec3::Zero());
   for (auto* array : {&pull_, &rest_, &change_, &tension_, &last_tension_}) array->assign(rows, 0);
   rebuild_strings();
-  answer_.assign(points, Mat3::Zero());
+  mobility_.assign(points, Mat3::Zero());
   bend_.assign(points, Mat3::Zero());
   is_carried_.assign(points, false);
   for (const auto& carried : mechanism_.body_points()) is_carried_[carried.point] = true;
@@ -213,7 +213,7 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
 }
 
 /// m/s, the most by which the length of a link changes that may not.
-double ContactStep::parting(double time) {
+double ContactStep::separation_speed(double time) {
   mechanism_.update(time, state_.data());
   find_taut(false);
   double most = 0;
@@ -226,9 +226,10 @@ double ContactStep::parting(double time) {
 }
 
 double ContactStep::resolve(double time, double lowest) {
-  constexpr double kMoment = 1e-8;   // s
-  constexpr double kParting = 1e-9;  // m/s
-  if (!(parting(time) > kParting) || attempt(time, kMoment, 0, false, lowest) == 0) return 0;
+  constexpr double kMoment = 1e-8;      // s
+  constexpr double kSeparating = 1e-9;  // m/s
+  if (!(separation_speed(time) > kSeparating) || attempt(time, kMoment, 0, false, lowest) == 0)
+    return 0;
   hits_ = true;
   accept();
   return kMoment;

@@ -21,7 +21,7 @@ namespace taut::direct {
 /// obstacle, whatever that takes. In the second, velocities settle: impulses along the links and at
 /// the touches stop what would stretch a link or enter an obstacle, by Newton's law of impact. Both
 /// have Signorini's condition and Coulomb's law for the sum of the step, and are solved by Newton's
-/// method, in which each bead answers for itself (see respond()), and each body (BodyTouches).
+/// method, in which each bead responds by itself (see respond()), and each body (BodyTouches).
 class ContactStep {
  public:
   /// Call when the topology is new; `pairs` of the world's bodies touch each other. The obstacles
@@ -84,7 +84,7 @@ class ContactStep {
   };
   using TouchRange = std::span<BeadTouch>;
 
-  double parting(double time);
+  double separation_speed(double time);
   double find_gain() const;
   void find_touches();
   void add_touch(const Hit& hit, std::size_t sorted);
@@ -93,7 +93,7 @@ class ContactStep {
   bool glide(double time, double h);
   bool pull(double time, double h);
   bool pull_creeping(double time, double h, double creep, bool trial = false);
-  void answer(double time, double h);
+  void respond(double time, double h);
   double residual(double h) const;
   double wave_turn(double h) const;
   void measure();
@@ -136,7 +136,7 @@ class ContactStep {
   contact::RowSystem system_;
   GlideSystem glide_system_;
   BodyTouches bodies_;
-  bool jams_ = false;  // a body has no answer to what it touches
+  bool jams_ = false;  // a body has no respond to what it touches
   // Per body: the rates of its twist, of the step before, and without waves.
   std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;
   std::vector<double> reach_;  // per body, m: to the farthest point that touches or holds a link
@@ -150,9 +150,9 @@ class ContactStep {
   std::vector<FrameMotion> start_, end_;     // of the obstacles
   std::vector<Hit> found_;
   std::vector<Vec3> mean_, middle_, free_;  // per point: m/s
-  std::vector<Vec3> bare_, behind_;         // per point, m/s: without touches; short of the answer
-  std::vector<double> noise_;               // per point, m/s: roundings
-  std::vector<Vec3> from_, along_, to_;     // per row: directions at the start, mean, at the end
+  std::vector<Vec3> bare_, behind_;      // per point, m/s: without touches; short of the response
+  std::vector<double> noise_;            // per point, m/s: roundings
+  std::vector<Vec3> from_, along_, to_;  // per row: directions at the start, mean, at the end
   // Where there are strings, per row: whether it is a rod or a string that may pull in this step;
   // whether it pulls; whether it is a string that was slack at the start.
   std::vector<char> taut_, pulls_, slack_;
@@ -166,7 +166,7 @@ class ContactStep {
   std::vector<Vec3> steady_;                            // per point, m/s^2: without waves
   std::vector<Vec3> arm_;                               // per body point, m, at the start
   std::vector<Mat3> inverse_;                           // per body at the start
-  std::vector<Mat3> answer_, bend_, stiffness_;         // per point, per point, per row
+  std::vector<Mat3> mobility_, bend_, stiffness_;       // per point, per point, per row
   std::vector<double> pull_, rest_, change_;            // per row: N s, m, m/s
   std::vector<double> before_pull_;                     // a relaxation
   std::vector<char> is_carried_;                        // per point: a free body has it

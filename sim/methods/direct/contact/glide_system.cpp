@@ -59,13 +59,14 @@ void GlideSystem::assemble(const Mechanism& mechanism, const Terms& terms) {
 void GlideSystem::add_row(const Mechanism& mechanism, const Terms& terms, std::size_t r) {
   const Row& row = mechanism.rows()[r];
   const std::size_t a = first_[row.a], b = first_[row.b], pull = row_[r];
-  const Mat3 &answer_a = terms.answer[row.a], &answer_b = terms.answer[row.b];
-  const Vec3 from_a = kMean * answer_a * terms.along[r], from_b = kMean * answer_b * terms.along[r];
+  const Mat3 &mobility_a = terms.mobility[row.a], &mobility_b = terms.mobility[row.b];
+  const Vec3 from_a = kMean * mobility_a * terms.along[r],
+             from_b = kMean * mobility_b * terms.along[r];
   const Mat3 turn = kMean * terms.h * terms.turn[r];
-  const Mat3 turn_a = answer_a * turn, turn_b = answer_b * turn;
+  const Mat3 turn_a = mobility_a * turn, turn_b = mobility_b * turn;
   const auto largest = [](const auto& matrix) { return matrix.cwiseAbs().maxCoeff(); };
-  const bool acts = largest(from_a) > kNoShare * largest(answer_a) ||
-                    largest(from_b) > kNoShare * largest(answer_b);
+  const bool acts = largest(from_a) > kNoShare * largest(mobility_a) ||
+                    largest(from_b) > kNoShare * largest(mobility_b);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto at = static_cast<int>(i);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -97,11 +98,11 @@ void GlideSystem::add_bodies(const Mechanism& mechanism, const Terms& terms) {
       const auto& at = mechanism.body_points()[ends[e].body_point];
       const bool meet = terms.bodies && terms.bodies->meet(at.body, pulled.body);
       if ((at.body != pulled.body && !meet) || at.point == pulled.point) continue;
-      const Mat3 answer =
+      const Mat3 coupled =
           !terms.bodies
               ? mobility(mechanism, at, pulled)
               : contact::mobility(terms.bodies->between(at.body, pulled.body), at.arm, pulled.arm);
-      const Vec3 moves = -kMean * end.sign * (answer * terms.along[end.row]);
+      const Vec3 moves = -kMean * end.sign * (coupled * terms.along[end.row]);
       for (int i = 0; i < 3; ++i) column[first_[at.point] + static_cast<std::size_t>(i)] = moves[i];
     }
     band_.solve(column);

@@ -5,33 +5,33 @@
 #include <vector>
 
 #include "sim/contact/band_system.h"
-#include "sim/contact/body_answers.h"
+#include "sim/contact/body_mobility.h"
 #include "sim/links/dense.h"
 #include "sim/links/mechanism.h"
 
 namespace taut::direct {
 
-/// How the points and rows of a mechanism answer to small changes of the points' velocities v (m/s,
-/// mean over the step) and the rows' impulses (N s). In order of the points it has a narrow band:
-/// of each its velocity and then the rows that begin there. Bodies that rows meet in several points
-/// couple these, by Woodbury's identity.
+/// How the points and rows of a mechanism respond to small changes of the points' velocities v
+/// (m/s, mean over the step) and the rows' impulses (N s). In order of the points it has a narrow
+/// band: of each its velocity and then the rows that begin there. Bodies that rows meet in several
+/// points couple these, by Woodbury's identity.
 class GlideSystem {
  public:
   /// What the equations are made of; per point and per row.
   struct Terms {
     double h = 0;                     // s
-    std::span<const Mat3> answer;     // 1/kg: of a point to what pulls it
+    std::span<const Mat3> mobility;   // 1/kg: of a point to what pulls it
     std::span<const Mat3> bend;       // 1: to its own displacement over h, as surfaces curve
     std::span<const Mat3> turn;       // N s/m: of a row's impulse with the way from a to b
     std::span<const Vec3> along, to;  // of the row's pull; in which its length grows
     /// Of bodies to what pulls them; null: freely.
-    const contact::BodyAnswers* bodies = nullptr;
+    const contact::BodyMobility* bodies = nullptr;
   };
 
   /// `together`: see contact::ends_that_meet().
   void rebuild(const Mechanism& mechanism, std::span<const std::uint32_t> together = {});
   void assemble(const Mechanism& mechanism, const Terms& terms);
-  /// In: by how much each point is slower than its answer, and each row grows too slowly (m/s).
+  /// In: by how much each point is slower than its response, and each row grows too slowly (m/s).
   /// Out: what to add to velocities and impulses.
   void solve(std::span<Vec3> velocity, std::span<double> impulse);
 

@@ -18,17 +18,17 @@ class RankOne {
   void factor(const Matrix& matrix, const std::vector<double>& slope, Scalar s) {
     slope_ = slope;
     if (slope.empty()) return;
-    answer_.resize(slope.size());
-    for (std::size_t i = 0; i < slope.size(); ++i) answer_[i] = slope[i] * Scalar{1};
-    matrix.solve(answer_.data());
-    share_ = s * inverse(Scalar{1} + s * along(answer_.data()));
+    solved_.resize(slope.size());
+    for (std::size_t i = 0; i < slope.size(); ++i) solved_[i] = slope[i] * Scalar{1};
+    matrix.solve(solved_.data());
+    share_ = s * inverse(Scalar{1} + s * along(solved_.data()));
   }
 
   void solve(const Matrix& matrix, Scalar* right) const {
     matrix.solve(right);
     if (slope_.empty()) return;
     const Scalar less = share_ * along(right);
-    for (std::size_t i = 0; i < slope_.size(); ++i) right[i] = right[i] - less * answer_[i];
+    for (std::size_t i = 0; i < slope_.size(); ++i) right[i] = right[i] - less * solved_[i];
   }
 
  private:
@@ -39,7 +39,7 @@ class RankOne {
   }
 
   std::vector<double> slope_;
-  std::vector<Scalar> answer_;  // A^-1 g
+  std::vector<Scalar> solved_;  // A^-1 g
   Scalar share_{};
 };
 

@@ -1,4 +1,4 @@
-#include "sim/contact/body_answers.h"
+#include "sim/contact/body_mobility.h"
 
 #include "sim/world/rotation.h"
 
@@ -15,20 +15,20 @@ Mat6 mobility(double inverse_mass, const Mat3& inverse_inertia) {
   return m;
 }
 
-Mat3 mobility(const Mat6& answer, const Vec3& arm, const Vec3& pulled) {
+Mat3 mobility(const Mat6& twists, const Vec3& arm, const Vec3& pulled) {
   const Mat3 at = cross_matrix(arm), by = cross_matrix(pulled);
-  return answer.topLeftCorner<3, 3>() + answer.topRightCorner<3, 3>() * by -
-         at * answer.bottomLeftCorner<3, 3>() - at * answer.bottomRightCorner<3, 3>() * by;
+  return twists.topLeftCorner<3, 3>() + twists.topRightCorner<3, 3>() * by -
+         at * twists.bottomLeftCorner<3, 3>() - at * twists.bottomRightCorner<3, 3>() * by;
 }
 
-void BodyAnswers::set_apart(std::span<const Mat6> own) {
+void BodyMobility::set_apart(std::span<const Mat6> own) {
   own_.assign(own.begin(), own.end());
   place_.assign(own.size(), {});
   blocks_.clear();
   bodies_.clear();
 }
 
-void BodyAnswers::set(std::span<const std::uint32_t> bodies, std::span<const Mat6> blocks) {
+void BodyMobility::set(std::span<const std::uint32_t> bodies, std::span<const Mat6> blocks) {
   const std::size_t count = bodies.size(), first = blocks_.size(), listed = bodies_.size();
   for (std::size_t i = 0; i < count; ++i) own_[bodies[i]] = blocks[i * count + i];
   if (count < 2) return;

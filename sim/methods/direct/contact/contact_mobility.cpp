@@ -1,4 +1,4 @@
-// How beads answer to the pulls of their links.
+// How beads respond to the pulls of their links.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -40,21 +40,21 @@ void ContactStep::spread(std::span<const double> impulse, std::span<const Vec3> 
   for (double& noise : noise_) noise = std::min(noise, touching_ / h_);
 }
 
-/// Lets each bead answer to its touches, and notes how it does.
+/// Lets each bead respond to its touches, and notes how it does.
 void ContactStep::respond_all(std::span<Vec3> velocity) {
   const auto& mobile = mechanism_.inverse_mass();
   std::ranges::copy(velocity, bare_.begin());
-  for (std::size_t p = 0; p < answer_.size(); ++p) answer_[p] = mobile[p] * Mat3::Identity();
+  for (std::size_t p = 0; p < mobility_.size(); ++p) mobility_[p] = mobile[p] * Mat3::Identity();
   std::array<contact::Touch, 3> touches;
   for (std::size_t i = 0; i < touches_.size();) {
     const std::size_t point = touches_[i].point;
     std::size_t count = 0;
     while (i + count < touches_.size() && touches_[i + count].point == point) ++count;
     for (std::size_t k = 0; k < count; ++k) touches[k] = touches_[i + k].touch;
-    const contact::Response answer =
+    const contact::Response response =
         contact::respond(velocity[point], std::span(touches).first(count), creep_);
-    velocity[point] = answer.velocity;
-    answer_[point] = mobile[point] * answer.derivative;
+    velocity[point] = response.velocity;
+    mobility_[point] = mobile[point] * response.derivative;
     for (std::size_t k = 0; k < count; ++k) touches_[i + k].touch = touches[k];
     i += count;
   }
@@ -90,7 +90,8 @@ std::span<const ContactStep::BeadTouch> ContactStep::touches_of(std::size_t poin
 }
 
 /// Nonlinear Gauss-Seidel, once along the rows and once back: each row in turn gets the pull at
-/// which its ends, as they answer, part as they should (Jean 1999, section 5). Rows at bodies stay.
+/// which its ends, as they respond, part as they should (Jean 1999, section 5). Rows at bodies
+/// stay.
 void ContactStep::relax(std::span<const Vec3> along, double share, std::span<const Vec3> velocity) {
   const auto& rows = mechanism_.rows();
   before_pull_.assign(pull_.begin(), pull_.end());
@@ -108,7 +109,7 @@ void ContactStep::relax_row(std::size_t row, const Vec3& along, double share) {
   const double mobile_a = share * mechanism_.inverse_mass()[a];
   const double mobile_b = share * mechanism_.inverse_mass()[b];
   if (is_carried_[a] || is_carried_[b] || mobile_a + mobile_b == 0 || !taut_[row]) return;
-  const auto answer = [&](std::size_t point, const Vec3& velocity) {
+  const auto response = [&](std::size_t point, const Vec3& velocity) {
     const std::span<const BeadTouch> near = touches_of(point);
     if (near.empty()) return contact::Response{velocity};
     if (near.size() == 1) {
@@ -121,13 +122,13 @@ void ContactStep::relax_row(std::size_t row, const Vec3& along, double share) {
     return contact::respond(velocity, std::span(touches).first(count), creep_);
   };
   const auto mobility = [&](double mobile, const contact::Response& found) {
-    const double answers = to_[row].dot(found.derivative * along);
-    return std::abs(answers) > kImmobile ? mobile * answers : 0;
+    const double gives = to_[row].dot(found.derivative * along);
+    return std::abs(gives) > kImmobile ? mobile * gives : 0;
   };
   Vec3 velocity_a = bare_[a], velocity_b = bare_[b];
   double more = 0;
   for (int i = 0; i < kTrials; ++i) {
-    const contact::Response at_a = answer(a, velocity_a), at_b = answer(b, velocity_b);
+    const contact::Response at_a = response(a, velocity_a), at_b = response(b, velocity_b);
     const double apart = to_[row].dot(at_b.velocity - at_a.velocity) - change_[row];
     if (std::abs(apart) <= kRelaxed * (1 + at_a.velocity.norm())) break;
     const double slope = mobility(mobile_a, at_a) + mobility(mobile_b, at_b);

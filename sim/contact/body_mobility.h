@@ -1,4 +1,4 @@
-// How the twists of rigid bodies answer to what pulls them.
+// How the twists of rigid bodies respond to what pulls them.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,11 +21,11 @@ Vec3 velocity_at(const Vec6& twist, const Vec3& arm);
 /// What a body's twist changes by under an impulse, its inverse mass and inertia in world axes.
 Mat6 mobility(double inverse_mass, const Mat3& inverse_inertia);
 
-/// How (m/s, or 1/kg) a point of a body that answers so moves under what pulls at another.
-Mat3 mobility(const Mat6& answer, const Vec3& arm, const Vec3& pulled);
+/// How (m/s, or 1/kg) a point of a body of that mobility moves under what pulls at another.
+Mat3 mobility(const Mat6& twists, const Vec3& arm, const Vec3& pulled);
 
-/// How each of many bodies answers to a pull: by itself, or together with those that it touches.
-class BodyAnswers {
+/// How each of many bodies responds to a pull: by itself, or together with those that it touches.
+class BodyMobility {
  public:
   /// Each by itself.
   void set_apart(std::span<const Mat6> own);
