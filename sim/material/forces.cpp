@@ -210,11 +210,11 @@ void MaterialForces::rebuild(const World& world, std::size_t room,
       moduli_.push_back(bends_[i].stiffness * bent_length(i));
     }
   }
-  if (!leaders.empty()) lead(leaders);
+  if (!leaders.empty()) name_leaders(leaders);
 }
 
 /// Lets elements end at the points that stand for theirs.
-void MaterialForces::lead(std::span<const std::uint32_t> leaders) {
+void MaterialForces::name_leaders(std::span<const std::uint32_t> leaders) {
   if (!twists_.empty()) leaders_.assign(leaders.begin(), leaders.end());
   const auto change = [&](std::uint32_t& point) { point = leaders[point]; };
   for (StretchElement& link : stretches_) {

@@ -140,7 +140,7 @@ class MaterialForces {
   double work() const;
 
  private:
-  void lead(std::span<const std::uint32_t> leaders);
+  void name_leaders(std::span<const std::uint32_t> leaders);
   double bent_length(std::size_t bend) const;
   struct Clamp {
     std::size_t connector = 0, hold = 0;

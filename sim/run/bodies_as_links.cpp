@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "sim/links/stick.h"
+#include "sim/links/equimomental_link.h"
 #include "sim/world/rotation.h"
 
 namespace taut {
@@ -72,7 +72,7 @@ BodiesAsLinks::BodiesAsLinks(World& world) {
     Connector& chain = world.connectors[place.connector];
     const Hold hold = chain.holds[place.hold];
     const Vec3 arm = arm_of(body, hold), along = arm.normalized();
-    const Stick stick(body.bare.mass, moment_across(body.bare, along), arm.norm());
+    const EquimomentalLink stick(body.bare.mass, moment_across(body.bare, along), arm.norm());
     const Vec3 beyond = hold.to.point + stick.reach * along;
     const bool first = hold.particle == 0;
 

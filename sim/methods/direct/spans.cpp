@@ -134,7 +134,7 @@ void Spans::build_systems() {
 }
 
 /// Solves for the tensions of the inner world's present state.
-void Spans::look() {
+void Spans::update() {
   if (!built_) build_systems();
   for (Tensions& part : systems_) {
     double *q = part.q.data(), *rate = part.rate.data();
@@ -226,7 +226,7 @@ bool Spans::breaks(const Tie& tie) const {
 }
 
 bool Spans::breaks() {
-  look();
+  update();
   return std::ranges::any_of(ties_, [&](const Tie& tie) { return breaks(tie); });
 }
 
@@ -264,7 +264,7 @@ bool Spans::rebounds(Tie& tie, std::vector<Event>& events) {
   kick(inner_, tie.a, impulse * ends.line);
   kick(inner_, tie.b, -impulse * ends.line);
   place_held(inner_, inner_.time);
-  look();
+  update();
   return true;
 }
 
@@ -273,7 +273,7 @@ void Spans::advance(World& world, double until, std::vector<Event>& events) {
   while (inner_.time < until) {
     advance_to_break(std::min(until, inner_.time + kLook));
     bool changed = false;
-    look();
+    update();
     for (Tie& tie : ties_) {
       if (!breaks(tie)) continue;
       Span& span = spans_[tie.span];

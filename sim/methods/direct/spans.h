@@ -63,7 +63,7 @@ class Spans {
   static void lay(Connector& connector, const Span& span, const Vec3& gravity);
   void connect();
   void build_systems();
-  void look();
+  void update();
   bool breaks(const Tie& tie) const;
   bool breaks();
   void advance_to_break(double until);

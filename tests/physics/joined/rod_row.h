@@ -20,7 +20,7 @@ class RodRow : public ConstraintRow {
     gradient[0] = -gradient[1];
     return {.gap = length - length_,
             .rate = rate,
-            .curvature = (apart.squaredNorm() - rate * rate) / length};
+            .velocity_term = (apart.squaredNorm() - rate * rate) / length};
   }
 
  private:

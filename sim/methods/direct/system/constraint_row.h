@@ -21,9 +21,9 @@ class ConstraintRow {
     std::size_t connector = 0, index = 0;
   };
   struct Value {
-    double gap = 0;        // m: g
-    double rate = 0;       // m/s: g'
-    double curvature = 0;  // m/s^2: g'' where no particle accelerates
+    double gap = 0;            // m: g
+    double rate = 0;           // m/s: g'
+    double velocity_term = 0;  // m/s^2: g'' where no particle accelerates
   };
   virtual ~ConstraintRow() = default;
 

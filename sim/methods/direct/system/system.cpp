@@ -33,7 +33,8 @@ void System::lead_bodies() {
     part.spin_rate = part.world_inverse_inertia * momentum.cross(part.spin);
     for (const std::size_t e : ends_of(part)) {
       End& end = ends_[e];
-      end.lead = part.spin.cross(part.spin.cross(end.arm)) + part.spin_rate.cross(end.arm);
+      end.free_acceleration =
+          part.spin.cross(part.spin.cross(end.arm)) + part.spin_rate.cross(end.arm);
     }
   }
 }
@@ -41,10 +42,10 @@ void System::lead_bodies() {
 void System::read_holds(double time) {
   for (End& end : ends_) {
     if (end.body != kNone) continue;
-    end.lead = -world_->gravity;
+    end.free_acceleration = -world_->gravity;
     if (rests(end.to, time)) continue;
-    end.lead += hold_motion(*world_, end.to, time).acceleration;
-    if (plane_ && !plane_->holds(end.lead)) left_plane_ = end.lead;
+    end.free_acceleration += hold_motion(*world_, end.to, time).acceleration;
+    if (plane_ && !plane_->holds(end.free_acceleration)) left_plane_ = end.free_acceleration;
   }
 }
 
@@ -53,7 +54,7 @@ void System::read_holds(double time) {
 void System::add_ends(const double* q) {
   for (End& end : ends_) {
     end.along = links_.end_direction(q, end.link);
-    links_.add_right(end.link, -end.pull * end.along.dot(end.lead));
+    links_.add_right(end.link, -end.pull * end.along.dot(end.free_acceleration));
     if (end.body == kNone) continue;
     const Part& part = bodies_[end.body];
     const Vec3 turn = end.arm.cross(end.along);
@@ -141,7 +142,7 @@ void System::move_bodies(const double* q, double* out) {
     }
     const Vec3 turn = part.world_inverse_inertia * torque;
     for (const std::size_t e : ends_of(part)) {
-      ends_[e].lead += force / part.mass + turn.cross(ends_[e].arm);
+      ends_[e].free_acceleration += force / part.mass + turn.cross(ends_[e].arm);
     }
     const Vec3 rise = (part.spin_rate + turn) / 2;
     const double* p = q + quaternion(b);
@@ -171,7 +172,8 @@ void System::respond(const double* q, double* out) {
   if (!bodies_.empty()) move_bodies(q, out);
   if (!rows_.empty()) push_rows(q, out);
   for (const End& end : ends_) {
-    links_.add(end.link, end.along, -end.pull * links_.inverse_rest(end.link) * end.lead, out);
+    links_.add(end.link, end.along,
+               -end.pull * links_.inverse_rest(end.link) * end.free_acceleration, out);
   }
 }
 

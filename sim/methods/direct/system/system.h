@@ -81,11 +81,11 @@ class System : public Motion {
     std::size_t body = kNone;       // index into bodies_; none: prescribed
     Vec3 local_arm = Vec3::Zero();  // m, from the body's centre of mass, in its axes
     // At the present stage:
-    Vec3 along = Vec3::Zero();  // the link's direction
-    Vec3 arm = Vec3::Zero();    // m, in the world's axes
-    Vec3 lead = Vec3::Zero();   // m/s^2, the acceleration that no tension causes, less gravity
+    Vec3 along = Vec3::Zero();              // the link's direction
+    Vec3 arm = Vec3::Zero();                // m, in the world's axes
+    Vec3 free_acceleration = Vec3::Zero();  // m/s^2, without tensions, less gravity
   };
-  struct Bar {             // a body that is a link
+  struct BodyLink {        // a body that is a link
     std::size_t body = 0;  // index into World::bodies
     std::size_t link = 0;
     double outward = 0;                // +1 where u points from the tip to the far mass, else -1
@@ -95,18 +95,18 @@ class System : public Motion {
   };
   struct Span {
     SpanRange range;
-    bool reversed = false;                            // runs from range.last to range.first
-    std::size_t offset = 0, links = 0;                // into the links, bars included
-    std::size_t first = kNone, last = kNone;          // ends_
-    std::size_t first_bar = kNone, last_bar = kNone;  // bars_
+    bool reversed = false;                    // runs from range.last to range.first
+    std::size_t offset = 0, links = 0;        // into the links, body links included
+    std::size_t first = kNone, last = kNone;  // ends_
+    std::size_t first_body_link = kNone, last_body_link = kNone;  // body_links_
     bool closes = false;  // the place of its last end is known without it
     std::size_t particles() const { return range.last - range.first + 1; }
-    /// The connector's particle at the span's k-th point, bars left out.
+    /// The connector's particle at the span's k-th point, body links left out.
     std::size_t particle(std::size_t k) const {
       return reversed ? range.last - k : range.first + k;
     }
   };
-  struct Part {            // a free body that is no bar
+  struct Part {            // a free body that is no link
     std::size_t body = 0;  // index into World::bodies
     double mass = 0;
     Mat3 inertia = Mat3::Identity(), inverse_inertia = Mat3::Identity();  // in its axes
@@ -184,7 +184,7 @@ class System : public Motion {
   std::span<const std::size_t> ends_of(const Part& part) const {
     return {body_ends_.data() + part.first_end, part.ends};
   }
-  // Where a body of the world stands in bodies_ or, in a plane, in bars_.
+  // Where a body of the world stands in bodies_ or, in a plane, in body_links_.
   std::size_t member(std::size_t body) const;
   std::size_t part_of(std::size_t body) const { return plane_ ? kNone : member(body); }
   std::size_t bar_of(std::size_t body) const { return plane_ ? member(body) : kNone; }
@@ -196,7 +196,7 @@ class System : public Motion {
   std::vector<std::size_t> members_;  // indices into World::bodies, rising
   std::vector<Span> spans_;           // each one's first end is placed by those before it
   std::vector<End> ends_;
-  std::vector<Bar> bars_;
+  std::vector<BodyLink> body_links_;
   std::vector<Part> bodies_;
   std::vector<std::size_t> body_ends_;  // body by body
   std::vector<char> placed_, done_;     // workspaces of order_spans(): bodies, spans
@@ -218,7 +218,7 @@ class System : public Motion {
 
   // Per point of every span (one more than its links), and per body: mass, place.
   std::vector<double> point_mass_;
-  std::vector<Point> points_, centres_, bar_centres_;
+  std::vector<Point> points_, centres_, body_link_centres_;
   bool loops_ = false;       // some span closes one
   std::vector<Point> gaps_;  // per span, where it closes a loop
   Array still_;              // workspace of spread()

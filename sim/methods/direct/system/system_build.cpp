@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/links/stick.h"
+#include "sim/links/equimomental_link.h"
 #include "sim/methods/direct/system/scales.h"
 #include "sim/methods/direct/system/system.h"
 
@@ -101,8 +101,8 @@ void System::reserve(std::size_t links, std::size_t ends) {
   members_.reserve(ends);
   placed_.reserve(ends);
   done_.reserve(ends);
-  bars_.reserve(ends);
-  bar_centres_.reserve(ends);
+  body_links_.reserve(ends);
+  body_link_centres_.reserve(ends);
   bodies_.reserve(ends);
   centres_.reserve(ends);
 }
@@ -116,17 +116,17 @@ void System::rebuild(const World& world, const Component& component,
   members_.assign(component.bodies.begin(), component.bodies.end());
   spans_.clear();
   ends_.clear();
-  bars_.clear();
+  body_links_.clear();
   bodies_.clear();
   mass_ = 0;
   for (const std::size_t b : component.bodies) {
     const MassProperties& m = world.bodies[b].mass_properties;
     mass_ += m.mass;
     if (plane) {
-      Bar bar;
-      bar.body = b;
-      bar.arm = hanging(world, component, b).arm.norm();
-      bars_.push_back(bar);
+      BodyLink body_link;
+      body_link.body = b;
+      body_link.arm = hanging(world, component, b).arm.norm();
+      body_links_.push_back(body_link);
     } else {
       Part part;
       part.body = b;
@@ -158,16 +158,16 @@ void System::add_span(const World& world, const SpanRange& range, bool reversed)
     const Hold* hold = find_hold(connector, particle);
     return hold && !is_prescribed(world, hold->to) ? bar_of(hold->to.body) : kNone;
   };
-  span.first_bar = bar_at(span.particle(0));
-  span.last_bar = bar_at(span.particle(range.last - range.first));
-  if (span.first_bar != kNone) {
-    bars_[span.first_bar].link = span.offset;
-    bars_[span.first_bar].outward = -1;
+  span.first_body_link = bar_at(span.particle(0));
+  span.last_body_link = bar_at(span.particle(range.last - range.first));
+  if (span.first_body_link != kNone) {
+    body_links_[span.first_body_link].link = span.offset;
+    body_links_[span.first_body_link].outward = -1;
     ++span.links;
   }
-  if (span.last_bar != kNone) {
-    bars_[span.last_bar].link = span.offset + span.links;
-    bars_[span.last_bar].outward = 1;
+  if (span.last_body_link != kNone) {
+    body_links_[span.last_body_link].link = span.offset + span.links;
+    body_links_[span.last_body_link].outward = 1;
     ++span.links;
   }
   const auto end = [&](std::size_t particle, std::size_t link, double pull) {
@@ -202,7 +202,7 @@ void System::order_spans(const World& world, std::span<const SpanRange> ranges) 
     if (!hold) return Place::free;
     if (is_prescribed(world, hold->to)) return Place::known;
     const std::size_t body = part_of(hold->to.body);
-    if (body == kNone) return Place::free;  // a bar
+    if (body == kNone) return Place::free;  // a link
     return placed[body] ? Place::known : Place::unknown;
   };
   const auto take = [&](std::size_t s, bool reversed) {
@@ -250,31 +250,33 @@ void System::measure_links(const World& world) {
   length_ = 0;
   for (const Span& span : spans_) {
     const Connector& connector = world.connectors[span.range.connector];
-    const auto stick = [&](std::size_t bar) {
-      const MassProperties& m = world.bodies[bars_[bar].body].mass_properties;
-      const Vec3 normal = world.bodies[bars_[bar].body].rotation.conjugate() * plane_->normal;
-      return Stick(m.mass, normal.dot(m.inertia * normal), bars_[bar].arm);
+    const auto stick = [&](std::size_t body_link) {
+      const MassProperties& m = world.bodies[body_links_[body_link].body].mass_properties;
+      const Vec3 normal =
+          world.bodies[body_links_[body_link].body].rotation.conjugate() * plane_->normal;
+      return EquimomentalLink(m.mass, normal.dot(m.inertia * normal), body_links_[body_link].arm);
     };
-    if (span.first_bar != kNone) {
-      point_mass_.push_back(stick(span.first_bar).far);
-      links.push_back({.rest = stick(span.first_bar).reach});
+    if (span.first_body_link != kNone) {
+      point_mass_.push_back(stick(span.first_body_link).far);
+      links.push_back({.rest = stick(span.first_body_link).reach});
     }
     for (std::size_t k = 0; k < span.particles(); ++k) {
       const bool first = k == 0, last = k + 1 == span.particles();
       double mass = connector.particle_mass[span.particle(k)];
       if ((first && span.first != kNone) || (last && span.last != kNone)) mass = 0;  // held
-      if (first && span.first_bar != kNone) mass = stick(span.first_bar).tip;
-      if (last && span.last_bar != kNone) mass = stick(span.last_bar).tip;
+      if (first && span.first_body_link != kNone) mass = stick(span.first_body_link).tip;
+      if (last && span.last_body_link != kNone) mass = stick(span.last_body_link).tip;
       point_mass_.push_back(mass);
-      const bool bar = (first && span.first_bar != kNone) || (last && span.last_bar != kNone);
-      if (!bar) mass_ += mass;
+      const bool body_link =
+          (first && span.first_body_link != kNone) || (last && span.last_body_link != kNone);
+      if (!body_link) mass_ += mass;
       if (!last) {
         links.push_back({.rest = connector.rest[std::min(span.particle(k), span.particle(k + 1))]});
       }
     }
-    if (span.last_bar != kNone) {
-      point_mass_.push_back(stick(span.last_bar).far);
-      links.push_back({.rest = stick(span.last_bar).reach});
+    if (span.last_body_link != kNone) {
+      point_mass_.push_back(stick(span.last_body_link).far);
+      links.push_back({.rest = stick(span.last_body_link).reach});
     }
   }
   std::size_t p = 0;
@@ -319,7 +321,7 @@ void System::measure_links(const World& world) {
   links_.rebuild(links, plane_);
   points_.assign(point_mass_.size(), {});
   centres_.assign(bodies_.size(), {});
-  bar_centres_.assign(bars_.size(), {});
+  body_link_centres_.assign(body_links_.size(), {});
   loops_ = std::ranges::any_of(spans_, &Span::closes);
   gaps_.assign(spans_.size(), {});
   still_.assign(size(), 0.0);

@@ -78,7 +78,7 @@ void System::spread(const double* q, Vec3 Point::*gap, double ConstraintRow::Val
   std::fill(still_.begin(), still_.end(), 0.0);
   turn_bodies(q, still_.data());
   lead_bodies();
-  for (End& end : ends_) end.lead = Vec3::Zero();
+  for (End& end : ends_) end.free_acceleration = Vec3::Zero();
   for (Bordered& bordered : rows_) bordered.right = -(bordered.value.*off);
   links_.assemble(q, still_.data());
   add_ends(q);

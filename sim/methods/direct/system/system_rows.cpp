@@ -32,7 +32,7 @@ System::RowTerm System::term_of(const ConstraintRow::Particle& particle) const {
         particle.index <= range.last) {
       const std::size_t k =
           (span.reversed ? range.last - particle.index : particle.index - range.first) +
-          (span.first_bar == kNone ? 0 : 1);
+          (span.first_body_link == kNone ? 0 : 1);
       RowTerm term{.point = p + k};
       if (k == 0) term.end = span.first;
       if (k == span.links) term.end = span.last;
@@ -139,11 +139,11 @@ double System::mobility(std::size_t a, std::size_t b) const {
 /// Leaves to the rows what of g'' no multiplier causes.
 void System::lead_rows() {
   for (Bordered& bordered : rows_) {
-    bordered.right = -bordered.value.curvature;
+    bordered.right = -bordered.value.velocity_term;
     for (std::size_t k = 0; k < bordered.row->particles().size(); ++k) {
       const RowTerm& term = terms_[bordered.first_term + k];
       Vec3 acceleration = world_->gravity;
-      if (term.end != kNone) acceleration += ends_[term.end].lead;
+      if (term.end != kNone) acceleration += ends_[term.end].free_acceleration;
       bordered.right -= term.gradient.dot(acceleration);
     }
   }

@@ -28,7 +28,7 @@ void System::load(const World& world, double time, double* q, double* rate) {
     Vec3 u = world.gravity.norm() > 0 ? world.gravity.normalized()
              : plane_                 ? plane_->x
                                       : Vec3::UnitX();
-    const std::size_t offset = span.offset + (span.first_bar != kNone ? 1 : 0);
+    const std::size_t offset = span.offset + (span.first_body_link != kNone ? 1 : 0);
     for (std::size_t k = 0; k + 1 < span.particles(); ++k) {
       const std::size_t i = offset + k, a = span.particle(k), b = span.particle(k + 1);
       const Vec3 gap = connector.position[b] - connector.position[a];
@@ -36,14 +36,15 @@ void System::load(const World& world, double time, double* q, double* rate) {
       if (gap.norm() > 1e-9 * links_.rest(i)) u = gap.normalized();
       set(i, u, links_.inverse_rest(i) * (connector.velocity[b] - connector.velocity[a]));
     }
-    for (const std::size_t b : {span.first_bar, span.last_bar}) {
+    for (const std::size_t b : {span.first_body_link, span.last_body_link}) {
       if (b == kNone) continue;
-      Bar& bar = bars_[b];
-      const Body& body = world.bodies[bar.body];
-      const std::size_t tip = span.particle(bar.outward < 0 ? 0 : span.particles() - 1);
-      bar.direction = (body.position - connector.position[tip]).normalized();
-      bar.rotation = body.rotation;
-      set(bar.link, bar.outward * bar.direction, bar.outward * body.spin.cross(bar.direction));
+      BodyLink& body_link = body_links_[b];
+      const Body& body = world.bodies[body_link.body];
+      const std::size_t tip = span.particle(body_link.outward < 0 ? 0 : span.particles() - 1);
+      body_link.direction = (body.position - connector.position[tip]).normalized();
+      body_link.rotation = body.rotation;
+      set(body_link.link, body_link.outward * body_link.direction,
+          body_link.outward * body.spin.cross(body_link.direction));
     }
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -89,7 +90,7 @@ Point System::start_of(const Span& span, double time) const {
           centres_[end.body].velocity + bodies_[end.body].spin.cross(end.arm)};
 }
 
-/// Fills points_, centres_ and bar_centres_: everything's place and velocity at `time`.
+/// Fills points_, centres_ and body_link_centres_: everything's place and velocity at `time`.
 void System::place(double time, const double* q, const double* rate) {
   turn_bodies(q, rate);
   if (floats_ && !bodies_.empty()) centres_[0] = {};
@@ -112,13 +113,13 @@ void System::place(double time, const double* q, const double* rate) {
 void System::place_bars(const double* q, const double* rate) {
   std::size_t p = 0;
   for (const Span& span : spans_) {
-    for (const std::size_t b : {span.first_bar, span.last_bar}) {
+    for (const std::size_t b : {span.first_body_link, span.last_body_link}) {
       if (b == kNone) continue;
-      const Bar& bar = bars_[b];
-      const Point& tip = points_[p + (bar.outward < 0 ? 1 : span.links - 1)];
-      const double reach = bar.outward * bar.arm;
-      bar_centres_[b] = {tip.position + reach * links_.direction(q, bar.link),
-                         tip.velocity + reach * links_.turn(q, rate, bar.link)};
+      const BodyLink& body_link = body_links_[b];
+      const Point& tip = points_[p + (body_link.outward < 0 ? 1 : span.links - 1)];
+      const double reach = body_link.outward * body_link.arm;
+      body_link_centres_[b] = {tip.position + reach * links_.direction(q, body_link.link),
+                               tip.velocity + reach * links_.turn(q, rate, body_link.link)};
     }
     p += span.links + 1;
   }
@@ -154,7 +155,7 @@ void System::store(World& world, const double* q, const double* rate) {
   std::size_t p = 0;
   for (const Span& span : spans_) {
     Connector& connector = world.connectors[span.range.connector];
-    const std::size_t first = p + (span.first_bar != kNone ? 1 : 0);
+    const std::size_t first = p + (span.first_body_link != kNone ? 1 : 0);
     // What is prescribed has been placed; links lead there but for rounding.
     const auto is_placed = [&](std::size_t end) {
       return end != kNone && ends_[end].body == kNone;
@@ -175,16 +176,16 @@ void System::store(World& world, const double* q, const double* rate) {
     body.rotation = Quat(r[0], r[1], r[2], r[3]);
     body.spin = bodies_[b].spin;
   }
-  for (std::size_t b = 0; b < bars_.size(); ++b) {
-    const Bar& bar = bars_[b];
-    Body& body = world.bodies[bar.body];
-    const Vec3 now = bar.outward * links_.direction(q, bar.link);
-    const double angle =
-        std::atan2(bar.direction.cross(now).dot(plane_->normal), bar.direction.dot(now));
-    body.position = bar_centres_[b].position;
-    body.velocity = bar_centres_[b].velocity;
-    body.rotation = Quat(Eigen::AngleAxisd(angle, plane_->normal)) * bar.rotation;
-    body.spin = now.cross(bar.outward * links_.turn(q, rate, bar.link));
+  for (std::size_t b = 0; b < body_links_.size(); ++b) {
+    const BodyLink& body_link = body_links_[b];
+    Body& body = world.bodies[body_link.body];
+    const Vec3 now = body_link.outward * links_.direction(q, body_link.link);
+    const double angle = std::atan2(body_link.direction.cross(now).dot(plane_->normal),
+                                    body_link.direction.dot(now));
+    body.position = body_link_centres_[b].position;
+    body.velocity = body_link_centres_[b].velocity;
+    body.rotation = Quat(Eigen::AngleAxisd(angle, plane_->normal)) * body_link.rotation;
+    body.spin = now.cross(body_link.outward * links_.turn(q, rate, body_link.link));
   }
 }
 

@@ -8,10 +8,10 @@ namespace taut {
 /// line are those of the body: I + M a^2 = M a s, with a the arm of the centre of mass, s the
 /// reach. In plane motion that is all there is to the body, and in space all where it has the same
 /// moment about every axis across the line and does not turn about the line itself.
-struct Stick {
+struct EquimomentalLink {
   double tip = 0, far = 0;  // kg
   double reach = 0;         // m
-  Stick(double mass, double inertia, double arm)
+  EquimomentalLink(double mass, double inertia, double arm)
       : far(mass * arm / ((inertia + mass * arm * arm) / (mass * arm))),
         reach((inertia + mass * arm * arm) / (mass * arm)) {
     tip = mass - far;
