@@ -249,8 +249,7 @@ void Routes::add(std::size_t index, World& world) {
     Pulley& pulley = world.pulleys.back();
     pulley.friction = number_or(value, "friction", 0);
     pulley.bearing = number_or(value, "bearing", 0);
-    const bool rubs = pulley.friction > 0 || pulley.bearing > 0;
-    if (rubs && rope.density > 0 && !is_prescribed(world, eye(i).to)) {
+    if (pulley.has_friction() && rope.density > 0 && !is_prescribed(world, eye(i).to)) {
       document_.fail_at_key(*value.find(pulley.friction > 0 ? "friction" : "bearing"),
                             "needs a rope without mass on a free body");
     }

@@ -112,12 +112,16 @@ class Mechanism {
   /// kg: by how much what drives a pulley (row) falls with the acceleration of another, or itself.
   const Eigen::MatrixXd& passing_inertia() const { return passing_inertia_; }
 
-  /// What friction does at a pulley: none is there or the rope pushes, rope slides forwards (into
-  /// the connector behind) or backwards, or it stays.
-  enum class Slip { free, forwards, backwards, none };
+  /// What friction does at a pulley.
+  enum class Slip {
+    free,      // nothing: there is none, or the rope pushes
+    forwards,  // the rope slides into the connector behind
+    backwards,
+    stick,
+  };
   void set_slip(std::size_t pulley, Slip slip) { pulleys_[pulley].slip = slip; }
   Slip slip(std::size_t pulley) const { return pulleys_[pulley].slip; }
-  bool has_friction(std::size_t pulley) const { return pulleys_[pulley].has_friction(); }
+  bool has_friction(std::size_t pulley) const { return pulleys_[pulley].has_friction; }
   /// The tensions (N) before and behind a pulley with friction, less what turns the rope there and
   /// half of what turns the sheave, under the `tension` of rows and accelerations of pulleys behind
   /// them; and the ratio of the larger to the smaller at which the rope slides.
@@ -234,7 +238,8 @@ class Mechanism {
   };
   /// A pulley: what changes with its acceleration.
   struct Passing {
-    double inertia = 0;                // kg, of the sheave
+    double inertia = 0;  // kg, of the sheave
+    bool has_friction = false;
     double friction = 0, bearing = 0;  // see Pulley
     bool has_mass = false;             // the rope
     std::array<RopeEnd, 2> end = {};   // that it passes from, and to
@@ -245,7 +250,6 @@ class Mechanism {
     double ratio = 1, before = 0;
     Eigen::VectorXd before_inertia = {}, inertia_of_all = {};
 
-    bool has_friction() const { return friction > 0 || bearing > 0; }
     /// By how much what pulls from behind is more than what pulls before it, as its share.
     double excess() const {
       return slip == Slip::forwards ? ratio - 1 : slip == Slip::backwards ? 1 / ratio - 1 : 0;

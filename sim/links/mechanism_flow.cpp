@@ -160,8 +160,10 @@ void Mechanism::add_pulleys(const World& world) {
   couplings_.clear();
   unit_.assign(world.pulleys.empty() ? 0 : points(), Vec3::Zero());
   for (const Pulley& pulley : world.pulleys) {
-    Passing added{
-        .inertia = pulley.inertia, .friction = pulley.friction, .bearing = pulley.bearing};
+    Passing added{.inertia = pulley.inertia,
+                  .has_friction = pulley.has_friction(),
+                  .friction = pulley.friction,
+                  .bearing = pulley.bearing};
     const std::uint32_t number = small(pulleys_.size());
     std::vector<std::uint32_t> bodies;
     for (const std::size_t side : {0u, 1u}) {
@@ -199,7 +201,7 @@ void Mechanism::add_pulleys(const World& world) {
   const auto size = static_cast<Eigen::Index>(pulleys_.size());
   passing_inertia_.setZero(size, size);
   for (Passing& pulley : pulleys_) {
-    if (!pulley.has_friction()) continue;
+    if (!pulley.has_friction) continue;
     pulley.before_inertia.setZero(size);
     pulley.inertia_of_all.setZero(size);
   }
@@ -268,7 +270,7 @@ void Mechanism::measure_pulleys(const double* state) {
     const Winched &from = winches_[pulley.end[0].winched], &to = winches_[pulley.end[1].winched];
     pulley.free_force = paying_force(to, 0, state, point_acceleration_, {}) -
                         paying_force(from, 1, state, point_acceleration_, {});
-    if (pulley.has_friction()) measure_friction(pulley, state);
+    if (pulley.has_friction) measure_friction(pulley, state);
   }
   auto coupling = couplings_.begin();
   for (std::size_t p = 0; p < pulleys(); ++p) {
@@ -281,7 +283,7 @@ void Mechanism::measure_pulleys(const double* state) {
       }
     };
     if (pulley.has_mass) give_unit(pulley.end[0]);
-    if (pulley.has_friction()) {
+    if (pulley.has_friction) {
       each_row([&](double moved) { coupling->before = moved - std::min(coupling->share, 0.0); });
     }
     if (pulley.has_mass) give_unit(pulley.end[1]);
@@ -296,7 +298,7 @@ void Mechanism::measure_pulleys(const double* state) {
       const double behind = passing_inertia(driven, 1, pulley);
       const double all = (other == p ? pulley.inertia : 0) + before + behind;
       passing_inertia_(static_cast<Eigen::Index>(other), column) = all;
-      if (!driven.has_friction()) continue;
+      if (!driven.has_friction) continue;
       driven.before_inertia[column] = before + (other == p ? pulley.inertia / 2 : 0);
       driven.inertia_of_all[column] = all;
     }
@@ -364,7 +366,7 @@ void Mechanism::right_side(std::vector<double>& right) const {
   for (std::size_t p = 0; p < pulleys(); ++p) {
     const Passing& pulley = pulleys_[p];
     right[rows_.size() + p] =
-        pulley.slip == Slip::none ? 0 : pulley.excess() * pulley.before - pulley.free_force;
+        pulley.slip == Slip::stick ? 0 : pulley.excess() * pulley.before - pulley.free_force;
   }
 }
 

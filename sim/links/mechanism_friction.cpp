@@ -27,7 +27,7 @@ void Mechanism::use_friction() {
   for (std::size_t p = 0; p < pulleys(); ++p) {
     const Passing& pulley = pulleys_[p];
     auto row = passing_inertia_.row(static_cast<Eigen::Index>(p));
-    if (pulley.slip == Slip::none) {
+    if (pulley.slip == Slip::stick) {
       row.setZero();
       row[static_cast<Eigen::Index>(p)] = 1;
     } else if (pulley.excess() != 0) {
@@ -36,7 +36,7 @@ void Mechanism::use_friction() {
   }
   for (Coupling& coupling : couplings_) {
     const Passing& pulley = pulleys_[coupling.pulley];
-    if (pulley.slip == Slip::none) coupling.drive = 0;
+    if (pulley.slip == Slip::stick) coupling.drive = 0;
     if (pulley.excess() != 0) coupling.drive -= pulley.excess() * coupling.before;
   }
 }

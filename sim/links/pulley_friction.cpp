@@ -48,7 +48,7 @@ void PulleyFriction::decide(Mechanism& mechanism, TensionSystem& system, double 
     if (!mechanism.has_friction(p)) continue;
     double& speed = state[mechanism.speed(p)];
     if (std::abs(speed) <= kNear) speed = 0;
-    mechanism.set_slip(p, speed > 0 ? Slip::forwards : speed < 0 ? Slip::backwards : Slip::none);
+    mechanism.set_slip(p, speed > 0 ? Slip::forwards : speed < 0 ? Slip::backwards : Slip::stick);
   }
   // One pulley after another: what one does changes the tensions at others. Between two that stay
   // the tension of rope without mass may be any: there one of them is left at its limit.
@@ -57,7 +57,7 @@ void PulleyFriction::decide(Mechanism& mechanism, TensionSystem& system, double 
     solve(mechanism, system, time, state);
     double worst = -kNear;
     std::size_t which = mechanism.pulleys();
-    Slip now = Slip::none;
+    Slip now = Slip::stick;
     const auto consider = [&](double distance, std::size_t pulley, Slip slip) {
       if (!(distance < worst)) return;
       worst = distance;
@@ -75,9 +75,9 @@ void PulleyFriction::decide(Mechanism& mechanism, TensionSystem& system, double 
         consider(-from_pushing(pull), p, goes > 0 ? Slip::forwards : Slip::backwards);
       } else if (from_pushing(pull) < 0) {
         consider(from_pushing(pull), p, Slip::free);
-      } else if (slip != Slip::none && ahead < -kNear) {
-        consider(-kMost, p, Slip::none);  // it began to slide before others did
-      } else if (slip == Slip::none) {
+      } else if (slip != Slip::stick && ahead < -kNear) {
+        consider(-kMost, p, Slip::stick);  // it began to slide before others did
+      } else if (slip == Slip::stick) {
         consider(from_sliding(pull), p,
                  pull.behind > pull.before ? Slip::forwards : Slip::backwards);
       }
@@ -99,7 +99,7 @@ double PulleyFriction::distance(Mechanism& mechanism, TensionSystem& system, dou
       case Slip::free:
         least = std::min(least, -from_pushing(pull));
         break;
-      case Slip::none:
+      case Slip::stick:
         least = std::min({least, from_sliding(pull), from_pushing(pull)});
         break;
       case Slip::forwards:

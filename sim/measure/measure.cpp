@@ -89,8 +89,7 @@ void each_free_body(const World& world, Visit visit) {
 }
 
 bool dissipates(const World& world) {
-  const auto rubs = [](const Pulley& pulley) { return pulley.friction > 0 || pulley.bearing > 0; };
-  if (std::ranges::any_of(world.pulleys, rubs)) return true;
+  if (std::ranges::any_of(world.pulleys, &Pulley::has_friction)) return true;
   return std::ranges::any_of(world.connectors, [&](const Connector& connector) {
     const bool drags = connector.drag.across > 0 || connector.drag.along > 0;
     return (world.air.density > 0 && drags && !connector.sections.empty()) ||

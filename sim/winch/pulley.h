@@ -14,6 +14,7 @@ struct Pulley {
   double inertia = 0;            // kg: of a sheave about its axle, over the square of its radius
   double friction = 0;           // Coulomb's, of the rope on an eye
   double bearing = 0;  // Coulomb's, of a sheave's axle, times its radius over the sheave's
+  bool has_friction() const { return friction > 0 || bearing > 0; }
   // The state.
   double passed = 0;  // m, since the start
   double speed = 0;   // m/s

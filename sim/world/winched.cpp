@@ -76,8 +76,7 @@ std::string pulley_flaw(const World& world, const Pulley& pulley) {
   if (std::abs(density - other) > kRounding * density) return "is between two densities";
   if (pulley.friction < 0 || pulley.bearing < 0) return "has a negative friction";
   if (pulley.bearing >= 1) return "has a bearing that lets nothing turn";
-  const bool rubs = pulley.friction > 0 || pulley.bearing > 0;
-  if (rubs && density > 0 && before->to.kind == Attachment::Kind::body &&
+  if (pulley.has_friction() && density > 0 && before->to.kind == Attachment::Kind::body &&
       !world.bodies[before->to.body].driven()) {
     return "has friction at rope with mass on a body that is free";
   }

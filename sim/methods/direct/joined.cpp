@@ -186,10 +186,10 @@ void Joined::advance(World& world, double until) {
   short_ = 0;
   const double first = kFirst * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
   if (step_ == 0) step_ = first;
+  double from_change = distance_to_change(time, state_);
   while (time < until) {
     find_slope(time, state_, slope_[0]);
     const double stable = longest_step(wave_frequency());
-    const double from_change = distance_to_change(time, state_);
     double change = kNever;  // s, from here to where rope begins to slide, or stops
     for (bool taken = false; !taken;) {
       const double wish = std::min(options_.step > 0 ? options_.step : step_, stable);
@@ -216,7 +216,11 @@ void Joined::advance(World& world, double until) {
       if (taken) {
         std::swap(state_, next_);
         time = count == 1 && !to_change ? until : time + h;
-        if (off <= PulleyFriction::kNear) friction_.decide(mechanism_, system_, time, state_);
+        from_change = off;
+        if (off <= PulleyFriction::kNear) {
+          friction_.decide(mechanism_, system_, time, state_);
+          from_change = distance_to_change(time, state_);
+        }
         mechanism_.follow(time, state_);
         if (time - brief_ > kBriefTime) {
           brief_ = time;

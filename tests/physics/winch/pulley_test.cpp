@@ -9,6 +9,7 @@
 
 #include "../material/material_worlds.h"
 #include "../worlds.h"
+#include "pulley_worlds.h"
 #include "sim/measure/measure.h"
 #include "sim/world/winched.h"
 
@@ -17,37 +18,8 @@ namespace {
 
 using material_worlds::after;
 using material_worlds::apart;
+using pulley_worlds::atwood;
 using worlds::kGravity;
-
-/// Two ropes of `links` links that hang from the origin at angles (degrees from down) with point
-/// masses (kg) at their ends; rope passes from the first to the second. `density` in kg/m.
-struct Machine {
-  double left = 0.8, right = 1.2;  // m
-  double left_mass = 1, right_mass = 1;
-  double degrees = 0;  // of the right one
-  double density = 0;
-  double inertia = 0;
-  std::size_t links = 1;
-};
-
-World atwood(const Machine& machine) {
-  World world;
-  const auto rope = [&](const char* name, double length, const Vec3& towards) {
-    return straight_connector(name, length, machine.density * length, machine.links + 1,
-                              Vec3::Zero(), towards);
-  };
-  Connector left = rope("left", machine.left, worlds::from_down(0));
-  std::ranges::reverse(left.position);
-  Connector right = rope("right", machine.right, worlds::from_down(machine.degrees));
-  left.holds = {{machine.links, worlds::fixed_at(Vec3::Zero())}};
-  right.holds = {{0, worlds::fixed_at(Vec3::Zero())}};
-  left.particle_mass.front() += machine.left_mass;
-  right.particle_mass.back() += machine.right_mass;
-  world.connectors = {left, right};
-  add_pulley(world, "eye", 0, 1, machine.inertia);
-  finish(world);
-  return world;
-}
 
 // Masses without rope fall by (m2 - m1) g / (m1 + m2 + I).
 TEST(Pulley, MassesFallByTheirDifference) {
@@ -67,13 +39,7 @@ TEST(Pulley, HeavyRopeRunsAway) {
   for (const std::size_t links : {1u, 2u, 7u}) {
     const World start = atwood({.left = 1, .right = 1, .density = 0.6, .links = links});
     World pushed = start;
-    pushed.pulleys[0].speed = 0.1;
-    for (Connector& rope : pushed.connectors) {
-      const double sign = rope.name == "left" ? 1 : -1;
-      for (std::size_t i = 0; i < rope.particles(); ++i) {
-        rope.velocity[i].y() = sign * 0.1 * -rope.position[i].y();
-      }
-    }
+    pulley_worlds::set_passing(pushed, 0.1);
     const double rate = std::sqrt(2 * 0.6 * kGravity / (2 + 0.6 * 2));
     const World end = after(pushed, 0.6, "direct", {{"tolerance", 1e-9}});
     EXPECT_NEAR(end.pulleys[0].passed, 0.1 / rate * std::sinh(rate * 0.6), 1e-8) << links;

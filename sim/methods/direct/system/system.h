@@ -187,7 +187,7 @@ class System : public Motion {
   // Where a body of the world stands in bodies_ or, in a plane, in body_links_.
   std::size_t member(std::size_t body) const;
   std::size_t part_of(std::size_t body) const { return plane_ ? kNone : member(body); }
-  std::size_t bar_of(std::size_t body) const { return plane_ ? member(body) : kNone; }
+  std::size_t body_link_of(std::size_t body) const { return plane_ ? member(body) : kNone; }
   std::size_t quaternion(std::size_t body) const { return links_.end() + 4 * body; }
 
   const World* world_ = nullptr;

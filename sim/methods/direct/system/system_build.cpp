@@ -154,12 +154,12 @@ void System::add_span(const World& world, const SpanRange& range, bool reversed)
   span.reversed = reversed;
   span.offset = spans_.empty() ? 0 : spans_.back().offset + spans_.back().links;
   span.links = range.last - range.first;
-  const auto bar_at = [&](std::size_t particle) {
+  const auto body_link_at = [&](std::size_t particle) {
     const Hold* hold = find_hold(connector, particle);
-    return hold && !is_prescribed(world, hold->to) ? bar_of(hold->to.body) : kNone;
+    return hold && !is_prescribed(world, hold->to) ? body_link_of(hold->to.body) : kNone;
   };
-  span.first_body_link = bar_at(span.particle(0));
-  span.last_body_link = bar_at(span.particle(range.last - range.first));
+  span.first_body_link = body_link_at(span.particle(0));
+  span.last_body_link = body_link_at(span.particle(range.last - range.first));
   if (span.first_body_link != kNone) {
     body_links_[span.first_body_link].link = span.offset;
     body_links_[span.first_body_link].outward = -1;
@@ -172,7 +172,7 @@ void System::add_span(const World& world, const SpanRange& range, bool reversed)
   }
   const auto end = [&](std::size_t particle, std::size_t link, double pull) {
     const Hold* hold = find_hold(connector, particle);
-    if (!hold || bar_at(particle) != kNone) return kNone;
+    if (!hold || body_link_at(particle) != kNone) return kNone;
     End made;
     made.link = link;
     made.pull = pull;
@@ -250,22 +250,22 @@ void System::measure_links(const World& world) {
   length_ = 0;
   for (const Span& span : spans_) {
     const Connector& connector = world.connectors[span.range.connector];
-    const auto stick = [&](std::size_t body_link) {
+    const auto equimomental = [&](std::size_t body_link) {
       const MassProperties& m = world.bodies[body_links_[body_link].body].mass_properties;
       const Vec3 normal =
           world.bodies[body_links_[body_link].body].rotation.conjugate() * plane_->normal;
       return EquimomentalLink(m.mass, normal.dot(m.inertia * normal), body_links_[body_link].arm);
     };
     if (span.first_body_link != kNone) {
-      point_mass_.push_back(stick(span.first_body_link).far);
-      links.push_back({.rest = stick(span.first_body_link).reach});
+      point_mass_.push_back(equimomental(span.first_body_link).far);
+      links.push_back({.rest = equimomental(span.first_body_link).reach});
     }
     for (std::size_t k = 0; k < span.particles(); ++k) {
       const bool first = k == 0, last = k + 1 == span.particles();
       double mass = connector.particle_mass[span.particle(k)];
       if ((first && span.first != kNone) || (last && span.last != kNone)) mass = 0;  // held
-      if (first && span.first_body_link != kNone) mass = stick(span.first_body_link).tip;
-      if (last && span.last_body_link != kNone) mass = stick(span.last_body_link).tip;
+      if (first && span.first_body_link != kNone) mass = equimomental(span.first_body_link).tip;
+      if (last && span.last_body_link != kNone) mass = equimomental(span.last_body_link).tip;
       point_mass_.push_back(mass);
       const bool body_link =
           (first && span.first_body_link != kNone) || (last && span.last_body_link != kNone);
@@ -275,8 +275,8 @@ void System::measure_links(const World& world) {
       }
     }
     if (span.last_body_link != kNone) {
-      point_mass_.push_back(stick(span.last_body_link).far);
-      links.push_back({.rest = stick(span.last_body_link).reach});
+      point_mass_.push_back(equimomental(span.last_body_link).far);
+      links.push_back({.rest = equimomental(span.last_body_link).reach});
     }
   }
   std::size_t p = 0;
