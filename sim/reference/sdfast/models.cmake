@@ -46,6 +46,7 @@ endfunction()
 
 if(TAUT_SDFAST)
   enable_language(C)
+  set(models "")
   set(pin_order_n ${TAUT_SDFAST_LINKS})
   set(pin_kane ${TAUT_SDFAST_KANE_LINKS})
   set(ball_order_n ${TAUT_SDFAST_BALL_LINKS})
@@ -68,13 +69,16 @@ if(TAUT_SDFAST)
         OUTPUT ${made}
         COMMAND ${TAUT_SDFAST} -lc ${option} -ge -p ${name}_ ${name}.sd ${name}
         WORKING_DIRECTORY ${folder} DEPENDS ${folder}/${name}.sd VERBATIM)
-      target_sources(taut_reference PRIVATE ${made})
-      # Its C is of 1989, and not ours to mend; without branches, it gains nothing from more than -O1.
-      set_source_files_properties(${made} PROPERTIES COMPILE_OPTIONS "-std=gnu89;-w;-Wno-error;-O1")
+      list(APPEND models ${made})
       string(APPEND declarations "TAUT_SDFAST_DECLARE(${name}_)\n")
       string(APPEND rows "    TAUT_SDFAST_ROW(${links}, ${joints}, ${formulation}, ${name}_),\n")
     endforeach()
   endforeach()
+  # Its C is of 1989, and not ours to mend; without branches, it gains nothing from more than -O1.
+  add_library(taut_sdfast_models OBJECT ${models})
+  target_compile_options(taut_sdfast_models PRIVATE -std=gnu89 -w -O1)
+  set_target_properties(taut_sdfast_models PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD OFF)
+  target_sources(taut_reference PRIVATE $<TARGET_OBJECTS:taut_sdfast_models>)
 endif()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/models.cpp.in ${folder}/models.cpp @ONLY)
 target_sources(taut_reference PRIVATE ${folder}/models.cpp)
