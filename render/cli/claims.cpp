@@ -14,6 +14,8 @@ namespace taut::cli {
 namespace claims_command {
 namespace {
 
+using enum PaperRole;
+
 struct Options {
   options::StudyOptions study;
   bool markdown = false;
@@ -50,8 +52,8 @@ std::string micro(double seconds) {
 // Experiment 1: cost.
 void add_costs(const studies::Evidence& e, std::vector<Claim>& claims) {
   const double frame = e.real_time();
-  const double few = e.cost("dynamic-constraints:dense"),
-               many = e.cost("dynamic-constraints:dense", 1);
+  const double few = e.cost(dynamic_constraints, 0, "dense"),
+               many = e.cost(dynamic_constraints, 1, "dense");
   claims.push_back(
       {"Dynamic constraints cannot run in real time", "V, Figure 5",
        few > frame ? Outcome::reproduced
@@ -60,42 +62,41 @@ void add_costs(const studies::Evidence& e, std::vector<Claim>& claims) {
            "dense solve: {} a frame at {} particles, {} at {}, of {}; the tridiagonal solve "
            "of the same system: {} and {}",
            micro(few), studies::kFew, micro(many), studies::kMany, micro(frame),
-           micro(e.cost("dynamic-constraints")), micro(e.cost("dynamic-constraints", 1)))});
-  const std::string package = e.has("sdfast") ? "sdfast" : "multibody";
+           micro(e.cost(dynamic_constraints)), micro(e.cost(dynamic_constraints, 1)))});
+  const PaperRole role = e.has(package) ? package : package_of_today;
   claims.push_back(
       {"SD/FAST is slower still", "V, Figure 5",
-       package == "sdfast" ? yes_or_no(e.cost(package) > few) : Outcome::conditional,
-       fmt::format(
-           "{}{} {} against the dense solve's {}",
-           package == "sdfast" ? "" : "SD/FAST is not in this build; its successor Simbody, ",
-           package, micro(e.cost(package)), micro(few))});
+       role == package ? yes_or_no(e.cost(role) > few) : Outcome::conditional,
+       fmt::format("{}{} {} against the dense solve's {}",
+                   role == package ? "" : "SD/FAST is not in this build; its successor Simbody, ",
+                   find_method(role)->name, micro(e.cost(role)), micro(few))});
   claims.push_back(
       {"Of the existing methods only the particle system runs in real time", "V, Figure 5",
-       yes_or_no(few > frame && e.cost("multibody") > frame),
+       yes_or_no(few > frame && e.cost(package_of_today) > frame),
        fmt::format("at {} particles dense dynamic constraints {}, multibody {}, springs "
                    "{} a frame, of {}",
-                   studies::kFew, micro(few), micro(e.cost("multibody")), micro(e.cost("springs")),
-                   micro(frame))});
+                   studies::kFew, micro(few), micro(e.cost(package_of_today)),
+                   micro(e.cost(particle_system)), micro(frame))});
   claims.push_back({"The particle system takes the same time in every frame", "V, Figure 5",
-                    yes_or_no(e.unevenness("springs") < 0.1),
+                    yes_or_no(e.unevenness(particle_system) < 0.1),
                     fmt::format("quartiles of its frames lie {} of the median apart (impulse: {}, "
                                 "multibody: {})",
-                                options::percent(e.unevenness("springs")),
-                                options::percent(e.unevenness("impulse")),
-                                options::percent(e.unevenness("multibody")))});
+                                options::percent(e.unevenness(particle_system)),
+                                options::percent(e.unevenness(proposed)),
+                                options::percent(e.unevenness(package_of_today)))});
   const studies::PaperSetting& setting = e.bench.blocks[0].paper.settings.front();
   claims.push_back(
       {fmt::format("The method is {} times as fast as the particle system", studies::kPaperRatio),
        "V", Outcome::conditional,
        fmt::format("at default settings {}; {} where impulse takes {} step a frame and springs {} "
                    "of {} N/m, whose error is then {} of the length (impulse: {})",
-                   options::rounded(e.cost("springs") / e.cost("impulse")),
+                   options::rounded(e.cost(particle_system) / e.cost(proposed)),
                    options::rounded(setting.ratio), options::rounded(setting.impulse_steps),
                    options::rounded(setting.substeps), options::rounded(setting.stiffness),
                    options::percent(setting.error), options::percent(setting.impulse_error))});
   std::optional<studies::EqualError> coarse, fine;
   for (const studies::EqualError& one : e.bench.blocks[0].paper.equal) {
-    if (one.method != "springs" || !(one.cost > 0)) continue;
+    if (one.method != find_method(particle_system)->name || !(one.cost > 0)) continue;
     if (!coarse || one.error > coarse->error) coarse = one;
     if (!fine || one.error < fine->error) fine = one;
   }
@@ -115,55 +116,55 @@ void add_costs(const studies::Evidence& e, std::vector<Claim>& claims) {
                                 "default h",
                                 options::rounded(e.always))});
   claims.push_back({"The method runs in real time", "V, Figure 5",
-                    yes_or_no(e.cost("impulse", 1) < frame),
-                    fmt::format("{} a frame at {} particles, {} at {}", micro(e.cost("impulse")),
-                                studies::kFew, micro(e.cost("impulse", 1)), studies::kMany)});
+                    yes_or_no(e.cost(proposed, 1) < frame),
+                    fmt::format("{} a frame at {} particles, {} at {}", micro(e.cost(proposed)),
+                                studies::kFew, micro(e.cost(proposed, 1)), studies::kMany)});
 }
 
 // Experiment 2: accuracy.
 void add_accuracy(const studies::Evidence& e, std::vector<Claim>& claims) {
-  const auto error = [&](std::string_view label) { return e.errors[e.at(label)]; };
-  const auto difference = [&](std::string_view label) {
-    return options::percent(e.differences[e.at(label)] / e.length);
+  const auto error = [&](PaperRole one) { return e.errors[e.at(one)]; };
+  const auto difference = [&](PaperRole one) {
+    return options::percent(e.differences[e.at(one)] / e.length);
   };
-  const std::string package = e.has("sdfast") ? "sdfast" : "multibody";
+  const PaperRole role = e.has(package) ? package : package_of_today;
   const studies::PaperSetting& soft = e.bench.blocks[0].paper.settings.front();
   claims.push_back(
       {"Dynamic constraints can serve as the reference", "V, Figure 6",
-       yes_or_no(error("dynamic-constraints") < 0.01),
+       yes_or_no(error(dynamic_constraints) < 0.01),
        fmt::format("{} of the length from the converged truth in {} s",
-                   options::percent(error("dynamic-constraints")), options::rounded(e.horizon))});
+                   options::percent(error(dynamic_constraints)), options::rounded(e.horizon))});
   claims.push_back(
       {"The particle system is the least accurate", "V, Figure 6",
-       error("springs") > error("impulse") && error("springs") > error(package)
+       error(particle_system) > error(proposed) && error(particle_system) > error(role)
            ? Outcome::reproduced
            : (soft.error > soft.impulse_error ? Outcome::conditional : Outcome::not_reproduced),
        fmt::format(
            "springs of the default stiffness {}, impulse {}; springs as soft as the paper's "
            "ratio needs {}",
-           options::percent(error("springs")), options::percent(error("impulse")),
+           options::percent(error(particle_system)), options::percent(error(proposed)),
            options::percent(soft.error))});
-  claims.push_back(
-      {"The method is more accurate than SD/FAST", "V, Figure 6",
-       yes_or_no(error("impulse") < error(package)),
-       fmt::format("mean difference of segments from dynamic constraints, of the "
-                   "length: impulse {}, {} {}, springs {}",
-                   difference("impulse"), package, difference(package), difference("springs"))});
+  claims.push_back({"The method is more accurate than SD/FAST", "V, Figure 6",
+                    yes_or_no(error(proposed) < error(role)),
+                    fmt::format("mean difference of segments from dynamic constraints, of the "
+                                "length: impulse {}, {} {}, springs {}",
+                                difference(proposed), find_method(role)->name, difference(role),
+                                difference(particle_system))});
 }
 
 /// Section IV.C.
 void add_interventions(const studies::Evidence& e, std::vector<Claim>& claims) {
-  const auto error = [&](std::string_view label) { return e.pinned[e.at(label)]; };
+  const auto error = [&](PaperRole role) { return e.pinned[e.at(role)]; };
   claims.push_back({"The method handles a pin by dividing the connector", "IV.C",
-                    yes_or_no(error("impulse") < 0.2),
+                    yes_or_no(error(proposed) < 0.2),
                     fmt::format("with its middle held, {} of the length from truth",
-                                options::percent(error("impulse")))});
-  claims.push_back(
-      {"Other methods cannot be divided, and lose their correctness", "IV.C",
-       yes_or_no(!(error("dynamic-constraints") < error("impulse"))),
-       fmt::format("the same pin: dynamic constraints {}, multibody {}, springs {}",
-                   options::percent(error("dynamic-constraints")),
-                   options::percent(error("multibody")), options::percent(error("springs")))});
+                                options::percent(error(proposed)))});
+  claims.push_back({"Other methods cannot be divided, and lose their correctness", "IV.C",
+                    yes_or_no(!(error(dynamic_constraints) < error(proposed))),
+                    fmt::format("the same pin: dynamic constraints {}, multibody {}, springs {}",
+                                options::percent(error(dynamic_constraints)),
+                                options::percent(error(package_of_today)),
+                                options::percent(error(particle_system)))});
 }
 
 std::vector<Claim> claims_of(const studies::Evidence& evidence) {
@@ -212,10 +213,12 @@ void add_claims(CLI::App& app, program::Program& program) {
   options::add_scene_options(command, options->study.inputs);
   command.add_flag("--markdown", options->markdown, "The table as Markdown");
   options->study.budget = 60;
-  for (const char* name : {"impulse", "dynamic-constraints", "sdfast", "multibody", "springs"}) {
-    if (find_method(name)) options->study.methods.emplace_back(name);
+  for (const MethodInfo& method : all_methods()) {
+    if (method.paper_role != none) options->study.methods.emplace_back(method.name);
+    if (method.paper_role == dynamic_constraints) {
+      options->study.methods.push_back(std::string(method.name) + ":dense");
+    }
   }
-  options->study.methods.emplace_back("dynamic-constraints:dense");
   command.callback([options, &program] {
     program.run = [options, &program] {
       return options::for_each_study(options->study, program.common,

@@ -33,7 +33,6 @@ namespace {
 constexpr std::size_t kCells = 6;  // unless --methods chooses
 constexpr double kCpuCap = 60;     // s, of one method's stepping
 constexpr double kScored = 1e-3;   // shares of the length: errors from there on are scored
-constexpr const char* kPaper = "dynamic-constraints";  // by what the paper's Figure 6 measures
 
 struct Options {
   options::StudyOptions study;
@@ -130,10 +129,14 @@ std::pair<film::Comparison, std::vector<Measured>> compare(
       missing.reason = contender.method->missing;
     }
   }
+  // The paper's Figure 6 measures from dynamic constraints.
+  const MethodInfo& by_constraints = *find_method(PaperRole::dynamic_constraints);
   for (std::size_t i = 0; i < runs.size(); ++i)
-    if (contenders[i].label == kPaper) paper = &runs[i];
+    if (contenders[i].label == by_constraints.name) paper = &runs[i];
   study::Run beside;
-  if (!paper && follows(*find_method(kPaper), scene.world)) beside = run_of({kPaper, {}});
+  if (!paper && follows(by_constraints, scene.world)) {
+    beside = run_of({std::string(by_constraints.name), {}});
+  }
   if (!paper) paper = &beside;
 
   film::Comparison result;

@@ -84,6 +84,15 @@ std::vector<Contender> contenders_on(const StudyOptions& options, const World& w
   return all;
 }
 
+std::size_t place_of(const std::vector<Contender>& contenders, PaperRole role,
+                     std::string_view form) {
+  const MethodInfo* method = find_method(role);
+  std::string label(method ? method->name : "");
+  if (!form.empty()) label.append(":").append(form);
+  const auto found = std::ranges::find(contenders, label, &Contender::label);
+  return static_cast<std::size_t>(found - contenders.begin());
+}
+
 std::string legend_name(const Contender& contender) {
   const std::string missing(contender.method->missing);
   return missing.empty() ? contender.label : contender.label + " (" + missing + ")";

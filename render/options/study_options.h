@@ -49,6 +49,11 @@ std::vector<Contender> chosen_contenders(const StudyOptions& options);
 /// not, or none does.
 std::vector<Contender> contenders_on(const StudyOptions& options, const World& world);
 
+/// Where the paper's method of that role, or a form of it, stands; the contenders' number where it
+/// does not.
+std::size_t place_of(const std::vector<Contender>& contenders, PaperRole role,
+                     std::string_view form = {});
+
 /// Its name in legends: the label and, where this build lacks it, why.
 std::string legend_name(const Contender& contender);
 

@@ -132,16 +132,16 @@ chart::Panel ratio_panel(const BenchResults& results) {
   for (const BenchBlock& block : results.blocks) {
     const auto n = static_cast<double>(block.particles);
     panel.x.tics.emplace_back(n, std::to_string(block.particles));
-    double impulse = 0, springs = 0;
-    for (std::size_t c = 0; c < results.contenders.size(); ++c) {
-      if (!timed(block.rows[c])) continue;
-      if (results.contenders[c].label == "impulse") impulse = block.rows[c].mean.median;
-      if (results.contenders[c].label == "springs") springs = block.rows[c].mean.median;
-    }
+    const auto cost = [&](PaperRole role) {
+      const std::size_t c = options::place_of(results.contenders, role);
+      return c < block.rows.size() && timed(block.rows[c]) ? block.rows[c].mean.median : 0;
+    };
+    const double impulse = cost(PaperRole::proposed), springs = cost(PaperRole::particle_system);
     if (impulse > 0 && springs > 0) plain.points.push_back({n, springs / impulse});
     std::vector<EqualError> reached;
     for (const EqualError& one : block.paper.equal) {
-      if (one.method == "springs" && one.cost > 0) reached.push_back(one);
+      if (one.method == find_method(PaperRole::particle_system)->name && one.cost > 0)
+        reached.push_back(one);
     }
     if (reached.empty()) continue;
     const auto [least, most] = std::ranges::minmax(reached, {}, &EqualError::error);

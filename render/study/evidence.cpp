@@ -36,7 +36,7 @@ study::Problem with_pin(const options::StudyOptions& options) {
 
 Evidence gather_evidence(const options::StudyOptions& options, bool quiet) {
   Evidence evidence;
-  evidence.bench = measure_bench(options, {kFew, kMany}, "springs", quiet);
+  evidence.bench = measure_bench(options, {kFew, kMany}, {}, quiet);
   const scenes::Scene scene = options::study_scene(options, kFew);
   evidence.length = scene.world.connectors.front().length;
   truth::TruthOptions truth;
@@ -58,7 +58,7 @@ Evidence gather_evidence(const options::StudyOptions& options, bool quiet) {
     evidence.errors.push_back(
         study::rms_error(all.back(), target.reference.frames, evidence.horizon, metric.distance));
   }
-  const auto& reference = all[evidence.at("dynamic-constraints")];
+  const auto& reference = all[evidence.at(PaperRole::dynamic_constraints)];
   for (const auto& frames : all) {
     double sum = 0;
     const std::size_t both = std::min(frames.size(), reference.size());
@@ -76,11 +76,12 @@ Evidence gather_evidence(const options::StudyOptions& options, bool quiet) {
     evidence.pinned.back() = study::rms_error(result.frames, reference_pinned->frames,
                                               reference_pinned->horizon, metric.distance);
   }
+  const std::string proposed(find_method(PaperRole::proposed)->name);
   std::vector<double> with, without;
   for (int i = 0; i < 15; ++i) {
     render::stop_if_interrupted();
-    with.push_back(study::time_run(target.problem, {"impulse", {}}));
-    without.push_back(study::time_run(target.problem, {"impulse", {{"h", 0.0}}}));
+    with.push_back(study::time_run(target.problem, {proposed, {}}));
+    without.push_back(study::time_run(target.problem, {proposed, {{"h", 0.0}}}));
   }
   evidence.always = study::spread(without).median / study::spread(with).median;
   return evidence;

@@ -22,22 +22,22 @@ struct Evidence {
   double always = 0;                // cost of impulse with h = 0 over that with its own h
   std::vector<double> pinned;       // as errors, with the connector's middle held as well
 
-  std::size_t at(std::string_view label) const {
-    const auto found = std::ranges::find(bench.contenders, label, &options::Contender::label);
-    return static_cast<std::size_t>(found - bench.contenders.begin());
+  /// Among the contenders, the paper's method of that role, or a form of it.
+  std::size_t at(PaperRole role, std::string_view form = {}) const {
+    return options::place_of(bench.contenders, role, form);
   }
-  bool has(std::string_view label) const {
-    const std::size_t c = at(label);
+  bool has(PaperRole role) const {
+    const std::size_t c = at(role);
     return c < bench.contenders.size() && bench.blocks[0].rows[c].failure.empty();
   }
   /// CPU s per frame.
-  double cost(std::string_view label, std::size_t block = 0) const {
-    return bench.blocks[block].rows[at(label)].mean.median;
+  double cost(PaperRole role, std::size_t block = 0, std::string_view form = {}) const {
+    return bench.blocks[block].rows[at(role, form)].mean.median;
   }
   /// The interquartile range of the frames' medians, as a share of their median.
-  double unevenness(std::string_view label) const {
+  double unevenness(PaperRole role) const {
     std::vector<double> frames;
-    for (const study::Spread& frame : bench.blocks[0].rows[at(label)].frames) {
+    for (const study::Spread& frame : bench.blocks[0].rows[at(role)].frames) {
       frames.push_back(frame.median);
     }
     const study::Spread all = study::spread(std::move(frames));

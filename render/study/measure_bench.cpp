@@ -56,11 +56,9 @@ BenchResults measure_bench(const options::StudyOptions& options,
                            const std::vector<std::size_t>& particles, const std::string& asked,
                            bool quiet) {
   const std::vector<options::Contender> contenders = options::chosen_contenders(options);
-  const bool springs =
-      std::ranges::find(contenders, "springs", &options::Contender::label) != contenders.end();
-  const std::string against = !asked.empty() ? asked
-                              : springs      ? "springs"
-                                             : contenders.front().label;
+  const std::size_t springs = options::place_of(contenders, PaperRole::particle_system);
+  const std::string against =
+      !asked.empty() ? asked : contenders[springs < contenders.size() ? springs : 0].label;
   BenchResults results{options::study_scene(options), contenders, against, {}};
   if (std::ranges::find(results.contenders, against, &options::Contender::label) ==
       results.contenders.end()) {

@@ -169,6 +169,7 @@ MethodInfo dynamic_constraints_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<DynamicConstraints>(settings);
       },
+      .paper_role = PaperRole::dynamic_constraints,
       .forms = {{"dense", {{"solver", std::string("dense")}}}},
       .longest_step = stable_step,
       .longest_step_law = "2/w (Euler) or 2.83/w (RK4), w the fastest swing",

@@ -311,6 +311,7 @@ MethodInfo impulse_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Impulse>(settings);
       },
+      .paper_role = PaperRole::proposed,
       .forms = {{"as-printed", {{"as_printed", true}}}},
       .follows_spans = true,
       .companion =

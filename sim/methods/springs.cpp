@@ -154,6 +154,7 @@ MethodInfo springs_method() {
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<Springs>(settings);
       },
+      .paper_role = PaperRole::particle_system,
       .forms = {{"explicit-euler", {{"integrator", std::string("explicit-euler")}}},
                 {"rk4", {{"integrator", std::string("rk4")}}}},
       .longest_step = longest_step,

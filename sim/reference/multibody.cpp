@@ -92,6 +92,7 @@ MethodInfo multibody_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Multibody>(settings);
           },
+          .paper_role = PaperRole::package_of_today,
           .companion =
               [](const MethodInfo& multibody, const Settings& settings) {
                 return with_tolerance_raised(multibody, settings, "accuracy");

@@ -214,6 +214,7 @@ MethodInfo sdfast_method() {
         return std::make_unique<SdFast>(settings);
       },
       .missing = sdfast::models().empty() ? "not installed" : "",
+      .paper_role = PaperRole::package,
       .forms = {{"kane", {{"formulation", std::string("kane")}}},
                 {"ball", {{"joints", std::string("ball")}}}},
       .companion =

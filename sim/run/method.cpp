@@ -26,6 +26,11 @@ const MethodInfo* find_method(std::string_view name) {
   return found == list.end() ? nullptr : &*found;
 }
 
+const MethodInfo* find_method(PaperRole role) {
+  const auto found = std::ranges::find(all_methods(), role, &MethodInfo::paper_role);
+  return found == all_methods().end() ? nullptr : &*found;
+}
+
 namespace {
 
 std::string join(const auto& words) {

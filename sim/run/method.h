@@ -115,6 +115,16 @@ struct MethodForm {
 
 struct Companion;
 
+/// Which of the paper's methods a method is.
+enum class PaperRole {
+  none,
+  proposed,             // the method that the paper is about
+  dynamic_constraints,  // its reference
+  package,              // the commercial package, SD/FAST
+  package_of_today,     // what stands for it where it is not at hand
+  particle_system,
+};
+
 /// What a method takes for each particle, beside the world; measured on ropes of 20,000 particles,
 /// in a single span. The default is that of the hungriest.
 struct ParticleCost {
@@ -135,6 +145,7 @@ struct MethodInfo {
   std::string_view missing = {};
   /// The others are judged by it: it stands in no comparison of its own.
   bool reference = false;
+  PaperRole paper_role = PaperRole::none;
   std::vector<MethodForm> forms = {};
   /// The longest step (s) that theory allows while `world` hangs at rest below what holds it, with
   /// a full set of settings; null: there is no such theory.
@@ -179,6 +190,8 @@ std::span<const MethodInfo> all_methods();
 
 /// The method of that name, or null.
 const MethodInfo* find_method(std::string_view name);
+/// The method of that role in the paper, missing or not, or null.
+const MethodInfo* find_method(PaperRole role);
 
 /// Why `settings` cannot be given to `method` (unknown name, wrong type, out of range), or empty.
 std::string complaint(const MethodInfo& method, const Settings& settings);
