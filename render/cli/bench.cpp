@@ -31,8 +31,8 @@ int run(const Options& options, const program::Common& common) {
   const std::filesystem::path folder = options::study_folder(options.study);
   options::write_csv(studies::bench_table(results), folder / "bench");
   options::write_csv(studies::bench_frames_table(results), folder / "bench_frames");
-  const chart::Table settings = studies::settings_table(results.paper()),
-                     equal = studies::equal_error_table(results.paper());
+  const chart::Table settings = studies::settings_table(results),
+                     equal = studies::equal_error_table(results);
   options::write_csv(settings, folder / "bench_paper_ratio");
   options::write_csv(equal, folder / "bench_equal_error");
   chart::write_chart(studies::bench_chart(results), folder / "bench");
@@ -44,7 +44,7 @@ int run(const Options& options, const program::Common& common) {
       render::write_output(
           fmt::format("\nSprings that cost {} times as much as impulse, which is the "
                       "paper's ratio:\n",
-                      studies::kPaperRatio) +
+                      study::kPaperRatio) +
           program::table_text(settings) +
           "\nThe cost of the error that impulse has at one step a frame, and of the least "
           "that it reaches:\n" +

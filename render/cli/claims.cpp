@@ -84,9 +84,9 @@ void add_costs(const studies::Evidence& e, std::vector<Claim>& claims) {
                                 options::percent(e.unevenness(particle_system)),
                                 options::percent(e.unevenness(proposed)),
                                 options::percent(e.unevenness(package_of_today)))});
-  const studies::PaperSetting& setting = e.bench.blocks[0].paper.settings.front();
+  const study::PaperSetting& setting = e.bench.blocks[0].paper.settings.front();
   claims.push_back(
-      {fmt::format("The method is {} times as fast as the particle system", studies::kPaperRatio),
+      {fmt::format("The method is {} times as fast as the particle system", study::kPaperRatio),
        "V", Outcome::conditional,
        fmt::format("at default settings {}; {} where impulse takes {} step a frame and springs {} "
                    "of {} N/m, whose error is then {} of the length (impulse: {})",
@@ -94,8 +94,8 @@ void add_costs(const studies::Evidence& e, std::vector<Claim>& claims) {
                    options::rounded(setting.ratio), options::rounded(setting.impulse_steps),
                    options::rounded(setting.substeps), options::rounded(setting.stiffness),
                    options::percent(setting.error), options::percent(setting.impulse_error))});
-  std::optional<studies::EqualError> coarse, fine;
-  for (const studies::EqualError& one : e.bench.blocks[0].paper.equal) {
+  std::optional<study::EqualError> coarse, fine;
+  for (const study::EqualError& one : e.bench.blocks[0].paper.equal) {
     if (one.method != find_method(particle_system)->name || !(one.cost > 0)) continue;
     if (!coarse || one.error > coarse->error) coarse = one;
     if (!fine || one.error < fine->error) fine = one;
@@ -128,7 +128,7 @@ void add_accuracy(const studies::Evidence& e, std::vector<Claim>& claims) {
     return options::percent(e.differences[e.at(one)] / e.length);
   };
   const PaperRole role = e.has(package) ? package : package_of_today;
-  const studies::PaperSetting& soft = e.bench.blocks[0].paper.settings.front();
+  const study::PaperSetting& soft = e.bench.blocks[0].paper.settings.front();
   claims.push_back(
       {"Dynamic constraints can serve as the reference", "V, Figure 6",
        yes_or_no(error(dynamic_constraints) < 0.01),

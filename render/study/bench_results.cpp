@@ -113,7 +113,8 @@ chart::Panel ratio_panel(const BenchResults& results) {
   panel.title = "cost of springs over cost of impulse";
   panel.x = {"particles", true};
   panel.y = {"ratio of CPU times", true};
-  panel.rules.push_back({kPaperRatio, false, fmt::format("the paper: {}", kPaperRatio)});
+  panel.rules.push_back(
+      {study::kPaperRatio, false, fmt::format("the paper: {}", study::kPaperRatio)});
   panel.rules.push_back({1, false, "equal"});
   chart::Series plain{
       "ratio at default settings, errors not equal", {0x444444, 0, 6}, true, true, false, {}};
@@ -138,13 +139,13 @@ chart::Panel ratio_panel(const BenchResults& results) {
     };
     const double impulse = cost(PaperRole::proposed), springs = cost(PaperRole::particle_system);
     if (impulse > 0 && springs > 0) plain.points.push_back({n, springs / impulse});
-    std::vector<EqualError> reached;
-    for (const EqualError& one : block.paper.equal) {
+    std::vector<study::EqualError> reached;
+    for (const study::EqualError& one : block.paper.equal) {
       if (one.method == find_method(PaperRole::particle_system)->name && one.cost > 0)
         reached.push_back(one);
     }
     if (reached.empty()) continue;
-    const auto [least, most] = std::ranges::minmax(reached, {}, &EqualError::error);
+    const auto [least, most] = std::ranges::minmax(reached, {}, &study::EqualError::error);
     coarse.points.push_back({n, most.cost / most.impulse_cost});
     fine.points.push_back({n, least.cost / least.impulse_cost});
   }
@@ -170,7 +171,7 @@ program::Json json_of(const BenchResults& results, const BenchBlock& block, std:
           {"failure", row.failure.empty() ? program::Json() : program::Json(row.failure)}};
 }
 
-program::Json json_of(const PaperSetting& s) {
+program::Json json_of(const study::PaperSetting& s) {
   return {{"particles", s.particles},
           {"impulse_steps_per_frame", s.impulse_steps},
           {"impulse_rms_error", program::number_or_null(s.impulse_error)},
@@ -181,7 +182,7 @@ program::Json json_of(const PaperSetting& s) {
           {"cost_ratio", program::number_or_null(s.ratio)}};
 }
 
-program::Json json_of(const EqualError& e) {
+program::Json json_of(const study::EqualError& e) {
   const bool known = e.cost > 0;
   return {
       {"particles", e.particles},
@@ -194,10 +195,37 @@ program::Json json_of(const EqualError& e) {
 
 }  // namespace
 
-std::vector<PaperRatio> BenchResults::paper() const {
-  std::vector<PaperRatio> all;
-  for (const BenchBlock& block : blocks) all.push_back(block.paper);
-  return all;
+chart::Table settings_table(const BenchResults& results) {
+  chart::Table table{
+      {"particles", "impulse: steps per frame", "impulse: error (share of length)",
+       "springs: steps per frame", "springs: stiffness (N/m)", "springs: error (share of length)",
+       "springs: largest stretch", "springs / impulse"},
+      {}};
+  for (const BenchBlock& block : results.blocks) {
+    for (const study::PaperSetting& s : block.paper.settings) {
+      table.add({std::to_string(s.particles), options::rounded(s.impulse_steps),
+                 options::rounded(s.impulse_error), options::rounded(s.substeps),
+                 options::rounded(s.stiffness), options::rounded(s.error),
+                 options::rounded(s.stretch), options::rounded(s.ratio)});
+    }
+  }
+  return table;
+}
+
+chart::Table equal_error_table(const BenchResults& results) {
+  chart::Table table{{"particles", "error (share of length)", "method", "impulse: ms per second",
+                      "method: ms per second", "method / impulse"},
+                     {}};
+  for (const BenchBlock& block : results.blocks) {
+    for (const study::EqualError& e : block.paper.equal) {
+      const bool known = e.cost > 0;
+      table.add({std::to_string(e.particles), options::rounded(e.error), e.method,
+                 options::rounded(1e3 * e.impulse_cost),
+                 known ? options::rounded(1e3 * e.cost) : "-",
+                 known ? options::rounded(e.cost / e.impulse_cost) : "-"});
+    }
+  }
+  return table;
 }
 
 chart::Table bench_table(const BenchResults& results) {
@@ -267,10 +295,11 @@ std::string bench_json(const BenchResults& results) {
     for (std::size_t c = 0; c < results.contenders.size(); ++c) {
       json["rows"].push_back(json_of(results, block, c));
     }
-    for (const PaperSetting& one : block.paper.settings) {
+    for (const study::PaperSetting& one : block.paper.settings) {
       json["paper_ratio"].push_back(json_of(one));
     }
-    for (const EqualError& one : block.paper.equal) json["equal_error"].push_back(json_of(one));
+    for (const study::EqualError& one : block.paper.equal)
+      json["equal_error"].push_back(json_of(one));
   }
   return json.dump(2) + "\n";
 }

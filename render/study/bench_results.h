@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "render/options/study_options.h"
-#include "render/study/paper_ratio.h"
 #include "sim/study/bench.h"
+#include "sim/study/paper_ratio.h"
 
 namespace taut::studies {
 
@@ -14,7 +14,7 @@ namespace taut::studies {
 struct BenchBlock {
   std::size_t particles = 0;
   std::vector<study::BenchRow> rows;  // one per contender
-  PaperRatio paper;
+  study::PaperRatio paper;
 };
 
 struct BenchResults {
@@ -22,8 +22,6 @@ struct BenchResults {
   std::vector<options::Contender> contenders;
   std::string against;  // the contender that others are compared with
   std::vector<BenchBlock> blocks;
-
-  std::vector<PaperRatio> paper() const;
 };
 
 /// Times every contender at every number of particles, within about the options' budget.
@@ -33,6 +31,9 @@ BenchResults measure_bench(const options::StudyOptions& options,
 
 /// One row per number of particles and contender: time per frame, ratio, settings, failures.
 chart::Table bench_table(const BenchResults& results);
+/// The settings at which the paper's ratio appears, and costs at equal error.
+chart::Table settings_table(const BenchResults& results);
+chart::Table equal_error_table(const BenchResults& results);
 /// The time of every frame.
 chart::Table bench_frames_table(const BenchResults& results);
 /// Time by the number of particles, time of each frame, and the paper's ratio.

@@ -7,6 +7,7 @@
 #include "render/program/program.h"
 #include "render/program/progress.h"
 #include "render/study/bench_results.h"
+#include "render/study/study_target.h"
 
 namespace taut::studies {
 namespace {
@@ -17,6 +18,27 @@ study::Problem frames_of(const scenes::Scene& scene) {
   study::Problem problem{scene.world, {}, scene.timeline};
   for (int k = 1; k <= kFrames; ++k) problem.times.push_back(static_cast<double>(k) / scene.fps);
   return problem;
+}
+
+/// The paper's ratio at one number of particles, over the first frames of the scene.
+study::PaperRatio measure_ratio(const options::StudyOptions& options,
+                                const std::vector<options::Contender>& contenders,
+                                const scenes::Scene& scene, double seconds) {
+  for (const PaperRole role : {PaperRole::proposed, PaperRole::particle_system}) {
+    const bool timed = options::place_of(contenders, role) < contenders.size();
+    if (!timed || !follows(*find_method(role), scene.world)) return {};
+  }
+  truth::TruthOptions truth;  // errors of a hundredth of the length are asked for, and not less
+  truth.scored_error = 0.01 * scene.world.connectors.front().length;
+  truth.local_error = 1e-9;
+  truth.second_accuracy = 1e-5;
+  const Target target = target_of(scene, static_cast<double>(kFrames) / scene.fps, truth);
+  std::vector<study::Entrant> entrants;
+  for (const options::Contender& one : contenders) {
+    entrants.push_back({one.label, one.method, options::candidates_of(one, options.quick)});
+  }
+  return study::paper_ratio(target.problem, target.reference, 1.0 / scene.fps, entrants, seconds,
+                            render::stop_if_interrupted);
 }
 
 BenchBlock measure(const options::StudyOptions& options,
@@ -45,8 +67,7 @@ BenchBlock measure(const options::StudyOptions& options,
       block.rows.push_back(std::move(row));
     }
   }
-  const double duration = static_cast<double>(kFrames) / scene.fps;
-  block.paper = paper_ratio(options, contenders, particles, duration, seconds / 2);
+  block.paper = measure_ratio(options, contenders, scene, seconds / 2);
   return block;
 }
 

@@ -2,12 +2,15 @@
 // settings it appears, and what it is at equal error.
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "render/options/study_options.h"
+#include "sim/evaluation/run.h"
+#include "sim/truth/reference.h"
 
-namespace taut::studies {
+namespace taut::study {
 
 inline constexpr double kPaperRatio = 2.76;  // the particle system's time over the paper's method's
 
@@ -27,7 +30,7 @@ struct PaperSetting {
 struct EqualError {
   std::size_t particles = 0;
   double error = 0;         // RMS, share of the length
-  std::string method;       // contender's label
+  std::string method;       // entrant's label
   double impulse_cost = 0;  // CPU s per simulated second
   double cost = 0;          // the same of `method`, between its two nearest settings or, where all
                             // are nearer to the truth, of the cheapest; 0: not reached
@@ -39,13 +42,18 @@ struct PaperRatio {
   std::vector<EqualError> equal;
 };
 
-/// Measures both at one number of particles, over the first `duration` seconds of the scene.
-/// `seconds`: about how long it may take. Empty where the contenders lack one of the two methods.
-PaperRatio paper_ratio(const options::StudyOptions& options,
-                       const std::vector<options::Contender>& contenders, std::size_t particles,
-                       double duration, double seconds);
+/// A method or a form of it, and the settings that are tried, cheap to dear.
+struct Entrant {
+  std::string label;
+  const MethodInfo* method = nullptr;
+  std::vector<Candidate> candidates;
+};
 
-chart::Table settings_table(const std::vector<PaperRatio>& all);
-chart::Table equal_error_table(const std::vector<PaperRatio>& all);
+/// Measures both on a problem of frames of `frame` (s) up to the reference's horizon. `seconds`:
+/// about how long it may take. Empty where the entrants lack one of the two methods. Calls `tick`
+/// between runs; it may throw to stop.
+PaperRatio paper_ratio(const Problem& problem, const truth::Reference& reference, double frame,
+                       std::span<const Entrant> entrants, double seconds,
+                       const std::function<void()>& tick);
 
-}  // namespace taut::studies
+}  // namespace taut::study
