@@ -2,6 +2,7 @@
 // table under them.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,10 +20,15 @@ namespace taut::film {
 struct ComparedMethod {
   std::string label, settings;
   chart::Style style;
-  std::vector<Snapshot> frames;  // as far as it came
-  std::string failure;           // why it came no further; empty: it did come to the end
-  std::vector<double> distance;  // m, mean of its segments from those of Comparison::measured_from
-  std::vector<double> stretch;   // of its worst link, as a share, per frame
+  std::vector<Snapshot> frames = {};  // as far as it came
+  std::string failure = {};           // why it came no further; empty: it did come to the end
+  std::vector<double> distance =
+      {};  // m, mean of its segments from those of Comparison::measured_from
+  std::vector<double> stretch = {};  // of its worst link, as a share, per frame
+  // Of all frames; not a number where there is none.
+  double from_constraints = NAN, from_truth = NAN;  // m, the mean from dynamic constraints, truth
+  double stretch_max = NAN, drift = NAN;            // shares of a link's length and of the energy
+  double cpu = NAN;                                 // s per frame
 };
 
 struct Comparison {

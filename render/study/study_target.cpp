@@ -13,16 +13,20 @@
 
 namespace taut::studies {
 
+truth::Reference solved_truth(const scenes::Scene& scene, std::span<const double> times,
+                              const truth::TruthOptions& options) {
+  // Two solvers, the first of them three times: no more than so many frames.
+  program::Progress progress("solving the truth", "frames", 4 * times.size(), true);
+  std::uint64_t done = 0;
+  return truth::solve_truth(scene.world, times, options, scene.timeline, [&] {
+    render::stop_if_interrupted();
+    progress.update(++done);
+  });
+}
+
 Target target_of(const scenes::Scene& scene, double duration, const truth::TruthOptions& options) {
   Target target{{scene.world, study::frame_times(duration, scene.fps), scene.timeline}, {}};
-  // Two solvers, the first of them three times: no more than so many frames.
-  program::Progress progress("solving the truth", "frames", 4 * target.problem.times.size(), true);
-  std::uint64_t done = 0;
-  target.reference =
-      truth::solve_truth(scene.world, target.problem.times, options, scene.timeline, [&] {
-        render::stop_if_interrupted();
-        progress.update(++done);
-      });
+  target.reference = solved_truth(scene, target.problem.times, options);
   std::erase_if(target.problem.times, [&](double time) { return time > target.reference.horizon; });
   target.reference.frames.resize(target.problem.times.size());
   return target;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "scenes/scene/scene.h"
 #include "sim/evaluation/accuracy.h"
@@ -16,6 +17,10 @@ struct Target {
   study::Problem problem;
   truth::Reference reference;
 };
+
+/// The truth of a scene at times (s). Says how far it is on a terminal.
+truth::Reference solved_truth(const scenes::Scene& scene, std::span<const double> times,
+                              const truth::TruthOptions& options);
 
 /// The scene's frames of its first `duration` seconds, cut at the horizon.
 Target target_of(const scenes::Scene& scene, double duration, const truth::TruthOptions& options);
