@@ -30,12 +30,12 @@ struct Blur {
 
 /// A plan with everything that led to it.
 struct Planned {
-  const scenes::Scene& scene;
-  const Asked& asked;
-  const study::ReferenceSolution& reference;
-  const std::vector<SceneModel>& models;
-  const study::Search& search;
-  const study::Trial& best;
+  scenes::Scene scene;
+  Asked asked;
+  study::ReferenceSolution reference;
+  std::vector<SceneModel> models;
+  study::Search search;
+  study::Trial best;
   scenes::Plan plan = {};
   double scored = 0;  // m, the tolerance
   ModelErrors models_off = {};

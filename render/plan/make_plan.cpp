@@ -1,0 +1,246 @@
+#include "render/plan/make_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/base/interrupt.h"
+#include "render/draw/jitter.h"
+#include "render/program/command.h"
+#include "render/program/progress.h"
+#include "scenes/load/plan_file.h"
+#include "scenes/scene/clip.h"
+#include "sim/evaluation/side_by_side.h"
+#include "sim/study/front.h"
+#include "sim/study/refined.h"
+
+namespace taut::planning {
+namespace {
+
+constexpr double kCheckWork = 1.5e10;  // cycles of the independent check
+constexpr double kFinely = 1e-2;  // of the tolerance: how finely models are solved to score them
+constexpr double kFinerForClip = 0.9;
+constexpr int kTimings = 5;
+
+/// CPU seconds per simulated second of stepping to the end; infinite where it does not get there.
+double cost_of(const study::PlanModel& model, const study::Candidate& candidate,
+               const std::vector<double>& times) {
+  std::vector<double> costs;
+  try {
+    for (int repeat = 0; repeat < kTimings; ++repeat) {
+      render::stop_if_interrupted();
+      costs.push_back(study::time_run({model.world, times, model.timeline}, candidate) /
+                      times.back());
+    }
+  } catch (const Diverged&) {
+    return INFINITY;
+  }
+  return study::spread(std::move(costs)).median;
+}
+
+/// What the blur of the clip needs, where the tolerance is of its pictures.
+std::optional<Blur> blur_of(const scenes::Scene& scene, const study::ReferenceSolution& reference,
+                            const Asked& asked) {
+  if (!scene.stage || scene.stage->shutter == 0 || asked.unit != "px") return std::nullopt;
+  // Of the frame from the time of each state to the next, the most that a point comes, px.
+  std::vector<double> ways;
+  for (std::size_t k = 1; k < reference.points.size(); ++k) {
+    double most = 0;
+    for (std::size_t i = 0; i < reference.points[k].size(); ++i) {
+      const double way = asked.tolerance.distance(
+          reference.points[k][i], reference.points[k - 1][i], reference.problem.times[k]);
+      if (std::isfinite(way)) most = std::max(most, way);
+    }
+    ways.push_back(most);
+  }
+  constexpr int kSamples = 4;  // of a pixel, as render has them unless it is told otherwise
+  const double apart = 2 * asked.tolerance.most;
+  Blur blur;
+  double fastest = 0, frames = 0;
+  for (const scenes::ClipFrame& frame : scenes::clip_frames(scene)) {
+    const auto k = static_cast<std::size_t>(frame.time * scene.fps);
+    if (frame.card || k >= ways.size()) continue;
+    const double way = ways[k] * scene.stage->shutter * frame.rate;
+    const auto taken = [&](double gap, int most) {
+      const std::vector<draw::Exposures> grades = draw::exposures(way, kSamples, most, gap);
+      return way > 1 && !grades.empty() ? grades.back().count : 1;
+    };
+    fastest = std::max(fastest, ways[k] * scene.fps);
+    blur.way = std::max(blur.way, way);
+    blur.mean += taken(apart, scenes::kMostStates);
+    blur.mean_as_written += taken(scene.stage->exposures_apart, scene.stage->exposures);
+    blur.most = std::max(blur.most, taken(apart, scenes::kMostStates));
+    ++frames;
+  }
+  if (frames == 0) return std::nullopt;
+  blur.mean /= frames;
+  blur.mean_as_written /= frames;
+  blur.apart = blur.way / blur.most;
+  if (blur.most > 1) blur.longest_step = std::max(apart, blur.apart) / fastest;
+  return blur;
+}
+
+/// The most that the planned motion is off at all instants that the clip shows, as far as it is
+/// predictable; none where these are the frames that the planner compares anyway.
+std::optional<double> error_of_clip(const Planned& planned, double scored,
+                                    const std::function<void(double)>& tick) {
+  if (!planned.scene.stage) return std::nullopt;
+  scenes::Scene clip = planned.scene;
+  clip.method = {planned.candidate().method, planned.candidate().settings};
+  if (planned.blur) clip.stage->exposures = planned.blur->most;
+  const std::vector<double> times = scenes::shown_times(clip, scenes::clip_frames(clip));
+  const std::vector<double>& compared = planned.reference.problem.times;
+  if (std::ranges::includes(compared, times)) return std::nullopt;
+  const study::ReferenceSolution shown = study::at_times(planned.reference, scored, times, tick);
+  return study::distance_between(shown, planned.model().model.world, planned.model().model.timeline,
+                                 planned.candidate(), planned.asked.tolerance.distance);
+}
+
+/// What the timeline does between two frames, in words.
+std::string event_between(const Timeline& timeline, double from, double until) {
+  const auto within = [&](double time) { return time >= from && time <= until; };
+  for (const TimedPin& pin : timeline.pins) {
+    if (within(pin.from)) return "a pin comes";
+    if (within(pin.from + pin.over)) return "a pin arrives";
+    if (within(pin.until)) return "a pin lets go";
+  }
+  for (const TimedCut& cut : timeline.cuts) {
+    if (within(cut.time)) return "it is cut";
+  }
+  return {};
+}
+
+/// Solves every model finely, to see how good it is by itself, and gives candidates to those that
+/// are good enough: what is beyond the tolerance when it is solved well must not be saved by errors
+/// that cancel.
+std::vector<study::PlanModel> score_models(std::vector<SceneModel>& scene_models,
+                                           const study::ReferenceSolution& reference,
+                                           const study::Tolerance& tolerance,
+                                           const study::Candidate& finely, int fps,
+                                           double longest_step, bool quiet) {
+  std::vector<study::PlanModel> models;
+  program::Progress progress("models", "models", scene_models.size(), quiet);
+  constexpr std::size_t kBlock = 4;
+  for (std::size_t k = 0; k < scene_models.size(); k += kBlock) {
+    render::stop_if_interrupted();
+    study::side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
+      const study::Tolerance own = tolerance;  // a distance may remember what it was asked last
+      SceneModel& one = scene_models[k + i];
+      one.alone = study::attempt(one.model, finely, reference, own, INFINITY);
+    });
+    progress.update(k);
+  }
+  for (SceneModel& one : scene_models) {
+    if (one.alone.end == study::Trial::End::within) {
+      one.model.candidates = all_candidates(one.model.world, fps, longest_step);
+    }
+    models.push_back(one.model);
+  }
+  return models;
+}
+
+study::Search search_all(const std::vector<study::PlanModel>& models,
+                         const study::ReferenceSolution& reference,
+                         const study::Tolerance& tolerance, bool quiet) {
+  std::size_t total = 0;
+  for (const study::PlanModel& model : models) total += model.candidates.size();
+  program::Progress progress("planning", "runs", total, quiet);
+  return search(models, reference, tolerance, [&](std::size_t done) {
+    render::stop_if_interrupted();
+    progress.update(done);
+  });
+}
+
+scenes::Plan plan_of(const Planned& planned, const std::string& tolerance, std::uint64_t stamp) {
+  const study::ReferenceSolution& reference = planned.reference;
+  scenes::Plan plan{.tolerance = tolerance,
+                    .error = planned.error,
+                    .until = reference.known > 1 ? reference.horizon() : 0,
+                    .stamp = stamp,
+                    .method = {planned.candidate().method, planned.candidate().settings},
+                    .particles = planned.model().particles,
+                    .links = planned.model().links};
+  plan.program = scenes::method_stamp(plan.method);
+  if (planned.blur) plan.exposures = planned.blur->most;
+  if (reference.goes_on()) {
+    const std::size_t last = reference.known > 0 ? reference.known - 1 : 0;
+    if (reference.known > 1) {
+      plan.end = event_between(reference.problem.timeline, reference.problem.times[last],
+                               reference.problem.times[last + 1]);
+    }
+    using Work = scenes::Plan::Afterwards::Work;
+    const study::Difference& later = planned.best.later;
+    plan.afterwards = {reference.closed     ? Work::none
+                       : reference.balanced ? Work::known
+                                            : Work::unknown,
+                       later.energy, later.stretch, later.speeds};
+  }
+  return plan;
+}
+
+}  // namespace
+
+Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneChange>& changes,
+                  Asked asked, const std::string& tolerance, std::uint64_t stamp, bool quiet) {
+  const double scored = asked.tolerance.most / asked.per_metre;
+  const auto tick = [](program::Progress& progress) {
+    return [&progress](double done) {
+      render::stop_if_interrupted();
+      progress.update(static_cast<std::size_t>(100 * done));
+    };
+  };
+  const study::ReferenceSolution reference = [&] {
+    program::Progress progress("solving the reference", "%", 100, quiet);
+    return study::solve_reference(
+        {few_copies(scene.world), study::frame_times(scene.duration, scene.fps), scene.timeline},
+        scored, kCheckWork, tick(progress));
+  }();
+  const std::optional<Blur> blur = blur_of(scene, reference, asked);
+  asked.tolerance.most -= asked.per_metre * reference.self_error;
+
+  const study::Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
+  std::vector<SceneModel> scene_models = models_of(scene, changes);
+  const std::vector<study::PlanModel> models =
+      score_models(scene_models, reference, asked.tolerance, finely, scene.fps,
+                   blur ? blur->longest_step : INFINITY, quiet);
+
+  // Between frames a clip may show what is farther off than at any frame: then once more, finer.
+  for (study::Tolerance within = asked.tolerance;;) {
+    const study::Search search = search_all(models, reference, within, quiet);
+    if (!search.best) {
+      const study::Trial* trial = nearest(search, scene_models);
+      const SceneModel& model = trial ? scene_models[trial->model] : scene_models.front();
+      throw program::Misuse(fmt::format(
+          "--tolerance {}: no method at any of its settings comes so near; nearest: {}, {}: {}",
+          tolerance, describe(model, scene),
+          trial ? describe(models[trial->model].candidates[trial->candidate]) : "solved finely",
+          outcome(trial ? *trial : model.alone, asked, reference)));
+    }
+    Planned planned{scene, asked, reference, scene_models, search, search.trials[*search.best]};
+    planned.scored = scored;
+    planned.blur = blur;
+    planned.error = planned.best.error;
+    if (reference.known > 1) {
+      program::Progress progress("proving the clip", "%", 100, quiet);
+      planned.clip_error = error_of_clip(planned, scored, tick(progress));
+      planned.error = std::max(planned.error, planned.clip_error.value_or(0));
+    }
+    if (planned.error > asked.tolerance.most) {
+      within.most *= kFinerForClip * asked.tolerance.most / planned.error;
+      continue;
+    }
+    const study::Candidate as_written{scene.method.name, scene.method.settings};
+    const study::PlanModel& written = models.front();
+    planned.as_written =
+        study::run_through(written, as_written, reference, asked.tolerance.distance);
+    planned.models_off =
+        model_errors(scene, changes, scene_models, reference, finely, asked.tolerance.distance);
+    planned.cost = cost_of(planned.model().model, planned.candidate(), reference.problem.times);
+    planned.cost_as_written = cost_of(written, as_written, reference.problem.times);
+    planned.plan = plan_of(planned, tolerance, stamp);
+    return planned;
+  }
+}
+
+}  // namespace taut::planning
