@@ -106,11 +106,11 @@ void Batch<Scalar>::load(const Connector& connector, std::size_t index) {
     put(batch::kScale, i, own);
     put(batch::kWeight, i, rest * own);
     put(batch::kOwnGain, i, both(i) * own / rest);
-    put(batch::kNear, i, inverse_mass(i) * own * own);
-    put(batch::kFar, i, inverse_mass(i + 1) * own * own);
+    put(batch::kDiagonalFirst, i, inverse_mass(i) * own * own);
+    put(batch::kDiagonalSecond, i, inverse_mass(i + 1) * own * own);
     if (i > 0) put(batch::kLastGain, i, inverse_mass(i) * scale(i - 1) / rest);
     if (i + 1 == links_) continue;
-    put(batch::kBeside, i, inverse_mass(i + 1) * own * scale(i + 1));
+    put(batch::kCoupling, i, inverse_mass(i + 1) * own * scale(i + 1));
     put(batch::kNextGain, i, inverse_mass(i + 1) * scale(i + 1) / rest);
   }
 }

@@ -18,21 +18,21 @@ enum Array : std::size_t {
   kRate = 6,          // x y z, 1/s, the rates foreseen for where it ended
   kAcceleration = 9,  // x y z, 1/s^2, where it began
   // The constants of the loops, as direct::Links has them.
-  kBeside = 12,
+  kCoupling = 12,
   kWeight = 13,
   kNextGain = 14,
   kLastGain = 15,
   kOwnGain = 16,
-  kNear = 17,
-  kFar = 18,
+  kDiagonalFirst = 17,
+  kDiagonalSecond = 18,
   kScale = 19,
   kInverseRest = 20,  // 1/m
   // The tensions' system, see direct::solve_chain().
-  kOff = 21,
-  kTurned = 22,
+  kOffDiagonal = 21,
+  kSineSquared = 22,
   kRight = 23,
   kUnknown = 24,
-  kWork = 25,
+  kScratch = 25,
   kArrays = 28,
 };
 
@@ -67,11 +67,12 @@ template <typename V, typename Scalar>
   Scalar kick = steps.first ? half : dt;
   for (std::size_t step = 0; step < steps.count; ++step, kick = dt) {
     const V* const pull = reinterpret_cast<const V*>(steps.pull + step * steps.pull_stride);
-    direct::assemble_loop<3, V>(n, q, rate, array(kBeside), array(kWeight), array(kOff),
-                                array(kTurned), right);
+    direct::assemble_loop<3, V>(n, q, rate, array(kCoupling), array(kWeight), array(kOffDiagonal),
+                                array(kSineSquared), right);
     right[0] += scale[0] * (q[0] * pull[0] + q[n] * pull[1] + q[2 * n] * pull[2]);
-    direct::solve_chain_loop<V>(links, array(kNear), array(kFar), array(kOff), array(kTurned),
-                                right, array(kUnknown), array(kWork));
+    direct::solve_chain_loop<V>(links, array(kDiagonalFirst), array(kDiagonalSecond),
+                                array(kOffDiagonal), array(kSineSquared), right, array(kUnknown),
+                                array(kScratch));
     direct::pull_loop<3, V>(n, q, array(kNextGain), array(kLastGain), array(kOwnGain),
                             array(kUnknown), acceleration);
     for (std::size_t c = 0; c < 3; ++c) acceleration[c * n] += inverse_rest[0] * pull[c];

@@ -16,18 +16,19 @@ constexpr double kGravity = 9.81;  // m/s^2
 /// `masses` (kg); one of infinite mass is held, too.
 std::vector<double> tensions(const std::vector<double>& masses) {
   const std::size_t n = masses.size();
-  std::vector<double> scale(n), near(n), far(n), off(n), turned(n), right(n), x(n), work(3 * n);
+  std::vector<double> scale(n), diagonal_first(n), diagonal_second(n), off_diagonal(n),
+      sine_squared(n), right(n), x(n), scratch(3 * n);
   for (std::size_t i = 0; i < n; ++i) {
     const double before = i > 0 ? 1 / masses[i - 1] : 0, after = 1 / masses[i];
     scale[i] = std::sqrt(2 / (before + after));
-    near[i] = scale[i] * scale[i] * before;
-    far[i] = scale[i] * scale[i] * after;
+    diagonal_first[i] = scale[i] * scale[i] * before;
+    diagonal_second[i] = scale[i] * scale[i] * after;
   }
-  for (std::size_t i = 0; i + 1 < n; ++i) off[i] = scale[i] * scale[i + 1] / masses[i];
+  for (std::size_t i = 0; i + 1 < n; ++i) off_diagonal[i] = scale[i] * scale[i + 1] / masses[i];
   right[0] = scale[0] * kGravity;
   if (std::isinf(masses.back())) right[n - 1] -= scale[n - 1] * kGravity;
-  solve_chain(n, near.data(), far.data(), off.data(), turned.data(), right.data(), x.data(),
-              work.data());
+  solve_chain(n, diagonal_first.data(), diagonal_second.data(), off_diagonal.data(),
+              sine_squared.data(), right.data(), x.data(), scratch.data());
   for (std::size_t i = 0; i < n; ++i) x[i] *= scale[i];
   return x;
 }

@@ -52,7 +52,9 @@ void ElasticSystem::rebuild(const World& world) {
   damping_.assign(damped_ ? stiffness_.size() : 0, 0.0);
   direction_.resize(links);
   led_.resize(links);
-  for (auto* workspace : {&diagonal_, &beside_, &impulse_, &factor_}) workspace->resize(links);
+  for (auto* workspace : {&diagonal_, &sub_diagonal_, &impulse_, &factor_}) {
+    workspace->resize(links);
+  }
   rebuild_twist();
 }
 
@@ -233,26 +235,26 @@ void ElasticSystem::add_damping(const double* by, double* to) const {
 
 /// The directions of the links, and the system of those that are `led`.
 void ElasticSystem::fill_directions(const double* x) {
-  const auto ease = [&](std::size_t i) { return held_[i] ? 0.0 : 1 / mass_[i]; };
+  const auto inverse_mass = [&](std::size_t i) { return held_[i] ? 0.0 : 1 / mass_[i]; };
   for (std::size_t k = 0; k < rest_.size(); ++k) {
     direction_[k] = (at(x, k + 1) - at(x, k)).normalized();
-    diagonal_[k] = led_[k] ? ease(k) + ease(k + 1) : 1;
+    diagonal_[k] = led_[k] ? inverse_mass(k) + inverse_mass(k + 1) : 1;
     const bool coupled = k > 0 && led_[k] && led_[k - 1];
-    beside_[k] = coupled ? -ease(k) * direction_[k].dot(direction_[k - 1]) : 0;
+    sub_diagonal_[k] = coupled ? -inverse_mass(k) * direction_[k].dot(direction_[k - 1]) : 0;
   }
 }
 
 /// What the links' impulses are that part their ends by `right`: a tridiagonal system.
 void ElasticSystem::solve_links(double* right) {
   for (std::size_t k = 0; k < rest_.size(); ++k) {
-    const double before = k > 0 ? beside_[k] / factor_[k - 1] : 0;
-    factor_[k] = diagonal_[k] - before * beside_[k];
+    const double before = k > 0 ? sub_diagonal_[k] / factor_[k - 1] : 0;
+    factor_[k] = diagonal_[k] - before * sub_diagonal_[k];
     // A link that others determine already, as in a straight rod between two holds, pulls nothing.
     if (!(factor_[k] > kSingular * diagonal_[k])) factor_[k] = INFINITY;
     if (k > 0) right[k] -= before * right[k - 1];
   }
   for (std::size_t k = rest_.size(); k-- > 0;) {
-    if (k + 1 < rest_.size()) right[k] -= beside_[k + 1] * right[k + 1];
+    if (k + 1 < rest_.size()) right[k] -= sub_diagonal_[k + 1] * right[k + 1];
     right[k] /= factor_[k];
   }
 }
@@ -260,8 +262,9 @@ void ElasticSystem::solve_links(double* right) {
 bool ElasticSystem::restore_lengths(double h, const double* tensions, double* x) {
   bool any = false;
   for (std::size_t k = 0; k < rest_.size(); ++k) {
-    const double ease = (held_[k] ? 0 : 1 / mass_[k]) + (held_[k + 1] ? 0 : 1 / mass_[k + 1]);
-    led_[k] = relaxation_[k] == 0 && compliance_[k] < h * h * ease;
+    const double inverse_mass =
+        (held_[k] ? 0 : 1 / mass_[k]) + (held_[k + 1] ? 0 : 1 / mass_[k + 1]);
+    led_[k] = relaxation_[k] == 0 && compliance_[k] < h * h * inverse_mass;
     if (compliance_[k] == 0 && !dead_[k]) led_[k] = 1;
     any = any || led_[k];
   }

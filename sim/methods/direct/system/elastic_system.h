@@ -106,7 +106,7 @@ class ElasticSystem {
   Band stiffness_, damping_;  // of the particles' rows; the links' in stiffness_
   bool damped_ = false;
   std::vector<Vec3> direction_;
-  std::vector<double> diagonal_, beside_, impulse_, factor_;
+  std::vector<double> diagonal_, sub_diagonal_, impulse_, factor_;
   bool has_rigid_ = false;
   std::vector<material::BendElement> carries_;  // where twist is carried on; empty: nothing twists
   Array twist_slope_;

@@ -42,9 +42,10 @@ template <typename T>
 template <int kComponents, typename T>
 [[gnu::always_inline]] inline void assemble_loop(std::size_t n, const T* __restrict q,
                                                  const T* __restrict rate,
-                                                 const T* __restrict beside,
-                                                 const T* __restrict weight, T* __restrict off,
-                                                 T* __restrict turned, T* __restrict right) {
+                                                 const T* __restrict coupling,
+                                                 const T* __restrict weight,
+                                                 T* __restrict off_diagonal,
+                                                 T* __restrict sine_squared, T* __restrict right) {
   using Number = Element<T>;
   for (std::size_t i = 0; i < n; ++i) {
     T chord = {}, square = {};
@@ -55,8 +56,8 @@ template <int kComponents, typename T>
       square += rate[at] * rate[at];
     }
     // A chord of length d spans an angle of cosine 1 - d^2 / 2.
-    off[i] = beside[i] * (Number(1) - Number(0.5) * chord);
-    turned[i] = beside[i] * beside[i] * (chord * (Number(1) - Number(0.25) * chord));
+    off_diagonal[i] = coupling[i] * (Number(1) - Number(0.5) * chord);
+    sine_squared[i] = coupling[i] * coupling[i] * (chord * (Number(1) - Number(0.25) * chord));
     right[i] = weight[i] * square;
   }
 }

@@ -18,9 +18,9 @@ using In = const double* __restrict;
 // In space coordinates are directions.
 
 TAUT_VECTOR_CLONES
-void assemble_directions(std::size_t n, In q, In rate, In beside, In weight, Out off, Out turned,
-                         Out right) {
-  assemble_loop<3>(n, q, rate, beside, weight, off, turned, right);
+void assemble_directions(std::size_t n, In q, In rate, In coupling, In weight, Out off_diagonal,
+                         Out sine_squared, Out right) {
+  assemble_loop<3>(n, q, rate, coupling, weight, off_diagonal, sine_squared, right);
 }
 /// Returns the largest of own * |x|.
 TAUT_VECTOR_CLONES
@@ -44,15 +44,15 @@ void to_tangent_of_directions(std::size_t n, In base, Out x) {
 // In a plane they are angles, of which only the differences matter to the links.
 
 TAUT_VECTOR_CLONES
-void assemble_angles(std::size_t n, In angle, In rate, In beside, In weight, Out cosine, Out sine,
-                     Out off, Out turned, Out right) {
+void assemble_angles(std::size_t n, In angle, In rate, In coupling, In weight, Out cosine, Out sine,
+                     Out off_diagonal, Out sine_squared, Out right) {
   for (std::size_t i = 0; i < n; ++i) {
     const SinCos turn = sine_and_cosine(angle[i + 1] - angle[i]);
     cosine[i] = turn.cosine;
     sine[i] = turn.sine;
-    off[i] = beside[i] * turn.cosine;
-    const double across = beside[i] * turn.sine;
-    turned[i] = across * across;
+    off_diagonal[i] = coupling[i] * turn.cosine;
+    const double across = coupling[i] * turn.sine;
+    sine_squared[i] = across * across;
     right[i] = weight[i] * (rate[i] * rate[i]);
   }
 }
@@ -109,12 +109,31 @@ void Links::rebuild(std::span<const Link> links, const std::optional<Plane>& pla
   plane_ = plane;
   components_ = plane ? 1 : 3;
   arena_.assign(kPad + kArrays * (stride_ + 2 * kPad), 0.0);
-  double** const arrays[] = {
-      &rest_,          &inverse_rest_, &both_,      &shared_,       &scale_,          &beside_,
-      &weight_,        &next_gain_,    &last_gain_, &own_gain_,     &near_,           &far_,
-      &turned_,        &off_,          &right_,     &unknown_,      &factored_pivot_, &factored_up_,
-      &factored_down_, &cosine_,       &sine_,      &place_cosine_, &place_sine_,     &work_};
-  static_assert(std::size(arrays) + 2 == kArrays);  // work_ is three
+  double** const arrays[] = {&rest_,
+                             &inverse_rest_,
+                             &inverse_mass_sum_,
+                             &inverse_mass_shared_,
+                             &scale_,
+                             &coupling_,
+                             &weight_,
+                             &next_gain_,
+                             &last_gain_,
+                             &own_gain_,
+                             &diagonal_first_,
+                             &diagonal_second_,
+                             &sine_squared_,
+                             &off_diagonal_,
+                             &right_,
+                             &unknown_,
+                             &factored_pivot_,
+                             &factored_up_,
+                             &factored_down_,
+                             &cosine_,
+                             &sine_,
+                             &place_cosine_,
+                             &place_sine_,
+                             &scratch_};
+  static_assert(std::size(arrays) + 2 == kArrays);  // scratch_ is three
   for (std::size_t k = 0; k < std::size(arrays); ++k) {
     *arrays[k] = arena_.data() + kPad + k * (stride_ + 2 * kPad);
   }
@@ -122,19 +141,19 @@ void Links::rebuild(std::span<const Link> links, const std::optional<Plane>& pla
     const Link& link = links[i];
     rest_[i] = link.rest;
     inverse_rest_[i] = link.rest > 0 ? 1 / link.rest : 0;
-    both_[i] = link.near + link.far;
-    shared_[i] = link.shares ? link.far : 0;
-    const double sum = both_[i] + link.end;
+    inverse_mass_sum_[i] = link.inverse_mass_first + link.inverse_mass_second;
+    inverse_mass_shared_[i] = link.shares_second ? link.inverse_mass_second : 0;
+    const double sum = inverse_mass_sum_[i] + link.end;
     scale_[i] = sum > 0 ? std::sqrt(2 / sum) : 1;
     weight_[i] = rest_[i] * scale_[i];
-    own_gain_[i] = both_[i] * scale_[i] * inverse_rest_[i];
-    near_[i] = link.near * scale_[i] * scale_[i];
-    far_[i] = link.far * scale_[i] * scale_[i];
+    own_gain_[i] = inverse_mass_sum_[i] * scale_[i] * inverse_rest_[i];
+    diagonal_first_[i] = link.inverse_mass_first * scale_[i] * scale_[i];
+    diagonal_second_[i] = link.inverse_mass_second * scale_[i] * scale_[i];
   }
   for (std::size_t i = 0; i + 1 < count_; ++i) {
-    beside_[i] = shared_[i] * scale_[i] * scale_[i + 1];
-    next_gain_[i] = shared_[i] * scale_[i + 1] * inverse_rest_[i];
-    last_gain_[i + 1] = shared_[i] * scale_[i] * inverse_rest_[i + 1];
+    coupling_[i] = inverse_mass_shared_[i] * scale_[i] * scale_[i + 1];
+    next_gain_[i] = inverse_mass_shared_[i] * scale_[i + 1] * inverse_rest_[i];
+    last_gain_[i + 1] = inverse_mass_shared_[i] * scale_[i] * inverse_rest_[i + 1];
   }
 }
 
@@ -177,23 +196,28 @@ double Links::displacement(const double* change, std::size_t first, std::size_t 
 
 void Links::assemble(const double* q, const double* rate) {
   if (plane_) {  // from the pad on, which says how the first link stands
-    assemble_angles(stride_ + kPad, q, rate, beside_ - kPad, weight_ - kPad, cosine_ - kPad,
-                    sine_ - kPad, off_ - kPad, turned_ - kPad, right_ - kPad);
+    assemble_angles(stride_ + kPad, q, rate, coupling_ - kPad, weight_ - kPad, cosine_ - kPad,
+                    sine_ - kPad, off_diagonal_ - kPad, sine_squared_ - kPad, right_ - kPad);
   } else {
-    assemble_directions(stride_, q + kPad, rate + kPad, beside_, weight_, off_, turned_, right_);
+    assemble_directions(stride_, q + kPad, rate + kPad, coupling_, weight_, off_diagonal_,
+                        sine_squared_, right_);
   }
 }
 
 void Links::set_end(std::size_t link, bool first, double value) {
-  double* side = first ? near_ : far_;
+  double* side = first ? diagonal_first_ : diagonal_second_;
   side[link] = value * scale_[link] * scale_[link];
   // Links of different spans are solved as if they stood at right angles.
-  if (first && link > 0) turned_[link - 1] = far_[link - 1] * near_[link];
-  if (!first && link + 1 < count_) turned_[link] = far_[link] * near_[link + 1];
+  const auto turn = [&](std::size_t k) {
+    sine_squared_[k] = diagonal_second_[k] * diagonal_first_[k + 1];
+  };
+  if (first && link > 0) turn(link - 1);
+  if (!first && link + 1 < count_) turn(link);
 }
 
 void Links::solve() {
-  solve_chain(count_, near_, far_, off_, turned_, right_, unknown_, work_);
+  solve_chain(count_, diagonal_first_, diagonal_second_, off_diagonal_, sine_squared_, right_,
+              unknown_, scratch_);
 }
 
 void Links::clear_right() {
@@ -201,7 +225,8 @@ void Links::clear_right() {
 }
 
 void Links::respond(double* response) {
-  solve_chain(count_, near_, far_, off_, turned_, right_, response, work_);
+  solve_chain(count_, diagonal_first_, diagonal_second_, off_diagonal_, sine_squared_, right_,
+              response, scratch_);
 }
 
 void Links::add_response(const double* response, double factor) {
@@ -218,14 +243,15 @@ void Links::pull(const double* q, double* out) {
 void Links::factor(double sigma_squared) {
   for (std::size_t i = 0; i < count_; ++i) {
     const double pull = std::max(tension(i), 0.0);
-    factored_pivot_[i] = sigma_squared * (rest_[i] > 0 ? rest_[i] : 1) + both_[i] * pull;
-    const auto beside = [&](std::size_t k) {  // across the other link, in a plane
-      return shared_[k] * (plane_ ? std::max(cosine_[k], 0.0) : 1) * pull;
+    factored_pivot_[i] =
+        sigma_squared * (rest_[i] > 0 ? rest_[i] : 1) + inverse_mass_sum_[i] * pull;
+    const auto coupling = [&](std::size_t k) {  // across the other link, in a plane
+      return inverse_mass_shared_[k] * (plane_ ? std::max(cosine_[k], 0.0) : 1) * pull;
     };
-    factored_down_[i] = beside(i);
-    if (i > 0) factored_up_[i - 1] = beside(i - 1);
+    factored_down_[i] = coupling(i);
+    if (i > 0) factored_up_[i - 1] = coupling(i - 1);
   }
-  factor_twisted(count_, factored_pivot_, factored_up_, factored_down_, work_);
+  factor_twisted(count_, factored_pivot_, factored_up_, factored_down_, scratch_);
 }
 
 void Links::solve_factored(double* x) const {

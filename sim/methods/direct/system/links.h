@@ -28,10 +28,10 @@ class Links {
 
   struct Link {
     double rest = 0;  // m
-    // 1/kg, the inverse masses of its two particles, held ones zero.
-    double near = 0, far = 0;
-    bool shares = false;  // the latter with the next link
-    double end = 0;       // 1/kg, roughly what bodies at its ends add to these
+    // 1/kg, of its two particles, held ones zero.
+    double inverse_mass_first = 0, inverse_mass_second = 0;
+    bool shares_second = false;  // its second particle with the next link
+    double end = 0;              // 1/kg, roughly what bodies at its ends add to these
   };
   Links() = default;
   Links(const Links&) = delete;
@@ -92,7 +92,7 @@ class Links {
   /// Adds to the right side of a row.
   void add_right(std::size_t link, double value) { right_[link] += value * scale_[link]; }
   /// How easily (1/kg) a body moves that holds the first, or else the last, particle of a span, the
-  /// near one of `link` or its far one. assemble() forgets it.
+  /// first one of `link` or its second. assemble() forgets it.
   void set_end(std::size_t link, bool first, double value);
   /// Solves it; the functions below use the tensions that it leaves.
   void solve();
@@ -135,14 +135,16 @@ class Links {
   // loads. Rows and columns of the system are scaled to a diagonal of 2, near which neither its
   // minors nor their inverses overflow.
   Array arena_;
-  double *rest_, *inverse_rest_, *both_, *shared_, *scale_;
-  double *beside_, *weight_, *next_gain_, *last_gain_, *own_gain_;  // scaled constants of the loops
+  double *rest_, *inverse_rest_, *inverse_mass_sum_, *inverse_mass_shared_, *scale_;
+  // Scaled constants of the loops.
+  double *coupling_, *weight_, *next_gain_, *last_gain_, *own_gain_;
   // The system, see solve_chain(). Links of different spans are no neighbours.
-  double *near_, *far_, *off_, *turned_, *right_, *unknown_;  // unknowns: T / scale
+  double *diagonal_first_, *diagonal_second_, *off_diagonal_, *sine_squared_, *right_;
+  double* unknown_;  // T / scale
   double *factored_pivot_, *factored_up_, *factored_down_;
   double *cosine_, *sine_;              // in a plane: of a link's angle to the next
   double *place_cosine_, *place_sine_;  // in a plane: of the links' angles
-  double* work_;                        // three arrays
+  double* scratch_;                     // three arrays
 };
 
 }  // namespace taut::direct

@@ -26,10 +26,10 @@ struct ChainHalf {
     rest = T{} + Element<T>(1);  // q_{i-2}, q_{i-1}, g_{i-1}
   T sum = {};                    // z_{i-1}
 
-  [[gnu::always_inline]] void row(const T& shared, const T& next, const T& turned, const T& off,
-                                  const T& right) {
-    sum = right * now + off * sum;
-    rest = shared * rest + turned * before;
+  [[gnu::always_inline]] void row(const T& shared, const T& next, const T& sine_squared,
+                                  const T& off_diagonal, const T& right) {
+    sum = right * now + off_diagonal * sum;
+    rest = shared * rest + sine_squared * before;
     before = now;
     now = next * now + rest;
   }
@@ -43,25 +43,28 @@ struct ChainHalf {
 /// See solve_chain().
 template <typename T>
 [[gnu::always_inline]] inline void solve_chain_loop(
-    std::size_t n, const T* __restrict near, const T* __restrict far, const T* __restrict off,
-    const T* __restrict turned, const T* __restrict right, T* __restrict x, T* __restrict work) {
+    std::size_t n, const T* __restrict diagonal_first, const T* __restrict diagonal_second,
+    const T* __restrict off_diagonal, const T* __restrict sine_squared, const T* __restrict right,
+    T* __restrict x, T* __restrict scratch) {
   if (n == 0) return;  // a body that flies alone
-  T* __restrict q = work;
-  T* __restrict z = work + n;
-  T* __restrict b = work + 2 * n;
+  T* __restrict q = scratch;
+  T* __restrict z = scratch + n;
+  T* __restrict b = scratch + 2 * n;
   // Rows 0..m-1 go down, rows n-1..m+1 go up, and row m joins them.
   const std::size_t m = n / 2, pairs = (n - 1) / 2;
   ChainHalf<T> above, below;
   const T none = {}, one = T{} + Element<T>(1);
   const auto down = [&](std::size_t i) {
     const bool first = i == 0;
-    above.row(near[i], far[i], first ? none : turned[i - 1], first ? none : off[i - 1], right[i]);
-    q[i] = above.now, z[i] = above.sum, b[i] = off[i] * above.before;
+    above.row(diagonal_first[i], diagonal_second[i], first ? none : sine_squared[i - 1],
+              first ? none : off_diagonal[i - 1], right[i]);
+    q[i] = above.now, z[i] = above.sum, b[i] = off_diagonal[i] * above.before;
   };
   const auto up = [&](std::size_t j) {
     const bool last = j + 1 == n;
-    below.row(far[j], near[j], last ? none : turned[j], last ? none : off[j], right[j]);
-    q[j] = below.now, z[j] = below.sum, b[j] = off[j - 1] * below.before;
+    below.row(diagonal_second[j], diagonal_first[j], last ? none : sine_squared[j],
+              last ? none : off_diagonal[j], right[j]);
+    q[j] = below.now, z[j] = below.sum, b[j] = off_diagonal[j - 1] * below.before;
   };
   for (std::size_t k = 0; k < pairs;) {
     const std::size_t next = k + kRowsPerScaling<T>, stop = next < pairs ? next : pairs;
@@ -81,17 +84,18 @@ template <typename T>
     b[i] *= inverse;
   }
   T sum = right[m];
-  T pivot = near[m] * above.rest / above.now + far[m] * below.rest / below.now;
+  T pivot =
+      diagonal_first[m] * above.rest / above.now + diagonal_second[m] * below.rest / below.now;
   if (m > 0) {
-    sum += off[m - 1] * z[m - 1];
-    pivot += turned[m - 1] * above.before / above.now;
+    sum += off_diagonal[m - 1] * z[m - 1];
+    pivot += sine_squared[m - 1] * above.before / above.now;
   }
   if (m + 1 < n) {
-    sum += off[m] * z[m + 1];
-    pivot += turned[m] * below.before / below.now;
+    sum += off_diagonal[m] * z[m + 1];
+    pivot += sine_squared[m] * below.before / below.now;
   }
   constexpr auto kInfinite = std::numeric_limits<Element<T>>::infinity();
-  pivot = pivot > kNoPivot<T> * (near[m] + far[m]) ? pivot : T{} + kInfinite;
+  pivot = pivot > kNoPivot<T> * (diagonal_first[m] + diagonal_second[m]) ? pivot : T{} + kInfinite;
   T before = sum / pivot, after = before;
   x[m] = before;
   for (std::size_t k = 1; k <= pairs; ++k) {

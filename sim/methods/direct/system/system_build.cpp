@@ -288,9 +288,9 @@ void System::measure_links(const World& world) {
     };
     for (std::size_t k = 0; k < span.links; ++k) {
       Links::Link& link = links[span.offset + k];
-      link.near = inverse_mass(k);
-      link.far = inverse_mass(k + 1);
-      link.shares = k + 1 < span.links;
+      link.inverse_mass_first = inverse_mass(k);
+      link.inverse_mass_second = inverse_mass(k + 1);
+      link.shares_second = k + 1 < span.links;
       length_ += link.rest;
     }
     p += span.links + 1;

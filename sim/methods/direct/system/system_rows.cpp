@@ -41,8 +41,8 @@ System::RowTerm System::term_of(const ConstraintRow::Particle& particle) const {
       if (term.end != kNone && ends_[term.end].body != kNone) {
         throw std::invalid_argument("a row speaks of particles, none of them on a free body");
       }
-      term.inverse_mass =
-          term.before == kNone ? measured_[term.after].near : measured_[term.before].far;
+      term.inverse_mass = term.before == kNone ? measured_[term.after].inverse_mass_first
+                                               : measured_[term.before].inverse_mass_second;
       return term;
     }
     p += span.links + 1;

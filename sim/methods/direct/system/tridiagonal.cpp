@@ -12,21 +12,22 @@ constexpr std::size_t kRows = kRowsPerScaling<double>;
 }  // namespace
 
 TAUT_VECTOR_CLONES
-void solve_chain(std::size_t n, const double* near, const double* far, const double* e,
-                 const double* turned, const double* r, double* x, double* work) {
-  solve_chain_loop(n, near, far, e, turned, r, x, work);
+void solve_chain(std::size_t n, const double* diagonal_first, const double* diagonal_second,
+                 const double* e, const double* sine_squared, const double* r, double* x,
+                 double* scratch) {
+  solve_chain_loop(n, diagonal_first, diagonal_second, e, sine_squared, r, x, scratch);
 }
 
 /// Of the matrix scaled to a diagonal of 1, whose leading minors are Q_i, the pivots are Q_i /
 /// Q_{i-1}.
 TAUT_VECTOR_CLONES
 void factor_twisted(std::size_t n, double* __restrict pivot, double* __restrict up,
-                    double* __restrict down, double* __restrict work) {
+                    double* __restrict down, double* __restrict scratch) {
   if (n == 0) return;
   const std::size_t m = n / 2;
-  double* __restrict couple = work;  // what row i and the next take from each other
-  double* __restrict before = work + n;
-  double* __restrict now = work + 2 * n;
+  double* __restrict couple = scratch;  // what row i and the next take from each other
+  double* __restrict before = scratch + n;
+  double* __restrict now = scratch + 2 * n;
   for (std::size_t i = 0; i < n; ++i) pivot[i] = 1 / pivot[i];
   for (std::size_t i = 0; i + 1 < n; ++i) couple[i] = up[i] * down[i] * (pivot[i] * pivot[i + 1]);
   before[m] = 1;
