@@ -101,9 +101,9 @@ int run(const options::StudyOptions& options, bool markdown, const program::Comm
     study.model = studies::model_study(options, study.horizon, journal);
   }
 
-  const chart::Table reach = studies::reach_table(study);
+  const chart::Table work_precision = studies::work_precision_table(study);
   options::write_csv(studies::points_table(study, true), folder / "chart");
-  options::write_csv(reach, folder / "chart_reach");
+  options::write_csv(work_precision, folder / "chart_work_precision");
   const chart::Chart chart = studies::accuracy_chart(study);
   chart::write_chart(chart, folder / "chart");
   if (!study.model.rows.empty()) {
@@ -118,8 +118,9 @@ int run(const options::StudyOptions& options, bool markdown, const program::Comm
     render::write_output(studies::accuracy_json(study));
   } else {
     const chart::Table best = studies::best_table(study);
-    render::write_output(markdown ? chart::to_markdown(best) + "\n" + chart::to_markdown(reach)
-                                  : program::table_text(best) + "\n" + program::table_text(reach));
+    render::write_output(
+        markdown ? chart::to_markdown(best) + "\n" + chart::to_markdown(work_precision)
+                 : program::table_text(best) + "\n" + program::table_text(work_precision));
   }
   if (!common.quiet) program::note("{}/chart: .csv .svg .png .html\n", folder.string());
   return program::kDone;

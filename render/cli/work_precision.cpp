@@ -262,11 +262,11 @@ program::Json json_of(const studies::AccuracyStudy& study, const std::vector<dou
     if (!missing.empty()) entry["missing"] = missing;
     for (const double error : errors) {
       const auto found = study::cheapest(study::cost_and_error(block.rows, 0), error);
-      program::Json reach = {{"error_asked_m", error}, {"cpu_ms_per_simulated_s", nullptr}};
+      program::Json point = {{"error_asked_m", error}, {"cpu_ms_per_simulated_s", nullptr}};
       if (found) {
         const study::AccuracyRow& row = block.rows[*found];
         const study::Spread time = study::spread(row.cpu);
-        reach.update({{"cpu_ms_per_simulated_s", 1e3 * time.median},
+        point.update({{"cpu_ms_per_simulated_s", 1e3 * time.median},
                       {"low_quartile_ms", 1e3 * time.low},
                       {"high_quartile_ms", 1e3 * time.high},
                       {"timings", row.cpu.size()},
@@ -275,7 +275,7 @@ program::Json json_of(const studies::AccuracyStudy& study, const std::vector<dou
                       {"energy_gained_j", row.energy_gain},
                       {"settings", options::settings_json(row.candidate.settings)}});
       }
-      entry["reach"].push_back(std::move(reach));
+      entry["work_precision"].push_back(std::move(point));
     }
     double nearest = INFINITY;
     for (const study::AccuracyRow& row : block.rows)

@@ -134,7 +134,7 @@ chart::Table points_table(const AccuracyStudy& study, bool exact) {
   return table;
 }
 
-chart::Table reach_table(const AccuracyStudy& study) {
+chart::Table work_precision_table(const AccuracyStudy& study) {
   chart::Table table{{"method"}, {}};
   for (const double target : study.targets) {
     table.columns.push_back(fmt::format("ms/s for {:g}", target));
@@ -165,21 +165,21 @@ chart::Table best_table(const AccuracyStudy& study) {
   chart::Table table{{"error asked for", "cheapest", "settings", "ms per simulated second", "next",
                       "times as dear"},
                      {}};
-  struct Reach {
+  struct Attained {
     const AccuracyBlock* block;
     std::size_t row;
     double cost;
   };
   const auto add = [&](const std::string& name, double error, std::size_t metric) {
-    std::vector<Reach> reached;
+    std::vector<Attained> reached;
     for (const AccuracyBlock& block : study.blocks) {
       if (const auto row = reaching(block, error, metric)) {
         reached.push_back({&block, *row, cost(block.rows[*row])});
       }
     }
-    std::ranges::sort(reached, {}, &Reach::cost);
+    std::ranges::sort(reached, {}, &Attained::cost);
     if (reached.empty()) return table.add({name, "-", "", "-", "-", "-"});
-    const Reach& best = reached.front();
+    const Attained& best = reached.front();
     const bool more = reached.size() > 1;
     table.add({name, best.block->contender.label,
                study::describe(best.block->rows[best.row].candidate.settings),
@@ -266,7 +266,7 @@ error, as a share of the length.</p>
 {}
 )",
       chart::html_chart(accuracy_chart(study)), chart::to_html(best_table(study)),
-      chart::to_html(reach_table(study)));
+      chart::to_html(work_precision_table(study)));
 }
 
 std::string accuracy_page(const AccuracyStudy& study) {
@@ -298,12 +298,12 @@ std::string accuracy_json(const AccuracyStudy& study) {
     if (!missing.empty()) one["missing"] = missing;
     for (const double target : study.targets) {
       const auto found = reaching(block, target);
-      nlohmann::ordered_json reach = {{"error", target}, {"cpu_ms_per_simulated_s", nullptr}};
+      nlohmann::ordered_json point = {{"error", target}, {"cpu_ms_per_simulated_s", nullptr}};
       if (found) {
-        reach["cpu_ms_per_simulated_s"] = 1e3 * cost(block.rows[*found]);
-        reach["settings"] = options::settings_json(block.rows[*found].candidate.settings);
+        point["cpu_ms_per_simulated_s"] = 1e3 * cost(block.rows[*found]);
+        point["settings"] = options::settings_json(block.rows[*found].candidate.settings);
       }
-      one["reach"].push_back(std::move(reach));
+      one["work_precision"].push_back(std::move(point));
     }
     if (study.in_pixels) {
       const auto found = reaching(block, 1, kPixels);

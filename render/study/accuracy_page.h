@@ -34,7 +34,7 @@ struct AccuracyStudy {
 chart::Table points_table(const AccuracyStudy& study, bool exact);
 /// Per method, the cheapest cost that reaches each target (and one pixel), and the settings that
 /// do.
-chart::Table reach_table(const AccuracyStudy& study);
+chart::Table work_precision_table(const AccuracyStudy& study);
 /// Per target, the cheapest contender that reaches it, its settings, and the next.
 chart::Table best_table(const AccuracyStudy& study);
 /// Fronts as lines, what they dominate as faint markers; a second panel in pixels where rows have

@@ -153,7 +153,7 @@ TEST(Bench, AmongObstaclesItTimesTheMethodsThatKnowContact) {
                folder.path());
   ASSERT_EQ(precision.code, 0) << precision.messages;
   const auto methods = nlohmann::json::parse(precision.output).at("scenes").at(0).at("methods");
-  EXPECT_LT(double(methods.at(1).at("reach").at(0).at("penetration_m")), 1e-9);
+  EXPECT_LT(double(methods.at(1).at("work_precision").at(0).at("penetration_m")), 1e-9);
   const ProgramResult stability = run_taut({"stability", "floor.toml"}, folder.path());
   EXPECT_EQ(stability.code, 2);
   EXPECT_NE(stability.messages.find("has obstacles, which bench, chart"), std::string::npos);
@@ -189,7 +189,8 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   ASSERT_EQ(second.code, 0) << second.messages;
   EXPECT_NE(second.messages.find("going on after"), std::string::npos) << second.messages;
   EXPECT_FALSE(fs::exists(out / "chart.unfinished"));
-  for (const char* name : {"chart.svg", "chart.png", "chart_reach.csv", "chart_model.csv"}) {
+  for (const char* name :
+       {"chart.svg", "chart.png", "chart_work_precision.csv", "chart_model.csv"}) {
     EXPECT_TRUE(fs::exists(out / name)) << name;
   }
   const std::string page = read_file(out / "chart.html");
@@ -197,11 +198,11 @@ TEST(Chart, GoesOnAfterCtrlCAndEndsWithEverything) {
   EXPECT_EQ(page.find("src="), std::string::npos) << "the page needs another file";
 
   // The direct method follows its tolerance, so it reaches every target.
-  const chart::Table reach = chart::from_csv(read_file(out / "chart_reach.csv"));
-  const auto methods = cells(reach, "method");
+  const chart::Table work_precision = chart::from_csv(read_file(out / "chart_work_precision.csv"));
+  const auto methods = cells(work_precision, "method");
   const auto at = static_cast<std::size_t>(std::ranges::find(methods, "direct") - methods.begin());
-  EXPECT_GT(std::stod(cells(reach, "ms/s for 1e-06").at(at)), 0);
-  EXPECT_EQ(cells(reach, "ms/s for 1e-06").at(0), "-") << "impulse";
+  EXPECT_GT(std::stod(cells(work_precision, "ms/s for 1e-06").at(at)), 0);
+  EXPECT_EQ(cells(work_precision, "ms/s for 1e-06").at(0), "-") << "impulse";
 }
 
 TEST(WorkPrecision, SaysWhatAnErrorCostsSceneBesideScene) {

@@ -189,17 +189,18 @@ TEST(ResultsFolder, IsEachScenesOwn) {
   EXPECT_EQ(options::results_folder("scenes/sub/rope.toml", "here", true), "here/sub/rope");
 }
 
-TEST_F(Usage, ReachAndPlansAreJson) {
-  const ProgramResult reach =
+TEST_F(Usage, WorkPrecisionAndPlansAreJson) {
+  const ProgramResult work_precision =
       run({"work-precision", "swing.toml", "--methods", "impulse,direct", "--errors", "0.1,0.00001",
            "--budget", "2", "--quick", "--json", "-q"});
-  ASSERT_EQ(reach.code, 0) << reach.messages;
-  const nlohmann::json scene = nlohmann::json::parse(reach.output).at("scenes").at(0);
+  ASSERT_EQ(work_precision.code, 0) << work_precision.messages;
+  const nlohmann::json scene = nlohmann::json::parse(work_precision.output).at("scenes").at(0);
   EXPECT_GT(scene.at("horizon_s"), 0);
-  const nlohmann::json direct = scene.at("methods").at(1).at("reach");
+  const nlohmann::json direct = scene.at("methods").at(1).at("work_precision");
   EXPECT_GT(direct.at(1).at("cpu_ms_per_simulated_s"), 0);
   EXPECT_LE(direct.at(1).at("rms_error_m"), 1e-5);
-  EXPECT_TRUE(scene.at("methods").at(0).at("reach").at(1).at("cpu_ms_per_simulated_s").is_null());
+  EXPECT_TRUE(
+      scene.at("methods").at(0).at("work_precision").at(1).at("cpu_ms_per_simulated_s").is_null());
 
   const ProgramResult plans =
       run_taut({"check", "--plans", "scenes/rope_swing.toml", "scenes/hard/whip.toml", "--json"});
