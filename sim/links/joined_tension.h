@@ -28,7 +28,7 @@ class JoinedTension {
   }
 
  private:
-  /// What two rows that share a particle, or two ends at a free body, add to values_[value].
+  /// The share in values_[value] of two rows with a common particle, or two ends at a free body.
   struct PointTerm {
     std::uint32_t row = 0, other = 0, value = 0, point = 0;
     double sign = 0;

@@ -99,22 +99,22 @@ class Mechanism {
   std::size_t pulleys() const { return pulleys_.size(); }
   /// The numbers in an array of rows, pulleys behind them.
   std::size_t unknowns() const { return rows_.size() + pulleys(); }
-  /// How the second derivative of a row's violation changes with a pulley's acceleration, and what
-  /// that row's tension does in the pulley's equation.
+  /// The coupling of a row and a pulley: the derivative of the violation's second derivative by the
+  /// pulley's acceleration, and the tension's coefficients in the pulley's equation.
   struct Coupling {
     std::uint32_t row = 0, pulley = 0;
-    double share = 0;  // of what passes the pulley that the link has
+    double share = 0;  // the link's, of the material that passes the pulley
     double value = 0;
     double drive = 0;   // -value where there is no friction
-    double before = 0;  // of what pulls at the pulley from where rope comes, without friction
+    double before = 0;  // in the tension before the pulley, without friction
   };
   const std::vector<Coupling>& couplings() const { return couplings_; }  // sorted by pulleys
-  /// kg: by how much what drives a pulley (row) falls with the acceleration of another, or itself.
+  /// The inertia (kg) in a pulley's equation (row) against the acceleration of each (column).
   const Eigen::MatrixXd& passing_inertia() const { return passing_inertia_; }
 
-  /// What friction does at a pulley.
+  /// The state of friction at a pulley.
   enum class Slip {
-    free,      // nothing: there is none, or the rope pushes
+    free,      // no friction, or the rope pushes
     forwards,  // the rope slides into the connector behind
     backwards,
     stick,
@@ -122,15 +122,15 @@ class Mechanism {
   void set_slip(std::size_t pulley, Slip slip) { pulleys_[pulley].slip = slip; }
   Slip slip(std::size_t pulley) const { return pulleys_[pulley].slip; }
   bool has_friction(std::size_t pulley) const { return pulleys_[pulley].has_friction; }
-  /// The tensions (N) before and behind a pulley with friction, less what turns the rope there and
-  /// half of what turns the sheave, under the `tension` of rows and accelerations of pulleys behind
-  /// them; and the ratio of the larger to the smaller at which the rope slides.
+  /// The tensions (N) before and behind a pulley with friction, less the force that turns the rope
+  /// there and half of the force that turns the sheave; and the ratio of the larger to the smaller
+  /// at which the rope slides. `tension`: of the rows, then the accelerations of the pulleys.
   struct Pull {
     double before = 0, behind = 0, ratio = 1;
   };
   Pull pull_at(std::size_t pulley, const double* tension) const;
-  /// What a connector's winch or pulley feels of the rope (N) at its first (0) or last (1) end,
-  /// under tensions and accelerations (m/s^2) of all points that belong together.
+  /// The force (N) of the rope on the winch or pulley at a connector's first (0) or last (1) end,
+  /// from tensions and accelerations (m/s^2) of all points of the same instant.
   double drum_force(std::size_t connector, std::size_t end, const double* state,
                     const double* tension, std::span<const Vec3> acceleration) const;
   /// The forces of what stretches, bends and meets the air; place() turns its clamps.
@@ -223,7 +223,7 @@ class Mechanism {
     PaidOut first = {}, last = {}, longer = {};    // at the instant of the last place()
   };
 
-  /// What a material's forces at its points give a free body: m/s^2 and rad/s^2.
+  /// The accelerations of a free body under a material's forces at its points: m/s^2 and rad/s^2.
   struct BodyPush {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   };

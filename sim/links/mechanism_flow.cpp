@@ -11,7 +11,7 @@ Eigen::Map<const Vec3> as_vector(const double* at) {
   return Eigen::Map<const Vec3>(at);
 }
 
-/// What the first (0) or last (1) end pays out moves the material past a particle by this share.
+/// The share of the length paid out at the first (0) or last (1) end that passes a particle.
 double flow_share(const Winch& winch, std::size_t end, std::size_t particle) {
   return end == 0 ? 1 - winch.before[particle] : -winch.before[particle];
 }
@@ -207,8 +207,7 @@ void Mechanism::add_pulleys(const World& world) {
   }
 }
 
-/// What a pulley that turns with 1 m/s^2 does: forces of the material that flows, and what bodies
-/// feel of them.
+/// The forces of the material that flows, and on bodies, at a pulley that turns with 1 m/s^2.
 void Mechanism::find_flow(Passing& pulley, const double* state) const {
   if (!pulley.has_mass) return;
   for (const std::size_t side : {0u, 1u}) {

@@ -22,7 +22,7 @@ void Mechanism::measure_friction(Passing& pulley, const double* state) {
   pulley.ratio = std::exp(pulley.friction * turn) * (1 + drag) / (1 - drag);
 }
 
-/// What friction makes of the pulleys' equations. Where rope stays, its acceleration is zero.
+/// The pulleys' equations under friction: where rope stays, its acceleration is zero.
 void Mechanism::use_friction() {
   for (std::size_t p = 0; p < pulleys(); ++p) {
     const Passing& pulley = pulleys_[p];

@@ -16,7 +16,7 @@ class Projection {
   /// Lengths that stay off by more (m) cannot be kept.
   static constexpr double kKept = 1e-8;
 
-  /// What is left of the rows' violation; not finite where the state was not.
+  /// The remaining violation of the rows; not finite where the state was not.
   struct Left {
     double violation = 0;  // m, the largest
     std::size_t row = 0;   // where that is

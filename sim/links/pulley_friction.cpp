@@ -50,8 +50,8 @@ void PulleyFriction::decide(Mechanism& mechanism, TensionSystem& system, double 
     if (std::abs(speed) <= kNear) speed = 0;
     mechanism.set_slip(p, speed > 0 ? Slip::forwards : speed < 0 ? Slip::backwards : Slip::stick);
   }
-  // One pulley after another: what one does changes the tensions at others. Between two that stay
-  // the tension of rope without mass may be any: there one of them is left at its limit.
+  // Pulleys change one after another: each changes the tensions at others. Between two that stay,
+  // the tension of rope without mass is undetermined: one of the two is left at its limit.
   constexpr double kMost = 2;  // beyond all shares
   for (std::size_t change = 0; change < 4 * mechanism.pulleys(); ++change) {
     solve(mechanism, system, time, state);

@@ -72,7 +72,7 @@ class TensionSystem {
   struct Entry {
     std::uint32_t row = 0, other = 0, value = 0, transposed = 0;
   };
-  /// What two row ends that share a particle or a free body add to values_[value].
+  /// The share in values_[value] of two row ends with a common particle or free body.
   struct PointTerm {
     std::uint32_t row = 0, other = 0, value = 0;
     double weight = 0;  // 1/kg, signed
