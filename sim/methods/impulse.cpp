@@ -18,7 +18,7 @@ constexpr double kSense = 1e6;  // m; no scene is so wide
 constexpr double kMore = 1e-6;  // rounding of a particle's mass
 constexpr std::size_t kEvents = 1024;
 
-/// What repositioning needs to know of a connector, beside its state.
+/// A connector's data for repositioning, beside its state.
 struct Strand {
   std::vector<double> along;   // m, rest length from the first particle
   std::vector<double> weight;  // how easily a particle is moved; zero: held

@@ -1,4 +1,4 @@
-// What acts between the ends of a span: section IV.A of the paper.
+// The impulses between the ends of a span: section IV.A of the paper.
 #pragma once
 
 #include <vector>

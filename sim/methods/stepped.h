@@ -1,4 +1,4 @@
-// What methods of fixed steps on a mechanism share: the loop over steps, and the integrators.
+// The loop over steps and the integrators of all methods of fixed steps on a mechanism.
 #pragma once
 
 #include <string>

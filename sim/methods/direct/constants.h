@@ -29,11 +29,11 @@ struct StepConstants {
 
   /// The next step aims at this share of the step whose error would be the one allowed.
   double safety = 0.9;  // 1
-  /// From one step to the next its length grows or shrinks by at most this factor.
+  /// The step's length grows or shrinks by at most this factor from one step to the next.
   double most_change = 5;  // 1
-  /// What links turn by in the first step: far enough that the estimate says something, near enough
-  /// that the step is rarely refused. Nor may a step err by more than what turns the shortest link
-  /// so far: beyond it an estimate to first order says nothing of turns.
+  /// The angle by which links turn in the first step: large enough for the estimate to say
+  /// something, small enough that the step is rarely refused. Nor may a step err by more than what
+  /// turns the shortest link so far: beyond it an estimate to first order says nothing of turns.
   double turn = 0.3;  // rad
 
   // From one scheme to another.

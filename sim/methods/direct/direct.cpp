@@ -17,8 +17,8 @@ namespace {
 
 using direct::Integrator;
 
-/// What advance() leaves in the world is where it goes on from; whoever changes the world between
-/// two calls starts it afresh.
+/// The state that advance() leaves in the world is where the next call goes on; a change of the
+/// world between two calls starts the method afresh.
 class Direct : public Method {
  public:
   explicit Direct(const direct::StepOptions& options) : options_(options) {}
@@ -229,9 +229,9 @@ class Direct : public Method {
   std::vector<double> noted_;                   // the world as advance() left it
 };
 
-/// One whose steps are shorter by a fifth. The errors of the three schemes fall by 1.25^8, 1.25^4
-/// and 1.25^3, so that the difference is 0.83, 0.59 and 0.49 of the error; two thirds are near to
-/// each. Where it took another scheme than the run, its own error could be the larger one.
+/// A companion whose steps are shorter by a fifth. The errors of the three schemes fall by 1.25^8,
+/// 1.25^4 and 1.25^3, so that the difference is 0.83, 0.59 and 0.49 of the error; two thirds are
+/// near to each. Where it took another scheme than the run, its own error could be the larger one.
 Companion with_finer_steps(double tolerance) {
   constexpr int kFrames = 4;
   direct::StepOptions options;

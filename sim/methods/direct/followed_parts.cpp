@@ -68,8 +68,8 @@ void FollowedParts::load(World& world) {
   for (const auto& part : all()) part->load(world);
 }
 
-/// What integrators have grown to they keep: where one part has become two, all others stay with
-/// theirs, and a new one gets the smaller half; where two have become one, that of the larger
+/// Integrators keep the memory they have grown to: where one part has become two, all others stay
+/// with theirs, and a new one gets the smaller half; where two have become one, that of the larger
 /// goes on. So thousands of pins, one after another, take little more room than the longest part.
 void FollowedParts::align() {
   const std::vector<std::size_t>& before = links_before_;

@@ -34,9 +34,9 @@ class FollowedParts {
   std::span<const std::unique_ptr<Integrator>> all() const {
     return {integrators_.data(), followed_};
   }
-  /// Those that mark() has found, as indices of all().
+  /// The integrators that mark() has found, as indices of all().
   std::span<const std::size_t> near() const { return near_; }
-  /// More than are followed.
+  /// All integrators made: more than are followed.
   std::span<const std::unique_ptr<Integrator>> made() const { return integrators_; }
 
  private:
@@ -63,7 +63,7 @@ class FollowedParts {
   std::vector<std::size_t> links_, links_before_;  // of each part that is followed
   bool changes_ = false;                           // interventions may come, for which room is kept
 
-  // What mark() and renew() know of the parts that are followed.
+  // The knowledge of mark() and renew() of the parts that are followed.
   bool known_ = false, distinct_ = false;  // all have been looked at; each has one span at most
   std::deque<Piece> pieces_;               // of each part
   std::vector<std::size_t> begins_, ends_, whole_;  // [pin] and [connector] the part there

@@ -18,17 +18,17 @@
 
 namespace taut::direct {
 
-/// What the user asked for: an error, or a step.
+/// The user's wish: an error, or a step.
 struct StepOptions {
   double tolerance = 1e-4;  // m
   double step = 0;          // s; zero: steps follow from the tolerance
-  double finer = 1;         // times shorter than that are the steps, for estimates of the error
+  double finer = 1;         // the factor by which steps are shorter, for estimates of the error
 };
 
 /// Follows one component of a world through time.
 ///
-/// It has three schemes: DOP853, explicit and of order 8; Adams's, explicit, with one acceleration
-/// a step; ROS34PW2, implicit in the waves that the tensions carry. In this order they err more but
+/// Three schemes serve: DOP853, explicit and of order 8; Adams's, explicit, with one acceleration a
+/// step; ROS34PW2, implicit in the waves that the tensions carry. In this order they err more but
 /// get further for their cost. Explicit steps end where the waves under the tensions become
 /// unstable, Adams's with a third of the accelerations. Where the waves and not its error limit a
 /// scheme, the next one is tried; where its error forces a scheme to steps that the one before
@@ -59,8 +59,8 @@ class Integrator {
   const Component& component() const { return component_; }
 
   enum Scheme { dop853, adams, rosenbrock, kSchemes };
-  /// What keeps a step from being longer: its error, the waves, the time at which a state is asked
-  /// for, or what is longest.
+  /// The limit on a step's length: its error, the waves, the time at which a state is asked for, or
+  /// the longest step allowed.
   enum class Limit { error, waves, frame, longest };
   /// A step that was taken.
   struct Step {

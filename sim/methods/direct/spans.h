@@ -14,12 +14,12 @@
 namespace taut::direct {
 
 /// Follows a world some of whose connectors are massless spans, by a method that follows links.
-/// That one sees a world of its own, in which a taut span is a link without mass between its two
-/// ends and a slack one is not there; a point mass at an end is a body that nothing turns. What
-/// changes there is found between two looks and located in time: a slack span that gets longer than
-/// it is goes taut, a taut one whose tension turns negative goes slack. Going taut, the ends are
-/// thrown back with the connector's restitution; where that is none, or they were thrown back just
-/// before, the link takes their speed of separation away, which keeps all momenta.
+/// The method sees a world of its own, in which a taut span is a link without mass between its two
+/// ends and a slack one is absent; a point mass at an end is a body that nothing turns. Changes are
+/// found between two looks and located in time: a slack span whose ends part beyond its length goes
+/// taut, a taut one whose tension turns negative goes slack. Going taut, the ends are thrown back
+/// with the connector's restitution; where that is none, or they were thrown back just before, the
+/// link takes their speed of separation away, which keeps all momenta.
 class Spans {
  public:
   /// `links` follows everything but spans.
@@ -29,11 +29,11 @@ class Spans {
   void prepare(const World& world);
   void advance(World& world, double until, std::vector<Event>& events);
 
-  /// What follows everything but spans.
+  /// The method that follows everything but spans.
   Method& links() { return *links_; }
   const Method& links() const { return *links_; }
 
-  /// Those of the links' method, and the systems that looks at tensions solve.
+  /// The counters of the links' method, and the systems that looks at tensions solve.
   Counters counters() const;
 
  private:

@@ -1,4 +1,4 @@
-// What bodies hit on their way through a step.
+// Hits of bodies on their way through a step.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -33,8 +33,8 @@ void BodyTouches::aim_velocity(const Step& step, std::size_t touch,
   at.touch.least = near.normal.dot(at.touch.surface);
   places_[touch].before = at.given;
   if (at.other == kNoBody) return;
-  // What pushed along the mean normal turns the way of sliding: only along this one it is solved
-  // for anew.
+  // The push along the mean normal changes the direction of sliding: a new solve is due only along
+  // this normal.
   const Vec3 rubbed = at.touch.rub;
   places_[touch].before = near.normal.dot(at.given - rubbed) * near.normal + rubbed;
 }

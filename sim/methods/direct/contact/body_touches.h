@@ -51,9 +51,9 @@ class BodyTouches {
   /// m, from a body's centre of mass to the farthest point of its capsule; 0: it has none.
   double reach(std::size_t body) const { return reach_[body]; }
 
-  /// Finds those that touch where the step begins, but for those which are leaving.
+  /// Finds the bodies that touch where the step begins, those that leave aside.
   void find(const Step& step);
-  /// What bodies enter on their way to `next`. Empty: nothing.
+  /// The obstacles and bodies hit on the way to `next`. Empty: none.
   const std::vector<Hit>& hits(const Step& step, const std::vector<double>& next);
   const std::vector<Hit>& found() const { return hits_; }  // by the last hits()
   /// Whether two bodies of those found meet within a share of the step.
@@ -90,7 +90,7 @@ class BodyTouches {
   void aim_velocities(const Step& step, const std::vector<double>& next, double least);
   /// The twists at the end, from those in `next`, which links have changed. False: none was found.
   bool settle(const Mechanism& mechanism, const std::vector<double>& next, double creep);
-  /// What settle() adds to the twist of a body.
+  /// The part of a body's twist that settle() adds.
   const contact::Vec6& added(std::size_t body) const { return twists_[body]; }
 
   /// How bodies respond to pulls, of the last respond() or settle(); null: freely.

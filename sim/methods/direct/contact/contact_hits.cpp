@@ -1,4 +1,4 @@
-// What beads hit on their way through a step.
+// Hits of beads on their way through a step.
 #include <algorithm>
 #include <cmath>
 

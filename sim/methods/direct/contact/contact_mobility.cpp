@@ -69,7 +69,7 @@ bool ContactStep::sticks() const {
          });
 }
 
-/// What the touches do, as one number.
+/// A hash of the states of all touches.
 std::uint64_t ContactStep::pattern() const {
   Hash hash;
   for (const BeadTouch& at : touches_) {

@@ -70,7 +70,7 @@ void ContactStep::aim_velocities(double h, double least) {
   }
 }
 
-/// What the first stage has done to bodies, and what it leaves to do.
+/// Applies the first stage's impulses to bodies and sets the velocities that the second aims at.
 void ContactStep::begin_settling(double time, double h, double least) {
   std::vector<Mat3> inverse;
   for (const auto& body : mechanism_.bodies()) inverse.push_back(body.world_inverse);

@@ -12,12 +12,12 @@
 namespace taut::direct {
 
 /// How the points and rows of a mechanism respond to small changes of the points' velocities v
-/// (m/s, mean over the step) and the rows' impulses (N s). In order of the points it has a narrow
-/// band: of each its velocity and then the rows that begin there. Bodies that rows meet in several
+/// (m/s, mean over the step) and the rows' impulses (N s). Ordered by points (a point's velocity,
+/// then the rows that begin there) the system has a narrow band. Bodies that rows meet in several
 /// points couple these, by Woodbury's identity.
 class GlideSystem {
  public:
-  /// What the equations are made of; per point and per row.
+  /// The terms of the equations, per point and per row.
   struct Terms {
     double h = 0;                     // s
     std::span<const Mat3> mobility;   // 1/kg: of a point to what pulls it

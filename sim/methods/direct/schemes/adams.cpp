@@ -30,9 +30,9 @@ constexpr double kRate[5] = {251.0 / 720, 646.0 / 720, -264.0 / 720, 106.0 / 720
 constexpr double kThird = 3.0 / 16;
 constexpr double kRateAhead[4] = {23.0 / 12 + kThird, -16.0 / 12 - 3 * kThird,
                                   5.0 / 12 + 3 * kThird, -kThird};
-/// What the rate is taken to err by, of h times the fourth difference. What q errs by, 38/360 h^2
-/// times the third, does to waves what a fifth of this would; the rate ahead does more to links
-/// that turn.
+/// The estimated error of the rate, in units of h times the fourth difference. The error of q,
+/// 38/360 h^2 times the third, counts for waves as a fifth of this; that of the rate ahead counts
+/// for more in links that turn.
 constexpr double kError = 0.5;
 
 /// Leaves in x how far q goes.
@@ -65,7 +65,7 @@ double correct(std::size_t n, double h, In rate, In next, In a, In b, In c, In d
 
 using Weights = std::array<double, AdamsStep::kKept>;
 
-/// Those of Lagrange's polynomial through 0, 1, ... points - 1, at x; zero beyond.
+/// The weights of Lagrange's polynomial through 0, 1, ... points - 1, at x; zero beyond.
 Weights lagrange(std::size_t points, double x) {
   constexpr double kFactorial[AdamsStep::kKept] = {1, 1, 2, 6, 24, 120};
   double below[AdamsStep::kKept + 1], above[AdamsStep::kKept + 1];  // products of x - k, k - x

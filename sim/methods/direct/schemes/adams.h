@@ -48,7 +48,7 @@ class AdamsStep {
   /// Steps are stable for frequencies (rad/s) up to 1.6 / h, by the roots of the recurrence for
   /// q'' = -w^2 q, and damp them below; less, as tensions rise and links turn in a step.
   static constexpr double kStable = 1.4;
-  /// What a step takes beside projections, in accelerations; measured.
+  /// The cost of a step beside projections, in accelerations; measured.
   static constexpr double kCost = 1.6;
 
   /// A spacing is kept down to this share of the step that is possible: a new one costs an

@@ -32,7 +32,7 @@ class Dop853Step {
   static constexpr double kErrorOrder = 8;
   /// Steps are stable for frequencies (rad/s) up to 5.9 / h; less, as tensions rise in a step.
   static constexpr double kStable = 5.2;
-  /// What a step takes beside projections, in accelerations: eleven stages and their sums,
+  /// The cost of a step beside projections, in accelerations: eleven stages and their sums,
   /// measured.
   static constexpr double kCost = 12.5;
 

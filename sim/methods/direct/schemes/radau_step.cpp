@@ -240,8 +240,8 @@ double RadauStep::estimate(double time, double h, double limit) {
   return filter(h, x, v);
 }
 
-/// One solve of it, from the derivative at a state, with the tensions in `real_right_`, which
-/// become the errors of positions and the tensions.
+/// A solve of the error filter, from the derivative at a state with the tensions in `real_right_`,
+/// which becomes the errors of positions and the tensions.
 double RadauStep::filter(double h, const Array& x, const Array& v) {
   const double rate = tableau_.real / h;
   Array& right = left_[1];

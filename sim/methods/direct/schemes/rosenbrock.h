@@ -12,10 +12,9 @@ namespace taut::direct {
 /// stiffly accurate. Being a W-method it keeps its order with any approximation of the Jacobian:
 /// here the waves under the tensions at the start of the step, whose system is tridiagonal.
 ///
-/// A wave of frequency w that the step passes over is damped, whatever it is off by: of its error
-/// 1/(1 + (gamma h w)^2) counts as followed, which is what (1 - (gamma h)^2 L)^-1 leaves of it, by
-/// the matrix that the stages have factored. Hairer and Wanner, II, IV.8, filter so for the same
-/// reason.
+/// A wave of frequency w that the step passes over is damped, whatever its error, of which the
+/// share 1/(1 + (gamma h w)^2) counts as followed: the filter (1 - (gamma h)^2 L)^-1, by the matrix
+/// that the stages have factored. Hairer and Wanner, II, IV.8, filter so for the same reason.
 class RosenbrockStep {
  public:
   /// Takes its arrays from `arena`.
@@ -38,7 +37,7 @@ class RosenbrockStep {
   static constexpr int kStages = 4;
   static constexpr std::size_t kArrays = 2 * kStages + 6;
   static constexpr double kErrorOrder = 3;
-  /// What a step takes beside projections, in accelerations; measured.
+  /// The cost of a step beside projections, in accelerations; measured.
   static constexpr double kCost = 7;
 
  private:

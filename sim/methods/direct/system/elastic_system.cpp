@@ -119,7 +119,7 @@ void ElasticSystem::add_block(std::size_t row, std::size_t column, const Mat3& b
   }
 }
 
-/// What depends on the edge from particle a to b alone.
+/// The terms that depend on the edge from particle a to b alone.
 void ElasticSystem::add_edge(std::uint32_t a, std::uint32_t b, const Mat3& block, Band& band) {
   add_block(a, a, block, band);
   add_block(b, b, block, band);
@@ -244,7 +244,7 @@ void ElasticSystem::fill_directions(const double* x) {
   }
 }
 
-/// What the links' impulses are that part their ends by `right`: a tridiagonal system.
+/// Solves for the links' impulses that part their ends by `right`: a tridiagonal system.
 void ElasticSystem::solve_links(double* right) {
   for (std::size_t k = 0; k < rest_.size(); ++k) {
     const double before = k > 0 ? sub_diagonal_[k] / factor_[k - 1] : 0;

@@ -34,7 +34,7 @@ class ElasticSystem {
   /// The tensions that stretched links have.
   void find_tensions(const double* x, const double* v, double* tensions) const;
 
-  /// What is left of the equations, the accelerations taken for known: for particles the force less
+  /// The residual of the equations, the accelerations taken for known: for particles the force less
   /// m `acceleration`, for links the negative violation. `x` and `v` are positions and velocities
   /// of the particles, `acceleration` in both 3 numbers a particle, `unknowns` has the tensions.
   void residual(const double* x, const double* v, const double* acceleration,

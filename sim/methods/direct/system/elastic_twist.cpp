@@ -1,4 +1,4 @@
-// What twist adds to the matrices of ElasticSystem.
+// The terms of twist in the matrices of ElasticSystem.
 #include "sim/methods/direct/system/elastic_system.h"
 
 namespace taut::direct {

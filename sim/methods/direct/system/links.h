@@ -98,8 +98,8 @@ class Links {
   void solve();
   /// N, positive where the link pulls.
   double tension(std::size_t link) const { return scale_[link] * unknown_[link]; }
-  /// What the system gives for the right sides that add_right() has added since clear_right(), in
-  /// an array of count(); its tensions are scale() times that. Spoils the right side.
+  /// The solution for the right sides that add_right() has added since clear_right(), in an array
+  /// of count(); its tensions are scale() times that. Spoils the right side.
   void clear_right();
   void respond(double* response);
   void add_response(const double* response, double factor);
@@ -131,8 +131,8 @@ class Links {
   int components_ = 3;
   std::optional<Plane> plane_;
   double wave_squared_ = 0;  // rad^2/s^2, under the last tensions
-  // One block, so that no two arrays lie a multiple of a page apart, where stores would hold up
-  // loads. Rows and columns of the system are scaled to a diagonal of 2, near which neither its
+  // A single block, so that no two arrays lie a multiple of a page apart, where stores would hold
+  // up loads. Rows and columns of the system are scaled to a diagonal of 2, near which neither its
   // minors nor their inverses overflow.
   Array arena_;
   double *rest_, *inverse_rest_, *inverse_mass_sum_, *inverse_mass_shared_, *scale_;

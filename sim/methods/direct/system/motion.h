@@ -1,4 +1,4 @@
-// What the direct method's integrators step: second-order motion of a few coordinates.
+// The motion that the direct method's integrators step: a few coordinates, of second order.
 #pragma once
 
 #include <cmath>
@@ -10,10 +10,10 @@
 
 namespace taut::direct {
 
-/// What a step is estimated to err by (m).
+/// The estimated error (m) of a step.
 struct StepError {
   double all = 0;          // in places and velocities
-  double followed = 0;     // of that, less what it damps of waves that it passes over
+  double followed = 0;     // of that, less the damped part of waves passed over
   double passed_over = 0;  // in places, on those waves
 };
 
@@ -44,9 +44,9 @@ class Motion {
   /// Returns q and q' to where they belong after a step: unit lengths, closed loops. False where
   /// that leaves a loop open.
   virtual bool project(double time, double* q, double* rate) = 0;
-  /// What that costs, in accelerations.
+  /// The cost of project(), in accelerations.
   virtual double projection_cost() const = 0;
-  /// The cycles (see Counters::work) of an acceleration, and of what an integrator makes of it.
+  /// The cycles (see Counters::work) of an acceleration and of the integrator's use of it.
   virtual double work() const = 0;
   /// By how far (m, RMS) a small change of q displaces the particles.
   virtual double displacement(const double* change) const = 0;

@@ -25,7 +25,7 @@ void System::turn_bodies(const double* q, const double* rate) {
   }
 }
 
-/// What of the bodies' accelerations no tension causes, once they are turned.
+/// The bodies' accelerations without tensions, once the bodies are turned.
 void System::lead_bodies() {
   for (Part& part : bodies_) {
     part.world_inverse_inertia = part.rotation * part.inverse_inertia * part.rotation.transpose();

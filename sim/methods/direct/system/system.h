@@ -16,7 +16,7 @@
 
 namespace taut::direct {
 
-/// One component's motion. Coordinates: the unit directions u of all links (in a plane their
+/// The motion of a component. Coordinates: the unit directions u of all links (in a plane their
 /// angles), then the unit quaternions (w x y z) of the bodies. For link i of length l between the
 /// points i and i+1, with a tension T_i that is positive where the link pulls:
 ///
@@ -180,7 +180,7 @@ class System : public Motion {
   Rotary rotary(double time) const;
   void restore_momentum(double time, double* q, double* rate);
 
-  /// What holds the body, as indices into ends_.
+  /// The ends that hold the body, as indices into ends_.
   std::span<const std::size_t> ends_of(const Part& part) const {
     return {body_ends_.data() + part.first_end, part.ends};
   }

@@ -123,7 +123,7 @@ void System::solve_with_rows(const double* q) {
   }
 }
 
-/// What a unit force along one row's gradient does along another's at the particles of both, 1/kg.
+/// The response along one row's gradient to a unit force along another's, 1/kg.
 double System::mobility(std::size_t a, std::size_t b) const {
   double sum = 0;
   for (std::size_t i = 0; i < rows_[a].row->particles().size(); ++i) {

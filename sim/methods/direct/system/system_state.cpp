@@ -156,7 +156,7 @@ void System::store(World& world, const double* q, const double* rate) {
   for (const Span& span : spans_) {
     Connector& connector = world.connectors[span.range.connector];
     const std::size_t first = p + (span.first_body_link != kNone ? 1 : 0);
-    // What is prescribed has been placed; links lead there but for rounding.
+    // Prescribed particles have been placed; links lead there but for rounding.
     const auto is_placed = [&](std::size_t end) {
       return end != kNone && ends_[end].body == kNone;
     };
