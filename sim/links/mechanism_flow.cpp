@@ -11,7 +11,7 @@ Eigen::Map<const Vec3> as_vector(const double* at) {
   return Eigen::Map<const Vec3>(at);
 }
 
-/// The share of the length paid out at the first (0) or last (1) end that passes a particle.
+/// The share of the length paid out at an end (first 0, last 1) that passes a particle, forwards.
 double flow_share(const Winch& winch, std::size_t end, std::size_t particle) {
   return end == 0 ? 1 - winch.before[particle] : -winch.before[particle];
 }

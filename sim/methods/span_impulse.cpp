@@ -101,7 +101,7 @@ struct Reach {
         exact(kExact * span.length) {}
 };
 
-/// The share of a rebound left by the connector, m_a / (m_c + m_a), m_a the reduced mass of both.
+/// The share of a rebound left by the connector, m_a / (m_c + m_a), m_a the ends' reduced mass.
 double mass_ratio(const Span& span, double inverse_mass) {
   return 1 / (1 + span.mass * inverse_mass);
 }
