@@ -1,4 +1,4 @@
-// What the capsules of free bodies may touch: obstacles, and each other.
+// The possible touches of free bodies' capsules: with obstacles, and with each other.
 #pragma once
 
 #include <cstdint>

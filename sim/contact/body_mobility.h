@@ -18,10 +18,10 @@ inline constexpr std::uint32_t kNoBody = UINT32_MAX;  // in the place of a body'
 /// A twist is a velocity of the centre of mass and a spin; or the rates of both.
 Vec3 velocity_at(const Vec6& twist, const Vec3& arm);
 
-/// What a body's twist changes by under an impulse, its inverse mass and inertia in world axes.
+/// The change of a body's twist per impulse, from its inverse mass and inertia in world axes.
 Mat6 mobility(double inverse_mass, const Mat3& inverse_inertia);
 
-/// How (m/s, or 1/kg) a point of a body of that mobility moves under what pulls at another.
+/// The change (m/s, or 1/kg) of a point's velocity per impulse at another point of the body.
 Mat3 mobility(const Mat6& twists, const Vec3& arm, const Vec3& pulled);
 
 /// How each of many bodies responds to a pull: by itself, or together with those that it touches.

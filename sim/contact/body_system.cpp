@@ -130,8 +130,8 @@ void BodySystem::linearize(std::span<const Vec3> bare, std::span<const BodyTouch
   }
 }
 
-/// What is given by the linear laws. Where they leave that open, between touches that stick, each
-/// takes its part of the friction by what presses it now.
+/// The touches' impulses by the linear laws. Where these leave the friction of touches that stick
+/// undetermined, each takes a part in proportion to its present normal impulse.
 std::vector<Vec3> BodySystem::solve_linear(std::span<const BodyTouch> touches) const {
   double most = 0;
   for (std::size_t i = 0; i < touches.size(); ++i) {
@@ -326,7 +326,7 @@ void BodySystem::couple(std::span<const BodyTouch> touches, BodyMobility& mobili
       const Mat6 free = a == b ? mobility_[a] : Mat6(Mat6::Zero());
       const Mat6 found =
           free - share_ * mobility_[a] * (levers[a].transpose() * gives) * mobility_[b];
-      // What cannot move at all does not move by rounding either.
+      // A body that cannot move at all does not move by rounding either.
       const double most =
           std::sqrt(mobility_[a].cwiseAbs().maxCoeff() * mobility_[b].cwiseAbs().maxCoeff());
       if (found.cwiseAbs().maxCoeff() > kImmobile * most) blocks_[a * count + b] = found;

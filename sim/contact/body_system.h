@@ -19,15 +19,15 @@ class BodySystem {
   void assemble(std::span<const Mat6> mobility, std::span<const BodyTouch> touches,
                 double share = 1);
 
-  /// What the touches give so that they and their velocities obey the laws of touch.h, where
-  /// `bare` (m/s) are the velocities without; begins at BodyTouch::given. What sticks creeps with
-  /// that share of what its friction would make of the free bodies. False: nothing was found.
+  /// Finds the impulses (or forces) at which the touches obey the laws of touch.h; `bare` (m/s) are
+  /// the velocities without. Starts at BodyTouch::given. A touch that sticks creeps with the share
+  /// `creep` of the velocity that its friction would give free bodies. False: none found.
   bool solve(std::span<const Vec3> bare, std::span<BodyTouch> touches, double creep);
 
-  /// What the touches give if each stays open, slides along `ahead` or sticks as its state says.
+  /// Finds the impulses if each touch stays open, slides along `ahead` or sticks as its state says.
   void hold(std::span<const Vec3> bare, std::span<BodyTouch> touches);
 
-  /// How the velocity of one touch changes with what another gives (1/kg).
+  /// The derivative of one touch's velocity by another's impulse (1/kg).
   Mat3 coupling(std::size_t i, std::size_t k) const;
 
   /// The bodies, in the order in which touches name them.

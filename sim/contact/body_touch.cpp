@@ -1,4 +1,4 @@
-// One touch of bodies, where all others give what they do.
+// The solve of one touch of bodies, the impulses of all others given.
 #include "sim/contact/body_touch.h"
 
 #include <Eigen/LU>
@@ -29,7 +29,7 @@ void set(BodyTouch& at, Touch::State state, const Vec3& given) {
   at.touch.rub = given - at.touch.push * at.touch.normal;
 }
 
-/// One touch alone, where the others give what they do. False: friction jams it.
+/// Solves one touch, the impulses of the others given. False: friction jams it.
 bool BodySystem::solve_one(std::size_t i, const Vec3& bare, BodyTouch& at) const {
   const Touch& touch = at.touch;
   const Vec3& n = touch.normal;

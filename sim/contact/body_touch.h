@@ -27,7 +27,7 @@ struct BodyTouch {
 /// The velocity of a touch where bodies move so: of its body past the other, if there is one.
 Vec3 passing(std::span<const Vec6> twists, const BodyTouch& at);
 
-/// What of a vector lies across a normal.
+/// The projector on the plane across a normal.
 inline Mat3 across(const Vec3& normal) {
   return Mat3::Identity() - normal * normal.transpose();
 }

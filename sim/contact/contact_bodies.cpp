@@ -172,8 +172,8 @@ void ContactMotion::add_twists(std::span<const BodyTouch> touches, std::span<Vec
   }
 }
 
-/// What bodies do under `tension`, in the states that their touches have or in those that the laws
-/// ask for; and with them the points that they carry.
+/// The response of bodies, and of the points that they carry, to `tension`: in the touches' present
+/// states (`held`) or in those that the laws ask for.
 void ContactMotion::couple_bodies(std::span<const double> tension, std::span<const Vec3> along,
                                   bool held) {
   if (body_free_.empty()) return;

@@ -1,4 +1,4 @@
-// What follows an event: impacts and new active sets, as nonsmooth systems of all rows.
+// The consequences of an event: impacts and new active sets, as nonsmooth systems of all rows.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -74,7 +74,7 @@ Response ContactMotion::response(Bead& bead, const Vec3& bare) const {
   return {bare + touch.push * force, Mat3::Identity() - force * touch.normal.transpose()};
 }
 
-/// What all beads do under tension_; the largest error of a row.
+/// The response of all beads to tension_; returns the largest error of a row.
 double ContactMotion::measure(std::span<const double> start) {
   const auto& mobile = mechanism_.inverse_mass();
   const auto& rows = mechanism_.rows();

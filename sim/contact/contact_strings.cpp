@@ -8,8 +8,8 @@ namespace taut::contact {
 namespace {
 
 constexpr double kSeparating = 1e-10;  // m/s, at which ends part
-/// m/s: where two strings hold a bead in a corner it goes to and fro between them, ever slower.
-/// What comes together no faster, and is pulled apart again, comes less than a picometre.
+/// m/s: a bead in a corner of two strings bounces between them, ever slower. Ends that approach
+/// more slowly than this and are pulled apart again approach by less than a picometre.
 constexpr double kSlow = 1e-6;
 constexpr double kSpareTension = 1e-9;  // of the tension by which the ends move as they do
 

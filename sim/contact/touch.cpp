@@ -17,7 +17,7 @@ struct Found {
   std::array<Touch, 3> touches;
 };
 
-/// What the bead's velocity would be without what the touch has given.
+/// The bead's velocity without the impulse that the touch has given.
 Vec3 without(const Vec3& free, const Touch& touch) {
   return free - touch.pushed - touch.rubbed;
 }
@@ -108,8 +108,8 @@ std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b, double c
   return found;
 }
 
-/// One touch closes, and its friction would take the bead into another, which would have to pull
-/// were there none across their common line: as much of it acts as keeps the bead just there.
+/// A touch that closes, whose friction takes the bead into another surface. Without friction across
+/// their common line that surface would have to pull: as much acts as keeps the bead just there.
 std::optional<Response> graze(const Vec3& free, Touch& touch, Touch& grazed, double creep) {
   const Vec3& n = touch.normal;
   const Vec3 line = n.cross(grazed.normal);

@@ -8,20 +8,20 @@
 
 namespace taut::contact {
 
-/// One surface at a bead, in one stage of a step. Impulses are over the bead's mass, so that they
-/// are velocities (m/s).
+/// A surface at a bead, in one stage of a step. Impulses are over the bead's mass, so that they are
+/// velocities (m/s).
 struct Touch {
   enum class State { open, slides, sticks };
   Vec3 normal = Vec3::UnitY();  // out of the surface
   double least = 0;             // m/s: the bead's velocity along the normal is at least that
   Vec3 surface = Vec3::Zero();  // m/s, of the obstacle there
   double stick = 0, slide = 0;  // Coulomb's coefficients, static and kinetic
-  /// m/s, how the bead slid before. What was at rest, or comes to rest before it goes on the other
-  /// way, is held by static friction.
+  /// m/s, how the bead slid before. Static friction holds a bead that was at rest, or comes to rest
+  /// before it goes on the other way.
   Vec3 slid = Vec3::Zero();
 
-  /// What the surface has given to the bead earlier in the step, which the velocity that respond()
-  /// is told contains: along the normal, and by friction. Signorini and Coulomb hold for the sum.
+  /// The bead's impulses from the surface earlier in the step, contained in the `free` velocity of
+  /// respond(): along the normal, and by friction. Signorini and Coulomb hold for the sum.
   Vec3 pushed = Vec3::Zero(), rubbed = Vec3::Zero();
 
   // Found by respond():
@@ -37,13 +37,13 @@ struct Response {
 };
 
 /// The velocity of a bead that would have `free`, and at most three touches: along each normal it
-/// is at least what the touch says, what pushes does so where it is just that, and friction is
-/// within Coulomb's cone and, where the bead slides, against its sliding (kinetic). Where two
-/// surfaces hold a bead, friction acts along their common line alone: of many solutions this one
-/// needs no friction across it.
+/// is at least Touch::least, a surface pushes only where it equals that, and friction is within
+/// Coulomb's cone and, where the bead slides, against its sliding (kinetic). Where two surfaces
+/// hold a bead, friction acts along their common line alone: of many solutions this one needs no
+/// friction across it.
 ///
-/// What sticks creeps: friction takes 1/(1 + creep) of its slip, so that pulls which differ always
-/// move it differently, be it by rounding alone.
+/// A bead that sticks creeps: friction takes 1/(1 + creep) of its slip, so that different pulls
+/// always move it differently, be it by rounding alone.
 Response respond(const Vec3& free, std::span<Touch> touches, double creep = 0);
 
 /// How the velocity of a bead changes as the normal and the least velocity of its one closed touch
