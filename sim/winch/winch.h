@@ -10,7 +10,7 @@
 
 namespace taut {
 
-/// What a winch has paid out since the start, and its derivatives: m, m/s, m/s^2.
+/// The length paid out by a winch since the start, and its derivatives: m, m/s, m/s^2.
 struct PaidOut {
   double length = 0, rate = 0, acceleration = 0;
 
@@ -19,13 +19,12 @@ struct PaidOut {
   }
 };
 
-/// What winches do to a connector: its links share what is paid out, and its material flows past
-/// its particles (README.md). Never changes; everything that depends on time is a function of it.
+/// The action of winches on a connector: links share the length paid out, and material flows past
+/// particles (README.md). Never changes; everything that depends on time is a function of it.
 struct Winch {
-  /// Where the x of a path, in m, is what the winch at the first or last particle has paid out.
-  /// Null: there is none.
+  /// The paths whose x, in m, is the length paid out at the first and last particle. Null: none.
   std::array<std::shared_ptr<const Path>, 2> paths;
-  /// Of each particle: the share of what is paid out that the links before it have, from 0 to 1.
+  /// Of each particle: the share of the length paid out in the links before it, from 0 to 1.
   std::vector<double> before;
   double density = 0;  // kg/m, of what is paid out
   // Where nothing is paid out.
@@ -35,7 +34,7 @@ struct Winch {
   std::vector<double> particle_mass;  // kg
 
   PaidOut paid_out(std::size_t end, double time) const;
-  /// Of both ends together: what the connector is longer than at the start.
+  /// Of both ends together: by how much the connector is longer than at the start.
   PaidOut longer(double time) const { return paid_out(0, time) + paid_out(1, time); }
   /// Of a link: the share of what is paid out that it has.
   double share(std::size_t link) const { return before[link + 1] - before[link]; }
