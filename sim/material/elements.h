@@ -1,5 +1,5 @@
-// What a bend, a stretched link and a link in moving air give: energies, forces and their
-// derivatives, one element at a time.
+// The elements of materials (bend, stretched link, link in moving air): energies, forces and their
+// derivatives.
 #pragma once
 
 #include "sim/motion/types.h"
@@ -18,7 +18,7 @@ class Bend {
   double energy(double stiffness) const;  // J
   /// The derivatives of that energy by the two edges, N.
   void slope(double stiffness, Vec3& by_e0, Vec3& by_e1) const;
-  /// Those of half the power that damping takes, by the edges' rates (m/s): damping |C'|^2 / 2, C
+  /// The derivatives by the edges' rates (m/s) of half the power of damping, damping |C'|^2 / 2, C
   /// as a vector along t1 - t0 and its rate past a frame that turns with t0 + t1 but not about it.
   /// `damping` in N m s.
   void resistance(double damping, const Vec3& e0_rate, const Vec3& e1_rate, Vec3& by_e0,
@@ -28,7 +28,7 @@ class Bend {
     Mat3 e0_e0, e0_e1, e1_e1;  // N/m
   };
   Stiffness stiffness(double stiffness) const;
-  /// Those of that half power by the edges' rates, N s/m.
+  /// The second derivatives of that half power by the edges' rates, N s/m.
   Stiffness damping(double damping) const;
 
  private:
@@ -59,7 +59,7 @@ class Bend {
 /// without the half.
 Vec3 drag_force(const Vec3& edge, const Vec3& speed, double density_area, double across,
                 double along);
-/// Its negative derivative by the speed, N s/m.
+/// The negative derivative of drag_force() by the speed, N s/m.
 Mat3 drag_slope(const Vec3& edge, const Vec3& speed, double density_area, double across,
                 double along);
 

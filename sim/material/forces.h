@@ -95,9 +95,9 @@ class MaterialForces {
   void edge_rates(const BendElement& bend, const double* velocities, Vec3& e0, Vec3& e1) const;
   /// Adds the forces (N) at each point.
   void add(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
-  /// Of the air's force on a link what is at either end, N.
+  /// The half of the air's force on a link that acts at either end, N.
   Vec3 drag(const DragElement& link, const double* positions, const double* velocities) const;
-  /// Those of bends, and those of the air, alone.
+  /// Add the forces of bends, of the air and of twist alone.
   void add_bends(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   void add_drag(const double* positions, const double* velocities, std::vector<Vec3>& force) const;
   void add_twists(const double* positions, const double* velocities,
@@ -108,7 +108,7 @@ class MaterialForces {
   double twist(const TwistElement& rod, const double* positions) const;
   double twist_rate(const TwistElement& rod, const double* positions,
                     const double* velocities) const;
-  /// Its derivatives by the connector's particles, rad/m.
+  /// The derivatives of twist() by the connector's particles, rad/m.
   void twist_slope(const TwistElement& rod, const double* positions,
                    std::vector<Vec3>& slope) const;
   /// The point of a particle of the connector.
