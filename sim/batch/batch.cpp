@@ -31,7 +31,7 @@ void check_kind(const World& world) {
   }
 }
 
-/// What holds a connector without its world: a driven body's point as a point of its path.
+/// The hold of a connector without its world: a driven body's point as a point of its path.
 Attachment end_of(const World& world, const Connector& connector) {
   Attachment to = connector.holds.front().to;
   if (to.kind == Attachment::Kind::body) {

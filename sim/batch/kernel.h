@@ -1,6 +1,6 @@
-// One group of connectors side by side, a lane each, through a number of steps. Written once, and
-// compiled for every width of vectors by the files beside this one. No function of the standard
-// library is used: the linker could take its wide form for the whole program.
+// Steps a group of connectors side by side, a lane each. Written once, and compiled for every width
+// of vectors by the files beside this one. No function of the standard library is used: the linker
+// could take its wide form for the whole program.
 #pragma once
 
 #include <cstddef>

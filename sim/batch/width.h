@@ -5,7 +5,7 @@
 
 namespace taut::batch {
 
-/// What a processor can have; wider ones have the narrower ones too.
+/// The widths that processors have; wider ones have the narrower ones too.
 enum class Width { single, sse2, avx2, avx512 };
 
 /// The widest of this processor.
@@ -21,7 +21,7 @@ struct Kernel {
 template <typename Scalar>
 Kernel<Scalar> kernel(Width width);
 
-// One per file, each compiled for its instructions.
+// Kernels, each in a file compiled for its instructions.
 Kernel<float> single_float();
 Kernel<double> single_double();
 Kernel<float> sse2_float();

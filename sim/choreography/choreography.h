@@ -18,8 +18,8 @@ struct Waypoint {
   Vec3 position = Vec3::Zero();  // m
 };
 
-/// What the hand's path should not exceed: a hundredth beyond costs the fit as much as a waypoint
-/// missed by 0.3 mm. HandPath tells what was kept.
+/// Limits on the hand's path: a hundredth beyond costs the fit as much as a waypoint missed by 0.3
+/// mm. HandPath tells the values reached.
 struct HandLimits {
   Vec3 shoulder = Vec3::Zero();                                   // m
   double reach = std::numeric_limits<double>::infinity();         // m, from the shoulder
@@ -42,10 +42,10 @@ struct Choreography {
   double pivot = std::numeric_limits<double>::infinity();
 };
 
-/// What was found, and how near it comes. All of the hand is that of the path, sampled four times
+/// The path found, and how near it comes. All values of the hand are the path's, sampled four times
 /// between its keys.
 struct HandPath {
-  std::vector<PathKey> keys;  // those that the path had, and those that were found
+  std::vector<PathKey> keys;  // the keys that the path had, and those found
   std::vector<double> miss;   // m, of each waypoint, by the exact simulation
   double reach = 0;           // m, the farthest from the shoulder
   double speed = 0;           // m/s

@@ -13,11 +13,10 @@ constexpr std::size_t kNoWaypoint = static_cast<std::size_t>(-1);
 constexpr Eigen::Index kHandColumns = 4;  // of the hand's series: to its third derivative
 constexpr Eigen::Index kTerms = 7;        // residuals of an instant of the hand
 constexpr int kInstants = 2, kKeys = 8;   // of the hand, for each Gaussian
-// Of the chain. Each takes two more derivatives; what more links would change, the simulation
-// shows.
+// Of the chain. Each takes two more derivatives; the simulation shows the effect of more links.
 constexpr std::size_t kLinks = 4;
 
-// What residuals are 1 at, or how they grow.
+// The values at which residuals are 1, or their growth.
 constexpr double kNear = 1e-3;      // m, of a waypoint
 constexpr double kJerk = 0.1;       // of a jerk of g in the time constant of the pendulum
 constexpr double kFullUse = 0.97;   // share of a limit up to which it costs nothing

@@ -5,7 +5,7 @@
 namespace taut::choreography {
 namespace {
 
-/// What holds the other end of the connector that the body hangs by.
+/// The hold at the other end of the connector that the body hangs by.
 const Attachment& lead(const World& world, std::size_t body) {
   const auto& holds = hanging_chain(world, body).holds;
   const bool first = holds[0].to.kind == Attachment::Kind::body && holds[0].to.body == body;

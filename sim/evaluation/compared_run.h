@@ -23,8 +23,8 @@ class ComparedRun {
   /// The largest distance of any point so far, in the frames that can be compared; infinite where
   /// one is not finite.
   double error() const { return error_; }
-  /// What differs of the frames after the horizon so far; speeds, and the mean energy where
-  /// the work is not known, only once all have been.
+  /// The differences in the frames after the horizon so far; of speeds, and of the mean energy
+  /// where the work is not known, only after the last frame.
   Difference later() const;
   /// Of the solves so far.
   double work() const;

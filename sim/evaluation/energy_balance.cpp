@@ -80,7 +80,7 @@ std::vector<EnergyBalance::Part> EnergyBalance::parts(const World& world) {
   return all;
 }
 
-/// What was done to the part since `from`, J.
+/// The work (J) done on the part since `from`.
 double EnergyBalance::work(const World& world, const Part& before, const Part& after, double from) {
   const double dt = world.time - from;
   const auto motion = [&](const Attachment& hold, double share) {

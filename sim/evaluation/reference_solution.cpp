@@ -97,7 +97,7 @@ World nudged_with_bodies(const World& world, double distance, bool rough) {
   return start;
 }
 
-/// What counts after the horizon.
+/// The reference's statistics after the horizon.
 void measure_afterwards(ReferenceSolution& reference, const Motion& motion,
                         std::span<const Motion> others, double scored_error) {
   const World& world = reference.problem.world;
@@ -121,8 +121,8 @@ void measure_afterwards(ReferenceSolution& reference, const Motion& motion,
       speeds = std::max(speeds, distribution_distance(one, all.back(), reference.same_speed));
     }
   }
-  // What lifts everything by the tolerance, and stretches the whole by it; and, as three solutions
-  // are few, a few times what they differ by.
+  // The tolerance as a lift of everything and as a stretch of the whole; and, as three solutions
+  // are few, a few times their differences.
   const double share = scored_error / length_scale(world);
   if (reference.energy_scale > 0) energy /= reference.energy_scale;
   const auto frames = static_cast<double>(times.size() - first);

@@ -10,8 +10,8 @@
 
 namespace taut::study {
 
-/// What is run: a world, the times (s, rising, from the world's own on) at which it is looked at,
-/// and what happens to it.
+/// A problem to run: a world, the times (s, rising, from the world's own on) of its frames, and the
+/// interventions.
 struct Problem {
   World world;
   std::vector<double> times;

@@ -1,5 +1,5 @@
-// What can be compared of two motions once neither is predictable: how much energy they have, how
-// far links stretch, and how fast points are.
+// Statistics that compare two motions once neither is predictable: energy, stretch of links, and
+// speeds of points.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// What is wrong with a timeline, found in a sweep over its times: only neighbours along a connector
-// are looked at, as no two holds are too far apart where no neighbours between them are.
+// Finds the flaws of a timeline in a sweep over its times: only neighbours along a connector are
+// looked at, as no two holds are too far apart where no neighbours between them are.
 #include "sim/interventions/flaws.h"
 
 #include <algorithm>
@@ -76,7 +76,7 @@ double last_motion(const World& world, const Known& a, const Known& b) {
   return std::min({last, a.until, b.until});
 }
 
-/// What a place is too far from or too near to, ends a sentence about it; empty: neither.
+/// Words that end a sentence about a place too far from or too near to a hold; empty: neither.
 std::string misfit(double distance, double along, const DistanceRange& reach, double same) {
   const bool far = distance > reach.most + same, near = distance < reach.least - same;
   if (!far && !near) return {};
@@ -120,7 +120,7 @@ class Sweep {
       const auto pair = [&](const Known& a, const Known& b, double time) {
         part(a, b, time, ruler, connector);
       };
-      // What moves as nobody knows fits only what moves with it.
+      // A hold whose motion is unknown fits only holds on the same body.
       auto loose = entries;
       std::erase_if(loose, [&](const Known& e) { return is_prescribed(world_, *e.to); });
       std::ranges::stable_sort(loose, {}, [](const Known& e) { return e.to->body; });
@@ -142,7 +142,7 @@ class Sweep {
     if (!found_ || pin < found_->index) found_ = Flaw{false, pin, std::move(what)};
   }
 
-  /// What is wrong with a pin, whatever else there is.
+  /// The flaw of a pin by itself, all others aside.
   std::string alone(const TimedPin& pin) const {
     const std::string place = place_flaw(pin.connector, pin.along, pin.from);
     if (!place.empty()) return place;

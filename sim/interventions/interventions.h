@@ -14,7 +14,7 @@
 
 namespace taut {
 
-/// What came of an intervention. Whatever is not `done` has changed nothing.
+/// The outcome of an intervention. Every outcome but `done` has changed nothing.
 enum class Outcome {
   done,
   no_connector,  // the world has no such connector

@@ -45,7 +45,7 @@ std::vector<TimedCut> in_order_of_time(std::vector<TimedCut> cuts);
 /// tables show them from the first frame to the last. The cuts must be without flaws.
 World divided(World world, const Timeline& timeline);
 
-/// What is wrong with an entry of a timeline.
+/// A flaw of an entry of a timeline.
 struct Flaw {
   bool cut = false;       // of the cuts, else of the pins
   std::size_t index = 0;  // in its list

@@ -17,7 +17,7 @@ double mass_of(const World& world, const Connector& connector, std::size_t parti
   return connector.particle_mass[particle];
 }
 
-/// What hangs below the first held particle, from the top down.
+/// The load below the first held particle, from the top down.
 class HangingLoad {
  public:
   HangingLoad(const World& world, const Connector& connector)

@@ -10,7 +10,7 @@ double kinetic_energy(const World& world);
 /// Potential energy in the world's gravity, zero at the origin, J; of held particles only of those
 /// whose mass changes, as rope is paid out.
 double potential_energy(const World& world);
-/// What links that stretch or bend have taken up, J.
+/// The energy stored in links that stretch or bend, J.
 double elastic_energy(const World& world);
 /// The sum of all three, J.
 double energy(const World& world);

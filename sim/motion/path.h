@@ -10,8 +10,8 @@
 
 namespace taut {
 
-/// One key of a path. `ease` brings the path to rest at the key (velocity and acceleration zero);
-/// two neighbouring keys that ease and share their pose are a hold.
+/// A key of a path. `ease` brings the path to rest at the key (velocity and acceleration zero); two
+/// neighbouring keys that ease and share their pose are a hold.
 struct PathKey {
   double time = 0;  // s
   Vec3 position = Vec3::Zero();

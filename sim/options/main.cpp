@@ -33,7 +33,7 @@ std::string number(double value) {
   return {digits, end};
 }
 
-/// What the setting is, its unit and the numbers that it takes.
+/// The meaning of the setting, its unit and the numbers that it takes.
 std::string meaning(const SettingInfo& setting) {
   std::string line(setting.meaning);
   line[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(line[0])));

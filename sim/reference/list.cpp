@@ -4,7 +4,7 @@
 #include "sim/reference/sdfast.h"
 #include "sim/run/add_method.h"
 
-/// What links against this library asks for this name, which takes this file out of the archive.
+/// Programs that link this library ask for this name, which takes this file out of the archive.
 extern "C" const bool taut_reference_methods = [] {
   using namespace taut::reference;
   taut::add_method(sdfast_method(), "springs");

@@ -76,7 +76,7 @@ Model::Model(const World& world, const World* const* live) : live_(live), world_
     if (nodes_[n].hold && !nodes_[n].body) root(n);
   }
   grow();
-  // What nothing holds floats from its first body or, without one, its first particle.
+  // Parts that nothing holds float from their first body or, without one, their first particle.
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     const auto mounted = [&](const Part& p) { return p.kind == Part::Kind::rigid && p.body == b; };
     if (world.bodies[b].driven() || std::any_of(parts_.begin(), parts_.end(), mounted)) continue;

@@ -1,4 +1,4 @@
-// What of a world has a counterpart in Simbody: vectors, rotations, masses, held points.
+// A world's counterparts in Simbody: vectors, rotations, masses, held points.
 #pragma once
 
 #include <Simbody.h>

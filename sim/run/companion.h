@@ -5,16 +5,16 @@
 
 namespace taut {
 
-/// What runs beside a method so that the difference tells the error: see ErrorEstimate.
+/// A method that runs beside another so that the difference tells the error: see ErrorEstimate.
 struct Companion {
   std::unique_ptr<Method> method = nullptr;  // null: there is none
-  /// How many times as large its error is (less than once where it is the finer one) or, where that
-  /// is zero, the power of how many times as long its steps are.
+  /// `ratio`: its error over the run's (less than 1 where it is the finer one). Where that is zero,
+  /// `order`: the error grows with this power of the steps' length.
   double ratio = 0, order = 0;
-  /// Its steps are as many times as short as n + 1 is more than n, those that end with a frame,
-  /// too: it gets over n frames in n + 1 equal parts. Zero: it sees the frames that the run sees.
+  /// The companion passes so many frames in one equal part more, all its steps shorter by that
+  /// ratio. Zero: it sees the frames that the run sees.
   int frames = 0;
-  /// Tells it what the run has done since it was told last; null: it need not know.
+  /// Tells the companion what the run has done since the last call; null: it need not know.
   void (*heed)(Method& companion, const Method& run) = nullptr;
   double asked = 0;            // m, the error that the settings ask for; 0: they name none
   std::string_view none = {};  // why there is none, to be read after the method's name

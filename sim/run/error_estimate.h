@@ -44,7 +44,7 @@ class ErrorEstimate {
   /// At the last frame, and the largest so far (m); infinite once the companion has diverged.
   double error() const { return error_; }
   double largest() const { return largest_; }
-  /// What the companion diverged of; empty: it did not.
+  /// The cause of the companion's divergence; empty: it did not diverge.
   const std::string& diverged() const { return diverged_; }
 
   /// The error (m) up to which a motion counts as predictable: the tolerance, where the method was

@@ -1,4 +1,4 @@
-// What a simulation takes of a machine, known before it starts.
+// The footprint of a simulation on a machine, known before it starts.
 #pragma once
 
 #include "sim/run/method.h"

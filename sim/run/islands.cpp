@@ -27,7 +27,7 @@ bool on_free_body(const World& world, const Attachment& to) {
   return !is_prescribed(world, to);
 }
 
-/// What is tied together: first connectors, then bodies.
+/// The sets of tied members: first connectors, then bodies.
 Sets tied(const World& world, const Timeline& timeline) {
   const std::size_t bodies = world.connectors.size();  // where they begin
   Sets sets(bodies + world.bodies.size());
@@ -237,7 +237,7 @@ void Islands::advance(World& world, double until) {
 
 void Islands::advance_island(World& world, double until, std::size_t connector,
                              std::span<const Parts::Place> places) {
-  // What has just been cut off is of the same island.
+  // A part that has just been cut off is of the same island.
   const bool same = connector >= island_of_.size() || island_of_[connector] == changing_;
   if (changing_ != kNone && same && world.time == until) return;
   settle(world);

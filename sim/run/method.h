@@ -1,4 +1,4 @@
-// One way to advance a world: the interface that every method implements, and the list of them.
+// Methods that advance a world: the interface that each implements, and the list of them.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ namespace taut {
 using Setting = std::variant<double, bool, std::string>;
 using Settings = std::map<std::string, Setting, std::less<>>;
 
-/// What a method says of one of its settings; scene files, --help and sweeps are built from it.
+/// A method's description of a setting; scene files, --help and sweeps are built from it.
 struct SettingInfo {
   std::string_view name;
   std::string_view meaning;  // one sentence: what it is and what raising it does
@@ -37,15 +37,15 @@ struct SettingInfo {
   std::vector<Setting> sweep = {};
 };
 
-/// What happened while stepping, for benchmarks and reports; machine-free.
+/// Counts of events while stepping, for benchmarks and reports; independent of the machine.
 struct Counters {
   std::uint64_t steps = 0;
   std::uint64_t solves = 0;       // systems solved, or passes over all links
   std::uint64_t rejected = 0;     // steps undone by an error control
   std::uint64_t handed_over = 0;  // steps left to a scheme of higher order
-  /// What all that takes of a processor, in cycles, as the operations in the loops add up: two
-  /// additions or multiplications a cycle where none waits for another, four cycles each where they
-  /// do; five and fifteen for a division or a root.
+  /// The processor's cycles for all that, as the operations in the loops add up: two additions or
+  /// multiplications a cycle where none waits for another, four cycles each where they do; five and
+  /// fifteen for a division or a root.
   double cycles = 0;
 };
 
@@ -125,7 +125,7 @@ enum class PaperRole {
   particle_system,
 };
 
-/// What a method takes for each particle, beside the world; measured on ropes of 20,000 particles,
+/// The cost of a method for each particle, beside the world; measured on ropes of 20,000 particles,
 /// in a single span. The default is that of the hungriest.
 struct ParticleCost {
   double memory = 8000;  // bytes
@@ -168,14 +168,14 @@ struct MethodInfo {
   bool follows_winches = false;
   /// Rope may pass pulleys (World::pulleys); others throw Diverged where some do.
   bool follows_pulleys = false;
-  /// What is done to a part of a connector, between what holds it, leaves its other parts to their
-  /// own steps, where they are rigid links and touch nothing (Method::advance_near()).
+  /// Interventions on a part of a connector, between two holds, leave its other parts to their own
+  /// steps, where they are rigid links and touch nothing (Method::advance_near()).
   bool parts_go_on = false;
-  /// What runs beside a run with a full set of settings, coarser or finer, so that ErrorEstimate
+  /// The companion of a run with a full set of settings, coarser or finer, so that ErrorEstimate
   /// tells its error; null: nothing is known of how the error depends on the settings.
   Companion (*companion)(const MethodInfo& method, const Settings& settings) = nullptr;
   ParticleCost cost = {};
-  /// Several must not run at the same time: what they run on may share what it changes.
+  /// Several must not run at the same time: their libraries may share global state.
   bool runs_alone = false;
   /// Of each body, whether the method steps it as one more link, which is exact where it hangs by
   /// one point and moves in a plane; as far as the world's present state tells. Null: none.
@@ -220,7 +220,7 @@ void refuse_winches(std::string_view method, const World& world);
 /// For methods that follow winches alone: throws Diverged where there are pulleys.
 void refuse_pulleys(std::string_view method, const World& world);
 
-/// What Diverged says of Mechanism::run_through().
+/// The message of Diverged for Mechanism::run_through().
 inline constexpr const char* kRunThrough = "the rope has run through its pulley";
 /// For methods that follow no free body on such a connector.
 void refuse_laden_materials(std::string_view method, const World& world);

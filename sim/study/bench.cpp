@@ -5,7 +5,7 @@
 namespace taut::study {
 namespace {
 
-/// What two looks at the clock cost with nothing between them (s).
+/// The cost (s) of two looks at the clock with nothing between them.
 double clock_cost() {
   double least = 1;
   for (int i = 0; i < 1000; ++i) {

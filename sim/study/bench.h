@@ -1,4 +1,4 @@
-// What each frame costs each candidate: the paper's Figure 5.
+// The cost of each frame for each candidate: the paper's Figure 5.
 #pragma once
 
 #include <functional>

@@ -19,9 +19,9 @@ std::vector<std::size_t> pareto_front(std::span<const CostAndError> points);
 /// The cheapest point whose error is at most `error`.
 std::optional<std::size_t> cheapest(std::span<const CostAndError> points, double error);
 
-/// What an error of `error` costs along the front: between the two points on either side of it, on
-/// a straight line of their logarithms. Where even the cheapest is nearer: what that costs. None
-/// where the front does not reach it.
+/// The cost of an error of `error` along the front: between the two points on either side of it, on
+/// a straight line of their logarithms. Where even the cheapest is nearer: its cost. None where the
+/// front does not reach it.
 std::optional<double> cost_at(std::span<const CostAndError> points, double error);
 
 /// Median of `values`, the quartiles around it and the ends; zero where there are none.

@@ -11,7 +11,7 @@
 
 namespace taut::study {
 
-/// One way to model what happens, and what may solve it.
+/// A model of the problem, and the candidates that may solve it.
 struct PlanModel {
   World world;
   Timeline timeline;

@@ -34,8 +34,8 @@ struct Classification {
   double error = std::numeric_limits<double>::quiet_NaN();  // RMS, of the length
 };
 
-/// What errors are shares of: the length of all connectors together; of joints alone
-/// length_scale(), m.
+/// The unit of relative errors: the length (m) of all connectors together; of joints alone
+/// length_scale().
 double total_length(const World& world);
 
 /// The energy (J) that the world can turn into motion: what it has, less what is left when
@@ -48,7 +48,7 @@ double available_energy(const World& world);
 Classification classify(const Problem& problem, const Run& run, const truth::Reference* reference,
                         const ClassLimits& limits = {});
 
-/// One word or two for tables and legends.
+/// A word or two for tables and legends.
 std::string_view name_of(MotionClass motion_class);
 
 }  // namespace taut::study

@@ -31,7 +31,7 @@ class Parts {
   };
   /// In the order in which they came to be: the connectors of the start first.
   const std::vector<Part>& all() const { return parts_; }
-  /// Their indices as they follow each other, connector by connector of the start.
+  /// The parts' indices as they follow each other, connector by connector of the start.
   std::vector<std::size_t> in_a_row() const;
 
  private:

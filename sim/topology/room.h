@@ -11,8 +11,8 @@ namespace taut {
 /// cuts may leave gets room for the whole connector, which for thousands of them no machine has.
 constexpr double kMostRoom = 1e5;
 
-/// What the connectors' arrays can hold without growing, all connectors together. A workspace that
-/// reserves as much, once, does not grow before the world's own arrays do.
+/// The capacity of the connectors' arrays, all connectors together. A workspace that reserves as
+/// much, once, does not grow before the world's own arrays do.
 struct Room {
   std::size_t particles = 0, holds = 0;
 };

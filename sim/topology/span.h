@@ -7,7 +7,7 @@
 
 namespace taut {
 
-/// What carries an end of a span.
+/// The carrier of an end of a span.
 struct SpanEnd {
   enum class Kind {
     prescribed,  // a fixed point, a path or a driven body: moves as it is told

@@ -1,4 +1,4 @@
-// What runs are scored against: a converged solution at the frame times.
+// The reference that runs are scored against: a converged solution at the frame times.
 #pragma once
 
 #include <vector>

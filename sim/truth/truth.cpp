@@ -35,7 +35,7 @@ Frames run(const World& world, std::string_view method, const Settings& settings
       frames.push_back(std::move(frame));
     }
   } catch (const Diverged&) {
-    // What was reached is what can be compared.
+    // The frames reached are those that can be compared.
   }
   return frames;
 }

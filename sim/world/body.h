@@ -36,8 +36,8 @@ enum class BodyModel {
   link,  // one more link of the connector that it hangs by, see BodiesAsLinks
 };
 
-/// What of a free body touches obstacles, and other bodies where a BodyPair says so: all that is
-/// within `radius` (m) of a line between two points (m, body frame), which may be one.
+/// The part of a free body that touches obstacles, and other bodies where a BodyPair says so: all
+/// within `radius` (m) of a line between two points (m, body frame), which may coincide.
 struct BodyCapsule {
   double radius = -1;  // negative: it touches nothing
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();

@@ -15,7 +15,7 @@
 
 namespace taut {
 
-/// What holds a particle: a fixed point, a path, or a point of a rigid body.
+/// The target of a hold on a particle: a fixed point, a path, or a point of a rigid body.
 struct Attachment {
   enum class Kind { fixed, path, body };
   Kind kind = Kind::fixed;
@@ -32,7 +32,7 @@ struct Attachment {
   Approach approach = {};
 };
 
-/// What a hold remembers where it is a pin, so that its release leaves no trace.
+/// The memory of a hold that is a pin, so that its release leaves no trace.
 struct PinRecord {
   std::uint64_t number = 0;    // from 1; 0: no pin but an end of the connector
   double fraction = 0;         // where on its link a particle was added for it; 0: none was
@@ -44,7 +44,7 @@ struct PinRecord {
   Vec3 body_spin = Vec3::Zero();
 };
 
-/// What a link is made of that stretches or bends; sim/material has the equations.
+/// The section of a link that stretches or bends; sim/material has the equations.
 struct Section {
   double axial_stiffness = std::numeric_limits<double>::infinity();  // EA, N; infinite: rigid
   double axial_damping = 0;      // N s: tension per rate of strain
@@ -73,8 +73,8 @@ struct Hold {
   /// Where a connector that resists bending is clamped: its direction there, from its first
   /// particle to its last, in the frame of `to` (the world's for a fixed point). Zero: hinged.
   Vec3 clamp = Vec3::Zero();
-  /// What turns a clamp about that direction, beside its frame: the x of the path, in rad, and not
-  /// m. Null: nothing.
+  /// The turn of a clamp about that direction, beside its frame: the x of the path, in rad, and not
+  /// m. Null: none.
   std::shared_ptr<const Path> turn = nullptr;
 };
 
@@ -100,7 +100,7 @@ struct Connector {
   double radius = 0;       // m, of the beads that touch obstacles: each particle is one
   std::uint64_t category = 0;  // bits, of which an obstacle may ignore some
   ConnectorModel model = ConnectorModel::links;
-  /// Its links are strings: they may be shorter than `rest`, and never push (sim/contact). Such a
+  /// The links are strings, which may be shorter than `rest` and never push (sim/contact). Such a
   /// connector is a model of links, has no sections and no joint.
   bool pulls = false;
   std::vector<Hold> holds;  // sorted by particle; at most one per particle

@@ -1,4 +1,4 @@
-// What connectors touch: a shape in the world, fixed or on a path.
+// Obstacles, which connectors touch: a shape in the world, fixed or on a path.
 #pragma once
 
 #include <cstdint>

@@ -26,7 +26,7 @@ Vec3 between(const std::vector<Vec3>& items, const Place& place) {
 
 namespace {
 
-/// What the particles have, at the places at `along`.
+/// The particles' values, interpolated at the places `along`.
 std::vector<Vec3> values(const Connector& connector, const std::vector<Vec3>& items, double from,
                          const std::vector<double>& along, Walk& walk) {
   std::vector<Vec3> found;

@@ -1,4 +1,4 @@
-// What a world's connectors are tied to, found without a look at what is elsewhere.
+// The ties of a world's connectors, found without a look at the rest of the world.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ class Ties {
   void connector_divided(World& world, std::size_t connector, std::size_t first,
                          std::size_t second);
 
-  /// There is one more, which nothing is tied to.
+  /// A connector was added, which nothing is tied to.
   void connector_added() { ties_.push_back(kNone); }
 
   /// A free body holds the connector at one more place, or one less.

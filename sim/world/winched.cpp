@@ -12,7 +12,7 @@ bool at_end(const Connector& connector, const Hold& hold) {
   return hold.particle == 0 || hold.particle + 1 == connector.particles();
 }
 
-/// What holds a connector's first (0) or last (1) end; null: nothing.
+/// The hold of a connector's first (0) or last (1) end; null: none.
 const Hold* hold_at(const Connector& connector, std::size_t end) {
   const std::size_t particle = end == 0 ? 0 : connector.links();
   const auto found = std::ranges::find(connector.holds, particle, &Hold::particle);

@@ -22,13 +22,13 @@ void add_winches(const World& world, Connector& connector, std::shared_ptr<const
 /// one that pays nothing out, and are weighed by their links. winch_flaw() tells what is wrong.
 void add_pulley(World& world, std::string name, std::size_t from, std::size_t to, double inertia);
 
-/// What a connector's first (0) or last (1) end has paid out at `time` (s), by its winch and, as
-/// far as the world is now, by its pulley, whose acceleration is left zero.
+/// The length paid out at a connector's first (0) or last (1) end at `time` (s), by its winch and,
+/// as far as the world is now, by its pulley, whose acceleration is left zero.
 PaidOut paid_out(const World& world, std::size_t connector, std::size_t end, double time);
 
-/// What is wrong with a world's winches and pulleys, or empty: winches are at ends whose motion is
-/// known beforehand, pulleys at one place of two connectors of one density; both of rigid links
-/// that no pin holds and no joint, in worlds without contact, strings and massless spans.
+/// The flaw of a world's winches and pulleys, or empty: winches are at ends whose motion is known
+/// beforehand, pulleys at one place of two connectors of one density; both of rigid links that no
+/// pin holds and no joint, in worlds without contact, strings and massless spans.
 std::string winch_flaw(const World& world);
 
 /// Gives all connectors that have winches the rest lengths and masses of `time` (s) and of what has

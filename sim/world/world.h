@@ -16,7 +16,7 @@
 
 namespace taut {
 
-/// What connectors with drag coefficients move through; the same everywhere.
+/// The air that connectors with drag coefficients move through; the same everywhere.
 struct Air {
   double density = 0;        // kg/m^3; zero: none
   Vec3 wind = Vec3::Zero();  // m/s
@@ -53,8 +53,8 @@ void finish(World& world);
 /// structure() tells has changed. A Simulation calls it. Throws like finish().
 void refresh(World& world);
 
-/// What is wrong with World::pairs, or empty: each is of two free bodies that have capsules, and
-/// stands there once.
+/// The flaw of World::pairs, or empty: each is of two free bodies that have capsules, and stands
+/// there once.
 std::string pair_flaw(const World& world);
 
 /// Whether some connector stretches, resists bending or meets the air (Connector::sections).
@@ -77,8 +77,8 @@ bool has_touching_bodies(const World& world);
 /// pairs. Methods build on it, so World::topology is this number, which refresh() takes anew.
 std::uint64_t structure(const World& world);
 
-/// What a body, a connector and a joint add to structure(), which is a sum modulo 2^64: so that
-/// the topology follows a change of a few of them without a look at the others.
+/// The terms of a body, a connector and a joint in structure(), a sum modulo 2^64: so that the
+/// topology follows a change of a few of them without a look at the others.
 std::uint64_t structure_of_body(const World& world, std::size_t body);
 std::uint64_t structure_of_connector(const World& world, std::size_t connector);
 std::uint64_t structure_of_joint(const World& world, std::size_t joint);

@@ -21,7 +21,7 @@ enum class Joints {
 ///   ball  quaternion x y z of the turn from the body before, and w behind all other coordinates;
 ///         rates are the relative spin (rad/s) in the body's own axes;
 ///   free  position (m) before the quaternion, velocity (m/s) before the spin.
-/// What a model knows lies in its own global variables, so that it serves one user at a time.
+/// A model's state lies in its own global variables, so that it serves one user at a time.
 struct Model {
   int links = 0;
   Joints joints = Joints::pin;
@@ -41,8 +41,7 @@ struct Model {
   void (*clear_error)();
 };
 
-/// What the model that integrates calls at each instant (s) that it looks at, for forces beside
-/// gravity.
+/// The function that the integrating model calls at each instant (s), for forces beside gravity.
 inline void (*forces)(double time) = nullptr;
 
 /// Empty where the generator was not installed.
