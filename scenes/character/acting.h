@@ -1,5 +1,5 @@
-// What the body does with a hand's path: weight, torso, shoulders and head that prepare, follow
-// through and breathe. All of it follows from the path; nothing is keyed by hand.
+// The body's part in a hand's path: weight, torso, shoulders and head that prepare, follow through
+// and breathe. All of it follows from the path; nothing is keyed by hand.
 #pragma once
 
 #include "scenes/character/figure.h"

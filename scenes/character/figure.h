@@ -9,8 +9,8 @@
 
 namespace taut::scenes {
 
-/// What moves a figure. Angles in rad; yaw turns the figure to its left, lean bends it forward,
-/// tilt to its right. Lengths in m.
+/// The controls of a figure. Angles in rad; yaw turns the figure to its left, lean bends it
+/// forward, tilt to its right. Lengths in m.
 enum Control {
   root_x,
   root_y,

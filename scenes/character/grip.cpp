@@ -41,7 +41,7 @@ double descend(std::array<double, n>& x, Cost cost, double stride = 0.3, double 
   return least;
 }
 
-/// What a gap (m) between skin and what it shall touch costs: entering it costs more.
+/// The cost of a gap (m) between the skin and the surface to touch; penetration costs more.
 double touch(double gap) {
   const double off = (gap - skin) / mm;
   return off > 0 ? squared(off) : 25 * squared(off);
@@ -113,7 +113,7 @@ DigitTurns wrap(const Digit& finger, const Capsule& stick, const Vec3& hinge) {
 class Thumb {
  public:
   Thumb(Digit digit, const HandAxes& axes) : digit_(std::move(digit)), axes_(axes) {
-    // Its pad faces the palm and the fingers; it flexes to there.
+    // The thumb's pad faces the palm and the fingers; it flexes to there.
     const Vec3 pad = 0.65 * axes.palm - 0.75 * axes.across;
     hinge_ = (digit_.rest(2) - digit_.rest(1)).cross(pad).normalized();
   }

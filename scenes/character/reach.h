@@ -1,4 +1,4 @@
-// What an arm cannot do.
+// The limits of an arm.
 #pragma once
 
 #include "scenes/character/performance.h"

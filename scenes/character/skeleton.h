@@ -15,8 +15,8 @@ struct Placement {
   std::vector<Quat> turn;
 };
 
-/// What forward kinematics starts from: every bone's turn against its parent's, and the root's
-/// shift (m).
+/// The input of forward kinematics: every bone's turn against its parent's, and the root's shift
+/// (m).
 struct Posture {
   std::vector<Quat> turn;
   Vec3 shift = Vec3::Zero();

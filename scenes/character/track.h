@@ -24,13 +24,13 @@ class Track {
 
   /// The value at any time: cubic through the samples, with continuous rate.
   Eigen::VectorXd at(double time) const;
-  /// What a critically damped follower makes of it: a mean delay of `lag` (s).
+  /// The track of a critically damped follower: a mean delay of `lag` (s).
   Track lagged(double lag) const;
   /// Convolved with a Gaussian of that standard deviation (s): no delay.
   Track smoothed(double deviation) const;
   /// Rates per second, by central differences.
   Track rates() const;
-  /// The same values `shift` seconds earlier: what will be.
+  /// The same values `shift` seconds earlier.
   Track ahead(double shift) const;
 
  private:

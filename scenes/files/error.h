@@ -1,4 +1,4 @@
-// What is wrong with a scene file or an asset.
+// Faults of a scene file or an asset.
 #pragma once
 
 #include <stdexcept>

@@ -14,7 +14,7 @@
 namespace taut::scenes {
 namespace {
 
-/// What a file is that is not regular, in words.
+/// The kind of a file that is not regular, in words.
 const char* kind_of(mode_t mode) {
   if (S_ISDIR(mode)) return "a directory";
   if (S_ISFIFO(mode)) return "a pipe";

@@ -7,7 +7,7 @@
 
 namespace taut::scenes {
 
-/// What stands for standard input where a scene file is asked for.
+/// The name that stands for standard input in the place of a scene file.
 inline constexpr std::string_view kStandardInput = "-";
 
 /// The bytes of standard input, up to its end; `expected` is what they should be. Throws BadAsset

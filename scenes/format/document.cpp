@@ -264,7 +264,7 @@ bool is_word(std::string_view text) {
   return !text.empty() && text.find_first_of("\"'[]{}=,#\n\r\t") == std::string_view::npos;
 }
 
-/// What stands in no file has no line.
+/// Marks a value as changed: a value that stands in no file has no line.
 void mark_changed(Value& value) {
   value.place = value.key_place = {0, 0};
   for (Value& child : value.children) mark_changed(child);

@@ -1,4 +1,4 @@
-// What holds a connector's ends, and the pulleys that it passes.
+// The format of a connector's ends, and of the pulleys that it passes.
 #include "scenes/format/format_keys.h"
 
 namespace taut::scenes {

@@ -1,5 +1,5 @@
-// What a scene file may contain: one description, from which files are checked, misspelt keys are
-// told, and the JSON Schema for editors is made.
+// The format of scene files: one description, from which files are checked, misspelt keys are told,
+// and the JSON Schema for editors is made.
 #pragma once
 
 #include <limits>

@@ -6,7 +6,7 @@
 
 namespace taut::scenes {
 
-/// What check_format() would throw, and all that it would find after that.
+/// The fault that check_format() would throw, and all that it would find after it.
 FirstFaults format_faults(const Document& document);
 
 }  // namespace taut::scenes

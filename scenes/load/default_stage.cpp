@@ -95,7 +95,7 @@ class Seen {
   std::vector<Box> boxes_;
 };
 
-/// What the whole clip shows, but for what runs away.
+/// The points that the whole clip shows, runaways aside.
 std::vector<Vec3> points_of_clip(const Scene& scene, const std::function<void()>& tick) {
   const Seen seen(scene);
   Simulation simulation = start(scene);
@@ -140,7 +140,7 @@ Vec3 way_to_look(const std::vector<Vec3>& points) {
     const Eigen::Vector2d off = Eigen::Vector2d(p.x(), p.z()) - mean;
     spread += off * off.transpose();
   }
-  // Its eigenvalues are middle +- apart, the larger one in the direction of `angle`.
+  // The eigenvalues of `spread` are middle +- apart, the larger one in the direction of `angle`.
   const double middle = (spread(0, 0) + spread(1, 1)) / 2;
   const double half = (spread(0, 0) - spread(1, 1)) / 2;
   const double apart = std::hypot(half, spread(0, 1));

@@ -1,4 +1,4 @@
-// What pictures need where the scene's file says nothing of it.
+// The stage of pictures where the scene's file says nothing of it.
 #pragma once
 
 #include <functional>

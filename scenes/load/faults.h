@@ -16,8 +16,8 @@ struct Faults {
   std::optional<std::size_t> more = 0;  // how many others; without a value: not looked for
 };
 
-/// What is wrong with a scene and its assets: what follows only from another fault is left out, and
-/// what another hides may be. Empty: load_scene() reads it.
+/// The faults of a scene and its assets, without those that only follow from another; faults that
+/// another hides may be missing. Empty: load_scene() reads it.
 Faults faults_of(const std::filesystem::path& file, const std::vector<SceneChange>& changes = {});
 
 }  // namespace taut::scenes

@@ -64,7 +64,7 @@ const TableFormat& suite_format() {
   return format;
 }
 
-/// What a frame and a trajectory have in common; `key` holds the time.
+/// The common part of a frame and a trajectory; `key` holds the time.
 struct Kept {
   std::filesystem::path scene;
   int frame = 0;

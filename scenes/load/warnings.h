@@ -1,4 +1,4 @@
-// What is not wrong with a scene, but hardly meant.
+// Warnings: features of a scene that are no faults, but hardly meant.
 #pragma once
 
 #include <functional>

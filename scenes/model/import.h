@@ -1,4 +1,4 @@
-// What reads a model's bytes, in the process that calls it.
+// The reader of a model's bytes, in the process that calls it.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What a model may have at most: beyond it a file is refused before it is taken apart.
+// The limits of a model: beyond them a file is refused before it is taken apart.
 #pragma once
 
 #include <cstddef>

@@ -55,7 +55,7 @@ class Reader {
   std::string_view bytes_;
 };
 
-// One order of members for both. `Kept` is a part of a model, const where it is written.
+// Reading and writing share this order. `Kept` is a part of a model, const where it is written.
 
 template <typename Bytes, typename Kept>
 bool pass_list(Bytes& bytes, Kept& list) {

@@ -147,7 +147,7 @@ class Forked {
   Forked(const Forked&) = delete;
   Forked& operator=(const Forked&) = delete;
 
-  /// Its exit code. One that has ended keeps it; one that has closed its end and works on is over.
+  /// The child's exit code; a child that has closed its end of the pipe and works on is killed.
   int end() {
     kill(id_, SIGKILL);
     int status = 0;

@@ -1,4 +1,4 @@
-// What a process that reads untrusted input may ask the system for.
+// The system calls allowed to a process that reads untrusted input.
 #pragma once
 
 namespace taut::scenes {

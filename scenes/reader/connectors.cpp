@@ -40,8 +40,8 @@ class Layout {
     waiting_.resize(world.bodies.size());
   }
 
-  /// Lays connectors whose ends are known until none is left: one may hang from what another holds.
-  /// They are laid in rounds, each in the order of the file.
+  /// Lays connectors whose ends are known until none is left (one may hang from a body that another
+  /// holds), in rounds, each in the order of the file.
   void run() {
     const Value* table = document_.root.find("connectors");
     if (table) {

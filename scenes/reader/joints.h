@@ -19,7 +19,7 @@ class JoinedEnds {
   /// BadScene where an end names no particle that it can be joined to.
   JoinedEnds(const Document& document, const Value* connectors, const World& world);
 
-  /// What the connector's first or last particle is joined to.
+  /// The particle that the connector's first or last particle is joined to.
   std::optional<Joint::Particle> target(std::size_t connector, std::size_t particle) const;
   /// The connectors that have an end on this one.
   const std::vector<std::size_t>& joined_to(std::size_t connector) const {

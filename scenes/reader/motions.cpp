@@ -7,8 +7,8 @@ namespace taut::scenes {
 
 namespace {
 
-/// What a character does is worked out as a whole, beforehand; longer would fill a machine's
-/// memory.
+/// A character's performance is worked out as a whole, beforehand; a longer one would fill a
+/// machine's memory.
 constexpr double kLongestPerformance = 600;  // s
 
 /// The stick that the character of that name holds; the path alone where it holds none.

@@ -42,7 +42,7 @@ void fit_to_skin(const Document& document, const Value& bone, const Value& who, 
   obstacle.place.rotation = rotation_between(Vec3::UnitY(), b - a);
 }
 
-/// What carries the obstacle, and its place there.
+/// The carrier of the obstacle, and its place there.
 void read_carrier(const Document& document, const Value& value, Motions& motions,
                   const World& world, Obstacle& obstacle) {
   if (const Value* path = value.find("path")) {

@@ -52,7 +52,7 @@ void refuse_touching_bodies(const Document& document, const MethodInfo& method) 
   }
 }
 
-/// What in a scene touches, in words; null: nothing.
+/// The part of a scene that touches, in words; null: none.
 const char* what_touches(const Document& document) {
   const auto is_there = [&](const char* name) {
     const Value* table = document.root.find(name);
@@ -91,7 +91,7 @@ void refuse_materials(const Document& document, const MethodInfo& method) {
   }
 }
 
-/// What joins an end to a connector, or makes a net; null: nothing.
+/// The key that joins an end to a connector, or makes a net; null: none.
 const Value* joining_key(const Value& root) {
   const Value* nets = root.find("nets");
   if (nets && !nets->children.empty()) return &nets->children.front();

@@ -77,8 +77,8 @@ struct Character {
   std::shared_ptr<const Performance> performance;
 };
 
-/// What moves as the scene says, whatever is simulated: its paths, and the bones of its characters.
-/// All throw BadScene.
+/// The prescribed motions of a scene: its paths, and the bones of its characters. All throw
+/// BadScene.
 class Motions {
  public:
   explicit Motions(const Document& document);
@@ -94,7 +94,7 @@ class Motions {
   /// A character, in the order of the file: read and acted out when it is first asked for.
   const Character& character(std::size_t index);
   std::size_t characters() const { return character_names_.size(); }
-  /// What can be said against the characters before they act.
+  /// Checks the characters before they act.
   void check_characters() const;
 
  private:
@@ -128,8 +128,8 @@ void read_nets(const Document& document, World& world);
 std::size_t cord_count(const Value& net);
 /// The mass (kg) that a connector of this length has by its mass or its material.
 double mass_of(const Value& connector, double length);
-/// What the connector's links are made of, and the air's drag on them; changes its masses where
-/// they follow the links.
+/// The sections of the connector's links, and the air's drag on them; changes its masses where they
+/// follow the links.
 void read_sections(const Document& document, const Value& value, Connector& connector);
 /// A number over time, from the values of keys: the x of a path (Hold::turn, Winch::paths).
 std::shared_ptr<const Path> read_number_keys(const Document& document, const Value& list,
@@ -156,7 +156,7 @@ Air read_air(const Document& document);
 /// Obstacles, behind bodies and connectors. Those that move and are shown come with a driven body,
 /// by which they are seen.
 void read_obstacles(const Document& document, Motions& motions, World& world);
-/// One of them.
+/// A single obstacle.
 Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions,
                        const World& world);
 /// Moves beads that would start inside of obstacles to their surfaces, of connectors that ask for
@@ -164,7 +164,7 @@ Obstacle read_obstacle(const Document& document, const Value& value, Motions& mo
 void push_out_starts(const Document& document, World& world);
 /// Whether pictures show it.
 bool shows_obstacle(const Value& value);
-/// What stands where an obstacle is at the start; of a world that is finished.
+/// Fails where a bead or body starts inside an obstacle; of a world that is finished.
 void check_obstacles(const Document& document, const World& world);
 /// Friction and restitution of an obstacle or of bodies that touch each other.
 void read_friction(const Document& document, const Value& value, double& static_friction,
@@ -177,8 +177,8 @@ void check_touching(const Document& document, const World& world);
 Timeline read_timeline(const Document& document, Motions& motions, const World& world,
                        double duration);
 
-/// What an end or a pin is attached to: `body`, `path`, or `bone` of a `character`, with `point`;
-/// or the point in space that the key `space` gives.
+/// The attachment of an end or a pin: `body`, `path`, or `bone` of a `character`, with `point`; or
+/// the point in space that the key `space` gives.
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
                            Motions& motions);
 

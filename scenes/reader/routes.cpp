@@ -19,7 +19,7 @@ const Value* in_start(const Value& rope, const char* key) {
   return start ? start->find(key) : nullptr;
 }
 
-/// What in a connector does not go with pulleys; null: nothing.
+/// The key of a connector that does not go with pulleys; null: none.
 const Value* unfit_for_pulleys(const Value& rope) {
   for (const char* key : {"points", "hanging_to", "over", "circle"}) {
     if (const Value* found = in_start(rope, key)) return found;
@@ -49,7 +49,7 @@ void give_length(Connector& span, double length, double density) {
   }
 }
 
-/// What a pulley passes on it takes in.
+/// The negated path: the span before a pulley takes in the length that the pulley passes on.
 std::shared_ptr<const Path> backwards(const std::shared_ptr<const Path>& path) {
   if (!path) return nullptr;
   std::vector<PathKey> keys = path->keys();

@@ -164,7 +164,7 @@ ConnectorLook read_look(const Value& connector) {
   return look;
 }
 
-/// Those that stand still are scenery; a driven body goes with each of the others.
+/// Obstacles that stand still are scenery; a driven body goes with each of the others.
 void show_obstacles(const Value* table, const World& world, Stage& stage) {
   constexpr double kPlane = 4;  // m
   const Vec3 grey(0.36, 0.35, 0.33);

@@ -18,7 +18,7 @@ const Value* winch_of(const Value& connector) {
   return nullptr;
 }
 
-/// What in a connector does not go with a winch; null: nothing.
+/// The feature of a connector that does not go with a winch; null: none.
 const char* misfit(const Value& connector) {
   if (text_or(connector, "model", "links") == "span") return "a massless span";
   if (text_or(connector, "links", "rigid") == "pull") return "links that only pull";

@@ -1,4 +1,4 @@
-// What a clip shows: cards and shots, frame by frame.
+// The contents of a clip: cards and shots, frame by frame.
 #pragma once
 
 #include <vector>

@@ -7,8 +7,8 @@
 
 namespace taut::scenes {
 
-// It stops for every frame of the clip: methods that choose their steps would go another way
-// without the stops.
+// The simulation stops for every frame of the clip: methods that choose their steps would go
+// another way without the stops.
 ClipSimulation::ClipSimulation(const Scene& scene, const std::vector<ClipFrame>& frames,
                                const std::vector<int>& wanted, Tick tick, Watch watch)
     : scene_(scene),

@@ -21,7 +21,7 @@ std::uint64_t steps_per_frame(const Scene& scene) {
 }  // namespace
 
 double own_time(const Scene& scene, double time) {
-  // One quotient, so that a time has the same bits however it was come by.
+  // A single quotient, so that a time has the same bits however it was come by.
   const double rate = double(steps_per_frame(scene)) * scene.fps;
   return std::round(time * rate) / rate;
 }

@@ -11,9 +11,9 @@ namespace taut::scenes {
 /// is open, the frame's own in the middle (the later one of two); `time` alone where the scene has
 /// no shutter. `rate` is how fast the clip goes, in seconds of the scene to one of the clip.
 ///
-/// There are Stage::exposures of them, or the power of two that the method's steps are enough for:
-/// methods of equal steps stop after their own steps, so that the shutter changes no bit of the
-/// trajectory. What lies before the scene's start is the start.
+/// The number of times is Stage::exposures, or the power of two that the method's steps suffice
+/// for: methods of equal steps stop after their own steps, so that the shutter changes no bit of
+/// the trajectory. Times before the scene's start become the start.
 std::vector<double> exposure_times(const Scene& scene, double time, double rate = 1);
 
 /// The time nearest to `time` (s) at which the scene's method ends a step by itself. Methods that

@@ -25,8 +25,8 @@ struct Plan {
   double until = 0;       // s: as long as the motion is predictable
   std::string end = {};   // what makes an end of that, as "a pin comes"; empty: it ends by itself
 
-  /// What is said of the rest, where it is not predictable: shares by which it differs from
-  /// reference solutions.
+  /// The statistics of the rest, where it is not predictable: relative differences from reference
+  /// solutions.
   struct Afterwards {
     enum class Work { none, known, unknown };  // that is done on the scene
     Work work = Work::none;

@@ -1,4 +1,4 @@
-// What a camera sees of a point.
+// A camera's view of a point.
 #pragma once
 
 #include <optional>

@@ -11,8 +11,8 @@ struct Companion {
   /// `ratio`: its error over the run's (less than 1 where it is the finer one). Where that is zero,
   /// `order`: the error grows with this power of the steps' length.
   double ratio = 0, order = 0;
-  /// The companion passes so many frames in one equal part more, all its steps shorter by that
-  /// ratio. Zero: it sees the frames that the run sees.
+  /// The companion divides so many frames into one part more, all equal, so that its steps are
+  /// shorter in that ratio. Zero: it sees the frames that the run sees.
   int frames = 0;
   /// Tells the companion what the run has done since the last call; null: it need not know.
   void (*heed)(Method& companion, const Method& run) = nullptr;
