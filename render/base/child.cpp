@@ -58,7 +58,7 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// What the child does between its birth and the program: only calls that are safe there, as other
+/// The child's work between the fork and the program: only calls that are safe there, as other
 /// threads may have held any lock. Ends with errno in `failure` where there is no such program.
 [[noreturn]] void become(char* const* arguments, const int (&files)[3], pid_t parent, int failure) {
   // The kernel ends the child with the thread that made it; a parent that is gone by now never

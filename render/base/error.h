@@ -1,4 +1,4 @@
-// What can go wrong while pictures and files are made; each cause has its own exit code.
+// Errors while pictures and files are made; each cause has its own exit code.
 #pragma once
 
 #include <stdexcept>

@@ -8,8 +8,8 @@
 
 namespace taut::chart {
 
-/// What gnuplot plots for a chart, in its order: names of series and of kinds of cells, empty for
-/// what stands for nothing.
+/// The names of gnuplot's plots for a chart, in order: of series and of kinds of cells, empty for
+/// plots that stand for nothing.
 std::vector<std::string> plot_names(const Chart& chart);
 
 /// Throws CannotWrite unless gnuplot can be run: to be called before a long study.

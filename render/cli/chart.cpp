@@ -32,7 +32,7 @@ bool has_model_study(const options::StudyOptions& options, const scenes::Scene& 
   return !options.quick && scene.world.connectors.size() == 1;
 }
 
-/// What parts share out: the runs of all candidates, and those of the model study.
+/// The work that parts share: the runs of all candidates, and those of the model study.
 program::Pieces shared_work(const options::StudyOptions& options, const scenes::Scene& scene,
                             const std::vector<study::Candidate>& candidates) {
   program::Pieces pieces{"chart", "runs", program::Share::in_turn, {}};

@@ -80,7 +80,7 @@ std::string ends_text(const World& world, std::size_t index,
                                                  : fmt::format("held by {} and {}", first, last);
 }
 
-/// What it is made of, as far as that is more than rigid links: at its first link, where it tapers.
+/// The connector's material, where it is more than rigid links: at its first link, if it tapers.
 std::string material_text(const Connector& connector) {
   if (connector.sections.empty()) return "";
   const Section& first = connector.sections.front();

@@ -45,7 +45,7 @@ struct Options {
   options::MethodOptions method;
 };
 
-/// What a run measured; drift and stretch at frame times.
+/// The measurements of a run; drift and stretch at frame times.
 struct Report {
   double stepping = 0;      // CPU s, in advance() alone
   double stretch = 0;       // largest share of a link's length

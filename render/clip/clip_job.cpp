@@ -27,7 +27,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What is proved of the clip at `fps` frames a second.
+/// The proof of the clip at `fps` frames a second.
 std::string proof_of(const scenes::Scene& scene, const RenderOptions& options, int fps) {
   if (!options.method.planned) return "none: the clip is not by a plan (--planned)";
   if (fps != scene.fps) {

@@ -96,7 +96,7 @@ struct FramesMade {
   double mean_exposures() const { return drawn ? exposures / double(drawn) : 0; }
 };
 
-/// What clip.json says, without what is said of a video and a profile.
+/// The contents of clip.json, those on a video and a profile aside.
 nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made);
 
 /// Makes the video where there is to be one, and writes clip.json. Unless quiet, says what is

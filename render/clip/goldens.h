@@ -1,4 +1,4 @@
-// What a golden suite keeps, checked against today and taken over from it.
+// The records of a golden suite, checked against today and taken over from it.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace taut::clips {
 
-/// What became of one picture.
+/// The outcome of one picture.
 struct FrameResult {
   golden::PictureComparison comparison;
   double distance = 0;  // m, of today's state from the kept one

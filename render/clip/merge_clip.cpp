@@ -14,7 +14,7 @@
 namespace taut::clips {
 namespace {
 
-/// What a part left that is done.
+/// The results of a part that is done.
 struct DonePart {
   std::filesystem::path folder;
   film::FrameFolder::Entries frames;

@@ -1,4 +1,4 @@
-// What the stages of drawing a frame cost, as a table and as JSON.
+// The costs of the stages of drawing a frame, as a table and as JSON.
 #pragma once
 
 #include <cstddef>

@@ -8,7 +8,7 @@
 
 namespace taut::draw {
 
-/// What moves, as it is at one instant, and its shadows on the scenery.
+/// Draws the moving parts at one instant, and their shadows on the scenery.
 void draw_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
                 const FrameState& instant, const Layer& layer);
 

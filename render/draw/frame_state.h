@@ -1,4 +1,4 @@
-// One moment of a scene as pictures need it.
+// An instant of a scene as pictures need it.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct FrameState {
   scenes::CameraView camera;
 };
 
-/// What is drawn of an instant, and how.
+/// The parts of an instant to draw, and how.
 struct Layer {
   bool characters = true, bodies = true, connectors = true;
   float opacity = 1;  // below 1: blended over what is there, casting no shadow

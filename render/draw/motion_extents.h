@@ -1,4 +1,4 @@
-// What moves while the shutter is open: how far, and what of it can be drawn once for all.
+// Motion while the shutter is open: its extent, and the triangles that can be drawn once for all.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -41,21 +41,21 @@ class MotionExtents {
                      double still = kStill);
   /// Grades what moves: 1, and one more for each of the rising speeds (px/s) that a vertex exceeds.
   void grade(std::span<const double> speeds);
-  /// What moves with this grade changes how it shades other things: these are shown with at least
-  /// that grade. To be called for every grade above 0, the highest first; `cover` has been started,
-  /// and afterwards it also holds what moves with this grade.
+  /// Gives at least this grade to the things shaded by triangles that move with it. To be called
+  /// for every grade above 0, the highest first; `cover` has been started, and afterwards also
+  /// holds the triangles that move with this grade.
   void shade(ShadowCover& cover, int grade);
   /// Divides triangles by what was found.
   void divide();
 
-  /// Of an item: what does not move, and what moves.
+  /// Of an item: the triangles at rest, and those that move.
   std::span<const std::uint32_t> standing(std::size_t item) const {
     return items_[item].standing.of(items_[item].triangles);
   }
   std::span<const std::uint32_t> moving(std::size_t item) const {
     return items_[item].moving.of(items_[item].triangles);
   }
-  /// Of an item: what is shown with this grade, as it moves so or is shaded by what does.
+  /// Of an item: the triangles of this grade, which move so or are shaded by triangles that do.
   std::span<const std::uint32_t> shown(std::size_t item, int grade) const {
     return items_[item].shown[std::size_t(grade)].of(items_[item].triangles);
   }

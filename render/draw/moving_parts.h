@@ -1,4 +1,4 @@
-// What moves on a stage: characters, bodies and connectors, on the graphics side.
+// The moving parts of a stage: characters, bodies and connectors, on the graphics side.
 #pragma once
 
 #include <array>
@@ -25,8 +25,7 @@ class MovingParts {
   void pose(const FrameState& instant);
   /// How many triangles there are.
   std::size_t triangles() const;
-  /// What the layer shows of the instant last posed: the same items for each instant, in the same
-  /// order.
+  /// The layer's items at the instant last posed: the same for each instant, in the same order.
   std::vector<DrawItem> items(const FrameState& instant, const Layer& layer = {});
   /// Where the vertices of one of all items are at that time, in world space; moves nothing.
   void find_places(const FrameState& instant, std::size_t item, Places& places);

@@ -1,4 +1,4 @@
-// What the stages of a frame cannot take less than.
+// Lower bounds of the time of a frame's stages.
 #pragma once
 
 #include <optional>

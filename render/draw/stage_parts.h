@@ -1,4 +1,4 @@
-// What a stage's pictures are made with.
+// The parts that a stage's pictures are made with.
 #pragma once
 
 #include <vector>
@@ -48,14 +48,14 @@ struct StageParts {
 /// The background and the scenery of all views in light that nothing takes, blurred by the lenses.
 void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> views);
 
-/// What takes light from the scenery that is seen by a camera.
+/// The occluders of light on the scenery that a camera sees.
 Shade scenery_shade(const scenes::CameraView& camera);
 
 /// How exposure `i` of `count` is seen and lit: the light is moved, and the picture where there are
 /// more exposures than samples.
 FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,
                    int i, bool more_than_samples);
-/// What exposure `i` of so many shows: states evenly apart.
+/// The state of exposure `i` of so many: states evenly apart.
 const FrameState& shown_at(std::span<const FrameState> shutter, int i, int count);
 /// How shadows are looked up in one of so many exposures.
 Shade shade_of(int count, int samples);

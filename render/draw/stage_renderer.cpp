@@ -37,7 +37,7 @@ struct StageRenderer::Impl : StageParts {
                 look.block.penumbra);
   }
 
-  /// What shadows can reach or feet can darken of one thing of the scenery.
+  /// The part of one thing of the scenery that shadows can reach or feet can darken.
   struct ReachedPart {
     Triangles triangles;
     Eigen::AlignedBox3f box;  // around them
@@ -241,7 +241,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
     return most;
   }
 
-  // What of the scenery and of the shadow map changes: the cover holds all that moves.
+  // The changing part of the scenery and of the shadow map: the cover holds all that moves.
   d.find_reached({}, d.moving_reached);
   d.parts.pose(middle);
   const std::vector<DrawItem> items = d.parts.items(middle);

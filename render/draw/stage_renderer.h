@@ -19,7 +19,7 @@ struct View {
   scenes::CameraView camera;
 };
 
-/// What of a picture's work is saved. No saving shows: `all` and `exposures` make the same picture,
+/// The savings in a picture's work. No saving shows: `all` and `exposures` make the same picture,
 /// within one step of 8 bits where more exposures than samples are added up. `none` shows slow
 /// things at more times, and so smears them more smoothly.
 enum class Savings {
@@ -28,7 +28,7 @@ enum class Savings {
   none,       // everything is drawn whole in as many exposures as the fastest thing takes
 };
 
-/// What costs time and could be left out.
+/// Features that cost time and could be left out.
 struct Shading {
   int map_size = 1536;  // texels a side, of the key light's map
   bool contact = true;  // feet take ambient light from the floor

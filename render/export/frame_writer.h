@@ -1,4 +1,4 @@
-// What every format of an export is given, and where its bytes go.
+// The input of every format of an export, and the sink of its bytes.
 #pragma once
 
 #include <functional>
@@ -23,7 +23,7 @@ struct ExportState {
   std::vector<std::vector<Vec3>> velocities;  // [connector][particle], m/s; at frames
 };
 
-/// What a format says of a file: names that end with a unit, and numbers.
+/// A format's figures on a file: names that end with a unit, and numbers.
 using Figures = std::vector<std::pair<std::string, std::variant<std::size_t, double>>>;
 
 /// A format. One scene's states come in the order of their times, the first and the last at frames.

@@ -1,11 +1,11 @@
-// What a scene's stage says of the things that move; plain where it has no stage.
+// The looks of moving things by the scene's stage; plain where it has none.
 #pragma once
 
 #include "scenes/scene/scene.h"
 
 namespace taut::exporting {
 
-/// One for each body; null: nothing is seen of it.
+/// A model for each body; null: nothing is seen of it.
 std::vector<std::shared_ptr<const scenes::Model>> body_models(const scenes::Scene& scene);
 /// How far from its origin there is something to see of each body, m.
 std::vector<double> body_reaches(const scenes::Scene& scene);

@@ -8,9 +8,9 @@
 namespace taut::exporting {
 namespace {
 
-/// What a simulation does between two of its frames, seen by another one that stops more often. A
-/// method that chooses its steps goes another way with such stops: so that begins at every frame
-/// where the simulation is, and what it is off at the next is taken back evenly.
+/// The states of a simulation between two frames, by another simulation that stops more often. A
+/// method that chooses its steps goes another way with such stops: so the other one begins at every
+/// frame in the simulation's state, and its difference at the next is taken back evenly.
 class Between {
  public:
   explicit Between(const scenes::Scene& scene) : simulation_(start(scene)) {

@@ -16,7 +16,7 @@
 
 namespace taut::film {
 
-/// What a method made of the scene.
+/// A method's run of the scene.
 struct ComparedMethod {
   std::string label, settings;
   chart::Style style;

@@ -127,7 +127,7 @@ void ComparisonFilm::draw_cursor(picture::Picture& picture, std::size_t frame) {
   for (const chart::PlotArea& plot : plots_) {
     const double x = std::lerp(plot.left, plot.right, comparison_.times[frame] / end);
     const int top = int(std::lround(plot.top)), high = int(std::lround(plot.bottom)) - top;
-    // What is still to come is only hinted at.
+    // The rest of the curve is only hinted at.
     picture::fill(picture, {int(x) + 1, top + 1, int(plot.right) - int(x) - 1, high - 2}, kPaper,
                   0.82);
     picture::fill(picture, {int(x), top, wide, high}, kInk, 0.8);

@@ -22,7 +22,7 @@ namespace taut::film {
 /// was made from, and that of its file; a frame is kept only where both still hold.
 class FrameFolder {
  public:
-  /// What frames of a run have in common.
+  /// The size that the frames of a run share.
   struct Size {
     int width = 0, height = 0;
   };

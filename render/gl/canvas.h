@@ -32,21 +32,20 @@ class Canvas {
   bool restore(std::uint64_t backdrop);
   /// Blurs what has been drawn in this frame, the backdrop, by how far it is out of focus.
   void defocus(std::span<const DefocusedView> views);
-  /// That light for surfaces that shade it (Defocus::blurred); 0: none was ever blurred.
+  /// The blurred light for surfaces that shade it (Defocus::blurred); 0: none was ever blurred.
   GLuint defocused() const { return defocus_ ? defocus_->blurred() : 0; }
-  /// What has been drawn in this frame is a backdrop. It is kept when it comes a second time
+  /// Declares the drawing of this frame so far a backdrop, kept when it comes a second time
   /// running: behind a moving camera, keeping would be wasted.
   void keep(std::uint64_t backdrop);
-  /// Something else than the backdrop is drawn here.
+  /// Marks a part as drawn over the backdrop.
   void touch(const picture::Rect& part);
 
-  /// Draws over what is there so far, inside a part of it, as at many times: `draw(i)` for each i
-  /// below `count`, a divisor or a multiple of samples(). Each drawing takes its share of the
-  /// samples of every pixel, at least one; where there are more drawings than samples, they make
-  /// several pictures, of which the mean is taken. One that follows shows times from all over;
-  /// after drawings of several pictures none may follow.
+  /// Draws `count` exposures over a part of the picture: `draw(i)` for each i below `count`, a
+  /// divisor or a multiple of samples(). Each takes its share of the samples of every pixel, at
+  /// least one; more exposures than samples make several pictures, each of times from the whole
+  /// shutter, whose mean is taken. No drawing may follow several pictures.
   void expose(const picture::Rect& part, int count, const std::function<void(int)>& draw);
-  /// Of `fewer` drawings, the one that has the samples of drawing `i` of `count`. `fewer` is a
+  /// The exposure of `fewer` whose samples contain those of exposure `i` of `count`. `fewer` is a
   /// divisor of samples(), or `count`.
   int exposure_among(int fewer, int i, int count) const;
 
@@ -86,15 +85,15 @@ class Canvas {
   GlObject finished_, finished_target_;
   GlObject no_vertices_;
   Program finish_, gather_, finish_gathered_;
-  /// What pictures of several times begin with, and the mean light of those done: of a part of the
-  /// picture, as what moves fast is mostly small.
+  /// The start of every picture of several exposures, and the mean light of those done: of a part
+  /// of the picture, as fast things are mostly small.
   struct Exposure {
     int width, height;
     Samples start;
     GlObject light, target;
   };
   std::optional<Exposure> exposure_;
-  picture::Rect gathered_;  // what of the frame is in Exposure::light
+  picture::Rect gathered_;  // the part of the frame in Exposure::light
 
   std::optional<Backdrop> backdrop_;
   std::optional<Defocus> defocus_;

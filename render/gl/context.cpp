@@ -157,7 +157,7 @@ class OsmesaPlatform : public Context::Platform {
     if (!context_)
       throw render::NoContext(
           fmt::format("OSMesa gives no OpenGL {}.{} core context", kMajor, kMinor));
-    // It insists on a window; pictures are drawn into framebuffers of ours.
+    // OSMesa insists on a window; pictures are drawn into framebuffers of ours.
     if (!library_.function<MakeCurrent>("OSMesaMakeCurrent")(context_, window_.data(),
                                                              GL_UNSIGNED_BYTE, kSide, kSide)) {
       destroy_(context_);

@@ -12,7 +12,7 @@
 
 namespace taut::golden {
 
-/// What drew a picture, as far as pixels depend on it.
+/// The renderer of a picture, as far as pixels depend on it.
 struct Renderer {
   std::string driver;     // its name and version, without the way in and its vectors' width
   std::string processor;  // name, features, and the width of the driver's vectors
@@ -24,7 +24,7 @@ Renderer renderer_of(const std::string& description);
 /// This machine's processor: its name, and a hash of its features.
 std::string processor();
 
-/// What is kept of a frame beside its picture. The state is the simulation's, not to be simulated
+/// The record of a frame beside its picture. The state is the simulation's, not to be simulated
 /// again: slack motion is chaotic, and differs between machines.
 struct GoldenRecord {
   Renderer renderer;

@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kStates = 8;  // kept of each trajectory, at most
 
-/// What the motion follows from, for people: the rest of the file would fill pages.
+/// The inputs of the motion, for people: the rest of the file would fill pages.
 std::map<std::string, std::string> sources(const scenes::Scene& scene,
                                            const scenes::MethodChoice& method) {
   std::map<std::string, std::string> list = {{"fps", fmt::to_string(scene.fps)},
@@ -42,7 +42,7 @@ std::map<std::string, std::string> sources(const scenes::Scene& scene,
   return list;
 }
 
-/// What of its sources is another one since; empty where nothing is known of it.
+/// The changes of the motion's sources since; empty where nothing is known of them.
 std::string changes_since(const TrajectoryRecord& today, const TrajectoryRecord& kept) {
   std::string changes;
   const auto add = [&](const std::string& change) {

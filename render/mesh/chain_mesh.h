@@ -6,7 +6,7 @@
 
 namespace taut::mesh {
 
-/// What a chain is made of.
+/// The shape of a chain.
 struct ChainShape {
   std::size_t links;
   double width;  // of a link, outside, m

@@ -9,8 +9,7 @@
 
 namespace taut::mesh {
 
-/// What holds an end of a chain: which way it points, away from what holds it, and a direction
-/// across, both unit vectors.
+/// The hold of a chain's end: a direction away from it, and one across, both unit vectors.
 struct ChainHold {
   Vec3 axis, side;
 };

@@ -26,10 +26,10 @@ void add_method_options(program::Command& command, MethodOptions& options);
 scenes::Scene load_chosen(const std::filesystem::path& file, bool with_stage,
                           const MethodOptions& options);
 
-/// What of --set is of the scene.
+/// The changes of --set to the scene.
 std::vector<scenes::SceneChange> chosen_changes(const MethodOptions& options);
 
-/// Those of KEY=VALUE that are of the scene; and, with their types, those that are settings of the
+/// The KEY=VALUE that are of the scene; and, with their types, those that are settings of the
 /// method, others left out. Throws Misuse.
 std::vector<std::string> sets_of_scene(const std::vector<std::string>& set);
 Settings settings_of(const MethodInfo& method, const std::vector<std::string>& set);

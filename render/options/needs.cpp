@@ -69,7 +69,7 @@ Footprint footprint_of(const scenes::Scene& scene) {
   Footprint sum =
       footprint(*find_method(scene.method.name), scene.world, full_settings(scene.method));
   sum.memory += kProgram;
-  // What is kept for each part that they leave, and the room that is made for all beforehand.
+  // The memory of each part that pins and cuts leave, and of the room made for all beforehand.
   const auto divisions = double(scene.timeline.pins.size() + scene.timeline.cuts.size());
   double particles = divisions;
   for (const Connector& connector : scene.world.connectors) {
@@ -135,7 +135,7 @@ bool has_lens(const scenes::Stage& stage) {
          });
 }
 
-/// What the machine has for this process, bytes.
+/// The machine's memory for this process, bytes.
 double machine_memory() {
   double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
   for (const char* file :
@@ -155,7 +155,7 @@ double free_disk(fs::path folder) {
   return error ? INFINITY : double(space.available);
 }
 
-/// What of the method takes the memory.
+/// The setting that would save the method's memory; empty: none.
 std::string cheaper(const scenes::Scene& scene) {
   const Settings settings = full_settings(scene.method);
   const auto solver = settings.find("solver");
@@ -216,7 +216,7 @@ double restarts(const scenes::Scene& scene, double step) {
   return sum;
 }
 
-/// What reading, pins, releases and cuts take by themselves (s).
+/// The time (s) of reading, pins, releases and cuts by themselves.
 double events_time(const scenes::Scene& scene) {
   const World& world = scene.world;
   double sum = kRead * double(world.connectors.size() + world.bodies.size());

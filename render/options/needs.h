@@ -1,4 +1,4 @@
-// What a run takes of the machine, and the refusal of one that takes more than there is.
+// The needs of a run, and the refusal of one that needs more than the machine has.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What a clip is written as: kind of file, quality, opacity, and what the file says of itself.
+// The form of a clip's output: kind of file, quality, opacity, and the file's own description.
 #pragma once
 
 #include <filesystem>

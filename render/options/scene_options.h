@@ -47,7 +47,7 @@ int for_each_scene(const SceneOptions& options, const program::Common& common,
 std::filesystem::path results_folder(const std::string& scene, const std::string& out, bool several,
                                      const std::filesystem::path& base = "out");
 
-/// What files of a scene's results are called: the file's name without its ending.
+/// The name of files of a scene's results: the scene file's name without its ending.
 std::string scene_name(const std::string& scene);
 
 }  // namespace taut::options

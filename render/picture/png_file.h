@@ -1,4 +1,4 @@
-// What a PNG file can have beside opaque pixels.
+// PNG files with more than opaque pixels.
 #pragma once
 
 #include <string>

@@ -33,7 +33,7 @@ bool is_copy(const Connector& connector) {
   return connector.name.find('#') != std::string::npos;
 }
 
-/// Those that can be links; all copies of a connector hang on their own bodies, or none does.
+/// The bodies that can be links; all copies of a connector hang on their own bodies, or none does.
 std::vector<std::size_t> possible_links(const World& world, const Timeline& timeline) {
   std::vector<std::size_t> bodies;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
@@ -78,7 +78,7 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
       }
       if (!linked.links.empty()) models.push_back(std::move(linked));
     } catch (const scenes::BadScene&) {
-      // Its start, or one of its pins, needs more particles.
+      // The scene's start, or one of its pins, needs more particles.
     }
   }
   if (!has_spans(scene.world)) {

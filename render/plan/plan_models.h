@@ -31,7 +31,7 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
 std::vector<study::Candidate> all_candidates(const World& world, int fps,
                                              double longest_step = INFINITY);
 
-/// What models cost in accuracy, whatever solves them, in the tolerance's unit.
+/// The errors of models, whatever solves them, in the tolerance's unit.
 struct ModelErrors {
   double twice = 0, four = 0;  // by how much the scene's chains differ from 2 and 4 times the links
   std::optional<double> rope;  // from continuous ropes, where these tell

@@ -47,7 +47,7 @@ std::string times_less(double before, double now) {
                        : fmt::format("{} times more", options::rounded(now / before));
 }
 
-/// What solved the reference solution again.
+/// The check of the reference solution, in words.
 std::string checked_by(const study::ReferenceSolution& reference) {
   const std::string itself = "direct, ten times as finely";
   if (reference.checked < 2) return "checked by " + itself;
@@ -56,7 +56,7 @@ std::string checked_by(const study::ReferenceSolution& reference) {
                      options::rounded(reference.problem.times[reference.checked - 1]), itself);
 }
 
-/// What became of each free body.
+/// The model of each free body, in words.
 std::string bodies_text(const Planned& planned) {
   const World& reference = planned.scene.world;
   const World& world = planned.model().model.world;

@@ -1,4 +1,4 @@
-// What taut plan says of the plan that it found.
+// The report of taut plan on the plan that it found.
 #pragma once
 
 #include <cmath>
@@ -49,7 +49,7 @@ struct Planned {
   const study::Candidate& candidate() const { return model().model.candidates[best.candidate]; }
 };
 
-/// What became of a candidate, in a few words.
+/// The outcome of a candidate, in a few words.
 std::string outcome(const study::Trial& trial, const Asked& asked,
                     const study::ReferenceSolution& reference);
 /// The trial that came nearest to being chosen: the cheapest within, else the cheapest of those

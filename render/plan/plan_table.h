@@ -8,8 +8,8 @@
 
 namespace taut::planning {
 
-/// One row for each scene file: what was asked, what the plan takes, and what it keeps to. Throws
-/// BadScene.
+/// A row for each scene file: the tolerance asked for, the plan, and the accuracy that it keeps.
+/// Throws BadScene.
 chart::Table plan_table(const std::vector<std::string>& scenes);
 
 }  // namespace taut::planning

@@ -1,4 +1,4 @@
-// What the commands share: registration, options, and the way to say that they are misused. The
+// The common base of commands: registration, options, and the way to say that they are misused. The
 // parser's library, which takes seconds of every file that includes it, stays behind command.cpp.
 #pragma once
 
@@ -40,7 +40,7 @@ class Option {
  public:
   explicit Option(CLI::Option& option) : option_(&option) {}
 
-  /// What its value may be.
+  /// The values allowed.
   Option& range(double least, double most);
   Option& positive();
   Option& one_of(const std::vector<std::string>& values);
@@ -72,7 +72,7 @@ class Command {
   /// `take` reads the text, and throws Misuse where it has no meaning.
   Option add_text(const std::string& names, std::function<void(const std::string&)> take,
                   const std::string& help);
-  /// What is called once all options are parsed.
+  /// Sets the function to call once all options are parsed.
   void callback(std::function<void()> chosen);
 
  private:

@@ -9,7 +9,7 @@ namespace taut::program {
 
 std::shared_ptr<CLI::Formatter> help_format();
 
-/// What an option takes, in capitals: its own name where it has no better word; empty for flags.
+/// The name of an option's value, in capitals: the option's own if none is better; none for flags.
 std::string value_of(const CLI::Option& option);
 
 }  // namespace taut::program

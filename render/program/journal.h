@@ -1,4 +1,4 @@
-// What a long study has found so far, on the disk, so that a run that was stopped goes on.
+// The results of a long study so far, on the disk, so that a run that was stopped goes on.
 #pragma once
 
 #include <cstdint>

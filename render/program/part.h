@@ -31,7 +31,7 @@ std::size_t part_of(std::size_t piece, std::size_t total, std::size_t count, Sha
 /// The pieces of a part, rising.
 std::vector<std::size_t> pieces_of(const PartOptions& part, std::size_t total, Share share);
 
-/// What a part of a command writes: FOLDER/parts/NAME.K-of-N.
+/// The output of a part of a command: FOLDER/parts/NAME.K-of-N.
 struct PartPath {
   std::filesystem::path path;
   std::size_t number = 0, count = 0;

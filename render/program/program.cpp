@@ -139,8 +139,7 @@ void open_standard_streams() {
     if (fcntl(number, F_GETFD) < 0) open("/dev/null", O_RDONLY);
 }
 
-/// What the option parser did not know, in words, with what was meant; empty where it is something
-/// else that is wrong.
+/// The word unknown to the option parser, with the word meant; empty where another thing is wrong.
 std::string unknown_word(const CLI::App& app) {
   std::vector<std::string_view> known;
   const std::vector<const CLI::App*> chosen = [&] {

@@ -1,4 +1,4 @@
-// What the terminal that results go to shows: its width and its colours.
+// The terminal that results go to: its width and its colours.
 #pragma once
 
 #include <string>

@@ -35,7 +35,7 @@ std::vector<double> one_or_each(const py::object& value, const char* what, std::
   return all;
 }
 
-/// What holds a rope's first particle: the point where it is, or that point of the path's frame.
+/// The hold of a rope's first particle: the point where it is, or that point of the path's frame.
 Attachment carried(const Vec3& first, const std::shared_ptr<const Path>& path) {
   Attachment to;
   to.point = first;

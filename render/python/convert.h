@@ -50,7 +50,7 @@ std::vector<std::string> names(const std::vector<Named>& all) {
   return list;
 }
 
-/// What holds a particle, from a point and at most one of a body and a path: a point in space, in
+/// The hold of a particle, from a point and at most one of a body and a path: a point in space, in
 /// the body's own frame or in the path's frame (the origin unless given). None without any of them.
 std::optional<Attachment> attachment(const World& world, const py::object& point,
                                      const std::optional<std::string>& body,

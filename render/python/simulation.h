@@ -33,7 +33,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   py::array pose(const std::string& body) const;
   double passed(const std::string& pulley) const;
 
-  /// What another thread is not changing just now. Throws std::runtime_error where one is.
+  /// The simulation, which no other thread may be changing: throws std::runtime_error where one is.
   const Simulation& simulation() const {
     refuse_if_taken(taken_);
     return simulation_;

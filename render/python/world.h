@@ -8,7 +8,7 @@
 
 namespace taut::python {
 
-/// What holds nothing yet but is to be simulated; simulations take a copy.
+/// A world to be built and simulated; simulations take a copy.
 class WorldObject : public std::enable_shared_from_this<WorldObject> {
  public:
   explicit WorldObject(const Vec3& gravity) { world_.gravity = gravity; }

@@ -1,4 +1,4 @@
-// One run against the truth: what it costs and how far off it is.
+// One run against the truth: its cost and its error.
 #pragma once
 
 #include <nlohmann/json.hpp>

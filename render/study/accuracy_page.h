@@ -40,7 +40,7 @@ chart::Table best_table(const AccuracyStudy& study);
 /// Fronts as lines, what they dominate as faint markers; a second panel in pixels where rows have
 /// them.
 chart::Chart accuracy_chart(const AccuracyStudy& study);
-/// What a page says of the study: the chart, what to use, what an error costs.
+/// The study's section of a page: the chart, the methods to use, the cost of an error.
 std::string accuracy_section(const AccuracyStudy& study);
 /// One HTML page that needs no other file.
 std::string accuracy_page(const AccuracyStudy& study);

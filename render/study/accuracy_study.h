@@ -25,7 +25,7 @@ Target scored_target(const scenes::Scene& scene, double share);
 /// Shares of the length and, where the scene has a camera, pixels.
 std::vector<study::Metric> accuracy_metrics(const scenes::Scene& scene);
 
-/// What a study of the options is of, without rows.
+/// The study that the options ask for, without rows.
 AccuracyStudy accuracy_study(const options::StudyOptions& options, const scenes::Scene& scene);
 
 /// Scores and times every candidate within `budget` (s). Rows that the journal holds are taken from

@@ -12,7 +12,7 @@ namespace taut::studies {
 // Particles: as many as the scenes of ropes have, and a long chain.
 inline constexpr std::size_t kFew = 21, kMany = 101;
 
-/// What the claims rest on.
+/// The evidence for the claims.
 struct Evidence {
   BenchResults bench;
   std::vector<double> errors;       // RMS against truth, share of the length; per contender

@@ -1,5 +1,5 @@
-// What few particles cost in accuracy, whatever the method: chains of n particles against the
-// continuous rope that they stand for.
+// The error of few particles, whatever the method: chains of n particles against the continuous
+// rope that they stand for.
 #pragma once
 
 #include <vector>

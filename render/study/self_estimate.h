@@ -1,4 +1,4 @@
-// What a run says of its own error, for every command that makes one run of a scene.
+// The estimate of a run's own error, for every command that makes one run of a scene.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@
 
 namespace taut::studies {
 
-/// What --help says of it.
+/// The text of --help on the estimate.
 extern const std::string_view kEstimateHelp;
 
 /// An ErrorEstimate of a scene's simulation that keeps the time which it takes; or none, where it

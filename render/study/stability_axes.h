@@ -1,5 +1,5 @@
-// What stability maps vary: a property of the scene or a setting along the map, and the step, or
-// what a method without one offers, up it.
+// The axes of stability maps: a property of the scene or a setting along the map, and the step, or
+// another setting of a method without one, up it.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ struct MapAxis {
   std::string label;  // with the unit
   bool log = true;
   std::vector<double> values;  // rising
-  /// What a value changes in the scene; null: nothing.
+  /// The changes to the scene by a value; null: none.
   std::function<std::vector<scenes::SceneChange>(double)> changes;
   /// The setting that is the value, of those methods that have it; empty: none.
   std::string setting;
@@ -33,7 +33,7 @@ bool takes_part(const options::Contender& contender, const MapAxis& axis);
 /// The setting that maps show upwards: the step or, where sweeps leave that alone, the first number
 /// that they go through. Null where there is none.
 const SettingInfo* map_height(const MethodInfo& method);
-/// Its values, rising.
+/// The values of map_height(), rising.
 std::vector<double> map_heights(const SettingInfo& setting, bool quick);
 
 }  // namespace taut::studies

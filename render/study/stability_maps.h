@@ -37,7 +37,7 @@ struct StabilityStudy {
 
 chart::Table stability_table(const StabilityStudy& study);
 chart::Chart stability_chart(const StabilityStudy& study, const StabilityMap& map);
-/// What a page says of the study: its maps.
+/// The study's section of a page: its maps.
 std::string stability_section(const StabilityStudy& study);
 /// One HTML page that needs no other file.
 std::string stability_page(const StabilityStudy& study);

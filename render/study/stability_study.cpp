@@ -254,7 +254,7 @@ int map_part(const StabilityStudy& study, const options::StudyOptions& options,
     const options::Contender& contender = study.contenders[at.contender];
     const std::vector<double> heights = heights_of(contender, study.quick);
     const double x = axis.values[at.column], y = heights[at.height];
-    // What merging leaves out need not be run, as far as this part can tell.
+    // Runs that merging leaves out need not be made, as far as this part can tell.
     const auto is_over = [&](double left, double below) {
       const auto* cells = journal.find(key_of(axis, contender, left, below));
       return cells && cell_from(at.contender, left, below, *cells).over;

@@ -15,7 +15,7 @@ namespace taut::studies {
 inline constexpr std::size_t kMostForTruth = 64;
 inline constexpr double kTruthCap = 2;
 
-/// What a study of the options is of, without cells.
+/// The study that the options ask for, without cells.
 StabilityStudy stability_study(const options::StudyOptions& options, const scenes::Scene& scene);
 
 /// Fills the maps within the options' budget, or from all parts where they say so, and calls

@@ -1,4 +1,4 @@
-// What runs of a study are scored against: the truth of a scene, in units of choice.
+// The target that runs of a study are scored against: the truth of a scene, in units of choice.
 #pragma once
 
 #include <optional>

@@ -26,7 +26,7 @@ struct PaperSetting {
   double error = 0, stretch = 0;  // of the springs; shares of the length and of a link
 };
 
-/// What a method costs where it is as wrong as the paper's method at one of its own settings.
+/// The cost of a method where its error equals the paper's method's at one of its own settings.
 struct EqualError {
   std::size_t particles = 0;
   double error = 0;         // RMS, share of the length

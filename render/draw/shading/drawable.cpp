@@ -117,7 +117,7 @@ void Drawable::bathe(std::span<const Eigen::Vector3f> light) {
   make_arrays();
 }
 
-/// They are never changed: NVIDIA's driver overlooks changes to an array that it has drawn.
+/// Arrays are never changed: NVIDIA's driver overlooks changes to an array that it has drawn.
 void Drawable::make_arrays() {
   all_ = make_array(shape_->indices_);
   some_ = make_array(shape_->some_indices_);

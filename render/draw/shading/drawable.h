@@ -20,8 +20,8 @@ Surface surface_named(std::string_view material);
 
 class Drawable;
 
-/// What of a mesh never moves: its triangles, as indices of vertices, and what the pattern hangs on
-/// (rest position, tint). And room for the vertices of one that has this shape.
+/// The constant part of a mesh: its triangles, as indices of vertices, and the pattern's inputs
+/// (rest position, tint). And room for the vertices of a drawable of this shape.
 class RestShape {
  public:
   RestShape(const gl::Gl& gl, std::vector<std::uint32_t> triangles,

@@ -14,7 +14,7 @@ namespace taut::draw {
 /// c0 + c1 y + c2 z + c3 x + c4 xy + c5 yz + c6 (3z^2 - 1) + c7 xz + c8 (x^2 - y^2).
 using Harmonics = std::array<Eigen::Vector3f, 9>;
 
-/// What is seen past all scenery: sky above, ground below that reflects the key light like a floor.
+/// The light past all scenery: sky above, ground below that reflects the key light like a floor.
 Vec3 surrounding_light(const scenes::Light& light, const Vec3& direction);
 
 /// Radiance seen from a point, added up by direction.
@@ -22,7 +22,7 @@ class HarmonicSum {
  public:
   /// `direction` is a unit vector, `solid_angle` in sr.
   void add(const Vec3& direction, const Vec3& radiance, double solid_angle);
-  /// What it makes on a surface.
+  /// The irradiance on a surface.
   Harmonics irradiance() const;
 
  private:

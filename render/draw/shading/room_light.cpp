@@ -159,8 +159,8 @@ Harmonics harmonics(std::span<const Pixel> cube) {
   return sum.irradiance();
 }
 
-/// What a surface of that roughness mirrors in a direction: the mean by the lobe of GGX, seen along
-/// its axis.
+/// The mirrored light of a surface of that roughness in a direction: the mean by the lobe of GGX,
+/// seen along its axis.
 Vec3 blurred(std::span<const Pixel> cube, const Vec3& ahead, double roughness) {
   const double a2 = std::pow(roughness, 4);
   Vec3 sum = Vec3::Zero();

@@ -28,7 +28,7 @@ class RoomLight {
   bool encloses() const { return !grid_.empty(); }
   /// Irradiance over pi (linear rgb) on each of the vertices of a thing of the scenery.
   std::vector<Eigen::Vector3f> on(const scenes::Mesh& mesh) const;
-  /// What the shaders take of it.
+  /// The shaders' view of the room's light.
   Surroundings surroundings() const;
 
  private:

@@ -11,8 +11,8 @@ namespace taut::draw {
 /// Where the vertices of a mesh are, m, in world space.
 using Places = std::vector<Eigen::Vector3f>;
 
-/// What the casters hide, seen along the key light: a coarse grid over the shadow map with the
-/// depth of the nearest caster in each cell.
+/// The cover of the casters along the key light: a coarse grid over the shadow map with the depth
+/// of the nearest caster in each cell.
 class ShadowCover {
  public:
   /// `light_projection` takes the world to the unit cube of the shadow map; `filter` is how far

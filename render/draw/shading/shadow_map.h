@@ -1,4 +1,4 @@
-// What the key light sees: the depth of the nearest caster.
+// The shadow map: depth of the nearest caster along the key light.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace taut::draw {
 
-/// Its projection is the frame's in use (Surfaces::use).
+/// The map's projection is the frame's in use (Surfaces::use).
 class ShadowMap {
  public:
   ShadowMap(const gl::Gl& gl, int size);

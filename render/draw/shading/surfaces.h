@@ -17,7 +17,7 @@ namespace taut::draw {
 
 constexpr std::size_t kCapsules = 6;
 
-/// What every surface needs to know of a frame; mirrors the shaders' block.
+/// The uniforms of a frame for every surface; mirrors the shaders' block.
 struct FrameBlock {
   Eigen::Matrix4f view_projection, light_projection;
   Eigen::Vector4f eye;  // w: offset along the normal before the shadow's look-up, m
@@ -30,7 +30,7 @@ struct FrameBlock {
   FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport);
 };
 
-/// What takes light from a surface; the numbers are the surface shader's SHADE.
+/// The occluders of a surface's light; the numbers are the surface shader's SHADE.
 enum class Shade {
   lit,        // nothing
   shadowed,   // the shadow map
@@ -39,7 +39,7 @@ enum class Shade {
   unfocused,  // as grounded, from the canvas' blurred light where there is any
 };
 
-/// What surrounds the things of a stage, besides the key light.
+/// The surroundings of the things of a stage, besides the key light.
 struct Surroundings {
   Harmonics ambient;           // on things without light of their own
   GLuint mirror = 0;           // a cube texture, blurred more from level to level; 0: none
@@ -48,7 +48,7 @@ struct Surroundings {
   Vec3 middle = Vec3::Zero();  // where the cube was seen from
 };
 
-/// What is written for a surface; the numbers are the surface shader's OUTPUT.
+/// The output for a surface; the numbers are the surface shader's OUTPUT.
 enum class Output {
   flat,      // one colour everywhere
   display,   // the root of tone-mapped light
@@ -60,7 +60,7 @@ class Surfaces {
   Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& surroundings,
            int shadow_map_size, Output output);
 
-  /// What is drawn from now on is seen and lit like this.
+  /// Sets the camera and light of the following draws.
   void use(const FrameBlock& block) const;
   void draw(const DrawItem& item, Shade shade, float opacity = 1);
 

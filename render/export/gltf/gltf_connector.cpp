@@ -88,7 +88,7 @@ void GltfConnector::add_chain(GltfFile& file, GltfMeshes& meshes, const Connecto
 
 void GltfConnector::add_tube(GltfFile& file, GltfMeshes& meshes, const Connector& connector,
                              const scenes::ConnectorLook& look) {
-  // Its rest is straight along y.
+  // The rest pose is straight along y.
   std::vector<Vec3> straight{Vec3::Zero()};
   for (const double rest : connector.rest)
     straight.push_back(straight.back() + rest * Vec3::UnitY());
