@@ -132,7 +132,7 @@ right_hand = "hand"
   EXPECT_EQ(outcome.messages.rfind("taut: scene.toml:6:8: characters.player.mesh: ", 0), 0u)
       << outcome.messages;
   table.add("no bones", outcome);
-  // What needs no picture of it says so, too.
+  // Commands that draw no picture of it say so, too.
   const auto expect = [&](const char* name, const std::string& character, const char* says) {
     folder.write("scene.toml",
                  "duration = 0.1\n[paths.hand]\nkeys = [{ t = 0, position = [0, 1, 0] }]\n"

@@ -68,7 +68,7 @@ std::string mutated(std::string bytes, const std::vector<std::string>& others,
   return bytes;
 }
 
-/// Those with characters, whose hands take a hundred times as long as all else, less often.
+/// All scenes; those with characters, whose hands take a hundred times as long, less often.
 std::vector<std::string> scenes() {
   constexpr int kOthers = 100;
   std::vector<std::string> inputs;
@@ -149,7 +149,7 @@ std::vector<std::string> pictures() {
   return inputs;
 }
 
-/// What the program reads of others, each in this process and from memory.
+/// The program's readers of foreign input, each in this process and from memory.
 struct Reader {
   const char* name;
   std::vector<std::string> (*inputs)();

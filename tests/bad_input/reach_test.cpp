@@ -1,4 +1,4 @@
-// What holds a connector leads it where its links do not reach.
+// Holds that lead a connector where its links do not reach.
 #include <gtest/gtest.h>
 
 #include "tests/support/fault_table.h"

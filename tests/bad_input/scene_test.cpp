@@ -57,7 +57,7 @@ TEST(BadScene, EveryFaultIsNamedWithItsPlace) {
         << place << '\n'
         << outcome.messages;
     EXPECT_NE(outcome.messages.find(fault.says), std::string::npos) << outcome.messages;
-    // One fault is one line: what follows from it is no fault of its own.
+    // One fault is one line: its consequences are no faults of their own.
     EXPECT_EQ(std::ranges::count(outcome.messages, '\n'), 1) << outcome.messages;
     table.add(fault.name, outcome);
   }

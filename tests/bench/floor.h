@@ -1,4 +1,4 @@
-// What this machine can do at best, for other benchmarks to be compared with.
+// The best that this machine can do, for other benchmarks to be compared with.
 #pragma once
 
 namespace taut::bench {

@@ -1,4 +1,4 @@
-// What interventions cost: a frame of the paper's method under a storm of them, sooner and later,
+// The cost of interventions: a frame of the paper's method under a storm of them, sooner and later,
 // one intervention against an ordinary step, and many of them on one rope.
 #include <benchmark/benchmark.h>
 

@@ -43,7 +43,7 @@ def keep(work, made, name):
         shutil.copyfile(made, work.source / target)
 
 
-# What stands in README.md.
+# The results in README.md.
 
 
 @result("build", FRONT)
@@ -91,7 +91,7 @@ work than its scene file asks for.
 tracer](render/README.md#a-pictures-truth) its pictures are off by a FLIP of {beside[1]}, Eevee's by {beside[2]}."""
 
 
-# What stands in sim/study/README.md.
+# The results in sim/study/README.md.
 
 
 @result("swing", STUDY)
@@ -247,7 +247,7 @@ def plans(work):
     return work.run("taut check --plans " + " ".join(files))
 
 
-# What stands in sim/README.md.
+# The results in sim/README.md.
 
 
 def benchmarks(work, which):
@@ -300,7 +300,7 @@ def exemptions(work):
     return table[1] if table else work.place(RESULTS["exemptions"])
 
 
-# What stands in render/README.md and scenes/README.md.
+# The results in render/README.md and scenes/README.md.
 
 
 @result("frame", RENDER)

@@ -20,7 +20,7 @@ constexpr const char* kWatch =
     "<script>window.faults = []; addEventListener('error', (e) => faults.push(e.message)); "
     "addEventListener('unhandledrejection', (e) => faults.push(String(e.reason)));</script>";
 
-// What a reader does; what comes of it is written into the page.
+// A reader's actions; their outcome is written into the page.
 constexpr const char* kRead = R"js(<script>
 addEventListener('load', async () => {
   const seen = {faults, charts: [], clips: []};
@@ -128,7 +128,7 @@ class LongBrowser : public testing::Test {
     }
     GTEST_SKIP() << "no Chromium is installed (Debian: chromium)";
   }
-  /// What is seen of a page in a window of that size.
+  /// The view of a page in a window of that size.
   nlohmann::json seen(std::string page, int width, int height, bool dark = false) const {
     page.insert(page.find("<title>"), kWatch);
     page.insert(page.rfind("</body>"), kRead);

@@ -1,4 +1,4 @@
-// What is said to be proved of a clip: by the command, beside the clip and on its pictures.
+// The claim of a clip's proof: by the command, beside the clip and on its pictures.
 #include <gtest/gtest.h>
 
 #include <filesystem>

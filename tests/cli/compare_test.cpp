@@ -61,7 +61,7 @@ TEST_F(Compare, SixMethodsInAClip) {
   const chart::Table table = chart::from_csv(read_file(out_ / "compare.csv"));
   EXPECT_EQ(table.rows.size(), 6u);
   for (const auto& row : table.rows) {
-    // What converges to the truth is nearer to it than what does not.
+    // Methods that converge to the truth are nearer to it than those that do not.
     const double error = std::stod(row[2]);
     if (row[0] == "direct" || row[0] == "multibody") {
       EXPECT_LT(error, 0.1) << row[0];

@@ -120,7 +120,7 @@ TEST(UsdaExport, CamerasWithALensHaveItsStopAndFocus) {
   EXPECT_EQ(samples(usda, "camera", "focusDistance").at(0)[0], 2.25);
 }
 
-/// What a BVH file says: joints with their parents and offsets, and rows of channels.
+/// The contents of a BVH file: joints with their parents and offsets, and rows of channels.
 struct Bvh {
   std::vector<std::string> names;
   std::vector<int> parents;

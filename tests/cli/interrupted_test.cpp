@@ -9,7 +9,7 @@
 namespace taut {
 namespace {
 
-/// What a command says that is interrupted while it does `work`: later, where it had not begun.
+/// The result of a command interrupted while it does `work`: later, where it had not begun.
 ProgramResult interrupted(const std::vector<std::string>& command, const std::string& work) {
   const Folder folder;
   folder.write("scene.toml",

@@ -1,4 +1,4 @@
-// What an export of a scene is given.
+// The input of an export of a scene.
 #pragma once
 
 #include <string>

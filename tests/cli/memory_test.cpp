@@ -1,5 +1,5 @@
-// What the memory of `taut render` comes to, as the kernel saw its peak: it does not grow with the
-// clip, and stays below what `taut check` says.
+// The peak memory of `taut render`, by the kernel: it does not grow with the clip, and stays below
+// the estimate of `taut check`.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>

@@ -1,5 +1,5 @@
-// What a clip is written as: kinds of files, opacity, backgrounds, and what the files say of
-// themselves.
+// The form of a clip's output: kinds of files, opacity, backgrounds, and the files' own
+// descriptions.
 #include <gtest/gtest.h>
 
 #include <csignal>

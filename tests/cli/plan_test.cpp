@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 const fs::path kScenes = TAUT_SOURCE_DIR "/scenes";
 
-/// What `taut plan` says of a scene, as JSON.
+/// The output of `taut plan` on a scene, as JSON.
 nlohmann::json plan_of(const fs::path& scene, const std::string& options) {
   const Folder folder;
   const fs::path file = folder.path() / "plan.json";
@@ -33,7 +33,7 @@ nlohmann::json plan_of(const fs::path& scene, const std::string& options) {
   return nlohmann::json::parse(read_file(file));
 }
 
-/// What one unit of a tolerance measures.
+/// The distance measured by a tolerance's unit.
 study::Distance distance_of(const scenes::Scene& scene, const std::string& tolerance) {
   if (tolerance.ends_with("px")) return studies::pixels_of(scene)->distance;
   return [](const Vec3& at, const Vec3& truth, double) { return 1e3 * (at - truth).norm(); };

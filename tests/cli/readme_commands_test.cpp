@@ -109,7 +109,7 @@ bool is_missing(const std::string& word) {
   return code != 0;
 }
 
-/// What --help says, asked once.
+/// The text of --help, asked once.
 const std::string& help_of(const std::vector<std::string>& command) {
   static std::map<std::vector<std::string>, std::string> asked;
   const auto [at, is_new] = asked.try_emplace(command);
@@ -132,7 +132,7 @@ bool has_option(const std::string& help, const std::string& option) {
   return false;
 }
 
-/// What is wrong with a command, or empty.
+/// The fault of a command, or empty.
 std::string complaint(const std::vector<std::string>& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     const bool written = words[i - 1] == "--out" || words[i - 1] == "--csv";

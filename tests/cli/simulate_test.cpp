@@ -311,7 +311,7 @@ TEST(Simulate, SignalsLeaveNothingHalfWritten) {
     EXPECT_FALSE(fs::exists(folder.path() / "t.csv"));
     EXPECT_EQ(fs::exists(part), signal == SIGKILL);
     if (signal != SIGKILL) continue;
-    // What was left behind is no obstacle to the next run.
+    // Files left behind are no obstacle to the next run.
     folder.write("scene.toml", kPushedStick);
     EXPECT_EQ(run_taut({"simulate", "scene.toml", "--csv", "t.csv"}, folder.path()).code, 0);
     EXPECT_EQ(lines(read_file(folder.path() / "t.csv")).size(), 6u);

@@ -80,7 +80,7 @@ class Pieces {
     end.insert(end.size() - 2, fmt::format(", winch = [{}]", keys));
   }
 
-  /// What a rope with a winch is made of: `stiffness` (N m^2) is much.
+  /// The section of a rope with a winch: `stiffness` (N m^2) is much.
   std::string winched_section(double stiffness) {
     if (winch_dice_.between(0, 1) > 0.3) return {};
     return fmt::format("bending_stiffness = {}\n", stiffness * winch_dice_.scale(1e-5, 1));
@@ -126,7 +126,7 @@ class Pieces {
                                 text(chance(0.5) ? dice_.within(10) : Vec3::Zero())));
   }
 
-  /// What it is made of; clamps of its ends stand in these.
+  /// The section of the rope; clamps of its ends stand in these.
   std::string add_section(double length, std::string& from, std::string& to, const Vec3& along) {
     std::string section;
     const auto key = [&](const char* name, double value) {

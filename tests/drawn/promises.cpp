@@ -29,7 +29,7 @@ constexpr std::size_t kMemory = 1024u << 20;  // bytes
 constexpr double kMostTolerances = 10;        // that an error may have of which nothing is told
 constexpr double kTold = 1. / 3;              // of an error, that its estimate has at least
 
-// What is told beside broken promises.
+// Findings beside broken promises.
 constexpr const char* kDiverged = "diverged\t";
 constexpr const char* kEnded = "ended\t\n";
 constexpr const char* kUnknown = "unknown\t\n";
@@ -121,7 +121,7 @@ struct Task {
   bool compares = false;
 };
 
-/// What came of the task: method, promise and finding, a line each.
+/// The outcome of the task: method, promise and finding, a line each.
 std::string perform(const scenes::Scene& scene, const Task& task) {
   const std::string found = task.compares ? compare(scene) : run_twice(scene, task.method);
   std::string told;
@@ -149,8 +149,8 @@ scenes::SandboxResult apart(double cpu_time, const std::function<std::string()>&
   return scenes::run_in_sandbox({kMemory, 1u << 20, cpu_time, 20 * cpu_time}, work);
 }
 
-/// What came of a task in a process of its own. Where a frame takes longer than a run may, the run
-/// has to go on in slices; and what ends in slices ought to end in frames.
+/// The outcome of a task in a process of its own. Where a frame takes longer than a run may, the
+/// run has to go on in slices; and a run that ends in slices ought to end in frames.
 std::vector<Broken> alone(const scenes::Scene& scene, const Task& task) {
   using End = scenes::SandboxResult::End;
   const auto ends = [&](const std::string& how) {

@@ -1,4 +1,4 @@
-// What every scene may expect of every method that takes it, whoever drew it.
+// The promises of every method to every scene that it takes, whoever drew it.
 #pragma once
 
 #include <optional>

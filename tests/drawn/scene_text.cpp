@@ -64,7 +64,7 @@ class Scene : Pieces {
   }
 
  private:
-  /// What can be pinned, cut and joined to.
+  /// A strand that can be pinned, cut and joined to.
   struct Strand {
     std::string name;
     double length = 0;  // m
@@ -73,7 +73,7 @@ class Scene : Pieces {
     bool winched = false;  // neither pinned nor cut
   };
 
-  /// What holds the first end, and where that is.
+  /// The hold of the first end, and its place.
   std::string first_end(Vec3& place, bool span) {
     place = dice_.within(length_);
     const double kind = dice_.between(0, 1);

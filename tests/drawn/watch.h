@@ -225,7 +225,7 @@ class Watch {
     const double way = farthest(before, now);
     if (scene_.fps < 60 || way <= most(speed, time) + near) return;
     if (may_jump(frame) || is_at_full_length(frame * time)) return;
-    // What has steps of its own is looked at after each: shorter ones would be another run.
+    // A method with steps of its own is looked at after each: shorter ones would be another run.
     const auto step = method_.settings.find("step");
     const double* own =
         step == method_.settings.end() ? nullptr : std::get_if<double>(&step->second);

@@ -30,7 +30,7 @@ inline void PrintTo(const Subject& subject, std::ostream* out) {
 
 const std::vector<Subject>& subjects();
 
-/// What of a file is the same in every run: its bytes without times.
+/// The part of a file that is the same in every run: its bytes without times.
 std::string lasting(const std::string& name, const std::string& bytes);
 
 }  // namespace taut::faults

@@ -1,4 +1,4 @@
-// What is fuzzed: bytes in, nothing out; only the errors that are meant may be thrown.
+// The targets of fuzzing: bytes in, nothing out; only the errors that are meant may be thrown.
 #pragma once
 
 #include <string>

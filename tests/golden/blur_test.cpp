@@ -29,7 +29,7 @@ class Blur : public testing::Test {
     stage.background.setZero();
     stage.light = {Vec3(0, 0, -1), Vec3::Zero(), Vec3::Ones(), Vec3::Ones()};
     const Vec3 white = Vec3::Ones();
-    // One flies through the picture, one stands at its left.
+    // The first box flies through the picture, the second stands at its left.
     for (int i = 0; i < 2; ++i)
       stage.body_models.push_back(
           std::make_shared<const scenes::Model>(scenes::box_model(Vec3(0.2, 0.2, 0.02), white)));

@@ -1,4 +1,4 @@
-// What of a moving mesh is drawn once, and what in every exposure.
+// The parts of a moving mesh drawn once, and those drawn in every exposure.
 #include "render/draw/motion_extents.h"
 
 #include <gtest/gtest.h>

@@ -19,7 +19,7 @@ const std::filesystem::path kFolder =
     std::filesystem::path(TAUT_SOURCE_DIR) / "tests/golden/nunchaku";
 constexpr int kSamples = 4;
 
-/// What all tests here draw with.
+/// The tools that all tests here draw with.
 struct Studio {
   scenes::GoldenSuite suite = scenes::load_golden_suite(kFolder);
   scenes::Scene scene = scenes::load_scene(suite.frames.front().scene, true);

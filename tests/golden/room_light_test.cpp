@@ -60,7 +60,7 @@ double corner(double a, double b, double c) {
   return (a / ac * std::atan(b / ac) + b / bc * std::atan(a / bc)) / (2 * std::numbers::pi);
 }
 
-/// Such a rectangle's solid angle, sr.
+/// The solid angle of that rectangle, sr.
 double angle(double a, double b, double c) {
   return std::atan(a * b / (c * std::hypot(a, b, c)));
 }

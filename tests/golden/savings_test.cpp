@@ -1,4 +1,4 @@
-// What saves work shows in no picture: every clip of the scenes here, drawn with and without.
+// Savings of work show in no picture: every clip of the scenes here, drawn with and without.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -144,7 +144,7 @@ class GoldenMotion : public GoldenCommand {
     ASSERT_EQ(golden({"accept", "motions"}).output, "swing: new\n");
     ASSERT_EQ(golden({"check", "motions"}).output, "1 as kept\n");
   }
-  /// What a check says once `change` was made to the record.
+  /// The result of a check once `change` was made to the record.
   ProgramResult after(const std::function<void(nlohmann::json&)>& change) {
     nlohmann::json record = nlohmann::json::parse(read_file(record_));
     change(record);

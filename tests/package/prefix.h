@@ -12,7 +12,7 @@
 
 namespace taut {
 
-/// What a program says that must end well.
+/// The result of a program that must end well.
 inline ProgramResult must_run(std::vector<std::string> command,
                               const std::filesystem::path& folder) {
   const std::string name = command[0];

@@ -53,7 +53,7 @@ TEST(InstalledProgram, ManualPagesHaveAllThatHelpHas) {
   }
 }
 
-/// What bash offers where the last of the words is being typed.
+/// The completions of bash where the last of the words is being typed.
 std::string completed(const std::string& words) {
   return must_run({"bash", "-c",
                    "source share/bash-completion/completions/taut; COMP_WORDS=(" + words +

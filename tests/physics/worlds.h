@@ -56,7 +56,7 @@ inline World pendulum(double length, double degrees) {
   return chain(2, length, from_down(degrees));
 }
 
-/// Its period over 2 pi sqrt(L/g): 1 over the arithmetic-geometric mean of 1 and cos(angle/2).
+/// The pendulum's period over 2 pi sqrt(L/g): 1 / arithmetic-geometric mean of 1, cos(angle/2).
 inline double period_ratio(double degrees) {
   double a = 1, g = std::cos(degrees * std::numbers::pi / 360);
   while (std::abs(a - g) > 1e-15) {

@@ -1,4 +1,4 @@
-// What a storm of interventions falls upon.
+// The flail that a storm of interventions falls upon.
 #pragma once
 
 #include <numeric>

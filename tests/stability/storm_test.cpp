@@ -141,7 +141,7 @@ class Storm {
     const Pinned pinned = simulation_.interventions().pin(world, c, *along, to);
     if (pinned.outcome != Outcome::done) return;  // another pin is on its way out of reach
     pins_.push_back({pinned.pin, there, on_stick ? INFINITY : world.time});
-    // What a fixed point stops is an impulse on it alone; a body takes it over.
+    // A fixed point gives an impulse at itself alone, without moment; a body takes it over.
     EXPECT_LT((angular_momentum(world, there) - angular).norm(), kRounding * angular_scale_);
     if (on_stick) {
       EXPECT_LT((linear_momentum(world) - linear).norm(), kRounding * linear_scale_);

@@ -50,7 +50,7 @@ inline std::vector<std::string> source_tokens(std::string_view text) {
   return tokens;
 }
 
-/// What the tokens before a `{` or `;` define in a namespace: its name, or nothing.
+/// The name that the tokens before a `{` or `;` define in a namespace, or empty.
 inline std::string defined_type(std::vector<std::string> head) {
   const auto drop = [&](std::size_t count) {
     head.erase(head.begin(),

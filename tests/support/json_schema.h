@@ -11,7 +11,7 @@ class JsonSchema {
  public:
   explicit JsonSchema(nlohmann::json schema) : root_(std::move(schema)) {}
 
-  /// What is wrong with a value by the definition of that name; empty: nothing.
+  /// The fault of a value by the definition of that name; empty: none.
   std::string complaint(const nlohmann::json& value, const std::string& definition) const {
     return look(value, root_.at("$defs").at(definition), definition);
   }

@@ -1,4 +1,4 @@
-// What must hold of the source tree and neither compiler nor linker says.
+// The rules of the source tree that neither compiler nor linker checks.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -71,7 +71,7 @@ class Bullet : public Engine {
     body_->updateCollisionObjectWorldTransforms(rotations_, origins_);
   }
 
-  // What two things have together is the product of what they have.
+  // Bullet's friction and restitution of a pair are the products of both things' own: beads have 1.
   static constexpr int kSolids = 1, kBeads = 2;
 
   /// A rod's beads are one shape: the first free rod has two.

@@ -5,7 +5,7 @@
 namespace taut::engines {
 namespace {
 
-/// What holds the upper end, or null.
+/// The hold of the upper end, or null.
 const Hold* top(const World& world) {
   const std::vector<Hold>& holds = world.connectors[0].holds;
   return holds.empty() || holds[0].particle > 0 ? nullptr : &holds[0];

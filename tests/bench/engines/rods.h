@@ -19,7 +19,7 @@ struct Rod {
   Vec3 spin = Vec3::Zero();   // rad/s, at the start; none about itself
 };
 
-/// What hangs from the last rod by a point: its axes are the world's at the start.
+/// The load that hangs from the last rod by a point: its axes are the world's at the start.
 struct Load {
   double mass = 0;              // kg
   Vec3 centre = Vec3::Zero();   // m, from the point

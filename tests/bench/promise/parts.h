@@ -1,4 +1,4 @@
-// What all kinds of scenes are made of.
+// The common parts of all kinds of scenes.
 #pragma once
 
 #include "sim/world/world.h"
@@ -12,7 +12,7 @@ using worlds::fixed_at;
 using worlds::kGravity;
 using worlds::on_body;
 
-/// What every scene has: a chain and how heavy its load is.
+/// The sizes of every scene: of its chain and of the load.
 struct Sizes {
   std::size_t links = 0;
   double length = 0;  // m

@@ -1,4 +1,4 @@
-// What a drawn scene really does, as far as that can be foretold.
+// The true motion of a drawn scene, as far as that can be foretold.
 #pragma once
 
 #include <optional>

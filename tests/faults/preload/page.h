@@ -26,7 +26,7 @@ enum Kind : int {
   kKinds
 };
 
-/// What the system says of each.
+/// The system's error for each.
 constexpr int kErrors[kKinds] = {ENOSPC, ENOSPC, ENOSPC, EIO,    EIO,    EIO,    ENOSPC,
                                  EPERM,  ENOLCK, EIO,    ENOMEM, EAGAIN, EMFILE, EAGAIN};
 

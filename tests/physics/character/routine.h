@@ -30,7 +30,7 @@ struct Routine {
 
   /// Simulates scenes/nunchaku.toml to its end in `split` times as many steps as it says.
   static Routine play(bool with_stage, int split, double passes);
-  /// Its own steps, with its stage; played once.
+  /// The scene's own steps, with its stage; played once.
   static const Routine& shipped();
 
   /// The first caption whose text begins so. Throws std::out_of_range where there is none.

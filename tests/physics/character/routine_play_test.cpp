@@ -85,7 +85,7 @@ TEST(RoutinePlay, EndsCalmly) {
   }
 }
 
-/// What an arm can do: 6 m/s and 120 m/s^2 are far below a trained punch.
+/// The limits of an arm: 6 m/s and 120 m/s^2 are far below a trained punch.
 TEST(RoutinePlay, TheHandMovesAsAPersonCan) {
   for (const Instance& i : routine().steps) {
     EXPECT_LT(i.hand.velocity.norm(), 6) << i.time;

@@ -111,7 +111,7 @@ TEST_P(BodyPairs, AnEndHitsBesideTheMiddle) {
   constexpr double kSpeed = 1.5;
   for (const double e : {0.0, 0.7, 1.0}) {
     for (const double beside : {0.05, 0.15}) {
-      // One along y, the other along z: they cross near the end of the first.
+      // Two rods, one along y and the other along z, cross near the end of the first.
       const double end = 0.18;
       const World world = among({rod(Vec3(-0.2, -end, 0), Vec3(kSpeed, 0, 0)),
                                  turned(rod(Vec3(0, 0, beside)), Vec3::UnitZ())},
@@ -343,7 +343,7 @@ TEST(BodyPairStorms, NothingPassesAndAllLand) {
   }
 }
 
-// What is no pair passes, as if the other were not there.
+// Bodies that are no pair pass, as if the other were not there.
 TEST_P(BodyPairs, OthersPassThrough) {
   World world =
       among({rod(Vec3(-0.3, 0, 0), Vec3(2, 0, 0)), rod(Vec3::Zero()), rod(Vec3(0, 1, 0))});

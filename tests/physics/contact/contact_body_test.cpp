@@ -157,7 +157,7 @@ TEST_P(ContactBody, ARodThatLiesAcrossAnInclineRolls) {
   EXPECT_NEAR(-simulation.world().bodies[0].position.dot(along), way, is_truth() ? 1e-9 : 1e-4);
 }
 
-// Its centre falls straight down, and energy gives the spin by the angle until it lies flat.
+// The rod's centre falls straight down, and energy gives the spin by the angle until it lies flat.
 TEST_P(ContactBody, ARodThatSlipsOnASmoothFloor) {
   const double start = 1.2, half = kLength / 2;
   const World world =

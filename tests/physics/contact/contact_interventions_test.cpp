@@ -1,4 +1,4 @@
-// What lets go of a bead inside of an obstacle is refused, in the same words by every method.
+// Every method refuses, in the same words, to let go of a bead inside of an obstacle.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -28,7 +28,7 @@ World over_a_ball(double x, double above) {
   return world;
 }
 
-/// What each method that follows the world says about the timeline; empty: nothing.
+/// The words of each method that follows the world about the timeline; empty: none.
 std::vector<std::pair<std::string, std::string>> said(const World& world,
                                                       const Timeline& timeline) {
   std::vector<std::pair<std::string, std::string>> all;

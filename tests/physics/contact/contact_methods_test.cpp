@@ -33,7 +33,7 @@ TEST_P(ContactByGames, ABeadBounces) {
   }
 }
 
-// What sticks may creep by what gravity does in a step before friction stops it.
+// A bead that sticks may creep by its fall in a step, before friction stops it.
 TEST_P(ContactByGames, ABeadOnAnInclineSlidesOrSticks) {
   const double angle = std::atan(0.5);
   for (const double mu : {0.2, 0.6}) {

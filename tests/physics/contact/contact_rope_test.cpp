@@ -149,7 +149,7 @@ TEST(ContactRope, AStringWindsUpOnAPost) {
   EXPECT_LT(error[2], 0.35 * error[1]);
 }
 
-// What the tolerance asks for: a rope that swings against a post, up to where motions part.
+// The tolerance holds for a rope that swings against a post, up to where motions part.
 TEST(ContactRope, ErrorsFollowTheTolerance) {
   World world = worlds::chain(31, 1, Vec3::UnitX(), 0.1);
   world.connectors[0].radius = 0.005;

@@ -36,7 +36,7 @@ TEST(Contact, ABeadBouncesAsNewtonSays) {
   }
 }
 
-// It bounces an infinity of times until h(1+e)^2/(1-e)^2 fall times have passed, and lies still.
+// The bead bounces infinitely often until (1+e)/(1-e) fall times have passed, and lies still.
 TEST(Contact, BouncesEnd) {
   constexpr double e = 0.5;
   const double lands = std::sqrt(2 / kGravity);
@@ -47,7 +47,7 @@ TEST(Contact, BouncesEnd) {
   EXPECT_EQ(fastest(simulation.world()), 0);
 }
 
-// What sticks creeps with a share of 1e-14 of what it would gain in a step, of 1/60 s at most.
+// A bead that sticks creeps with 1e-14 of the speed gained in a step without, of 1/60 s at most.
 constexpr double kCrept = 1e-14 * kGravity / 60;
 
 // x = g t^2 (sin a - mu cos a)/2 where tan a > mu, else nothing.
@@ -139,7 +139,7 @@ TEST(Contact, AChainAtRestOnAFloorStaysThere) {
   }
 }
 
-// What lies is carried by the floor: the momentum that the floor and the fixed point give is the
+// The floor carries the rope that lies: the momentum from the floor and the fixed point is the
 // weight in time.
 TEST(Contact, ARopeThatFallsComesToRest) {
   for (const double mu : {0.1, 0.4, 1.0}) {
@@ -213,7 +213,7 @@ TEST(Contact, NothingTunnels) {
   }
 }
 
-// What comes never near an obstacle moves as without: bit by bit.
+// A rope that comes never near an obstacle moves as without: bit by bit.
 TEST(Contact, NothingNearChangesNothing) {
   World world = worlds::chain(21, 0.5, worlds::from_down(60));
   Simulation alone = by_direct(world);

@@ -40,8 +40,8 @@ World above_the_horizontal(double degrees) {
   return with_strings(worlds::pendulum(1, 90 + degrees));
 }
 
-// It falls freely until the string is taut again, as far below the horizontal as it was above. Then
-// only what is across the string is left of its speed, of which it keeps the energy.
+// The bead falls freely until the string is taut again, as far below the horizontal as it was
+// above. Then only the speed across the string is left, whose energy it keeps.
 class StringPendulum : public testing::TestWithParam<const char*> {
  protected:
   const double angle_ = std::numbers::pi / 3;
@@ -225,8 +225,8 @@ TEST(Strings, LandAsInFreeFall) {
   }
 }
 
-/// What a plane is pressed with, N, over its part of the weight of what has landed: as the bead
-/// lands that is in the middle, on average from one landing to the next.
+/// The force on a plane over the weight of the beads that have landed: as the middle bead lands, on
+/// average from one landing to the next.
 double press(std::size_t particles) {
   const World world = above_a_plane(particles);
   const std::size_t middle = (particles - 1) / 2;

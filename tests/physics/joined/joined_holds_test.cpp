@@ -64,7 +64,7 @@ TEST(JoinedHolds, NoCutDividesAJoint) {
   EXPECT_EQ(interventions.cut(world, 1, 0.16).outcome, Outcome::done);
 }
 
-// What is cut off falls: its centre of mass as a stone, its masses those of all that is joined.
+// The part cut off falls: its centre of mass as a stone, its masses those of all that is joined.
 TEST(JoinedHolds, WhatIsCutOffFalls) {
   World world = branch(kParticles);
   Interventions interventions;

@@ -77,7 +77,7 @@ double growth(double share_of_critical) {
   world.gravity = Vec3(0, -1e4, 0);
   column.particle_mass.back() = share_of_critical * critical / 1e4;
   finish(world);
-  // What is not in that bow has died away by then, at rates near 1/s.
+  // Other modes than that bow have died away by then, at rates near 1/s.
   const World early = after(world, 8, 1e-8), late = after(early, 12, 1e-8);
   const double grown =
       late.connectors[0].position.back().x() / early.connectors[0].position.back().x();

@@ -9,8 +9,8 @@ namespace {
 using namespace material_worlds;
 using std::numbers::pi;
 
-// What is left of cos(w t) a quarter of a period after ten periods of the theory tells how far w is
-// off: the phase there is 20.5 pi times the relative difference.
+// The value of cos(w t) a quarter of a period after ten periods of the theory tells the error of w:
+// the phase there is 20.5 pi times the relative difference.
 constexpr double kPeriods = 10.25;
 
 TEST(Beam, FirstFrequencyOfACantilever) {

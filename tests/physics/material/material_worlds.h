@@ -72,7 +72,7 @@ inline double first_beam_number() {
   return low;
 }
 
-/// Its shape: the deflection at x, and its slope.
+/// The shape of that mode: the deflection at x, and its slope.
 inline std::pair<double, double> beam_shape(double x) {
   const double b = first_beam_number();
   const double s =

@@ -216,7 +216,7 @@ World growth_world(std::size_t links, double moment, double tension) {
 
 double growth(std::size_t links, double moment, double tension) {
   const World world = growth_world(links, moment, tension);
-  // What is not in that bow has died away by then.
+  // Other modes than that bow have died away by then.
   const auto bow = [](const World& at) {
     double sum = 0;
     for (const Vec3& p : at.connectors[0].position) sum += p.y() * p.y() + p.z() * p.z();

@@ -142,8 +142,8 @@ TEST(ConstraintRows, ARodMakesAPendulumOfTwoLinks) {
   EXPECT_NEAR(run.velocity(2).norm(), kRod * std::abs(rate), 10 * kError);
 }
 
-// What joins takes the velocity along its gradient by one impulse, as the mass matrix of the two
-// angles has it; then nothing is lost, and what leaves is felt no more.
+// A row that joins takes the velocity along its gradient by one impulse, as the mass matrix of the
+// two angles has it; then nothing is lost, and a row that leaves is felt no more.
 TEST(ConstraintRows, JoinAndLeaveAtAnyInstant) {
   RowRun run(two_links({kLink, 0, 0}, {2 * kLink, 0, 0}));
   run.advance(0.313);

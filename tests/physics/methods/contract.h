@@ -1,5 +1,4 @@
-// What theory promises of each method, and what a method is exempt from: the data of the method
-// contract.
+// The data of the method contract: the promises of theory for each method, and its exemptions.
 #pragma once
 
 #include <cmath>
@@ -129,7 +128,7 @@ inline const std::vector<Theory>& theories() {
       {.label = "direct",
        .method = "direct",
        .settings = {},
-       // Its error estimate is of fifth order: steps go with tolerance^(1/6), errors with its 5/6.
+       // The error estimate is of fifth order: steps go with tolerance^(1/6), errors with its 5/6.
        .knob = {"tolerance", 1e-7, 10, 5.0 / 6},
        .controls_error = true},
       {.label = "direct:step", .method = "direct", .settings = {}, .knob = {"step", 0.02, 2, 8}},

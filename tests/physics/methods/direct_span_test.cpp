@@ -134,7 +134,7 @@ TEST(DirectSpan, ReboundsComeToAnEndWithoutGravityToo) {
             1e-12 * linear.norm());  // times a metre
 }
 
-// What the reduced model leaves out: the rope's own inertia and weight.
+// The reduced model leaves out the rope's own inertia and weight.
 TEST(DirectSpan, DiffersFromLinksByTheWeightOfTheRope) {
   const auto swing = [](double mass, ConnectorModel model) {
     World world = worlds::chain(11, kLength, Vec3::UnitX(), mass);

@@ -275,7 +275,7 @@ TEST(Direct, ABarOnTwoCordsKeepsItsEnergyAndItsHolds) {
   }
 }
 
-// What nothing holds flies by itself.
+// A body that nothing holds flies by itself.
 TEST(Direct, ABodyWithoutAConnectorFallsAndSpins) {
   World world;
   world.bodies = {worlds::box("box")};

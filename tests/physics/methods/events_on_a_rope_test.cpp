@@ -1,4 +1,4 @@
-// What is done to one part of a rope leaves the others to their own steps.
+// Interventions on one part of a rope leave the others to their own steps.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What the impulse of a cord that goes taut does: restitution, momentum, and the form as printed.
+// The impulse of a cord that goes taut: restitution, momentum, and the form as printed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,8 +11,8 @@
 namespace taut::impulse_impact_test {
 namespace {
 
-/// What a cord does to the ends that it stops: the relative velocity along it before and after,
-/// and the kinetic energy lost.
+/// The impact of a cord on the ends that it stops: the worlds before and after, and the kinetic
+/// energy lost.
 struct Impact {
   World before, after;
   Vec3 along;  // from the first end to the last, when the cord went taut

@@ -110,7 +110,7 @@ TEST(Impulse, EventsTellWhenAndHowMuch) {
     EXPECT_GE(event.time, last - 0.0005);
     last = event.time;
   }
-  // It comes to rest on the cord instead of trembling for ever.
+  // The particle comes to rest on the cord instead of trembling for ever.
   const std::size_t count = events.size();
   method->advance(world, 4.0);
   const std::size_t settled = method->events().size();

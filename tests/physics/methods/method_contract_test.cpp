@@ -180,8 +180,8 @@ TEST_P(MethodContract, PendulumPeriod) {
     expect("order of the period, short by",
            knob.order - std::log(std::abs(first / second)) / std::log(knob.by), 0.2);
   }
-  // What remains is what the last difference foretells; and springs lengthen, to the first order in
-  // the stretch m g / k l by softening(), to the second by less than its square times a hundred.
+  // The last difference foretells the remaining error; springs lengthen the period, to first order
+  // in the stretch m g / k l by softening(), to second by less than its square times a hundred.
   const double left = std::abs(second) / (std::pow(knob.by, knob.order) - 1);
   const bool springy = theory().rest == Rest::springy;
   const double weight = world.connectors[0].particle_mass[1] * kGravity;
@@ -283,8 +283,8 @@ TEST_P(MethodContract, AFloor) {
   EXPECT_EQ(state_hash(landed), state_hash(after(world, kHorizon)));
 }
 
-// Its beads are thrown together, and the strings between them hold what flies apart again. Methods
-// whose links push say so.
+// The beads are thrown together, and the strings between them hold those that fly apart again.
+// Methods whose links push say so.
 TEST_P(MethodContract, AString) {
   World world = worlds::chain(6, 0.5, Vec3::UnitX());
   for (std::size_t i = 1; i < 6; ++i) {

@@ -145,7 +145,7 @@ TEST_P(SdFast, DrivenEndsAreWhereTheyAreDriven) {
   EXPECT_EQ(end.connectors[0].velocity[0], hand.velocity);
 }
 
-// What is pushed from outside is taken up again, out of the plane too.
+// Velocities changed from outside are taken up again, out of the plane too.
 TEST_P(SdFast, ChangedVelocitiesAreTakenUp) {
   const Settings settings{{"tolerance", 1e-8}, {"formulation", std::string(GetParam())}};
   const auto method = make_method("sdfast", settings), judge = make_method("truth", {});

@@ -100,7 +100,7 @@ World swinging(std::size_t links, double density = 0.4) {
   return world;
 }
 
-/// That whose eye is driven.
+/// The swinging rope whose eye is driven.
 World carried() {
   World world = swinging(5);
   std::vector<PathKey> way(2);

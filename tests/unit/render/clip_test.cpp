@@ -1,5 +1,5 @@
-// What a clip shows: the order of cards and shots, the time of each frame, and what was simulated
-// for it.
+// The contents of a clip: the order of cards and shots, the time of each frame, and the simulation
+// made for it.
 #include <gtest/gtest.h>
 #include <malloc.h>
 

@@ -1,4 +1,4 @@
-// What is said of a motion that is another one than was accepted.
+// The message on a motion that is another one than was accepted.
 #include "render/golden/golden_trajectory.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the body makes of a hand's path: it prepares, follows late, breathes and blinks.
+// The body's part in a hand's path: it prepares, follows late, breathes and blinks.
 #include <gtest/gtest.h>
 
 #include <cmath>

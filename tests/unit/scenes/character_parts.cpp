@@ -1,4 +1,4 @@
-// What a performance is made of: limbs, tracks and capsules, against their definitions.
+// The parts of a performance: limbs, tracks and capsules, against their definitions.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -25,7 +25,7 @@ friction = 0.4
 
 class ObstacleScene : public SceneTexts {
  protected:
-  /// What is said of the scene with `more` behind it.
+  /// The message on the scene with `more` behind it.
   std::string said(const std::string& more, const std::string& scene = kScene) const {
     return SceneTexts::said(scene + more);
   }
@@ -61,7 +61,7 @@ restitution = 0.3
   EXPECT_EQ(post.restitution, 0.3);
   EXPECT_EQ(post.frame(1).position, Vec3(1, 1, 5));
   EXPECT_EQ(scene.world.connectors[0].radius, 0.01);
-  // What moves is seen by a driven body.
+  // An obstacle that moves is seen by a driven body.
   ASSERT_EQ(scene.world.bodies.size(), 1u);
   EXPECT_EQ(scene.world.bodies[0].name, "post");
   EXPECT_TRUE(scene.world.bodies[0].driven());

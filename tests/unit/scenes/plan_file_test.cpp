@@ -89,7 +89,7 @@ TEST_F(PlanFile, ReplacesAnOlderOneHoweverThatIsWritten) {
   const std::string scene = kPlanned, title = "title = \"\"\"\n[plan]\nstamp\"\"\"\n";
   plan();
   const std::string once = read_file(file_);
-  // What a scene is, and the same with a plan or without one.
+  // Texts that have an older plan, or seem to, and texts that the same plan makes equal.
   const std::pair<std::string, std::string> ways[] = {
       {scene + "  [plan]\nuntil = 1\n", once},
       {scene + "[ plan ]\nmethod = { name = \"xpbd\", step = [1,\n 2] }\n", once},

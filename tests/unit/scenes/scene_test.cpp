@@ -1,4 +1,4 @@
-// What scenes mean: where things stand at the start, what holds them, which names go together.
+// The meaning of scenes: where things stand at the start, what holds them, which names go together.
 #include <gtest/gtest.h>
 
 #include <numbers>

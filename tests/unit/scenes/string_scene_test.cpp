@@ -72,7 +72,7 @@ TEST_F(StringScene, OtherMethodsAreRefused) {
   }
 }
 
-// What is cut off is of strings as well.
+// The part cut off is of strings as well.
 TEST_F(StringScene, StaysOneWhenCut) {
   World world = read(string_with(kPull));
   Interventions interventions;

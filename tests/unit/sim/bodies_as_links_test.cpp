@@ -82,7 +82,7 @@ TEST(BodiesAsLinks, EnergyIsThatOfTheBody) {
   World linked = rigid;
   linked.bodies[0].model = BodyModel::link;
   const Simulation simulation(linked, make_method("direct", {}));
-  // What a thin line knows not of: the turn about itself, of which there is none.
+  // A thin line has no spin about itself; here there is none.
   EXPECT_NEAR(kinetic_energy(simulation.world()), kinetic_energy(rigid), 1e-12);
   EXPECT_NEAR(potential_energy(simulation.world()), potential_energy(rigid), 1e-12);
 }

@@ -1,4 +1,4 @@
-// What an error estimate does to a simulation (nothing), and what it says where it cannot tell.
+// The effect of an error estimate on a simulation (none), and its message where it cannot tell.
 #include "sim/run/error_estimate.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a simulation is said to take, against what the kernel says it took.
+// The estimated footprint of a simulation, against the kernel's account.
 #include "sim/run/footprint.h"
 
 #include <gtest/gtest.h>

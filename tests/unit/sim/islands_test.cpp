@@ -57,7 +57,7 @@ TEST(Islands, StepsGrowAsTheNumberOfEventsDoes) {
   }
 }
 
-/// What a driven stick, a cord and a free ball make, of a timeline's events on all but the last.
+/// A driven stick, ropes and free bodies; a timeline's events on all ropes but the last.
 struct Mixed {
   World world;
   Timeline timeline;
@@ -115,7 +115,7 @@ TEST(Islands, MoveAsIfEachWasAlone) {
     ASSERT_EQ(moved.connectors.size(), 6u);
     // A small world has room made for what comes, and then `direct` projects velocities that fit.
     const double same = method.name == "direct" ? 1e-9 : 0;
-    // What is cut off comes last: of the first rope, then of the third.
+    // The parts cut off come last: of the first rope, then of the third.
     const std::vector<std::vector<std::size_t>> parts{{0, 5}, {1}, {2, 4}};
     for (std::size_t rope = 0; rope < 3; ++rope) {
       const Mixed one = mixed.only(rope);

@@ -51,7 +51,7 @@ TEST(ManyCuts, AtOnceAreThoseOneAfterTheOther) {
       EXPECT_NEAR(a.particle_mass[i], b.particle_mass[i], 1e-16);
     }
   }
-  // What one after the other refuses changes nothing.
+  // Cuts that would be refused one after the other change nothing together.
   World before = rope();
   const std::uint64_t topology = before.topology;
   Interventions refused;

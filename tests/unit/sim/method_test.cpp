@@ -99,7 +99,7 @@ TEST(Simulation, HasTheEventsOfItsLastAdvanceAlone) {
   }
 }
 
-/// What a world built anew from the state of `simulation` does until `time`.
+/// The motion until `time` of a world built anew from the state of `simulation`.
 Snapshot built_anew(const Simulation& simulation, std::unique_ptr<Method> method, double time) {
   World anew = simulation.world();
   for (Body& body : anew.bodies) {

@@ -146,8 +146,8 @@ class Planner : public testing::Test {
   std::vector<study::PlanModel> models_;
 };
 
-/// What the search gave up early for being dear, or did not run, must be dear when it is run to its
-/// end.
+/// Candidates that the search gave up early for their cost, or did not run, must be dear when run
+/// to their end.
 TEST_F(Planner, FindsTheLeastWorkOfAllThatStayWithin) {
   for (const double most : {1e-4, 1e-3, 3e-2}) {
     const study::Search found = within(most);

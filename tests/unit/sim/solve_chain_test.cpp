@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2
 
-/// What the links of a chain that hangs straight from a hold pull with, if its points weigh
-/// `masses` (kg); one of infinite mass is held, too.
+/// The tensions of a chain that hangs straight from a hold, its points of `masses` (kg); a point of
+/// infinite mass is held, too.
 std::vector<double> tensions(const std::vector<double>& masses) {
   const std::size_t n = masses.size();
   std::vector<double> scale(n), diagonal_first(n), diagonal_second(n), off_diagonal(n),

@@ -182,7 +182,7 @@ TEST(Timeline, ThingsHappenAtTheirTimes) {
   // The lower part has fallen since the cut.
   simulation.advance_to(0.45);
   EXPECT_NEAR(simulation.world().connectors[1].position.front().y(), -0.7 - 9.81 * 0.04 / 2, 1e-3);
-  // What nobody foresaw.
+  // A pin that the timeline does not foresee.
   EXPECT_EQ(simulation.interventions().pin(simulation.world(), 1, 0.1).outcome, Outcome::done);
   simulation.advance_to(0.6);
   EXPECT_EQ(simulation.world().connectors[1].holds.size(), 1u);
@@ -202,7 +202,7 @@ TEST(Timeline, StatesKeepTheirParticlesWhateverIsPinnedAndCut) {
     for (std::size_t c = 0; c < 3; ++c) {
       ASSERT_EQ(state.connectors[c].size(), parts.connectors[c].particles()) << time;
     }
-    // It hangs at rest until its parts fall, one after the other.
+    // The rope hangs at rest until its parts fall, one after the other.
     const auto fallen = [&](double since) {
       return time > since ? 9.81 * (time - since) * (time - since) / 2 : 0;
     };
