@@ -41,7 +41,7 @@ def _trunk(left, forward):
     return pose({bone: turn for bone in ("Spine", "Spine1", "Chest")})
 
 
-# What the jacket's cloth has to stand: arms from the sides to straight up, a turned and bent trunk.
+# The poses worn by the jacket: arms from the sides to straight up, a turned and bent trunk.
 _WORN = [_arms(*a) for a in ((0, 0, 0), (0, 60, 0), (45, 0, 0), (45, 60, 60), (90, 0, 0), (-75, 10, 90))]
 _WORN += [_trunk(10, 8), _trunk(-10, 8)]
 
