@@ -1,0 +1,162 @@
+#include "render/study/work_precision.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+
+#include "render/program/command.h"
+#include "render/program/note.h"
+#include "render/study/scoring.h"
+#include "render/study/study_target.h"
+#include "sim/motion/hash.h"
+
+namespace taut::studies {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kScoringShare = 0.7, kTimingShare = 0.3;  // of the budget
+constexpr double kSlowShare = 0.002;                       // share of it that is a long run
+constexpr double kMetre = 1;
+
+Target solved_target(const options::StudyOptions& options, double least_error, bool quiet) {
+  const scenes::Scene scene = options::study_scene(options);
+  if (!quiet) program::note("{}: solving the truth\n", options.scene);
+  truth::TruthOptions truth;
+  truth.scored_error = least_error;
+  truth.second_accuracy = (options.quick ? 5e-3 : 1e-4) * least_error;
+  return predictable_target(scene, truth);
+}
+
+/// Without rows.
+AccuracyStudy empty_study(const options::StudyOptions& options) {
+  AccuracyStudy study;
+  study.scene = options.scene;
+  study.title = options::study_scene(options).title;
+  for (const options::Contender& contender : options::chosen_contenders(options)) {
+    study.blocks.push_back({contender, {}});
+  }
+  return study;
+}
+
+AccuracyStudy study_of(const options::StudyOptions& options, double least_error, bool quiet) {
+  const Clock::time_point begin = Clock::now();
+  const Target target = solved_target(options, least_error, quiet);
+  // The truth is part of the budget, but for what the rest needs at least.
+  const double spent = std::chrono::duration<double>(Clock::now() - begin).count();
+  const double left = std::max(options.budget - spent, 0.3 * options.budget);
+  AccuracyStudy study = empty_study(options);
+  score_all(study, target, {study::share_of_length(kMetre)}, kScoringShare * left, options.quick,
+            nullptr, quiet);
+  time_all(study, target, 1, kTimingShare * left, kSlowShare * left);
+  study.horizon = target.reference.horizon;
+  return study;
+}
+
+/// The runs of all scenes, for parts to share out: those of a scene beside each other, for they
+/// share its truth.
+class SharedRuns {
+ public:
+  SharedRuns(const options::StudyOptions& options, const std::vector<double>& errors)
+      : options_(options), least_error_(*std::ranges::min_element(errors)) {
+    Hash stamp;
+    for (const std::string& scene : options.inputs.scenes) {
+      options::StudyOptions one = options;
+      one.scene = scene;
+      stamp.text(scene).number(options::stamp_of(one));
+      const AccuracyStudy study = empty_study(one);
+      for (study::Candidate& candidate : all_candidates(study, one.quick)) {
+        pieces_.keys.push_back(key_of(scenes_.size(), candidate));
+        runs_.push_back({scenes_.size(), std::move(candidate)});
+      }
+      scenes_.push_back(std::move(one));
+      cap_ = cap_of_a_run(study, kScoringShare * one.budget);
+    }
+    for (const double error : errors) stamp.number(error);
+    stamp_ = stamp.value();
+  }
+
+  int run_part(const program::Common& common) const {
+    const std::vector<study::Metric> metrics{study::share_of_length(kMetre)};
+    std::optional<Target> target;
+    std::size_t of_target = 0;
+    return program::do_part(
+        options_.part, pieces_, folder(), stamp_, common,
+        [&](std::size_t i, program::Journal& journal) {
+          const auto& [scene, candidate] = runs_[i];
+          if (!target || of_target != scene) {
+            target = solved_target(scenes_[scene], least_error_, common.quiet);
+            of_target = scene;
+            journal.add(truth_key(scene), {program::exact(target->reference.horizon)});
+          }
+          return scored_and_timed(*target, metrics, candidate, cap_, kSlowShare * options_.budget);
+        });
+  }
+
+  std::vector<AccuracyStudy> merged() const {
+    const program::Journal journal = program::merged_journal(pieces_, folder(), stamp_);
+    std::vector<AccuracyStudy> studies;
+    for (std::size_t s = 0; s < scenes_.size(); ++s) {
+      AccuracyStudy study = empty_study(scenes_[s]);
+      for (AccuracyBlock& block : study.blocks) {
+        for (const study::Candidate& candidate :
+             options::candidates_of(block.contender, options_.quick)) {
+          block.rows.push_back(row_from(candidate, *journal.find(key_of(s, candidate))));
+        }
+      }
+      if (const auto* truth = journal.find(truth_key(s)))
+        study.horizon = program::number_in(truth->at(0));
+      studies.push_back(std::move(study));
+    }
+    return studies;
+  }
+
+ private:
+  struct SceneRun {
+    std::size_t scene = 0;
+    study::Candidate candidate;
+  };
+
+  static std::string key_of(std::size_t scene, const study::Candidate& candidate) {
+    return fmt::format("{} {}", scene, score_key(candidate));
+  }
+  static std::string truth_key(std::size_t scene) { return fmt::format("{} truth", scene); }
+  std::filesystem::path folder() const { return options_.out.empty() ? "out" : options_.out; }
+
+  const options::StudyOptions& options_;
+  double least_error_;  // m
+  program::Pieces pieces_{"work_precision", "runs", program::Share::neighbours, {}};
+  std::vector<options::StudyOptions> scenes_;
+  std::vector<SceneRun> runs_;
+  double cap_ = 0;  // s
+  std::uint64_t stamp_ = 0;
+};
+
+}  // namespace
+
+std::vector<AccuracyStudy> work_precision(options::StudyOptions options,
+                                          const std::vector<double>& errors, bool quiet) {
+  std::vector<AccuracyStudy> studies;
+  for (const std::string& scene : options.inputs.scenes) {
+    options.scene = scene;
+    studies.push_back(study_of(options, *std::ranges::min_element(errors), quiet));
+  }
+  return studies;
+}
+
+int work_precision_part(const options::StudyOptions& options, const std::vector<double>& errors,
+                        const program::Common& common) {
+  return SharedRuns(options, errors).run_part(common);
+}
+
+std::vector<AccuracyStudy> merged_work_precision(const options::StudyOptions& options,
+                                                 const std::vector<double>& errors) {
+  return SharedRuns(options, errors).merged();
+}
+
+}  // namespace taut::studies
