@@ -41,9 +41,9 @@ SelfEstimate::SelfEstimate(const scenes::Scene& scene, bool on) {
 
 void SelfEstimate::follow(const Simulation& simulation) {
   if (!estimate_ || !estimate_->none().empty()) return;
-  const double before = study::thread_seconds();
+  const double before = thread_seconds();
   estimate_->follow(simulation);
-  seconds_ += study::thread_seconds() - before;
+  seconds_ += thread_seconds() - before;
   until_ = simulation.world().time;
 }
 

@@ -44,25 +44,17 @@ Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions&
 
 std::optional<truth::Reference> quick_reference(const study::Problem& problem, double scored_error,
                                                 double cpu_cap) {
-  study::Run first = study::run(problem, {"truth", {{"local_error", 1e-9}}}, cpu_cap);
-  const bool plain = follows(*find_method("multibody"), problem.world);
-  const study::Run second =
-      plain ? study::run(problem, {"multibody", {{"accuracy", 1e-5}}}, cpu_cap)
-            : study::run(problem, {"direct", {{"tolerance", scored_error / 1000}}}, cpu_cap);
-  const study::Distance metres = [](const Vec3& at, const Vec3& truth, double) {
-    return (at - truth).norm();
-  };
-  truth::Reference reference;
-  const std::size_t both = std::min(first.frames.size(), second.frames.size());
-  for (std::size_t k = 1; k < both; ++k) {
-    const double apart = study::frame_error(second.frames[k], first.frames[k], metres);
-    if (apart > scored_error / 100) break;
-    reference.horizon = first.frames[k].time;
-    reference.self_error = std::max(reference.self_error, apart);
+  try {
+    truth::Reference reference =
+        truth::solve_truth(problem.world, problem.times, truth::quick_truth(scored_error, cpu_cap),
+                           problem.timeline, render::stop_if_interrupted);
+    if (reference.horizon > 0) return reference;
+  } catch (const Diverged&) {
+    // None.
+  } catch (const BadIntervention&) {
+    // None either.
   }
-  if (!(reference.horizon > 0)) return std::nullopt;
-  reference.frames = std::move(first.frames);
-  return reference;
+  return std::nullopt;
 }
 
 namespace {

@@ -28,10 +28,8 @@ Target target_of(const scenes::Scene& scene, double duration, const truth::Truth
 /// The whole scene up to its horizon. Throws Misuse where that is before the second frame.
 Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions& options);
 
-/// A reference good enough to tell runs that are within `scored_error` (m) of the truth: two
-/// independent solvers, `direct` in place of the one that knows links alone where there is more, up
-/// to where they agree to a hundredth of that. None where one of them cannot solve the problem
-/// within `cpu_cap` (s) or they disagree at once.
+/// The truth as far as it tells runs within `scored_error` (m) from others. None where one of its
+/// solvers cannot solve the problem within `cpu_cap` (s), or they disagree at once.
 std::optional<truth::Reference> quick_reference(const study::Problem& problem, double scored_error,
                                                 double cpu_cap);
 

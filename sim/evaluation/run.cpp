@@ -1,7 +1,5 @@
 #include "sim/evaluation/run.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -59,12 +57,6 @@ std::vector<double> frame_times(double duration, int fps) {
     times.push_back(k / static_cast<double>(fps));
   }
   return times;
-}
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,

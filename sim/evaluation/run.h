@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/evaluation/candidate.h"
+#include "sim/run/cpu_time.h"
 #include "sim/run/simulation.h"
 
 namespace taut::study {
@@ -52,8 +53,5 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
 /// Runs `candidate` and records nothing: the CPU time (s) of stepping alone; where that is less
 /// than 2 ms, the median of so many runs more. Throws Diverged.
 double time_run(const Problem& problem, const Candidate& candidate);
-
-/// CPU time (s) of the calling thread.
-double thread_seconds();
 
 }  // namespace taut::study

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <utility>
 
+#include "sim/run/cpu_time.h"
 #include "sim/run/simulation.h"
 
 namespace taut::truth {
@@ -21,23 +23,48 @@ constexpr double kMaterialTolerance = 1e-3;  // of the scored error
 
 using Frames = std::vector<Snapshot>;
 
-/// Frames up to the first that `enough` says no to, or that the method cannot reach.
-Frames run(const World& world, std::string_view method, const Settings& settings,
-           const Timeline& timeline, std::span<const double> times,
-           const std::function<bool(std::size_t, const Snapshot&)>& enough) {
+struct Solver {
+  std::string_view method;
+  Settings settings;
+};
+
+struct Solution {
   Frames frames;
-  Simulation simulation(world, make_method(method, settings), timeline);
+  std::optional<Diverged> end;  // why there are no more
+};
+
+/// Frames up to the first that `enough` says no to, that comes after the cap, or that the method
+/// cannot reach.
+Solution run(const World& world, const Solver& solver, const Timeline& timeline,
+             std::span<const double> times, double cpu_cap,
+             const std::function<bool(std::size_t, const Snapshot&)>& enough) {
+  Solution solution;
+  Simulation simulation(world, make_method(solver.method, solver.settings), timeline);
+  double spent = 0;
   try {
     for (const double time : times) {
+      const double before = thread_seconds();
       simulation.advance_to(time);
+      spent += thread_seconds() - before;
       Snapshot frame = simulation.state();
-      if (!enough(frames.size(), frame)) break;
-      frames.push_back(std::move(frame));
+      if (spent > cpu_cap || !enough(solution.frames.size(), frame)) break;
+      solution.frames.push_back(std::move(frame));
     }
-  } catch (const Diverged&) {
-    // The frames reached are those that can be compared.
+  } catch (const Diverged& end) {
+    solution.end = end;
   }
-  return frames;
+  return solution;
+}
+
+/// The second solver, which shares as little with the first as one that follows the world can.
+Solver second_solver(const World& world, const TruthOptions& options) {
+  if (has_contact(world) || has_strings(world)) {
+    return {"direct", {{"step", kContactStep * options.scored_error}}};
+  }
+  if (follows(*find_method("multibody"), world)) {
+    return {"multibody", {{"accuracy", options.second_accuracy}}};
+  }
+  return {"direct", {{"tolerance", kMaterialTolerance * options.scored_error}}};
 }
 
 /// The ends of a world's free bodies, where it has no connectors.
@@ -87,40 +114,30 @@ World nudged(World world, double distance, bool rough) {
 Reference solve_truth(const World& world, std::span<const double> times,
                       const TruthOptions& options, const Timeline& timeline,
                       const std::function<void()>& tick) {
-  const Settings first{{"local_error", options.local_error}};
-  const Settings second{{"accuracy", options.second_accuracy}};
-  Reference truth;
-  Simulation simulation(world, make_method("truth", first), timeline);
-  try {
-    for (const double time : times) {
-      simulation.advance_to(time);
-      truth.frames.push_back(simulation.state());
-      if (tick) tick();
-    }
-  } catch (const Diverged&) {
-    if (truth.frames.size() < 2) throw;
-  }
+  const Solver first{"truth", {{"local_error", options.local_error}}};
+  Solution solution =
+      run(world, first, timeline, times, options.cpu_cap, [&](std::size_t, const Snapshot&) {
+        if (tick) tick();
+        return true;
+      });
+  if (solution.end && solution.frames.size() < 2) throw *solution.end;
+  Reference truth{.frames = std::move(solution.frames)};
   const double apart = kTruthAgreement * options.scored_error;
-  const auto close = [&](std::size_t frame, const Snapshot& other) {
-    if (tick) tick();
-    return largest_distance(world, other, truth.frames[frame]) <= apart;
+  std::span<const double> until = times.first(truth.frames.size());
+  const auto agree = [&](const World& start, const Solver& solver) {
+    return run(start, solver, timeline, until, options.cpu_cap,
+               [&](std::size_t frame, const Snapshot& other) {
+                 if (tick) tick();
+                 return largest_distance(world, other, truth.frames[frame]) <= apart;
+               })
+        .frames;
   };
-  std::size_t predictable = truth.frames.size();
   for (const bool rough : {false, true}) {
+    if (!options.nudges) break;
     const World start = nudged(world, kTruthNudge * options.scored_error, rough);
-    predictable = run(start, "truth", first, timeline, times.subspan(0, predictable), close).size();
+    until = until.first(agree(start, first).size());
   }
-  const std::span<const double> until = times.subspan(0, predictable);
-  Frames checked;
-  if (has_contact(world) || has_strings(world)) {
-    const Settings steps{{"step", kContactStep * options.scored_error}};
-    checked = run(world, "direct", steps, timeline, until, close);
-  } else if (has_materials(world) || has_winches(world) || !world.joints.empty()) {
-    const Settings finer{{"tolerance", kMaterialTolerance * options.scored_error}};
-    checked = run(world, "direct", finer, timeline, until, close);
-  } else {
-    checked = run(world, "multibody", second, timeline, until, close);
-  }
+  const Frames checked = agree(world, second_solver(world, options));
   if (!checked.empty()) truth.horizon = times[checked.size() - 1];
   for (std::size_t i = 0; i < checked.size(); ++i) {
     truth.self_error =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <span>
 
 #include "sim/interventions/timeline.h"
@@ -19,7 +20,19 @@ struct TruthOptions {
   /// Error allowed in a step: of the first solver in metres, of the second relative.
   double local_error = 1e-12;
   double second_accuracy = 1e-10;
+  /// Whether nudged starts are followed too; else the horizon is where the two solvers agree.
+  bool nudges = true;
+  double cpu_cap = std::numeric_limits<double>::infinity();  // s, of the stepping of each solution
 };
+
+/// Options for a truth that tells runs within `scored_error` (m) from others and no more.
+inline TruthOptions quick_truth(double scored_error, double cpu_cap) {
+  return {.scored_error = scored_error,
+          .local_error = 1e-9,
+          .second_accuracy = 1e-5,
+          .nudges = false,
+          .cpu_cap = cpu_cap};
+}
 
 /// A converged solution of the discrete model by two independent solvers (multipliers with
 /// projection under Runge-Kutta-Fehlberg 7(8); joint coordinates under Simbody's

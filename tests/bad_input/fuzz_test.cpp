@@ -207,7 +207,7 @@ class Fuzz : public testing::TestWithParam<Reader> {
   void run(long mutations, unsigned seed) {
     const std::vector<std::string> inputs = GetParam().inputs();
     ASSERT_FALSE(inputs.empty());
-    const double start = study::thread_seconds();
+    const double start = thread_seconds();
     for (const std::string& input : inputs) read(input);
     std::mt19937 chance(seed);
     for (long i = 0; i < mutations && !HasFatalFailure(); ++i)
@@ -215,7 +215,7 @@ class Fuzz : public testing::TestWithParam<Reader> {
 #ifndef TAUT_SANITIZED
     EXPECT_LT(peak_memory(), kMemory);
 #endif
-    rate_ = static_cast<double>(mutations) / (study::thread_seconds() - start);
+    rate_ = static_cast<double>(mutations) / (thread_seconds() - start);
   }
 
   double rate_ = 0;  // inputs per second of CPU time

@@ -71,16 +71,16 @@ template <typename V, typename Scalar>
     x = factor / x;
     hold(x);
   };
-  const double start = study::thread_seconds();
+  const double start = thread_seconds();
   for (std::size_t i = 0; i < repeats; ++i) {
     both(x0, y0), both(x1, y1), both(x2, y2), both(x3, y3);
     both(x4, y4), both(x5, y5), both(x6, y6);
   }
-  const double middle = study::thread_seconds();
+  const double middle = thread_seconds();
   for (std::size_t i = 0; i < repeats / 10; ++i) {
     divide(x0), divide(x1), divide(x2), divide(x3), divide(x4), divide(x5), divide(x6);
   }
-  const double end = study::thread_seconds();
+  const double end = thread_seconds();
   constexpr double kChains = 7;
   pair = (middle - start) / (static_cast<double>(repeats) * kChains);
   quotient = (end - middle) / (static_cast<double>(repeats / 10) * kChains);
@@ -149,9 +149,9 @@ void Step(benchmark::State& state) {
   batch::Batch<Scalar> batch(world, kStep, width);
   double frame = 0, spent = 0;
   for (auto _ : state) {
-    const double before = study::thread_seconds();
+    const double before = thread_seconds();
     batch.advance(++frame * kFrame);
-    spent += study::thread_seconds() - before;
+    spent += thread_seconds() - before;
     if (frame == 60) {
       state.PauseTiming();
       batch = batch::Batch<Scalar>(world, kStep, width);

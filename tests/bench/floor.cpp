@@ -18,9 +18,9 @@ template <typename Work>
 double least_seconds(Work work) {
   double least = 1;
   for (int repeat = 0; repeat < 20; ++repeat) {
-    const double start = study::thread_seconds();
+    const double start = thread_seconds();
     work();
-    least = std::min(least, study::thread_seconds() - start);
+    least = std::min(least, thread_seconds() - start);
   }
   return least;
 }

@@ -81,9 +81,9 @@ BENCHMARK(CalmFrame);
 /// CPU seconds that `what` takes.
 template <class Work>
 double timed(Work what) {
-  const double before = study::thread_seconds();
+  const double before = thread_seconds();
   what();
-  return study::thread_seconds() - before;
+  return thread_seconds() - before;
 }
 
 struct Cost {

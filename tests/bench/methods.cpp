@@ -21,11 +21,11 @@ void swing(benchmark::State& state, const std::string& method) {
     Simulation simulation = scenes::start(scene, {method, {}});
     simulation.advance_to(kFrame);  // workspaces are made
     const Counters before = simulation.method().counters();
-    const double from = study::thread_seconds();
+    const double from = thread_seconds();
     for (int frame = 2; frame * kFrame <= kDuration; ++frame) {
       simulation.advance_to(frame * kFrame);
     }
-    spent += study::thread_seconds() - from;
+    spent += thread_seconds() - from;
     const Counters& after = simulation.method().counters();
     steps += static_cast<double>(after.steps - before.steps);
     solves += static_cast<double>(after.solves - before.solves);

@@ -46,8 +46,8 @@ class Watch {
   std::string look(int most) {
     Snapshot before = simulation_.state();
     double speed = fastest();
-    const double start = study::thread_seconds();
-    for (int frame = 1; frame <= most && study::thread_seconds() - start < kShare; ++frame) {
+    const double start = thread_seconds();
+    for (int frame = 1; frame <= most && thread_seconds() - start < kShare; ++frame) {
       simulation_.advance_to(frame / static_cast<double>(scene_.fps));
       const Snapshot now = simulation_.state();
       if (!is_finite(now)) return fmt::format("finite\tframe {}\n", frame);
@@ -65,9 +65,9 @@ class Watch {
 
   /// Goes in slices instead; whether to the end.
   bool slice() {
-    const double start = study::thread_seconds();
+    const double start = thread_seconds();
     for (double time = kSlice; time < scene_.duration; time += kSlice) {
-      if (study::thread_seconds() - start > kShare) return false;
+      if (thread_seconds() - start > kShare) return false;
       simulation_.advance_to(time);
     }
     return true;

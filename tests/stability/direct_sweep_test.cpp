@@ -117,9 +117,9 @@ void follow(const Case& c, double duration, double cpu_cap) {
   const double mass = kMass * (1 + c.mass_ratio);
   double cpu = 0, stretch = 0, left = 0, kinetic = 0;
   for (const double time : looks(c, duration)) {
-    const double before = study::thread_seconds();
+    const double before = thread_seconds();
     simulation.advance_to(time);
-    cpu += study::thread_seconds() - before;
+    cpu += thread_seconds() - before;
     ASSERT_LT(cpu, cpu_cap) << "at " << time;
     stretch = std::max(stretch, stretch_max(simulation.world()));
     kinetic = std::max(kinetic, kinetic_energy(simulation.world()));

@@ -350,9 +350,9 @@ TEST(LongStorm, CostsTheMethodOfThePaperNoMoreAsItGoesOn) {
   Storm storm({"impulse", {}, INFINITY, INFINITY}, 4);
   std::vector<double> cost;  // CPU s per simulated second
   for (int i = 0; i < 300; ++i) {
-    const double cpu = study::thread_seconds(), time = storm.time();
+    const double cpu = thread_seconds(), time = storm.time();
     storm.rage(20);
-    cost.push_back((study::thread_seconds() - cpu) / (storm.time() - time));
+    cost.push_back((thread_seconds() - cpu) / (storm.time() - time));
   }
   const auto median = [](auto first, auto last) {
     std::vector<double> values(first, last);

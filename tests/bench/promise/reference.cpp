@@ -61,7 +61,7 @@ Reference make_reference(const study::Problem& problem, double length, double ca
   Simulation smooth = made(twin(problem.world, nudge, false));
   Simulation rough = made(twin(problem.world, nudge, true));
   Reference reference;
-  const double start = study::thread_seconds();
+  const double start = thread_seconds();
   double before = 0;
   try {
     for (const double time : problem.times) {
@@ -74,7 +74,7 @@ Reference make_reference(const study::Problem& problem, double length, double ca
           smooth.world() = twin(smooth.world(), nudge, false);
           rough.world() = twin(rough.world(), nudge, true);
         }
-        reference.cpu = study::thread_seconds() - start;
+        reference.cpu = thread_seconds() - start;
         if (reference.cpu > cap) {
           reference.end = Reference::End::over_cap;
           return reference;

@@ -56,11 +56,11 @@ void add_estimate(Score& score, const Drawn& drawn, const Reference& reference,
   double stepping = 0, following = 0;  // s of CPU time
   try {
     for (const Snapshot& frame : reference.frames) {
-      const double start = study::thread_seconds();
+      const double start = thread_seconds();
       simulation.advance_to(frame.time);
-      const double middle = study::thread_seconds();
+      const double middle = thread_seconds();
       estimate.follow(simulation);
-      following += study::thread_seconds() - middle;
+      following += thread_seconds() - middle;
       stepping += middle - start;
     }
   } catch (const Diverged&) {

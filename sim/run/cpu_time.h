@@ -1,0 +1,9 @@
+// What computing costs.
+#pragma once
+
+namespace taut {
+
+/// CPU time (s) of the calling thread.
+double thread_seconds();
+
+}  // namespace taut
