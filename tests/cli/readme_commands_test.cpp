@@ -33,9 +33,19 @@ std::vector<std::filesystem::path> pages() {
 
 struct Page {
   std::vector<std::string> commands, quick;
+  std::vector<std::string> measured;  // behind results
 };
 
-/// The commands of the page's `sh` blocks, one for each line and each `&&`, and its short forms.
+/// The commands of a line, with `&&` or `;` between them.
+void split(const std::string& line, std::vector<std::string>& commands) {
+  for (std::size_t at = 0; at != std::string::npos;) {
+    const std::size_t end = line.find_first_of("&;", at);
+    commands.push_back(line.substr(at, end == std::string::npos ? end : end - at));
+    at = line.find_first_not_of("&;", end);
+  }
+}
+
+/// The commands of the page's `sh` blocks and its short forms.
 Page read_page(const std::string& text) {
   Page page;
   std::istringstream in(text);
@@ -45,14 +55,16 @@ Page read_page(const std::string& text) {
     if (line.starts_with("```")) {
       inside = !inside && line == "```sh";
     } else if (line.starts_with(mark)) {
-      page.quick.push_back(line.substr(mark.size(), line.rfind(" -->") - mark.size()));
+      split(line.substr(mark.size(), line.rfind(" -->") - mark.size()), page.quick);
+    } else if (line.starts_with("*Measured")) {
+      for (std::size_t at = line.find('`'); at != std::string::npos;) {
+        const std::size_t end = line.find('`', at + 1);
+        page.measured.push_back(line.substr(at + 1, end - at - 1));
+        at = line.find('`', end + 1);
+      }
     } else if (inside) {
       line = line.substr(0, line.find(" #"));
-      for (std::size_t at = 0; at != std::string::npos;) {
-        const std::size_t end = line.find_first_of("&;", at);
-        page.commands.push_back(line.substr(at, end == std::string::npos ? end : end - at));
-        at = line.find_first_not_of("&;", end);
-      }
+      split(line, page.commands);
     }
   }
   return page;
@@ -74,6 +86,9 @@ std::vector<std::string> words_of(const std::string& command) {
 /// The program that the first word names, or nothing where a program of the system is meant.
 std::filesystem::path program_of(const std::string& word) {
   if (word == "taut" || word == "$taut") return TAUT_PROGRAM;
+  for (const auto& folder : {kBuild, kBuild / "tests/bench"}) {
+    if (word.starts_with("taut_") && std::filesystem::exists(folder / word)) return folder / word;
+  }
   for (const auto& [prefix, folder] :
        {std::pair<std::string, std::filesystem::path>{"build/release/", kBuild},
         {"build/fuzz/", {}},
@@ -86,8 +101,9 @@ std::filesystem::path program_of(const std::string& word) {
   return {};
 }
 
-const std::set<std::string> kOfTheSystem{"apt-get", "cmake", "ctest", "ffmpeg",
-                                         "git",     "make",  "mkdir", "/usr/bin/python3"};
+const std::set<std::string> kOfTheSystem{"apt-get", "cmake", "ctest",           "du",
+                                         "ffmpeg",  "git",   "gnuplot",         "make",
+                                         "mkdir",   "ninja", "/usr/bin/python3"};
 
 bool is_preset(const std::string& name) {
   const auto json = nlohmann::json::parse(read_file(kSource / "CMakePresets.json"));
@@ -161,11 +177,14 @@ std::string complaint(const std::vector<std::string>& words) {
 TEST(ReadmeCommands, ExistWithTheirOptionsAndFiles) {
   std::size_t checked = 0;
   for (const auto& file : pages()) {
-    for (const std::string& command : read_page(read_file(file)).commands) {
-      const std::vector<std::string> words = words_of(command);
-      if (words.empty()) continue;
-      ++checked;
-      EXPECT_EQ(complaint(words), "") << file << ": " << command;
+    const Page page = read_page(read_file(file));
+    for (const auto* commands : {&page.commands, &page.measured}) {
+      for (const std::string& command : *commands) {
+        const std::vector<std::string> words = words_of(command);
+        if (words.empty()) continue;
+        ++checked;
+        EXPECT_EQ(complaint(words), "") << file << ": " << command;
+      }
     }
   }
   EXPECT_GT(checked, 30U);
@@ -193,6 +212,30 @@ TEST(ReadmeCommands, ShortFormsRun) {
       const ProgramResult result = Child(words, kSource).wait();
       EXPECT_EQ(result.code, 0) << file << ": " << command << "\n" << result.messages;
     }
+  }
+}
+
+/// The program that a command runs and, of programs of several commands, which; empty for others'.
+std::string name_of(const std::string& command) {
+  const std::vector<std::string> words = words_of(command);
+  if (words.empty()) return "";
+  const std::filesystem::path program = program_of(words[0]);
+  if (program.empty()) return "";
+  const bool named = words.size() > 1 && !words[1].starts_with("-") &&
+                     (program == TAUT_PROGRAM || program.filename() == "taut_engines");
+  return program.filename().string() + (named ? " " + words[1] : "");
+}
+
+TEST(ReadmeCommands, HaveShortForms) {
+  std::set<std::string> shown, run;
+  for (const auto& file : pages()) {
+    const Page page = read_page(read_file(file));
+    for (const std::string& command : page.commands) shown.insert(name_of(command));
+    for (const std::string& command : page.quick) run.insert(name_of(command));
+  }
+  shown.erase("");
+  for (const std::string& name : shown) {
+    if (!name.starts_with("test_")) EXPECT_TRUE(run.contains(name)) << name;  // CTest runs those
   }
 }
 
