@@ -66,11 +66,11 @@ def _shaded(part):
     """Darken corners: each plane of the room takes light from what stands at right angles to it."""
     part = _split(part, lambda p: 0.30 + 1.5 * np.sort(np.abs(np.stack(_distances(p))), axis=0)[1])
     p, n = part.points, np.abs(part.normals)
-    reach = 0.45
+    radius = 0.45
     light = np.ones(len(p))
     for d, axis in zip(_distances(p), (1, 1, 2, 0)):
         d = np.maximum(d, 0)
-        hidden = 0.5 * (1 - d / np.sqrt(d * d + reach * reach))
+        hidden = 0.5 * (1 - d / np.sqrt(d * d + radius * radius))
         light *= 1 - 0.9 * hidden * (1 - n[:, axis])
     part.colors = part.colors * light[:, None]
     return part

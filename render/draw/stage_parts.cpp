@@ -64,7 +64,7 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
       const Vec3 axis = capsule.to - capsule.from;
       block.capsule_from[i] = with_w(capsule.from, capsule.radius);
       block.capsule_to[i] = with_w(capsule.to, 1 / std::max(axis.squaredNorm(), 1e-6));
-      look.contacts.push_back(capsule.reach());
+      look.contacts.push_back(capsule.bounds());
     }
   block.capsules = int(look.contacts.size());
   return look;

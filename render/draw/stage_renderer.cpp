@@ -6,7 +6,7 @@
 #include "render/draw/brute_force.h"
 #include "render/draw/jitter.h"
 #include "render/draw/motion_extents.h"
-#include "render/draw/reach.h"
+#include "render/draw/screen_extent.h"
 #include "render/draw/shading/shadow_cover.h"
 #include "render/draw/stage_parts.h"
 #include "sim/motion/hash.h"
@@ -57,16 +57,16 @@ struct StageRenderer::Impl : StageParts {
     const Vector3f direction = stage.light.direction.cast<float>();
     picture::Rect all;
     for (ReachedPart& part : found) {
-      HullPoints reach;
+      HullPoints hull;
       for (const auto& box : casters) {
         if (box.isEmpty() || part.box.isEmpty()) continue;
         // As much wider as the penumbra can be, and the filter.
         const float more = kSun * box.merged(part.box).diagonal().norm() + block.eye.w();
         const Vector3f margin = Vector3f::Constant(2 * more);
-        add_shadow({box.min() - margin, box.max() + margin}, direction, part.box, reach);
+        add_shadow({box.min() - margin, box.max() + margin}, direction, part.box, hull);
       }
-      for (const auto& box : contacts) add_box(box.intersection(part.box), reach);
-      part.pixels = pixels(reach, block.view_projection, viewport);
+      for (const auto& box : contacts) add_box(box.intersection(part.box), hull);
+      part.pixels = pixels(hull, block.view_projection, viewport);
       all = picture::hull(all, part.pixels);
     }
     return all;
@@ -101,12 +101,12 @@ struct StageRenderer::Impl : StageParts {
       gl.Enable(GL_BLEND);
       gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     }
-    HullPoints reach;
+    HullPoints hull;
     for (const DrawItem& item : things) {
       surfaces.draw(item, Shade::shadowed, opacity);
-      add_box(item.box(), reach);
+      add_box(item.box(), hull);
     }
-    canvas.touch(pixels(reach, look.block.view_projection, viewport));
+    canvas.touch(pixels(hull, look.block.view_projection, viewport));
     lap("figures");
     if (!solid) return;
 

@@ -25,7 +25,7 @@ double LinearKeys::off(const Snapshot& from, const Snapshot& to, const Snapshot&
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     point(from.bodies[b].position, to.bodies[b].position, state.bodies[b].position);
     const Quat turn = from.bodies[b].rotation.slerp(u, to.bodies[b].rotation);
-    most = std::max(most, turn.angularDistance(state.bodies[b].rotation) * reaches_[b]);
+    most = std::max(most, turn.angularDistance(state.bodies[b].rotation) * radii_[b]);
   }
   return most;
 }

@@ -14,8 +14,8 @@ class LinearKeys {
  public:
   static constexpr double kLimit = 5e-5;  // m
 
-  /// `reaches` tell of each body how far from its origin there is something to see, m.
-  explicit LinearKeys(std::vector<double> reaches) : reaches_(std::move(reaches)) {}
+  /// `radii` tell of each body how far from its origin there is something to see, m.
+  explicit LinearKeys(std::vector<double> radii) : radii_(std::move(radii)) {}
 
   void add(Snapshot state, bool is_frame, const std::function<void(const Snapshot&)>& key);
 
@@ -25,7 +25,7 @@ class LinearKeys {
   double off(const Snapshot& from, const Snapshot& to, const Snapshot& state) const;
   void divide(std::size_t from, std::size_t to, const std::function<void(const Snapshot&)>& key);
 
-  std::vector<double> reaches_;
+  std::vector<double> radii_;
   std::vector<Snapshot> pending_;  // from the last frame on
   double error_ = 0;
 };

@@ -25,16 +25,16 @@ std::vector<std::shared_ptr<const scenes::Model>> body_models(const scenes::Scen
   return models;
 }
 
-std::vector<double> body_reaches(const scenes::Scene& scene) {
-  std::vector<double> reaches;
+std::vector<double> bounding_radii(const scenes::Scene& scene) {
+  std::vector<double> radii;
   for (const auto& model : body_models(scene)) {
-    double& farthest = reaches.emplace_back(0);
+    double& farthest = radii.emplace_back(0);
     if (!model) continue;
     for (const scenes::Mesh& mesh : model->meshes)
       for (const scenes::Vertex& v : mesh.vertices)
         farthest = std::max(farthest, Vec3(v.position[0], v.position[1], v.position[2]).norm());
   }
-  return reaches;
+  return radii;
 }
 
 scenes::ConnectorLook look_of(const scenes::Scene& scene, std::size_t connector) {

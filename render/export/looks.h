@@ -8,7 +8,7 @@ namespace taut::exporting {
 /// A model for each body; null: nothing is seen of it.
 std::vector<std::shared_ptr<const scenes::Model>> body_models(const scenes::Scene& scene);
 /// How far from its origin there is something to see of each body, m.
-std::vector<double> body_reaches(const scenes::Scene& scene);
+std::vector<double> bounding_radii(const scenes::Scene& scene);
 
 /// Of a connector of the scene's world as it is divided().
 scenes::ConnectorLook look_of(const scenes::Scene& scene, std::size_t connector);

@@ -92,7 +92,7 @@ class UsdaWriter final : public FrameWriter {
       : scene_(scene),
         write_(std::move(write)),
         world_(divided(scene.world, scene.timeline)),
-        keys_(body_reaches(scene)) {
+        keys_(bounding_radii(scene)) {
     for (const Connector& connector : world_.connectors)
       connectors_.push_back({names_.of(connector.name), ""});
     for (const Body& body : world_.bodies) bodies_.push_back({names_.of(body.name)});

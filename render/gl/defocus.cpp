@@ -53,9 +53,9 @@ vec4 gathered(vec4 own, vec2 middle, float radius, int count) {
     vec2 at = clamp(middle + away * direction, low, high);
     vec4 there = textureLod(sharp, at * (1 / SIZE), level);
     // What lies farther spreads over this no more than this is blurred.
-    float reach = abs(there.a);
-    if (there.a > own.a) reach = min(reach, radius);
-    float share = clamp(reach - away + 0.5, 0, 1) / max(reach * reach, 0.25);
+    float circle = abs(there.a);
+    if (there.a > own.a) circle = min(circle, radius);
+    float share = clamp(circle - away + 0.5, 0, 1) / max(circle * circle, 0.25);
     sum += vec4(there.rgb, 1) * share;
   }
   return vec4(sum.rgb / sum.a, 1);

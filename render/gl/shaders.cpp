@@ -161,7 +161,7 @@ float contact_light(vec3 p, vec3 n) {
     vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
     float distance2 = dot(d, d);
     float r2 = capsule_from[i].w * capsule_from[i].w;
-    float sphere = max(r2 / distance2 - 1.0 / (CONTACT_REACH * CONTACT_REACH), 0);
+    float sphere = max(r2 / distance2 - 1.0 / (CONTACT_RANGE * CONTACT_RANGE), 0);
     light *= 1 - 0.9 * min(max(dot(n, d), 0) * inversesqrt(distance2) * sphere, 1);
   }
 #endif

@@ -27,18 +27,18 @@ class Blend {
   std::array<std::array<std::uint8_t, 256>, 3> result_;
 };
 
-/// Each number of `lines` lines of so many becomes the mean of those at most `reach` away in its
+/// Each number of `lines` lines of so many becomes the mean of those at most `radius` away in its
 /// line, which ends in zeros; `step` and `stride` lead to the next number, and to the next line.
-void average(std::vector<float>& numbers, int length, int lines, int step, int stride, int reach) {
+void average(std::vector<float>& numbers, int length, int lines, int step, int stride, int radius) {
   const std::vector<float> before = numbers;
   for (int l = 0; l < lines; ++l) {
     const auto at = [&](int i) { return std::size_t(l * stride + i * step); };
     float sum = 0;
-    for (int i = 0; i < std::min(reach, length); ++i) sum += before[at(i)];
+    for (int i = 0; i < std::min(radius, length); ++i) sum += before[at(i)];
     for (int i = 0; i < length; ++i) {
-      if (i + reach < length) sum += before[at(i + reach)];
-      if (i > reach) sum -= before[at(i - reach - 1)];
-      numbers[at(i)] = std::max(sum, 0.0f) / float(2 * reach + 1);
+      if (i + radius < length) sum += before[at(i + radius)];
+      if (i > radius) sum -= before[at(i - radius - 1)];
+      numbers[at(i)] = std::max(sum, 0.0f) / float(2 * radius + 1);
     }
   }
 }
@@ -55,7 +55,7 @@ void fill(Picture& picture, const Rect& rect, Rgb color, double opacity) {
 void draw_shadow(Picture& picture, Font& font, std::string_view text, double x, double y,
                  double size, Rgb color, double opacity) {
   // Three means over a box are nearly a bell.
-  const int reach = std::max(int(std::lround(0.2 * size)), 1), margin = 3 * reach;
+  const int radius = std::max(int(std::lround(0.2 * size)), 1), margin = 3 * radius;
   const int left = int(std::floor(x)) - margin, top = int(std::floor(y - size)) - margin;
   Picture letters(int(std::ceil(font.width(text, size))) + 2 * margin + 1,
                   int(std::ceil(1.3 * size)) + 2 * margin + 1);
@@ -64,8 +64,8 @@ void draw_shadow(Picture& picture, Font& font, std::string_view text, double x, 
   std::vector<float> cover(std::size_t(letters.width) * std::size_t(letters.height));
   for (std::size_t i = 0; i < cover.size(); ++i) cover[i] = float(letters.pixels[4 * i]) / 255;
   for (int pass = 0; pass < 3; ++pass) {
-    average(cover, letters.width, letters.height, 1, letters.width, reach);
-    average(cover, letters.height, letters.width, letters.width, 1, reach);
+    average(cover, letters.width, letters.height, 1, letters.width, radius);
+    average(cover, letters.height, letters.width, letters.width, 1, radius);
   }
   const Rect part = intersection({left, top, letters.width, letters.height},
                                  {0, 0, picture.width, picture.height});

@@ -47,15 +47,15 @@ Track Track::lagged(double lag) const {
 
 Track Track::smoothed(double deviation) const {
   const double width = deviation * rate_;
-  const auto reach = static_cast<Eigen::Index>(std::ceil(3.5 * width));
-  Eigen::VectorXd kernel(reach + 1);
-  for (Eigen::Index k = 0; k <= reach; ++k)
+  const auto radius = static_cast<Eigen::Index>(std::ceil(3.5 * width));
+  Eigen::VectorXd kernel(radius + 1);
+  for (Eigen::Index k = 0; k <= radius; ++k)
     kernel[k] = std::exp(-0.5 * std::pow(static_cast<double>(k) / width, 2));
-  kernel /= kernel[0] + 2 * kernel.tail(reach).sum();
+  kernel /= kernel[0] + 2 * kernel.tail(radius).sum();
   Track out = *this;
   for (Eigen::Index i = 0; i < count(); ++i) {
     Eigen::VectorXd sum = kernel[0] * samples_.col(i);
-    for (Eigen::Index k = 1; k <= reach; ++k)
+    for (Eigen::Index k = 1; k <= radius; ++k)
       sum += kernel[k] * (samples_.col(nearest(i - k)) + samples_.col(nearest(i + k)));
     out.samples_.col(i) = sum;
   }

@@ -124,9 +124,9 @@ std::vector<Vec3> points_of_clip(const Scene& scene, const std::function<void()>
     }
   } catch (const Diverged&) {  // the clip ends there, too
   }
-  const double reach = kRunaway * std::max(near.diagonal().norm() / 2, kSmallest);
+  const double range = kRunaway * std::max(near.diagonal().norm() / 2, kSmallest);
   std::erase_if(all, [&](const Vec3& point) {
-    return !point.allFinite() || near.exteriorDistance(point) > reach;
+    return !point.allFinite() || near.exteriorDistance(point) > range;
   });
   return all;
 }

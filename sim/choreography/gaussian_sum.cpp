@@ -6,9 +6,9 @@
 namespace taut::choreography {
 
 GaussianSum GaussianSum::between(double from, double until, double spacing) {
-  const double room = (until - from) / spacing - 2 * kReach;
+  const double room = (until - from) / spacing - 2 * kSupport;
   if (room < 0) return {from, spacing, 0};
-  return {from + kReach * spacing, spacing, static_cast<Eigen::Index>(std::floor(room)) + 1};
+  return {from + kSupport * spacing, spacing, static_cast<Eigen::Index>(std::floor(room)) + 1};
 }
 
 GaussianSum::Local GaussianSum::at(double time, Eigen::Index columns) const {
@@ -16,8 +16,8 @@ GaussianSum::Local GaussianSum::at(double time, Eigen::Index columns) const {
   const auto clamped = [&](double index) {
     return static_cast<Eigen::Index>(std::clamp(index, 0.0, static_cast<double>(count)));
   };
-  Local local{clamped(std::ceil(place - kReach)), {}};
-  const Eigen::Index end = std::max(local.begin, clamped(std::floor(place + kReach) + 1));
+  Local local{clamped(std::ceil(place - kSupport)), {}};
+  const Eigen::Index end = std::max(local.begin, clamped(std::floor(place + kSupport) + 1));
   local.series.resize(end - local.begin, columns);
   for (Eigen::Index i = 0; i < local.series.rows(); ++i) {
     // g = exp(-x^2 / 2) has g' = -x g, with x in standard deviations.

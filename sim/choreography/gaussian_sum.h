@@ -14,7 +14,7 @@ struct GaussianSum {
   Eigen::Index count = 0;
 
   /// Beyond so many spacings a Gaussian counts as zero, it and its derivatives.
-  static constexpr double kReach = 6;
+  static constexpr double kSupport = 6;
   /// From rest at `from` to rest at `until`; no Gaussians where that is too short for one.
   static GaussianSum between(double from, double until, double spacing);
 

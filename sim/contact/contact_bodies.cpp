@@ -37,11 +37,11 @@ void ContactMotion::rebuild_bodies(const World& world) {
   meetings_ = meetings_of_bodies(world, world.obstacles, world.pairs);
   is_carried_.assign(mechanism_.points(), false);
   for (const auto& carried : mechanism_.body_points()) is_carried_[carried.point] = true;
-  double reach = 0;
+  double longest = 0;
   for (const BodyCapsule& capsule : capsules_) {
-    if (capsule.touches()) reach = std::max(reach, (capsule.to - capsule.from).norm());
+    if (capsule.touches()) longest = std::max(longest, (capsule.to - capsule.from).norm());
   }
-  if (touching_ == 0) touching_ = kTouching * (reach > 0 ? reach : 1);
+  if (touching_ == 0) touching_ = kTouching * (longest > 0 ? longest : 1);
   for (auto* array : {&body_free_, &body_pulled_, &body_added_, &twists_}) {
     array->assign(capsules_.size(), Vec6::Zero());
   }

@@ -77,13 +77,13 @@ double last_motion(const World& world, const Known& a, const Known& b) {
 }
 
 /// Words that end a sentence about a place too far from or too near to a hold; empty: neither.
-std::string misfit(double distance, double along, const DistanceRange& reach, double same) {
-  const bool far = distance > reach.most + same, near = distance < reach.least - same;
+std::string misfit(double distance, double along, const DistanceRange& range, double same) {
+  const bool far = distance > range.most + same, near = distance < range.least - same;
   if (!far && !near) return {};
   std::ostringstream line;
   line << "it is " << distance << " m from what holds the connector at " << along << " m, ";
-  if (far) line << "with " << reach.most << " m of the connector between them";
-  if (near) line << "and the links between them fold to no less than " << reach.least << " m";
+  if (far) line << "with " << range.most << " m of the connector between them";
+  if (near) line << "and the links between them fold to no less than " << range.least << " m";
   return line.str();
 }
 

@@ -232,11 +232,11 @@ void Impulse::stay_in_reach(Connector& connector, const Strand& strand, const Sp
     const Vec3 place = connector.position[end];
     const double along = strand.along[end];
     for (std::size_t i = first + 1; i < last; ++i) {
-      const double reach = limits_.longest * std::abs(strand.along[i] - along);
+      const double longest = limits_.longest * std::abs(strand.along[i] - along);
       const Vec3 apart = connector.position[i] - place;
       const double squared = apart.squaredNorm();
-      if (squared <= reach * reach) continue;
-      connector.position[i] = place + reach / std::sqrt(squared) * apart;
+      if (squared <= longest * longest) continue;
+      connector.position[i] = place + longest / std::sqrt(squared) * apart;
     }
   }
   if (!as_printed_) meet(connector, strand, last, first);
@@ -245,13 +245,13 @@ void Impulse::stay_in_reach(Connector& connector, const Strand& strand, const Sp
 /// Moves a particle and an end into each other's reach, each by the other's part of their mass.
 void Impulse::meet(Connector& connector, const Strand& strand, std::size_t i,
                    std::size_t end) const {
-  const double reach = limits_.longest * std::abs(strand.along[i] - strand.along[end]);
+  const double longest = limits_.longest * std::abs(strand.along[i] - strand.along[end]);
   const Vec3 apart = connector.position[end] - connector.position[i];
   const double squared = apart.squaredNorm();
   const double weight = strand.weight[i] + strand.weight[end];
-  if (squared <= reach * reach || weight == 0) return;
+  if (squared <= longest * longest || weight == 0) return;
   const double distance = std::sqrt(squared);
-  const Vec3 move = apart * ((distance - reach) / (distance * weight));
+  const Vec3 move = apart * ((distance - longest) / (distance * weight));
   connector.position[i] += strand.weight[i] * move;
   connector.position[end] -= strand.weight[end] * move;
 }

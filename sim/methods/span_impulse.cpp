@@ -91,11 +91,11 @@ void exchange(const Side& a, const Vec3& arm_a, const Side& b, const Vec3& arm_b
 }
 
 /// The distances between which a span's ends are left alone, m.
-struct Reach {
+struct DistanceLimits {
   double shortest, longest;
   double exact;  // so near a limit is at it
 
-  Reach(const Span& span, const LinkLimits& limits)
+  DistanceLimits(const Span& span, const LinkLimits& limits)
       : shortest(span.folds ? 0 : limits.shortest * span.length),
         longest(limits.longest * span.length),
         exact(kExact * span.length) {}
@@ -155,8 +155,8 @@ void SpanImpulses::watch(const World& world, Span& span, double time,
   if (!span.taut || span.length == 0) return;
   const std::vector<Vec3>& position = world.connectors[span.connector].position;
   const double distance = (position[span.b.particle] - position[span.a.particle]).norm();
-  const Reach reach(span, limits_);
-  if (distance >= reach.longest - reach.exact || distance <= reach.shortest + reach.exact) return;
+  const DistanceLimits range(span, limits_);
+  if (distance >= range.longest - range.exact || distance <= range.shortest + range.exact) return;
   span.taut = false;
   events.push_back({Event::Kind::slack, time, span.connector, span.index, 0});
 }
@@ -174,14 +174,14 @@ bool SpanImpulses::act(World& world, Span& span, double time, double dt,
   };
   const Vec3 gap = b.point() - a.point();
   const double distance = gap.norm();
-  const Reach reach(span, limits_);
-  const bool is_long = distance > reach.longest + reach.exact;
-  if (!is_long && distance >= reach.shortest - reach.exact) return false;
+  const DistanceLimits range(span, limits_);
+  const bool is_long = distance > range.longest + range.exact;
+  if (!is_long && distance >= range.shortest - range.exact) return false;
   if (span.length == 0 && !as_printed_) return close_joint(a, b, dt);
 
   // From here on, `sign` makes whatever leads farther beyond the limit positive.
   const double sign = is_long ? 1 : -1;
-  const double limit = is_long ? reach.longest : reach.shortest;
+  const double limit = is_long ? range.longest : range.shortest;
   const Vec3 along = gap / distance;
   const double separation_speed = sign * along.dot(b.velocity_of(b.arm) - a.velocity_of(a.arm));
   const double restitution = world.connectors[span.connector].restitution;

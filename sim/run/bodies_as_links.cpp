@@ -73,7 +73,7 @@ BodiesAsLinks::BodiesAsLinks(World& world) {
     const Hold hold = chain.holds[place.hold];
     const Vec3 arm = arm_of(body, hold), along = arm.normalized();
     const EquimomentalLink stick(body.bare.mass, moment_across(body.bare, along), arm.norm());
-    const Vec3 beyond = hold.to.point + stick.reach * along;
+    const Vec3 beyond = hold.to.point + stick.length * along;
     const bool first = hold.particle == 0;
 
     chain.particle_mass[hold.particle] += stick.tip;
@@ -83,8 +83,8 @@ BodiesAsLinks::BodiesAsLinks(World& world) {
     put(chain.particle_mass, stick.far);
     put(chain.position, body.point(beyond));
     put(chain.velocity, body.point_velocity(beyond));
-    put(chain.rest, stick.reach);
-    chain.length += stick.reach;
+    put(chain.rest, stick.length);
+    chain.length += stick.length;
     chain.holds.erase(chain.holds.begin() + static_cast<std::ptrdiff_t>(place.hold));
     for (Hold& other : chain.holds) other.particle += first ? 1 : 0;
 

@@ -27,8 +27,8 @@ double lowest_potential(const World& world) {
       double height = -INFINITY;
       for (const Hold& hold : connector.holds) {
         if (!is_prescribed(world, hold.to)) continue;
-        const double reach = std::abs(along[particle] - along[hold.particle]);
-        height = std::max(height, up.dot(connector.position[hold.particle]) - reach);
+        const double length = std::abs(along[particle] - along[hold.particle]);
+        height = std::max(height, up.dot(connector.position[hold.particle]) - length);
       }
       return height;
     };

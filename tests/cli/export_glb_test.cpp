@@ -23,7 +23,7 @@ TEST_P(GlbMotion, ParticlesAndBodiesAreWhereTheSimulationHadThem) {
   const scenes::Scene scene = scene_of(GetParam());
   const GlbFile file(exported(scene, exporting::glb_writer));
   const World world = divided(scene.world, scene.timeline);
-  const std::vector<double> reaches = exporting::body_reaches(scene);
+  const std::vector<double> radii = exporting::bounding_radii(scene);
   const std::vector<double> keys = file.keys();
   double at_frames = 0, between = 0, bodies = 0;
   std::size_t frame = 0;
@@ -44,7 +44,7 @@ TEST_P(GlbMotion, ParticlesAndBodiesAreWhereTheSimulationHadThem) {
     for (std::size_t b = 0; b < world.bodies.size(); ++b) {
       const Eigen::Affine3d place = file.world(file.node(world.bodies[b].name), time);
       for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())}) {
-        const Vec3 point = reaches[b] * axis;
+        const Vec3 point = radii[b] * axis;
         const double off = (place * point - state.state.bodies[b].to_world(point)).norm();
         bodies = std::max(bodies, off);
         if (state.frame) at_frames = std::max(at_frames, off);

@@ -63,9 +63,9 @@ picture::Picture render(const scenes::Stage& stage, const Vec3& camera) {
 
 /// The sphere's point and normal behind a pixel's centre, seen from (0, 0, kDistance).
 Vec3 normal_at(int column, int row) {
-  const double reach = std::tan(kFieldOfView / 2);
-  const Vec3 ray = Vec3((column + 0.5 - kSize / 2.0) * 2 / kSize * reach,
-                        -(row + 0.5 - kSize / 2.0) * 2 / kSize * reach, -1)
+  const double half = std::tan(kFieldOfView / 2);
+  const Vec3 ray = Vec3((column + 0.5 - kSize / 2.0) * 2 / kSize * half,
+                        -(row + 0.5 - kSize / 2.0) * 2 / kSize * half, -1)
                        .normalized();
   const Vec3 eye(0, 0, kDistance);
   const double b = eye.dot(ray), c = eye.squaredNorm() - kRadius * kRadius;

@@ -66,9 +66,9 @@ double light(const picture::Picture& picture, double x) {
 
 /// Where of the light that share arrives, of what arrives beside the shadow (m from the middle).
 double place(const picture::Picture& picture, double share) {
-  constexpr double kStep = 0.00005, kReach = 0.014;
-  const double full = light(picture, kBox / 2 + kReach);
-  for (double x = kBox / 2 - kReach; x < kBox / 2 + kReach; x += kStep)
+  constexpr double kStep = 0.00005, kRange = 0.014;
+  const double full = light(picture, kBox / 2 + kRange);
+  for (double x = kBox / 2 - kRange; x < kBox / 2 + kRange; x += kStep)
     if (light(picture, x) > share * full) return x;
   return NAN;
 }

@@ -23,13 +23,13 @@ class Dice {
   double radians(double low, double high) { return between(low, high) * std::numbers::pi / 180; }
 
   /// In a cube, or a box, of these half sides.
-  Vec3 within(double reach) {
-    const double x = between(-reach, reach), y = between(-reach, reach), z = between(-reach, reach);
+  Vec3 within(double half) {
+    const double x = between(-half, half), y = between(-half, half), z = between(-half, half);
     return {x, y, z};
   }
-  Vec3 within(const Vec3& reach) {
+  Vec3 within(const Vec3& half) {
     const double x = between(-1, 1), y = between(-1, 1), z = between(-1, 1);
-    return reach.cwiseProduct(Vec3(x, y, z));
+    return half.cwiseProduct(Vec3(x, y, z));
   }
   /// A unit vector, no direction likelier than another.
   Vec3 direction() {

@@ -2,8 +2,8 @@
 
 namespace taut::draw {
 
-Eigen::AlignedBox3f ContactCapsule::reach() const {
-  const Vec3 far = Vec3::Constant(kContactReach * radius);
+Eigen::AlignedBox3f ContactCapsule::bounds() const {
+  const Vec3 far = Vec3::Constant(kContactRange * radius);
   return Eigen::AlignedBox3d(from.cwiseMin(to) - far, from.cwiseMax(to) + far).cast<float>();
 }
 

@@ -10,14 +10,14 @@
 namespace taut::draw {
 
 /// How far a capsule's contact shadow reaches from its axis, in radii.
-constexpr double kContactReach = 6;
+constexpr double kContactRange = 6;
 
 struct ContactCapsule {
   Vec3 from, to;  // m, the ends of its axis
   double radius;  // m
 
   /// Around everything that it darkens.
-  Eigen::AlignedBox3f reach() const;
+  Eigen::AlignedBox3f bounds() const;
 };
 
 /// The feet of a character whose bones have these poses.

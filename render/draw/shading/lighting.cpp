@@ -21,8 +21,8 @@ double smoothstep(double from, double to, double x) {
 
 Vec3 surrounding_light(const scenes::Light& light, const Vec3& direction) {
   const Vec3 down = light.direction.normalized();
-  const double reach = 0.35 * std::max(-down.y(), 0.0);
-  const Vec3 bounce = reach * light.ground.cwiseProduct(light.color);
+  const double reflected = 0.35 * std::max(-down.y(), 0.0);
+  const Vec3 bounce = reflected * light.ground.cwiseProduct(light.color);
   const double above = smoothstep(-0.3, 0.3, direction.y());
   return above * light.sky + (1 - above) * (light.ground + bounce);
 }

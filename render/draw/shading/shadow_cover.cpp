@@ -20,8 +20,8 @@ bool meets(const std::array<Eigen::Vector2f, 3>& triangle, const Eigen::Vector2f
     const Eigen::Vector2f side = triangle[(k + 1) % 3] - triangle[k];
     const Eigen::Vector2f across(-side.y(), side.x());
     const float width = across.dot(triangle[(k + 2) % 3] - triangle[k]);
-    const float at = across.dot(centre - triangle[k]), reach = half * across.lpNorm<1>();
-    if (at + reach < std::min(width, 0.0f) || at - reach > std::max(width, 0.0f)) return false;
+    const float at = across.dot(centre - triangle[k]), extent = half * across.lpNorm<1>();
+    if (at + extent < std::min(width, 0.0f) || at - extent > std::max(width, 0.0f)) return false;
   }
   return true;
 }

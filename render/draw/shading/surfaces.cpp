@@ -45,8 +45,8 @@ Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundi
       mirror_(around.mirror),
       constants_(
           fmt::format("#define OUTPUT {}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define "
-                      "LEAST_PENUMBRA (1.5 / SHADOW_SIZE)\n#define CONTACT_REACH {:.1f}\n{}{}{}",
-                      int(output), kExposure, shadow_map_size, kContactReach,
+                      "LEAST_PENUMBRA (1.5 / SHADOW_SIZE)\n#define CONTACT_RANGE {:.1f}\n{}{}{}",
+                      int(output), kExposure, shadow_map_size, kContactRange,
                       light_constants(light, around.ambient), mirror_constants(around),
                       gl::shaders::frame_block)) {}
 

@@ -88,7 +88,7 @@ class GlbWriter final : public FrameWriter {
                                body_models(scene_));
       points += connector.particles();
     }
-    tracks_.emplace(points, body_reaches(scene_));
+    tracks_.emplace(points, bounding_radii(scene_));
   }
 
   void add_key(const Snapshot& state) {

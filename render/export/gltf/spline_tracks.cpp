@@ -36,11 +36,11 @@ struct SplineTracks::Span {
   std::size_t worst = 0;  // the state that is off most
 };
 
-SplineTracks::SplineTracks(std::size_t points, std::vector<double> reaches)
-    : reaches_(std::move(reaches)),
+SplineTracks::SplineTracks(std::size_t points, std::vector<double> radii)
+    : radii_(std::move(radii)),
       points_(points),
-      positions_(reaches_.size()),
-      rotations_(reaches_.size()) {}
+      positions_(radii_.size()),
+      rotations_(radii_.size()) {}
 
 void SplineTracks::add(State state, bool is_frame, const std::function<void(std::size_t)>& key) {
   // q and -q are one rotation: of the two, the one that is near the state before.
@@ -63,7 +63,7 @@ void SplineTracks::first_key() {
   const State& state = pending_.front();
   times_.push_back(float(state.time));
   for (std::size_t i = 0; i < points_.size(); ++i) add_key(points_[i], state.points[i]);
-  for (std::size_t i = 0; i < reaches_.size(); ++i) {
+  for (std::size_t i = 0; i < radii_.size(); ++i) {
     add_key(positions_[i], state.frames[i].position);
     add_key(rotations_[i], state.frames[i].rotation.coeffs());
   }
@@ -98,7 +98,7 @@ SplineTracks::Span SplineTracks::fit(std::size_t from, std::size_t to) const {
     for (std::size_t i = 0; i < count; ++i) points[i] = pending_[from + i].points[p];
     span.points.push_back(follow(span.point_error));
   }
-  for (std::size_t f = 0; f < reaches_.size(); ++f) {
+  for (std::size_t f = 0; f < radii_.size(); ++f) {
     for (std::size_t i = 0; i < count; ++i) {
       points[i] = pending_[from + i].frames[f].position;
       turns[i] = pending_[from + i].frames[f].rotation.coeffs();
@@ -108,7 +108,7 @@ SplineTracks::Span SplineTracks::fit(std::size_t from, std::size_t to) const {
     for (std::size_t i = 1; i + 1 < count; ++i) {
       const double u = (times[i] - times.front()) / length;
       const Vec4 turn = on_cubic<4>(turns.front(), turns.back(), slopes, u, length).normalized();
-      off(i, 2 * (turn - turns[i]).norm() * reaches_[f], span.frame_error);
+      off(i, 2 * (turn - turns[i]).norm() * radii_[f], span.frame_error);
     }
     span.rotations.push_back(slopes);
   }
@@ -128,7 +128,7 @@ void SplineTracks::divide(std::size_t from, std::size_t to,
   times_.push_back(float(state.time));
   for (std::size_t i = 0; i < points_.size(); ++i)
     add_span<3>(points_[i], span.points[i], state.points[i]);
-  for (std::size_t i = 0; i < reaches_.size(); ++i) {
+  for (std::size_t i = 0; i < radii_.size(); ++i) {
     add_span<3>(positions_[i], span.positions[i], state.frames[i].position);
     add_span<4>(rotations_[i], span.rotations[i], state.frames[i].rotation.coeffs());
   }

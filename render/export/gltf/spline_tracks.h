@@ -19,8 +19,8 @@ class SplineTracks {
   };
   static constexpr double kLimit = 5e-5;  // m, by which splines may be off the states given
 
-  /// `reaches` tell of each frame how far from its origin there is something to see, m.
-  SplineTracks(std::size_t points, std::vector<double> reaches);
+  /// `radii` tell of each frame how far from its origin there is something to see, m.
+  SplineTracks(std::size_t points, std::vector<double> radii);
 
   /// Calls `key` with the index of each state that becomes one, counted from the first ever added.
   void add(State state, bool is_frame, const std::function<void(std::size_t)>& key);
@@ -43,7 +43,7 @@ class SplineTracks {
   void divide(std::size_t from, std::size_t to, const std::function<void(std::size_t)>& key);
   void first_key();
 
-  std::vector<double> reaches_;
+  std::vector<double> radii_;
   std::vector<State> pending_;  // from the last frame on
   std::size_t before_ = 0;      // states before these
   std::vector<float> times_;

@@ -155,14 +155,14 @@ bool Contacts::is_body_near(const Body& body, const World& part, double within) 
   const double fall = part.gravity.norm() * within;
   const contact::Capsule own{body.point(body.capsule.from), body.point(body.capsule.to),
                              body.capsule.radius};
-  const double reach =
+  const double radius =
       std::max((own.from - body.position).norm(), (own.to - body.position).norm()) + own.radius;
   for (const Obstacle& obstacle : obstacles_) {
     if (!obstacle.touches(body.capsule.category)) continue;
     const FrameMotion frame = obstacle.frame(part.time);
     const double apart = contact::least_gap(obstacle.shape, frame.pose(), own);
-    const double far = (body.position - frame.position).norm() + reach + std::max(apart, 0.0);
-    const double speed = (body.velocity - frame.velocity).norm() + body.spin.norm() * reach +
+    const double far = (body.position - frame.position).norm() + radius + std::max(apart, 0.0);
+    const double speed = (body.velocity - frame.velocity).norm() + body.spin.norm() * radius +
                          frame.spin.norm() * far + fall;
     if (apart <= kSurprise * speed * within) return true;
   }
@@ -177,12 +177,12 @@ bool Contacts::is_pair_near(const BodyPair& pair, const World& part, double with
                             body.capsule.radius};
   };
   const contact::Capsule own = axis(a), other = axis(b);
-  const auto reach = [](const Body& body, const contact::Capsule& of) {
+  const auto radius = [](const Body& body, const contact::Capsule& of) {
     return std::max((of.from - body.position).norm(), (of.to - body.position).norm()) + of.radius;
   };
   const double fall = part.gravity.norm() * within;
-  const double speed = (a.velocity - b.velocity).norm() + a.spin.norm() * reach(a, own) +
-                       b.spin.norm() * reach(b, other) + fall;
+  const double speed = (a.velocity - b.velocity).norm() + a.spin.norm() * radius(a, own) +
+                       b.spin.norm() * radius(b, other) + fall;
   return contact::least_gap(other, own) <= kSurprise * speed * within;
 }
 

@@ -10,9 +10,9 @@ struct Box {
   Vec3 size;   // m
   Vec3 point;  // m, where it is held, in its frame
 
-  Box(Dice& dice, double mass, double reach, double rate) {
+  Box(Dice& dice, double mass, double extent, double rate) {
     const double x = dice.between(0.3, 1), y = dice.between(0.3, 1), z = dice.between(0.3, 1);
-    size = reach * Vec3(x, y, z);
+    size = extent * Vec3(x, y, z);
     point = place(dice);
     const double angle = dice.radians(0, 180);
     body.mass_properties = solid_box(mass, size);
@@ -33,7 +33,7 @@ struct Box {
 World bodies(Dice& dice, const Sizes& sizes) {
   const int form = dice.pick(3);  // one hanging, two flying, two hanging one below the other
   const double rate = std::sqrt(kGravity / sizes.length);
-  const double reach = dice.scale(0.05, 0.5) * sizes.length;
+  const double extent = dice.scale(0.05, 0.5) * sizes.length;
   const bool slack = dice.pick(2) == 1;
   const auto pieces = static_cast<std::size_t>(dice.between(2, 8));
   const double angle = dice.radians(10, 60);
@@ -47,7 +47,7 @@ World bodies(Dice& dice, const Sizes& sizes) {
   Connector& chain = world.connectors[0];
   const Vec3 spin = dice.within(rate);
   move(chain, 0, Vec3::Zero(), Vec3::Zero(), spin);
-  Box box(dice, sizes.load, reach, 2 * rate);
+  Box box(dice, sizes.load, extent, 2 * rate);
   box.hang(chain, sizes.links);
   box.body.name = "box";
   world.bodies = {box.body};
@@ -55,7 +55,7 @@ World bodies(Dice& dice, const Sizes& sizes) {
   if (form != 1) chain.holds.insert(chain.holds.begin(), {0, fixed_at(Vec3::Zero())});
   if (form == 0) return world;
 
-  Box other(dice, sizes.load * dice.scale(0.2, 5), reach, 2 * rate);
+  Box other(dice, sizes.load * dice.scale(0.2, 5), extent, 2 * rate);
   other.body.name = "other";
   if (form == 1) {
     other.hang(chain, 0);

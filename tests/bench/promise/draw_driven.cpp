@@ -47,8 +47,8 @@ Body stick(const Vec3& top, const Vec3& along, double mass, double length, doubl
 World driven(Dice& dice, const Sizes& sizes) {
   const bool in_plane = dice.pick(2) == 0, circle = dice.pick(2) == 0, body = dice.pick(2) == 0;
   const Vec3 along = in_plane ? from_down(dice.radians(0, 60), 0) : tilted(dice, 60);
-  const double reach = dice.scale(0.02, 0.3) * sizes.length, frequency = dice.between(0.5, 2.5);
-  Vec3 stroke = reach * dice.direction();
+  const double amplitude = dice.scale(0.02, 0.3) * sizes.length, frequency = dice.between(0.5, 2.5);
+  Vec3 stroke = amplitude * dice.direction();
   if (in_plane) stroke.z() = 0;
   World world;
   world.connectors = {
@@ -56,7 +56,7 @@ World driven(Dice& dice, const Sizes& sizes) {
   Connector& chain = world.connectors[0];
   Attachment hand;
   hand.kind = Attachment::Kind::path;
-  hand.path = std::make_shared<const Path>(circle ? round(dice, reach, in_plane, frequency)
+  hand.path = std::make_shared<const Path>(circle ? round(dice, amplitude, in_plane, frequency)
                                                   : shaken(stroke, frequency));
   chain.holds = {{0, hand}};
   if (body) {

@@ -40,9 +40,9 @@ TEST(SamplePoints, OfAStickAreItsEnds) {
   const study::SamplePoints sample_points(world, snapshot(world));
   const std::vector<Vec3> places = sample_points.places(sample_points, snapshot(world));
   ASSERT_EQ(places.size(), 6u);
-  double reach = 0;
-  for (const Vec3& place : places) reach = std::max(reach, std::abs(place.y()));
-  EXPECT_NEAR(reach, 0.15, 1e-12);  // the box of a cylinder's moments is as long as it is
+  double extent = 0;
+  for (const Vec3& place : places) extent = std::max(extent, std::abs(place.y()));
+  EXPECT_NEAR(extent, 0.15, 1e-12);  // the box of a cylinder's moments is as long as it is
 }
 
 double metres(const Vec3& at, const Vec3& truth, double) {

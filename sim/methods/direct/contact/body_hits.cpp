@@ -43,8 +43,8 @@ struct Way {
     return pose;
   }
 
-  /// m: no point of the body that is within `reach` of its centre of mass turns farther.
-  double turned(double reach) const { return reach * (turn.norm() + 2 * turn_bend.norm()); }
+  /// m: no point of the body that is within `radius` of its centre of mass turns farther.
+  double turned(double radius) const { return radius * (turn.norm() + 2 * turn_bend.norm()); }
 
   const double* from;
   double h;
@@ -104,14 +104,14 @@ BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>&
   double far = 0;  // the largest way of any of its points in the other's frame
   if (others) {    // or by how much the distance of any two points may change
     far = step.h * (way.velocity - others->velocity).norm() + 2 * (way.bend - others->bend).norm() +
-          way.turned(reach_[body]) + others->turned(reach_[meeting.other]);
+          way.turned(bounding_radius_[body]) + others->turned(bounding_radius_[meeting.other]);
   } else {
     const auto local = [](const Pose& pose, const Vec3& at) -> Vec3 {
       return pose.rotation.conjugate() * (at - pose.position);
     };
     const double turned = angle(end.rotation * start.rotation.conjugate()).norm();
     const double moved = (local(end, last.at(0.5)) - local(start, first.at(0.5))).norm();
-    far = moved + way.bend.norm() + (way.turn.norm() + turned) * (size + reach_[body]);
+    far = moved + way.bend.norm() + (way.turn.norm() + turned) * (size + bounding_radius_[body]);
   }
   const double around = size / 2 + far;
   if (contact::gap_at(meeting.shape, start, first, 0.5).distance > around) return hit;

@@ -26,10 +26,10 @@ void BodyTouches::rebuild(const World& world, std::span<const Obstacle> obstacle
                           std::span<const BodyPair> pairs) {
   capsules_ = contact::capsules_of_free_bodies(world);
   meetings_ = contact::meetings_of_bodies(world, obstacles, pairs);
-  reach_.clear();
+  bounding_radius_.clear();
   for (const BodyCapsule& capsule : capsules_) {
     const double far = std::max(capsule.from.norm(), capsule.to.norm()) + capsule.radius;
-    reach_.push_back(capsule.touches() ? far : 0);
+    bounding_radius_.push_back(capsule.touches() ? far : 0);
   }
   touches_.clear();
   before_.clear();

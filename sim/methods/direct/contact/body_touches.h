@@ -49,7 +49,7 @@ class BodyTouches {
   bool possible() const { return !meetings_.empty(); }
   bool any() const { return !touches_.empty(); }
   /// m, from a body's centre of mass to the farthest point of its capsule; 0: it has none.
-  double reach(std::size_t body) const { return reach_[body]; }
+  double bounding_radius(std::size_t body) const { return bounding_radius_[body]; }
 
   /// Finds the bodies that touch where the step begins, those that leave aside.
   void find(const Step& step);
@@ -145,7 +145,7 @@ class BodyTouches {
                   const std::vector<double>& next) const;
 
   std::vector<BodyCapsule> capsules_;  // per free body, from its centre of mass
-  std::vector<double> reach_;
+  std::vector<double> bounding_radius_;
   std::vector<contact::BodyMeeting> meetings_;
   std::vector<contact::BodyTouch> touches_, before_;  // in order of clusters; of the step before
   contact::Clusters clusters_;

@@ -144,11 +144,11 @@ double ContactStep::error(double lowest) const {
   }
   for (std::size_t b = 0; b < pushed_.size(); ++b) {
     const contact::Vec6 apart = pushed_[b] - last_pushed_[b];
-    const double reach = reach_[b];
+    const double radius = bounding_radius_[b];
     ++count;
     const contact::Vec6 off = (pushed_[b] + last_pushed_[b]) / 2 - steady_pushed_[b];
-    change += apart.head<3>().squaredNorm() + reach * reach * apart.tail<3>().squaredNorm();
-    wave += off.head<3>().squaredNorm() + reach * reach * off.tail<3>().squaredNorm();
+    change += apart.head<3>().squaredNorm() + radius * radius * apart.tail<3>().squaredNorm();
+    wave += off.head<3>().squaredNorm() + radius * radius * off.tail<3>().squaredNorm();
   }
   if (count == 0) return 0;
   change = std::sqrt(change / static_cast<double>(count));

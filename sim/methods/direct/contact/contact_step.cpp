@@ -39,7 +39,7 @@ void ContactStep::rebuild(const World& world, const std::vector<Obstacle>& obsta
     if (mechanism_.inverse_mass()[p] == 0) radius_[p] = -1;
   }
   for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
-    if (world.connectors.empty()) longest = std::max(longest, bodies_.reach(b));
+    if (world.connectors.empty()) longest = std::max(longest, bodies_.bounding_radius(b));
   }
   touching_ = kTouching * (longest > 0 ? longest : 1);
   exact_ = kExact * std::max(longest, 1.0);
@@ -61,10 +61,12 @@ void ContactStep::rebuild(const World& world, const std::vector<Obstacle>& obsta
   inverse_.resize(mechanism_.bodies().size());
   pushed_.assign(mechanism_.bodies().size(), contact::Vec6::Zero());
   last_pushed_ = steady_pushed_ = pushed_;
-  reach_.clear();
-  for (std::size_t b = 0; b < pushed_.size(); ++b) reach_.push_back(bodies_.reach(b));
+  bounding_radius_.clear();
+  for (std::size_t b = 0; b < pushed_.size(); ++b) {
+    bounding_radius_.push_back(bodies_.bounding_radius(b));
+  }
   for (const auto& carried : mechanism_.body_points()) {
-    reach_[carried.body] = std::max(reach_[carried.body], carried.local.norm());
+    bounding_radius_[carried.body] = std::max(bounding_radius_[carried.body], carried.local.norm());
   }
   touches_.clear();
   before_.clear();

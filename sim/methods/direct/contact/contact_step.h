@@ -139,7 +139,8 @@ class ContactStep {
   bool jams_ = false;  // a body has no respond to what it touches
   // Per body: the rates of its twist, of the step before, and without waves.
   std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;
-  std::vector<double> reach_;  // per body, m: to the farthest point that touches or holds a link
+  // Per body, m: to the farthest point that touches or holds a link.
+  std::vector<double> bounding_radius_;
   double touching_ = 0;
   double exact_ = 0;                     // m: roundings of positions
   std::vector<double> radius_;           // per point, m; negative: it touches nothing

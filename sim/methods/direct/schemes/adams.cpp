@@ -129,8 +129,8 @@ bool AdamsStep::prepare(double h) {
 /// Interpolates the accelerations at a new spacing, as far as they reach.
 void AdamsStep::respace(double h) {
   const double ratio = h / h_;
-  const auto reach = static_cast<std::size_t>(static_cast<double>(known_ - 1) / ratio + 1e-9);
-  const std::size_t kept = std::min(reach + 1, kKept);
+  const auto spacings = static_cast<std::size_t>(static_cast<double>(known_ - 1) / ratio + 1e-9);
+  const std::size_t kept = std::min(spacings + 1, kKept);
   for (std::size_t j = 1; j < kept; ++j) {
     const auto weight = lagrange(known_, static_cast<double>(j) * ratio);
     interpolate(next_.size(), weight, past_, spare_[j].data());

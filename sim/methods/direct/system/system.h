@@ -64,7 +64,9 @@ class System : public Motion {
   double projection_cost() const override;
   double work() const override { return work_; }
   double displacement(const double* change) const override;
-  double displacement_bound(double squares) const override { return reach_ * std::sqrt(squares); }
+  double displacement_bound(double squares) const override {
+    return displacement_factor_ * std::sqrt(squares);
+  }
   double velocity_time() const override { return velocity_time_; }
   bool retract(const double* base, double* x, double* rate) const override;
   void to_tangent(const double* base, double* x) const override;
@@ -206,7 +208,7 @@ class System : public Motion {
   std::vector<Links::Link> measured_;  // what links_ is made of
   double length_ = 0, shortest_ = 0;   // m, of all links, of the shortest
   double velocity_time_ = 0;           // s
-  double reach_ = 0;                   // m, of displacement_bound()
+  double displacement_factor_ = 0;     // m, of displacement_bound()
   double work_ = 0;                    // cycles
   double factored_sigma_ = 1;          // 1/s^2, of factor()
 

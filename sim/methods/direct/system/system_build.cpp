@@ -258,7 +258,7 @@ void System::measure_links(const World& world) {
     };
     if (span.first_body_link != kNone) {
       point_mass_.push_back(equimomental(span.first_body_link).far);
-      links.push_back({.rest = equimomental(span.first_body_link).reach});
+      links.push_back({.rest = equimomental(span.first_body_link).length});
     }
     for (std::size_t k = 0; k < span.particles(); ++k) {
       const bool first = k == 0, last = k + 1 == span.particles();
@@ -276,7 +276,7 @@ void System::measure_links(const World& world) {
     }
     if (span.last_body_link != kNone) {
       point_mass_.push_back(equimomental(span.last_body_link).far);
-      links.push_back({.rest = equimomental(span.last_body_link).reach});
+      links.push_back({.rest = equimomental(span.last_body_link).length});
     }
   }
   std::size_t p = 0;
@@ -305,19 +305,19 @@ void System::measure_links(const World& world) {
     if (link.rest > kLeastLink * length_) shortest_ = std::min(shortest_, link.rest);
   }
   // Cauchy's and Schwarz's inequality for the sums in displacement().
-  double reach = 0;
+  double squares = 0;
   std::size_t count = bodies_.size();
   for (const Span& span : spans_) {
     count += span.links;
     for (std::size_t k = 0; k < span.links; ++k) {
       const double rest = links[span.offset + k].rest;
-      reach += static_cast<double>(span.links - k) * rest * rest;
+      squares += static_cast<double>(span.links - k) * rest * rest;
     }
   }
   for (const Part& part : bodies_) {
-    reach = std::max(reach, 2 * part.inertia.trace() / part.mass);
+    squares = std::max(squares, 2 * part.inertia.trace() / part.mass);
   }
-  reach_ = std::sqrt(reach / static_cast<double>(std::max<std::size_t>(count, 1)));
+  displacement_factor_ = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(count, 1)));
   links_.rebuild(links, plane_);
   points_.assign(point_mass_.size(), {});
   centres_.assign(bodies_.size(), {});

@@ -117,9 +117,9 @@ void System::place_bars(const double* q, const double* rate) {
       if (b == kNone) continue;
       const BodyLink& body_link = body_links_[b];
       const Point& tip = points_[p + (body_link.outward < 0 ? 1 : span.links - 1)];
-      const double reach = body_link.outward * body_link.arm;
-      body_link_centres_[b] = {tip.position + reach * links_.direction(q, body_link.link),
-                               tip.velocity + reach * links_.turn(q, rate, body_link.link)};
+      const double offset = body_link.outward * body_link.arm;
+      body_link_centres_[b] = {tip.position + offset * links_.direction(q, body_link.link),
+                               tip.velocity + offset * links_.turn(q, rate, body_link.link)};
     }
     p += span.links + 1;
   }

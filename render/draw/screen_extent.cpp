@@ -1,4 +1,4 @@
-#include "render/draw/reach.h"
+#include "render/draw/screen_extent.h"
 
 #include <cmath>
 
@@ -11,30 +11,30 @@ Eigen::Vector3f corner(const Eigen::AlignedBox3f& box, int i) {
 
 }  // namespace
 
-void add_box(const Eigen::AlignedBox3f& box, HullPoints& reach) {
+void add_box(const Eigen::AlignedBox3f& box, HullPoints& hull) {
   if (box.isEmpty()) return;
-  for (int i = 0; i < 8; ++i) reach.push_back(corner(box, i));
+  for (int i = 0; i < 8; ++i) hull.push_back(corner(box, i));
 }
 
 void add_shadow(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& direction,
-                const Eigen::AlignedBox3f& receivers, HullPoints& reach) {
+                const Eigen::AlignedBox3f& receivers, HullPoints& hull) {
   if (box.isEmpty() || receivers.isEmpty()) return;
   // Between two sides of the receivers the shadow is a slanted prism; the sides that light takes
   // the shortest way between make the smallest.
   int axis = 0;
   (receivers.sizes().array() / direction.array().abs().max(1e-6f)).minCoeff(&axis);
-  if (std::abs(direction[axis]) < 1e-6f) return add_box(receivers, reach);
+  if (std::abs(direction[axis]) < 1e-6f) return add_box(receivers, hull);
   for (const float side : {receivers.min()[axis], receivers.max()[axis]})
     for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3f from = corner(box, i);
-      reach.push_back(from + std::max((side - from[axis]) / direction[axis], 0.0f) * direction);
+      hull.push_back(from + std::max((side - from[axis]) / direction[axis], 0.0f) * direction);
     }
 }
 
-picture::Rect pixels(const HullPoints& reach, const Eigen::Matrix4f& projection,
+picture::Rect pixels(const HullPoints& hull, const Eigen::Matrix4f& projection,
                      const picture::Rect& viewport) {
   Eigen::AlignedBox2f box;
-  for (const Eigen::Vector3f& p : reach) {
+  for (const Eigen::Vector3f& p : hull) {
     const Eigen::Vector4f q = projection * p.homogeneous();
     if (q.w() < 0.05f) return viewport;
     box.extend(Eigen::Vector2f(q.head<2>() / q.w()));

@@ -1,5 +1,5 @@
 // Which pixels can be touched: rectangles, hulls and shadows computed by hand.
-#include "render/draw/reach.h"
+#include "render/draw/screen_extent.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "render/draw/shading/lighting.h"
 
-namespace taut::reach_test {
+namespace taut::screen_extent_test {
 namespace {
 
 using Box = Eigen::AlignedBox3f;
@@ -27,34 +27,34 @@ TEST(RectSet, OverlapsBecomeOne) {
   EXPECT_EQ(all.top(), 13);
 }
 
-TEST(Reach, ShadowOnAFloorIsWhereLightMeetsIt) {
+TEST(ScreenExtent, ShadowOnAFloorIsWhereLightMeetsIt) {
   // Light goes down and along x, one for one: what is at height h falls h further on.
-  draw::HullPoints reach;
+  draw::HullPoints hull;
   draw::add_shadow(Box(Vector3f(0, 1, 0), Vector3f(1, 2, 1)), Vector3f(1, -1, 0),
-                   Box(Vector3f(-9, 0, -9), Vector3f(9, 0, 9)), reach);
+                   Box(Vector3f(-9, 0, -9), Vector3f(9, 0, 9)), hull);
   Box found;
-  for (const Vector3f& p : reach) found.extend(p);
+  for (const Vector3f& p : hull) found.extend(p);
   EXPECT_TRUE(found.min().isApprox(Vector3f(1, 0, 0)) && found.max().isApprox(Vector3f(3, 0, 1)))
       << found.min().transpose() << " to " << found.max().transpose();
-  reach.clear();
-  draw::add_shadow(Box(Vector3f(0, 1, 0), Vector3f(1, 2, 1)), Vector3f(1, -1, 0), Box(), reach);
-  EXPECT_TRUE(reach.empty());
+  hull.clear();
+  draw::add_shadow(Box(Vector3f(0, 1, 0), Vector3f(1, 2, 1)), Vector3f(1, -1, 0), Box(), hull);
+  EXPECT_TRUE(hull.empty());
 }
 
-TEST(Reach, PixelsHoldWhatIsDrawn) {
+TEST(ScreenExtent, PixelsHoldWhatIsDrawn) {
   const Eigen::Matrix4f projection = draw::camera_projection({Vec3(0, 0, 4), Vec3::Zero(), 0.5}, 1);
-  draw::HullPoints reach;
-  draw::add_box(Box(Vector3f(-0.1f, -0.1f, 0), Vector3f(0.1f, 0.1f, 0)), reach);
+  draw::HullPoints hull;
+  draw::add_box(Box(Vector3f(-0.1f, -0.1f, 0), Vector3f(0.1f, 0.1f, 0)), hull);
   const picture::Rect view{50, 20, 200, 200};
-  const picture::Rect part = draw::pixels(reach, projection, view);
+  const picture::Rect part = draw::pixels(hull, projection, view);
   // A point 0.1 off the axis is 0.1 / (4 tan 0.25) of the half picture away from its middle.
   const double off = 100 * 0.1 / (4 * std::tan(0.25));
   EXPECT_NEAR(part.x, 50 + 100 - off - 1, 1);
   EXPECT_NEAR(part.right(), 50 + 100 + off + 1, 1);
   EXPECT_NEAR(part.y, 20 + 100 - off - 1, 1);
-  reach.push_back(Vector3f(0, 0, 5));  // behind the eye
-  EXPECT_EQ(draw::pixels(reach, projection, view).width, 200);
+  hull.push_back(Vector3f(0, 0, 5));  // behind the eye
+  EXPECT_EQ(draw::pixels(hull, projection, view).width, 200);
 }
 
 }  // namespace
-}  // namespace taut::reach_test
+}  // namespace taut::screen_extent_test
