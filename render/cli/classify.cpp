@@ -134,7 +134,7 @@ program::Json json_of(const Classified& one) {
     if (method.run) {
       const study::Classification& found = method.classification;
       const bool diverged = method.run->end == study::Run::End::diverged;
-      entry.update({{"verdict", study::name_of(found.motion_class)},
+      entry.update({{"class", study::name_of(found.motion_class)},
                     {"energy_gain", program::number_or_null(found.gain)},
                     {"energy_loss", program::number_or_null(found.loss)},
                     {"stretch_max", program::number_or_null(found.stretch)},
@@ -144,7 +144,7 @@ program::Json json_of(const Classified& one) {
                      diverged ? program::Json(method.run->failed_at) : program::Json(nullptr)},
                     {"cpu_s", method.run->cpu}});
     } else {
-      entry.update({{"verdict", nullptr}, {"missing", method.contender->method->missing}});
+      entry.update({{"class", nullptr}, {"missing", method.contender->method->missing}});
     }
     json["methods"].push_back(std::move(entry));
   }

@@ -205,7 +205,7 @@ std::string stability_json(const StabilityStudy& study) {
                                {"method", contender.label},
                                {"setting", map_height(*contender.method)->name},
                                {"value", cell.y},
-                               {"verdict", study::name_of(j.motion_class)},
+                               {"class", study::name_of(j.motion_class)},
                                {"energy_gain", program::number_or_null(j.gain)},
                                {"energy_loss", program::number_or_null(j.loss)},
                                {"stretch_max", program::number_or_null(j.stretch)},

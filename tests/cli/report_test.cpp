@@ -139,7 +139,7 @@ TEST_F(Report, CopiedCellsComeOutTheSame) {
       const std::string command = cell.at(7);
       const ProgramResult again = paste(command + " --json -q");
       ASSERT_EQ(again.code, 0) << command << again.messages;
-      EXPECT_EQ(nlohmann::json::parse(again.output).at("scenes")[0].at("methods")[0].at("verdict"),
+      EXPECT_EQ(nlohmann::json::parse(again.output).at("scenes")[0].at("methods")[0].at("class"),
                 kind)
           << command;
       ++compared;

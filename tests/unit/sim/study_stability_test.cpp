@@ -41,7 +41,7 @@ TEST(Stability, AvailableEnergyOfFreeFlightIsItsMotion) {
   EXPECT_NEAR(study::available_energy(problem.world), 0.25 * 4 / 2, 1e-12);
 }
 
-TEST(Stability, FirstVerdictThatFitsWins) {
+TEST(Stability, FirstClassThatFitsWins) {
   const study::Problem problem = rope(Vec3(1, 0, 0));
   const double scale = study::available_energy(problem.world);
   study::Run run;
@@ -75,15 +75,15 @@ TEST(Stability, EnergyOfADrivenWorldIsNotJudged) {
   study::Problem problem = rope(Vec3(1, 0, 0));
   study::Run run;
   run.energy_gain = 1e6;
-  const auto verdict_on = [&](std::vector<PathKey> keys) {
+  const auto class_on = [&](std::vector<PathKey> keys) {
     Attachment& hold = problem.world.connectors[0].holds[0].to;
     hold.kind = Attachment::Kind::path;
     hold.path = std::make_shared<const Path>(std::move(keys));
     return study::classify(problem, run, nullptr).motion_class;
   };
-  EXPECT_EQ(verdict_on({{0, Vec3::Zero()}}), study::MotionClass::failed)
+  EXPECT_EQ(class_on({{0, Vec3::Zero()}}), study::MotionClass::failed)
       << "a path of one key moves nothing";
-  EXPECT_EQ(verdict_on({{0, Vec3::Zero()}, {1, Vec3::UnitX()}}), study::MotionClass::plausible);
+  EXPECT_EQ(class_on({{0, Vec3::Zero()}, {1, Vec3::UnitX()}}), study::MotionClass::plausible);
 }
 
 TEST(Stability, AvailableEnergyOfAMasslessSpanIsThatOfItsEnds) {
