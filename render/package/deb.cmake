@@ -48,7 +48,7 @@ endif()
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each has its own
 set(about "taut simulates flexible connectors (ropes, chains, cords and hoses) between
 bodies by several methods of the literature and one of its own, tells how far
-each is from the exact motion, and renders films without a display.")
+each is from the exact solution, and renders films without a display.")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "simulator and renderer of ropes, chains and cords\n${about}\n\nThis package has the program, its scenes and models.")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "simulation of ropes, chains and cords - shared library\n${about}\n\nThis package has the library of the methods.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "simulation of ropes, chains and cords - development files\n${about}\n\nThis package has headers, archives, and files for CMake and pkg-config.")

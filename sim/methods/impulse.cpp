@@ -316,7 +316,7 @@ MethodInfo impulse_method() {
       .follows_spans = true,
       .companion =
           [](const MethodInfo&, const Settings&) {
-            return Companion{.none = "does not converge to the exact motion, whatever its step"};
+            return Companion{.none = "does not converge to the exact solution, whatever its step"};
           },
       .cost = {.memory = 100, .step = 2e-8},
   };

@@ -15,7 +15,7 @@ struct Circle {
   double ramp = 1;             // s, above 0
 };
 
-/// The exact motion at `time` (s); the frame keeps the world's axes.
+/// The motion at `time` (s), in closed form; the frame keeps the world's axes.
 FrameMotion motion(const Circle& circle, double time);
 
 }  // namespace taut

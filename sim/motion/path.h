@@ -29,7 +29,7 @@ class Path {
 
   static Path round(const Circle& circle);
 
-  /// The exact motion at `time` (s): a spline's derivatives are those of the spline, not
+  /// The motion at `time` (s), analytic: a spline's derivatives are those of the spline, not
   /// differences.
   FrameMotion at(double time) const;
 

@@ -171,7 +171,8 @@ TEST_F(RenderFaults, FramesOfAnEarlierRunStayWhereTheyAreTheSame) {
   const char* const kAll = "5 of 5 frames were there already";
   const char* const kNone = "0 of 5 frames were there already; 5 were made from another";
   const char* const kNothingKept =
-      "error estimate: none, as impulse does not converge to the exact motion, whatever its step\n";
+      "error estimate: none, as impulse does not converge to the exact solution, whatever its "
+      "step\n";
   EXPECT_EQ(again(TAUT_PROGRAM).messages, kNothingKept);
   expect("the same clip", again(TAUT_PROGRAM), kAll);
   expect("the same clip, resumed", again(TAUT_PROGRAM, {"--resume"}), kAll);
