@@ -115,7 +115,7 @@ std::string outcome(const study::Trial& trial, const Asked& asked,
       return fmt::format("other speeds of {}% of the points", options::rounded(100 * later.speeds));
     case study::Trial::End::dearer:
       return fmt::format("dearer: at least {} ms per simulated second",
-                         options::rounded(milliseconds(trial.work)));
+                         options::rounded(milliseconds(trial.cycles)));
     case study::Trial::End::diverged:
       return "cannot run it";
   }
@@ -125,9 +125,9 @@ std::string outcome(const study::Trial& trial, const Asked& asked,
 const study::Trial* nearest(const study::Search& search, const std::vector<SceneModel>& models,
                             std::string_view method) {
   const auto rank = [](const study::Trial& trial) {
-    const bool by_work =
+    const bool by_cycles =
         trial.end == study::Trial::End::within || trial.end == study::Trial::End::dearer;
-    return std::tuple(trial.end, by_work ? trial.work : trial.error);
+    return std::tuple(trial.end, by_cycles ? trial.cycles : trial.error);
   };
   const study::Trial* best = nullptr;
   for (const study::Trial& trial : search.trials) {
@@ -226,13 +226,13 @@ std::string plan_text(const Planned& planned) {
   } else {
     line("saving",
          fmt::format("{} by counted work, {} measured, than as it is written: {}, {} {} off",
-                     times_less(planned.as_written.work, best.work),
+                     times_less(planned.as_written.cycles, best.cycles),
                      times_less(planned.cost_as_written, planned.cost), describe(as_written),
                      options::rounded(planned.as_written.error), unit));
   }
   line("cost", fmt::format("{} ms of CPU time per simulated second predicted from the counts, {} "
                            "measured",
-                           options::rounded(milliseconds(best.work)),
+                           options::rounded(milliseconds(best.cycles)),
                            options::rounded(1e3 * planned.cost)));
   return text + "\nLeft out:\n" + chart::to_text(left_out(planned));
 }
@@ -252,8 +252,8 @@ std::string plan_json(const Planned& planned) {
                                  {"checked_by", checked_by(reference)},
                                  {"scored_metres", planned.scored},
                                  {"exact_known_to", planned.asked.per_metre * reference.self_error},
-                                 {"cycles_per_second", planned.best.work},
-                                 {"predicted_ms_per_second", milliseconds(planned.best.work)},
+                                 {"cycles_per_second", planned.best.cycles},
+                                 {"predicted_ms_per_second", milliseconds(planned.best.cycles)},
                                  {"measured_ms_per_second", 1e3 * planned.cost}};
   const ModelErrors& off = planned.models_off;
   if (reference.known > 1) {
@@ -278,7 +278,7 @@ std::string plan_json(const Planned& planned) {
   }
   if (planned.as_written.end == study::Trial::End::within) {
     json["as_written"] = {{"error", planned.as_written.error},
-                          {"predicted_ms_per_second", milliseconds(planned.as_written.work)},
+                          {"predicted_ms_per_second", milliseconds(planned.as_written.cycles)},
                           {"measured_ms_per_second", 1e3 * planned.cost_as_written}};
   }
   for (const auto& row : left_out(planned).rows) {

@@ -60,7 +60,7 @@ Difference ComparedRun::later() const {
   return later;
 }
 
-double ComparedRun::work() const {
+double ComparedRun::cycles() const {
   return simulation_.method().counters().cycles;
 }
 

@@ -27,7 +27,7 @@ class ComparedRun {
   /// where the work is not known, only after the last frame.
   Difference later() const;
   /// Of the solves so far.
-  double work() const;
+  double cycles() const;
   const Simulation& simulation() const { return simulation_; }
 
  private:

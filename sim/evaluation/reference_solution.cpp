@@ -131,7 +131,7 @@ void measure_afterwards(ReferenceSolution& reference, const Motion& motion,
 
 }  // namespace
 
-ReferenceSolution solve_reference(Problem problem, double scored_error, double most_work,
+ReferenceSolution solve_reference(Problem problem, double scored_error, double most_cycles,
                                   const std::function<void(double)>& tick) {
   const auto frames = static_cast<double>(problem.times.size());
   double done = 0;
@@ -177,7 +177,7 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
                     [&](const Motion& so_far, const Simulation& now) {
                       look(so_far, now);
                       return so_far.points.size() < reference.known &&
-                             now.method().counters().cycles < most_work;
+                             now.method().counters().cycles < most_cycles;
                     });
     } catch (const Diverged&) {
       // Left to the direct method.

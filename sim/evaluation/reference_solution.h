@@ -49,10 +49,11 @@ struct ReferenceSolution {
 /// Solves the problem for comparisons to within `scored_error` (m): by the direct method far more
 /// finely; from two starts nudged by a ten-thousandth of that, to see how long the motion is
 /// predictable and how much solutions differ later; and by the solver of the truth, which shares
-/// neither its equations nor its integrators. What that cannot follow, or not with `most_work` (of
-/// MethodInfo::work), direct checks itself, ten times as finely. Calls `tick` after each frame with
-/// the share of all that is done; it may throw. Throws Diverged where there is no second frame.
-ReferenceSolution solve_reference(Problem problem, double scored_error, double most_work,
+/// neither its equations nor its integrators. What that cannot follow, or not with `most_cycles`
+/// (see Counters::cycles), direct checks itself, ten times as finely. Calls `tick` after each frame
+/// with the share of all that is done; it may throw. Throws Diverged where there is no second
+/// frame.
+ReferenceSolution solve_reference(Problem problem, double scored_error, double most_cycles,
                                   const std::function<void(double)>& tick);
 
 /// The same motion at other times (s, rising), as far as it is known; for comparisons of states

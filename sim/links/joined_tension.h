@@ -21,8 +21,8 @@ class JoinedTension {
 
   /// The multiplications of one elimination.
   double products() const { return ldlt_.products(); }
-  /// The cycles (see Counters::work) of assemble() and solve().
-  double work() const {
+  /// The cycles (see Counters::cycles) of assemble() and solve().
+  double cycles() const {
     return 25 * static_cast<double>(values_.size()) + 4 * ldlt_.products() +
            8 * static_cast<double>(ldlt_.entries());
   }

@@ -181,11 +181,11 @@ class Mechanism {
   /// The rows' free accelerations, and what drives the pulleys, as TensionSystem takes them.
   void right_side(std::vector<double>& right) const;
 
-  /// The cycles (see Counters::work) of update(), differentiate() and the sums that an integrator
+  /// The cycles (see Counters::cycles) of update(), differentiate() and the sums that an integrator
   /// makes of it: of a row some 85 additions and multiplications, two divisions and a root; of a
   /// body three products of matrices and what turns it.
-  double work() const {
-    return 250 + material_.work() + 58 * static_cast<double>(rows_.size()) +
+  double cycles() const {
+    return 250 + material_.cycles() + 58 * static_cast<double>(rows_.size()) +
            550 * static_cast<double>(bodies_.size());
   }
 

@@ -91,7 +91,7 @@ void SparseLdlt::analyse(std::size_t rows, std::span<const Coupling> couplings) 
   }
   entry_.assign(reach_.size(), 0.0);
   inverse_.assign(rows, 0.0);
-  work_.assign(rows, 0.0);
+  scratch_.assign(rows, 0.0);
 }
 
 void SparseLdlt::factor(const double* values) {
@@ -99,15 +99,15 @@ void SparseLdlt::factor(const double* values) {
   std::ranges::fill(filled_, 0u);
   for (std::size_t k = 0; k < rows_; ++k) {
     for (std::uint32_t i = known_of_[k]; i < known_of_[k + 1]; ++i) {
-      work_[known_[i].column] = values[known_[i].value];
+      scratch_[known_[i].column] = values[known_[i].value];
     }
     const double diagonal = values[order_[k]];
     double pivot = diagonal;
     for (std::uint32_t i = reach_of_[k]; i < reach_of_[k + 1]; ++i) {
       const std::uint32_t c = reach_[i], first = column_of_[c], last = first + filled_[c];
-      const double value = work_[c];
-      work_[c] = 0;
-      for (std::uint32_t e = first; e < last; ++e) work_[row_of_[e]] -= entry_[e] * value;
+      const double value = scratch_[c];
+      scratch_[c] = 0;
+      for (std::uint32_t e = first; e < last; ++e) scratch_[row_of_[e]] -= entry_[e] * value;
       const double share = value * inverse_[c];
       pivot -= value * share;
       entry_[last] = share;
@@ -120,22 +120,22 @@ void SparseLdlt::factor(const double* values) {
 }
 
 void SparseLdlt::solve(const double* right, double* x) {
-  for (std::size_t k = 0; k < rows_; ++k) work_[k] = right[order_[k]];
+  for (std::size_t k = 0; k < rows_; ++k) scratch_[k] = right[order_[k]];
   for (std::size_t c = 0; c < rows_; ++c) {
-    const double value = work_[c];
+    const double value = scratch_[c];
     for (std::uint32_t e = column_of_[c]; e < column_of_[c + 1]; ++e) {
-      work_[row_of_[e]] -= entry_[e] * value;
+      scratch_[row_of_[e]] -= entry_[e] * value;
     }
   }
   for (std::size_t c = rows_; c-- > 0;) {
-    double value = work_[c] * inverse_[c];
+    double value = scratch_[c] * inverse_[c];
     for (std::uint32_t e = column_of_[c]; e < column_of_[c + 1]; ++e) {
-      value -= entry_[e] * work_[row_of_[e]];
+      value -= entry_[e] * scratch_[row_of_[e]];
     }
-    work_[c] = value;
+    scratch_[c] = value;
   }
-  for (std::size_t k = 0; k < rows_; ++k) x[order_[k]] = work_[k];
-  std::ranges::fill(work_, 0.0);
+  for (std::size_t k = 0; k < rows_; ++k) x[order_[k]] = scratch_[k];
+  std::ranges::fill(scratch_, 0.0);
 }
 
 }  // namespace taut

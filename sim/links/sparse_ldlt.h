@@ -49,7 +49,7 @@ class SparseLdlt {
   std::vector<std::uint32_t> row_of_;     // of each entry
   std::vector<double> entry_, inverse_;   // of L, and of D
   std::vector<std::uint32_t> filled_;     // per column: entries that are known so far
-  std::vector<double> work_;
+  std::vector<double> scratch_;
 };
 
 }  // namespace taut

@@ -48,17 +48,17 @@ class TensionSystem {
   /// solved it. Of joined connectors JoinedTension solves all.
   bool solve(const std::vector<double>& right, std::vector<double>& x);
 
-  /// The cycles (see Counters::work) of assemble(), a right side and solve(), in linear time: a row
-  /// takes 25 additions and multiplications, two divisions, and in the elimination a division and
-  /// seven operations that wait for each other; a border row sweeps a column of its own.
-  double work() const {
-    if (is_joined_) return joined_.work();
+  /// The cycles (see Counters::cycles) of assemble(), a right side and solve(), in linear time: a
+  /// row takes 25 additions and multiplications, two divisions, and in the elimination a division
+  /// and seven operations that wait for each other; a border row sweeps a column of its own.
+  double cycles() const {
+    if (is_joined_) return joined_.cycles();
     const auto rows = static_cast<double>(rows_), border = static_cast<double>(border_.size());
     return 63 * rows + border * (20 * rows + 50) + border * border * border / 3;
   }
   /// Of solve_dense() in place of solve(): 4/3 n^3 additions and multiplications in the
   /// decomposition, whose columns change places.
-  double dense_work() const {
+  double dense_cycles() const {
     const auto rows = static_cast<double>(rows_);
     return rows * (450 + 1.5 * rows * rows);
   }

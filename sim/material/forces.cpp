@@ -348,7 +348,7 @@ void MaterialForces::bend_over_lengths(std::size_t first, std::size_t end) {
   }
 }
 
-double MaterialForces::work() const {
+double MaterialForces::cycles() const {
   const auto count = [](const auto& list) { return static_cast<double>(list.size()); };
   double turns = 0;
   for (const TwistElement& rod : twists_) turns += rod.links;

@@ -137,7 +137,7 @@ class MaterialForces {
   Fastest fastest(const std::vector<double>& inverse_mass) const;
 
   /// The cycles of add().
-  double work() const;
+  double cycles() const;
 
  private:
   void name_leaders(std::span<const std::uint32_t> leaders);

@@ -76,15 +76,15 @@ class DynamicConstraints final : public SteppedMethod {
                 at.free_acceleration(r) + (2 * at.rate()[r] + at.violation()[r] / tau) / tau;
           }
           ++counters_.solves;
-          counters_.cycles += at.work();
+          counters_.cycles += at.cycles();
           if (dense_) {
             system_.solve_dense(right_, tension);
-            counters_.cycles += system_.dense_work();
+            counters_.cycles += system_.dense_cycles();
           } else {
-            counters_.cycles += system_.work();
+            counters_.cycles += system_.cycles();
             if (!system_.solve(right_, tension)) {
               ++counters_.handed_over;
-              counters_.cycles += system_.dense_work();
+              counters_.cycles += system_.dense_cycles();
             }
           }
           if (adaptive_) {

@@ -63,7 +63,7 @@ class Impulse final : public Method {
   std::vector<Strand> strands_;
   bool prepared_ = false;
   std::uint64_t topology_ = 0;
-  double step_work_ = 0, pass_work_ = 0;  // cycles, see Counters::work
+  double step_cycles_ = 0, pass_cycles_ = 0;  // see Counters::cycles
 };
 
 void Impulse::prepare(const World& world) {
@@ -90,13 +90,13 @@ void Impulse::prepare(const World& world) {
   // A link that is as long as it may be costs a pass its length and a comparison, another a root, a
   // division and a move that the next link waits for; of a step, flight, reach and velocities are
   // some 80 operations a particle, and a body's impulses as much as thirty of them.
-  step_work_ = 400 * static_cast<double>(spans_.size());
-  pass_work_ = 0;
+  step_cycles_ = 400 * static_cast<double>(spans_.size());
+  pass_cycles_ = 0;
   for (const Connector& connector : world.connectors) {
-    step_work_ += 40 * static_cast<double>(connector.particles());
-    pass_work_ += 40 * static_cast<double>(connector.links());
+    step_cycles_ += 40 * static_cast<double>(connector.particles());
+    pass_cycles_ += 40 * static_cast<double>(connector.links());
   }
-  for (const Body& body : world.bodies) step_work_ += body.driven() ? 100 : 1200;
+  for (const Body& body : world.bodies) step_cycles_ += body.driven() ? 100 : 1200;
   if (!as_printed_) return;
   for (const Span& span : spans_) {  // "the end points are set to have infinite mass"
     for (const SpanEnd* end : {&span.a, &span.b}) {
@@ -166,7 +166,7 @@ void Impulse::step(World& world, double time, double dt) {
   }
   ++counters_.steps;
   counters_.solves += static_cast<std::uint64_t>(passes_);
-  counters_.cycles += step_work_ + passes_ * pass_work_;
+  counters_.cycles += step_cycles_ + passes_ * pass_cycles_;
   check(world, time);
 }
 

@@ -99,7 +99,7 @@ class Springs : public SteppedMethod {
                       if (!taut) tension[r] = 0;
                     }
                     ++counters_.solves;
-                    counters_.cycles += at.work();
+                    counters_.cycles += at.cycles();
                   });
     if (contacts_.any()) contacts_.stop(mechanism, time + dt, dt, state);
   }

@@ -45,11 +45,11 @@ class Xpbd final : public SteppedMethod {
 
   double compliance_;  // m/N
   int iterations_;
-  double step_work_ = 0, pass_work_ = 0;    // cycles, see Counters::work
-  std::vector<Carriers> carriers_;          // per row
-  std::vector<double> multiplier_, flown_;  // kg m per row; the state after free motion
-  std::vector<double> started_;             // the state before it
-  std::vector<Vec3> force_;                 // N, per point, of what flows past it
+  double step_cycles_ = 0, pass_cycles_ = 0;  // see Counters::cycles
+  std::vector<Carriers> carriers_;            // per row
+  std::vector<double> multiplier_, flown_;    // kg m per row; the state after free motion
+  std::vector<double> started_;               // the state before it
+  std::vector<Vec3> force_;                   // N, per point, of what flows past it
   contact::BeadContacts contacts_;
   XpbdMaterial material_;
 };
@@ -71,9 +71,10 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
   // In a pass each row waits for the one before: a difference, a norm, two divisions and a move,
   // one after another. A end turns its body.
   const auto count = [](std::size_t number) { return static_cast<double>(number); };
-  pass_work_ = 20 + 80 * count(mechanism.rows().size()) + 450 * count(mechanism.row_ends().size());
-  pass_work_ += mechanism.material().work();
-  step_work_ = 150 + 20 * count(mechanism.points()) + 700 * count(mechanism.bodies().size());
+  pass_cycles_ =
+      20 + 80 * count(mechanism.rows().size()) + 450 * count(mechanism.row_ends().size());
+  pass_cycles_ += mechanism.material().cycles();
+  step_cycles_ = 150 + 20 * count(mechanism.points()) + 700 * count(mechanism.bodies().size());
   return 0;
 }
 
@@ -101,7 +102,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
   }
   if (contacts_.any()) contacts_.move_out(mechanism, time + dt, dt, started_, state);
   counters_.solves += static_cast<std::uint64_t>(iterations_);
-  counters_.cycles += step_work_ + iterations_ * pass_work_;
+  counters_.cycles += step_cycles_ + iterations_ * pass_cycles_;
 
   const std::size_t velocities = mechanism.velocity(0);
   for (std::size_t i = 0; i < 3 * mechanism.points(); ++i) {

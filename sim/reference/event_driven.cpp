@@ -181,7 +181,7 @@ void EventDriven::locate(double h) {
 void EventDriven::slope(const reference::State& state, reference::State& derivative, double time) {
   motion_.differentiate(time, state, derivative);
   counters_.solves = motion_.solves();
-  counters_.cycles += 2 * motion_.mechanism().work();
+  counters_.cycles += 2 * motion_.mechanism().cycles();
 }
 
 void EventDriven::give_up(std::size_t row, const char* what) const {

@@ -188,7 +188,7 @@ void Multipliers::slope(const reference::State& state, reference::State& derivat
   system_.assemble(mechanism_);
   system_.solve(right_, tension_);
   ++counters_.solves;
-  counters_.cycles += mechanism_.work() + system_.work();
+  counters_.cycles += mechanism_.cycles() + system_.cycles();
   mechanism_.differentiate(scratch_.data(), tension_.data(), derivative.data());
 }
 

@@ -66,8 +66,8 @@ Trial run(const PlanModel& model, const Candidate& candidate, const ReferenceSol
     for (std::size_t k = 0; trial.end == Trial::End::within && compared.next(); ++k) {
       trial.error = compared.error();
       trial.later = compared.later();
-      trial.work = compared.work() / span;
-      if (k == 1 && equal) trial.work *= span / (times[1] - times[0]);
+      trial.cycles = compared.cycles() / span;
+      if (k == 1 && equal) trial.cycles *= span / (times[1] - times[0]);
       trial.end = end_of(trial);
     }
   } catch (const Diverged&) {
@@ -83,11 +83,11 @@ Trial run(const PlanModel& model, const Candidate& candidate, const ReferenceSol
 }  // namespace
 
 Trial attempt(const PlanModel& model, const Candidate& candidate,
-              const ReferenceSolution& reference, const Tolerance& tolerance, double most_work) {
+              const ReferenceSolution& reference, const Tolerance& tolerance, double most_cycles) {
   return run(model, candidate, reference, tolerance.distance, [&](const Trial& trial) {
     if (!(trial.error <= tolerance.most)) return Trial::End::beyond;
     if (!trial.later.within(reference.most)) return Trial::End::unlike;
-    return trial.work > most_work ? Trial::End::dearer : Trial::End::within;
+    return trial.cycles > most_cycles ? Trial::End::dearer : Trial::End::within;
   });
 }
 
@@ -121,9 +121,9 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
     for (const Trial& trial : block) {
       // Of equals, the first model.
       const bool first =
-          trial.work == least && result.best && trial.model < result.trials[*result.best].model;
-      if (trial.end == Trial::End::within && (trial.work < least || first)) {
-        least = trial.work;
+          trial.cycles == least && result.best && trial.model < result.trials[*result.best].model;
+      if (trial.end == Trial::End::within && (trial.cycles < least || first)) {
+        least = trial.cycles;
         result.best = result.trials.size();
       }
       result.trials.push_back(trial);

@@ -31,7 +31,7 @@ struct Trial {
   End end = End::within;
   double error = 0;  // the largest of the frames that it reached, in the tolerance's unit
   Difference later = {};
-  double work = 0;  // of MethodInfo::work, per simulated second
+  double cycles = 0;  // see Counters::cycles, per simulated second
 };
 
 struct Search {
@@ -44,10 +44,10 @@ struct Tolerance {
   double most = 0;
 };
 
-/// A run to the end, or until it is beyond the tolerance or takes more than `most_work` (per
+/// A run to the end, or until it is beyond the tolerance or takes more than `most_cycles` (per
 /// simulated second).
 Trial attempt(const PlanModel& model, const Candidate& candidate,
-              const ReferenceSolution& reference, const Tolerance& tolerance, double most_work);
+              const ReferenceSolution& reference, const Tolerance& tolerance, double most_cycles);
 
 /// A run to the end, whatever its error: within or diverged.
 Trial run_through(const PlanModel& model, const Candidate& candidate,

@@ -199,7 +199,7 @@ void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
       const study::Trial trial = study::attempt(one.model, candidate, reference, asked, enough);
       EXPECT_NE(trial.end, study::Trial::End::within)
           << name << ": " << planning::describe(one, scene) << ", " << describe(candidate)
-          << " costs " << trial.work << " of " << 1.5 * enough;
+          << " costs " << trial.cycles << " of " << 1.5 * enough;
       ++tried;
     }
   }

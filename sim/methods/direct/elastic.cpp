@@ -135,7 +135,7 @@ void Elastic::follow(Part& part, double until) {
       const std::uint64_t solves = step.iterations() - before;
       ++counters_.steps;
       counters_.solves += solves;
-      counters_.cycles += static_cast<double>(solves + 1) * step.work();
+      counters_.cycles += static_cast<double>(solves + 1) * step.cycles();
       error = result.error;
       taken = result.converged && (fixed || !(error > limit));
       if (taken) break;

@@ -105,7 +105,7 @@ void Integrator::refresh(Counters& counters) {
   system_.acceleration(time_, q_.data(), rate_.data(), acceleration_.data());
   waves_ = system_.wave_frequency();
   counters.solves += 1;
-  counters.cycles += system_.work();
+  counters.cycles += system_.cycles();
   fresh_ = true;
 }
 
@@ -113,7 +113,7 @@ void Integrator::refresh(Counters& counters) {
 StepError Integrator::attempt(Scheme scheme, double h, Counters& counters) {
   const double *q = q_.data(), *rate = rate_.data(), *first = acceleration_.data();
   refresh(counters);
-  counters.cycles += (cost_[scheme] - 1) * system_.work();
+  counters.cycles += (cost_[scheme] - 1) * system_.cycles();
   if (scheme == dop853) {
     counters.solves += kStages - 1;
     const double error = dop853_.attempt(system_, time_, h, q, rate, first);
@@ -224,7 +224,7 @@ bool Integrator::start_adams(double time, Counters& counters) {
     interpolate(at, first, latest);
     system_.acceleration(at, q_between_.data(), rate_between_.data(), out);
     counters.solves += 1;
-    counters.cycles += system_.work();
+    counters.cycles += system_.cycles();
   }
   fresh_ = false;  // the last tensions are others
   return true;
@@ -243,7 +243,7 @@ double Integrator::advance_adams(double until, Counters& counters) {
   int& rest = rests_[rosenbrock].steps;
   while (is_before(until)) {
     counters.solves += 1;
-    counters.cycles += cost_[adams] * system_.work();
+    counters.cycles += cost_[adams] * system_.cycles();
     error = adams_.attempt(system_, time_, q_.data(), rate_.data(), kLittle * allowed) / allowed;
     if (system_.left_plane()) return error;
     if (!(error <= 1)) {

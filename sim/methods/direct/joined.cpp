@@ -83,7 +83,8 @@ void Joined::find_slope(double time, const State& state, State& slope) {
   system_.solve(right_, tension_);
   mechanism_.differentiate(scratch_.data(), tension_.data(), slope.data());
   ++counters_.solves;
-  counters_.cycles += mechanism_.work() + system_.work() + 12 * static_cast<double>(slope.size());
+  counters_.cycles +=
+      mechanism_.cycles() + system_.cycles() + 12 * static_cast<double>(slope.size());
 }
 
 /// A bound on the frequency (rad/s) of the waves under the last tensions: Gershgorin's on M^-1 K, K

@@ -141,7 +141,7 @@ void Spans::update() {
     part.system.load(inner_, inner_.time, q, rate);
     part.system.acceleration(inner_.time, q, rate, part.acceleration.data());
     looks_.solves += 1;
-    looks_.cycles += part.system.work();
+    looks_.cycles += part.system.cycles();
   }
 }
 

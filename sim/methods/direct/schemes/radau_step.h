@@ -35,8 +35,8 @@ class RadauStep {
   void accept();
 
   std::uint64_t iterations() const { return iterations_; }  // since rebuild()
-  double work() const {
-    return 3 * system_.work() + 900 * static_cast<double>(system_.particles());
+  double cycles() const {
+    return 3 * system_.cycles() + 900 * static_cast<double>(system_.particles());
   }
   const ElasticSystem& system() const { return system_; }
 

@@ -79,7 +79,7 @@ class ElasticSystem {
   /// The impulses that stop what would stretch rigid links.
   void stop_stretch(const double* x, double* v);
 
-  double work() const { return 400 * static_cast<double>(particles()); }
+  double cycles() const { return 400 * static_cast<double>(particles()); }
 
  private:
   using Band = std::vector<double>;  // rows of kHalf + 1 as in BandLdlt

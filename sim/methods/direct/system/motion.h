@@ -47,7 +47,7 @@ class Motion {
   /// The cost of project(), in accelerations.
   virtual double projection_cost() const = 0;
   /// The cycles (see Counters::work) of an acceleration and of the integrator's use of it.
-  virtual double work() const = 0;
+  virtual double cycles() const = 0;
   /// By how far (m, RMS) a small change of q displaces the particles.
   virtual double displacement(const double* change) const = 0;
   /// A cheap upper bound of that, from the sum of the squares of `change`.

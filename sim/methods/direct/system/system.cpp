@@ -184,7 +184,7 @@ void System::clear_ends(double* array) const {
 
 /// As of a chain in a plane, with a third component where it needs one; a body's matrices, and the
 /// systems that several links at one body solve.
-double System::measure_work() const {
+double System::count_cycles() const {
   const auto count = [](std::size_t number) { return static_cast<double>(number); };
   const double links = count(links_.count()), coupled = count(coupled_.size());
   return 450 + (plane_ ? 20 : 24) * links + 100 * count(ends_.size()) +

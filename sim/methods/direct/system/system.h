@@ -62,7 +62,7 @@ class System : public Motion {
   void acceleration(double time, const double* q, const double* rate, double* out) override;
   bool project(double time, double* q, double* rate) override;
   double projection_cost() const override;
-  double work() const override { return work_; }
+  double cycles() const override { return cycles_; }
   double displacement(const double* change) const override;
   double displacement_bound(double squares) const override {
     return displacement_factor_ * std::sqrt(squares);
@@ -156,7 +156,7 @@ class System : public Motion {
   void move_bodies(const double* q, double* out);
   void respond(const double* q, double* out);
   void clear_ends(double* array) const;
-  double measure_work() const;
+  double count_cycles() const;
 
   // Rows (system_rows.cpp).
   void place_rows(std::span<const ConstraintRow* const> rows);
@@ -209,7 +209,7 @@ class System : public Motion {
   double length_ = 0, shortest_ = 0;   // m, of all links, of the shortest
   double velocity_time_ = 0;           // s
   double displacement_factor_ = 0;     // m, of displacement_bound()
-  double work_ = 0;                    // cycles
+  double cycles_ = 0;                  // of an acceleration
   double factored_sigma_ = 1;          // 1/s^2, of factor()
 
   bool floats_ = false;  // nothing prescribed: its centre of mass flies freely

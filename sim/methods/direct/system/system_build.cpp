@@ -140,7 +140,7 @@ void System::rebuild(const World& world, const Component& component,
   measure_links(world);
   couple();
   place_rows(rows);
-  work_ = measure_work();
+  cycles_ = count_cycles();
 }
 
 std::size_t System::member(std::size_t body) const {
