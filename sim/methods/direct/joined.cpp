@@ -5,14 +5,13 @@
 #include <limits>
 
 #include "sim/measure/measure.h"
+#include "sim/methods/direct/schemes/dop853.h"
 #include "sim/methods/direct/system/scales.h"
 #include "sim/topology/span.h"
 
 namespace taut::direct {
 namespace {
 
-constexpr double kStable = 5.2;       // over the highest frequency: the longest step (Dop853Step)
-constexpr double kErrorOrder = 8;     // of its estimate, see Dop853Step
 constexpr double kFirst = 0.1;        // of the shortest link's swing: the first step
 constexpr double kLeastStep = 1e-12;  // s
 constexpr double kBriefTime = 1e-4;   // s, in which more steps than these lead nowhere
@@ -107,7 +106,8 @@ double Joined::wave_frequency() {
 
 double Joined::longest_step(double waves) const {
   const double longest = driven_ ? kConstants.longest_driven : kConstants.longest;
-  return std::min(longest, kStable / std::max(waves, kStable / longest)) / options_.finer;
+  return std::min(longest, Dop853Step::kStable / std::max(waves, Dop853Step::kStable / longest)) /
+         options_.finer;
 }
 
 /// The error (m) that a step of h may make: as any step of this method (Integrator).
@@ -115,7 +115,7 @@ double Joined::allowed_error(double h) const {
   const double tolerance = options_.step > 0 ? kConstants.coarsest * length_ : options_.tolerance;
   const double share = std::min(kConstants.rate * options_.finer * h, kConstants.share);
   const double rough = kConstants.turn * shortest_ / kConstants.share;
-  return share * std::min(tolerance, rough) / std::pow(options_.finer, kErrorOrder) +
+  return share * std::min(tolerance, rough) / std::pow(options_.finer, Dop853Step::kErrorOrder) +
          kConstants.roundings * std::numeric_limits<double>::epsilon() * length_;
 }
 
@@ -205,7 +205,7 @@ void Joined::advance(World& world, double until) {
                        kRunThrough);
       }
       taken = error <= limit && !run_through && project(time + h, next_);
-      const double ratio = kConstants.safety * std::pow(limit / error, 1 / kErrorOrder);
+      const double ratio = kConstants.safety * std::pow(limit / error, 1 / Dop853Step::kErrorOrder);
       ++counters_.steps;
       const double off = taken ? distance_to_change(time + h, next_) : kNever;
       if (off < -PulleyFriction::kNear && h > kLeastStep) {
