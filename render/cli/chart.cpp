@@ -34,9 +34,9 @@ bool has_model_study(const options::StudyOptions& options, const scenes::Scene& 
 
 /// The work that parts share: the runs of all candidates, and those of the model study.
 program::Pieces shared_work(const options::StudyOptions& options, const scenes::Scene& scene,
-                            const std::vector<study::Candidate>& candidates) {
+                            const std::vector<MethodChoice>& candidates) {
   program::Pieces pieces{"chart", "runs", program::Share::in_turn, {}};
-  for (const study::Candidate& candidate : candidates)
+  for (const MethodChoice& candidate : candidates)
     pieces.keys.push_back(studies::score_key(candidate));
   if (has_model_study(options, scene)) {
     for (std::string& key : studies::model_keys()) pieces.keys.push_back(std::move(key));
@@ -47,7 +47,7 @@ program::Pieces shared_work(const options::StudyOptions& options, const scenes::
 int run_part(const options::StudyOptions& options, const scenes::Scene& scene,
              const studies::AccuracyStudy& study, const std::vector<study::Metric>& metrics,
              const program::Common& common) {
-  const std::vector<study::Candidate> candidates = studies::all_candidates(study, options.quick);
+  const std::vector<MethodChoice> candidates = studies::all_candidates(study, options.quick);
   std::optional<studies::Target> target;
   const auto work = [&](std::size_t i, program::Journal& journal) {
     if (!target) {

@@ -51,9 +51,9 @@ std::string words(const study::Run& run, const study::Classification& found) {
 
 /// The contender at its defaults. A scene whose step is a whole frame asks every method that has a
 /// step to take that.
-study::Candidate candidate_for(const options::Contender& contender, const scenes::Scene& scene,
-                               const std::vector<std::string>& set) {
-  study::Candidate candidate = contender.candidate;
+MethodChoice candidate_for(const options::Contender& contender, const scenes::Scene& scene,
+                           const std::vector<std::string>& set) {
+  MethodChoice candidate = contender.candidate;
   for (const auto& [name, value] : options::settings_of(*contender.method, set)) {
     candidate.settings[name] = value;
   }

@@ -22,9 +22,9 @@ constexpr double kCpuCap = 60;    // s, of one method's stepping
 constexpr double kScored = 1e-3;  // shares of the length: errors from there on are scored
 
 /// The candidate of a contender on this scene: the scene's own settings where they are for it.
-study::Candidate candidate_on(const scenes::Scene& scene, const options::Contender& contender) {
-  study::Candidate candidate = contender.candidate;
-  if (scene.method.name == candidate.method)
+MethodChoice candidate_on(const scenes::Scene& scene, const options::Contender& contender) {
+  MethodChoice candidate = contender.candidate;
+  if (scene.method.name == candidate.name)
     for (const auto& [name, value] : scene.method.settings) candidate.settings.emplace(name, value);
   return candidate;
 }
@@ -60,7 +60,7 @@ film::Comparison compare_methods(const scenes::Scene& scene,
 
   program::Progress running("running", "methods", contenders.size(), true);
   std::uint64_t finished = 0;
-  const auto run_of = [&](const study::Candidate& candidate) {
+  const auto run_of = [&](const MethodChoice& candidate) {
     if (!quiet) program::note("running {}\n", study::describe(candidate));
     study::Run run = study::run(problem, candidate, kCpuCap, render::stop_if_interrupted);
     running.update(++finished);

@@ -23,8 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kStates = 8;  // kept of each trajectory, at most
 
 /// The inputs of the motion, for people: the rest of the file would fill pages.
-std::map<std::string, std::string> sources(const scenes::Scene& scene,
-                                           const scenes::MethodChoice& method) {
+std::map<std::string, std::string> sources(const scenes::Scene& scene, const MethodChoice& method) {
   std::map<std::string, std::string> list = {{"fps", fmt::to_string(scene.fps)},
                                              {"method.name", method.name}};
   const Vec3& g = scene.world.gravity;

@@ -103,8 +103,8 @@ Settings settings_of(const MethodInfo& method, const std::vector<std::string>& s
   return settings;
 }
 
-scenes::MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& scene) {
-  scenes::MethodChoice choice = scene.method;
+MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& scene) {
+  MethodChoice choice = scene.method;
   if (!options.method.empty()) choice.name = options.method;
   const MethodInfo* method = find_method(choice.name);
   if (!method) {
@@ -170,7 +170,7 @@ scenes::MethodChoice chosen_method(const MethodOptions& options, const scenes::S
   return choice;
 }
 
-Settings full_settings(const scenes::MethodChoice& choice) {
+Settings full_settings(const MethodChoice& choice) {
   Settings full = choice.settings;
   for (const SettingInfo& info : find_method(choice.name)->settings) {
     full.try_emplace(std::string(info.name), info.fallback);

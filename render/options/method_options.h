@@ -36,10 +36,10 @@ Settings settings_of(const MethodInfo& method, const std::vector<std::string>& s
 
 /// The scene's method with the options put over its settings. Another method starts from its own:
 /// the step that suits one diverges in the next. Throws Misuse.
-scenes::MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& scene);
+MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& scene);
 
 /// Every setting of the method, those left out with their defaults.
-Settings full_settings(const scenes::MethodChoice& choice);
+Settings full_settings(const MethodChoice& choice);
 
 /// Settings as a JSON object.
 nlohmann::ordered_json settings_json(const Settings& settings);

@@ -20,9 +20,9 @@ std::string words_of(const ShownScene& scene) {
 }
 
 /// Every setting, named or not: where the scene is of the same method, its own would hold else.
-std::string words_of(const study::Candidate& candidate) {
+std::string words_of(const MethodChoice& candidate) {
   std::string words;
-  for (const auto& [name, value] : full_settings({candidate.method, candidate.settings})) {
+  for (const auto& [name, value] : full_settings(candidate)) {
     words += " --set " + quoted(name + "=" + value_text(value));
   }
   return words;
@@ -39,15 +39,14 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-std::string score_command(const ShownScene& scene, const study::Candidate& candidate,
-                          double share) {
+std::string score_command(const ShownScene& scene, const MethodChoice& candidate, double share) {
   return fmt::format("taut simulate {} --method {}{} --score {} --json -q", words_of(scene),
-                     candidate.method, words_of(candidate), share);
+                     candidate.name, words_of(candidate), share);
 }
 
 std::string classify_command(const ShownScene& scene,
                              const std::vector<scenes::SceneChange>& changes,
-                             const std::string& label, const study::Candidate& candidate,
+                             const std::string& label, const MethodChoice& candidate,
                              double duration, double cap, bool scored) {
   std::string words = words_of(scene);
   for (const scenes::SceneChange& change : changes) {

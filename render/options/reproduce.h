@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/scene/scene.h"
-#include "sim/evaluation/candidate.h"
+#include "sim/run/method_choice.h"
 
 namespace taut::options {
 
@@ -16,13 +16,13 @@ struct ShownScene {
 };
 
 /// A run's cost and its errors from `share` of the length up.
-std::string score_command(const ShownScene& scene, const study::Candidate& candidate, double share);
+std::string score_command(const ShownScene& scene, const MethodChoice& candidate, double share);
 
 /// The class of a run of `duration` (s) of the scene with changes, stopped after `cap` (s) of CPU
 /// time; with `scored`, told accurate from plausible.
 std::string classify_command(const ShownScene& scene,
                              const std::vector<scenes::SceneChange>& changes,
-                             const std::string& label, const study::Candidate& candidate,
+                             const std::string& label, const MethodChoice& candidate,
                              double duration, double cap, bool scored);
 
 /// A word as a shell takes it for one.

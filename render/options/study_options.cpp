@@ -11,6 +11,7 @@
 #include "render/program/command.h"
 #include "scenes/files/standard_input.h"
 #include "scenes/load/load_scene.h"
+#include "sim/evaluation/sweep.h"
 #include "sim/motion/hash.h"
 
 namespace taut::options {
@@ -98,12 +99,12 @@ std::string legend_name(const Contender& contender) {
   return missing.empty() ? contender.label : contender.label + " (" + missing + ")";
 }
 
-std::vector<study::Candidate> candidates_of(const Contender& contender, bool quick) {
-  std::vector<study::Candidate> all;
+std::vector<MethodChoice> candidates_of(const Contender& contender, bool quick) {
+  std::vector<MethodChoice> all;
   if (!contender.method->missing.empty()) return all;
-  for (study::Candidate candidate : study::sweep(*contender.method, quick)) {
+  for (MethodChoice candidate : study::sweep(*contender.method, quick)) {
     for (const auto& [name, value] : contender.candidate.settings) candidate.settings[name] = value;
-    const auto same = [&](const study::Candidate& other) {
+    const auto same = [&](const MethodChoice& other) {
       return other.settings == candidate.settings;
     };
     if (std::ranges::none_of(all, same)) all.push_back(std::move(candidate));

@@ -11,7 +11,7 @@
 #include "render/program/command.h"
 #include "render/program/part.h"
 #include "scenes/scene/scene.h"
-#include "sim/evaluation/candidate.h"
+#include "sim/run/method_choice.h"
 
 namespace taut::options {
 
@@ -37,8 +37,8 @@ void add_study_options(program::Command& command, StudyOptions& options, double 
 struct Contender {
   std::string label;  // "dynamic-constraints:dense"
   const MethodInfo* method = nullptr;
-  study::Candidate candidate;  // at its defaults, with what the form sets
-  chart::Style style;          // the same in every chart
+  MethodChoice candidate;  // at its defaults, with what the form sets
+  chart::Style style;      // the same in every chart
 };
 
 /// The contenders that the options name, in the order of the list of methods; those that this build
@@ -59,7 +59,7 @@ std::string legend_name(const Contender& contender);
 
 /// Every setting of a contender's sweep (only the ends and middle of numbers where `quick`), with
 /// what its form sets put over it.
-std::vector<study::Candidate> candidates_of(const Contender& contender, bool quick);
+std::vector<MethodChoice> candidates_of(const Contender& contender, bool quick);
 
 /// Calls `study` with the options of each of the scenes in turn, see for_each_scene().
 int for_each_study(const StudyOptions& options, const program::Common& common,

@@ -24,7 +24,7 @@ constexpr double kFinerForClip = 0.9;
 constexpr int kTimings = 5;
 
 /// CPU seconds per simulated second of stepping to the end; infinite where it does not get there.
-double cost_of(const study::PlanModel& model, const study::Candidate& candidate,
+double cost_of(const study::PlanModel& model, const MethodChoice& candidate,
                const std::vector<double>& times) {
   std::vector<double> costs;
   try {
@@ -87,7 +87,7 @@ std::optional<double> error_of_clip(const Planned& planned, double scored,
                                     const std::function<void(double)>& tick) {
   if (!planned.scene.stage) return std::nullopt;
   scenes::Scene clip = planned.scene;
-  clip.method = {planned.candidate().method, planned.candidate().settings};
+  clip.method = planned.candidate();
   if (planned.blur) clip.stage->exposures = planned.blur->most;
   const std::vector<double> times = scenes::shown_times(clip, scenes::clip_frames(clip));
   const std::vector<double>& compared = planned.reference.problem.times;
@@ -117,7 +117,7 @@ std::string event_between(const Timeline& timeline, double from, double until) {
 std::vector<study::PlanModel> score_models(std::vector<SceneModel>& scene_models,
                                            const study::ReferenceSolution& reference,
                                            const study::Tolerance& tolerance,
-                                           const study::Candidate& finely, int fps,
+                                           const MethodChoice& finely, int fps,
                                            double longest_step, bool quiet) {
   std::vector<study::PlanModel> models;
   program::Progress progress("models", "models", scene_models.size(), quiet);
@@ -158,7 +158,7 @@ scenes::Plan plan_of(const Planned& planned, const std::string& tolerance, std::
                     .error = planned.error,
                     .until = reference.known > 1 ? reference.horizon() : 0,
                     .stamp = stamp,
-                    .method = {planned.candidate().method, planned.candidate().settings},
+                    .method = planned.candidate(),
                     .particles = planned.model().particles,
                     .links = planned.model().links};
   plan.program = scenes::method_stamp(plan.method);
@@ -199,7 +199,7 @@ Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneCha
   const std::optional<Blur> blur = blur_of(scene, reference, asked);
   asked.tolerance.most -= asked.per_metre * reference.self_error;
 
-  const study::Candidate finely{"direct", {{"tolerance", scored * kFinely}}};
+  const MethodChoice finely{"direct", {{"tolerance", scored * kFinely}}};
   std::vector<SceneModel> scene_models = models_of(scene, changes);
   const std::vector<study::PlanModel> models =
       score_models(scene_models, reference, asked.tolerance, finely, scene.fps,
@@ -230,14 +230,13 @@ Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneCha
       within.most *= kFinerForClip * asked.tolerance.most / planned.error;
       continue;
     }
-    const study::Candidate as_written{scene.method.name, scene.method.settings};
     const study::PlanModel& written = models.front();
     planned.as_written =
-        study::run_through(written, as_written, reference, asked.tolerance.distance);
+        study::run_through(written, scene.method, reference, asked.tolerance.distance);
     planned.models_off =
         model_errors(scene, changes, scene_models, reference, finely, asked.tolerance.distance);
     planned.cost = cost_of(planned.model().model, planned.candidate(), reference.problem.times);
-    planned.cost_as_written = cost_of(written, as_written, reference.problem.times);
+    planned.cost_as_written = cost_of(written, scene.method, reference.problem.times);
     planned.plan = plan_of(planned, tolerance, stamp);
     return planned;
   }

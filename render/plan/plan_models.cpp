@@ -95,7 +95,7 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
 ModelErrors model_errors(const scenes::Scene& scene,
                          const std::vector<scenes::SceneChange>& written,
                          const std::vector<SceneModel>& models,
-                         const study::ReferenceSolution& reference, const study::Candidate& finely,
+                         const study::ReferenceSolution& reference, const MethodChoice& finely,
                          const study::Distance& distance) {
   ModelErrors errors;
   if (reference.known < 2) return errors;
@@ -146,26 +146,26 @@ World few_copies(World world) {
   return world;
 }
 
-std::vector<study::Candidate> all_candidates(const World& world, int fps, double longest_step) {
-  std::vector<study::Candidate> all;
+std::vector<MethodChoice> all_candidates(const World& world, int fps, double longest_step) {
+  std::vector<MethodChoice> all;
   for (const options::Contender& contender : options::chosen_contenders({})) {
     if (has_spans(world) && !contender.method->follows_spans) continue;
-    const std::vector<study::Candidate> some = options::candidates_of(contender, false);
+    const std::vector<MethodChoice> some = options::candidates_of(contender, false);
     all.insert(all.end(), some.begin(), some.end());
   }
-  for (study::Candidate& candidate : all) {
+  for (MethodChoice& candidate : all) {
     const auto step = candidate.settings.find("step");
     if (step == candidate.settings.end()) continue;
     double& seconds = std::get<double>(step->second);
     if (seconds > 0) seconds = 1 / (fps * std::ceil(1 / (fps * seconds) - 1e-6));
   }
-  std::erase_if(all, [&](const study::Candidate& candidate) {
+  std::erase_if(all, [&](const MethodChoice& candidate) {
     const auto step = candidate.settings.find("step");
     return step != candidate.settings.end() && std::get<double>(step->second) > longest_step;
   });
   // The one that is likely to be chosen first: what is dearer than its best is given up early.
-  std::ranges::stable_partition(all, [](const study::Candidate& candidate) {
-    return candidate.method == scenes::default_method().name;
+  std::ranges::stable_partition(all, [](const MethodChoice& candidate) {
+    return candidate.name == scenes::default_method().name;
   });
   return all;
 }

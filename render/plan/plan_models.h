@@ -28,8 +28,8 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
 
 /// Every method that follows the world, at every setting of its sweep, with steps that divide a
 /// frame of 1/`fps` s and are at most `longest_step` (s); the default method first.
-std::vector<study::Candidate> all_candidates(const World& world, int fps,
-                                             double longest_step = INFINITY);
+std::vector<MethodChoice> all_candidates(const World& world, int fps,
+                                         double longest_step = INFINITY);
 
 /// The errors of models, whatever solves them, in the tolerance's unit.
 struct ModelErrors {
@@ -43,7 +43,7 @@ struct ModelErrors {
 ModelErrors model_errors(const scenes::Scene& scene,
                          const std::vector<scenes::SceneChange>& written,
                          const std::vector<SceneModel>& models,
-                         const study::ReferenceSolution& reference, const study::Candidate& finely,
+                         const study::ReferenceSolution& reference, const MethodChoice& finely,
                          const study::Distance& distance);
 
 /// The world with a few of each connector's copies: as they are all alike, these show for all how

@@ -32,7 +32,7 @@ chart::Table left_out(const Planned& planned) {
                outcome(model.alone, planned.asked, planned.reference)});
   }
   for (const MethodInfo& method : all_methods()) {
-    if (method.name == planned.candidate().method) continue;
+    if (method.name == planned.candidate().name) continue;
     const study::Trial* trial = nearest(planned.search, planned.models, method.name);
     if (!trial) continue;
     const SceneModel& model = planned.models[trial->model];
@@ -61,7 +61,7 @@ std::string bodies_text(const Planned& planned) {
   const World& reference = planned.scene.world;
   const World& world = planned.model().model.world;
   const std::vector<std::string>& links = planned.model().links;
-  const MethodInfo& method = *find_method(planned.candidate().method);
+  const MethodInfo& method = *find_method(planned.candidate().name);
   const std::vector<bool> as_links = method.steps_as_links && !has_spans(world)
                                          ? method.steps_as_links(world)
                                          : std::vector<bool>(world.bodies.size());
@@ -131,8 +131,8 @@ const study::Trial* nearest(const study::Search& search, const std::vector<Scene
   };
   const study::Trial* best = nullptr;
   for (const study::Trial& trial : search.trials) {
-    const study::Candidate& candidate = models[trial.model].model.candidates[trial.candidate];
-    if (!method.empty() && candidate.method != method) continue;
+    const MethodChoice& candidate = models[trial.model].model.candidates[trial.candidate];
+    if (!method.empty() && candidate.name != method) continue;
     if (!best || rank(trial) < rank(*best)) best = &trial;
   }
   return best;
@@ -220,14 +220,13 @@ std::string plan_text(const Planned& planned) {
                                                "than 1/{} of its contrast",
                                                scenes::kMostStates)));
   }
-  const study::Candidate as_written{scene.method.name, scene.method.settings};
   if (planned.as_written.end == study::Trial::End::diverged) {
-    line("saving", fmt::format("as it is written, {} diverges", describe(as_written)));
+    line("saving", fmt::format("as it is written, {} diverges", describe(scene.method)));
   } else {
     line("saving",
          fmt::format("{} by counted work, {} measured, than as it is written: {}, {} {} off",
                      times_less(planned.as_written.cycles, best.cycles),
-                     times_less(planned.cost_as_written, planned.cost), describe(as_written),
+                     times_less(planned.cost_as_written, planned.cost), describe(scene.method),
                      options::rounded(planned.as_written.error), unit));
   }
   line("cost", fmt::format("{} ms of CPU time per simulated second predicted from the counts, {} "

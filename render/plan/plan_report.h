@@ -46,7 +46,7 @@ struct Planned {
   double cost = 0, cost_as_written = 0;   // measured: CPU s per simulated second
 
   const SceneModel& model() const { return models[best.model]; }
-  const study::Candidate& candidate() const { return model().model.candidates[best.candidate]; }
+  const MethodChoice& candidate() const { return model().model.candidates[best.candidate]; }
 };
 
 /// The outcome of a candidate, in a few words.

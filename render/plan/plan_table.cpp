@@ -41,8 +41,7 @@ std::vector<std::string> row_of(const scenes::Scene& scene) {
   const scenes::Plan& plan = *scene.plan;
   const bool changed = plan.stamp != scenes::plan_stamp(scene.file);
   const bool moves_otherwise = plan.program != scenes::method_stamp(plan.method);
-  return {name, plan.tolerance, model_of(plan),
-          study::describe(study::Candidate{plan.method.name, plan.method.settings}),
+  return {name, plan.tolerance, model_of(plan), describe(plan.method),
           changed           ? "the scene changed since"
           : moves_otherwise ? "the method moves otherwise since"
                             : found_of(plan)};

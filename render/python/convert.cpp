@@ -133,9 +133,9 @@ const MethodInfo& existing_method(const std::string& name) {
 
 }  // namespace
 
-scenes::MethodChoice chosen_method(const scenes::Scene& scene, const std::string& name,
-                                   const Settings& settings) {
-  scenes::MethodChoice choice = scene.method;
+MethodChoice chosen_method(const scenes::Scene& scene, const std::string& name,
+                           const Settings& settings) {
+  MethodChoice choice = scene.method;
   if (!name.empty() && name != choice.name) choice = {name, {}};
   existing_method(choice.name);
   for (const auto& [key, value] : settings) {
@@ -155,7 +155,7 @@ scenes::MethodChoice chosen_method(const scenes::Scene& scene, const std::string
   return choice;
 }
 
-std::unique_ptr<Method> made_method(const World& world, const scenes::MethodChoice& choice) {
+std::unique_ptr<Method> made_method(const World& world, const MethodChoice& choice) {
   if (has_spans(world) && !existing_method(choice.name).follows_spans) {
     throw std::invalid_argument(
         fmt::format("{} follows no massless spans (model = \"span\")", choice.name));

@@ -59,10 +59,10 @@ std::optional<Attachment> attachment(const World& world, const py::object& point
 /// The method and its settings of a scene with others put over them, as the commands of taut do:
 /// another method starts from its own settings, a step replaces a tolerance and the other way
 /// round. No name: the scene's.
-scenes::MethodChoice chosen_method(const scenes::Scene& scene, const std::string& name,
-                                   const Settings& settings);
+MethodChoice chosen_method(const scenes::Scene& scene, const std::string& name,
+                           const Settings& settings);
 
 /// Makes a method of a build that has it, for a world. Throws std::invalid_argument.
-std::unique_ptr<Method> made_method(const World& world, const scenes::MethodChoice& choice);
+std::unique_ptr<Method> made_method(const World& world, const MethodChoice& choice);
 
 }  // namespace taut::python

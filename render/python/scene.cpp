@@ -112,7 +112,7 @@ struct Trajectory {
 Trajectory simulate(const SceneObject& object, const std::string& method,
                     const py::kwargs& settings) {
   const scenes::Scene& scene = object.scene;
-  const scenes::MethodChoice choice = chosen_method(scene, method, settings_of(settings));
+  const MethodChoice choice = chosen_method(scene, method, settings_of(settings));
   Simulation simulation(scene.world, made_method(scene.world, choice), scene.timeline);
   Trajectory made(scene, choice.name);
   double* times = made.times.mutable_data();

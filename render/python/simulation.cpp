@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kSlice = 0.02;  // s from one look for signals to the next, about
 
-double step_of(const scenes::MethodChoice& method) {
+double step_of(const MethodChoice& method) {
   const auto step = method.settings.find("step");
   return step == method.settings.end() ? 0 : std::get<double>(step->second);
 }
@@ -34,8 +34,8 @@ std::vector<double> times_of(const Timeline& timeline) {
 
 }  // namespace
 
-SimulationObject::SimulationObject(const World& world, scenes::MethodChoice method,
-                                   Timeline timeline, double fps)
+SimulationObject::SimulationObject(const World& world, MethodChoice method, Timeline timeline,
+                                   double fps)
     : method_(std::move(method)),
       fps_(fps),
       timed_(!timeline.empty()),
@@ -177,9 +177,8 @@ chooses its own steps stops on its way.)")
              if (!(fps > 0 && fps <= 1e6))
                throw std::invalid_argument(
                    fmt::format("fps: found {}, expected a number above 0", fps));
-             return std::make_shared<Sim>(world.world(),
-                                          scenes::MethodChoice{method, settings_of(settings)},
-                                          Timeline{}, fps);
+             return std::make_shared<Sim>(
+                 world.world(), MethodChoice{method, settings_of(settings)}, Timeline{}, fps);
            }),
            "world"_a, "method"_a = "direct", py::kw_only(), "fps"_a = 60.0)
       .def("advance", &Sim::advance, "until"_a, R"(Goes to the time `until` (s).

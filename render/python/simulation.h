@@ -14,7 +14,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
  public:
   /// Throws std::invalid_argument where the method or a setting is wrong. `fps`: of the frames at
   /// which a method that chooses its steps stops on its way.
-  SimulationObject(const World& world, scenes::MethodChoice method, Timeline timeline, double fps);
+  SimulationObject(const World& world, MethodChoice method, Timeline timeline, double fps);
 
   /// Goes to `until` (s) without Python's lock. A method with a step goes in as many of them as
   /// without stops between; another one stops at every frame. Both look for signals there.
@@ -39,7 +39,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
     return simulation_;
   }
   const World& world() const { return simulation().world(); }
-  const scenes::MethodChoice& method() const { return method_; }
+  const MethodChoice& method() const { return method_; }
 
  private:
   double next_stop(double until);
@@ -48,7 +48,7 @@ class SimulationObject : public std::enable_shared_from_this<SimulationObject> {
   std::vector<Vec3>& particles(const std::string& connector, std::vector<Vec3> Connector::*which);
   void refuse_unless_done(const char* what, Outcome outcome) const;
 
-  scenes::MethodChoice method_;
+  MethodChoice method_;
   double fps_, step_ = 0;        // s; 0: the method's own
   double stride_ = 1;            // steps from one look for signals to the next
   bool timed_ = false;           // it has pins or cuts that were known beforehand

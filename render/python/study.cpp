@@ -6,6 +6,7 @@
 
 #include "render/python/scene.h"
 #include "render/python/signals.h"
+#include "sim/evaluation/sweep.h"
 #include "sim/study/speed_accuracy.h"
 #include "sim/truth/truth.h"
 
@@ -72,7 +73,7 @@ std::vector<py::dict> swept(const std::string& name, bool quick) {
   const MethodInfo* method = find_method(name);
   if (!method) throw std::invalid_argument(fmt::format("there is no method \"{}\"", name));
   std::vector<py::dict> all;
-  for (const study::Candidate& candidate : study::sweep(*method, quick))
+  for (const MethodChoice& candidate : study::sweep(*method, quick))
     all.push_back(to_dict(candidate.settings));
   return all;
 }
@@ -88,14 +89,13 @@ void add_study(py::module_& module, py::class_<SceneObject>& scene) {
 
   py::class_<study::AccuracyRow>(module, "Score", "A row of the chart of speed against accuracy.")
       .def_property_readonly(
-          "method", [](const study::AccuracyRow& row) { return row.candidate.method; },
+          "method", [](const study::AccuracyRow& row) { return row.candidate.name; },
           "The method's name.")
       .def_property_readonly(
           "settings", [](const study::AccuracyRow& row) { return to_dict(row.candidate.settings); },
           "As they were given.")
       .def_property_readonly(
-          "label",
-          [](const study::AccuracyRow& row) { return study::describe(row.candidate.settings); },
+          "label", [](const study::AccuracyRow& row) { return describe(row.candidate.settings); },
           "The settings as chart.csv has them.")
       .def_property_readonly(
           "outcome", [](const study::AccuracyRow& row) { return study::text_of(row.end); },

@@ -33,8 +33,8 @@ nlohmann::ordered_json run_score(const scenes::Scene& scene, double share) {
   }
   const double length = studies::scored_length(scene);
   const studies::Target target = studies::scored_target(scene, share);
-  const study::Run run = study::run(target.problem, {scene.method.name, scene.method.settings},
-                                    std::numeric_limits<double>::infinity());
+  const study::Run run =
+      study::run(target.problem, scene.method, std::numeric_limits<double>::infinity());
   const truth::Reference& truth = target.reference;
   const bool diverged = run.end == study::Run::End::diverged;
   nlohmann::ordered_json json = {

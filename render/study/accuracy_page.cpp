@@ -115,7 +115,7 @@ chart::Table points_table(const AccuracyStudy& study, bool exact) {
       };
       const bool best = std::ranges::find(front, i) != front.end();
       std::vector<std::string> cells{block.contender.label,
-                                     study::describe(row.candidate.settings),
+                                     describe(row.candidate.settings),
                                      study::text_of(row.end),
                                      error(row.errors[kShare]),
                                      text(time.median),
@@ -148,7 +148,7 @@ chart::Table work_precision_table(const AccuracyStudy& study) {
     for (const double target : study.targets) {
       const auto found = reaching(block, target);
       row.push_back(found ? options::rounded(1e3 * cost(block.rows[*found])) : "-");
-      if (found) settings = study::describe(block.rows[*found].candidate.settings);
+      if (found) settings = describe(block.rows[*found].candidate.settings);
     }
     if (study.in_pixels) {
       const auto found = reaching(block, 1, kPixels);
@@ -182,7 +182,7 @@ chart::Table best_table(const AccuracyStudy& study) {
     const Attained& best = reached.front();
     const bool more = reached.size() > 1;
     table.add({name, best.block->contender.label,
-               study::describe(best.block->rows[best.row].candidate.settings),
+               describe(best.block->rows[best.row].candidate.settings),
                options::rounded(1e3 * best.cost), more ? reached[1].block->contender.label : "-",
                more ? options::rounded(reached[1].cost / best.cost) : "-"});
   };

@@ -240,11 +240,11 @@ chart::Table bench_table(const BenchResults& results) {
         return timed(row) ? options::rounded(1e6 * seconds) : "-";
       };
       const double factor = ratio(results, block, c);
-      table.add(
-          {std::to_string(block.particles), results.contenders[c].label,
-           study::describe(row.candidate.settings), timed(row) ? options::rounded(row.steps) : "-",
-           micro(row.mean.median), micro(row.mean.low), micro(row.mean.high),
-           factor > 0 ? options::rounded(factor) : "-", std::to_string(row.repeats), row.failure});
+      table.add({std::to_string(block.particles), results.contenders[c].label,
+                 describe(row.candidate.settings), timed(row) ? options::rounded(row.steps) : "-",
+                 micro(row.mean.median), micro(row.mean.low), micro(row.mean.high),
+                 factor > 0 ? options::rounded(factor) : "-", std::to_string(row.repeats),
+                 row.failure});
     }
   }
   return table;

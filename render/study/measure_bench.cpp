@@ -45,7 +45,7 @@ BenchBlock measure(const options::StudyOptions& options,
                    const std::vector<options::Contender>& contenders, std::size_t particles,
                    double seconds) {
   const scenes::Scene scene = options::study_scene(options, particles);
-  std::vector<study::Candidate> candidates;
+  std::vector<MethodChoice> candidates;
   for (const options::Contender& one : contenders) {
     if (one.method->missing.empty()) candidates.push_back(one.candidate);
   }

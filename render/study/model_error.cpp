@@ -21,7 +21,7 @@ constexpr double kSpanPasses = 16;
 /// A run: a chain of so many links, by a method.
 struct ModelRun {
   std::size_t links = 0;
-  study::Candidate candidate;
+  MethodChoice candidate;
 };
 
 ModelRun exact_run(std::size_t doublings) {
@@ -40,7 +40,7 @@ std::vector<ModelRun> model_runs() {
 }
 
 std::string key_of(const ModelRun& run) {
-  return fmt::format("model {} {}", run.links, run.candidate.method);
+  return fmt::format("model {} {}", run.links, run.candidate.name);
 }
 
 /// Where the particles are that a chain of kCoarsest links has too, frame by frame.

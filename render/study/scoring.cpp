@@ -45,7 +45,7 @@ std::vector<std::string> cells_of(const study::AccuracyRow& row) {
   return cells;
 }
 
-study::AccuracyRow not_run(const study::Candidate& candidate, std::size_t metrics) {
+study::AccuracyRow not_run(const MethodChoice& candidate, std::size_t metrics) {
   study::AccuracyRow row;
   row.candidate = candidate;
   row.end = study::Run::End::over_cap;
@@ -66,8 +66,7 @@ std::vector<bool> on_a_front(const AccuracyBlock& block, std::size_t metrics) {
 
 }  // namespace
 
-study::AccuracyRow row_from(const study::Candidate& candidate,
-                            const std::vector<std::string>& cells) {
+study::AccuracyRow row_from(const MethodChoice& candidate, const std::vector<std::string>& cells) {
   study::AccuracyRow row;
   row.candidate = candidate;
   row.end = static_cast<study::Run::End>(program::number_in(cells.at(0)));
@@ -82,14 +81,14 @@ study::AccuracyRow row_from(const study::Candidate& candidate,
   return row;
 }
 
-std::string score_key(const study::Candidate& candidate) {
-  return "score " + study::describe(candidate);
+std::string score_key(const MethodChoice& candidate) {
+  return "score " + describe(candidate);
 }
 
-std::vector<study::Candidate> all_candidates(const AccuracyStudy& study, bool quick) {
-  std::vector<study::Candidate> all;
+std::vector<MethodChoice> all_candidates(const AccuracyStudy& study, bool quick) {
+  std::vector<MethodChoice> all;
   for (const AccuracyBlock& block : study.blocks) {
-    for (study::Candidate& candidate : options::candidates_of(block.contender, quick)) {
+    for (MethodChoice& candidate : options::candidates_of(block.contender, quick)) {
       all.push_back(std::move(candidate));
     }
   }
@@ -102,8 +101,7 @@ double cap_of_a_run(const AccuracyStudy& study, double seconds) {
 
 std::vector<std::string> scored_and_timed(const Target& target,
                                           const std::vector<study::Metric>& metrics,
-                                          const study::Candidate& candidate, double cap,
-                                          double slow) {
+                                          const MethodChoice& candidate, double cap, double slow) {
   study::AccuracyRow row = study::score(target.problem, target.reference, metrics, candidate, cap);
   if (!row.cpu.empty()) {
     const bool is_slow = row.cpu.front() * target.problem.duration() > slow;
@@ -119,7 +117,7 @@ std::vector<std::string> scored_and_timed(const Target& target,
 void score_all(AccuracyStudy& study, const Target& target,
                const std::vector<study::Metric>& metrics, double seconds, bool quick,
                program::Journal* journal, bool quiet) {
-  std::vector<std::vector<study::Candidate>> candidates;
+  std::vector<std::vector<MethodChoice>> candidates;
   std::size_t total = 0;
   for (const AccuracyBlock& block : study.blocks) {
     candidates.push_back(options::candidates_of(block.contender, quick));
@@ -130,7 +128,7 @@ void score_all(AccuracyStudy& study, const Target& target,
   const double share = seconds / static_cast<double>(study.blocks.size());
   for (std::size_t b = 0; b < study.blocks.size(); ++b) {
     const Clock::time_point start = Clock::now();
-    for (const study::Candidate& candidate : candidates[b]) {
+    for (const MethodChoice& candidate : candidates[b]) {
       render::stop_if_interrupted();
       const std::string key = score_key(candidate);
       if (const auto* cells = journal ? journal->find(key) : nullptr) {

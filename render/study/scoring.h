@@ -11,10 +11,10 @@
 namespace taut::studies {
 
 /// The key of a candidate's row in a journal.
-std::string score_key(const study::Candidate& candidate);
+std::string score_key(const MethodChoice& candidate);
 
 /// The candidates of all contenders, in the order in which they are scored.
-std::vector<study::Candidate> all_candidates(const AccuracyStudy& study, bool quick);
+std::vector<MethodChoice> all_candidates(const AccuracyStudy& study, bool quick);
 
 /// The CPU time (s) that one run may take where scoring may take `seconds`.
 double cap_of_a_run(const AccuracyStudy& study, double seconds);
@@ -23,12 +23,10 @@ double cap_of_a_run(const AccuracyStudy& study, double seconds);
 /// times, less often where it takes more than `slow` (s).
 std::vector<std::string> scored_and_timed(const Target& target,
                                           const std::vector<study::Metric>& metrics,
-                                          const study::Candidate& candidate, double cap,
-                                          double slow);
+                                          const MethodChoice& candidate, double cap, double slow);
 
 /// The row that a journal has so.
-study::AccuracyRow row_from(const study::Candidate& candidate,
-                            const std::vector<std::string>& cells);
+study::AccuracyRow row_from(const MethodChoice& candidate, const std::vector<std::string>& cells);
 
 /// Scores every candidate of every contender, cheap ones first, within equal shares of `seconds`.
 /// Rows that the journal holds are taken from it, others added; null: there is none.

@@ -62,7 +62,7 @@ chart::Series law_of(const StabilityMap& map, const options::Contender& contende
 /// longer.
 std::string command_of(const StabilityStudy& study, const StabilityMap& map,
                        const options::Contender& contender, const MapCell& cell) {
-  study::Candidate candidate = contender.candidate;
+  MethodChoice candidate = contender.candidate;
   candidate.settings[std::string(map_height(*contender.method)->name)] = cell.y;
   if (!map.axis.setting.empty()) candidate.settings[map.axis.setting] = cell.x;
   const World& world = map.worlds[place(map.axis.values, cell.x)];

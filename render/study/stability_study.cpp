@@ -99,7 +99,7 @@ MapCell cell_not_run(std::size_t index, double x, double y) {
 MapCell cell_of(const MapAxis& axis, std::size_t index, const StabilityStudy& study,
                 const Column& column, double x, double y, double cap) {
   const options::Contender& contender = study.contenders[index];
-  study::Candidate candidate = contender.candidate;
+  MethodChoice candidate = contender.candidate;
   candidate.settings[std::string(map_height(*contender.method)->name)] = y;
   if (!axis.setting.empty()) candidate.settings[axis.setting] = x;
   const study::Run result = taut::study::run(column.problem, candidate, cap);

@@ -70,7 +70,7 @@ class SharedRuns {
       one.scene = scene;
       stamp.text(scene).number(options::stamp_of(one));
       const AccuracyStudy study = empty_study(one);
-      for (study::Candidate& candidate : all_candidates(study, one.quick)) {
+      for (MethodChoice& candidate : all_candidates(study, one.quick)) {
         pieces_.keys.push_back(key_of(scenes_.size(), candidate));
         runs_.push_back({scenes_.size(), std::move(candidate)});
       }
@@ -104,7 +104,7 @@ class SharedRuns {
     for (std::size_t s = 0; s < scenes_.size(); ++s) {
       AccuracyStudy study = empty_study(scenes_[s]);
       for (AccuracyBlock& block : study.blocks) {
-        for (const study::Candidate& candidate :
+        for (const MethodChoice& candidate :
              options::candidates_of(block.contender, options_.quick)) {
           block.rows.push_back(row_from(candidate, *journal.find(key_of(s, candidate))));
         }
@@ -119,10 +119,10 @@ class SharedRuns {
  private:
   struct SceneRun {
     std::size_t scene = 0;
-    study::Candidate candidate;
+    MethodChoice candidate;
   };
 
-  static std::string key_of(std::size_t scene, const study::Candidate& candidate) {
+  static std::string key_of(std::size_t scene, const MethodChoice& candidate) {
     return fmt::format("{} {}", scene, score_key(candidate));
   }
   static std::string truth_key(std::size_t scene) { return fmt::format("{} truth", scene); }

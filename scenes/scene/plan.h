@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scenes/scene/method_choice.h"
+#include "scenes/scene/scene_method.h"
 
 namespace taut::scenes {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "scenes/character/performance.h"
-#include "scenes/scene/method_choice.h"
 #include "scenes/scene/plan.h"
+#include "scenes/scene/scene_method.h"
 #include "scenes/scene/stage.h"
 #include "sim/run/simulation.h"
 #include "sim/run/trajectory.h"

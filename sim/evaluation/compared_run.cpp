@@ -17,11 +17,11 @@ void raise(double& largest, double value) {
 }  // namespace
 
 ComparedRun::ComparedRun(const ReferenceSolution& reference, const World& world,
-                         const Timeline& timeline, const Candidate& candidate,
+                         const Timeline& timeline, const MethodChoice& candidate,
                          const Distance& distance)
     : reference_(reference),
       distance_(distance),
-      simulation_(world, make_method(candidate.method, candidate.settings), timeline),
+      simulation_(world, make_method(candidate.name, candidate.settings), timeline),
       sample_points_(world, simulation_.state()),
       balance_(timeline) {}
 

@@ -15,7 +15,7 @@ class ComparedRun {
   /// `reference` and `distance` must outlive it. Throws std::invalid_argument where the method does
   /// not take the settings.
   ComparedRun(const ReferenceSolution& reference, const World& world, const Timeline& timeline,
-              const Candidate& candidate, const Distance& distance);
+              const MethodChoice& candidate, const Distance& distance);
 
   /// To the next frame; false where there is none. Throws Diverged.
   bool next();

@@ -32,10 +32,10 @@ struct Motion {
 
 /// The motion as far as the method goes or `go_on`, called after each frame, says.
 Motion solve(const Problem& problem, const World& world, const SamplePoints& sample_points,
-             const Candidate& candidate,
+             const MethodChoice& candidate,
              const std::function<bool(const Motion&, const Simulation&)>& go_on) {
   Motion motion;
-  Simulation simulation(world, make_method(candidate.method, candidate.settings), problem.timeline);
+  Simulation simulation(world, make_method(candidate.name, candidate.settings), problem.timeline);
   EnergyBalance balance(problem.timeline);
   try {
     for (const double time : problem.times) {
@@ -84,7 +84,7 @@ double energy_difference(const Motion& a, const Motion& b, std::size_t first, bo
   return balanced ? difference.largest() : difference.of_means();
 }
 
-Candidate direct_within(double tolerance) {
+MethodChoice direct_within(double tolerance) {
   return {"direct", {{"tolerance", std::max(kFinest, tolerance)}}};
 }
 
@@ -168,8 +168,8 @@ ReferenceSolution solve_reference(Problem problem, double scored_error, double m
   for (const Motion& other : others) {
     reference.known = std::min(reference.known, agree(motion, other, apart, ignored));
   }
-  const Candidate truth{"truth",
-                        {{"local_error", std::clamp(kTruthFiner * scored_error, kFinest, 1e-9)}}};
+  const MethodChoice truth{
+      "truth", {{"local_error", std::clamp(kTruthFiner * scored_error, kFinest, 1e-9)}}};
   Motion check;
   if (!has_spans(own.world)) {
     try {

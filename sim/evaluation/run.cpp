@@ -59,9 +59,9 @@ std::vector<double> frame_times(double duration, int fps) {
   return times;
 }
 
-Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
+Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
         const std::function<void()>& tick) {
-  Simulation simulation(problem.world, make_method(candidate.method, candidate.settings),
+  Simulation simulation(problem.world, make_method(candidate.name, candidate.settings),
                         problem.timeline);
   Slices slices(candidate.settings, cpu_cap, tick);
   const double at_start = energy(problem.world);
@@ -104,11 +104,11 @@ Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
   return result;
 }
 
-double time_run(const Problem& problem, const Candidate& candidate) {
+double time_run(const Problem& problem, const MethodChoice& candidate) {
   constexpr double kBrief = 2e-3;     // s; what ran before still fills the caches for part of it
   constexpr std::size_t kMost = 100;  // runs
   const auto seconds = [&] {
-    Simulation simulation(problem.world, make_method(candidate.method, candidate.settings),
+    Simulation simulation(problem.world, make_method(candidate.name, candidate.settings),
                           problem.timeline);
     const double before = thread_seconds();
     for (const double time : problem.times) simulation.advance_to(time);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/evaluation/candidate.h"
+#include "sim/run/method_choice.h"
 #include "sim/run/cpu_time.h"
 #include "sim/run/simulation.h"
 
@@ -47,11 +47,11 @@ const char* text_of(Run::End end);
 /// Runs `candidate` and records what Run holds. Stops once the stepping has taken `cpu_cap` (s).
 /// Settings must be valid: throws std::invalid_argument. Calls `tick`, where there is one, now and
 /// then; it may throw.
-Run run(const Problem& problem, const Candidate& candidate, double cpu_cap,
+Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
         const std::function<void()>& tick = {});
 
 /// Runs `candidate` and records nothing: the CPU time (s) of stepping alone; where that is less
 /// than 2 ms, the median of so many runs more. Throws Diverged.
-double time_run(const Problem& problem, const Candidate& candidate);
+double time_run(const Problem& problem, const MethodChoice& candidate);
 
 }  // namespace taut::study

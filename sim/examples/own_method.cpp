@@ -31,9 +31,8 @@ int main() {
   const study::Run exact =
       study::run(problem, {"direct", direct::settings({.tolerance = 1e-8})}, 60);
   const study::Metric metric = study::share_of_length(1);
-  for (const study::Candidate& candidate :
-       {study::Candidate{"follow", {}}, {"xpbd", {}}, {"direct", {}}}) {
+  for (const MethodChoice& candidate : {MethodChoice{"follow", {}}, {"xpbd", {}}, {"direct", {}}}) {
     const auto row = study::score(problem, {exact.frames, 1.0, 1e-8}, {&metric, 1}, candidate, 60);
-    std::printf("%-8s error %.1e of the length\n", candidate.method.c_str(), row.errors[0]);
+    std::printf("%-8s error %.1e of the length\n", candidate.name.c_str(), row.errors[0]);
   }
 }

@@ -17,7 +17,7 @@ double clock_cost() {
 
 }  // namespace
 
-std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> candidates,
+std::vector<BenchRow> bench(const Problem& problem, std::span<const MethodChoice> candidates,
                             const BenchOptions& options) {
   struct Timings {
     std::vector<std::vector<double>> frames;  // [frame][repeat], s
@@ -26,7 +26,7 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> c
   };
   const double overhead = clock_cost();
   std::vector<BenchRow> rows;
-  for (const Candidate& candidate : candidates) rows.push_back({candidate, {}, {}, {}, 0, 0});
+  for (const MethodChoice& candidate : candidates) rows.push_back({candidate, {}, {}, {}, 0, 0});
   std::vector<Timings> timings(rows.size());
   for (std::size_t repeat = 0; repeat < options.repeats; ++repeat) {
     for (std::size_t c = 0; c < rows.size(); ++c) {
@@ -34,7 +34,7 @@ std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> c
       if (!rows[c].failure.empty() || timing.spent > options.seconds) continue;
       if (options.pause) options.pause();
       Simulation simulation(problem.world,
-                            make_method(rows[c].candidate.method, rows[c].candidate.settings),
+                            make_method(rows[c].candidate.name, rows[c].candidate.settings),
                             problem.timeline);
       timing.frames.resize(problem.times.size());
       double sum = 0;

@@ -12,7 +12,7 @@
 namespace taut::study {
 
 struct BenchRow {
-  Candidate candidate;
+  MethodChoice candidate;
   std::string failure;         // why it has no timings, or not of every frame
   std::vector<Spread> frames;  // s of CPU time per frame, over the repeats
   Spread mean;                 // s per frame: the mean of a repeat's frames, over the repeats
@@ -29,7 +29,7 @@ struct BenchOptions {
 /// Times every frame of `problem` (its first time is where it starts) for every candidate.
 /// Candidates take turns, one run each in every repeat, so that a disturbance of the machine meets
 /// them all. Nothing but the stepping lies within the timed region.
-std::vector<BenchRow> bench(const Problem& problem, std::span<const Candidate> candidates,
+std::vector<BenchRow> bench(const Problem& problem, std::span<const MethodChoice> candidates,
                             const BenchOptions& options);
 
 }  // namespace taut::study

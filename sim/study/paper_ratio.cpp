@@ -35,7 +35,7 @@ class Measurement {
 
   /// How much the springs cost and err where one frame takes kPaperRatio times as long as of the
   /// proposed method, which takes `steps` in it.
-  PaperSetting setting_at(const MethodInfo& springs, const Candidate& proposed,
+  PaperSetting setting_at(const MethodInfo& springs, const MethodChoice& proposed,
                           double steps) const {
     PaperSetting found;
     found.particles = problem_.world.connectors.front().particles();
@@ -50,7 +50,7 @@ class Measurement {
       found.substeps =
           std::clamp(std::round(found.substeps * asked / cost(found.substeps)), 1.0, 1e5);
     }
-    const Candidate equal = hardest(springs, found.substeps);
+    const MethodChoice equal = hardest(springs, found.substeps);
     found.stiffness = number(equal.settings, "stiffness");
     found.ratio = cost(found.substeps) / found.impulse_cost;
     const AccuracyRow row = scored(equal, kCap);
@@ -67,7 +67,7 @@ class Measurement {
     for (const Entrant& one : entrants) {
       const Clock::time_point start = Clock::now();
       std::vector<AccuracyRow> rows;
-      for (const Candidate& candidate : one.candidates) {
+      for (const MethodChoice& candidate : one.candidates) {
         tick_();
         const double spent = std::chrono::duration<double>(Clock::now() - start).count();
         if (spent > share) break;
@@ -81,7 +81,7 @@ class Measurement {
 
  private:
   /// CPU s per simulated second, the median of a few runs in a row.
-  double cost_of(const Candidate& candidate) const {
+  double cost_of(const MethodChoice& candidate) const {
     std::vector<double> costs;
     for (int i = 0; i < kRepeats; ++i) {
       tick_();
@@ -92,7 +92,7 @@ class Measurement {
 
   /// Springs at `substeps` equal steps a frame, as hard as these bear by the theory of a chain at
   /// rest: the longest stable step falls with the root of the stiffness.
-  Candidate hardest(const MethodInfo& springs, double substeps) const {
+  MethodChoice hardest(const MethodInfo& springs, double substeps) const {
     const Settings soft = with_defaults(springs, {{"stiffness", 1.0}});
     const double step = frame_ / substeps;
     const double stiffness =
@@ -100,7 +100,7 @@ class Measurement {
     return {std::string(springs.name), {{"step", step}, {"stiffness", stiffness}}};
   }
 
-  AccuracyRow scored(const Candidate& candidate, double cap) const {
+  AccuracyRow scored(const MethodChoice& candidate, double cap) const {
     return score(problem_, reference_, std::span(&metric_, 1), candidate, cap);
   }
 
@@ -123,7 +123,7 @@ PaperRatio paper_ratio(const Problem& problem, const truth::Reference& reference
   result.horizon = reference.horizon;
 
   const Measurement measurement(problem, reference, frame, tick);
-  const Candidate plain{proposed->label, {}}, coarse{proposed->label, {{"step", frame}}};
+  const MethodChoice plain{proposed->label, {}}, coarse{proposed->label, {{"step", frame}}};
   result.settings.push_back(measurement.setting_at(*springs->method, coarse, 1));
   const double fallback = number(with_defaults(*proposed->method, {}), "step");
   result.settings.push_back(measurement.setting_at(

@@ -46,7 +46,7 @@ struct PaperRatio {
 struct Entrant {
   std::string label;
   const MethodInfo* method = nullptr;
-  std::vector<Candidate> candidates;
+  std::vector<MethodChoice> candidates;
 };
 
 /// Measures both on a problem of frames of `frame` (s) up to the reference's horizon. `seconds`:

@@ -15,7 +15,7 @@ namespace taut::study {
 namespace {
 
 /// True where every frame takes the same work: no error is controlled.
-bool has_equal_steps(const Candidate& candidate) {
+bool has_equal_steps(const MethodChoice& candidate) {
   return std::ranges::none_of(std::array{"tolerance", "accuracy", "local_error"},
                               [&](const char* name) { return candidate.settings.contains(name); });
 }
@@ -23,20 +23,20 @@ bool has_equal_steps(const Candidate& candidate) {
 /// Which of a model's candidates are sure to be dearer than another.
 class Dearness {
  public:
-  explicit Dearness(const std::vector<Candidate>& candidates) {
-    for (const Candidate& one : candidates) {
+  explicit Dearness(const std::vector<MethodChoice>& candidates) {
+    for (const MethodChoice& one : candidates) {
       for (const auto& [name, value] : one.settings) {
         const double* number = std::get_if<double>(&value);
         if (!number) continue;
-        const auto [first, is_new] = ranges_.try_emplace(one.method + ' ' + name, *number, *number);
+        const auto [first, is_new] = ranges_.try_emplace(one.name + ' ' + name, *number, *number);
         first->second.second = *number;
       }
     }
   }
 
   /// All numbers of `a` are those of `b`, or later ones of the sweep; all else is the same.
-  bool at_least(const Candidate& a, const Candidate& b) const {
-    if (a.method != b.method || a.settings.size() != b.settings.size()) return false;
+  bool at_least(const MethodChoice& a, const MethodChoice& b) const {
+    if (a.name != b.name || a.settings.size() != b.settings.size()) return false;
     return std::ranges::all_of(a.settings, [&](const auto& setting) {
       const auto& [name, value] = setting;
       const auto other = b.settings.find(name);
@@ -44,7 +44,7 @@ class Dearness {
       if (value == other->second) return true;
       const double *mine = std::get_if<double>(&value), *its = std::get_if<double>(&other->second);
       if (!mine || !its) return false;
-      const auto& [cheap, dear] = ranges_.at(a.method + ' ' + name);
+      const auto& [cheap, dear] = ranges_.at(a.name + ' ' + name);
       return (*mine > *its) == (dear > cheap);
     });
   }
@@ -55,7 +55,7 @@ class Dearness {
 
 /// Goes on as long as `end_of` says that the trial is within. After the first frame that takes work
 /// it says what equal steps will take to the end, so that what is too dear is not run.
-Trial run(const PlanModel& model, const Candidate& candidate, const ReferenceSolution& reference,
+Trial run(const PlanModel& model, const MethodChoice& candidate, const ReferenceSolution& reference,
           const Distance& distance, const std::function<Trial::End(const Trial&)>& end_of) {
   const std::vector<double>& times = reference.problem.times;
   const double span = times.back() - times.front();
@@ -82,7 +82,7 @@ Trial run(const PlanModel& model, const Candidate& candidate, const ReferenceSol
 
 }  // namespace
 
-Trial attempt(const PlanModel& model, const Candidate& candidate,
+Trial attempt(const PlanModel& model, const MethodChoice& candidate,
               const ReferenceSolution& reference, const Tolerance& tolerance, double most_cycles) {
   return run(model, candidate, reference, tolerance.distance, [&](const Trial& trial) {
     if (!(trial.error <= tolerance.most)) return Trial::End::beyond;
@@ -91,7 +91,7 @@ Trial attempt(const PlanModel& model, const Candidate& candidate,
   });
 }
 
-Trial run_through(const PlanModel& model, const Candidate& candidate,
+Trial run_through(const PlanModel& model, const MethodChoice& candidate,
                   const ReferenceSolution& reference, const Distance& distance) {
   return run(model, candidate, reference, distance,
              [](const Trial&) { return Trial::End::within; });
@@ -110,9 +110,9 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
   const auto run_block = [&](std::vector<Trial>& block) {
     side_by_side(block.size(), [&](std::size_t i) {
       const auto [m, c] = std::pair(block[i].model, block[i].candidate);
-      const Candidate& candidate = models[m].candidates[c];
+      const MethodChoice& candidate = models[m].candidates[c];
       std::unique_lock lock(alone, std::defer_lock);
-      if (find_method(candidate.method)->runs_alone) lock.lock();
+      if (find_method(candidate.name)->runs_alone) lock.lock();
       const Tolerance own = tolerance;  // a distance may remember what it was asked last
       block[i] = attempt(models[m], candidate, reference, own, least);
       block[i].model = m;
@@ -132,7 +132,7 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
   };
 
   const auto try_model = [&](std::size_t m, const std::vector<std::size_t>& numbers) {
-    const std::vector<Candidate>& candidates = models[m].candidates;
+    const std::vector<MethodChoice>& candidates = models[m].candidates;
     const Dearness dearness(candidates);
     std::vector<std::size_t> enough;  // candidates, which need not be dearer
     for (std::size_t next = 0; next < numbers.size();) {
@@ -155,7 +155,7 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
 
   for (const bool likely : {true, false}) {
     for (std::size_t m = models.size(); m-- > 0;) {
-      const std::vector<Candidate>& candidates = models[m].candidates;
+      const std::vector<MethodChoice>& candidates = models[m].candidates;
       std::vector<std::size_t> numbers;
       for (std::size_t c = 0; c < candidates.size(); ++c) {
         if ((candidates[c].method == candidates.front().method) == likely) numbers.push_back(c);

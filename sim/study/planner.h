@@ -15,7 +15,7 @@ namespace taut::study {
 struct PlanModel {
   World world;
   Timeline timeline;
-  std::vector<Candidate> candidates;
+  std::vector<MethodChoice> candidates;
 };
 
 /// A candidate's run, ended as soon as it was of no use.
@@ -46,11 +46,11 @@ struct Tolerance {
 
 /// A run to the end, or until it is beyond the tolerance or takes more than `most_cycles` (per
 /// simulated second).
-Trial attempt(const PlanModel& model, const Candidate& candidate,
+Trial attempt(const PlanModel& model, const MethodChoice& candidate,
               const ReferenceSolution& reference, const Tolerance& tolerance, double most_cycles);
 
 /// A run to the end, whatever its error: within or diverged.
-Trial run_through(const PlanModel& model, const Candidate& candidate,
+Trial run_through(const PlanModel& model, const MethodChoice& candidate,
                   const ReferenceSolution& reference, const Distance& distance);
 
 /// Tries the candidates of every model, the last model first, those of the method that stands first

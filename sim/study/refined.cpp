@@ -5,7 +5,7 @@
 namespace taut::study {
 
 double distance_between(const ReferenceSolution& reference, const World& world,
-                        const Timeline& timeline, const Candidate& candidate,
+                        const Timeline& timeline, const MethodChoice& candidate,
                         const Distance& distance) {
   ComparedRun compared(reference, world, timeline, candidate, distance);
   try {

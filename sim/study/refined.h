@@ -11,7 +11,7 @@ namespace taut::study {
 /// compared, for a world that models the same in another way; infinite where it cannot be run that
 /// far.
 double distance_between(const ReferenceSolution& reference, const World& world,
-                        const Timeline& timeline, const Candidate& candidate,
+                        const Timeline& timeline, const MethodChoice& candidate,
                         const Distance& distance);
 
 /// Where chains of n, 2n, 4n links tend to, from how far the second (`twice`) and the third

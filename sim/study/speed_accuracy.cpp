@@ -6,7 +6,7 @@
 namespace taut::study {
 
 AccuracyRow score(const Problem& problem, const truth::Reference& reference,
-                  std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap,
+                  std::span<const Metric> metrics, const MethodChoice& candidate, double cpu_cap,
                   const std::function<void()>& tick) {
   const Run result = run(problem, candidate, cpu_cap, tick);
   AccuracyRow row{.candidate = candidate,

@@ -14,7 +14,7 @@
 namespace taut::study {
 
 struct AccuracyRow {
-  Candidate candidate;
+  MethodChoice candidate;
   Run::End end = Run::End::done;
   std::string reason;            // of an end that is not `done`
   std::vector<double> errors;    // one per metric; infinite where the run did not reach the horizon
@@ -28,7 +28,7 @@ struct AccuracyRow {
 /// Runs a candidate once, as run() does, and scores it against the reference. Runs that end early
 /// have no timings.
 AccuracyRow score(const Problem& problem, const truth::Reference& reference,
-                  std::span<const Metric> metrics, const Candidate& candidate, double cpu_cap,
+                  std::span<const Metric> metrics, const MethodChoice& candidate, double cpu_cap,
                   const std::function<void()>& tick = {});
 
 /// Adds one timing to a row whose run was done.

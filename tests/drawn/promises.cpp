@@ -36,7 +36,7 @@ constexpr const char* kUnknown = "unknown\t\n";
 constexpr const char* kMissed = "missed\t\n";
 constexpr const char* kTolerated = "told\t\n";
 
-std::string run_twice(const scenes::Scene& scene, const scenes::MethodChoice& method) {
+std::string run_twice(const scenes::Scene& scene, const MethodChoice& method) {
   const bool claims = method.name == "direct" || method.name == "truth";
   Watch first(scene, method);
   try {
@@ -117,7 +117,7 @@ bool takes(const MethodInfo& method, const World& world) {
 
 /// A run of a scene, or a comparison of one with the truth.
 struct Task {
-  scenes::MethodChoice method;
+  MethodChoice method;
   bool compares = false;
 };
 
@@ -206,7 +206,7 @@ Verdict check_promises(const std::string& text, const std::string& only) {
   std::vector<Task> tasks;
   for (const MethodInfo& method : all_methods()) {
     if (!takes(method, scene->world) || (!only.empty() && method.name != only)) continue;
-    scenes::MethodChoice choice{std::string(method.name), {}};
+    MethodChoice choice{std::string(method.name), {}};
     if (method.name == scene->method.name) choice = scene->method;
     choice.settings = with_defaults(method, choice.settings);
     tasks.push_back({choice, false});

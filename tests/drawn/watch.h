@@ -30,7 +30,7 @@ inline constexpr double kStretch = 1e-6;     // of a link's length
 /// One run, frame by frame.
 class Watch {
  public:
-  Watch(const scenes::Scene& scene, const scenes::MethodChoice& method)
+  Watch(const scenes::Scene& scene, const MethodChoice& method)
       : scene_(scene),
         method_(method),
         simulation_(start(scene, method)),
@@ -292,7 +292,7 @@ class Watch {
   }
 
   const scenes::Scene& scene_;
-  const scenes::MethodChoice& method_;
+  const MethodChoice& method_;
   Simulation simulation_;
   bool closed_, claims_;
   double error_;  // m

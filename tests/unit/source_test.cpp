@@ -158,8 +158,8 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"render/package", {"sim/run", "render/program", "render/cli"}},
     {"render/python",
      {"sim/motion", "sim/world", "sim/topology", "sim/measure", "sim/interventions", "sim/run",
-      "sim/batch", "sim/truth", "sim/study", "scenes/files", "scenes/scene", "scenes/load",
-      "render/base", "render/gl", "render/film"}},
+      "sim/batch", "sim/truth", "sim/evaluation", "sim/study", "scenes/files", "scenes/scene",
+      "scenes/load", "render/base", "render/gl", "render/film"}},
 };
 
 TEST(SourceTree, RoomsDoNotSeeEachOtherInCircles) {

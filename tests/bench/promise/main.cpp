@@ -37,8 +37,8 @@ Setting parsed(const std::string& text) {
   return text;
 }
 
-study::Candidate candidate(const Options& options) {
-  study::Candidate result{options.method, {}};
+MethodChoice candidate(const Options& options) {
+  MethodChoice result{options.method, {}};
   for (const std::string& pair : options.set) {
     const std::size_t equals = pair.find('=');
     if (equals == std::string::npos) throw std::invalid_argument(pair + ": not name=value");
@@ -46,7 +46,7 @@ study::Candidate candidate(const Options& options) {
   }
   Settings all = result.settings;
   all["tolerance"] = 1e-3;
-  make_method(result.method, all);  // throws what is wrong with them
+  make_method(result.name, all);  // throws what is wrong with them
   return result;
 }
 
@@ -69,7 +69,7 @@ struct Results {
 /// Adds what came of one scene.
 class Work {
  public:
-  Work(const Options& options, study::Candidate candidate)
+  Work(const Options& options, MethodChoice candidate)
       : options_(options), candidate_(std::move(candidate)), cache_(options.cache) {}
 
   void go(unsigned seed) {
@@ -107,7 +107,7 @@ class Work {
 
  private:
   const Options& options_;
-  study::Candidate candidate_;
+  MethodChoice candidate_;
   Cache cache_;
   std::mutex mutex_;
   Results results_;

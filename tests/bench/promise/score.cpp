@@ -25,11 +25,12 @@ double largest(const study::Run& run, const Reference& reference) {
 
 }  // namespace
 
-Score score(const Drawn& drawn, const Reference& reference, study::Candidate candidate,
+Score score(const Drawn& drawn, const Reference& reference, MethodChoice candidate,
             double tolerance, double asked, double cap) {
   const double allowed = tolerance * drawn.length;
   candidate.settings["tolerance"] = asked * allowed;
-  const study::Run result = run({drawn.world, study::frame_times(kDuration, kFps)}, candidate, cap);
+  const study::Run result =
+      study::run({drawn.world, study::frame_times(kDuration, kFps)}, candidate, cap);
   Score score;
   score.seed = drawn.seed;
   score.kind = drawn.kind;
@@ -48,11 +49,11 @@ Score score(const Drawn& drawn, const Reference& reference, study::Candidate can
 }
 
 void add_estimate(Score& score, const Drawn& drawn, const Reference& reference,
-                  study::Candidate candidate, double asked) {
+                  MethodChoice candidate, double asked) {
   const double allowed = score.tolerance * drawn.length;
   candidate.settings["tolerance"] = asked * allowed;
-  Simulation simulation(drawn.world, make_method(candidate.method, candidate.settings));
-  ErrorEstimate estimate(drawn.world, candidate.method, candidate.settings);
+  Simulation simulation(drawn.world, make_method(candidate.name, candidate.settings));
+  ErrorEstimate estimate(drawn.world, candidate.name, candidate.settings);
   double stepping = 0, following = 0;  // s of CPU time
   try {
     for (const Snapshot& frame : reference.frames) {

@@ -1,7 +1,7 @@
 // How well a method keeps its promise on a drawn scene.
 #pragma once
 
-#include "sim/evaluation/candidate.h"
+#include "sim/run/method_choice.h"
 #include "tests/bench/promise/reference.h"
 
 namespace taut::promise {
@@ -35,11 +35,11 @@ inline bool near(const Score& score) {
 /// Runs the scene for all of its duration with the candidate's `tolerance` set to `asked` times
 /// that share of the length. The error is the largest of all frames up to the horizon, each the RMS
 /// over all particles.
-Score score(const Drawn& drawn, const Reference& reference, study::Candidate candidate,
+Score score(const Drawn& drawn, const Reference& reference, MethodChoice candidate,
             double tolerance, double asked, double cap);
 
 /// Runs it again, up to the horizon, and sets what the run estimates of its own error.
 void add_estimate(Score& score, const Drawn& drawn, const Reference& reference,
-                  study::Candidate candidate, double asked);
+                  MethodChoice candidate, double asked);
 
 }  // namespace taut::promise

@@ -174,7 +174,7 @@ TEST_F(PlanFile, OfAnotherFormatIsRefusedAlone) {
 }
 
 TEST(MethodStamp, TellsMethodsAndSettingsApart) {
-  const scenes::MethodChoice direct{"direct", {{"tolerance", 1e-4}}};
+  const MethodChoice direct{"direct", {{"tolerance", 1e-4}}};
   EXPECT_EQ(scenes::method_stamp(direct), scenes::method_stamp(direct));
   EXPECT_NE(scenes::method_stamp(direct), scenes::method_stamp({"direct", {{"tolerance", 1e-2}}}));
   EXPECT_NE(scenes::method_stamp(direct), scenes::method_stamp({"impulse", {}}));

@@ -89,7 +89,7 @@ TEST(ReferenceSolution, BeyondTheHorizonKeepsWhatAllMotionsHaveInCommon) {
   EXPECT_LT(reference.known, 20u);
   EXPECT_NEAR(reference.most.energy, 1e-3 / 0.2, 1e-4) << "a closed world keeps its energy";
   const study::PlanModel model{drop(21), {}, {}};
-  const auto outcome = [&](const study::Candidate& candidate) {
+  const auto outcome = [&](const MethodChoice& candidate) {
     return study::attempt(model, candidate, reference, {metres, 1e-3}, INFINITY).end;
   };
   EXPECT_EQ(outcome({"direct", {{"tolerance", 1e-5}}}), study::Trial::End::within);
@@ -125,7 +125,7 @@ TEST(ErrorOfAChain, IsThatOfFarMoreLinks) {
 class Planner : public testing::Test {
  protected:
   Planner() {
-    std::vector<study::Candidate> candidates;
+    std::vector<MethodChoice> candidates;
     for (int i = 2; i <= 7; ++i)
       candidates.push_back({"direct", {{"tolerance", std::pow(10, -i)}}});
     for (int i = 2; i <= 7; ++i) {
@@ -156,7 +156,7 @@ TEST_F(Planner, FindsTheLeastWorkOfAllThatStayWithin) {
     EXPECT_LE(best.error, most);
     EXPECT_LT(found.trials.size(), 3 * models_[0].candidates.size());
     for (std::size_t m = 0; m < models_.size(); ++m) {
-      for (const study::Candidate& candidate : models_[m].candidates) {
+      for (const MethodChoice& candidate : models_[m].candidates) {
         const study::Trial alone =
             study::attempt(models_[m], candidate, reference_, {metres, most}, INFINITY);
         if (alone.end != study::Trial::End::within) continue;

@@ -128,7 +128,7 @@ TEST(Stability, AWorldThatNothingCanMoveIsJudged) {
 
 TEST(SpeedAccuracy, ScoresAgainstTheReference) {
   const study::Problem problem = rope(Vec3(1, 0, 0));
-  const study::Candidate fine{"impulse", {{"step", 1.0 / 3840}}},
+  const MethodChoice fine{"impulse", {{"step", 1.0 / 3840}}},
       coarse{"impulse", {{"step", 1.0 / 240}}};
   const truth::Reference reference{run(problem, fine, 10).frames, 0.5, 0};
   const study::Metric metrics[] = {study::share_of_length(0.2)};
@@ -155,8 +155,8 @@ TEST(SpeedAccuracy, ARunThatEndsEarlyHasNoCost) {
 
 TEST(Bench, TimesEveryFrameOfEveryRepeat) {
   const study::Problem problem = rope(Vec3(1, 0, 0));
-  const study::Candidate candidates[] = {{"impulse", {{"step", 1.0 / 960}}},
-                                         {"impulse", {{"step", 1.0 / 15360}}}};
+  const MethodChoice candidates[] = {{"impulse", {{"step", 1.0 / 960}}},
+                                     {"impulse", {{"step", 1.0 / 15360}}}};
   int pauses = 0;
   study::BenchOptions options{.repeats = 3, .seconds = 60, .pause = [&] { ++pauses; }};
   const std::vector<study::BenchRow> rows = study::bench(problem, candidates, options);

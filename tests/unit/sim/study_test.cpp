@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "sim/evaluation/accuracy.h"
-#include "sim/evaluation/candidate.h"
 #include "sim/evaluation/run.h"
+#include "sim/evaluation/sweep.h"
 #include "sim/study/front.h"
 #include "sim/study/speed_accuracy.h"
 
@@ -37,21 +37,21 @@ MethodInfo made_up() {
 }
 
 TEST(Sweep, GoesThroughEveryCombinationOnce) {
-  const std::vector<study::Candidate> all = study::sweep(made_up(), false);
+  const std::vector<MethodChoice> all = study::sweep(made_up(), false);
   ASSERT_EQ(all.size(), 10u);
-  EXPECT_EQ(study::describe(all[0]), "made-up (solver a, step 0.008)");
-  EXPECT_EQ(study::describe(all[9]), "made-up (solver b, step 0.0005)");
-  const std::vector<study::Candidate> thin = study::sweep(made_up(), true);
+  EXPECT_EQ(describe(all[0]), "made-up (solver a, step 0.008)");
+  EXPECT_EQ(describe(all[9]), "made-up (solver b, step 0.0005)");
+  const std::vector<MethodChoice> thin = study::sweep(made_up(), true);
   ASSERT_EQ(thin.size(), 6u);
-  EXPECT_EQ(study::describe(thin[1].settings), "solver a, step 0.002");
+  EXPECT_EQ(describe(thin[1].settings), "solver a, step 0.002");
 }
 
 TEST(Sweep, LeavesAMethodWithoutValuesAtItsDefaults) {
   MethodInfo info = made_up();
   for (SettingInfo& setting : info.settings) setting.sweep.clear();
-  const std::vector<study::Candidate> all = study::sweep(info, false);
+  const std::vector<MethodChoice> all = study::sweep(info, false);
   ASSERT_EQ(all.size(), 1u);
-  EXPECT_EQ(study::describe(all[0].settings), "defaults");
+  EXPECT_EQ(describe(all[0].settings), "defaults");
 }
 
 TEST(Front, HoldsWhatNothingBeatsInBoth) {
@@ -130,7 +130,7 @@ TEST(Accuracy, RefusesAnotherWorld) {
 
 TEST(StudyRun, RecordsTheStatesThatTheSimulationPassesThrough) {
   const study::Problem problem{swinging_rope(11), study::frame_times(0.5, 60)};
-  const study::Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
+  const MethodChoice candidate{"impulse", {{"step", 1.0 / 960}}};
   const auto result = study::run(problem, candidate, 10);
   ASSERT_EQ(result.end, study::Run::End::done);
   ASSERT_EQ(result.frames.size(), 31u);
@@ -145,7 +145,7 @@ TEST(StudyRun, FollowsPinsAndCuts) {
   study::Problem problem{swinging_rope(11), study::frame_times(0.5, 60)};
   problem.timeline.pins = {{0, 0.113, 0.1, 0.3, {}}};
   problem.timeline.cuts = {{0, 0.15, 0.4}};
-  const study::Candidate candidate{"impulse", {{"step", 1.0 / 960}}};
+  const MethodChoice candidate{"impulse", {{"step", 1.0 / 960}}};
   const auto result = study::run(problem, candidate, 10);
   ASSERT_EQ(result.end, study::Run::End::done);
   Simulation simulation(problem.world, make_method("impulse", candidate.settings),

@@ -46,7 +46,7 @@ class Motion {
   virtual bool project(double time, double* q, double* rate) = 0;
   /// The cost of project(), in accelerations.
   virtual double projection_cost() const = 0;
-  /// The cycles (see Counters::work) of an acceleration and of the integrator's use of it.
+  /// The cycles (see Counters::cycles) of an acceleration and of the integrator's use of it.
   virtual double cycles() const = 0;
   /// By how far (m, RMS) a small change of q displaces the particles.
   virtual double displacement(const double* change) const = 0;

@@ -1,4 +1,4 @@
-#include "scenes/scene/method_choice.h"
+#include "scenes/scene/scene_method.h"
 
 #include <fmt/format.h>
 

@@ -4,14 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "sim/run/method.h"
+#include "sim/run/method_choice.h"
 
 namespace taut::scenes {
-
-struct MethodChoice {
-  std::string name;
-  Settings settings;  // those that the scene names, validated against the method's list
-};
 
 /// The method of a scene that names none.
 MethodChoice default_method();

@@ -1,0 +1,20 @@
+// A method with its settings: what a scene asks for, what studies compare, a row of every table.
+#pragma once
+
+#include <string>
+
+#include "sim/run/method.h"
+
+namespace taut {
+
+struct MethodChoice {
+  std::string name;
+  Settings settings;  // those that differ from the method's own choice
+};
+
+/// "springs (integrator rk4, step 0.001)".
+std::string describe(const MethodChoice& choice);
+/// The settings alone: "integrator rk4, step 0.001"; "defaults" where none is named.
+std::string describe(const Settings& settings);
+
+}  // namespace taut
