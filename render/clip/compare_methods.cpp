@@ -61,7 +61,7 @@ film::Comparison compare_methods(const scenes::Scene& scene,
   program::Progress running("running", "methods", contenders.size(), true);
   std::uint64_t finished = 0;
   const auto run_of = [&](const MethodChoice& candidate) {
-    if (!quiet) program::note("running {}\n", study::describe(candidate));
+    if (!quiet) program::note("running {}\n", describe(candidate));
     study::Run run = study::run(problem, candidate, kCpuCap, render::stop_if_interrupted);
     running.update(++finished);
     return run;
@@ -106,7 +106,7 @@ film::Comparison compare_methods(const scenes::Scene& scene,
     const study::Run& run = runs[i];
     film::ComparedMethod method{
         .label = contenders[i].label,
-        .settings = study::describe(candidate_on(scene, contenders[i]).settings),
+        .settings = describe(candidate_on(scene, contenders[i]).settings),
         .style = contenders[i].style,
         .failure = run.reason,
         .stretch = run.stretch};

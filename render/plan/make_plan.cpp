@@ -117,8 +117,8 @@ std::string event_between(const Timeline& timeline, double from, double until) {
 std::vector<study::PlanModel> score_models(std::vector<SceneModel>& scene_models,
                                            const study::ReferenceSolution& reference,
                                            const study::Tolerance& tolerance,
-                                           const MethodChoice& finely, int fps,
-                                           double longest_step, bool quiet) {
+                                           const MethodChoice& finely, int fps, double longest_step,
+                                           bool quiet) {
   std::vector<study::PlanModel> models;
   program::Progress progress("models", "models", scene_models.size(), quiet);
   constexpr std::size_t kBlock = 4;

@@ -65,7 +65,7 @@ chart::Table cheapest_settings(const std::vector<AccuracyStudy>& studies,
         if (!best[i]) continue;
         const study::Spread time = study::spread(best[i]->cpu);
         table.add({study.scene, study.blocks[i].contender.label, fmt::format("{:g}", error),
-                   study::describe(best[i]->candidate.settings),
+                   describe(best[i]->candidate.settings),
                    fmt::format("{:.3g}", best[i]->errors[0]), fmt::format("{:.4g}", time.median),
                    fmt::format("{:.4g}", time.low), fmt::format("{:.4g}", time.high),
                    std::to_string(best[i]->cpu.size()),
@@ -95,7 +95,7 @@ chart::Table errors_not_attained(const std::vector<AccuracyStudy>& studies,
       const bool any = nearest->end == study::Run::End::done;
       table.add({study.scene, block.contender.label,
                  any ? fmt::format("{:.3g}", nearest->errors[0]) : "none",
-                 any ? study::describe(nearest->candidate.settings) : "",
+                 any ? describe(nearest->candidate.settings) : "",
                  ended == block.rows.end() ? "" : ended->reason});
     }
   }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/run/method_choice.h"
 #include "sim/run/cpu_time.h"
+#include "sim/run/method_choice.h"
 #include "sim/run/simulation.h"
 
 namespace taut::study {

@@ -160,7 +160,7 @@ TEST_F(Planner, FindsTheLeastWorkOfAllThatStayWithin) {
         const study::Trial alone =
             study::attempt(models_[m], candidate, reference_, {metres, most}, INFINITY);
         if (alone.end != study::Trial::End::within) continue;
-        EXPECT_GE(alone.cycles, best.cycles) << study::describe(candidate);
+        EXPECT_GE(alone.cycles, best.cycles) << describe(candidate);
       }
     }
   }
