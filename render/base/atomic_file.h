@@ -11,8 +11,8 @@ bool is_standard_output(const std::filesystem::path& name);
 
 /// Writes NAME.part; commit() makes it NAME, with the permissions of the file that it replaces, but
 /// writable to its owner. Without a commit the destructor removes it. A process that is killed
-/// leaves only the .part behind, which the next run overwrites. What is there and is no file, a
-/// pipe or a device, is written as it is.
+/// leaves only the .part behind, which the next run overwrites. A pipe or a device of that name is
+/// written as it is.
 class AtomicFile {
  public:
   /// Makes missing folders. Throws CannotWrite, also when another process is writing the file.

@@ -1,4 +1,4 @@
-// taut bench: what each frame costs each method, as in the paper's Figure 5.
+// taut bench: the cost of each frame for each method, as in the paper's Figure 5.
 #include "sim/study/bench.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// taut check: what is wrong with a scene, and what it would do.
+// taut check: the faults of a scene, and its expected run.
 #include <fmt/format.h>
 
 #include <algorithm>

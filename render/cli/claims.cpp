@@ -1,4 +1,4 @@
-// taut claims: what of the paper reproduces, each claim measured.
+// taut claims: which claims of the paper reproduce, each measured.
 #include <fmt/format.h>
 
 #include <memory>

@@ -1,5 +1,4 @@
-// Draws a stage at one instant or while a shutter is open: what a trajectory and the characters'
-// poses look like.
+// Draws a stage, a trajectory and characters' poses, at one instant or while a shutter is open.
 #pragma once
 
 #include <memory>
@@ -55,9 +54,10 @@ class StageRenderer {
   void draw(gl::Canvas& canvas, const picture::Rect& viewport, const FrameState& instant,
             const Layer& layer = {});
   /// The same while a shutter is open: `shutter` holds instants evenly apart, the frame's own in
-  /// the middle (of an even number the later one). What moves less than a pixel is drawn once, at
-  /// the frame's own instant; the rest each as often as its own speed asks for (jitter.h). The
-  /// camera stands where it is in the middle. Returns how many exposures the fastest point took.
+  /// the middle (of an even number the later one). Parts that move less than a pixel are drawn
+  /// once, at the frame's own instant; the rest each as often as its own speed asks for (jitter.h).
+  /// The camera stands where it is in the middle. Returns how many exposures the fastest point
+  /// took.
   int expose(gl::Canvas& canvas, const picture::Rect& viewport,
              std::span<const FrameState> shutter);
 

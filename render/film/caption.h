@@ -18,8 +18,8 @@ struct Playing {
   double rate = 1;  // seconds of the scene to one of the clip
 };
 
-/// Draws the captions that are on: softly come, softly gone, but not at a cut. What would be gone
-/// sooner than it is read is left out: captions that last less than 0.45 s of the clip.
+/// Draws the captions that are on: softly come, softly gone, but not at a cut. Captions too short
+/// to be read, of less than 0.45 s of the clip, are left out.
 void draw_captions(picture::Picture& picture, picture::Font& font,
                    std::span<const scenes::Caption> captions, const Playing& playing);
 

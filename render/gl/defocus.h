@@ -20,7 +20,7 @@ struct DefocusedView {
   Confusion confusion;
 };
 
-/// Gathers, for each pixel, the light of all whose circles reach it (after Jimenez 2014). What is
+/// Gathers, for each pixel, the light of all whose circles reach it (after Jimenez 2014). A thing
 /// in focus stays as it was drawn, and its light spreads over nothing; nothing farther spreads over
 /// it. A thing that is blurred in front of the focus is so within its outline.
 class Defocus {

@@ -18,7 +18,7 @@ class Profile {
     std::vector<Times> frames;
   };
 
-  /// Begins to measure: what happened since the last lap is nobody's.
+  /// Begins to measure: the time since the last lap is nobody's.
   void start();
   /// Ends a stage: the time since `start` or the last lap is its time in one more frame.
   void lap(const char* stage);

@@ -1,4 +1,4 @@
-// Golden pictures: what is kept of a frame, and how a picture of today is compared with it.
+// Golden pictures: the record of a frame, and the comparison of today's picture with it.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Golden trajectories: what is kept of a motion, and how today's is compared with it.
+// Golden trajectories: the record of a motion, and the comparison of today's with it.
 #pragma once
 
 #include <cstdint>

@@ -21,8 +21,8 @@ double distance(const BarEnd& bar, const Vec3& point);
 
 /// The points of a chain, those inside bars moved out, their neighbours along with them, so that
 /// links keep their lengths where the chain has slack enough. The first and the last point stay,
-/// and so do all where none is inside. Simulations know no such contact: what they let pass through
-/// a ferrule, pictures lay around it.
+/// and so do all where none is inside. Simulations know no such contact: pictures lay a cord around
+/// a ferrule that it passes through.
 std::vector<Vec3> clear_of(std::span<const BarEnd> bars, std::span<const Vec3> points);
 
 }  // namespace taut::mesh

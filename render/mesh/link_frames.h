@@ -27,7 +27,7 @@ struct LinkFrame {
 /// functions of these positions alone. Parallel transport from link to link would turn a link fast
 /// and far about itself where its neighbour is folded back nearly onto it, and the fold moves: it
 /// follows a smoothed direction instead, which folds widely, and each link is turned out of that by
-/// the shortest way. What holds the ends counts as a link.
+/// the shortest way. The holds of the ends count as links.
 std::vector<LinkFrame> link_frames(std::span<const Vec3> particles, std::size_t links,
                                    const std::optional<ChainHold>& first,
                                    const std::optional<ChainHold>& last);

@@ -26,7 +26,7 @@ class Font {
   /// How wide a line of `text` is in letters of `size` pixels.
   double width(std::string_view text, double size);
   /// Blends a line over the picture, its base line starting at (x, y) pixels from the upper left;
-  /// `opacity` from 0 to 1. What falls outside is left out.
+  /// `opacity` from 0 to 1. Parts outside are left out.
   void draw(Picture& picture, std::string_view text, double x, double y, double size, Rgb color,
             double opacity = 1);
 

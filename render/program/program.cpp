@@ -132,8 +132,8 @@ int complain(const Common& common, ExitCode code, const std::string& message,
   return code;
 }
 
-/// Opens what of standard input, output and error is closed, so that no output gets their numbers
-/// and the program's words. What is written there still fails.
+/// Opens those of standard input, output and error that are closed, so that no output gets their
+/// numbers and the program's words. Writing there still fails.
 void open_standard_streams() {
   for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(number, F_GETFD) < 0) open("/dev/null", O_RDONLY);

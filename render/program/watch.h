@@ -10,7 +10,7 @@
 namespace taut::program {
 
 /// Calls `work` now and whenever one of the files changes, until the program is interrupted, which
-/// is how it ends well. What `work` throws is told, and waits for the next change.
+/// is how it ends well. Errors of `work` are told, and wait for the next change.
 int watch(const std::vector<std::filesystem::path>& files, const Common& common,
           const std::function<int()>& work);
 

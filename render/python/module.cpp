@@ -1,4 +1,4 @@
-// import taut: what Python has of the simulation and of its pictures.
+// import taut: Python's interface to the simulation and its pictures.
 #include "render/base/version.h"
 #include "render/python/errors.h"
 #include "render/python/scene.h"

@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Time shared out evenly among pieces of work: what one leaves over goes to the others.
+/// Time shared out evenly among pieces of work: the rest of one goes to the others.
 class Shares {
  public:
   Shares(double seconds, std::size_t pieces)

@@ -21,8 +21,8 @@ constexpr int state_count = roll_count * swivel_count;
 constexpr int most_roll = 3, most_swivel = 2;  // steps on the grid from one instant to the next
 constexpr Eigen::Index every = 2;              // samples of the acting from one instant to the next
 
-/// Discomfort of an arm in degrees of wrist bend squared, roughly: what lies in a joint's easy
-/// range costs little, what nears its limit a lot.
+/// Discomfort of an arm in degrees of wrist bend squared, roughly: angles in a joint's easy range
+/// cost little, those near its limit a lot.
 double discomfort(const ArmState& arm, const Quat& chest, double swivel) {
   const double bend = arm.bend / degree, twist = arm.twist / degree, flexion = arm.flexion / degree;
   const Vec3 upper = chest.conjugate() * (arm.elbow - arm.shoulder).normalized();

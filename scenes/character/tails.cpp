@@ -81,7 +81,7 @@ Track Tails::swing(double duration, double rate,
     for (std::size_t k = 0; k < points; ++k) {
       const bool is_end = k % 2 == 1;
       const double w = is_end ? end_rate : bend_rate;
-      // An end hangs on its bend: what carries it is the cloth and the bend's swing.
+      // An end hangs on its bend: the cloth and the bend's swing carry it.
       const Vec3 place = is_end ? Vec3(lies[k] + e[k - 1]) : lies[k];
       const Vec3 placed_rate = (place - last[k]) * rate;
       v[k] -= placed_rate - last_rate[k];

@@ -153,8 +153,8 @@ void read_winches(const Document& document, const Value& value, const World& wor
 void refuse_winches(const Document& document, const MethodInfo& method);
 /// The air of a scene.
 Air read_air(const Document& document);
-/// Obstacles, behind bodies and connectors. Those that move and are shown come with a driven body,
-/// by which they are seen.
+/// Obstacles, behind bodies and connectors. Moving ones that are shown come with a driven body, by
+/// which they are seen.
 void read_obstacles(const Document& document, Motions& motions, World& world);
 /// A single obstacle.
 Obstacle read_obstacle(const Document& document, const Value& value, Motions& motions,

@@ -20,7 +20,7 @@ std::vector<Vec3> wound_line(const Obstacle& around, double radius, const Vec3& 
   if (down.norm() < 1e-9 * gravity.norm() || gravity.isZero())
     down = frame.rotation * -Vec3::UnitX();
   down.normalize();
-  // Right-handed about the axis; what comes up from below is on the side of axis x down.
+  // Right-handed about the axis; rope that comes up from below is on the side of axis x down.
   const Vec3 side = axis.cross(down);
   const double step = 2 * std::numbers::pi / kCorners;
   const double circle = (around.shape.radius + radius) / std::cos(step / 2);

@@ -10,7 +10,7 @@
 namespace taut::scenes {
 
 /// Gives the states of frame after frame, in the order of the scene's time: shots may go back in
-/// time, a simulation does not. What it keeps are the states of one open shutter.
+/// time, a simulation does not. Only the states of one open shutter are kept.
 class ClipSimulation {
  public:
   using Tick = std::function<void()>;

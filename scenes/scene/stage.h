@@ -43,8 +43,8 @@ struct ConnectorLook {
   Vec3 color = Vec3(0.6, 0.5, 0.35);
 };
 
-/// A line of text on the picture between two times. What stands behind a tab is in one column in
-/// all captions of a list.
+/// A line of text on the picture between two times. Text behind a tab is in one column in all
+/// captions of a list.
 struct Caption {
   double from = 0, until = 0;  // s
   std::string text;

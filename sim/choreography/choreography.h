@@ -1,5 +1,5 @@
-// Choreography: what hangs by a taut chain passes given points at given times, and the path of the
-// hand that leads it there is found.
+// Choreography: finds the path of a hand that leads a body on a taut chain through given points at
+// given times.
 #pragma once
 
 #include <functional>

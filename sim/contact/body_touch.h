@@ -10,7 +10,7 @@
 namespace taut::contact {
 
 /// A place at which a body touches an obstacle or another body, which gets the opposite of what is
-/// given; velocities are past that. What the touch gives are impulses (N s), and Touch::pushed and
+/// given; velocities are past that. The touch gives impulses (N s), and Touch::pushed and
 /// Touch::rubbed are not used.
 struct BodyTouch {
   std::uint32_t body = 0, other = kNoBody;  // kNoBody: an obstacle

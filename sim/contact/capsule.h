@@ -36,7 +36,7 @@ SpotGap gap_at(const Shape& shape, const Pose& frame, const Capsule& capsule, do
 /// The gap at a spot, which is wherever the capsule's place makes it.
 SpotGap gap_at(const Shape& shape, const Pose& frame, const Capsule& capsule, Spot spot);
 
-/// The gaps at all spots, in the order of kSpots. Those which are an end, or where others on both
+/// The gaps at all spots, in the order of kSpots. Spots which are an end, or where others on both
 /// sides are as near, are not `distinct`.
 std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Capsule& capsule);
 

@@ -9,7 +9,7 @@
 
 namespace taut::contact {
 
-/// Divides bodies into clusters: what is given at one touch of a cluster may change all of it, and
+/// Divides bodies into clusters: the impulse of one touch may change all of its cluster, and
 /// nothing else. A body that touches no other is a cluster of its own.
 class Clusters {
  public:

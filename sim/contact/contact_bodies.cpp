@@ -107,8 +107,8 @@ double ContactMotion::quickness(const BodyTouch& at, const State& state) const {
 }
 
 /// Asks for the accelerations with which a body stays on the surface, and with which it does not
-/// slide: what twists and motions as they are make of its passing is taken back. The touch's point
-/// travels along both.
+/// slide: they cancel the acceleration of its passing under the present twists and motions. The
+/// touch's point travels along both.
 void ContactMotion::ask_accelerations(BodyTouch& at, const State& state) const {
   const BodyMeeting& meeting = meetings_[at.meeting];
   const double curve = capsules_[at.body].radius + std::min(meeting.shape.sharpest(), 1.0);

@@ -1,4 +1,4 @@
-// Free bodies in the smooth motion between events: what ends it, and what follows.
+// Free bodies in the smooth motion between events: its ends, and their consequences.
 #include <algorithm>
 #include <cmath>
 

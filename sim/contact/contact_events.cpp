@@ -51,8 +51,8 @@ void ContactMotion::find_touches(const State& state) {
   find_body_touches(state);
 }
 
-/// The direction of sliding. In motions in a plane exactly along it: what rounding lets slide out
-/// of it is a stiff equation, for friction turns slow sliding at once.
+/// The direction of sliding. In motions in a plane exactly along it: sliding out of it by rounding
+/// is a stiff equation, for friction turns slow sliding at once.
 Vec3 ContactMotion::heading(const Vec3& across, const Vec3& ahead) const {
   const Vec3 within = across - aside_.dot(across) * aside_;
   return (within.dot(ahead) < 0 ? -1 : 1) * within.normalized();

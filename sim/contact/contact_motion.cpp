@@ -79,7 +79,7 @@ double ContactMotion::least_acceleration(const Bead& bead, const Vec3& at,
          turning.dot(local);
 }
 
-/// Under the active set: what everything is accelerated by.
+/// Finds all accelerations under the active set.
 void ContactMotion::accelerate(double time, const State& state) {
   scratch_ = state;
   mechanism_.update(time, scratch_.data());

@@ -112,8 +112,8 @@ class ContactMotion {
   void aim_bodies(const State& state);
   double project_bodies(State& state);
   void shift_bodies(std::span<const Vec3> along, bool poses, State& state);
-  /// The event of a distance (m) that falls below zero. What is below by rounding, and returns, is
-  /// none.
+  /// The event of a distance (m) that falls below zero. A distance below zero by rounding, that
+  /// returns, is none.
   double crossing(double distance, bool returns) const {
     constexpr double kRounding = 100;  // times touching_
     return distance < 0 && distance > -kRounding * touching_ && returns ? touching_ : distance;

@@ -8,9 +8,9 @@ namespace taut::contact {
 
 inline constexpr int kIterations = 80;  // of Newton's method, at most
 
-/// How much of Newton's changes is taken: all as long as touches stay as they are. Those that
-/// change their state to and fro, between sticking and sliding say, need less. Where a change of
-/// states travels along a connector, a relaxation takes it there.
+/// The share of Newton's changes that is taken: all as long as touches stay as they are. Touches
+/// that change their state to and fro, between sticking and sliding say, need less. Where a change
+/// of states travels along a connector, a relaxation takes it there.
 class Damping {
  public:
   /// Call once in an iteration, with a number of the states that the touches are in. Whether to

@@ -12,8 +12,8 @@ namespace taut::study {
 /// Follows a motion from frame to frame: by how much its energy differs from what it was after the
 /// last intervention and what driven ends have added since.
 ///
-/// The work of an end comes from momenta alone, whatever method moves the links: what hangs on one
-/// prescribed point h of mass M, momentum P feels the force P' - M g there, so that its work is the
+/// The work of an end comes from momenta alone, whatever method moves the links: a part of mass M
+/// and momentum P on one prescribed point h feels the force P' - M g there, so that its work is the
 /// integral of h' . (P' - M g) = [h' . P] - M g . [h] - integral of h'' . P. Between frames the
 /// centre of mass is taken for the cubic that has its places and velocities.
 class EnergyBalance {

@@ -147,7 +147,7 @@ bool Interventions::cut(World& world, std::size_t index, std::span<const double>
 }
 
 /// Divides a part that begins at `start` (m) at places in their order: in the middle first, so that
-/// few cuts move much. What is cut off at the k-th becomes connector `parts` + k.
+/// few cuts move much. The part cut off at the k-th becomes connector `parts` + k.
 void Interventions::divide(World& world, std::size_t index, double start, std::size_t parts,
                            std::span<const double> along, std::span<const std::size_t> order) {
   if (order.empty()) return;

@@ -1,4 +1,4 @@
-// Interventions: what nobody foresaw, done to a world between two steps.
+// Interventions: unforeseen changes of a world between two steps.
 #pragma once
 
 #include <cstdint>

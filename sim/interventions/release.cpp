@@ -65,7 +65,7 @@ void mark_tied(const World& world, std::vector<char>& connectors, std::vector<ch
   }
 }
 
-/// restore_lengths() of what is tied to a connector: what is not may stand at an earlier time
+/// restore_lengths() of everything tied to a connector: the rest may stand at an earlier time
 /// (Islands).
 void restore_tied(World& world, std::size_t connector) {
   std::vector<char> connectors(world.connectors.size(), 0), bodies(world.bodies.size(), 0);

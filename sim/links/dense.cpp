@@ -10,7 +10,7 @@ Eigen::VectorXd LeastSquares::solve(const Eigen::VectorXd& right) const {
   return decomposed_.solve(right);
 }
 
-// By columns: what solves many at once would be compiled, too.
+// By columns: a solver of many at once would be compiled, too.
 Eigen::MatrixXd LeastSquares::solve(const Eigen::MatrixXd& right) const {
   Eigen::MatrixXd x(decomposed_.cols(), right.cols());
   for (Eigen::Index k = 0; k < right.cols(); ++k) {

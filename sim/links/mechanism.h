@@ -228,35 +228,34 @@ class Mechanism {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   };
 
-  /// A connector's end at a pulley: what the material that passes presses at its points, N per
-  /// m/s^2.
+  /// A connector's end at a pulley: the forces of the passing material at its points, N per m/s^2.
   struct RopeEnd {
     std::uint32_t connector = 0, winched = 0;
     std::vector<Vec3> force = {};
     std::vector<std::uint32_t> carried = {};                      // body points among them
     std::vector<std::pair<std::uint32_t, BodyPush>> pushes = {};  // bodies
   };
-  /// A pulley: what changes with its acceleration.
+  /// A pulley, with the terms of its acceleration.
   struct Passing {
     double inertia = 0;  // kg, of the sheave
     bool has_friction = false;
     double friction = 0, bearing = 0;  // see Pulley
     bool has_mass = false;             // the rope
     std::array<RopeEnd, 2> end = {};   // that it passes from, and to
-    double free_force = 0;             // N: what drives it without tensions
+    double free_force = 0;             // N: the drive without tensions
     Slip slip = Slip::free;
-    // With friction alone: how many times the one tension is the other, where rope slides; what
-    // pulls before it without tensions (N), and with the accelerations of all pulleys (kg).
+    // With friction alone: the ratio of the tensions where rope slides; the pull before the pulley
+    // without tensions (N), and by the accelerations of all pulleys (kg).
     double ratio = 1, before = 0;
     Eigen::VectorXd before_inertia = {}, inertia_of_all = {};
 
-    /// By how much what pulls from behind is more than what pulls before it, as its share.
+    /// The excess of the pull behind over the pull before, as a share of the latter.
     double excess() const {
       return slip == Slip::forwards ? ratio - 1 : slip == Slip::backwards ? 1 / ratio - 1 : 0;
     }
   };
-  /// Lagrange's equation for what an end pays out, as seen from `frame`: what pulls there (N), the
-  /// links' tensions aside.
+  /// The force (N) in Lagrange's equation for the length that an end pays out, as seen from
+  /// `frame`, the links' tensions aside.
   double paying_force(const Winched& at, std::size_t end, const double* state,
                       std::span<const Vec3> acceleration, const PointMotion& frame) const;
   double bending_force(const Winched& at, const double* state) const;

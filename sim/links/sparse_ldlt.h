@@ -10,8 +10,8 @@
 namespace taut {
 
 /// Rows are eliminated in an order of small fill (minimum degree), row by row (Davis, ACM
-/// Transactions on Mathematical Software 31, 2005, Algorithm 849). What a chain of neighbours needs
-/// is linear in its length, and so is what a tree of chains does. Allocates in analyse() alone.
+/// Transactions on Mathematical Software 31, 2005, Algorithm 849). The work of a chain of
+/// neighbours, or a tree of chains, is linear in its length. Allocates in analyse() alone.
 class SparseLdlt {
  public:
   struct Coupling {

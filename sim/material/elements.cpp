@@ -35,8 +35,7 @@ Bend::Along Bend::along_rest() const {
           (rest_.cross(t0_) - share * t0_) / straight_};
 }
 
-// The parts of t1 - t0 across the edges: what rounding leaves along them, stiff bends would make a
-// pull of.
+// The parts of t1 - t0 across the edges: stiff bends would make a pull of the rounding along them.
 Vec3 Bend::turn0() const {
   return apart_ - t0_.dot(apart_) * t0_;
 }

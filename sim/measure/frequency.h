@@ -1,4 +1,4 @@
-// The fastest motion of a world that hangs at rest: what theory bounds explicit steps by.
+// The fastest motion of a world that hangs at rest: theory's bound on explicit steps.
 #pragma once
 
 #include "sim/world/world.h"

@@ -18,9 +18,9 @@ namespace taut {
 /// gone; above, the difference itself is the estimate.
 ///
 /// The error is what a tolerance is, too: the RMS distance (m) of all particles of all connectors
-/// or, where there is no connector, of the ends of all free bodies (see box_ends()). It is that of
-/// the discretisation in time alone: what else there is between a method and the truth (the stretch
-/// of springs, say) it does not tell.
+/// or, where there is no connector, of the ends of all free bodies (see box_ends()). It is the
+/// error of the discretisation in time alone: other differences between a method and the truth (the
+/// stretch of springs, say) stay unknown.
 ///
 /// A coarser companion costs less than the simulation itself; the finer one of `direct` a fifth
 /// more, since a high order makes a far smaller error hardly dearer. Steps that end with frames

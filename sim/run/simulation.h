@@ -20,7 +20,7 @@ namespace taut {
 /// give the same bits.
 class Simulation {
  public:
-  /// The timeline must be without flaws that find_flaw() finds. What is at the world's time happens
+  /// The timeline must be without flaws that find_flaw() finds. Entries at the world's time happen
   /// with the first advance. Bodies whose model is a link become links of the world that is
   /// stepped.
   Simulation(World world, std::unique_ptr<Method> method, Timeline timeline = {});
@@ -50,8 +50,8 @@ class Simulation {
   /// The events since the last advance, which are nobody else's from now on.
   std::vector<Event> take_events() { return method_->take_events(); }
 
-  /// For what nobody foresaw, between two advances. What is changed there by hand is made
-  /// consistent before the next one (refresh()), however long the reference is kept.
+  /// For unforeseen changes between two advances. Changes by hand are made consistent before the
+  /// next one (refresh()), however long the reference is kept.
   World& world() {
     is_shared_ = true;
     return world_;

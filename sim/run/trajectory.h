@@ -1,4 +1,4 @@
-// Recorded states: what pictures and files are made from.
+// Recorded states, from which pictures and files are made.
 #pragma once
 
 #include <cstdint>

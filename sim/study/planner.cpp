@@ -99,8 +99,8 @@ Trial run_through(const PlanModel& model, const MethodChoice& candidate,
 
 Search search(std::span<const PlanModel> models, const ReferenceSolution& reference,
               const Tolerance& tolerance, const std::function<void(std::size_t)>& tried) {
-  // A few at a time on all cores; what is too dear is told by what was found before them, so that
-  // the outcome is the same on any number of cores.
+  // A few at a time on all cores; earlier results tell which are too dear, so that the outcome is
+  // the same on any number of cores.
   constexpr std::size_t kBlock = 4;
   Search result;
   double least = std::numeric_limits<double>::infinity();

@@ -38,10 +38,9 @@ struct Classification {
 /// length_scale().
 double total_length(const World& world);
 
-/// The energy (J) that the world can turn into motion: what it has, less what is left when
-/// everything hangs at rest below what holds it. Without anything that holds it: its kinetic
-/// energy, and that of a fall by total_length(). At least a thousandth of that fall, so that a
-/// world at rest has a scale as well.
+/// The energy (J) that the world can turn into motion: its energy, less that of everything at rest
+/// below the holds. Without holds: its kinetic energy, and that of a fall by total_length(). At
+/// least a thousandth of that fall, so that a world at rest has a scale as well.
 double available_energy(const World& world);
 
 /// Judges a run of `problem`. Energies count only where nothing is driven. `reference` may be null.

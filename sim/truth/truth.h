@@ -1,4 +1,4 @@
-// The truth: what methods are scored against, and for how long.
+// The truth that methods are scored against, and its horizon.
 #pragma once
 
 #include <functional>

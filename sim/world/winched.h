@@ -1,4 +1,4 @@
-// Winches in a world: what they may be at, and the lengths and masses that they give.
+// Winches in a world: their places, and the lengths and masses that they give.
 #pragma once
 
 #include <memory>

@@ -91,10 +91,10 @@ struct Cost {
   double steps = 0;
 };
 
-/// Half a second of a rope whose every frame begins with a pin or its release. What an intervention
-/// costs is its own time and that of the frame behind it, less that of the same frame from the same
-/// state by a method that has made everything anew before. So what a jump of velocities asks of any
-/// solver, its first step without a history included, is in the frame and not in the intervention.
+/// Half a second of a rope whose every frame begins with a pin or its release. An intervention's
+/// cost is its own time and that of the frame behind it, less that of the same frame from the same
+/// state by a method that has made everything anew. So the cost of a jump of velocities for any
+/// solver, with its first step without a history, is the frame's and not the intervention's.
 Cost swing(std::string_view method, std::size_t particles) {
   Simulation rope = simulation(method, particles);
   World& world = rope.world();

@@ -52,7 +52,7 @@ class RenderFaults : public testing::Test {
     ASSERT_GE(finished().size(), count);
   }
 
-  /// Every finished frame by its name. What has a final name must be whole.
+  /// Every finished frame by its name. Files with a final name must be whole.
   std::map<std::string, picture::Picture> finished() const {
     std::map<std::string, picture::Picture> pictures;
     if (!fs::exists(frames())) return pictures;

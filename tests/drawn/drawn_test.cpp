@@ -46,7 +46,7 @@ void tell(unsigned seed, const std::string& scene, const Broken& broken) {
                 << text;
 }
 
-/// Checks scenes on all processors. What came of them is one line of the output.
+/// Checks scenes on all processors. Their outcome is one line of the output.
 void check_seeds(unsigned first, unsigned count) {
   Verdict sum;
   unsigned refused = 0;

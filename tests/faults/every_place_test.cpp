@@ -1,6 +1,6 @@
 // Faults made on purpose at every place where they can happen: each call that can fail does, or the
-// program is killed there. What has a final name is whole or as before, the message says why, and
-// the next run makes what a run that was never disturbed makes.
+// program is killed there. A file with a final name is whole or as before, the message says why,
+// and the next run makes what a run that was never disturbed makes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

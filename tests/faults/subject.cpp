@@ -115,7 +115,7 @@ std::string lasting(const std::string& name, const std::string& bytes) {
       record.erase(key);
     return record.dump();
   }
-  // A chart is of times. What can be told is that it is whole.
+  // A chart shows times: only its wholeness can be told.
   if (file.extension() == ".svg") return bytes.ends_with("</svg>\n\n") ? "whole" : "cut short";
   if (file.extension() == ".html") return bytes.ends_with("</html>\n") ? "whole" : "cut short";
   if (file.stem().string().starts_with("chart")) {

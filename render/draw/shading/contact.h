@@ -1,4 +1,4 @@
-// Contact shadows: what stands on the floor takes ambient light from it.
+// Contact shadows: things that stand on the floor take ambient light from it.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -21,7 +21,7 @@ class GltfMotion {
   void spline_translation(std::size_t node, const std::vector<float>& numbers);
   void spline_rotation(std::size_t node, const std::vector<float>& numbers);
 
-  /// Adds the animation to the file. What never moves becomes its node's place instead. Nothing can
+  /// Adds the animation to the file. A constant value becomes its node's place instead. Nothing can
   /// be added then.
   void finish(const std::string& name, const std::vector<float>& times);
 

@@ -3,8 +3,8 @@
 
 namespace taut::direct {
 
-/// How the integrator chooses steps and schemes. What a scheme is (its order, its stability limit,
-/// its cost) stands with the scheme.
+/// How the integrator chooses steps and schemes. The scheme's own constants (order, stability
+/// limit, cost) stand with the scheme.
 struct StepConstants {
   // From the tolerance to the error of a step.
 

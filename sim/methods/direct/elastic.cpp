@@ -101,7 +101,7 @@ double Elastic::allowed(const Part& part, double h) const {
                   kRoundings * part.world.connectors[0].length);
 }
 
-/// How far (m) Newton's method may be off: what it leaves in places is as much in velocities, over
+/// The error (m) allowed to Newton's method: its error of places is one of velocities as well, over
 /// the step, and those move the particles on.
 double Elastic::left_open(const Part& part, double h) const {
   const double length = part.world.connectors[0].length;

@@ -1,4 +1,4 @@
-// Worlds with connectors that stretch, bend or meet the air: what follows what, and how far.
+// Worlds with connectors that stretch, bend or meet the air: the scheme of each part.
 #pragma once
 
 #include <functional>

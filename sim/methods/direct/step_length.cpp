@@ -56,8 +56,8 @@ double Integrator::allowed_error(Scheme scheme, double h) const {
 }
 
 /// The error of a step of h of the scheme, as a share of the one that it may make. Waves are passed
-/// over only where they are as quick at the step's end: what damps an error under tensions that are
-/// gone says nothing of it.
+/// over only where they are as quick at the step's end: damping under tensions that are gone says
+/// nothing of an error.
 double Integrator::share_of_allowed(Scheme scheme, double h, const StepError& error) const {
   const bool lasting = h * system_.wave_frequency() > Dop853Step::kStable;
   const double followed = (lasting ? error.followed : error.all) / allowed_error(scheme, h);

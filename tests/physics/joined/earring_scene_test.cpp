@@ -69,7 +69,7 @@ class DrivenPendulum {
   Vec3 down_, rate_ = Vec3::Zero();
 };
 
-// A pendulum of one bead and the earring's slow frequency goes the same way. What it lacks is the
+// A pendulum of one bead and the earring's slow frequency goes the same way. The pendulum lacks the
 // fast mode, five times as fast, whose answer to the shaking is (1/5)^2 of the slow one's at most.
 TEST(EarringScene, WhileTheHeadShakesItGoesWithADrivenPendulum) {
   Simulation simulation = scenes::start(scene());

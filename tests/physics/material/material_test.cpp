@@ -117,8 +117,8 @@ TEST(Air, RopesFallAtTheirTerminalSpeed) {
 }
 
 // Wind presses on a light rope with a heavy end, half of it on the end: the whole rests where that
-// half balances the weight, and swings there from the vertical to twice that angle. What the rope
-// weighs, and its speed against the wind's, are below 1% of it each.
+// half balances the weight, and swings there from the vertical to twice that angle. The rope's
+// weight, and its speed against the wind's, are below 1% of it each.
 TEST(Air, WindLeansARope) {
   World world = rope(20, 0.01, section(kRigid, 0), false);
   Connector& hangs = world.connectors[0];

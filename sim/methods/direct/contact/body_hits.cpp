@@ -27,7 +27,7 @@ struct Way {
         bend(ConstMap(at_end) - ConstMap(at_start) - step * velocity),
         turn(angle(quaternion(at_end + 3) * quaternion(at_start + 3).conjugate())) {}
 
-  /// The same of its turn: what has been stopped does not seem to come again.
+  /// The same of its turn: a body that has been stopped does not seem to come again.
   void bend_turn(const Vec3& spin) {
     if (!(h * spin.norm() < kMostTurn)) return;
     turn_bend = turn - h * spin;

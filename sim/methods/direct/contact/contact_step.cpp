@@ -110,8 +110,8 @@ void ContactStep::find_touches() {
   }
 }
 
-/// Adds a touch at the end, unless there is that one or three of the bead's already. Those of the
-/// bead before `sorted` are in order of points, later ones in that of the calls.
+/// Adds a touch at the end, unless the bead has that one or three already. Touches before `sorted`
+/// are in order of points, later ones in that of the calls.
 void ContactStep::add_touch(const Hit& hit, std::size_t sorted) {
   const auto of = [&](const std::vector<BeadTouch>& touches, std::size_t count) {
     const auto end = touches.begin() + static_cast<std::ptrdiff_t>(count);

@@ -47,7 +47,7 @@ class ContactStep {
 
   // Of the last attempt.
   double turn() const { return turn_; }  // rad, the most that a link turned
-  /// Whether a string got to its length: what the steps before tell is nothing of those to come.
+  /// Whether a string got to its length: the steps before then tell nothing of those to come.
   bool snaps() const { return snaps_now_; }
   /// Whether the first stage found a solution only with less friction: where jammed beads have none
   /// with all of it (Painleve).

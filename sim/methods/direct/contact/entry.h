@@ -24,8 +24,8 @@ double first_inside(double outside, double within, const auto& inside) {
 }
 
 /// The obstacle is `distance(share)` away (m; below zero: it is inside) at a share of the way,
-/// which is `way` (m) long at most in the obstacle's frame. What ends outside is followed by
-/// strides of its distance, none of which can get it there.
+/// which is `way` (m) long at most in the obstacle's frame. A way that ends outside is followed by
+/// strides of the distance, none of which can enter.
 Entry find_entry(double at_start, double at_end, double way, const auto& distance) {
   constexpr double kStride = 1e-4;  // of the way, at least, from one look to the next
   const auto inside = [&](double share) { return !(distance(share) > 0); };

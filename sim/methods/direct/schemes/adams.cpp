@@ -141,7 +141,7 @@ void AdamsStep::respace(double h) {
 }
 
 /// q goes through the chart, since accelerations remembered from other directions lead off the unit
-/// lengths: what the motion makes of that would come back by way of the next ones and grow.
+/// lengths: the motion's response to that would come back by way of the next ones and grow.
 double AdamsStep::attempt(Motion& motion, double time, const double* q, const double* rate,
                           double unimportant) {
   constexpr double kOutside = std::numeric_limits<double>::infinity();

@@ -11,9 +11,9 @@ namespace taut::direct {
 /// multiplier keeps it: a force on each of those particles, along the gradient of g by its place. A
 /// kind of row is a class of its own; systems know nothing else of it.
 ///
-/// Rows join and leave at any instant (Integrator::set_rows()). What velocities violate of a row
-/// that joins is taken away by one impulse along its gradient, as in an inelastic impact; what
-/// places violate of it is mended as the mass matrix weighs it. Rows that contradict each other or
+/// Rows join and leave at any instant (Integrator::set_rows()). A joining row's violation by
+/// velocities is removed by one impulse along its gradient, as in an inelastic impact; its
+/// violation by places is mended as the mass matrix weighs it. Rows that contradict each other or
 /// the links end in steps that become too small.
 class ConstraintRow {
  public:

@@ -17,9 +17,9 @@ struct StepError {
   double passed_over = 0;  // in places, on those waves
 };
 
-/// q'' = a(t, q, q'), with arrays of size() doubles, a multiple of four; what is no coordinate
-/// among them is zero. The coordinates are directions (angles, unit vectors and unit quaternions),
-/// never positions: every length holds whatever an integrator does.
+/// q'' = a(t, q, q'), with arrays of size() doubles, a multiple of four; padding among them is
+/// zero. The coordinates are directions (angles, unit vectors and unit quaternions), never
+/// positions: every length holds whatever an integrator does.
 class Motion {
  public:
   virtual ~Motion() = default;

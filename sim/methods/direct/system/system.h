@@ -1,4 +1,4 @@
-// Spans and free bodies that pull on each other: what the direct method steps.
+// The system that the direct method steps: spans and free bodies that pull on each other.
 #pragma once
 
 #include <cstddef>
