@@ -131,10 +131,10 @@ class MaterialForces {
   /// Frequency (rad/s) and share of critical damping of an oscillator for which no longer step is
   /// stable than for all that stretches and bends, by the points' inverse masses (1/kg):
   /// Gershgorin's bounds on M^-1 K and M^-1 C of the straight connector.
-  struct Fastest {
+  struct HighestMode {
     double frequency = 0, damping_ratio = 0;
   };
-  Fastest fastest(const std::vector<double>& inverse_mass) const;
+  HighestMode highest_mode(const std::vector<double>& inverse_mass) const;
 
   /// The cycles of add().
   double cycles() const;

@@ -66,30 +66,30 @@ Chain below_hold(const World& world, const Connector& connector) {
   return chain;
 }
 
-/// The square of the fastest motion of m_i x_i'' = k_i (x_{i-1} - x_i) + k_{i+1} (x_{i+1} - x_i),
-/// particle 0 fixed; k (N/m) per link.
-double fastest_squared(const std::vector<double>& mobility, const std::vector<double>& k) {
+/// The square of the highest frequency of m_i x_i'' = k_i (x_{i-1} - x_i) + k_{i+1} (x_{i+1} -
+/// x_i), particle 0 fixed; k (N/m) per link.
+double highest_squared(const std::vector<double>& mobility, const std::vector<double>& k) {
   const auto n = static_cast<Eigen::Index>(mobility.size());
   if (n == 0) return 0;
-  Eigen::VectorXd diagonal(n), beside(n - 1);
+  Eigen::VectorXd diagonal(n), off_diagonal(n - 1);
   for (Eigen::Index row = 0; row < n; ++row) {
     const auto i = static_cast<std::size_t>(row);
     const double below = i + 1 < k.size() ? k[i + 1] : 0;
     diagonal[row] = (k[i] + below) * mobility[i];
-    if (row + 1 < n) beside[row] = -below * std::sqrt(mobility[i] * mobility[i + 1]);
+    if (row + 1 < n) off_diagonal[row] = -below * std::sqrt(mobility[i] * mobility[i + 1]);
   }
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(diagonal, beside, Eigen::EigenvaluesOnly);
+  solver.computeFromTridiagonal(diagonal, off_diagonal, Eigen::EigenvaluesOnly);
   return solver.eigenvalues().maxCoeff();
 }
 
-/// The fastest of all connectors, with the stiffnesses that `k_of` makes of a chain.
+/// The highest frequency of all connectors, with the stiffnesses that `k_of` makes of a chain.
 template <class Stiffness>
-double fastest(const World& world, Stiffness k_of) {
+double highest_frequency(const World& world, Stiffness k_of) {
   double squared = 0;
   for (const Connector& connector : world.connectors) {
     const Chain chain = below_hold(world, connector);
-    squared = std::max(squared, fastest_squared(chain.mobility, k_of(chain)));
+    squared = std::max(squared, highest_squared(chain.mobility, k_of(chain)));
   }
   return std::sqrt(squared);
 }
@@ -145,7 +145,7 @@ std::vector<double> joined_mobility(const World& world) {
 
 /// Gershgorin's bound on the frequency of links of stiffness k(rest), N/m.
 template <class Stiffness>
-double fastest_joined(const World& world, Stiffness k) {
+double highest_joined_frequency(const World& world, Stiffness k) {
   const std::vector<double> mobility = joined_mobility(world);
   std::vector<double> sum(mobility.size());
   each_joined_link(world, [&](double rest, std::size_t a, std::size_t b) {
@@ -159,12 +159,12 @@ double fastest_joined(const World& world, Stiffness k) {
 
 }  // namespace
 
-double fastest_swing(const World& world) {
+double highest_swing_frequency(const World& world) {
   if (!world.joints.empty()) {
     const double weight = whole_weight(world);
-    return fastest_joined(world, [&](double rest) { return weight / rest; });
+    return highest_joined_frequency(world, [&](double rest) { return weight / rest; });
   }
-  return fastest(world, [&](const Chain& chain) {
+  return highest_frequency(world, [&](const Chain& chain) {
     std::vector<double> k(chain.rest.size());  // T_i / l_i, T_i the weight below link i
     double tension = 0;
     for (std::size_t i = k.size(); i-- > 0;) {
@@ -198,11 +198,12 @@ double heaviest_link(const World& world) {
   return heaviest;
 }
 
-double fastest_stretch(const World& world, double stiffness) {
+double highest_stretch_frequency(const World& world, double stiffness) {
   if (!world.joints.empty()) {
-    return fastest_joined(world, [&](double) { return whole_weight(world) > 0 ? stiffness : 0; });
+    return highest_joined_frequency(
+        world, [&](double) { return whole_weight(world) > 0 ? stiffness : 0; });
   }
-  return fastest(
+  return highest_frequency(
       world, [&](const Chain& chain) { return std::vector<double>(chain.rest.size(), stiffness); });
 }
 

@@ -1,4 +1,4 @@
-// The fastest motion of a world that hangs at rest: theory's bound on explicit steps.
+// The highest frequencies of a world that hangs at rest: the bound of theory on explicit steps.
 #pragma once
 
 #include "sim/world/world.h"
@@ -12,11 +12,11 @@ namespace taut {
 /// The highest frequency (rad/s) at which the connectors of `world` swing sideways. For n equal
 /// beads below a fixed point its square is the largest zero of the Laguerre polynomial L_n times
 /// g/l; 2 sqrt(T/(m l)), T the tension at the top, bounds it.
-double fastest_swing(const World& world);
+double highest_swing_frequency(const World& world);
 
 /// The highest frequency (rad/s) at which they stretch, each link a spring of `stiffness` (N/m);
 /// 2 sqrt(stiffness/m) bounds it.
-double fastest_stretch(const World& world, double stiffness);
+double highest_stretch_frequency(const World& world, double stiffness);
 
 /// The largest T/(m l) (1/s^2) of any link: T its tension, m the lighter of the masses that it
 /// joins, l its length.

@@ -45,10 +45,10 @@ class DynamicConstraints final : public SteppedMethod {
     resize_within(mechanism.row_room(), mechanism.rows().size(), right_);
     row_mobility(mechanism, mobility_);
     start_.reserve(mechanism.state_room());
-    fastest_squared_ = 0;
+    highest_squared_ = 0;
     const double longest = safety_ * stability_limit_;  // times 1/w
     if (longest_ * std::sqrt(4 * heaviest_link(world)) <= longest) return longest_;
-    return std::min(longest_, longest / fastest_swing(world));
+    return std::min(longest_, longest / highest_swing_frequency(world));
   }
 
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override {
@@ -56,7 +56,7 @@ class DynamicConstraints final : public SteppedMethod {
     start_ = state;
     for (double parts = parts_of(dt);; parts = parts_of(dt)) {
       const double part = dt / parts;
-      fastest_squared_ = 0;
+      highest_squared_ = 0;
       for (double i = 0; i < parts; ++i) single_step(mechanism, time + i * part, part, state);
       counters_.steps += static_cast<std::uint64_t>(parts) - 1;
       // A jerk shows in the tensions only when it is there: then once more, finer.
@@ -88,7 +88,7 @@ class DynamicConstraints final : public SteppedMethod {
             }
           }
           if (adaptive_) {
-            fastest_squared_ = std::max(fastest_squared_, swings_squared(at, tension));
+            highest_squared_ = std::max(highest_squared_, swings_squared(at, tension));
           }
         });
   }
@@ -106,7 +106,7 @@ class DynamicConstraints final : public SteppedMethod {
   }
   /// Into how many parts a step must go to be stable under the tensions of the step before.
   double parts_of(double dt) const {
-    const double parts = dt * std::sqrt(fastest_squared_) / (safety_ * stability_limit_);
+    const double parts = dt * std::sqrt(highest_squared_) / (safety_ * stability_limit_);
     return std::clamp(std::ceil(parts), 1.0, kMostParts);
   }
 
@@ -122,7 +122,7 @@ class DynamicConstraints final : public SteppedMethod {
   std::vector<double> right_;     // m/s^2
   std::vector<double> mobility_;  // per row, 1/kg
   std::vector<double> start_;     // the state before the step
-  double fastest_squared_ = 0;    // (rad/s)^2, in the step before
+  double highest_squared_ = 0;    // (rad/s)^2, in the step before
 };
 
 /// Sideways a connector under tension moves freely, and its lengths return critically damped.
@@ -130,7 +130,7 @@ double stable_step(const World& world, const Settings& settings) {
   const Integrator integrator = integrator_named(text(settings, "integrator"));
   const double tau = number(settings, "time_constant");
   const double returning = tau > 0 ? stability_limit(integrator, 1) * tau : 1e300;
-  return std::min(returning, stability_limit(integrator, 0) / fastest_swing(world));
+  return std::min(returning, stability_limit(integrator, 0) / highest_swing_frequency(world));
 }
 
 /// Twice as long, steps that are left open would be as long as stability allows.

@@ -22,7 +22,7 @@ constexpr double kGrowth = 1;       // 1/s, of the fastest swing under explicit 
 /// A bound on the frequency (rad/s) of the fastest way in which rigid links of `stiffness` (N/m)
 /// stretch, whatever the shape, by the mobility of their rows; 2 sqrt(k/m) for a chain of equal
 /// particles.
-double fastest_wave(const std::vector<double>& mobility, double stiffness) {
+double stretch_frequency_bound(const std::vector<double>& mobility, double stiffness) {
   // Gershgorin on J M^-1 J^T: a row's own mobility, and once more what it shares at either end.
   double most = 0;
   for (const double row : mobility) most = std::max(most, row);
@@ -30,8 +30,8 @@ double fastest_wave(const std::vector<double>& mobility, double stiffness) {
 }
 
 /// The same where more than two rows may meet in a point or a body: Gershgorin once more.
-double fastest_joined_wave(const Mechanism& mechanism, const std::vector<double>& mobility,
-                           double stiffness) {
+double joined_stretch_frequency_bound(const Mechanism& mechanism,
+                                      const std::vector<double>& mobility, double stiffness) {
   const auto& rows = mechanism.rows();
   std::vector<double> at(mechanism.points()), on(mechanism.bodies().size()), near(rows.size(), 2);
   for (const Row& row : rows) {
@@ -66,25 +66,26 @@ class Springs : public SteppedMethod {
     stepper_.prepare(mechanism);
     contacts_.rebuild(mechanism, world);
     row_mobility(mechanism, mobility_);
-    const double fastest = mechanism.is_joined()
-                               ? fastest_joined_wave(mechanism, mobility_, stiffness_)
-                               : fastest_wave(mobility_, stiffness_);
-    damper_ = fastest > 0 ? 2 * damping_ * stiffness_ / fastest : 0;
-    const double stable = stable_step(mechanism, fastest);
+    const double highest = mechanism.is_joined()
+                               ? joined_stretch_frequency_bound(mechanism, mobility_, stiffness_)
+                               : stretch_frequency_bound(mobility_, stiffness_);
+    damper_ = highest > 0 ? 2 * damping_ * stiffness_ / highest : 0;
+    const double stable = stable_step(mechanism, highest);
     if (!(stable > 0)) return kShortest;
     if (integrator_ != Integrator::explicit_euler) return stable;
     // No damper brakes a swing of frequency w, which explicit Euler makes grow at the rate w^2
     // dt/2.
-    return std::min(stable, 2 * kGrowth / std::pow(fastest_swing(world), 2));
+    return std::min(stable, 2 * kGrowth / std::pow(highest_swing_frequency(world), 2));
   }
 
   /// With what stretches and bends by itself; zero where no step is stable.
-  double stable_step(const Mechanism& mechanism, double fastest) const {
-    const double stable = std::min(kLongest, kSafety * limit_ / fastest);
+  double stable_step(const Mechanism& mechanism, double highest) const {
+    const double stable = std::min(kLongest, kSafety * limit_ / highest);
     if (!mechanism.material().any()) return limit_ > 0 ? stable : 0;
-    const auto [frequency, damping_ratio] = mechanism.material().fastest(mechanism.inverse_mass());
-    const double all = std::hypot(fastest, frequency);
-    const double share = (damping_ * fastest + damping_ratio * frequency) / all;
+    const auto [frequency, damping_ratio] =
+        mechanism.material().highest_mode(mechanism.inverse_mass());
+    const double all = std::hypot(highest, frequency);
+    const double share = (damping_ * highest + damping_ratio * frequency) / all;
     const double limit = stability_limit(integrator_, share);
     return limit > 0 ? std::min(kLongest, kSafety * limit / all) : 0;
   }
@@ -116,7 +117,7 @@ class Springs : public SteppedMethod {
 double longest_step(const World& world, const Settings& settings) {
   return stability_limit(integrator_named(text(settings, "integrator")),
                          number(settings, "damping")) /
-         fastest_stretch(world, number(settings, "stiffness"));
+         highest_stretch_frequency(world, number(settings, "stiffness"));
 }
 
 Companion companion_of_springs(const MethodInfo& springs, const Settings& settings) {

@@ -70,7 +70,8 @@ void Joined::rebuild(const World& world) {
 void Joined::find_material_waves() {
   material_waves_ = 0;
   if (!mechanism_.material().any()) return;
-  const auto [frequency, damping_ratio] = mechanism_.material().fastest(mechanism_.inverse_mass());
+  const auto [frequency, damping_ratio] =
+      mechanism_.material().highest_mode(mechanism_.inverse_mass());
   material_waves_ = frequency * std::max(1.0, 2 * damping_ratio);
 }
 

@@ -9,7 +9,8 @@ namespace taut::material {
 
 // Of each element the matrix is stiffness d d^T, d how it changes with its points along the way in
 // which it does: 1, -1 for a stretch; 1/l0, -(1/l0 + 1/l1), 1/l1 for a bend.
-MaterialForces::Fastest MaterialForces::fastest(const std::vector<double>& inverse_mass) const {
+MaterialForces::HighestMode MaterialForces::highest_mode(
+    const std::vector<double>& inverse_mass) const {
   std::vector<double> stiff(inverse_mass.size()), damped(inverse_mass.size());  // sums of rows
   const auto add = [&](double stiffness, double damping,
                        std::initializer_list<std::uint32_t> points,
@@ -50,7 +51,7 @@ MaterialForces::Fastest MaterialForces::fastest(const std::vector<double>& inver
   }
   // Where 4/h^2 - 2c/h - k, Gershgorin's bound of a particle's row, is above zero for each, a step
   // of h is stable: the particle with the shortest step counts, w^2 = k and c = 2 z w.
-  Fastest found;
+  HighestMode found;
   double most = 0;
   for (std::size_t p = 0; p < stiff.size(); ++p) {
     const double k = inverse_mass[p] * stiff[p], half = inverse_mass[p] * damped[p] / 2;
