@@ -2,15 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <string>
 #include <vector>
 
-#include "sim/world/connector.h"
-
 namespace taut {
-
-struct World;
 
 /// Particles of connectors that share their place and velocity; its mass is the sum of theirs. Two
 /// of one connector close a loop. At most one of them is held.
@@ -20,26 +14,5 @@ struct Joint {
   };
   std::vector<Particle> particles;  // at least two
 };
-
-/// The flaw of a world's joints, in words that end a sentence about it; empty: none.
-std::string joint_flaw(const World& world);
-
-/// The particle of a joint that stands for all: the one that is held, or else the first.
-const Joint::Particle& leader(const World& world, const Joint& joint);
-
-/// The joint that the particle belongs to, or null.
-const Joint* find_joint(const World& world, std::size_t connector, std::size_t particle);
-
-/// The mass (kg) at a particle, with those that are joined with it.
-double joined_mass(const World& world, std::size_t connector, std::size_t particle);
-/// The mass (kg) of all that a joint joins.
-double joined_mass(const World& world, const Joint& joint);
-
-/// For every particle, connector by connector, the number of the one that stands for it.
-void find_leaders(const World& world, std::vector<std::uint32_t>& leaders);
-
-/// Takes joined particles, all or those of one joint, to where that is which stands for them.
-void place_joined(World& world);
-void place_joined(World& world, const Joint& joint);
 
 }  // namespace taut

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include "sim/world/held.h"
+#include "sim/world/joined.h"
+#include "sim/world/structure.h"
+
 namespace taut {
 
 void Ties::reserve(const World& world, std::size_t connectors, std::size_t holds) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/world/places.h"
-#include "sim/world/world.h"
+#include "sim/world/state.h"
 
 namespace taut {
 

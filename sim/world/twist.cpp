@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/world/joined.h"
 #include "sim/world/rotation.h"
 
 namespace taut {

@@ -1,7 +1,7 @@
 // Twist of connectors: frames that are carried along them, and what their ends are turned by.
 #pragma once
 
-#include "sim/world/world.h"
+#include "sim/world/state.h"
 
 namespace taut {
 

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/world/held.h"
+
 namespace taut {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/world/world.h"
+#include "sim/world/state.h"
 
 namespace taut {
 

@@ -1,58 +1,17 @@
 #include "sim/world/world.h"
 
 #include <algorithm>
-#include <memory>
 #include <set>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
+#include <vector>
 
-#include "sim/motion/hash.h"
 #include "sim/world/ties.h"
 #include "sim/world/twist.h"
 #include "sim/world/winched.h"
 
 namespace taut {
 namespace {
-
-/// Adds what is left of a hold's approach: a smoothstep from `lag` to nothing, of fifth order.
-void approach(const Attachment::Approach& approach, double time, PointMotion& motion) {
-  if (time >= approach.arrival) return;
-  const double span = approach.arrival - approach.since;
-  const double u = std::max(0.0, (time - approach.since) / span);
-  motion.position += (1 - u * u * u * (10 - 15 * u + 6 * u * u)) * approach.lag;
-  motion.velocity -= 30 * u * u * (1 - u) * (1 - u) / span * approach.lag;
-  motion.acceleration -= 60 * u * (1 - u) * (1 - 2 * u) / (span * span) * approach.lag;
-}
-
-void add(const Vec3& vector, Hash& hash) {
-  for (const double c : vector) hash.word(c);
-}
-
-void add(const MassProperties& properties, Hash& hash) {
-  hash.word(properties.mass);
-  add(properties.centre, hash);
-  for (const double moment : properties.inertia.reshaped()) hash.word(moment);
-}
-
-void add(const std::shared_ptr<const Path>& path, Hash& hash) {
-  hash.word(path ? path->fingerprint() : 0);
-}
-
-void add_materials(const Connector& connector, Hash& hash) {
-  hash.word(connector.drag.across).word(connector.drag.along);
-  for (const Hold& hold : connector.holds) {
-    add(hold.clamp, hash);
-    if (hold.turn) add(hold.turn, hash);
-  }
-  for (const Section& section : connector.sections) {
-    hash.word(section.axial_stiffness).word(section.axial_damping);
-    hash.word(section.bending_stiffness).word(section.bending_damping).word(section.diameter);
-    if (!section.rest_curvature.isZero(0)) add(section.rest_curvature, hash);
-    if (section.twisting_stiffness == 0) continue;
-    hash.word(section.twisting_stiffness).word(section.twisting_damping).word(section.rest_twist);
-  }
-}
 
 /// The mass properties of every body, with the particles that it holds.
 std::vector<MassProperties> all_laden(const World& world) {
@@ -109,20 +68,6 @@ void refresh(World& world) {
   world.topology = structure(world);
 }
 
-bool has_materials(const World& world) {
-  return std::ranges::any_of(
-      world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
-}
-
-bool has_strings(const World& world) {
-  return std::ranges::any_of(world.connectors, &Connector::pulls);
-}
-
-bool has_winches(const World& world) {
-  return std::ranges::any_of(world.connectors,
-                             [](const Connector& connector) { return connector.winch != nullptr; });
-}
-
 std::string pair_flaw(const World& world) {
   std::set<std::pair<std::size_t, std::size_t>> seen;
   for (const BodyPair& pair : world.pairs) {
@@ -140,140 +85,6 @@ std::string pair_flaw(const World& world) {
     return "there are two pairs of the bodies " + name + " and " + world.bodies[pair.b].name;
   }
   return {};
-}
-
-bool has_touching_bodies(const World& world) {
-  if (!world.pairs.empty()) return true;
-  return !world.obstacles.empty() && std::ranges::any_of(world.bodies, [](const Body& body) {
-    return body.capsule.touches() && !body.driven();
-  });
-}
-
-bool has_contact(const World& world) {
-  return !world.obstacles.empty() || !world.pairs.empty();
-}
-
-std::uint64_t structure_of_body(const World& world, std::size_t index) {
-  const Body& body = world.bodies[index];
-  Hash hash;
-  hash.text("body").word(index);
-  add(body.mass_properties, hash);
-  add(body.bare, hash);
-  add(body.path, hash);
-  add(body.grip, hash);
-  if (body.capsule.touches()) {
-    hash.word(body.capsule.radius);
-    add(body.capsule.from, hash);
-    add(body.capsule.to, hash);
-    if (body.capsule.category != 0) hash.word(body.capsule.category);
-  }
-  return hash.value();
-}
-
-std::uint64_t structure_of_connector(const World& world, std::size_t index) {
-  const Connector& connector = world.connectors[index];
-  Hash hash;
-  hash.text("connector").word(index);
-  hash.word(connector.particles()).word(static_cast<std::uint64_t>(connector.model));
-  hash.word(connector.restitution).word(connector.radius);
-  // Sums of short hashes, none of which waits for another.
-  std::uint64_t sum = 0;
-  const auto& [rests, masses] =
-      connector.winch ? std::tie(connector.winch->rest, connector.winch->particle_mass)
-                      : std::tie(connector.rest, connector.particle_mass);
-  for (std::size_t i = 0; i < connector.particles(); ++i) {
-    const double rest = i < connector.links() ? rests[i] : 0;
-    sum += Hash().word(i).word(rest).word(masses[i]).value();
-  }
-  hash.word(sum).word(connector.holds.size());
-  sum = 0;
-  for (const Hold& hold : connector.holds) {
-    const Attachment& to = hold.to;
-    Hash own;
-    own.word(hold.particle).word(hold.pin.number);
-    own.word(static_cast<std::uint64_t>(to.kind));
-    own.word(to.kind == Attachment::Kind::body ? to.body : 0);
-    add(to.path, own);
-    add(to.point, own);
-    add(to.approach.lag, own);
-    sum += own.word(to.approach.since).word(to.approach.arrival).value();
-  }
-  hash.word(sum);
-  if (!connector.sections.empty()) add_materials(connector, hash);
-  if (connector.pulls) hash.text("pulls");
-  if (connector.winch) {
-    for (const auto& path : connector.winch->paths) add(path, hash);
-    hash.word(connector.winch->density);
-    for (const double share : connector.winch->before) hash.word(share);
-  }
-  if (connector.category != 0) hash.word(connector.category);
-  return hash.value();
-}
-
-std::uint64_t structure_of_joint(const World& world, std::size_t index) {
-  Hash hash;
-  hash.text("joint").word(index);
-  for (const Joint::Particle& at : world.joints[index].particles) {
-    hash.word(at.connector).word(at.particle);
-  }
-  return hash.value();
-}
-
-std::uint64_t structure(const World& world) {
-  std::uint64_t sum = 0;
-  for (std::size_t j = 0; j < world.joints.size(); ++j) sum += structure_of_joint(world, j);
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) sum += structure_of_body(world, b);
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) sum += structure_of_connector(world, c);
-  Hash hash;
-  if (has_materials(world)) {
-    hash.word(world.air.density);
-    add(world.air.wind, hash);
-    if (world.air.gusts) hash.word(world.air.gusts->fingerprint());
-  }
-  for (const Obstacle& obstacle : world.obstacles) hash.word(fingerprint(obstacle));
-  for (const Pulley& pulley : world.pulleys) {
-    hash.text("pulley").word(pulley.from).word(pulley.to).word(pulley.inertia);
-    hash.word(pulley.friction).word(pulley.bearing);
-  }
-  for (const BodyPair& pair : world.pairs) {
-    hash.word(pair.a).word(pair.b).word(pair.static_friction).word(pair.kinetic_friction);
-    hash.word(pair.restitution);
-  }
-  return sum + hash.value();
-}
-
-PointMotion hold_motion(const World& world, const Attachment& to, double time) {
-  PointMotion motion{to.point, Vec3::Zero(), Vec3::Zero()};
-  if (to.kind == Attachment::Kind::path) {
-    motion = to.path->at(time).point(to.point);
-  } else if (to.kind == Attachment::Kind::body) {
-    const Body& body = world.bodies[to.body];
-    if (!body.driven()) return {body.point(to.point), body.point_velocity(to.point), Vec3::Zero()};
-    motion = driven_frame(body, time).point(to.point);
-  }
-  approach(to.approach, time, motion);
-  return motion;
-}
-
-bool is_prescribed(const World& world, const Attachment& to) {
-  return to.kind != Attachment::Kind::body || world.bodies[to.body].driven();
-}
-
-ClampMotion clamp_motion(const World& world, const Hold& hold, double time) {
-  if (hold.clamp.isZero(0)) return {};
-  const Vec3 own = hold.clamp.normalized();
-  const Attachment& to = hold.to;
-  if (to.kind == Attachment::Kind::fixed) return {own, Vec3::Zero()};
-  if (to.kind == Attachment::Kind::body && !world.bodies[to.body].driven()) {
-    const Body& body = world.bodies[to.body];
-    const Vec3 direction = body.rotation * own;
-    return {direction, body.spin.cross(direction)};
-  }
-  const FrameMotion frame = to.kind == Attachment::Kind::path
-                                ? to.path->at(time)
-                                : driven_frame(world.bodies[to.body], time);
-  const Vec3 direction = frame.rotation * own;
-  return {direction, frame.spin.cross(direction)};
 }
 
 void place_held(World& world, double time) {
@@ -301,20 +112,6 @@ void place_driven(World& world, double time) {
     body.spin = frame.spin;
   }
   set_lengths(world, time);
-}
-
-void place_hold(const World& world, Connector& connector, const Hold& hold) {
-  PointMotion motion;
-  if (hold.to.kind == Attachment::Kind::body) {
-    const Body& body = world.bodies[hold.to.body];
-    if (!body.driven()) return;
-    motion = {body.point(hold.to.point), body.point_velocity(hold.to.point), Vec3::Zero()};
-    approach(hold.to.approach, world.time, motion);
-  } else {
-    motion = hold_motion(world, hold.to, world.time);
-  }
-  connector.position[hold.particle] = motion.position;
-  connector.velocity[hold.particle] = motion.velocity;
 }
 
 void place_carried(World& world) {

@@ -1,4 +1,4 @@
-#include "sim/world/joint.h"
+#include "sim/world/joined.h"
 
 #include <algorithm>
 #include <numeric>
@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "sim/world/places.h"
-#include "sim/world/world.h"
 
 namespace taut {
 namespace {

@@ -1,0 +1,58 @@
+// The whole physical state: bodies, connectors, gravity and the time; and what stands in their way.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sim/motion/path.h"
+#include "sim/motion/types.h"
+#include "sim/winch/pulley.h"
+#include "sim/world/body.h"
+#include "sim/world/connector.h"
+#include "sim/world/joint.h"
+#include "sim/world/obstacle.h"
+
+namespace taut {
+
+/// What connectors with drag coefficients move through; the same everywhere.
+struct Air {
+  double density = 0;        // kg/m^3; zero: none
+  Vec3 wind = Vec3::Zero();  // m/s
+  /// Where it is in m, the wind is in m/s, beside `wind`. None: the wind is the same at all times.
+  std::shared_ptr<const Path> gusts = nullptr;
+
+  Vec3 wind_at(double time) const { return gusts ? Vec3(wind + gusts->at(time).position) : wind; }
+};
+
+/// A value: copying a world copies its state (paths are shared, they never change).
+struct World {
+  double time = 0;                   // s
+  Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
+  Air air;
+  std::vector<Body> bodies;
+  std::vector<Connector> connectors;
+  std::vector<Joint> joints;        // what joins connectors to each other and to themselves
+  std::vector<Pulley> pulleys;      // where rope passes from one connector into another
+  std::vector<Obstacle> obstacles;  // what beads of connectors and free bodies touch
+  std::vector<BodyPair> pairs;      // of free bodies that touch each other
+  std::uint64_t topology = 0;       // another one whenever what structure() tells changes
+  std::uint64_t pins = 0;           // how many there ever were
+};
+
+/// Whether some connector stretches, resists bending or meets the air (Connector::sections).
+bool has_materials(const World& world);
+
+/// Whether anything touches: there are obstacles, or bodies that touch each other.
+bool has_contact(const World& world);
+
+/// Whether some connector has a winch or passes a pulley (Connector::winch).
+bool has_winches(const World& world);
+
+/// Whether some connector's links are strings (Connector::pulls).
+bool has_strings(const World& world);
+
+/// Whether some free body touches obstacles (Body::capsule), and there are some, or another body.
+bool has_touching_bodies(const World& world);
+
+}  // namespace taut
