@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "sim/world/body.h"
+#include "sim/motion/types.h"
 
 namespace taut {
 
