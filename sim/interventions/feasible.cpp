@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "sim/topology/components.h"
-#include "sim/world/places.h"
 
 namespace taut {
 namespace {

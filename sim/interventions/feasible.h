@@ -1,7 +1,9 @@
 // Where a connector lets its places be taken.
 #pragma once
 
-#include "sim/interventions/interventions.h"
+#include "sim/interventions/outcome.h"
+#include "sim/world/places.h"
+#include "sim/world/world.h"
 
 namespace taut {
 
