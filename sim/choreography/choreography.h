@@ -3,46 +3,15 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <vector>
 
-#include "sim/interventions/timeline.h"
+#include "sim/choreography/problem.h"
 #include "sim/motion/path.h"
 #include "sim/world/world.h"
 
 namespace taut::choreography {
 
-/// A place that is to be passed.
-struct Waypoint {
-  double time = 0;               // s
-  Vec3 position = Vec3::Zero();  // m
-};
-
-/// Limits on the hand's path: a hundredth beyond costs the fit as much as a waypoint missed by 0.3
-/// mm. HandPath tells the values reached.
-struct HandLimits {
-  Vec3 shoulder = Vec3::Zero();                                   // m
-  double reach = std::numeric_limits<double>::infinity();         // m, from the shoulder
-  double speed = std::numeric_limits<double>::infinity();         // m/s
-  double acceleration = std::numeric_limits<double>::infinity();  // m/s^2
-};
-
-/// The problem. The path that drives the other end of the body's connector rests from its last key
-/// on; there the hand's path begins, and there it ends.
-struct Choreography {
-  World world;  // at its start
-  Timeline timeline;
-  std::size_t body = 0;             // for which why_not_flat() has no reason
-  Vec3 point = Vec3::Zero();        // m, body frame, on the line that the body hangs by
-  std::vector<Waypoint> waypoints;  // times rising
-  double until = 0;                 // s, when hand and body rest again
-  HandLimits limits;
-  /// A held body points away from a place so far (m) behind the connector's end; infinite: it
-  /// keeps its orientation.
-  double pivot = std::numeric_limits<double>::infinity();
-};
-
-/// The path found, and how near it comes. All values of the hand are the path's, sampled four times
+/// What was found, and how near it comes. All of the hand is that of the path, sampled four times
 /// between its keys.
 struct HandPath {
   std::vector<PathKey> keys;  // the keys that the path had, and those found

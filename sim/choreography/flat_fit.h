@@ -2,11 +2,11 @@
 // given points.
 #pragma once
 
-#include <functional>
+#include <vector>
 
-#include "sim/choreography/choreography.h"
 #include "sim/choreography/gaussian_sum.h"
 #include "sim/choreography/hand_frame.h"
+#include "sim/choreography/problem.h"
 
 namespace taut::choreography {
 
