@@ -133,7 +133,7 @@ ModelErrors model_errors(const scenes::Scene& scene,
 World few_copies(World world) {
   std::map<std::string, std::size_t> copies, seen;
   for (const Connector& connector : world.connectors) copies[original(connector)] += 1;
-  std::erase_if(world.connectors, [&](const Connector& connector) {
+  const auto is_left_out = [&](const Connector& connector) {
     const std::size_t number = seen[original(connector)]++, count = copies[original(connector)];
     const bool on_body = std::ranges::any_of(
         connector.holds, [](const Hold& hold) { return hold.to.kind == Attachment::Kind::body; });
@@ -141,9 +141,9 @@ World few_copies(World world) {
     // The first, the last, and some evenly between.
     const std::size_t before = number == 0 ? 0 : (number - 1) * kCopies / (count - 1);
     return number != 0 && number * kCopies / (count - 1) == before;
-  });
-  world.topology = structure(world);
-  return world;
+  };
+  return with_change(std::move(world),
+                     [&](World& some) { std::erase_if(some.connectors, is_left_out); });
 }
 
 std::vector<MethodChoice> all_candidates(const World& world, int fps, double longest_step) {

@@ -22,13 +22,14 @@ study::Problem with_pin(const options::StudyOptions& options) {
   study::Problem problem{
       options::study_scene(options, {{options::connector_key(scene, "start"), start}}).world,
       study::frame_times(scene.duration / 2, scene.fps)};
-  Connector& rope = problem.world.connectors.front();
-  Hold pin;
-  pin.particle = rope.particles() / 2;
-  pin.to.point = rope.position[pin.particle];
-  rope.holds.push_back(pin);
-  std::ranges::sort(rope.holds, {}, &Hold::particle);
-  problem.world.topology = structure(problem.world);
+  problem.world = with_change(std::move(problem.world), [](World& world) {
+    Connector& rope = world.connectors.front();
+    Hold pin;
+    pin.particle = rope.particles() / 2;
+    pin.to.point = rope.position[pin.particle];
+    rope.holds.push_back(pin);
+    std::ranges::sort(rope.holds, {}, &Hold::particle);
+  });
   return problem;
 }
 

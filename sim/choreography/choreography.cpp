@@ -11,17 +11,16 @@ namespace taut::choreography {
 World with_hand_path(const World& world, std::size_t body, const std::vector<PathKey>& keys) {
   const std::shared_ptr<const Path> old = hand_path(world, body);
   const auto found = std::make_shared<const Path>(keys);
-  World other = world;
-  for (Body& each : other.bodies) {
-    if (each.path == old) each.path = found;
-  }
-  for (Connector& connector : other.connectors) {
-    for (Hold& hold : connector.holds) {
-      if (hold.to.path == old) hold.to.path = found;
+  return with_change(world, [&](World& other) {
+    for (Body& each : other.bodies) {
+      if (each.path == old) each.path = found;
     }
-  }
-  other.topology = structure(other);
-  return other;
+    for (Connector& connector : other.connectors) {
+      for (Hold& hold : connector.holds) {
+        if (hold.to.path == old) hold.to.path = found;
+      }
+    }
+  });
 }
 
 namespace {

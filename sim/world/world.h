@@ -19,11 +19,25 @@ void finish(World& world);
 /// Makes a finished world consistent again after changes by hand to connectors, holds, joints,
 /// obstacles or a body's `bare` mass, or after more bodies: free bodies weigh what they hold now,
 /// everything held is in its place, and the topology is numbered. Does nothing where nothing that
-/// structure() tells has changed. A Simulation calls it. Throws like finish().
+/// structure() tells has changed. Throws like finish(). Nobody needs to call it: a Simulation does
+/// before it advances, where its world() was asked for, and with_change() after the change.
 void refresh(World& world);
 
-/// The flaw of World::pairs, or empty: each is of two free bodies that have capsules, and stands
-/// there once.
+/// The world after a change by hand, `change(world)`, made consistent: finished, or as by
+/// refresh() where it has been finished already. Throws like finish().
+template <class Change>
+World with_change(World world, Change&& change) {
+  change(world);
+  if (world.topology == 0) {
+    finish(world);
+  } else {
+    refresh(world);
+  }
+  return world;
+}
+
+/// What is wrong with World::pairs, or empty: each is of two free bodies that have capsules, and
+/// stands there once.
 std::string pair_flaw(const World& world);
 
 /// Weighs all free bodies again, each with the particles that it holds.
