@@ -14,7 +14,7 @@
 
 #include "render/base/atomic_file.h"
 #include "render/base/descriptor.h"
-#include "render/picture/png_file.h"
+#include "render/picture/picture.h"
 
 namespace taut::film {
 

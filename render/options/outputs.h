@@ -5,7 +5,7 @@
 #include <string>
 
 #include "render/film/video.h"
-#include "render/picture/png_file.h"
+#include "render/picture/picture.h"
 #include "render/program/command.h"
 #include "scenes/scene/clip.h"
 

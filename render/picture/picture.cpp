@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "render/picture/png_file.h"
 #include "scenes/files/regular_file.h"
 
 namespace taut::picture {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace taut::picture {
@@ -25,6 +26,15 @@ struct Picture {
 
 /// The picture as a PNG file's bytes, RGB; packed for speed rather than size.
 std::vector<std::uint8_t> encode_png(const Picture& picture);
+
+/// What a PNG file can have beside opaque pixels.
+struct PngExtras {
+  bool opacity = false;  // the fourth bytes are opacity; colours are not multiplied by it
+  std::vector<std::pair<std::string, std::string>> texts = {};  // keywords and UTF-8 texts
+};
+
+/// The picture as a PNG file's bytes, RGB or RGBA, the texts in front of the pixels.
+std::vector<std::uint8_t> encode_png(const Picture& picture, const PngExtras& extras);
 
 /// Reads back a PNG file. Throws BadAsset.
 Picture read_png(const std::filesystem::path& file);
