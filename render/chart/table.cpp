@@ -4,8 +4,6 @@
 #include <charconv>
 #include <stdexcept>
 
-#include "render/chart/fitted_table.h"
-
 namespace taut::chart {
 namespace {
 

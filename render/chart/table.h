@@ -1,6 +1,7 @@
 // A table of text, and the forms in which it is written.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct Table {
 std::string to_csv(const Table& table);
 /// Columns aligned with spaces: numbers to the right, words to the left.
 std::string to_text(const Table& table);
+/// As to_text(), in lines of at most `width` letters where that can be: a table that is wider is
+/// transposed, and where that is wider, too, it is a paragraph per row, of a line per column.
+std::string to_text(const Table& table, std::size_t width);
 std::string to_markdown(const Table& table);
 std::string to_html(const Table& table);
 

@@ -9,8 +9,6 @@
 #include <limits>
 #include <string_view>
 
-#include "render/chart/fitted_table.h"
-
 namespace taut::program {
 namespace {
 

@@ -4,8 +4,6 @@
 
 #include <stdexcept>
 
-#include "render/chart/fitted_table.h"
-
 namespace taut::table_test {
 namespace {
 
