@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <string_view>
-#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "render/base/atomic_file.h"
-#include "render/base/child.h"
-#include "render/base/error.h"
 #include "render/chart/gnuplot.h"
 #include "render/chart/table.h"
 
@@ -43,22 +42,6 @@ Style truth_style() {
 
 namespace {
 
-render::ChildResult run_gnuplot(const std::vector<std::string>& arguments,
-                                const std::string& input) {
-  render::ChildResult result;
-  try {
-    result = render::run_child(arguments, input);
-  } catch (const std::system_error& error) {
-    throw render::CannotWrite(
-        fmt::format("{}; charts are drawn by gnuplot (Debian: gnuplot-nox)", error.what()));
-  }
-  if (result.status != 0 || result.output.empty()) {
-    throw render::CannotWrite(
-        fmt::format("gnuplot failed with status {}: {}", result.status, result.errors));
-  }
-  return result;
-}
-
 /// Gnuplot's own titles are numbers; readers of pages are told them when they point at a line.
 std::string with_titles(const std::string& svg, const Chart& chart) {
   constexpr std::string_view kOpen = "<title>", kClose = "</title>", kOwn = "gnuplot_plot_";
@@ -79,10 +62,6 @@ std::string with_titles(const std::string& svg, const Chart& chart) {
 }
 
 }  // namespace
-
-void require_gnuplot() {
-  run_gnuplot({"gnuplot", "--version"}, "");
-}
 
 std::string draw_chart(const Chart& chart, ChartFormat format) {
   std::string drawn = run_gnuplot({"gnuplot", "-"}, gnuplot_script(chart, format)).output;

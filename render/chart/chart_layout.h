@@ -2,11 +2,20 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "render/chart/chart.h"
+#include "render/chart/chart_data.h"
 
-namespace taut::chart::chart_layout {
+namespace taut::chart {
+
+/// Where a panel's axes lie in the picture.
+PlotArea plot_area(const Chart& chart, std::size_t panel);
+/// The range of a panel's axis as drawn.
+std::pair<double, double> x_range(const Panel& panel);
+std::pair<double, double> y_range(const Panel& panel);
+
+namespace chart_layout {
 
 inline constexpr double kText = 14, kTitle = 19;  // px, heights of the type
 inline constexpr double kMargin = 18;             // px
@@ -33,4 +42,5 @@ std::string name_in(const Panel& panel, const Series& series);
 Layout layout_of(const Chart& chart);
 PlotArea area_in(const Chart& chart, const Layout& layout, std::size_t panel);
 
-}  // namespace taut::chart::chart_layout
+}  // namespace chart_layout
+}  // namespace taut::chart
