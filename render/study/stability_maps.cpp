@@ -8,7 +8,6 @@
 #include "render/chart/html_page.h"
 #include "render/options/reproduce.h"
 #include "render/program/json.h"
-#include "render/study/stability_study.h"
 
 namespace taut::studies {
 namespace {

@@ -1,6 +1,7 @@
 // The results of `taut stability` as a table, charts and a page.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,11 @@
 #include "sim/study/stability.h"
 
 namespace taut::studies {
+
+/// Particles beyond which the truth costs more than the map, so that cells are not told accurate
+/// from plausible; and the CPU time (s) that each of its two solvers may take.
+inline constexpr std::size_t kMostForTruth = 64;
+inline constexpr double kTruthCap = 2;
 
 struct MapCell {
   std::size_t contender = 0;  // index

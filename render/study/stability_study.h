@@ -10,12 +10,7 @@
 
 namespace taut::studies {
 
-/// Particles beyond which the truth costs more than the map, so that cells are not told accurate
-/// from plausible; and the CPU time (s) that each of its two solvers may take.
-inline constexpr std::size_t kMostForTruth = 64;
-inline constexpr double kTruthCap = 2;
-
-/// The study that the options ask for, without cells.
+/// What a study of the options is of, without cells.
 StabilityStudy stability_study(const options::StudyOptions& options, const scenes::Scene& scene);
 
 /// Fills the maps within the options' budget, or from all parts where they say so, and calls
