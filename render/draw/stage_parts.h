@@ -7,7 +7,7 @@
 #include "render/draw/shading/room_light.h"
 #include "render/draw/shading/shadow_map.h"
 #include "render/draw/shading/surfaces.h"
-#include "render/draw/stage_renderer.h"
+#include "render/draw/view.h"
 #include "render/gl/canvas.h"
 
 namespace taut::draw {

@@ -5,36 +5,13 @@
 #include <span>
 
 #include "render/draw/frame_state.h"
+#include "render/draw/view.h"
 #include "render/gl/canvas.h"
 #include "render/gl/profile.h"
 #include "scenes/scene/stage.h"
 #include "sim/world/world.h"
 
 namespace taut::draw {
-
-/// A part of the canvas, and what is seen there.
-struct View {
-  picture::Rect viewport;
-  scenes::CameraView camera;
-};
-
-/// The savings in a picture's work. No saving shows: `all` and `exposures` make the same picture,
-/// within one step of 8 bits where more exposures than samples are added up. `none` shows slow
-/// things at more times, and so smears them more smoothly.
-enum class Savings {
-  all,        // kept backdrops, scissors, and triangles that are skipped or drawn once for all
-  exposures,  // slow things take fewer exposures than fast ones; all is drawn whole in each
-  none,       // everything is drawn whole in as many exposures as the fastest thing takes
-};
-
-/// Features that cost time and could be left out.
-struct Shading {
-  int map_size = 1536;  // texels a side, of the key light's map
-  bool contact = true;  // feet take ambient light from the floor
-  bool lit = true;      // false: one colour everywhere, what triangles and samples alone cost
-  Savings savings = Savings::all;
-  double still = 1;  // px that a thing may move while the shutter is open, and be drawn once
-};
 
 /// A stage on the graphics side.
 class StageRenderer {

@@ -1,0 +1,33 @@
+// What is seen of a stage and where, and with what work.
+#pragma once
+
+#include "render/picture/rect.h"
+#include "scenes/scene/stage.h"
+
+namespace taut::draw {
+
+/// A part of the canvas, and what is seen there.
+struct View {
+  picture::Rect viewport;
+  scenes::CameraView camera;
+};
+
+/// What of a picture's work is saved. No saving shows: `all` and `exposures` make the same picture,
+/// within one step of 8 bits where more exposures than samples are added up. `none` shows slow
+/// things at more times, and so smears them more smoothly.
+enum class Savings {
+  all,        // kept backdrops, scissors, and triangles that are skipped or drawn once for all
+  exposures,  // slow things take fewer exposures than fast ones; all is drawn whole in each
+  none,       // everything is drawn whole in as many exposures as the fastest thing takes
+};
+
+/// What costs time and could be left out.
+struct Shading {
+  int map_size = 1536;  // texels a side, of the key light's map
+  bool contact = true;  // feet take ambient light from the floor
+  bool lit = true;      // false: one colour everywhere, what triangles and samples alone cost
+  Savings savings = Savings::all;
+  double still = 1;  // px that a thing may move while the shutter is open, and be drawn once
+};
+
+}  // namespace taut::draw
