@@ -1,8 +1,17 @@
 // A chain: real links between two swivels.
 #pragma once
 
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "render/mesh/link_frames.h"
+#include "render/mesh/moving_mesh.h"
 #include "render/mesh/pieces.h"
+#include "scenes/scene/stage.h"
+#include "sim/world/connector.h"
 
 namespace taut::mesh {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/mesh/connector_mesh.h"
+#include "render/mesh/moving_mesh.h"
 
 namespace taut::mesh {
 
