@@ -1,8 +1,7 @@
-#include "scenes/model/model.h"
+#include "scenes/model/load_model.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <new>
 #include <system_error>
 
@@ -53,12 +52,6 @@ std::string cause_of(const SandboxResult& result, const SandboxLimits& limits) {
 }
 
 }  // namespace
-
-int Model::bone(std::string_view bone_name) const {
-  const auto found = std::find_if(bones.begin(), bones.end(),
-                                  [&](const Bone& bone) { return bone.name == bone_name; });
-  return found == bones.end() ? -1 : static_cast<int>(found - bones.begin());
-}
 
 Model load_model(const std::filesystem::path& file) {
   const std::string content = read_regular_file(file, model_limits::bytes, "a model");

@@ -3,8 +3,8 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/motion/types.h"
@@ -53,9 +53,5 @@ struct Model {
   /// Index of a bone by name, or -1.
   int bone(std::string_view bone_name) const;
 };
-
-/// Reads a glTF/GLB or OBJ file. Throws BadAsset (a message that names the file and the cause) for
-/// anything that is missing, truncated, too large, inconsistent or not finite.
-Model load_model(const std::filesystem::path& file);
 
 }  // namespace taut::scenes

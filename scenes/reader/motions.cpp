@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "scenes/character/character.h"
+#include "scenes/model/load_model.h"
 #include "scenes/reader/reader.h"
 
 namespace taut::scenes {

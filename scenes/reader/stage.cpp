@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "scenes/model/load_model.h"
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
 #include "scenes/reader/routes.h"

@@ -6,6 +6,7 @@
 #include "render/export/gltf/glb.h"
 #include "render/mesh/skinning.h"
 #include "scenes/load/load_scene.h"
+#include "scenes/model/load_model.h"
 #include "tests/cli/export_scenes.h"
 #include "tests/cli/kept_states.h"
 #include "tests/support/folder.h"

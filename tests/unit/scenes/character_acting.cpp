@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scenes/character/acting.h"
+#include "scenes/model/load_model.h"
 #include "sim/world/rotation.h"
 
 namespace taut::character_acting {

@@ -7,6 +7,7 @@
 
 #include "render/mesh/skinning.h"
 #include "scenes/character/skeleton.h"
+#include "scenes/model/load_model.h"
 
 namespace taut::character_cloth {
 namespace {

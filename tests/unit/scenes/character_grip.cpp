@@ -7,6 +7,7 @@
 #include "scenes/character/character.h"
 #include "scenes/character/figure.h"
 #include "scenes/files/error.h"
+#include "scenes/model/load_model.h"
 #include "sim/world/rotation.h"
 
 namespace taut::character_grip {

@@ -8,6 +8,7 @@
 #include "scenes/character/character.h"
 #include "scenes/character/tails.h"
 #include "scenes/load/load_scene.h"
+#include "scenes/model/load_model.h"
 
 namespace taut::character_tails {
 namespace {

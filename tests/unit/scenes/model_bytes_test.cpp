@@ -7,6 +7,7 @@
 #include <random>
 
 #include "scenes/model/import.h"
+#include "scenes/model/load_model.h"
 #include "tests/support/folder.h"
 #include "tests/unit/scenes/model_files.h"
 

@@ -1,7 +1,7 @@
 // Models as they should be read: geometry, materials, skeletons.
 #include "model_files.h"
 #include "scenes/files/error.h"
-#include "scenes/model/model.h"
+#include "scenes/model/load_model.h"
 
 namespace taut::model_load {
 namespace {
