@@ -1,9 +1,9 @@
 // The catenary of a discrete chain.
+#include "sim/world/hanging.h"
+
 #include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
-
-#include "sim/world/connector.h"
 
 namespace taut {
 namespace {
@@ -15,8 +15,8 @@ using Vec2 = Eigen::Vector2d;
 /// particle between them. The lowest link has the direction (1, slope), whatever its pull: negative
 /// where the span is so narrow that the rest of the chain presses it together.
 struct Hanging {
-  const std::vector<double>& rest;  // m
-  std::vector<double> before;       // weight of the particles before link k, of the whole chain's
+  std::span<const double> rest;    // m
+  std::span<const double> before;  // weight of the particles before link k, of the whole chain's
   std::size_t lowest = 0;
 
   Vec2 pull(std::size_t k, double horizontal, double slope) const {
@@ -80,14 +80,15 @@ Vec2 solve(Hanging& chain, const Vec2& to) {
   if ((widest - to).norm() <= kClosed * length) return state;
 
   double least = INFINITY;
-  const Hanging first = chain;
+  std::size_t lowest = 0;
   for (std::size_t k = 0; k < chain.rest.size(); ++k) {
-    const double vertical = first.pull(k, state.x(), state.y()).y();
+    const double vertical = chain.pull(k, state.x(), state.y()).y();
     if (std::abs(vertical) >= least) continue;
     least = std::abs(vertical);
-    chain.lowest = k;
+    lowest = k;
   }
-  state.y() = first.pull(chain.lowest, state.x(), state.y()).y() / state.x();
+  state.y() = chain.pull(lowest, state.x(), state.y()).y() / state.x();
+  chain.lowest = lowest;
   constexpr int kStages = 16, kIterations = 20;
   for (int stage = 1; stage <= kStages; ++stage) {
     const Vec2 target = widest + stage / static_cast<double>(kStages) * (to - widest);
@@ -101,49 +102,57 @@ Vec2 solve(Hanging& chain, const Vec2& to) {
 
 }  // namespace
 
-std::vector<Vec3> hanging_points(const Connector& connector, const Vec3& from, const Vec3& to,
-                                 const Vec3& gravity) {
-  const std::size_t links = connector.links();
+void HangingChain::place(const Links& links, const Vec3& from, const Vec3& to, const Vec3& gravity,
+                         std::span<Vec3> points) {
+  const std::size_t count = links.rest.size();
   const Vec3 span = to - from;
-  std::vector<Vec3> points(links + 1, from);
+  points.front() = from;
   points.back() = to;
-  if (links == 1) return points;
-  if (span.norm() >= connector.length * (1 - 1e-12)) {  // straight
+  if (count == 1) return;
+  if (span.norm() >= links.length * (1 - 1e-12)) {  // straight
     double along = 0;
-    for (std::size_t k = 0; k + 1 < links; ++k) {
-      along += connector.rest[k];
-      points[k + 1] = from + along / connector.length * span;
+    for (std::size_t k = 0; k + 1 < count; ++k) {
+      along += links.rest[k];
+      points[k + 1] = from + along / links.length * span;
     }
-    return points;
+    return;
   }
   const Vec3 up = gravity.norm() > 0 ? Vec3(-gravity.normalized()) : Vec3::UnitY();
   const double rise = span.dot(up);
   Vec3 across = span - rise * up;
   const double run = across.norm();
-  across = run > kClosed * connector.length ? Vec3(across / run) : up.unitOrthogonal();
+  across = run > kClosed * links.length ? Vec3(across / run) : up.unitOrthogonal();
 
   // Only the ratios of the weights shape the chain: the whole chain weighs 1.
-  Hanging chain{connector.rest, std::vector<double>(links, 0.0)};
-  for (std::size_t k = 1; k < links; ++k) {
-    const double weight = connector.mass > 0 ? connector.particle_mass[k] / connector.mass
-                                             : 1 / static_cast<double>(links);
-    chain.before[k] = chain.before[k - 1] + weight;
+  before_.assign(count, 0.0);
+  for (std::size_t k = 1; k < count; ++k) {
+    const double weight =
+        links.mass > 0 ? links.particle_mass[k] / links.mass : 1 / static_cast<double>(count);
+    before_[k] = before_[k - 1] + weight;
   }
+  Hanging chain{links.rest, before_};
   const Vec2 state = solve(chain, {run, rise});
-  if (!((chain.end(state.x(), state.y()) - Vec2(run, rise)).norm() <= kClosed * connector.length)) {
+  if (!((chain.end(state.x(), state.y()) - Vec2(run, rise)).norm() <= kClosed * links.length)) {
     throw std::invalid_argument("the chain cannot hang at rest between these points");
   }
   // A chain folded to a line ends as far beside `to` as the least pull widens it: all links share
   // it.
   Vec3 last = from;
-  for (std::size_t k = 0; k < links; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const Vec2 along = chain.rest[k] * chain.direction(k, state.x(), state.y());
     last += along.x() * across + along.y() * up;
     points[k + 1] = last;
   }
-  const Vec3 rest_of_gap = (to - last) / static_cast<double>(links);
-  for (std::size_t k = 1; k <= links; ++k) points[k] += static_cast<double>(k) * rest_of_gap;
+  const Vec3 rest_of_gap = (to - last) / static_cast<double>(count);
+  for (std::size_t k = 1; k <= count; ++k) points[k] += static_cast<double>(k) * rest_of_gap;
   points.back() = to;
+}
+
+std::vector<Vec3> hanging_points(const Connector& connector, const Vec3& from, const Vec3& to,
+                                 const Vec3& gravity) {
+  std::vector<Vec3> points(connector.links() + 1);
+  HangingChain().place({connector.rest, connector.particle_mass, connector.length, connector.mass},
+                       from, to, gravity, points);
   return points;
 }
 

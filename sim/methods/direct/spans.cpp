@@ -167,7 +167,7 @@ void Spans::read(const World& world) {
   }
 }
 
-void Spans::write(World& world) const {
+void Spans::write(World& world) {
   world.time = inner_.time;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) world.bodies[b] = inner_.bodies[b];
   for (std::size_t k = 0; k < copied_.size(); ++k) {
@@ -191,23 +191,20 @@ void Spans::lay(Connector& connector, const Span& span, const Vec3& gravity) {
   const std::size_t first = span.a.particle, last = span.b.particle;
   const Vec3 from = connector.position[first], to = connector.position[last];
   const Vec3 start = connector.velocity[first], change = connector.velocity[last] - start;
-  std::vector<Vec3> hanging;
   const double slack = span.length - (to - from).norm();
-  if (slack > kLeastSlack * span.length && span.links() > 1) {
-    Connector part;
-    part.rest.assign(connector.rest.begin() + static_cast<std::ptrdiff_t>(first),
-                     connector.rest.begin() + static_cast<std::ptrdiff_t>(last));
-    part.particle_mass.assign(span.links() + 1, 1.0);
-    part.position.resize(span.links() + 1);
-    part.velocity.resize(span.links() + 1);
-    part.length = span.length;
-    hanging = hanging_points(part, from, to, gravity);
+  const bool hangs = slack > kLeastSlack * span.length && span.links() > 1;
+  if (hangs) {
+    hanging_.place({.rest = std::span(connector.rest).subspan(first, span.links()),
+                    .particle_mass = {},
+                    .length = span.length},
+                   from, to, gravity,
+                   std::span(connector.position).subspan(first, span.links() + 1));
   }
   double along = 0;
   for (std::size_t k = first + 1; k < last; ++k) {
     along += connector.rest[k - 1];
     const double share = span.length > 0 ? along / span.length : 0;
-    connector.position[k] = hanging.empty() ? Vec3(from + share * (to - from)) : hanging[k - first];
+    if (!hangs) connector.position[k] = from + share * (to - from);
     connector.velocity[k] = start + share * change;
   }
 }

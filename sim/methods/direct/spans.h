@@ -10,6 +10,7 @@
 #include "sim/run/method.h"
 #include "sim/topology/components.h"
 #include "sim/topology/span.h"
+#include "sim/world/hanging.h"
 
 namespace taut::direct {
 
@@ -59,8 +60,8 @@ class Spans {
 
   Attachment attachment(const World& world, const Span& span, const SpanEnd& end);
   void read(const World& world);
-  void write(World& world) const;
-  static void lay(Connector& connector, const Span& span, const Vec3& gravity);
+  void write(World& world);
+  void lay(Connector& connector, const Span& span, const Vec3& gravity);
   void connect();
   void build_systems();
   void update();
@@ -76,6 +77,7 @@ class Spans {
   std::vector<PointMass> point_masses_;  // bodies of the inner world, behind those of the outer
   std::vector<std::size_t> copied_;      // connectors of the outer world that are links
   Division division_;
+  HangingChain hanging_;
   std::deque<Tensions> systems_;  // of the components that have ties; they cannot move
   bool built_ = false;            // for the present ties
   Counters looks_;

@@ -135,6 +135,20 @@ TEST(Allocations, DirectDoesNotAllocateWhileSpansStayTaut) {
   EXPECT_TRUE(method->events().empty());
 }
 
+TEST(Allocations, DirectDoesNotAllocateWhileSpansAreSlack) {
+  World world = weights_on_spans();
+  for (std::size_t k = 1; k < 4; ++k) world.connectors[k].position.back() += Vec3(0, 0.3, 0);
+  const auto method = make_method("direct", {});
+  method->advance(world, 0.01);
+  const std::size_t before = allocations;
+  for (int k = 2; k <= 10; ++k) method->advance(world, 0.01 * k);
+  EXPECT_EQ(allocations - before, 0u);
+  for (std::size_t k = 1; k < 4; ++k) {
+    const Connector& cord = world.connectors[k];
+    EXPECT_LT((cord.position.back() - cord.position.front()).norm(), 0.9) << "slack to the end";
+  }
+}
+
 TEST(Allocations, SteppingMaterialsDoesNotAllocateAfterTheFirstCall) {
   World start;
   Connector rope = straight_connector("rope", 1, 0.2, 21, Vec3::Zero(), Vec3(1, -1, 0));

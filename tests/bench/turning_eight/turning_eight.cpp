@@ -1,6 +1,7 @@
-// The hand's path that leads the tip of a nunchaku's free stick along a figure-eight
-// whose plane turns: the rows of scenes/choreography/turning_eight.csv. Says on the error stream
-// how near the tip comes to each of its points.
+// The hand's path that leads the tip of a nunchaku's free stick along a figure-eight whose plane
+// turns: the rows of turning_eight.csv. A program on an installed taut:
+//   g++ $(pkg-config --cflags taut) turning_eight.cpp $(pkg-config --libs taut)
+// Says on the error stream how near the tip comes to each of its points.
 #include <taut/sim/choreography/choreography.h>
 
 #include <algorithm>
