@@ -160,7 +160,7 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
       {"duration_s", scene.duration},          {"fps", scene.fps},     {"frames", scene.frames()},
       {"size_px", {scene.width, scene.height}}};
   json["method"] = scene.method.name;
-  json["settings"] = options::settings_json(options::full_settings(scene.method));
+  json["settings"] = options::settings_json(with_defaults(scene.method));
   if (const double steps = options::steps_per_frame(scene); steps > 0)
     json["steps_per_frame"] = std::uint64_t(steps);
   json["bodies"] = program::Json::object();
@@ -229,7 +229,7 @@ std::string as_text(const scenes::Scene& scene, bool staged,
   const double steps = options::steps_per_frame(scene);
   line(fmt::format("method {}{} ({})", scene.method.name,
                    steps > 0 ? fmt::format(", {:.0f} steps a frame", steps) : "",
-                   options::settings_text(options::full_settings(scene.method))));
+                   options::settings_text(with_defaults(scene.method))));
   for (const Body& body : world.bodies) {
     if (shows_obstacle(world, body)) continue;
     line(fmt::format("body {}: {:.6g} kg, {}", body.name, body.mass_properties.mass,

@@ -143,7 +143,7 @@ int run(const Options& options, const program::Common& common) {
         {"file", name},
         {"bytes", output.written()},
         {"method", scene.method.name},
-        {"settings", options::settings_json(options::full_settings(scene.method))},
+        {"settings", options::settings_json(with_defaults(scene.method))},
         {"frames", scene.frames()},
         {"fps", scene.fps}};
     for (const auto& figure : figures)

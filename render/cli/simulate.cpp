@@ -146,7 +146,7 @@ std::string json_text(const scenes::Scene& scene, const Simulation& simulation,
   nlohmann::ordered_json json;
   json["scene"] = scene.file.string();
   json["method"] = scene.method.name;
-  json["settings"] = options::settings_json(options::full_settings(scene.method));
+  json["settings"] = options::settings_json(with_defaults(scene.method));
   json["frames"] = scene.frames();
   json["stepping_ms_per_second"] =
       simulated > 0 ? nlohmann::ordered_json(1e3 * report.stepping / simulated) : nullptr;

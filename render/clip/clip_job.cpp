@@ -203,7 +203,7 @@ nlohmann::ordered_json clip_report(const ClipJob& job, const FramesMade& made) {
       {"title", scene.title},
       {"method",
        {{"name", scene.method.name},
-        {"settings", options::settings_json(options::full_settings(scene.method))}}},
+        {"settings", options::settings_json(with_defaults(scene.method))}}},
       {"size_px", {scene.width, scene.height}},
       {"fps", scene.fps},
       {"samples", job.options.samples},

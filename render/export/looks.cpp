@@ -63,8 +63,7 @@ Quat looking(const Vec3& direction) {
 }
 
 int parts_of_frame(const scenes::Scene& scene) {
-  const MethodInfo& method = *find_method(scene.method.name);
-  const Settings settings = with_defaults(method, scene.method.settings);
+  const Settings settings = with_defaults(scene.method);
   const auto step = settings.find("step");
   const bool equal = step != settings.end() && std::get<double>(step->second) > 0;
   return equal ? 64 : 16;

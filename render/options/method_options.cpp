@@ -170,14 +170,6 @@ MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& sc
   return choice;
 }
 
-Settings full_settings(const MethodChoice& choice) {
-  Settings full = choice.settings;
-  for (const SettingInfo& info : find_method(choice.name)->settings) {
-    full.try_emplace(std::string(info.name), info.fallback);
-  }
-  return full;
-}
-
 nlohmann::ordered_json settings_json(const Settings& settings) {
   auto object = nlohmann::ordered_json::object();
   for (const auto& [name, value] : settings) {

@@ -38,9 +38,6 @@ Settings settings_of(const MethodInfo& method, const std::vector<std::string>& s
 /// the step that suits one diverges in the next. Throws Misuse.
 MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& scene);
 
-/// Every setting of the method, those left out with their defaults.
-Settings full_settings(const MethodChoice& choice);
-
 /// Settings as a JSON object.
 nlohmann::ordered_json settings_json(const Settings& settings);
 

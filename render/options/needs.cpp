@@ -67,7 +67,7 @@ std::string time_text(double seconds) {
 
 Footprint footprint_of(const scenes::Scene& scene) {
   Footprint sum =
-      footprint(*find_method(scene.method.name), scene.world, full_settings(scene.method));
+      footprint(*find_method(scene.method.name), scene.world, with_defaults(scene.method));
   sum.memory += kProgram;
   // The memory of each part that pins and cuts leave, and of the room made for all beforehand.
   const auto divisions = double(scene.timeline.pins.size() + scene.timeline.cuts.size());
@@ -157,7 +157,7 @@ double free_disk(fs::path folder) {
 
 /// The setting that would save the method's memory; empty: none.
 std::string cheaper(const scenes::Scene& scene) {
-  const Settings settings = full_settings(scene.method);
+  const Settings settings = with_defaults(scene.method);
   const auto solver = settings.find("solver");
   return solver != settings.end() && solver->second == Setting(std::string("dense"))
              ? "solver = \"tridiagonal\", "
@@ -167,7 +167,7 @@ std::string cheaper(const scenes::Scene& scene) {
 }  // namespace
 
 double steps_per_frame(const scenes::Scene& scene) {
-  const Settings settings = full_settings(scene.method);
+  const Settings settings = with_defaults(scene.method);
   const auto step = settings.find("step");
   const double* seconds = step == settings.end() ? nullptr : std::get_if<double>(&step->second);
   return seconds && *seconds > 0 ? double(step_count(1.0 / scene.fps, *seconds)) : 0;

@@ -89,7 +89,7 @@ Provenance::Provenance(const scenes::Scene& scene, const std::string& file)
     : title_(scene.title),
       scene_(file),
       method_(
-          fmt::format("{} ({})", scene.method.name, settings_text(full_settings(scene.method)))) {}
+          fmt::format("{} ({})", scene.method.name, settings_text(with_defaults(scene.method)))) {}
 
 picture::PngExtras Provenance::picture(double time, bool opacity) const {
   return {opacity,

@@ -22,7 +22,7 @@ std::string words_of(const ShownScene& scene) {
 /// Every setting, named or not: where the scene is of the same method, its own would hold else.
 std::string words_of(const MethodChoice& candidate) {
   std::string words;
-  for (const auto& [name, value] : full_settings(candidate)) {
+  for (const auto& [name, value] : with_defaults(candidate)) {
     words += " --set " + quoted(name + "=" + value_text(value));
   }
   return words;

@@ -236,10 +236,7 @@ the simulation's memory alive. A body that is simulated as a link is a particle 
       .def_property_readonly(
           "method", [](const Sim& sim) { return sim.method().name; }, "The method's name.")
       .def_property_readonly(
-          "settings",
-          [](const Sim& sim) {
-            return to_dict(with_defaults(*find_method(sim.method().name), sim.method().settings));
-          },
+          "settings", [](const Sim& sim) { return to_dict(with_defaults(sim.method())); },
           "Every setting of the method.")
       .def_property_readonly(
           "connectors", [](const Sim& sim) { return names(sim.world().connectors); },

@@ -40,7 +40,7 @@ nlohmann::ordered_json run_score(const scenes::Scene& scene, double share) {
   nlohmann::ordered_json json = {
       {"scene", scene.file.string()},
       {"method", scene.method.name},
-      {"settings", options::settings_json(options::full_settings(scene.method))},
+      {"settings", options::settings_json(with_defaults(scene.method))},
       {"horizon_s", truth.horizon},
       {"self_error", truth.self_error / length},
       {"rms_error",

@@ -11,8 +11,7 @@ namespace {
 /// steps, into how many parts times are rounded.
 std::uint64_t steps_per_frame(const Scene& scene) {
   constexpr std::uint64_t kFine = 1024;
-  const MethodInfo& method = *find_method(scene.method.name);
-  const Settings settings = with_defaults(method, scene.method.settings);
+  const Settings settings = with_defaults(scene.method);
   const auto step = settings.find("step");
   if (step == settings.end() || !(std::get<double>(step->second) > 0)) return kFine;
   return step_count(1.0 / scene.fps, std::get<double>(step->second));

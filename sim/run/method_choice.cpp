@@ -18,6 +18,10 @@ struct Text {
 
 }  // namespace
 
+Settings with_defaults(const MethodChoice& choice) {
+  return with_defaults(*find_method(choice.name), choice.settings);
+}
+
 std::string describe(const Settings& settings) {
   std::string line;
   for (const auto& [name, value] : settings) {

@@ -12,6 +12,9 @@ struct MethodChoice {
   Settings settings;  // those that differ from the method's own choice
 };
 
+/// Every setting of the method, which must exist: with its own choice for those left out.
+Settings with_defaults(const MethodChoice& choice);
+
 /// "springs (integrator rk4, step 0.001)".
 std::string describe(const MethodChoice& choice);
 /// The settings alone: "integrator rk4, step 0.001"; "defaults" where none is named.
