@@ -63,9 +63,7 @@ Quat looking(const Vec3& direction) {
 }
 
 int parts_of_frame(const scenes::Scene& scene) {
-  const Settings settings = with_defaults(scene.method);
-  const auto step = settings.find("step");
-  const bool equal = step != settings.end() && std::get<double>(step->second) > 0;
+  const bool equal = step_of(with_defaults(scene.method)) > 0;
   return equal ? 64 : 16;
 }
 

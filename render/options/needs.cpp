@@ -167,10 +167,8 @@ std::string cheaper(const scenes::Scene& scene) {
 }  // namespace
 
 double steps_per_frame(const scenes::Scene& scene) {
-  const Settings settings = with_defaults(scene.method);
-  const auto step = settings.find("step");
-  const double* seconds = step == settings.end() ? nullptr : std::get_if<double>(&step->second);
-  return seconds && *seconds > 0 ? double(step_count(1.0 / scene.fps, *seconds)) : 0;
+  const double step = step_of(with_defaults(scene.method));
+  return step > 0 ? double(step_count(1.0 / scene.fps, step)) : 0;
 }
 
 double clip_length(const scenes::Scene& scene) {

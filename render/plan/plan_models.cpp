@@ -160,8 +160,7 @@ std::vector<MethodChoice> all_candidates(const World& world, int fps, double lon
     if (seconds > 0) seconds = 1 / (fps * std::ceil(1 / (fps * seconds) - 1e-6));
   }
   std::erase_if(all, [&](const MethodChoice& candidate) {
-    const auto step = candidate.settings.find("step");
-    return step != candidate.settings.end() && std::get<double>(step->second) > longest_step;
+    return step_of(candidate.settings) > longest_step;
   });
   // The one that is likely to be chosen first: what is dearer than its best is given up early.
   std::ranges::stable_partition(all, [](const MethodChoice& candidate) {

@@ -19,11 +19,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kSlice = 0.02;  // s from one look for signals to the next, about
 
-double step_of(const MethodChoice& method) {
-  const auto step = method.settings.find("step");
-  return step == method.settings.end() ? 0 : std::get<double>(step->second);
-}
-
 std::vector<double> times_of(const Timeline& timeline) {
   std::vector<double> times;
   for (const TimedPin& pin : timeline.pins) times.insert(times.end(), {pin.from, pin.until});
@@ -41,7 +36,7 @@ SimulationObject::SimulationObject(const World& world, MethodChoice method, Time
       timed_(!timeline.empty()),
       happens_(times_of(timeline)),
       simulation_(world, made_method(world, method_), std::move(timeline)) {
-  step_ = step_of(method_);
+  step_ = step_of(method_.settings);
 }
 
 double SimulationObject::next_stop(double until) {

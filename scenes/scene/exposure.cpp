@@ -11,10 +11,8 @@ namespace {
 /// steps, into how many parts times are rounded.
 std::uint64_t steps_per_frame(const Scene& scene) {
   constexpr std::uint64_t kFine = 1024;
-  const Settings settings = with_defaults(scene.method);
-  const auto step = settings.find("step");
-  if (step == settings.end() || !(std::get<double>(step->second) > 0)) return kFine;
-  return step_count(1.0 / scene.fps, std::get<double>(step->second));
+  const double step = step_of(with_defaults(scene.method));
+  return step > 0 ? step_count(1.0 / scene.fps, step) : kFine;
 }
 
 }  // namespace

@@ -16,11 +16,7 @@ constexpr double kSlice = 0.02;  // s of CPU time between two looks at the cap
 class Slices {
  public:
   Slices(const Settings& settings, double cpu_cap, const std::function<void()>& tick)
-      : cap_(cpu_cap), tick_(tick) {
-    const auto step = settings.find("step");
-    if (step == settings.end()) return;
-    if (const double* value = std::get_if<double>(&step->second)) step_ = *value;
-  }
+      : cap_(cpu_cap), tick_(tick), step_(step_of(settings)) {}
 
   /// False where the cap stopped it.
   bool advance(Simulation& simulation, double until, double& cpu) {
@@ -45,7 +41,7 @@ class Slices {
  private:
   double cap_;
   const std::function<void()>& tick_;
-  double step_ = 0;
+  double step_;
   double count_ = 1;  // steps in a slice
 };
 

@@ -125,6 +125,12 @@ const std::string& text(const Settings& settings, std::string_view name) {
   return std::get<std::string>(settings.find(name)->second);
 }
 
+double step_of(const Settings& settings) {
+  const auto step = settings.find("step");
+  const double* value = step == settings.end() ? nullptr : std::get_if<double>(&step->second);
+  return value ? *value : 0;
+}
+
 SettingInfo step_setting(bool limited, int sweep) {
   SettingInfo info{
       .name = "step",

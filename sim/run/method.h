@@ -230,6 +230,9 @@ double number(const Settings& settings, std::string_view name);
 bool flag(const Settings& settings, std::string_view name);
 const std::string& text(const Settings& settings, std::string_view name);
 
+/// The setting `step` (s); zero where none is named, or there is none.
+double step_of(const Settings& settings);
+
 /// The setting `step` (s) of a method whose steps are all equal; sweeps go through `sweep` values
 /// of it, 1/60 s and each half of the one before. Zero, the default where the method is `limited`
 /// in its step, lets it choose by what limits it.

@@ -226,11 +226,9 @@ class Watch {
     if (scene_.fps < 60 || way <= most(speed, time) + near) return;
     if (may_jump(frame) || is_at_full_length(frame * time)) return;
     // A method with steps of its own is looked at after each: shorter ones would be another run.
-    const auto step = method_.settings.find("step");
-    const double* own =
-        step == method_.settings.end() ? nullptr : std::get_if<double>(&step->second);
+    const double own = step_of(method_.settings);
     const auto at = [&](int of_frame) { return of_frame / static_cast<double>(scene_.fps); };
-    const StepTimes times(at(frame - 1), at(frame), own && *own > 0 ? *own : time / 64);
+    const StepTimes times(at(frame - 1), at(frame), own > 0 ? own : time / 64);
     Watch finer(scene_, method_);
     for (int first = 1; first < frame; ++first) finer.simulation_.advance_to(at(first));
     double accounted = near, last = finer.fastest();
