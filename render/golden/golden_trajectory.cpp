@@ -28,8 +28,7 @@ std::map<std::string, std::string> sources(const scenes::Scene& scene, const Met
                                              {"method.name", method.name}};
   const Vec3& g = scene.world.gravity;
   list["gravity"] = fmt::format("[{}, {}, {}]", g.x(), g.y(), g.z());
-  for (const auto& [name, value] : method.settings)
-    list["method." + name] = std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
+  for (const auto& [name, value] : method.settings) list["method." + name] = setting_text(value);
   for (const Connector& connector : scene.world.connectors) {
     const std::string key = "connectors." + connector.name;
     list[key + ".length"] = fmt::format("{}", connector.length);

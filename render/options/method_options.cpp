@@ -187,8 +187,7 @@ nlohmann::ordered_json settings_json(const Settings& settings) {
 std::string settings_text(const Settings& settings) {
   std::string line;
   for (const auto& [name, value] : settings) {
-    const std::string text = std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
-    line += fmt::format("{}{} = {}", line.empty() ? "" : ", ", name, text);
+    line += fmt::format("{}{} = {}", line.empty() ? "" : ", ", name, setting_text(value));
   }
   return line;
 }

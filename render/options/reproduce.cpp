@@ -7,12 +7,6 @@
 namespace taut::options {
 namespace {
 
-std::string value_text(const Setting& value) {
-  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
-  if (const auto* truth = std::get_if<bool>(&value)) return *truth ? "true" : "false";
-  return std::get<std::string>(value);
-}
-
 std::string words_of(const ShownScene& scene) {
   std::string words = quoted(scene.file);
   for (const std::string& set : scene.set) words += " --set " + quoted(set);
@@ -23,7 +17,7 @@ std::string words_of(const ShownScene& scene) {
 std::string words_of(const MethodChoice& candidate) {
   std::string words;
   for (const auto& [name, value] : with_defaults(candidate)) {
-    words += " --set " + quoted(name + "=" + value_text(value));
+    words += " --set " + quoted(name + "=" + setting_text(value));
   }
   return words;
 }
@@ -53,7 +47,7 @@ std::string classify_command(const ShownScene& scene,
     words += " --set " + quoted(change.key + "=" + change.value);
   }
   for (const auto& [name, value] : candidate.settings) {
-    words += " --set " + quoted(name + "=" + value_text(value));
+    words += " --set " + quoted(name + "=" + setting_text(value));
   }
   return fmt::format("taut classify {} --set duration={} --methods {} --cap {}{}", words, duration,
                      label, cap, scored ? "" : " --no-truth");

@@ -94,9 +94,8 @@ World small_throw() {
 }
 
 std::string toml(const Setting& value) {
-  if (const auto* text = std::get_if<std::string>(&value)) return '"' + *text + '"';
-  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  return fmt::format("{}", std::get<double>(value));
+  const bool quoted = std::holds_alternative<std::string>(value);
+  return quoted ? '"' + setting_text(value) + '"' : setting_text(value);
 }
 
 }  // namespace
