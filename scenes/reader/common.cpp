@@ -1,3 +1,5 @@
+#include "scenes/reader/common.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -5,7 +7,6 @@
 #include <span>
 
 #include "scenes/files/asset_path.h"
-#include "scenes/reader/reader.h"
 
 namespace taut::scenes {
 
@@ -108,27 +109,12 @@ std::size_t Names::index_of(const Document& document, const Value& value,
   document.mismatch(value, fmt::format("the name of a {}{}", what, known));
 }
 
-Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
-                           Motions& motions) {
-  const Value* character = table.find("character");
-  if (character && !table.find("bone")) document.fail_at_key(*character, "needs bone");
-  Attachment to;
-  if (const Value* body = table.find("body")) {
-    to.kind = Attachment::Kind::body;
-    to.body = motions.body(*body);
-    to.point = vec3_or(table, "point", Vec3::Zero());
-  } else if (const Value* path = table.find("path")) {
-    to.kind = Attachment::Kind::path;
-    to.path = motions.path(*path);
-    to.point = vec3_or(table, "point", Vec3::Zero());
-  } else if (table.find("bone")) {
-    to.kind = Attachment::Kind::path;
-    to.path = motions.bone(table);
-    to.point = vec3_or(table, "point", Vec3::Zero());
-  } else {
-    to.point = table.find(space)->vec3();
+std::string methods_with(bool MethodInfo::*trait) {
+  std::string names;
+  for (const MethodInfo& info : all_methods()) {
+    if (info.*trait) names += (names.empty() ? "" : ", ") + std::string(info.name);
   }
-  return to;
+  return names;
 }
 
 }  // namespace taut::scenes

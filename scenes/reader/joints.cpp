@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/reader/reader.h"
-
 namespace taut::scenes {
 namespace {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/reader/reader.h"
+#include "scenes/reader/common.h"
 #include "sim/world/world.h"
 
 namespace taut::scenes {

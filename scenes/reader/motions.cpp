@@ -1,8 +1,10 @@
+#include "scenes/reader/motions.h"
+
 #include <fmt/format.h>
 
 #include "scenes/character/character.h"
 #include "scenes/model/load_model.h"
-#include "scenes/reader/reader.h"
+#include "scenes/reader/paths.h"
 
 namespace taut::scenes {
 
@@ -121,6 +123,29 @@ std::shared_ptr<const Path> Motions::bone(const Value& table) {
     path = std::make_shared<const Path>(bone_path(*found.performance, bone, duration));
   }
   return path;
+}
+
+Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
+                           Motions& motions) {
+  const Value* character = table.find("character");
+  if (character && !table.find("bone")) document.fail_at_key(*character, "needs bone");
+  Attachment to;
+  if (const Value* body = table.find("body")) {
+    to.kind = Attachment::Kind::body;
+    to.body = motions.body(*body);
+    to.point = vec3_or(table, "point", Vec3::Zero());
+  } else if (const Value* path = table.find("path")) {
+    to.kind = Attachment::Kind::path;
+    to.path = motions.path(*path);
+    to.point = vec3_or(table, "point", Vec3::Zero());
+  } else if (table.find("bone")) {
+    to.kind = Attachment::Kind::path;
+    to.path = motions.bone(table);
+    to.point = vec3_or(table, "point", Vec3::Zero());
+  } else {
+    to.point = table.find(space)->vec3();
+  }
+  return to;
 }
 
 }  // namespace taut::scenes

@@ -1,3 +1,5 @@
+#include "scenes/reader/paths.h"
+
 #include <fmt/format.h>
 
 #include <charconv>
@@ -5,7 +7,7 @@
 
 #include "scenes/files/regular_file.h"
 #include "scenes/format/format_keys.h"
-#include "scenes/reader/reader.h"
+#include "scenes/reader/common.h"
 #include "sim/world/rotation.h"
 
 namespace taut::scenes {

@@ -174,14 +174,6 @@ void try_plan(const Document& document, const Value& plan, Scene& scene) {
 
 }  // namespace
 
-std::string methods_with(bool MethodInfo::*trait) {
-  std::string names;
-  for (const MethodInfo& info : all_methods()) {
-    if (info.*trait) names += (names.empty() ? "" : ", ") + std::string(info.name);
-  }
-  return names;
-}
-
 Scene read_scene(Document document, bool with_stage) {
   const std::optional<Value> plan = take_plan(document);
   rename_old_keys(document);

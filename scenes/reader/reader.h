@@ -2,115 +2,22 @@
 // at what keys mean together: names, files, and numbers that must fit each other.
 #pragma once
 
-#include <array>
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
-#include <utility>
 #include <vector>
 
-#include "scenes/files/error.h"
 #include "scenes/format/document.h"
+#include "scenes/reader/common.h"
+#include "scenes/reader/motions.h"
+#include "scenes/reader/paths.h"
+#include "scenes/reader/winches.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {
 
 /// The scene that a document describes. Throws BadScene.
 Scene read_scene(Document document, bool with_stage);
-
-/// The names of all methods that have a trait, in words that end "expected one of: ".
-std::string methods_with(bool MethodInfo::*trait);
-
-/// The file that `value` names, in the first of the asset_folders() that has it. Throws BadScene
-/// when the name is absolute, or the file missing or outside of the folder.
-std::filesystem::path find_file(const Document& document, const Value& value);
-
-/// Does what needs the asset that `value` names. A BadAsset becomes a BadScene that names the
-/// scene's place too.
-auto with_place(const Document& document, const Value& value, auto&& use) {
-  try {
-    return use();
-  } catch (const BadAsset& error) {
-    document.fail(value, error.what());
-  }
-}
-
-/// How far places that should be one may be apart, as a share of a connector's length: the rounding
-/// of numbers that people type.
-inline constexpr double kRounding = 1e-6;
-
-// Members that may be left out.
-double number_or(const Value& table, std::string_view key, double fallback);
-Vec3 vec3_or(const Value& table, std::string_view key, const Vec3& fallback);
-bool flag_or(const Value& table, std::string_view key, bool fallback);
-std::string_view text_or(const Value& table, std::string_view key, std::string_view fallback);
-
-/// A direction of any length but zero, as a unit vector.
-Vec3 direction(const Document& document, const Value& value);
-/// A quaternion [w, x, y, z] of any length but zero, as a rotation.
-Quat rotation(const Document& document, const Value& value);
-
-/// Names that values may say, found without a look at each.
-class Names {
- public:
-  explicit Names(std::vector<std::string_view> names);
-  /// Of the members of a table of tables, in the order of the file; none for null.
-  explicit Names(const Value* table);
-
-  /// The index of the name that `value` says; `what` as in "body". Throws BadScene.
-  std::size_t index_of(const Document& document, const Value& value, std::string_view what) const;
-  std::size_t size() const { return names_.size(); }
-
- private:
-  std::vector<std::string_view> names_;
-  std::unordered_map<std::string_view, std::size_t> indices_;
-};
-
-/// In the order of the file.
-std::vector<std::shared_ptr<const Path>> read_paths(const Document& document);
-
-struct Character {
-  std::shared_ptr<const Model> model;
-  std::shared_ptr<const Performance> performance;
-};
-
-/// The prescribed motions of a scene: its paths, and the bones of its characters. All throw
-/// BadScene.
-class Motions {
- public:
-  explicit Motions(const Document& document);
-
-  /// The index of the body, or of the character, of that name.
-  std::size_t body(const Value& name) const;
-  std::size_t character_named(const Value& name) const;
-  /// The path of that name, and as the file describes it.
-  std::shared_ptr<const Path> path(const Value& name) const;
-  const Value& path_value(const Value& name) const;
-  /// The path of the bone that a table's `character` and `bone` name.
-  std::shared_ptr<const Path> bone(const Value& table);
-  /// A character, in the order of the file: read and acted out when it is first asked for.
-  const Character& character(std::size_t index);
-  std::size_t characters() const { return character_names_.size(); }
-  /// Checks the characters before they act.
-  void check_characters() const;
-
- private:
-  Character act(const Value& character) const;
-
-  const Document& document_;
-  std::vector<std::shared_ptr<const Path>> paths_;  // as they follow each other in the file
-  Names path_names_, body_names_, character_names_;
-  std::map<std::size_t, Character> characters_;
-  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Path>> bones_;
-};
-
-/// A path from rows t,x,y,z[,qw,qx,qy,qz] of a CSV file. Throws BadAsset with file:line.
-Path read_path_csv(const std::filesystem::path& file);
-/// The same from the file's text.
-Path path_from_csv(const std::string& text, const std::filesystem::path& file);
 
 /// The method that a table names, with its settings; the default method for null.
 MethodChoice read_method(const Document& document, const Value* table, int fps);
@@ -131,26 +38,6 @@ double mass_of(const Value& connector, double length);
 /// The sections of the connector's links, and the air's drag on them; changes its masses where they
 /// follow the links.
 void read_sections(const Document& document, const Value& value, Connector& connector);
-/// A number over time, from the values of keys: the x of a path (Hold::turn, Winch::paths).
-std::shared_ptr<const Path> read_number_keys(const Document& document, const Value& list,
-                                             std::string_view value);
-/// The same of lengths (m), which start with zero.
-std::shared_ptr<const Path> read_length_keys(const Document& document, const Value& list,
-                                             std::string_view key);
-/// Fails at `key` where winches whose lengths are all known take in more than the links have.
-void check_least(const Document& document, const Value& key, const Winch& winch);
-/// The paths of the winches at the first end of `first` and the last of `last`, once those have
-/// their holds; null where there is none.
-std::array<std::shared_ptr<const Path>, 2> read_winches(const Document& document,
-                                                        const Value& value, const World& world,
-                                                        const Connector& first,
-                                                        const Connector& last);
-/// The winches at a connector's ends, once it has its holds. Throws BadScene.
-void read_winches(const Document& document, const Value& value, const World& world,
-                  Connector& connector);
-/// Fails where a winch or pulley stands in a scene with what does not go with one, or a method
-/// without.
-void refuse_winches(const Document& document, const MethodInfo& method);
 /// The air of a scene.
 Air read_air(const Document& document);
 /// Obstacles, behind bodies and connectors. Moving ones that are shown come with a driven body, by
@@ -176,11 +63,6 @@ void check_touching(const Document& document, const World& world);
 /// Pins and cuts, of a world that is finished.
 Timeline read_timeline(const Document& document, Motions& motions, const World& world,
                        double duration);
-
-/// The attachment of an end or a pin: `body`, `path`, or `bone` of a `character`, with `point`; or
-/// the point in space that the key `space` gives.
-Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
-                           Motions& motions);
 
 /// A plan made earlier, whether or not the scene is still the one that it was made for. Checks its
 /// format, too. Throws BadScene.

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "scenes/reader/reader.h"
+#include "scenes/reader/common.h"
 
 namespace taut::scenes {
 namespace {

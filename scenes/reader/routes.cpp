@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "scenes/reader/winches.h"
 #include "sim/world/winched.h"
 
 namespace taut::scenes {

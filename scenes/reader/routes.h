@@ -8,7 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "scenes/reader/reader.h"
+#include "scenes/reader/common.h"
+#include "scenes/reader/motions.h"
 #include "sim/world/world.h"
 
 namespace taut::scenes {

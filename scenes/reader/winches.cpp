@@ -1,8 +1,11 @@
+#include "scenes/reader/winches.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "scenes/reader/reader.h"
+#include "scenes/reader/common.h"
+#include "scenes/reader/paths.h"
 #include "sim/world/winched.h"
 
 namespace taut::scenes {
