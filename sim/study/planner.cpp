@@ -158,7 +158,7 @@ Search search(std::span<const PlanModel> models, const ReferenceSolution& refere
       const std::vector<MethodChoice>& candidates = models[m].candidates;
       std::vector<std::size_t> numbers;
       for (std::size_t c = 0; c < candidates.size(); ++c) {
-        if ((candidates[c].method == candidates.front().method) == likely) numbers.push_back(c);
+        if ((candidates[c].name == candidates.front().name) == likely) numbers.push_back(c);
       }
       try_model(m, numbers);
     }

@@ -12,6 +12,7 @@ RESULTS = {}
 STUDY, SIM, RENDER, SCENES, FRONT = ("sim/study/README.md", "sim/README.md", "render/README.md",
                                      "scenes/README.md", "README.md")
 DIRECT = "sim/methods/direct/README.md"
+EXPORT = "render/export/README.md"
 OURS = "impulse,dynamic-constraints,multibody,springs,xpbd,direct"
 
 
@@ -193,6 +194,14 @@ def schemes(work):
     return "![Schemes by waves and step](../../../assets/pictures/schemes.png)\n\n" + markdown(rows, range(1, len(rows[0])))
 
 
+@result("net", DIRECT)
+def net(work):
+    """what a second of a large net takes"""
+    told = json.loads(work.run("taut simulate scenes/topology/net.toml --set duration=1 --no-estimate --json -q"))
+    return ("The first second of a net of 100 x 100 that swings from a rail ([scene](../../../scenes/topology/net.toml), 1 mm) "
+            f"takes {told['steps']} steps, {told['solves']} solves and {told['stepping_ms_per_second'] / 1000:.2g} s of one core.")
+
+
 @result("compare", STUDY)
 def compare(work):
     """the picture of methods side by side"""
@@ -322,6 +331,16 @@ def beside(work):
                      f"--samples 128 --out {work.out}/beside")
     keep(work, work.out / "beside/sheet.png", "beside.webp")
     return "![taut, Eevee and Cycles](../assets/pictures/beside.webp)\n\n" + table.strip()
+
+
+@result("export", EXPORT)
+def export(work):
+    """sizes of the demo as glTF"""
+    sizes = []
+    for options in ("", " --scenery"):
+        work.run(f"taut export scenes/nunchaku.toml{options} -o out/results/nunchaku.glb -q")
+        sizes.append((work.out / "nunchaku.glb").stat().st_size / 1e6)
+    return f"The demo is {sizes[0]:.2g} MB so, with its scenery {sizes[1]:.2g} MB."
 
 
 @result("clip", RENDER)
