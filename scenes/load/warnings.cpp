@@ -17,20 +17,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLooks = 30;         // a second of the scene, at most
+constexpr double kSamples = 30;       // a second of the scene, at most
 constexpr double kOutOfReach = 0.05;  // m
 constexpr double kEdge = 1.02;        // of half the picture
 
 /// A thing's times in the picture and out of it.
 struct Sight {
-  double shown = 0, hidden = 0;              // looks
+  double shown = 0, hidden = 0;              // samples
   double first_hidden = 0, last_hidden = 0;  // s
 };
 
-/// The times at which the clip shows the scene, rising, as far apart as looks need to be.
+/// The times at which the clip shows the scene, rising, as far apart as samples need to be.
 std::map<double, std::vector<const Shot*>> times_of_clip(const Scene& scene) {
   std::map<double, std::vector<const Shot*>> times;
-  const int every = std::max(1, static_cast<int>(std::lround(scene.fps / kLooks)));
+  const int every = std::max(1, static_cast<int>(std::lround(scene.fps / kSamples)));
   const std::vector<Shot>& shots = scene.stage->shots;
   for (int frame = 0; frame < scene.frames(); frame += every) {
     const double time = static_cast<double>(frame) / scene.fps;

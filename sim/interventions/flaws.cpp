@@ -211,7 +211,7 @@ class Sweep {
   void part(const Known& a, const Known& b, double time, const Ruler& ruler,
             const Connector& connector) {
     if (a.pin == 0 && b.pin == 0) return;
-    constexpr double kLook = 1e-3;  // s; no hand moves a millimetre in less
+    constexpr double kSampling = 1e-3;  // s; no hand moves a millimetre in less
     const DistanceRange range = ruler.range(a.along, b.along);
     const bool rigid = one_frame(*a.to, *b.to);
     const double end = rigid ? time : last_motion(world_, a, b);
@@ -227,7 +227,7 @@ class Sweep {
         return note(std::max(a.pin, b.pin) - 1, line.str());
       }
       if (time >= end) return;
-      time = std::min(time + kLook, end);
+      time = std::min(time + kSampling, end);
     }
   }
 

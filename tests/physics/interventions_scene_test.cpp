@@ -47,13 +47,13 @@ TEST(PinScene, TheCaughtRopeSwingsWithThePeriodOfTheShorterPendulum) {
     return std::atan2(down.x(), -down.y());
   };
   double largest = 0, before = angle();
-  std::vector<double> crossings;  // s, of straight down
-  constexpr double look = 1e-3;   // s
-  for (int k = 1; caught.from + look * k < caught.until; ++k) {
-    simulation.advance_to(caught.from + look * k);
+  std::vector<double> crossings;     // s, of straight down
+  constexpr double sampling = 1e-3;  // s
+  for (int k = 1; caught.from + sampling * k < caught.until; ++k) {
+    simulation.advance_to(caught.from + sampling * k);
     const double now = angle();
     if (before * now < 0) {
-      crossings.push_back(simulation.world().time - look * now / (now - before));
+      crossings.push_back(simulation.world().time - sampling * now / (now - before));
     }
     largest = std::max(largest, std::abs(now));
     before = now;

@@ -22,7 +22,7 @@ constexpr double kLength = 0.5, kMass = 0.05;  // m, kg
 constexpr double kTolerance = 1e-4;            // m
 constexpr double kStretch = 1e-9;
 constexpr double kGravity = 9.81;    // m/s^2
-constexpr double kLongest = 0.5e-3;  // s between two looks at what a hand does
+constexpr double kLongest = 0.5e-3;  // s between two samples of what a hand does
 
 struct Case {
   double mass_ratio;  // of the load to the chain
@@ -83,9 +83,9 @@ World world_of(const Case& c) {
   return world;
 }
 
-/// The times (s) at which a motion is looked at: its frames and, where a hand moves, enough between
+/// The times (s) at which a motion is sampled: its frames and, where a hand moves, enough between
 /// them to follow its work, among them those at which its acceleration jumps.
-std::vector<double> looks(const Case& c, double duration) {
+std::vector<double> sample_times(const Case& c, double duration) {
   const std::vector<double> frames = study::frame_times(duration, c.fps);
   if (c.whip == 0) return frames;
   std::vector<double> times = frames;
@@ -116,7 +116,7 @@ void follow(const Case& c, double duration, double cpu_cap) {
   study::EnergyBalance balance({});
   const double mass = kMass * (1 + c.mass_ratio);
   double cpu = 0, stretch = 0, left = 0, kinetic = 0;
-  for (const double time : looks(c, duration)) {
+  for (const double time : sample_times(c, duration)) {
     const double before = thread_seconds();
     simulation.advance_to(time);
     cpu += thread_seconds() - before;

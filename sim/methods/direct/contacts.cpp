@@ -9,19 +9,19 @@
 namespace taut::direct {
 namespace {
 
-constexpr double kLook = 1.0 / 30;     // s, at most between two looks at what is near
-constexpr double kSurprise = 2;        // by how much speeds may rise until the next look
-constexpr double kLongest = 1.0 / 60;  // s, of a step
-constexpr double kShortest = 1e-8;     // s, below which a step cannot converge
-constexpr double kFirst = 0.3;         // of the time in which gravity moves by the tolerance
-constexpr double kFinest = 0.02;       // of that first step: errors force none that is shorter
-constexpr double kTurn = 0.3;          // rad, of a link or an obstacle in a step
-constexpr double kShare = 0.3;         // of the tolerance, for what a second's steps err together
-constexpr double kGain = 1e-2;         // s, in which speed from nowhere may err by the tolerance
-constexpr double kGrowth = 1.3;        // of a step, at most
-constexpr double kLowest = 0.1;        // of the tolerance: bounces and waves that are not followed
-constexpr double kOver = 8;            // of the slippery steps, after which a jam fades
-constexpr int kLocated = 8;            // hits located in a row, before a step takes what it hits
+constexpr double kSampling = 1.0 / 30;  // s, at most between two checks of what is near
+constexpr double kSurprise = 2;         // by how much speeds may rise until the next check
+constexpr double kLongest = 1.0 / 60;   // s, of a step
+constexpr double kShortest = 1e-8;      // s, below which a step cannot converge
+constexpr double kFirst = 0.3;          // of the time in which gravity moves by the tolerance
+constexpr double kFinest = 0.02;        // of that first step: errors force none that is shorter
+constexpr double kTurn = 0.3;           // rad, of a link or an obstacle in a step
+constexpr double kShare = 0.3;          // of the tolerance, for what a second's steps err together
+constexpr double kGain = 1e-2;          // s, in which speed from nowhere may err by the tolerance
+constexpr double kGrowth = 1.3;         // of a step, at most
+constexpr double kLowest = 0.1;         // of the tolerance: bounces and waves that are not followed
+constexpr double kOver = 8;             // of the slippery steps, after which a jam fades
+constexpr int kLocated = 8;             // hits located in a row, before a step takes what it hits
 
 /// The node that stands for all that are joined with this one.
 std::size_t find(std::vector<std::size_t>& parent, std::size_t node) {
@@ -218,9 +218,9 @@ void Contacts::advance(World& world, double until) {
   for (const auto& group : groups_) {
     if (read(world, *group)) group->steps = false;
     const double from = world.time;
-    const auto looks = std::max(1.0, std::ceil((until - from) / kLook - 1e-9));
-    for (int look = 1; look <= looks; ++look) {
-      follow(*group, look == looks ? until : from + (until - from) * look / looks);
+    const auto checks = std::max(1.0, std::ceil((until - from) / kSampling - 1e-9));
+    for (int check = 1; check <= checks; ++check) {
+      follow(*group, check == checks ? until : from + (until - from) * check / checks);
     }
     write(*group, world);
   }

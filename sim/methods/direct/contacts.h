@@ -14,7 +14,7 @@ namespace taut::direct {
 
 /// Follows a world in groups that move without each other: connectors with the free bodies that
 /// they hold and those that these may touch. While nothing of a group can reach an obstacle, or
-/// bodies each other, before the next look, a method that knows no contact follows it, and leaves
+/// bodies each other, before the next check, a method that knows no contact follows it, and leaves
 /// the same bits as in a world without. Else ContactStep does, with steps that follow from the
 /// tolerance.
 class Contacts {

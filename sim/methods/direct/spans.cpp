@@ -7,10 +7,10 @@
 namespace taut::direct {
 namespace {
 
-constexpr double kLook = 1.0 / 512;   // s, between two looks at what changes
-constexpr double kLocated = 1e-10;    // s, within which the moment of a change is known
-constexpr double kLeastSlack = 1e-9;  // of its length: a span with less is laid straight
-constexpr double kTooLong = 1e-12;    // of its length: a slack span so much longer goes taut
+constexpr double kSampling = 1.0 / 512;  // s, between two checks of what changes
+constexpr double kLocated = 1e-10;       // s, within which the moment of a change is known
+constexpr double kLeastSlack = 1e-9;     // of its length: a span with less is laid straight
+constexpr double kTooLong = 1e-12;       // of its length: a slack span so much longer goes taut
 /// Ends that meet their span's length again within this time (s) are not thrown back again.
 constexpr double kShortestFlight = 1e-4;
 
@@ -140,15 +140,15 @@ void Spans::update() {
     double *q = part.q.data(), *rate = part.rate.data();
     part.system.load(inner_, inner_.time, q, rate);
     part.system.acceleration(inner_.time, q, rate, part.acceleration.data());
-    looks_.solves += 1;
-    looks_.cycles += part.system.cycles();
+    checks_.solves += 1;
+    checks_.cycles += part.system.cycles();
   }
 }
 
 Counters Spans::counters() const {
   Counters sum = links_->counters();
-  sum.solves += looks_.solves;
-  sum.cycles += looks_.cycles;
+  sum.solves += checks_.solves;
+  sum.cycles += checks_.cycles;
   return sum;
 }
 
@@ -209,7 +209,7 @@ void Spans::lay(Connector& connector, const Span& span, const Vec3& gravity) {
   }
 }
 
-/// True where the state that was looked at last is not one that the tie can be in: ends that were
+/// True where the state that was checked last is not one that the tie can be in: ends that were
 /// too far apart before may come nearer.
 bool Spans::breaks(const Tie& tie) const {
   const double length = spans_[tie.span].length;
@@ -268,7 +268,7 @@ bool Spans::rebounds(Tie& tie, std::vector<Event>& events) {
 void Spans::advance(World& world, double until, std::vector<Event>& events) {
   read(world);
   while (inner_.time < until) {
-    advance_to_break(std::min(until, inner_.time + kLook));
+    advance_to_break(std::min(until, inner_.time + kSampling));
     bool changed = false;
     update();
     for (Tie& tie : ties_) {

@@ -17,7 +17,7 @@ namespace taut::direct {
 /// Follows a world some of whose connectors are massless spans, by a method that follows links.
 /// The method sees a world of its own, in which a taut span is a link without mass between its two
 /// ends and a slack one is absent; a point mass at an end is a body that nothing turns. Changes are
-/// found between two looks and located in time: a slack span whose ends part beyond its length goes
+/// found between two checks and located in time: a slack span whose ends part beyond its length goes
 /// taut, a taut one whose tension turns negative goes slack. Going taut, the ends are thrown back
 /// with the connector's restitution; where that is none, or they were thrown back just before, the
 /// link takes their speed of separation away, which keeps all momenta.
@@ -34,7 +34,7 @@ class Spans {
   Method& links() { return *links_; }
   const Method& links() const { return *links_; }
 
-  /// The counters of the links' method, and the systems that looks at tensions solve.
+  /// The counters of the links' method, and the systems that checks of tensions solve.
   Counters counters() const;
 
  private:

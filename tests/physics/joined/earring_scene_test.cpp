@@ -77,12 +77,12 @@ TEST(EarringScene, WhileTheHeadShakesItGoesWithADrivenPendulum) {
   const double w = slow_swing(world);
   DrivenPendulum pendulum(worlds::kGravity / (w * w), direction(world));
   const Attachment ear = world.connectors[0].holds[0].to;
-  constexpr double look = 1.0 / 240;  // s
+  constexpr double sampling = 1.0 / 240;  // s
   double largest = 0, apart = 0;
-  for (int k = 0; look * k < kStill; ++k) {
-    pendulum.step(look * k, look,
+  for (int k = 0; sampling * k < kStill; ++k) {
+    pendulum.step(sampling * k, sampling,
                   [&](double t) { return hold_motion(world, ear, t).acceleration; });
-    simulation.advance_to(look * (k + 1));
+    simulation.advance_to(sampling * (k + 1));
     const Vec3 is = direction(world);
     largest = std::max(largest, std::hypot(is.x(), is.z()));
     apart = std::max(apart, (is - pendulum.down()).norm());
@@ -96,13 +96,13 @@ TEST(EarringScene, WhileTheHeadShakesItGoesWithADrivenPendulum) {
 TEST(EarringScene, OnceTheHeadStopsItSwingsAtItsOwnFrequency) {
   Simulation simulation = scenes::start(scene());
   const World& world = simulation.world();
-  constexpr double look = 1e-3;  // s
-  std::vector<double> peaks;     // s
+  constexpr double sampling = 1e-3;  // s
+  std::vector<double> peaks;         // s
   double a = 0, b = INFINITY, before = 0, now = 0;
-  for (int k = 0; kStill + look * k <= scene().duration; ++k) {
-    simulation.advance_to(kStill + look * k);
+  for (int k = 0; kStill + sampling * k <= scene().duration; ++k) {
+    simulation.advance_to(kStill + sampling * k);
     const double next = std::acos(-direction(world).y());
-    if (k > 1 && now > before && now >= next) peaks.push_back(kStill + look * (k - 1));
+    if (k > 1 && now > before && now >= next) peaks.push_back(kStill + sampling * (k - 1));
     a = std::max(a, next);
     b = std::min(b, next);
     before = now;

@@ -139,12 +139,12 @@ BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>&
     hit.share = at_once ? 1 : first_inside(0, 1, inside);
     return hit;
   }
-  const auto look = [&](double share) {
+  const auto gap_at_share = [&](double share) {
     return contact::least_gap(meeting.shape, frame(share), place(share));
   };
   const double at_start = contact::least_gap(meeting.shape, start, first);
   const double at_end = contact::least_gap(meeting.shape, end, last);
-  const Entry entry = find_entry(at_start, at_end, far, look);
+  const Entry entry = find_entry(at_start, at_end, far, gap_at_share);
   hit.share = entry.share;
   hit.passes = entry.passes;
   if (entry.share <= 1) hit.spots = spots_within(entry.share, 2 * kReached);

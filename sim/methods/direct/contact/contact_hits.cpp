@@ -53,11 +53,11 @@ ContactStep::Hit ContactStep::sweep(double time, double h, std::uint32_t point,
     const Pose frame = with.path ? with.frame(time + share * h).pose() : start;
     return Vec3(frame.rotation.conjugate() * (at - frame.position));
   };
-  const auto look = [&](double share) {
+  const auto gap_at_share = [&](double share) {
     return with.shape.from(local(share)).distance - radius_[point];
   };
   const double at_end = gap(with, end, to, radius_[point]).distance;
-  const Entry entry = find_entry(at_start, at_end, way, look);
+  const Entry entry = find_entry(at_start, at_end, way, gap_at_share);
   hit.share = entry.share;
   hit.passes = entry.passes;
   if (entry.share <= 1) hit.anchor = entry.stays ? before : local(entry.share);

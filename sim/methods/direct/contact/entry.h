@@ -27,7 +27,7 @@ double first_inside(double outside, double within, const auto& inside) {
 /// which is `way` (m) long at most in the obstacle's frame. A way that ends outside is followed by
 /// strides of the distance, none of which can enter.
 Entry find_entry(double at_start, double at_end, double way, const auto& distance) {
-  constexpr double kStride = 1e-4;  // of the way, at least, from one look to the next
+  constexpr double kStride = 1e-4;  // of the way, at least, from one evaluation to the next
   const auto inside = [&](double share) { return !(distance(share) > 0); };
   double outside = 0;
   if (at_end >= 0) {
