@@ -131,7 +131,7 @@ template <typename Scalar>
 void Batch<Scalar>::advance(double until, int threads) {
   const StepTimes times(time_, until, step_);
   const std::size_t row = 3 * kernel_.lanes;
-  const auto work = [&](std::size_t from, std::size_t to) {
+  const auto advance_groups = [&](std::size_t from, std::size_t to) {
     const std::unique_ptr<Scalar[], Free> pulls(new (kAlignment) Scalar[times.count * row]);
     for (std::size_t g = from; g < to; ++g) {
       const std::size_t instants = driven_[g] ? times.count : 1;
@@ -141,13 +141,14 @@ void Batch<Scalar>::advance(double until, int threads) {
                        driven_[g] ? row : 0});
     }
   };
-  const std::size_t crew = std::clamp<std::size_t>(static_cast<std::size_t>(threads), 1, groups_);
+  const std::size_t workers =
+      std::clamp<std::size_t>(static_cast<std::size_t>(threads), 1, groups_);
   {
     std::vector<std::jthread> others;
-    for (std::size_t k = 1; k < crew; ++k) {
-      others.emplace_back(work, groups_ * k / crew, groups_ * (k + 1) / crew);
+    for (std::size_t k = 1; k < workers; ++k) {
+      others.emplace_back(advance_groups, groups_ * k / workers, groups_ * (k + 1) / workers);
     }
-    work(0, groups_ / crew);
+    advance_groups(0, groups_ / workers);
   }
   started_ = started_ || times.count > 0;
   time_ = until;
