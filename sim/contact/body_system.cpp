@@ -43,20 +43,20 @@ void BodySystem::assemble(std::span<const Mat6> mobility, std::span<const BodyTo
   bodies_.clear();
   mobility_.clear();
   sides_.clear();
-  ease_.clear();
+  inverse_mass_.clear();
   for (const BodyTouch& at : touches) {
     auto& [own, other] = sides_.emplace_back();
     own.index = index_of(at.body, mobility);
     own.lever.leftCols<3>().setIdentity();
     own.lever.rightCols<3>() = -cross_matrix(at.arm);
-    double ease = mobility[at.body](0, 0);
+    double inverse_mass = mobility[at.body](0, 0);
     if (at.other != kNoBody) {
       other.index = index_of(at.other, mobility);
       other.lever.leftCols<3>() = -Mat3::Identity();
       other.lever.rightCols<3>() = cross_matrix(at.other_arm);
-      ease += mobility[at.other](0, 0);
+      inverse_mass += mobility[at.other](0, 0);
     }
-    ease_.push_back(share * ease);
+    inverse_mass_.push_back(share * inverse_mass);
   }
   const Eigen::Index size = row(touches.size());
   coupling_.resize(size, size);
@@ -99,16 +99,16 @@ void BodySystem::linearize(std::span<const Vec3> bare, std::span<const BodyTouch
       continue;
     }
     const Vec3& n = touch.normal;
-    const double ease = ease_[i];
+    const double inverse_mass = inverse_mass_[i];
     const Mat3 tangent = across(n);
     const Vec3 moves = velocity(i, bare);
     const Vec3 slip = tangent * (moves - touch.surface);
-    Mat3 by_velocity = n * n.transpose() / ease, by_given;
-    Vec3 error = (n.dot(moves) - touch.least) / ease * n;
+    Mat3 by_velocity = n * n.transpose() / inverse_mass, by_given;
+    Vec3 error = (n.dot(moves) - touch.least) / inverse_mass * n;
     if (touch.state == Touch::State::sticks) {
-      by_velocity = Mat3::Identity() / ease;
+      by_velocity = Mat3::Identity() / inverse_mass;
       by_given = creep_ * tangent;
-      error += slip / ease + creep_ * tangent * given_[i];
+      error += slip / inverse_mass + creep_ * tangent * given_[i];
     } else {
       const double speed = slip.norm();
       const bool known = !touches[i].ahead.isZero(0);
@@ -221,7 +221,7 @@ bool BodySystem::is_solved(std::span<const Vec3> bare, std::span<const BodyTouch
   const double slack = (bodies_.size() > 1 ? kSeveral : 10) * kSlack * speed;
   for (std::size_t i = 0; i < touches.size(); ++i) {
     const Touch& touch = touches[i].touch;
-    const double ease = ease_[i], weak = slack / ease;
+    const double inverse_mass = inverse_mass_[i], weak = slack / inverse_mass;
     const Vec3 moves = velocity(i, bare);
     const Vec3 slip = across(touch.normal) * (moves - touch.surface);
     const double past = touch.normal.dot(moves) - touch.least;
@@ -233,8 +233,8 @@ bool BodySystem::is_solved(std::span<const Vec3> bare, std::span<const BodyTouch
     if (touch.state == Touch::State::sticks) {
       const Vec3 slips = across(touch.normal) * (bare[i] - touch.surface);
       if (rub > friction_of(touch, slips) * push + weak) return false;
-      const double yields = touches.size() > 1 ? kYields * ease * touch.stick * push : 0;
-      if (slip.norm() > slack + yields + 2 * creep_ * ease * rub) return false;
+      const double yields = touches.size() > 1 ? kYields * inverse_mass * touch.stick * push : 0;
+      if (slip.norm() > slack + yields + 2 * creep_ * inverse_mass * rub) return false;
     } else if (std::abs(rub - touch.slide * push) > weak ||
                slip.dot(given_[i] - push * touch.normal) > weak * (slack + slip.norm())) {
       if (touches[i].ahead.isZero(0)) return false;

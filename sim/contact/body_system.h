@@ -60,13 +60,13 @@ class BodySystem {
   std::vector<std::uint32_t> bodies_;
   std::vector<Mat6> mobility_;  // per body of these
   double share_ = 1, creep_ = 0;
-  std::vector<double> ease_;                // 1/kg, per touch: of the free bodies, shared
+  std::vector<double> inverse_mass_;        // 1/kg, per touch: of the free bodies, shared
   std::vector<std::array<Side, 2>> sides_;  // per touch
   std::vector<Mat6> blocks_;
   Eigen::MatrixXd coupling_;        // 1/kg, of the velocities by what is given, shared
   std::vector<Vec3> given_, bare_;  // N s, m/s
   std::vector<Vec3> tried_;         // N s, what polish() came to last
-  // The laws, linearized: matrix_ d(given) = -slope_ d(bare), in multiples of ease_.
+  // The laws, linearized: matrix_ d(given) = -slope_ d(bare), in multiples of inverse_mass_.
   Eigen::MatrixXd matrix_, slope_;
   Eigen::VectorXd error_;
 };

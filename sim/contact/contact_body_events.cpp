@@ -51,14 +51,14 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
     }
   }
   for (const BodyTouch& at : body_touches_) {
-    double ease = mechanism_.bodies()[at.body].inverse_mass;
+    double inverse_mass = mechanism_.bodies()[at.body].inverse_mass;
     double moves = body_free_[at.body].head<3>().norm() + body_pulled_[at.body].head<3>().norm();
     if (at.other != kNoBody) {
-      ease += mechanism_.bodies()[at.other].inverse_mass;
+      inverse_mass += mechanism_.bodies()[at.other].inverse_mass;
       moves +=
           body_free_[at.other].head<3>().norm() + body_pulled_[at.other].head<3>().norm() + kFly;
     }
-    const double push = ease * at.touch.push;
+    const double push = inverse_mass * at.touch.push;
     const double spare = kSpare * (moves + std::abs(push));
     values.push_back(push + spare);
     if (at.spot != Spot::from && at.spot != Spot::to) {
@@ -69,7 +69,7 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
     }
     if (at.touch.stick == 0) continue;
     if (at.touch.state == Touch::State::sticks) {
-      values.push_back(at.touch.stick * push - ease * at.touch.rub.norm() + spare);
+      values.push_back(at.touch.stick * push - inverse_mass * at.touch.rub.norm() + spare);
     } else {
       values.push_back(passing(at, state).dot(at.touch.slid) + still(at) / 2);
     }

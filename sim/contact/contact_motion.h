@@ -93,7 +93,7 @@ class ContactMotion {
   bool find_taut(double time, State& state);
   void sort_strings();
   double spare(std::size_t row) const;
-  double ease(std::size_t point) const;
+  double inverse_mass(std::size_t point) const;
 
   // Of free bodies.
   void rebuild_bodies(const World& world);

@@ -66,14 +66,14 @@ void ContactMotion::sort_strings() {
   for (std::size_t r = 0; r < pulls_.size(); ++r) {
     const Row& row = mechanism_.rows()[r];
     if (!row.pulls) continue;
-    const double parts = (ease(row.a) + ease(row.b)) * tension_[r] + change_[r];
+    const double parts = (inverse_mass(row.a) + inverse_mass(row.b)) * tension_[r] + change_[r];
     pulls_[r] = taut_[r] && parts > 0;
     if (!pulls_[r]) tension_[r] = 0;
   }
 }
 
-/// How easily (1/kg) a point moves, or the body that carries it.
-double ContactMotion::ease(std::size_t point) const {
+/// Of a point, or of the body that carries it, 1/kg.
+double ContactMotion::inverse_mass(std::size_t point) const {
   if (!is_carried_[point]) return mechanism_.inverse_mass()[point];
   const auto carried =
       std::ranges::find(mechanism_.body_points(), point, &Mechanism::BodyPoint::point);
@@ -83,9 +83,9 @@ double ContactMotion::ease(std::size_t point) const {
 /// By how much (N) a string may push, as roundings do, before it goes slack.
 double ContactMotion::spare(std::size_t row) const {
   const Row& at = mechanism_.rows()[row];
-  const std::size_t point = ease(at.a) > ease(at.b) ? at.a : at.b;
-  if (!(ease(point) > 0)) return 1;
-  return kSpareTension * (free_[point].norm() + pulled_[point].norm()) / ease(point);
+  const std::size_t point = inverse_mass(at.a) > inverse_mass(at.b) ? at.a : at.b;
+  if (!(inverse_mass(point) > 0)) return 1;
+  return kSpareTension * (free_[point].norm() + pulled_[point].norm()) / inverse_mass(point);
 }
 
 }  // namespace taut::contact

@@ -50,11 +50,12 @@ bool LinkRestorer::solve(std::size_t first, std::size_t last) {
   double before = 0, upper = 0, value = 0;  // of the link before
   for (std::size_t k = first; k < last; ++k) {
     Row& row = rows_[k];
-    const double pivot = (row.ease + rows_[k + 1].ease) * row.gap.squaredNorm() - before * upper;
+    const double pivot =
+        (row.inverse_mass + rows_[k + 1].inverse_mass) * row.gap.squaredNorm() - before * upper;
     if (!(pivot > 0)) return false;
     const double inverse = 1 / pivot;
     value = (row.value - before * value) * inverse;
-    before = -rows_[k + 1].ease * row.gap.dot(rows_[k + 1].gap);
+    before = -rows_[k + 1].inverse_mass * row.gap.dot(rows_[k + 1].gap);
     upper = before * inverse;
     row.value = value;
     row.upper = upper;
@@ -74,7 +75,7 @@ std::size_t LinkRestorer::restore(Connector& connector, std::size_t link) {
     const bool held = (i == first || i == last) && holds(connector, i);
     const double mass = connector.particle_mass[i];
     rows_[i].before = p[i];
-    rows_[i].ease = held ? 0 : mass > 0 ? 1 / mass : 1;
+    rows_[i].inverse_mass = held ? 0 : mass > 0 ? 1 / mass : 1;
     rows_[i].squared = i < last ? connector.rest[i] * connector.rest[i] : 0;
   }
   rows_[last].gap = Vec3::Zero();
@@ -88,7 +89,7 @@ std::size_t LinkRestorer::restore(Connector& connector, std::size_t link) {
     Vec3 before = Vec3::Zero();  // the pull of the link before
     for (std::size_t i = first; i <= last; ++i) {
       const Vec3 pull = i < last ? Vec3(rows_[i].value * rows_[i].gap) : Vec3::Zero();
-      p[i] += rows_[i].ease * (pull - before);
+      p[i] += rows_[i].inverse_mass * (pull - before);
       before = pull;
     }
     if (!both) lay(connector, first, last);  // what is left is of second order

@@ -22,7 +22,7 @@ class LinkRestorer {
  private:
   struct Row {                   // a particle, and the link behind it
     Vec3 before = Vec3::Zero();  // m, where it was
-    double ease = 0;             // 1/kg, zero where something holds it
+    double inverse_mass = 0;     // 1/kg, zero where something holds it
     double squared = 0;          // m^2, of the link's length at rest
     Vec3 gap = Vec3::Zero();     // m, along the link
     // The link's multiplier, and what eliminating the one before left of its equation.

@@ -118,14 +118,15 @@ TEST_P(BodyPairs, AnEndHitsBesideTheMiddle) {
                                 0, e);
       Simulation simulation = simulate(world);
       simulation.advance_to((0.2 - 2 * kRadius) / kSpeed + 1e-9);
-      const double eases = 2 / kMass + (end * end + beside * beside) / kAcross;
-      const double impulse = (1 + e) * kSpeed / eases;
+      const double inverse_mass = 2 / kMass + (end * end + beside * beside) / kAcross;
+      const double impulse = (1 + e) * kSpeed / inverse_mass;
       const Body &a = simulation.world().bodies[0], &b = simulation.world().bodies[1];
       EXPECT_NEAR(a.velocity.x(), kSpeed - impulse / kMass, 1e-8);
       EXPECT_NEAR(b.velocity.x(), impulse / kMass, 1e-8);
       EXPECT_NEAR(a.spin.z(), impulse * end / kAcross, 1e-6);
       EXPECT_NEAR(b.spin.y(), -impulse * beside / kAcross, 1e-6);
-      const double before = energy(world), lost = (1 - e * e) * kSpeed * kSpeed / (2 * eases);
+      const double before = energy(world),
+                   lost = (1 - e * e) * kSpeed * kSpeed / (2 * inverse_mass);
       EXPECT_NEAR(energy(simulation.world()), before - lost, 1e-8);
       EXPECT_LT((linear_momentum(simulation.world()) - linear_momentum(world)).norm(), 1e-14);
       EXPECT_LT((angular_momentum(simulation.world()) - angular_momentum(world)).norm(), 1e-9);

@@ -158,8 +158,8 @@ TEST(ConstraintRows, JoinAndLeaveAtAnyInstant) {
   tip << kLink * along(p[0]), kLink * along(p[1]);
   const Eigen::Matrix2d mass = kUpper * upper.transpose() * upper + kLast * tip.transpose() * tip;
   const Eigen::Vector2d before = tip.inverse() * run.velocity(2).head<2>();
-  const Eigen::Vector2d row = tip.row(0).transpose(), ease = mass.inverse() * row;
-  const Eigen::Vector2d after = before - ease * row.dot(before) / row.dot(ease);
+  const Eigen::Vector2d row = tip.row(0).transpose(), response = mass.inverse() * row;
+  const Eigen::Vector2d after = before - response * row.dot(before) / row.dot(response);
 
   const PlaneRow wall(kTip, Vec3::UnitX(), run.position(2).x());
   run.set_rows({&wall});
