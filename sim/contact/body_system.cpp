@@ -226,16 +226,16 @@ bool BodySystem::is_solved(std::span<const Vec3> bare, std::span<const BodyTouch
     const Vec3 slip = across(touch.normal) * (moves - touch.surface);
     const double past = touch.normal.dot(moves) - touch.least;
     const double push = touch.normal.dot(given_[i]);
-    const double rub = (given_[i] - push * touch.normal).norm();
+    const double friction = (given_[i] - push * touch.normal).norm();
     if (past < -slack || push < -weak) return false;
     if (touch.state == Touch::State::open) continue;
     if (past > slack) return false;
     if (touch.state == Touch::State::sticks) {
       const Vec3 slips = across(touch.normal) * (bare[i] - touch.surface);
-      if (rub > friction_of(touch, slips) * push + weak) return false;
+      if (friction > friction_of(touch, slips) * push + weak) return false;
       const double yields = touches.size() > 1 ? kYields * inverse_mass * touch.stick * push : 0;
-      if (slip.norm() > slack + yields + 2 * creep_ * inverse_mass * rub) return false;
-    } else if (std::abs(rub - touch.slide * push) > weak ||
+      if (slip.norm() > slack + yields + 2 * creep_ * inverse_mass * friction) return false;
+    } else if (std::abs(friction - touch.slide * push) > weak ||
                slip.dot(given_[i] - push * touch.normal) > weak * (slack + slip.norm())) {
       if (touches[i].ahead.isZero(0)) return false;
     }

@@ -24,15 +24,15 @@ bool BodySystem::solve_one(std::size_t i, const Vec3& bare, BodyTouch& at) const
     set(at, Touch::State::open, Vec3::Zero());
     return true;
   }
-  const Mat3 eases = coupling(i, i);
+  const Mat3 mobility = coupling(i, i);
   if (touch.stick == 0 && touch.slide == 0) {
-    set(at, Touch::State::slides, short_of / n.dot(eases * n) * n);
+    set(at, Touch::State::slides, short_of / n.dot(mobility * n) * n);
     return true;
   }
   if (at.ahead.isZero(0)) {
     const Mat3 tangent = across(n);
     const Vec3 slip = tangent * (bare - touch.surface);
-    const Mat3 creeps = eases + creep_ * ease_[i] * tangent;
+    const Mat3 creeps = mobility + creep_ * inverse_mass_[i] * tangent;
     const Vec3 given = creeps.partialPivLu().solve(short_of * n - slip);
     const double push = n.dot(given);
     if (push > 0 && (given - push * n).norm() <= friction_of(touch, slip) * push) {
@@ -47,22 +47,22 @@ bool BodySystem::solve_one(std::size_t i, const Vec3& bare, BodyTouch& at) const
 bool BodySystem::slide_one(std::size_t i, const Vec3& bare, BodyTouch& at) const {
   const Touch& touch = at.touch;
   const Vec3& n = touch.normal;
-  const Mat3 eases = coupling(i, i);
+  const Mat3 mobility = coupling(i, i);
   const double short_of = touch.least - n.dot(bare);
   const auto given = [&](const Vec3& way) -> Vec3 {
     const Vec3 force = n - touch.slide * way;
-    const double gives = n.dot(eases * force);
+    const double gives = n.dot(mobility * force);
     return gives > 0 ? Vec3(short_of / gives * force) : Vec3(Vec3::Zero());
   };
   const auto slip = [&](const Vec3& way) -> Vec3 {
-    return across(n) * (bare + eases * given(way) - touch.surface);
+    return across(n) * (bare + mobility * given(way) - touch.surface);
   };
   if (!at.ahead.isZero(0)) {
     set(at, Touch::State::slides, given(at.ahead));
     return touch.push > 0;
   }
   Vec3 first = across(n) * (bare - touch.surface);
-  if (!(first.norm() > 0)) first = touch.slid - n.dot(touch.slid) * n;
+  if (!(first.norm() > 0)) first = touch.sliding - n.dot(touch.sliding) * n;
   if (!(first.norm() > 0)) first = n.unitOrthogonal();
   first.normalize();
   const Vec3 aside = n.cross(first);

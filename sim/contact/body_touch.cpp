@@ -11,7 +11,7 @@ void set(BodyTouch& at, Touch::State state, const Vec3& given) {
   at.given = given;
   at.touch.state = state;
   at.touch.push = at.touch.normal.dot(given);
-  at.touch.rub = given - at.touch.push * at.touch.normal;
+  at.touch.friction = given - at.touch.push * at.touch.normal;
 }
 
 }  // namespace taut::contact

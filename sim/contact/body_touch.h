@@ -11,7 +11,7 @@ namespace taut::contact {
 
 /// A place at which a body touches an obstacle or another body, which gets the opposite of what is
 /// given; velocities are past that. The touch gives impulses (N s), and Touch::pushed and
-/// Touch::rubbed are not used.
+/// Touch::friction_before are not used.
 struct BodyTouch {
   std::uint32_t body = 0, other = kNoBody;  // kNoBody: an obstacle
   std::uint32_t meeting = 0;                // of what may touch, see meetings_of_bodies()
@@ -34,7 +34,7 @@ inline Mat3 across(const Vec3& normal) {
 
 /// Coulomb's coefficient where it would slip so.
 inline double friction_of(const Touch& touch, const Vec3& slip) {
-  return touch.slid.dot(slip) > 0 ? touch.slide : touch.stick;
+  return touch.sliding.dot(slip) > 0 ? touch.slide : touch.stick;
 }
 
 /// Notes what it gives, in that state.

@@ -214,8 +214,8 @@ void ContactMotion::aim_bodies(const State& state) {
     const Vec3 slip = passing(at, state);
     const Vec3 across = slip - at.touch.normal.dot(slip) * at.touch.normal;
     if (at.touch.state != Touch::State::slides) continue;
-    at.ahead = at.touch.slid;  // the way in which it began
-    if (across.norm() > still(at)) at.ahead = heading(across, at.touch.slid);
+    at.ahead = at.touch.sliding;  // the way in which it began
+    if (across.norm() > still(at)) at.ahead = heading(across, at.touch.sliding);
   }
 }
 

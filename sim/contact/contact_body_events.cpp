@@ -69,9 +69,9 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
     }
     if (at.touch.stick == 0) continue;
     if (at.touch.state == Touch::State::sticks) {
-      values.push_back(at.touch.stick * push - inverse_mass * at.touch.rub.norm() + spare);
+      values.push_back(at.touch.stick * push - inverse_mass * at.touch.friction.norm() + spare);
     } else {
-      values.push_back(passing(at, state).dot(at.touch.slid) + still(at) / 2);
+      values.push_back(passing(at, state).dot(at.touch.sliding) + still(at) / 2);
     }
   }
 }
@@ -121,7 +121,7 @@ void ContactMotion::find_body_touches(const State& state) {
       const Vec3 slip = passing(found, state);
       const double parts = near.normal.dot(slip);
       if (parts > kArrives) continue;  // it leaves
-      found.touch.slid = slip - parts * near.normal;
+      found.touch.sliding = slip - parts * near.normal;
       body_touches_.push_back(found);
     }
   }
@@ -163,8 +163,8 @@ void ContactMotion::ask_of_bodies(const State& state) {
     ask_accelerations(at, state);
     at.given.setZero();
     at.ahead.setZero();
-    if (at.touch.slid.norm() > still(at)) at.ahead = heading(at.touch.slid, at.touch.slid);
-    at.touch.slid.setZero();
+    if (at.touch.sliding.norm() > still(at)) at.ahead = heading(at.touch.sliding, at.touch.sliding);
+    at.touch.sliding.setZero();
   }
 }
 
@@ -182,7 +182,7 @@ void ContactMotion::take_touches() {
       const Vec3 across = slip - at.touch.normal.dot(slip) * at.touch.normal;
       if (across.squaredNorm() > 0) at.ahead = heading(across, across);
     }
-    at.touch.slid = at.ahead;
+    at.touch.sliding = at.ahead;
   }
 }
 

@@ -41,7 +41,7 @@ void ContactMotion::find_touches(const State& state) {
       found.touch.slide = obstacles_[o].kinetic_friction;
       const Vec3 passing = velocity(state, p) - surface(found, place(state, p)).velocity;
       if (near.normal.dot(passing) > kArrives) continue;  // it leaves
-      found.touch.slid = passing - near.normal.dot(passing) * near.normal;
+      found.touch.sliding = passing - near.normal.dot(passing) * near.normal;
       bead = found;
       ++count;
     }
@@ -232,11 +232,11 @@ void ContactMotion::choose(double time, const State& state) {
     if (bead.mode == Mode::open) continue;
     const Vec3 at = place(state, p);
     Touch& touch = bead.touch;
-    const double speed = touch.slid.norm();
+    const double speed = touch.sliding.norm();
     touch.least = least_acceleration(bead, at, velocity(state, p));
     touch.surface = surface(bead, at).acceleration;
-    if (speed > kStill) bead.ahead = heading(touch.slid, touch.slid);
-    touch.slid.setZero();
+    if (speed > kStill) bead.ahead = heading(touch.sliding, touch.sliding);
+    touch.sliding.setZero();
   }
   ask_of_bodies(scratch_);
   for (std::size_t r = 0; r < start_.size(); ++r) start_[r] = mechanism_.free_acceleration(r);

@@ -104,8 +104,8 @@ void ContactMotion::accelerate(double time, const State& state) {
     const Vec3 slip = moves - surface(bead, at).velocity;
     const Vec3 across = slip - bead.touch.normal.dot(slip) * bead.touch.normal;
     const double speed = across.norm();
-    bead.touch.slid = bead.ahead;
-    if (speed > kStill) bead.touch.slid = heading(across, bead.ahead);
+    bead.touch.sliding = bead.ahead;
+    if (speed > kStill) bead.touch.sliding = heading(across, bead.ahead);
   }
   for (std::size_t r = 0; r < rows.size(); ++r) {
     pulled_[rows[r].a] += mobile[rows[r].a] * tension_[r] * along[r];
@@ -122,14 +122,14 @@ void ContactMotion::accelerate(double time, const State& state) {
       added_[p] = pulled_[p];
       if (bead.mode == Mode::slides) {
         touch.push = touch.least - touch.normal.dot(bare);
-        const Vec3 force = touch.normal - touch.slide * touch.slid;
-        touch.rub = -touch.slide * touch.push * touch.slid;
+        const Vec3 force = touch.normal - touch.slide * touch.sliding;
+        touch.friction = -touch.slide * touch.push * touch.sliding;
         added_[p] += touch.push * force;
         mobility_[p] -= mobile[p] * force * touch.normal.transpose();
       } else if (bead.mode == Mode::sticks) {
         const Vec3 given = touch.surface - bare;
         touch.push = touch.normal.dot(given);
-        touch.rub = given - touch.push * touch.normal;
+        touch.friction = given - touch.push * touch.normal;
         added_[p] += given;
         mobility_[p].setZero();
       }
@@ -249,7 +249,7 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
     values.push_back(touch.push + spare);
     if (touch.stick == 0) continue;
     if (bead.mode == Mode::sticks) {
-      values.push_back(touch.stick * touch.push - touch.rub.norm() + spare);
+      values.push_back(touch.stick * touch.push - touch.friction.norm() + spare);
     } else {
       const Vec3 slip = velocity(scratch_, p) - surface(bead, at).velocity;
       values.push_back(slip.dot(bead.ahead) + kStill / 2);

@@ -19,40 +19,40 @@ struct Found {
 
 /// The bead's velocity without the impulse that the touch has given.
 Vec3 without(const Vec3& free, const Touch& touch) {
-  return free - touch.pushed - touch.rubbed;
+  return free - touch.pushed - touch.friction_before;
 }
 
 void open(Touch& touch) {
   touch.state = Touch::State::open;
   touch.push = 0;
-  touch.rub.setZero();
+  touch.friction.setZero();
 }
 
 double holding(const Touch& touch, const Vec3& slip) {
-  return touch.slid.dot(slip) > 0 ? touch.slide : touch.stick;
+  return touch.sliding.dot(slip) > 0 ? touch.slide : touch.stick;
 }
 
 /// The one touch closes; none where it would have to pull.
 std::optional<Response> close_one(const Vec3& free, Touch& touch, double creep) {
   const Vec3& n = touch.normal;
-  const Vec3 rubless = free - touch.rubbed;
-  const double push = n.dot(touch.pushed) + touch.least - n.dot(rubless);
+  const Vec3 frictionless = free - touch.friction_before;
+  const double push = n.dot(touch.pushed) + touch.least - n.dot(frictionless);
   if (!(push > 0)) return std::nullopt;
   touch.push = push;
   const Mat3 across = Mat3::Identity() - n * n.transpose();
-  const Vec3 slip = across * (rubless - touch.surface);
+  const Vec3 slip = across * (frictionless - touch.surface);
   const double speed = slip.norm();
   const Vec3 carried = touch.least * n + across * touch.surface;
   if (speed <= (1 + creep) * holding(touch, slip) * push) {
     touch.state = Touch::State::sticks;
-    touch.rub = -slip / (1 + creep);
+    touch.friction = -slip / (1 + creep);
     const double left = creep / (1 + creep);
     return Response{carried + left * slip, left * across};
   }
   touch.state = Touch::State::slides;
   const Vec3 ahead = slip / speed;
   const double kept = 1 - std::min(1.0, touch.slide * push / speed);
-  touch.rub = (kept - 1) * slip;
+  touch.friction = (kept - 1) * slip;
   Response found{carried + kept * slip, kept * across};
   if (kept > 0) {
     found.derivative += (1 - kept) * ahead * ahead.transpose();
@@ -69,19 +69,19 @@ std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b, double c
   const double sine = line.norm();
   if (!(sine > kParallel)) return std::nullopt;
   const Vec3 along = line / sine;
-  const Vec3 rubless = free - a.rubbed - b.rubbed;
+  const Vec3 frictionless = free - a.friction_before - b.friction_before;
   Eigen::Matrix<double, 2, 3> normals;
   normals << a.normal.transpose(), b.normal.transpose();
   const Eigen::Matrix2d inverse = (normals * normals.transpose()).inverse();
   const Eigen::Vector2d wanted(a.least, b.least);
-  const Vec3 bare = rubless - a.pushed - b.pushed;
+  const Vec3 bare = frictionless - a.pushed - b.pushed;
   const Eigen::Vector2d push = inverse * (wanted - normals * bare);
   if (!(push.minCoeff() > 0)) return std::nullopt;
   a.push = push[0];
   b.push = push[1];
   const Vec3 held = normals.transpose() * (inverse * wanted);
   const double carried = along.dot(a.surface + b.surface) / 2;
-  const double slip = along.dot(rubless) - carried;
+  const double slip = along.dot(frictionless) - carried;
   const double hold_a = holding(a, slip * along) * a.push;
   const double most = hold_a + holding(b, slip * along) * b.push;
   if (std::abs(slip) <= (1 + creep) * most) {
@@ -89,20 +89,20 @@ std::optional<Response> close_two(const Vec3& free, Touch& a, Touch& b, double c
       touch->state = Touch::State::sticks;
       const double own = touch == &a ? hold_a : most - hold_a;
       const double share = most > 0 ? own / most : 0;
-      touch->rub = -share * slip / (1 + creep) * along;
+      touch->friction = -share * slip / (1 + creep) * along;
     }
     const double left = creep / (1 + creep);
     return Response{held + (carried + left * slip) * along, left * along * along.transpose()};
   }
   const double way = slip > 0 ? 1 : -1;
   const Eigen::Vector2d slide(a.slide, b.slide);
-  const double rub = std::min(std::abs(slip), slide.dot(push));
+  const double friction = std::min(std::abs(slip), slide.dot(push));
   for (Touch* touch : {&a, &b}) {
     touch->state = Touch::State::slides;
-    touch->rub = -way * touch->slide * touch->push * along;
+    touch->friction = -way * touch->slide * touch->push * along;
   }
-  Response found{held + (carried + slip - way * rub) * along, Mat3::Zero()};
-  if (rub < std::abs(slip)) {
+  Response found{held + (carried + slip - way * friction) * along, Mat3::Zero()};
+  if (friction < std::abs(slip)) {
     found.derivative = along * (along.transpose() + way * slide.transpose() * inverse * normals);
   }
   return found;
@@ -123,8 +123,8 @@ std::optional<Response> graze(const Vec3& free, Touch& touch, Touch& grazed, dou
   const double aside = (grazed.least - grazed.normal.dot(pressed)) / grazed.normal.dot(across);
   const double slip = along.dot(bare - touch.surface);
   const double way = slip > 0 ? 1 : -1;
-  const auto left = [&](double friction) {  // of it, along the line
-    const double most = friction * touch.push;
+  const auto left = [&](double coefficient) {  // of it, along the line
+    const double most = coefficient * touch.push;
     return most * most - aside * aside;
   };
   if (!(left(touch.stick) >= 0)) return std::nullopt;
@@ -133,18 +133,18 @@ std::optional<Response> graze(const Vec3& free, Touch& touch, Touch& grazed, dou
   if (const double most = std::sqrt(left(holding(touch, slip * along)));
       std::abs(slip) <= (1 + creep) * most) {
     touch.state = Touch::State::sticks;
-    touch.rub = aside * across - slip / (1 + creep) * along;
+    touch.friction = aside * across - slip / (1 + creep) * along;
     found.velocity -= slip / (1 + creep) * along;
     found.derivative = creep / (1 + creep) * along * along.transpose();
     return found;
   }
   touch.state = Touch::State::slides;
-  const double rub = std::sqrt(std::max(0.0, left(touch.slide)));
-  touch.rub = aside * across - way * rub * along;
-  found.velocity -= way * rub * along;
+  const double friction = std::sqrt(std::max(0.0, left(touch.slide)));
+  touch.friction = aside * across - way * friction * along;
+  found.velocity -= way * friction * along;
   Vec3 gives = along;
-  if (rub > kParallel * touch.push) {
-    gives += way / rub * (touch.slide * touch.slide * touch.push * n - aside * across);
+  if (friction > kParallel * touch.push) {
+    gives += way / friction * (touch.slide * touch.slide * touch.push * n - aside * across);
   }
   found.derivative = along * gives.transpose();
   return found;
@@ -168,7 +168,7 @@ std::optional<Response> close_three(const Vec3& free, std::span<Touch> touches) 
     Touch& touch = touches[static_cast<std::size_t>(i)];
     touch.state = Touch::State::sticks;
     touch.push = push[i];
-    touch.rub.setZero();
+    touch.friction.setZero();
   }
   return Response{velocity, Mat3::Zero()};
 }

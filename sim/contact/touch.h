@@ -18,16 +18,16 @@ struct Touch {
   double stick = 0, slide = 0;  // Coulomb's coefficients, static and kinetic
   /// m/s, how the bead slid before. Static friction holds a bead that was at rest, or comes to rest
   /// before it goes on the other way.
-  Vec3 slid = Vec3::Zero();
+  Vec3 sliding = Vec3::Zero();
 
   /// The bead's impulses from the surface earlier in the step, contained in the `free` velocity of
   /// respond(): along the normal, and by friction. Signorini and Coulomb hold for the sum.
-  Vec3 pushed = Vec3::Zero(), rubbed = Vec3::Zero();
+  Vec3 pushed = Vec3::Zero(), friction_before = Vec3::Zero();
 
   // Found by respond():
   State state = State::open;
-  double push = 0;          // along the normal, the sum
-  Vec3 rub = Vec3::Zero();  // across it, the sum
+  double push = 0;               // along the normal, the sum
+  Vec3 friction = Vec3::Zero();  // across it, the sum
 };
 
 /// A bead's velocity and how it changes with the velocity that it would have without the touches.

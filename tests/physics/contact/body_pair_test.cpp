@@ -149,9 +149,9 @@ TEST_P(BodyPairs, FrictionTurnsBalls) {
     simulation.advance_to(0.3);
     const double push = (1 + kRestitution) * kMass / 2 * kSpeed * normal.dot(way);
     const double slip = kSpeed * across.dot(way);
-    const double rub = -std::copysign(std::min(mu * push, kMass * std::abs(slip) / 7), slip);
+    const double friction = -std::copysign(std::min(mu * push, kMass * std::abs(slip) / 7), slip);
     const Body &a = simulation.world().bodies[0], &b = simulation.world().bodies[1];
-    const Vec3 given = push * normal - rub * across;  // to the second
+    const Vec3 given = push * normal - friction * across;  // to the second
     // Where they touch is known to the nanometre that is located, of a radius of a centimetre.
     EXPECT_LT((b.velocity - given / kMass).norm(), 1e-6) << mu;
     EXPECT_LT((a.velocity - kSpeed * way + given / kMass).norm(), 1e-6) << mu;

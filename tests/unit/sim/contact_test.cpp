@@ -110,8 +110,8 @@ TEST(Touch, AnswersByTheLaws) {
       EXPECT_GE(leaving, -1e-9);
       EXPECT_GE(touch.push, 0);
       EXPECT_LE(std::abs(leaving * touch.push), 1e-9);
-      EXPECT_LE(touch.rub.norm(), touch.stick * touch.push + 1e-9);
-      given += touch.push * touch.normal + touch.rub;
+      EXPECT_LE(touch.friction.norm(), touch.stick * touch.push + 1e-9);
+      given += touch.push * touch.normal + touch.friction;
     }
     if (touches.size() > 1) continue;
     EXPECT_LT((free + given - response.velocity).norm(), 1e-12);
@@ -120,8 +120,8 @@ TEST(Touch, AnswersByTheLaws) {
     stuck += touch.state == contact::Touch::State::sticks;
     if (touch.state != contact::Touch::State::slides) continue;
     ++slid;
-    EXPECT_NEAR(touch.rub.norm(), touch.slide * touch.push, 1e-12);
-    EXPECT_LT((touch.rub.normalized() + response.velocity.normalized()).norm(), 1e-6);
+    EXPECT_NEAR(touch.friction.norm(), touch.slide * touch.push, 1e-12);
+    EXPECT_LT((touch.friction.normalized() + response.velocity.normalized()).norm(), 1e-6);
     for (int axis = 0; axis < 3; ++axis) {
       constexpr double step = 1e-7;
       std::vector<contact::Touch> more = touches, less = touches;
@@ -159,8 +159,8 @@ TEST(Touch, TwoThatMoveAlwaysHaveAnAnswer) {
     for (const contact::Touch& touch : answered) {
       ASSERT_GE(touch.normal.dot(response.velocity), touch.least - 1e-9) << k;
       ASSERT_GE(touch.push, 0) << k;
-      ASSERT_LE(touch.rub.norm(), touch.stick * touch.push + 1e-9) << k;
-      given += touch.push * touch.normal + touch.rub;
+      ASSERT_LE(touch.friction.norm(), touch.stick * touch.push + 1e-9) << k;
+      given += touch.push * touch.normal + touch.friction;
       grazed += touch.state != contact::Touch::State::open && touch.push == 0;
     }
     ASSERT_LT((free + given - response.velocity).norm(), 1e-9) << k;

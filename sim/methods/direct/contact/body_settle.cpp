@@ -35,8 +35,8 @@ void BodyTouches::aim_velocity(const Step& step, std::size_t touch,
   if (at.other == kNoBody) return;
   // The push along the mean normal changes the direction of sliding: a new solve is due only along
   // this normal.
-  const Vec3 rubbed = at.touch.rub;
-  places_[touch].before = near.normal.dot(at.given - rubbed) * near.normal + rubbed;
+  const Vec3 friction = at.touch.friction;
+  places_[touch].before = near.normal.dot(at.given - friction) * near.normal + friction;
 }
 
 /// How fast (m/s) a body comes to what it hits, of which `own` is the work of the touch itself.

@@ -143,7 +143,7 @@ void BodyTouches::add(const Step& step, std::uint32_t index, Spot spot, bool hit
   });
   if (!stuck) {
     aim_arms(own, near, step.mechanism, step.state, made);
-    made.touch.slid = passing_at_start(step, made);
+    made.touch.sliding = passing_at_start(step, made);
   }
   places_.push_back(place);
   touches_.push_back(made);
@@ -161,7 +161,7 @@ void BodyTouches::gather() {
   }
 }
 
-void BodyTouches::rub(double share) {
+void BodyTouches::scale_friction(double share) {
   for (contact::BodyTouch& at : touches_) {
     at.touch.stick = share * meetings_[at.meeting].static_friction;
     at.touch.slide = share * meetings_[at.meeting].kinetic_friction;

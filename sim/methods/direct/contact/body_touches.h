@@ -61,7 +61,7 @@ class BodyTouches {
   void add(const Step& step, const Hit& hit);
 
   // The first stage.
-  void rub(double share);
+  void scale_friction(double share);
   void release();  // nothing has been given
   /// Tells them where bodies end up; returns the most that one of these turns (rad).
   double aim(const Step& step, const std::vector<double>& next);

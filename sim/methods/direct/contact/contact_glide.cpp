@@ -41,7 +41,7 @@ bool ContactStep::glide(double time, double h) {
   }
   for (BeadTouch& at : touches_) at.touch.push = 0;
   bodies_.release();
-  rub(1);
+  scale_friction(1);
   move_bodies(time, h);
   double before = INFINITY;
   bool turns = false;
@@ -291,7 +291,7 @@ void ContactStep::aim(BeadTouch& at, const Vec3& to, double h) const {
   at.touch.surface = (to - start.pose().to_world(local)) / h;
   at.touch.least = (at.touch.normal.dot(to - from) - near.distance) / h;
   at.touch.pushed.setZero();
-  at.touch.rubbed.setZero();
+  at.touch.friction_before.setZero();
 }
 
 /// How the responses of beads at one surface change with where they end up, as it curves.

@@ -34,7 +34,8 @@ void ContactStep::spread(std::span<const double> impulse, std::span<const Vec3> 
     noise_[rows[r].b] += mobile[rows[r].b] * noise;
   }
   for (const BeadTouch& at : touches_) {
-    noise_[at.point] += kRounding * (at.touch.pushed.lpNorm<1>() + at.touch.rubbed.lpNorm<1>());
+    noise_[at.point] +=
+        kRounding * (at.touch.pushed.lpNorm<1>() + at.touch.friction_before.lpNorm<1>());
   }
   // Where pulls are so large that roundings could be seen, the step is too long.
   for (double& noise : noise_) noise = std::min(noise, touching_ / h_);
@@ -65,7 +66,7 @@ void ContactStep::respond_all(std::span<Vec3> velocity) {
 bool ContactStep::sticks() const {
   return creep_ > contact::kCreep || std::ranges::all_of(touches_, [&](const BeadTouch& at) {
            return at.touch.state != contact::Touch::State::sticks ||
-                  h_ * creep_ * at.touch.rub.norm() <= touching_;
+                  h_ * creep_ * at.touch.friction.norm() <= touching_;
          });
 }
 

@@ -42,7 +42,7 @@ double ContactStep::arriving(const BeadTouch& at, double h) const {
   const auto coming = [&](const Vec3& velocity) {
     return -touch.normal.dot(velocity - touch.surface);
   };
-  const double pulled = coming(middle_[at.point] - touch.pushed - touch.rubbed);
+  const double pulled = coming(middle_[at.point] - touch.pushed - touch.friction_before);
   if (!(touch.push > 0)) return pulled;
   const Vec3 began = ConstMap(&state_[mechanism_.velocity(at.point)]);
   return std::min(pulled,
@@ -57,7 +57,7 @@ void ContactStep::aim_velocities(double h, double least) {
   for (BeadTouch& at : touches_) {
     contact::Touch& touch = at.touch;
     touch.pushed = 2 * touch.push * touch.normal;
-    touch.rubbed = 2 * touch.rub;
+    touch.friction_before = 2 * touch.friction;
     const FrameMotion& end = end_[at.obstacle];
     const Obstacle& obstacle = (*obstacles_)[at.obstacle];
     const Vec3 to = position(next_, at.point);
@@ -122,7 +122,7 @@ bool ContactStep::settle(double time, double h, double lowest) {
 
 /// Finds the second stage's impulses; friction creeps as in glide().
 bool ContactStep::stop(double stopped) {
-  rub(1);
+  scale_friction(1);
   std::ranges::fill(pull_, 0.0);
   if (stop_creeping(stopped, contact::kCreep)) return true;
   if (touches_.empty() && !bodies_.any()) return false;
@@ -135,12 +135,12 @@ bool ContactStep::stop(double stopped) {
 }
 
 /// All touches have that share of their friction.
-void ContactStep::rub(double share) {
+void ContactStep::scale_friction(double share) {
   for (BeadTouch& at : touches_) {
     at.touch.stick = share * (*obstacles_)[at.obstacle].static_friction;
     at.touch.slide = share * (*obstacles_)[at.obstacle].kinetic_friction;
   }
-  bodies_.rub(share);
+  bodies_.scale_friction(share);
 }
 
 /// With friction raised in shares from none, as much as there is a solution with.
@@ -149,13 +149,13 @@ bool ContactStep::with_less_friction(const std::function<bool()>& solve) {
   double most = -1;
   for (const double share : {0.0, 0.3, 0.6, 0.8}) {
     kept_pull_ = pull_;
-    rub(share);
+    scale_friction(share);
     if (!solve()) break;
     most = share;
   }
   if (most < 0) return false;
   pull_ = kept_pull_;
-  rub(most);
+  scale_friction(most);
   return solve();
 }
 

@@ -140,7 +140,7 @@ void ContactStep::add_touch(const Hit& hit, std::size_t sorted) {
   if (!stuck) {
     const FrameMotion& start = start_[hit.obstacle];
     const Vec3 from = position(state_, hit.point) - start.position;
-    made.touch.slid =
+    made.touch.sliding =
         ConstMap(&state_[mechanism_.velocity(hit.point)]) - start.velocity - start.spin.cross(from);
   }
   touches_.push_back(made);

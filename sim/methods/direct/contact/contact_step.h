@@ -107,7 +107,7 @@ class ContactStep {
   double arriving(const BeadTouch& at, double h) const;
   bool stop(double stopped);
   bool stop_creeping(double stopped, double creep);
-  void rub(double share);
+  void scale_friction(double share);
   bool with_less_friction(const std::function<bool()>& solve);
   void kick(std::span<const double> impulse, std::span<const Vec3> along, double share);
   void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
