@@ -115,7 +115,7 @@ void ContactMotion::ask_accelerations(BodyTouch& at, const State& state) const {
   const double step =
       std::min(kLongest, kNudge * std::max(curve, 1e-3) / std::max(quickness(at, state), 1e-9));
   Vec3 past = Vec3::Zero();
-  double parts = 0;
+  double separating = 0;
   State moved = state;
   const auto move = [&](std::size_t body, double time) {
     double* q = &moved[mechanism_.pose(body)];
@@ -142,10 +142,10 @@ void ContactMotion::ask_accelerations(BodyTouch& at, const State& state) const {
     const Vec3 passes =
         velocity_at(moves, point - ConstMap(&moved[mechanism_.pose(at.body)])) - surface;
     past += weight / (12 * step) * passes;
-    parts += weight / (12 * step) * near.normal.dot(passes);
+    separating += weight / (12 * step) * near.normal.dot(passes);
   }
   at.touch.surface = -past;
-  at.touch.least = -parts;
+  at.touch.least = -separating;
 }
 
 /// Accelerations (or velocities) of bodies without links and touches.

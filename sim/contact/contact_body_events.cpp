@@ -119,9 +119,9 @@ void ContactMotion::find_body_touches(const State& state) {
       BodyTouch found = touch_of(meetings_, m, spot);
       aim(found, state);
       const Vec3 slip = passing(found, state);
-      const double parts = near.normal.dot(slip);
-      if (parts > kArrives) continue;  // it leaves
-      found.touch.sliding = slip - parts * near.normal;
+      const double separating = near.normal.dot(slip);
+      if (separating > kArrives) continue;  // it leaves
+      found.touch.sliding = slip - separating * near.normal;
       body_touches_.push_back(found);
     }
   }

@@ -239,9 +239,9 @@ void ContactMotion::events(double time, const State& state, std::vector<double>&
       if (!obstacles_[o].touches(category_[p])) continue;
       const SurfaceDistance near = gap(obstacles_[o], frames_[o].pose(), at, radius_[p]);
       const Bead there{.obstacle = static_cast<std::uint32_t>(o), .touch = {}};
-      const double parts =
+      const double separating =
           near.normal.dot(velocity(scratch_, p) - surface(there, at).velocity);  // m/s
-      values.push_back(crossing(near.distance + touching_ / 2, parts >= -kStill));
+      values.push_back(crossing(near.distance + touching_ / 2, separating >= -kStill));
     }
     if (bead.mode == Mode::open) continue;
     const Touch& touch = bead.touch;

@@ -46,17 +46,17 @@ bool ContactMotion::find_taut(double time, State& state) {
   mechanism_.update(time, state.data());
   bool any = false;
   for (std::size_t r = 0; r < taut_.size(); ++r) {
-    const double parts = mechanism_.rate()[r];
+    const double separating = mechanism_.rate()[r];
     if (!mechanism_.rows()[r].pulls) {
-      any = any || std::abs(parts) > kSeparating;
+      any = any || std::abs(separating) > kSeparating;
       continue;
     }
-    taut_[r] = mechanism_.violation()[r] >= -touching_ && parts >= -kSlow;
+    taut_[r] = mechanism_.violation()[r] >= -touching_ && separating >= -kSlow;
     if (!taut_[r]) {
       pulls_[r] = false;
       tension_[r] = 0;
     }
-    any = any || (taut_[r] && parts > kSeparating);
+    any = any || (taut_[r] && separating > kSeparating);
   }
   return any;
 }
@@ -66,8 +66,9 @@ void ContactMotion::sort_strings() {
   for (std::size_t r = 0; r < pulls_.size(); ++r) {
     const Row& row = mechanism_.rows()[r];
     if (!row.pulls) continue;
-    const double parts = (inverse_mass(row.a) + inverse_mass(row.b)) * tension_[r] + change_[r];
-    pulls_[r] = taut_[r] && parts > 0;
+    const double separating =
+        (inverse_mass(row.a) + inverse_mass(row.b)) * tension_[r] + change_[r];
+    pulls_[r] = taut_[r] && separating > 0;
     if (!pulls_[r]) tension_[r] = 0;
   }
 }

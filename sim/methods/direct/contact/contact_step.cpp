@@ -220,9 +220,9 @@ double ContactStep::separation_speed(double time) {
   find_taut(false);
   double most = 0;
   for (std::size_t r = 0; r < taut_.size(); ++r) {
-    const double parts = mechanism_.rate()[r];
+    const double separating = mechanism_.rate()[r];
     if (!taut_[r]) continue;
-    most = std::max(most, mechanism_.rows()[r].pulls ? parts : std::abs(parts));
+    most = std::max(most, mechanism_.rows()[r].pulls ? separating : std::abs(separating));
   }
   return most;
 }
