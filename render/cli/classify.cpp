@@ -65,10 +65,7 @@ MethodChoice candidate_for(const options::Contender& contender, const scenes::Sc
       number(scene.method.settings, "step") * scene.fps < 0.999) {
     return candidate;
   }
-  if (std::ranges::find(contender.method->settings, "step", &SettingInfo::name) !=
-      contender.method->settings.end()) {
-    candidate.settings.insert(*step);
-  }
+  if (find_setting(*contender.method, "step")) candidate.settings.insert(*step);
   return candidate;
 }
 

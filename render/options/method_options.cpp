@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -16,11 +15,6 @@
 namespace taut::options {
 
 namespace {
-
-const SettingInfo* find_setting(const MethodInfo& method, std::string_view name) {
-  const auto found = std::ranges::find(method.settings, name, &SettingInfo::name);
-  return found == method.settings.end() ? nullptr : &*found;
-}
 
 /// `text` as the type that the setting has; unknown settings are left for complaint() to name.
 Setting parsed(const MethodInfo& method, const std::string& name, const std::string& text) {

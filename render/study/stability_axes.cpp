@@ -117,9 +117,7 @@ std::vector<MapAxis> map_axes(const scenes::Scene& scene, bool quick) {
 }
 
 bool takes_part(const options::Contender& contender, const MapAxis& axis) {
-  return axis.setting.empty() ||
-         std::ranges::find(contender.method->settings, axis.setting, &SettingInfo::name) !=
-             contender.method->settings.end();
+  return axis.setting.empty() || find_setting(*contender.method, axis.setting);
 }
 
 const SettingInfo* map_height(const MethodInfo& method) {

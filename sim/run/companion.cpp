@@ -5,15 +5,11 @@
 namespace taut {
 namespace {
 
-const SettingInfo& info_of(const MethodInfo& method, std::string_view setting) {
-  return *std::ranges::find(method.settings, setting, &SettingInfo::name);
-}
-
 /// Multiplies a number, up to its maximum; how many times as large it is now.
 double raise(const MethodInfo& method, Settings& settings, std::string_view name, double times) {
   double& value = std::get<double>(settings.find(name)->second);
   const double before = value;
-  value = std::min(times * value, info_of(method, name).maximum);
+  value = std::min(times * value, find_setting(method, name)->maximum);
   return value / before;
 }
 
@@ -21,7 +17,8 @@ double raise(const MethodInfo& method, Settings& settings, std::string_view name
 
 Companion with_tolerance_raised(const MethodInfo& method, Settings settings,
                                 std::string_view tolerance) {
-  const double asked = info_of(method, tolerance).unit == "m" ? number(settings, tolerance) : 0;
+  const double asked =
+      find_setting(method, tolerance)->unit == "m" ? number(settings, tolerance) : 0;
   const double ratio = raise(method, settings, tolerance, 4);
   if (ratio < 2) return {.asked = asked, .none = "has no tolerance twice as large"};
   return {.method = method.make(settings), .ratio = ratio, .asked = asked};

@@ -31,6 +31,11 @@ const MethodInfo* find_method(PaperRole role) {
   return found == all_methods().end() ? nullptr : &*found;
 }
 
+const SettingInfo* find_setting(const MethodInfo& method, std::string_view name) {
+  const auto found = std::ranges::find(method.settings, name, &SettingInfo::name);
+  return found == method.settings.end() ? nullptr : &*found;
+}
+
 namespace {
 
 std::string join(const auto& words) {
@@ -74,8 +79,8 @@ std::string setting_complaint(const SettingInfo& info, const Setting& value) {
 
 std::string complaint(const MethodInfo& method, const Settings& settings) {
   for (const auto& [name, value] : settings) {
-    const auto info = std::ranges::find(method.settings, name, &SettingInfo::name);
-    if (info == method.settings.end()) {
+    const SettingInfo* info = find_setting(method, name);
+    if (!info) {
       std::vector<std::string_view> known;
       for (const SettingInfo& setting : method.settings) known.push_back(setting.name);
       return "method " + std::string(method.name) + " has no setting " + name +

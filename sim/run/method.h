@@ -193,6 +193,9 @@ const MethodInfo* find_method(std::string_view name);
 /// The method of that role in the paper, missing or not, or null.
 const MethodInfo* find_method(PaperRole role);
 
+/// The setting of that name, or null.
+const SettingInfo* find_setting(const MethodInfo& method, std::string_view name);
+
 /// Why `settings` cannot be given to `method` (unknown name, wrong type, out of range), or empty.
 std::string complaint(const MethodInfo& method, const Settings& settings);
 
