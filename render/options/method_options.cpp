@@ -100,19 +100,10 @@ Settings settings_of(const MethodInfo& method, const std::vector<std::string>& s
 MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& scene) {
   MethodChoice choice = scene.method;
   if (!options.method.empty()) choice.name = options.method;
+  if (const std::string wrong = method_complaint(choice.name); !wrong.empty()) {
+    throw program::Misuse("--method: " + wrong);
+  }
   const MethodInfo* method = find_method(choice.name);
-  if (!method) {
-    std::string known;
-    for (const MethodInfo& info : all_methods()) {
-      known += (known.empty() ? "" : ", ") + std::string(info.name);
-    }
-    throw program::Misuse(
-        fmt::format("--method: there is no method {}, expected one of: {}", choice.name, known));
-  }
-  if (!method->missing.empty()) {
-    throw program::Misuse(
-        fmt::format("--method: {} is not in this build ({})", choice.name, method->missing));
-  }
   if (has_spans(scene.world) && !method->follows_spans) {
     throw program::Misuse(
         fmt::format("--method: {} follows no massless spans (model = \"span\")", choice.name));

@@ -117,18 +117,9 @@ std::optional<Attachment> attachment(const World& world, const py::object& point
 namespace {
 
 const MethodInfo& existing_method(const std::string& name) {
-  const MethodInfo* method = find_method(name);
-  if (!method) {
-    std::vector<std::string_view> known;
-    for (const MethodInfo& info : all_methods()) known.push_back(info.name);
-    throw std::invalid_argument(fmt::format("there is no method \"{}\", expected one of: {}", name,
-                                            fmt::join(known, ", ")));
-  }
-  if (!method->missing.empty()) {
-    throw std::invalid_argument(
-        fmt::format("the method {} is not in this build ({})", name, method->missing));
-  }
-  return *method;
+  const std::string wrong = method_complaint(name);
+  if (!wrong.empty()) throw std::invalid_argument(wrong);
+  return *find_method(name);
 }
 
 }  // namespace

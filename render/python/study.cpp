@@ -71,7 +71,7 @@ py::dict methods() {
 
 std::vector<py::dict> swept(const std::string& name, bool quick) {
   const MethodInfo* method = find_method(name);
-  if (!method) throw std::invalid_argument(fmt::format("there is no method \"{}\"", name));
+  if (!method) throw std::invalid_argument(method_complaint(name));
   std::vector<py::dict> all;
   for (const MethodChoice& candidate : study::sweep(*method, quick))
     all.push_back(to_dict(candidate.settings));

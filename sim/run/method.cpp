@@ -77,6 +77,18 @@ std::string setting_complaint(const SettingInfo& info, const Setting& value) {
 
 }  // namespace
 
+std::string method_complaint(std::string_view name) {
+  const MethodInfo* info = find_method(name);
+  if (!info) {
+    std::vector<std::string_view> known;
+    for (const MethodInfo& method : all_methods()) known.push_back(method.name);
+    return "there is no method \"" + std::string(name) + "\", expected one of: " + join(known);
+  }
+  if (info->missing.empty()) return {};
+  return "the method " + std::string(name) + " is not in this build (" +
+         std::string(info->missing) + ")";
+}
+
 std::string complaint(const MethodInfo& method, const Settings& settings) {
   for (const auto& [name, value] : settings) {
     const SettingInfo* info = find_setting(method, name);
@@ -100,18 +112,10 @@ Settings with_defaults(const MethodInfo& method, Settings settings) {
 }
 
 std::unique_ptr<Method> make_method(std::string_view name, const Settings& settings) {
+  std::string wrong = method_complaint(name);
+  if (!wrong.empty()) throw std::invalid_argument(wrong);
   const MethodInfo* info = find_method(name);
-  if (!info) {
-    std::vector<std::string_view> known;
-    for (const MethodInfo& method : all_methods()) known.push_back(method.name);
-    throw std::invalid_argument("there is no method " + std::string(name) +
-                                ", expected one of: " + join(known));
-  }
-  if (!info->missing.empty()) {
-    throw std::invalid_argument("method " + std::string(name) + " is " +
-                                std::string(info->missing));
-  }
-  const std::string wrong = complaint(*info, settings);
+  wrong = complaint(*info, settings);
   if (!wrong.empty()) throw std::invalid_argument(wrong);
   auto method = info->make(with_defaults(*info, settings));
   method->again = [info, full = with_defaults(*info, settings)] { return info->make(full); };

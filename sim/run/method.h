@@ -196,6 +196,9 @@ const MethodInfo* find_method(PaperRole role);
 /// The setting of that name, or null.
 const SettingInfo* find_setting(const MethodInfo& method, std::string_view name);
 
+/// Why there is no method of that name to be made, or empty.
+std::string method_complaint(std::string_view name);
+
 /// Why `settings` cannot be given to `method` (unknown name, wrong type, out of range), or empty.
 std::string complaint(const MethodInfo& method, const Settings& settings);
 
