@@ -10,7 +10,6 @@
 #include "render/program/command.h"
 #include "scenes/format/scene_keys.h"
 #include "scenes/load/load_scene.h"
-#include "sim/topology/span.h"
 
 namespace taut::options {
 
@@ -104,30 +103,8 @@ MethodChoice chosen_method(const MethodOptions& options, const scenes::Scene& sc
     throw program::Misuse("--method: " + wrong);
   }
   const MethodInfo* method = find_method(choice.name);
-  if (has_spans(scene.world) && !method->follows_spans) {
-    throw program::Misuse(
-        fmt::format("--method: {} follows no massless spans (model = \"span\")", choice.name));
-  }
-  if (!scene.world.obstacles.empty() && !method->touches_obstacles) {
-    throw program::Misuse(
-        fmt::format("--method: {} knows no contact, and the scene has the obstacle {}", choice.name,
-                    scene.world.obstacles.front().name));
-  }
-  if (has_touching_bodies(scene.world) && !method->touches_with_bodies) {
-    throw program::Misuse(fmt::format("--method: {} follows no free bodies that touch {}",
-                                      choice.name,
-                                      scene.world.pairs.empty() ? "obstacles" : "each other"));
-  }
-  if (has_materials(scene.world) && !method->follows_materials) {
-    throw program::Misuse(
-        fmt::format("--method: {} knows neither stretch nor bending nor air", choice.name));
-  }
-  if (!scene.world.joints.empty() && !method->follows_joints) {
-    throw program::Misuse(
-        fmt::format("--method: {} follows no connectors that are joined", choice.name));
-  }
-  if (has_strings(scene.world) && !method->follows_strings) {
-    throw program::Misuse(fmt::format("--method: {} follows no links that only pull", choice.name));
+  if (const std::string wrong = refusal(*method, scene.world); !wrong.empty()) {
+    throw program::Misuse(fmt::format("--method: {} {}", choice.name, wrong));
   }
   if (choice.name != scene.method.name) choice.settings.clear();
   if (options.step) {

@@ -147,11 +147,10 @@ MethodChoice chosen_method(const scenes::Scene& scene, const std::string& name,
 }
 
 std::unique_ptr<Method> made_method(const World& world, const MethodChoice& choice) {
-  if (has_spans(world) && !existing_method(choice.name).follows_spans) {
-    throw std::invalid_argument(
-        fmt::format("{} follows no massless spans (model = \"span\")", choice.name));
+  const MethodInfo& method = existing_method(choice.name);
+  if (has_spans(world) && !method.follows_spans) {
+    throw std::invalid_argument(fmt::format("{} {}", choice.name, refusal(method, world)));
   }
-  existing_method(choice.name);
   return make_method(choice.name, choice.settings);
 }
 

@@ -9,15 +9,46 @@
 
 namespace taut {
 
+namespace {
+
+constexpr const char* kNoSpans = "follows no massless spans (model = \"span\")";
+constexpr const char* kNoMaterials = "knows neither stretch nor bending nor air";
+constexpr const char* kNoJoints = "follows no connectors that are joined";
+constexpr const char* kNoStrings = "follows no links that only pull";
+constexpr const char* kNoWinches = "follows no connectors that have winches";
+constexpr const char* kNoPulleys = "follows no rope that passes pulleys";
+
+std::string no_contact(const World& world) {
+  const std::string what = "knows no contact, and ";
+  if (!world.obstacles.empty()) {
+    return what + "there is the obstacle " + world.obstacles.front().name;
+  }
+  const BodyPair& pair = world.pairs.front();
+  return what + world.bodies[pair.a].name + " and " + world.bodies[pair.b].name +
+         " touch each other";
+}
+
+std::string no_touching_bodies(const World& world) {
+  return std::string("follows no free bodies that touch ") +
+         (world.pairs.empty() ? "obstacles" : "each other");
+}
+
+}  // namespace
+
+std::string refusal(const MethodInfo& method, const World& world) {
+  if (!method.follows_spans && has_spans(world)) return kNoSpans;
+  if (!method.touches_obstacles && !world.obstacles.empty()) return no_contact(world);
+  if (!method.touches_with_bodies && has_touching_bodies(world)) return no_touching_bodies(world);
+  if (!method.follows_materials && has_materials(world)) return kNoMaterials;
+  if (!method.follows_joints && !world.joints.empty()) return kNoJoints;
+  if (!method.follows_strings && has_strings(world)) return kNoStrings;
+  if (!method.follows_winches && has_winches(world)) return kNoWinches;
+  if (!method.follows_pulleys && !world.pulleys.empty()) return kNoPulleys;
+  return {};
+}
+
 bool follows(const MethodInfo& method, const World& world) {
-  return (method.follows_spans || !has_spans(world)) &&
-         (method.touches_obstacles || world.obstacles.empty()) &&
-         (method.touches_with_bodies || !has_touching_bodies(world)) &&
-         (method.follows_materials || !has_materials(world)) &&
-         (method.follows_joints || world.joints.empty()) &&
-         (method.follows_strings || !has_strings(world)) &&
-         (method.follows_winches || !has_winches(world)) &&
-         (method.follows_pulleys || world.pulleys.empty());
+  return refusal(method, world).empty();
 }
 
 const MethodInfo* find_method(std::string_view name) {
@@ -156,54 +187,42 @@ SettingInfo step_setting(bool limited, int sweep) {
 
 void refuse_obstacles(std::string_view method, const World& world) {
   if (!has_contact(world)) return;
-  std::string what = "there is the obstacle ";
-  if (!world.obstacles.empty()) {
-    what += world.obstacles.front().name;
-  } else {
-    const BodyPair& pair = world.pairs.front();
-    what = world.bodies[pair.a].name + " and " + world.bodies[pair.b].name + " touch each other";
-  }
   throw Diverged(std::string(method), world.time, 0,
                  world.connectors.empty() ? "" : world.connectors.front().name, 0,
-                 "knows no contact, and " + what);
+                 no_contact(world));
 }
 
 void refuse_touching_bodies(std::string_view method, const World& world) {
   if (!has_touching_bodies(world)) return;
   const auto found = std::ranges::find_if(
       world.bodies, [](const Body& body) { return body.capsule.touches() && !body.driven(); });
-  throw Diverged(std::string(method), world.time, 0, found->name, 0,
-                 std::string("follows no free bodies that touch ") +
-                     (world.pairs.empty() ? "obstacles" : "each other"));
+  throw Diverged(std::string(method), world.time, 0, found->name, 0, no_touching_bodies(world));
 }
 
 void refuse_materials(std::string_view method, const World& world) {
   const auto found = std::ranges::find_if(
       world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
   if (found == world.connectors.end()) return;
-  throw Diverged(std::string(method), world.time, 0, found->name, 0,
-                 "knows neither stretch nor bending nor air");
+  throw Diverged(std::string(method), world.time, 0, found->name, 0, kNoMaterials);
 }
 
 void refuse_joints(std::string_view method, const World& world) {
   if (world.joints.empty()) return;
   const Joint::Particle& at = world.joints.front().particles.front();
   throw Diverged(std::string(method), world.time, 0, world.connectors[at.connector].name,
-                 at.particle, "follows no connectors that are joined");
+                 at.particle, kNoJoints);
 }
 
 void refuse_strings(std::string_view method, const World& world) {
   const auto found = std::ranges::find_if(world.connectors, &Connector::pulls);
   if (found == world.connectors.end()) return;
-  throw Diverged(std::string(method), world.time, 0, found->name, 0,
-                 "follows no links that only pull");
+  throw Diverged(std::string(method), world.time, 0, found->name, 0, kNoStrings);
 }
 
 void refuse_winches(std::string_view method, const World& world) {
   for (const Connector& connector : world.connectors) {
     if (!connector.winch) continue;
-    throw Diverged(std::string(method), world.time, 0, connector.name, 0,
-                   "follows no connectors that have winches");
+    throw Diverged(std::string(method), world.time, 0, connector.name, 0, kNoWinches);
   }
 }
 
@@ -211,7 +230,7 @@ void refuse_pulleys(std::string_view method, const World& world) {
   if (world.pulleys.empty()) return;
   const Pulley& pulley = world.pulleys.front();
   throw Diverged(std::string(method), world.time, 0, world.connectors[pulley.to].name, 0,
-                 "follows no rope that passes pulleys");
+                 kNoPulleys);
 }
 
 void refuse_laden_materials(std::string_view method, const World& world) {
