@@ -5,8 +5,8 @@
 
 #include <cstddef>
 
-#include "sim/methods/direct/system/link_loops.h"
-#include "sim/methods/direct/system/solve_chain.h"
+#include "sim/links/link_loops.h"
+#include "sim/links/solve_chain.h"
 
 namespace taut::batch {
 
@@ -27,7 +27,7 @@ enum Array : std::size_t {
   kDiagonalSecond = 18,
   kScale = 19,
   kInverseRest = 20,  // 1/m
-  // The tensions' system, see direct::solve_chain().
+  // The tensions' system, see solve_chain().
   kOffDiagonal = 21,
   kSineSquared = 22,
   kRight = 23,
@@ -67,14 +67,13 @@ template <typename V, typename Scalar>
   Scalar kick = steps.first ? half : dt;
   for (std::size_t step = 0; step < steps.count; ++step, kick = dt) {
     const V* const pull = reinterpret_cast<const V*>(steps.pull + step * steps.pull_stride);
-    direct::assemble_loop<3, V>(n, q, rate, array(kCoupling), array(kWeight), array(kOffDiagonal),
-                                array(kSineSquared), right);
+    assemble_loop<3, V>(n, q, rate, array(kCoupling), array(kWeight), array(kOffDiagonal),
+                        array(kSineSquared), right);
     right[0] += scale[0] * (q[0] * pull[0] + q[n] * pull[1] + q[2 * n] * pull[2]);
-    direct::solve_chain_loop<V>(links, array(kDiagonalFirst), array(kDiagonalSecond),
-                                array(kOffDiagonal), array(kSineSquared), right, array(kUnknown),
-                                array(kScratch));
-    direct::pull_loop<3, V>(n, q, array(kNextGain), array(kLastGain), array(kOwnGain),
-                            array(kUnknown), acceleration);
+    solve_chain_loop<V>(links, array(kDiagonalFirst), array(kDiagonalSecond), array(kOffDiagonal),
+                        array(kSineSquared), right, array(kUnknown), array(kScratch));
+    pull_loop<3, V>(n, q, array(kNextGain), array(kLastGain), array(kOwnGain), array(kUnknown),
+                    acceleration);
     for (std::size_t c = 0; c < 3; ++c) acceleration[c * n] += inverse_rest[0] * pull[c];
 
     for (std::size_t i = 0; i < n; ++i) {

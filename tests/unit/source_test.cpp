@@ -75,7 +75,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/interventions", {"sim/world", "sim/topology", "sim/links"}},
     {"sim/run",
      {"sim/motion", "sim/world", "sim/topology", "sim/measure", "sim/links", "sim/interventions"}},
-    {"sim/batch", {"sim/world", "sim/run", "sim/methods/direct/system"}},
+    {"sim/batch", {"sim/world", "sim/links", "sim/run"}},
     {"sim/choreography", {"sim/motion", "sim/world", "sim/interventions", "sim/run"}},
     {"sim/methods/direct/system",
      {"sim/motion", "sim/world", "sim/topology", "sim/material", "sim/links"}},

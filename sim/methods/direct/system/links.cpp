@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/methods/direct/system/link_loops.h"
+#include "sim/links/link_loops.h"
 #include "sim/methods/direct/system/tridiagonal.h"
 #include "sim/methods/direct/system/vector.h"
 

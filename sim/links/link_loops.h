@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace taut::direct {
+namespace taut {
 
 /// The number in each lane of a vector; a number itself.
 template <typename T>
@@ -38,7 +38,7 @@ template <typename T>
 // An array of directions has kComponents numbers a link: n of the first component, then n of the
 // next. T is a number, or a vector with a connector's number in each lane (sim/batch).
 
-/// The rows of the tensions' system, see solve_chain(), which keep u . u'' = -|u'|^2.
+/// The rows of the tensions' system, see direct::solve_chain(), which keep u . u'' = -|u'|^2.
 template <int kComponents, typename T>
 [[gnu::always_inline]] inline void assemble_loop(std::size_t n, const T* __restrict q,
                                                  const T* __restrict rate,
@@ -160,4 +160,4 @@ template <int kComponents, typename T>
   return outside;
 }
 
-}  // namespace taut::direct
+}  // namespace taut

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <limits>
 
-#include "sim/methods/direct/system/link_loops.h"
+#include "sim/links/link_loops.h"
 
-namespace taut::direct {
+namespace taut {
 
 /// Minors of a matrix with 2 on its diagonal grow by at most 2 a row and, where light particles sit
 /// between heavy ones, may fall by 10^-6 a row: this many rows stay far from overflow both ways.
@@ -40,7 +40,7 @@ struct ChainHalf {
   }
 };
 
-/// See solve_chain().
+/// See direct::solve_chain().
 template <typename T>
 [[gnu::always_inline]] inline void solve_chain_loop(
     std::size_t n, const T* __restrict diagonal_first, const T* __restrict diagonal_second,
@@ -105,4 +105,4 @@ template <typename T>
   if (m > pairs) x[0] = z[0] + b[0] * before;
 }
 
-}  // namespace taut::direct
+}  // namespace taut
