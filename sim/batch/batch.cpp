@@ -99,13 +99,15 @@ void Batch<Scalar>::load(const Connector& connector, std::size_t index) {
   const auto inverse_mass = [&](std::size_t k) {
     return k > 0 ? 1 / connector.particle_mass[k] : 0;
   };
-  const auto both = [&](std::size_t i) { return inverse_mass(i) + inverse_mass(i + 1); };
-  const auto scale = [&](std::size_t i) { return std::sqrt(2 / both(i)); };
+  const auto inverse_mass_sum = [&](std::size_t i) {
+    return inverse_mass(i) + inverse_mass(i + 1);
+  };
+  const auto scale = [&](std::size_t i) { return std::sqrt(2 / inverse_mass_sum(i)); };
   for (std::size_t i = 0; i < links_; ++i) {
     const double own = scale(i), rest = connector.rest[i];
     put(batch::kScale, i, own);
     put(batch::kWeight, i, rest * own);
-    put(batch::kOwnGain, i, both(i) * own / rest);
+    put(batch::kOwnGain, i, inverse_mass_sum(i) * own / rest);
     put(batch::kDiagonalFirst, i, inverse_mass(i) * own * own);
     put(batch::kDiagonalSecond, i, inverse_mass(i + 1) * own * own);
     if (i > 0) put(batch::kLastGain, i, inverse_mass(i) * scale(i - 1) / rest);
