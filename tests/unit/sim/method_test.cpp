@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sim/run/method_choice.h"
 #include "sim/run/simulation.h"
 
 namespace taut::method_test {
@@ -39,6 +40,25 @@ TEST(Methods, WrongSettingsAreNamed) {
   EXPECT_EQ(say("passes", 2.0), "");
   EXPECT_THROW(make_method("magic", {}), std::invalid_argument);
   EXPECT_THROW(make_method("impulse", {{"step", -1.0}}), std::invalid_argument);
+}
+
+TEST(Methods, SayWhatTheyDoNotFollow) {
+  World world;
+  EXPECT_EQ(refusal(*find_method("impulse"), world), "");
+  world.obstacles.emplace_back().name = "floor";
+  EXPECT_EQ(refusal(*find_method("impulse"), world),
+            "knows no contact, and there is the obstacle floor");
+  EXPECT_EQ(refusal(*find_method("direct"), world), "");
+}
+
+TEST(Methods, ValuesOfSettingsArePrintedExactlyOrRounded) {
+  EXPECT_EQ(setting_text(1.0 / 60), "0.016666666666666666");
+  EXPECT_EQ(setting_text(1.0 / 60, 6), "0.0166667");
+  EXPECT_EQ(setting_text(1e5), "100000");
+  EXPECT_EQ(setting_text(1e5 + 0.5, 3), "1e+05");
+  EXPECT_EQ(setting_text(1e-5), "1e-05");
+  EXPECT_EQ(setting_text(true), "true");
+  EXPECT_EQ(setting_text(std::string("rk4")), "rk4");
 }
 
 TEST(Methods, StepCountIsExactWhereTheStepDivides) {
