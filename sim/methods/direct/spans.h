@@ -80,7 +80,7 @@ class Spans {
   HangingChain hanging_;
   std::deque<Tensions> systems_;  // of the components that have ties; they cannot move
   bool built_ = false;            // for the present ties
-  Counters looks_;
+  Counters checks_;
 };
 
 }  // namespace taut::direct
