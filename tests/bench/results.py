@@ -87,7 +87,7 @@ def stamp(commands, load):
     def git(*words):
         return subprocess.run(["git", *words], cwd=SOURCE, capture_output=True, text=True, check=True).stdout.strip()
     commit = git("rev-parse", "--short", "HEAD")
-    if git("status", "--porcelain", "--untracked-files=no", "--", "sim", "scenes", "render"):
+    if git("status", "--porcelain", "--untracked-files=no", "--", "sim", "scenes", "render", ":!*.md"):
         commit += " with changes"
     model = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())
     machine = f"{os.cpu_count()} cores of {model[1] if model else os.uname().machine}, load {load:.1f}"

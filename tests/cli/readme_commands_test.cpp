@@ -235,7 +235,8 @@ TEST(ReadmeCommands, HaveShortForms) {
   }
   shown.erase("");
   for (const std::string& name : shown) {
-    if (!name.starts_with("test_")) EXPECT_TRUE(run.contains(name)) << name;  // CTest runs those
+    const bool is_test = name.starts_with("test_");  // CTest runs those
+    EXPECT_TRUE(is_test || run.contains(name)) << name;
   }
 }
 
