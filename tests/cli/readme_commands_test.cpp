@@ -218,7 +218,7 @@ TEST(ReadmeCommands, ShortFormsRun) {
 /// The program that a command runs and, of programs of several commands, which; empty for others'.
 std::string name_of(const std::string& command) {
   const std::vector<std::string> words = words_of(command);
-  if (words.empty()) return "";
+  if (words.empty() || kOfTheSystem.contains(words[0])) return "";
   const std::filesystem::path program = program_of(words[0]);
   if (program.empty()) return "";
   const bool named = words.size() > 1 && !words[1].starts_with("-") &&
