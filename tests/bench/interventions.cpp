@@ -191,15 +191,15 @@ BENCHMARK_CAPTURE(ManyOnOneRope, cuts, true)
     ->Range(100, 10'000)
     ->Unit(benchmark::kMillisecond);
 
-const bool registered = [] {
+}  // namespace
+
+void register_interventions() {
   for (const MethodInfo& method : all_methods()) {
     if (!method.missing.empty() || method.name == "sdfast") continue;
     const std::string name = "Intervention/" + std::string(method.name);
     auto* row = benchmark::RegisterBenchmark(name.c_str(), Intervention, method.name);
     row->ArgName("particles")->Arg(21)->Arg(101)->Unit(benchmark::kMillisecond);
   }
-  return true;
-}();
+}
 
-}  // namespace
 }  // namespace taut
