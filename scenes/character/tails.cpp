@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::scenes {
 namespace {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "scenes/reader/reader.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::scenes {
 

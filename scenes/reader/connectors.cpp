@@ -11,7 +11,7 @@
 #include "scenes/reader/reader.h"
 #include "scenes/reader/repeats.h"
 #include "scenes/reader/routes.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::scenes {
 

@@ -6,7 +6,7 @@
 #include "scenes/character/capsules.h"
 #include "scenes/reader/reader.h"
 #include "sim/contact/capsule.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::scenes {
 

@@ -8,7 +8,7 @@
 #include "scenes/files/regular_file.h"
 #include "scenes/format/format_keys.h"
 #include "scenes/reader/common.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::scenes {
 

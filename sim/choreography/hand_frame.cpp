@@ -1,6 +1,6 @@
 #include "sim/choreography/hand_frame.h"
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::choreography {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "sim/contact/clusters.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::contact {
 namespace {

@@ -1,6 +1,6 @@
 #include "sim/contact/body_mobility.h"
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::contact {
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "sim/links/dense.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::contact {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::contact {
 namespace {

@@ -7,9 +7,9 @@
 #include "sim/interventions/feasible.h"
 #include "sim/interventions/pinned.h"
 #include "sim/interventions/renumber.h"
+#include "sim/motion/rotation.h"
 #include "sim/topology/room.h"
 #include "sim/world/places.h"
-#include "sim/world/rotation.h"
 
 namespace taut {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/material/forces.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 #include "sim/world/world.h"
 
 namespace taut {

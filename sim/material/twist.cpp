@@ -1,6 +1,6 @@
 #include "sim/material/twist.h"
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::material {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "sim/motion/rotation.h"
 #include "sim/run/method.h"
 #include "sim/topology/span.h"
-#include "sim/world/rotation.h"
 
 namespace taut::methods {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 #include "sim/world/world.h"
 
 namespace taut::reference {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "sim/links/equimomental_link.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/motion/rotation.h"
 #include "sim/world/joined.h"
-#include "sim/world/rotation.h"
 
 namespace taut {
 

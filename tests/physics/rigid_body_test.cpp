@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/measure/measure.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::rigid_body_test {
 namespace {

@@ -1,6 +1,6 @@
 #include "sim/reference/sdfast/ball.h"
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::sdfast {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <sstream>
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 #include "tests/bench/engines/engine.h"
 
 namespace taut::engines {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 #include "tests/bench/engines/engine.h"
 
 namespace taut::engines {

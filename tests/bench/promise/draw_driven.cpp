@@ -1,5 +1,5 @@
 // Chains whose first end goes round or is shaken.
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 #include "tests/bench/promise/parts.h"
 
 namespace taut::promise {

@@ -9,9 +9,9 @@
 #include "sim/choreography/flat_chain.h"
 #include "sim/choreography/gaussian_sum.h"
 #include "sim/choreography/hand_frame.h"
+#include "sim/motion/rotation.h"
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
-#include "sim/world/rotation.h"
 #include "tests/physics/worlds.h"
 
 namespace taut::choreography_test {

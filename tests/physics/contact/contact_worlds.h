@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
+#include "sim/motion/rotation.h"
 #include "sim/run/simulation.h"
 #include "sim/world/obstacle.h"
-#include "sim/world/rotation.h"
 #include "tests/physics/worlds.h"
 
 namespace taut::contact_worlds {

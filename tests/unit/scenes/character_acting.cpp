@@ -5,7 +5,7 @@
 
 #include "scenes/character/acting.h"
 #include "scenes/model/load_model.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::character_acting {
 namespace {

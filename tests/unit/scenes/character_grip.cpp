@@ -8,7 +8,7 @@
 #include "scenes/character/figure.h"
 #include "scenes/files/error.h"
 #include "scenes/model/load_model.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::character_grip {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "sim/motion/rotation.h"
 #include "sim/run/error_estimate.h"
-#include "sim/world/rotation.h"
 
 namespace {
 thread_local std::size_t allocations = 0;

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/measure/measure.h"
+#include "sim/motion/rotation.h"
 #include "sim/run/trajectory.h"
-#include "sim/world/rotation.h"
 
 namespace taut::world_test {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "sim/methods/direct/system/system.h"
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::direct {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/world/rotation.h"
+#include "sim/motion/rotation.h"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
