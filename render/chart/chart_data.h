@@ -1,4 +1,4 @@
-// What a chart shows, and how it looks.
+// The content of a chart, and its style.
 #pragma once
 
 #include <cstdint>

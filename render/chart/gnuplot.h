@@ -12,8 +12,8 @@ namespace taut::chart {
 /// The program that gnuplot is given for the chart.
 std::string gnuplot_script(const Chart& chart, ChartFormat format);
 
-/// What gnuplot plots for a chart, in its order: names of series and of kinds of cells, empty for
-/// what stands for nothing.
+/// The plots of a chart in gnuplot's order: names of series and of kinds of cells, empty for plots
+/// that have none.
 std::vector<std::string> plot_names(const Chart& chart);
 
 /// Runs gnuplot with this input. Throws CannotWrite where it cannot be run or fails.

@@ -33,8 +33,8 @@ struct Options {
   bool no_video = false, over = false;
 };
 
-/// Those that are asked for; otherwise every method that this build has and that follows the
-/// world, and forms of them until six cells are full.
+/// The contenders asked for; otherwise every method that this build has and that follows the world,
+/// and forms of them until six cells are full.
 std::vector<options::Contender> contenders(const options::StudyOptions& options,
                                            const World& world) {
   std::vector<options::Contender> all = options::contenders_on(options, world);

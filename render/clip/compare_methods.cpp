@@ -38,7 +38,7 @@ std::vector<double> distances(std::span<const Snapshot> frames, std::span<const 
   return list;
 }
 
-/// Their mean; not a number where there are fewer than `frames`, or only the start.
+/// The mean of distances; not a number where there are fewer than `frames`, or only the start.
 double mean(const std::vector<double>& distances, std::size_t frames) {
   if (distances.size() < std::max<std::size_t>(frames, 2)) return NAN;
   return std::reduce(distances.begin(), distances.end()) / double(distances.size());
@@ -104,12 +104,11 @@ film::Comparison compare_methods(const scenes::Scene& scene,
       is_closed(scene.world) && scene.timeline.empty() && energy_scale(scene.world) > 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const study::Run& run = runs[i];
-    film::ComparedMethod method{
-        .label = contenders[i].label,
-        .settings = describe(candidate_on(scene, contenders[i]).settings),
-        .style = contenders[i].style,
-        .failure = run.reason,
-        .stretch = run.stretch};
+    film::ComparedMethod method{.label = contenders[i].label,
+                                .settings = describe(candidate_on(scene, contenders[i]).settings),
+                                .style = contenders[i].style,
+                                .failure = run.reason,
+                                .stretch = run.stretch};
     const auto from_truth = distances(run.frames, result.truth, predictable);
     const auto from_paper = distances(run.frames, paper->frames, problem.times.size());
     method.distance = predictable > 1 ? from_truth : from_paper;

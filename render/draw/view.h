@@ -1,4 +1,4 @@
-// What is seen of a stage and where, and with what work.
+// A view of a stage: its camera, its place in the picture, and the savings of its drawing.
 #pragma once
 
 #include "render/picture/rect.h"
@@ -12,7 +12,7 @@ struct View {
   scenes::CameraView camera;
 };
 
-/// What of a picture's work is saved. No saving shows: `all` and `exposures` make the same picture,
+/// The savings of a picture. None of them shows: `all` and `exposures` make the same picture,
 /// within one step of 8 bits where more exposures than samples are added up. `none` shows slow
 /// things at more times, and so smears them more smoothly.
 enum class Savings {
@@ -21,7 +21,7 @@ enum class Savings {
   none,       // everything is drawn whole in as many exposures as the fastest thing takes
 };
 
-/// What costs time and could be left out.
+/// Work that could be left out.
 struct Shading {
   int map_size = 1536;  // texels a side, of the key light's map
   bool contact = true;  // feet take ambient light from the floor

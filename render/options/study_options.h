@@ -1,4 +1,4 @@
-// What bench, chart, stability and compare share: which methods, how much time, where to.
+// Options that bench, chart, stability and compare share: methods, time, and the folder of results.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace taut::options {
 
-/// What a study follows of what a scene's timeline has.
+/// The part of a timeline that a study follows.
 enum class Follows { nothing, pins, pins_and_cuts };
 
 struct StudyOptions {
@@ -45,16 +45,15 @@ struct Contender {
 /// lacks too. Throws Misuse.
 std::vector<Contender> chosen_contenders(const StudyOptions& options);
 
-/// Those of them that follow what is in `world`. Throws Misuse where one is asked for that does
-/// not, or none does.
+/// The contenders that follow `world`. Throws Misuse where one asked for does not, or none does.
 std::vector<Contender> contenders_on(const StudyOptions& options, const World& world);
 
-/// Where the paper's method of that role, or a form of it, stands; the contenders' number where it
-/// does not.
+/// The index of the paper's method of that role, or of a form of it; the contenders' number where
+/// it is absent.
 std::size_t place_of(const std::vector<Contender>& contenders, PaperRole role,
                      std::string_view form = {});
 
-/// Its name in legends: the label and, where this build lacks it, why.
+/// The contender's name in legends: the label and, where this build lacks it, why.
 std::string legend_name(const Contender& contender);
 
 /// Every setting of a contender's sweep (only the ends and middle of numbers where `quick`), with

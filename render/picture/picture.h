@@ -27,7 +27,7 @@ struct Picture {
 /// The picture as a PNG file's bytes, RGB; packed for speed rather than size.
 std::vector<std::uint8_t> encode_png(const Picture& picture);
 
-/// What a PNG file can have beside opaque pixels.
+/// The content of a PNG file beside opaque pixels.
 struct PngExtras {
   bool opacity = false;  // the fourth bytes are opacity; colours are not multiplied by it
   std::vector<std::pair<std::string, std::string>> texts = {};  // keywords and UTF-8 texts

@@ -39,7 +39,7 @@ double cost_of(const study::PlanModel& model, const MethodChoice& candidate,
   return study::spread(std::move(costs)).median;
 }
 
-/// What the blur of the clip needs, where the tolerance is of its pictures.
+/// The needs of the clip's blur, where the tolerance is of its pictures.
 std::optional<Blur> blur_of(const scenes::Scene& scene, const study::ReferenceSolution& reference,
                             const Asked& asked) {
   if (!scene.stage || scene.stage->shutter == 0 || asked.unit != "px") return std::nullopt;
@@ -97,7 +97,7 @@ std::optional<double> error_of_clip(const Planned& planned, double scored,
                                  planned.candidate(), planned.asked.tolerance.distance);
 }
 
-/// What the timeline does between two frames, in words.
+/// The event of the timeline between two frames, in words.
 std::string event_between(const Timeline& timeline, double from, double until) {
   const auto within = [&](double time) { return time >= from && time <= until; };
   for (const TimedPin& pin : timeline.pins) {

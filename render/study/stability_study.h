@@ -10,7 +10,7 @@
 
 namespace taut::studies {
 
-/// What a study of the options is of, without cells.
+/// The subject of a study of the options, without cells.
 StabilityStudy stability_study(const options::StudyOptions& options, const scenes::Scene& scene);
 
 /// Fills the maps within the options' budget, or from all parts where they say so, and calls

@@ -1,4 +1,4 @@
-// What all parts of a scene file are read with: names, files, and members that may be left out.
+// Reading that all parts of a scene file share: names, files, and members that may be left out.
 #pragma once
 
 #include <cstddef>

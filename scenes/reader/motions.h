@@ -1,4 +1,4 @@
-// What moves as a scene says, whatever is simulated.
+// The prescribed motions of a scene.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ struct Character {
   std::shared_ptr<const Performance> performance;
 };
 
-/// What moves as the scene says, whatever is simulated: its paths, and the bones of its characters.
+/// The prescribed motions of a scene: its paths, and the bones of its characters.
 /// All throw BadScene.
 class Motions {
  public:
@@ -34,7 +34,7 @@ class Motions {
   /// A character, in the order of the file: read and acted out when it is first asked for.
   const Character& character(std::size_t index);
   std::size_t characters() const { return character_names_.size(); }
-  /// What can be said against the characters before they act.
+  /// Checks the characters before they act.
   void check_characters() const;
 
  private:
@@ -47,7 +47,7 @@ class Motions {
   std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Path>> bones_;
 };
 
-/// What an end or a pin is attached to: `body`, `path`, or `bone` of a `character`, with `point`;
+/// The attachment of an end or a pin: `body`, `path`, or `bone` of a `character`, with `point`;
 /// or the point in space that the key `space` gives.
 Attachment read_attachment(const Document& document, const Value& table, std::string_view space,
                            Motions& motions);

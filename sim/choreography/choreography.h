@@ -11,7 +11,7 @@
 
 namespace taut::choreography {
 
-/// What was found, and how near it comes. All of the hand is that of the path, sampled four times
+/// The path found, and how near it comes. All of the hand is that of the path, sampled four times
 /// between its keys.
 struct HandPath {
   std::vector<PathKey> keys;  // the keys that the path had, and those found

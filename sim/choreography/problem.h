@@ -1,4 +1,4 @@
-// What a choreography is to do: the waypoints, and the limits of the hand.
+// The problem of a choreography: the waypoints, and the limits of the hand.
 #pragma once
 
 #include <limits>
@@ -16,7 +16,7 @@ struct Waypoint {
   Vec3 position = Vec3::Zero();  // m
 };
 
-/// What the hand's path should not exceed: a hundredth beyond costs the fit as much as a waypoint
+/// Limits of the hand's path: a hundredth beyond costs the fit as much as a waypoint
 /// missed by 0.3 mm. HandPath tells what was kept.
 struct HandLimits {
   Vec3 shoulder = Vec3::Zero();                                   // m

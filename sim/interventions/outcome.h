@@ -1,11 +1,11 @@
-// What comes of interventions.
+// Outcomes of interventions.
 #pragma once
 
 #include <string_view>
 
 namespace taut {
 
-/// What came of an intervention. Whatever is not `done` has changed nothing.
+/// The outcome of an intervention; all but `done` have changed nothing.
 enum class Outcome {
   done,
   no_connector,  // the world has no such connector

@@ -1,4 +1,4 @@
-// What computing costs.
+// The cost of computing.
 #pragma once
 
 namespace taut {

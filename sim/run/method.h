@@ -182,7 +182,8 @@ struct MethodInfo {
   std::vector<bool> (*steps_as_links)(const World& world) = nullptr;
 };
 
-/// What of `world` the method does not know, as in "follows no links that only pull", or empty.
+/// The part of `world` that the method does not know, as in "follows no links that only pull", or
+/// empty.
 std::string refusal(const MethodInfo& method, const World& world);
 /// Whether the method knows all that is in `world`; else its advance() throws Diverged.
 bool follows(const MethodInfo& method, const World& world);

@@ -22,7 +22,7 @@ const Entrant* entrant_of(std::span<const Entrant> entrants, PaperRole role) {
   return found == entrants.end() ? nullptr : &*found;
 }
 
-/// What all measurements have in common.
+/// The measurements of one problem.
 class Measurement {
  public:
   Measurement(const Problem& problem, const truth::Reference& reference, double frame,

@@ -1,4 +1,4 @@
-// What holds particles: how it moves, and places them.
+// The holds of particles: how they move, and place particles.
 #pragma once
 
 #include "sim/world/state.h"

@@ -10,7 +10,7 @@
 
 namespace taut {
 
-/// What is wrong with the joints of a world, in words that end a sentence about it; empty: nothing.
+/// The flaw of a world's joints, in words that end a sentence about it; empty: none.
 std::string joint_flaw(const World& world);
 
 /// The particle of a joint that stands for all: the one that is held, or else the first.

@@ -15,7 +15,7 @@
 
 namespace taut {
 
-/// What connectors with drag coefficients move through; the same everywhere.
+/// The air that connectors with drag coefficients move through; the same everywhere.
 struct Air {
   double density = 0;        // kg/m^3; zero: none
   Vec3 wind = Vec3::Zero();  // m/s
