@@ -335,37 +335,13 @@ int check(const std::string& file, const std::vector<std::string>& set,
   return program::kDone;
 }
 
-program::Json json_of_plans(const std::vector<std::string>& files) {
-  program::Json list = program::Json::array();
-  for (const std::string& file : files) {
-    const scenes::Scene scene = scenes::load_scene(file, false);
-    program::Json one = {{"scene", file}, {"plan", nullptr}, {"strange", scene.strange_plan}};
-    if (scene.plan) {
-      const scenes::Plan& plan = *scene.plan;
-      one["plan"] = {{"tolerance", plan.tolerance},
-                     {"error", plan.error},
-                     {"error_unit", scenes::read_length(plan.tolerance)->unit},
-                     {"until_s", plan.until},
-                     {"method", plan.method.name},
-                     {"settings", options::settings_json(plan.method.settings)},
-                     {"particles", plan.particles},
-                     {"bodies_as_links", plan.links},
-                     {"exposures", plan.exposures},
-                     {"scene_changed", plan.stamp != scenes::plan_stamp(scene.file)},
-                     {"method_changed", plan.program != scenes::method_stamp(plan.method)}};
-    }
-    list.push_back(std::move(one));
-  }
-  return {{"scenes", std::move(list)}};
-}
-
 int run(const Options& options, const program::Common& common) {
   if (options.schema) {
     render::write_output(scenes::scene_schema());
     return program::kDone;
   }
   if (!options.plans.empty()) {
-    render::write_output(common.json ? json_of_plans(options.plans).dump(2) + '\n'
+    render::write_output(common.json ? planning::plans_json(options.plans).dump(2) + '\n'
                                      : chart::to_markdown(planning::plan_table(options.plans)));
     return program::kDone;
   }

@@ -160,7 +160,8 @@ scenes::Plan plan_of(const Planned& planned, const std::string& tolerance, std::
                     .stamp = stamp,
                     .method = planned.candidate(),
                     .particles = planned.model().particles,
-                    .links = planned.model().links};
+                    .links = planned.model().links,
+                    .neglected = planned.model().neglected};
   plan.program = scenes::method_stamp(plan.method);
   if (planned.blur) plan.exposures = planned.blur->most;
   if (reference.goes_on()) {
@@ -200,7 +201,8 @@ Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneCha
   asked.tolerance.most -= asked.per_metre * reference.self_error;
 
   const MethodChoice finely{"direct", {{"tolerance", scored * kFinely}}};
-  std::vector<SceneModel> scene_models = models_of(scene, changes);
+  std::vector<SceneModel> scene_models =
+      models_of(scene, changes, negligible_physics(scene, reference, finely, asked.tolerance));
   const std::vector<study::PlanModel> models =
       score_models(scene_models, reference, asked.tolerance, finely, scene.fps,
                    blur ? blur->longest_step : INFINITY, quiet);

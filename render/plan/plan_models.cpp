@@ -42,6 +42,17 @@ std::vector<std::size_t> possible_links(const World& world, const Timeline& time
   return bodies;
 }
 
+/// The model, and where bodies can be links also with all of these as links.
+void add_with_links(const SceneModel& model, std::vector<SceneModel>& models) {
+  models.push_back(model);
+  SceneModel linked = model;
+  for (const std::size_t b : possible_links(linked.model.world, linked.model.timeline)) {
+    linked.model.world.bodies[b].model = BodyModel::link;
+    linked.links.push_back(linked.model.world.bodies[b].name);
+  }
+  if (!linked.links.empty()) models.push_back(std::move(linked));
+}
+
 std::string original(const Connector& connector) {
   return connector.name.substr(0, connector.name.find('#'));
 }
@@ -49,7 +60,8 @@ std::string original(const Connector& connector) {
 }  // namespace
 
 std::vector<SceneModel> models_of(const scenes::Scene& scene,
-                                  const std::vector<scenes::SceneChange>& written) {
+                                  const std::vector<scenes::SceneChange>& written,
+                                  const std::vector<Physics>& negligible) {
   std::size_t most = 1;
   for (const Connector& connector : scene.world.connectors) {
     most = std::max(most, connector.links());
@@ -70,13 +82,12 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
     try {
       scenes::Scene changed = scenes::load_scene(scene.file, false, changes);
       take_masses(changed.world, scene.world);
-      models.push_back({particles, {}, {few_copies(changed.world), changed.timeline, {}}, {}});
-      SceneModel linked = models.back();
-      for (const std::size_t b : possible_links(linked.model.world, linked.model.timeline)) {
-        linked.model.world.bodies[b].model = BodyModel::link;
-        linked.links.push_back(linked.model.world.bodies[b].name);
-      }
-      if (!linked.links.empty()) models.push_back(std::move(linked));
+      SceneModel model{particles, {}, {}, {few_copies(changed.world), changed.timeline, {}}, {}};
+      add_with_links(model, models);
+      if (negligible.empty()) continue;
+      model.neglected = negligible;
+      neglect(model.model.world, negligible);
+      add_with_links(model, models);
     } catch (const scenes::BadScene&) {
       // The scene's start, or one of its pins, needs more particles.
     }
@@ -84,6 +95,8 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
   if (!has_spans(scene.world)) {
     SceneModel spans = models.front();
     for (auto& [name, particles] : spans.particles) particles = 0;
+    spans.neglected = physics_of(spans.model.world);
+    neglect(spans.model.world, spans.neglected);
     for (Connector& connector : spans.model.world.connectors) {
       connector.model = ConnectorModel::span;
     }
@@ -117,6 +130,12 @@ ModelErrors model_errors(const scenes::Scene& scene,
   errors.twice = refined(2);
   errors.four = refined(4);
   errors.rope = study::error_of_chain(errors.twice, errors.four);
+  for (const Physics one : physics_of(scene.world)) {
+    World without = models.front().model.world;
+    neglect(without, std::span(&one, 1));
+    errors.physics[one] = study::distance_between(reference, without, models.front().model.timeline,
+                                                  finely, distance);
+  }
   const SceneModel& last = models.back();
   if (last.particles.begin()->second == 0) {
     errors.span =
@@ -128,6 +147,22 @@ ModelErrors model_errors(const scenes::Scene& scene,
                                           finely, distance);
   }
   return errors;
+}
+
+std::vector<Physics> negligible_physics(const scenes::Scene& scene,
+                                        const study::ReferenceSolution& reference,
+                                        const MethodChoice& finely,
+                                        const study::Tolerance& tolerance) {
+  std::vector<Physics> negligible;
+  for (const Physics one : physics_of(scene.world)) {
+    std::vector<Physics> tried = negligible;
+    tried.push_back(one);
+    study::PlanModel model{few_copies(scene.world), scene.timeline, {}};
+    neglect(model.world, tried);
+    const study::Trial trial = study::attempt(model, finely, reference, tolerance, INFINITY);
+    if (trial.end == study::Trial::End::within) negligible = std::move(tried);
+  }
+  return negligible;
 }
 
 World few_copies(World world) {
@@ -182,6 +217,9 @@ std::string describe(const SceneModel& model, const scenes::Scene& scene) {
   }
   for (const std::string& body : model.links) {
     text += fmt::format("{}{} a link", text.empty() ? "" : ", ", body);
+  }
+  for (const Physics one : model.neglected) {
+    text += fmt::format("{}no {}", text.empty() ? "" : ", ", name_of(one));
   }
   return text.empty() ? "as it is written" : text;
 }

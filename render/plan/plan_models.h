@@ -15,16 +15,26 @@ namespace taut::planning {
 struct SceneModel {
   std::map<std::string, std::size_t> particles;  // of each connector, as Plan has them
   std::vector<std::string> links;                // bodies that are links, as Plan has them
+  std::vector<Physics> neglected;                // as Plan has it
   study::PlanModel model;                        // with every method's settings as candidates
   study::Trial alone;                            // the model's own error: solved finely
 };
 
 /// The scene as it is written, then with fewer and fewer particles: of each connector about 7/8,
 /// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one; each of these
-/// also with links for all bodies that can be links; and as massless spans. Candidates and trials
-/// are not yet set. `written` are the changes that the scene was read with.
+/// also with links for all bodies that can be links, and each without `negligible` physics; and as
+/// massless spans. Candidates and trials are not yet set. `written` are the changes that the scene
+/// was read with.
 std::vector<SceneModel> models_of(const scenes::Scene& scene,
-                                  const std::vector<scenes::SceneChange>& written);
+                                  const std::vector<scenes::SceneChange>& written,
+                                  const std::vector<Physics>& negligible);
+
+/// The physics of the scene's connectors that may be left out together: each in turn, solved by
+/// `finely`, changes no point by more than the tolerance.
+std::vector<Physics> negligible_physics(const scenes::Scene& scene,
+                                        const study::ReferenceSolution& reference,
+                                        const MethodChoice& finely,
+                                        const study::Tolerance& tolerance);
 
 /// Every method that follows the world, at every setting of its sweep, with steps that divide a
 /// frame of 1/`fps` s and are at most `longest_step` (s); the default method first.
@@ -37,6 +47,7 @@ struct ModelErrors {
   std::optional<double> rope;  // from continuous ropes, where these tell
   std::optional<double> span;  // of massless spans from the scene's chains
   std::optional<double> link;  // of links in the place of rigid bodies
+  std::map<Physics, double> physics;  // of leaving one alone out
 };
 
 /// Solves the refined models by `finely`. A motion that is not predictable has no such errors.

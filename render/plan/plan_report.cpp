@@ -9,6 +9,7 @@
 #include "render/chart/table.h"
 #include "render/options/method_options.h"
 #include "render/options/study_options.h"
+#include "render/program/json.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/topology/span.h"
 
@@ -190,6 +191,12 @@ std::string plan_text(const Planned& planned) {
                          options::rounded(100 * reference.most.speeds)));
   }
   const ModelErrors& off = planned.models_off;
+  for (const auto& [physics, error] : off.physics) {
+    const bool neglected = std::ranges::count(planned.model().neglected, physics) > 0;
+    line(std::string(name_of(physics)).c_str(),
+         fmt::format("without it the motion is {} {} off: {}", options::rounded(error), unit,
+                     neglected ? "neglected" : "kept"));
+  }
   if (off.rope) {
     line("rope", fmt::format("the scene's chains are {} {} from continuous ropes, as {} and {} {} "
                              "from twice and four times the links tell",
@@ -248,6 +255,7 @@ std::string plan_json(const Planned& planned) {
                                  {"settings", options::settings_json(planned.plan.method.settings)},
                                  {"particles", planned.plan.particles},
                                  {"bodies_as_links", planned.plan.links},
+                                 {"neglected", names_of(planned.plan.neglected)},
                                  {"checked_by", checked_by(reference)},
                                  {"scored_metres", planned.scored},
                                  {"exact_known_to", planned.asked.per_metre * reference.self_error},
@@ -261,6 +269,9 @@ std::string plan_json(const Planned& planned) {
     if (off.span) json["model_error"]["massless_span"] = *off.span;
   }
   if (off.link) json["model_error"]["bodies_as_links"] = *off.link;
+  for (const auto& [physics, error] : off.physics) {
+    json["model_error"]["without"][std::string(name_of(physics))] = program::number_or_null(error);
+  }
   if (const auto& blur = planned.blur) {
     json["exposures"] = {{"most", blur->most},
                          {"mean", blur->mean},

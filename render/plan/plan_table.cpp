@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "render/options/method_options.h"
 #include "render/options/study_options.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/load/plan_file.h"
@@ -17,6 +18,7 @@ std::string model_of(const scenes::Plan& plan) {
                       : connector + ": a massless span");
   }
   for (const std::string& body : plan.links) add(body + " a link");
+  for (const Physics one : plan.neglected) add(fmt::format("no {}", name_of(one)));
   if (plan.exposures > 0) add(fmt::format("{} exposures", plan.exposures));
   return text;
 }
@@ -53,6 +55,31 @@ chart::Table plan_table(const std::vector<std::string>& scenes) {
   chart::Table table{{"scene", "asked", "model", "method", "found"}, {}};
   for (const std::string& scene : scenes) table.add(row_of(scenes::load_scene(scene, false)));
   return table;
+}
+
+program::Json plans_json(const std::vector<std::string>& files) {
+  program::Json list = program::Json::array();
+  for (const std::string& file : files) {
+    const scenes::Scene scene = scenes::load_scene(file, false);
+    program::Json one = {{"scene", file}, {"plan", nullptr}, {"strange", scene.strange_plan}};
+    if (scene.plan) {
+      const scenes::Plan& plan = *scene.plan;
+      one["plan"] = {{"tolerance", plan.tolerance},
+                     {"error", plan.error},
+                     {"error_unit", scenes::read_length(plan.tolerance)->unit},
+                     {"until_s", plan.until},
+                     {"method", plan.method.name},
+                     {"settings", options::settings_json(plan.method.settings)},
+                     {"particles", plan.particles},
+                     {"bodies_as_links", plan.links},
+                     {"neglected", names_of(plan.neglected)},
+                     {"exposures", plan.exposures},
+                     {"scene_changed", plan.stamp != scenes::plan_stamp(scene.file)},
+                     {"method_changed", plan.program != scenes::method_stamp(plan.method)}};
+    }
+    list.push_back(std::move(one));
+  }
+  return {{"scenes", std::move(list)}};
 }
 
 }  // namespace taut::planning

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/files/error.h"
+
 namespace taut::studies {
 namespace {
 
@@ -99,20 +101,64 @@ MapAxis stiffness() {
           true};
 }
 
+/// A stiffness of the rope's material, which its scene gives under `key`: `unit` times powers of
+/// ten.
+MapAxis material_axis(const scenes::Scene& scene, const std::string& key, const std::string& label,
+                      double unit, double from, double until) {
+  MapAxis axis{key,
+               label,
+               true,
+               {},
+               [key = options::connector_key(scene, key)](double value) {
+                 return std::vector<scenes::SceneChange>{{key, fmt::format("{:.17g}", value)}};
+               },
+               ""};
+  const double decade = std::pow(10, std::ceil(std::log10(unit)));
+  for (double share = from; share < 2 * until; share *= 10) axis.values.push_back(share * decade);
+  return axis;
+}
+
+/// The stiffnesses that the rope's sections have: EA in its load's and its own weight, EI in that
+/// times the length squared. None where the scene gives them by its `material`.
+void add_material_axes(const options::StudyOptions& options, const scenes::Scene& scene,
+                       std::vector<MapAxis>& axes) {
+  const Connector& rope = scene.world.connectors.front();
+  if (rope.sections.empty()) return;
+  const Section& section = rope.sections.front();
+  const double weight = (rope.mass + load_of(scene)) * scene.world.gravity.norm();
+  if (!(weight > 0 && rope.length > 0)) return;
+  const auto add = [&](const MapAxis& axis) {
+    try {
+      options::study_scene(options, axis.changes(axis.values.front()));
+      axes.push_back(axis);
+    } catch (const scenes::BadScene&) {
+      // Another key of the scene has the stiffness.
+    }
+  };
+  if (std::isfinite(section.axial_stiffness)) {
+    add(material_axis(scene, "axial_stiffness", "axial stiffness EA (N)", weight, 10, 1e6));
+  }
+  if (section.bending_stiffness > 0) {
+    add(material_axis(scene, "bending_stiffness", "bending stiffness EI (N m²)",
+                      weight * rope.length * rope.length, 1e-6, 1));
+  }
+}
+
 }  // namespace
 
-std::vector<MapAxis> map_axes(const scenes::Scene& scene, bool quick) {
+std::vector<MapAxis> map_axes(const options::StudyOptions& options, const scenes::Scene& scene) {
   const Connector& rope = scene.world.connectors.front();
   std::vector<MapAxis> axes;
   if (const double load = load_of(scene); load > 0) axes.push_back(mass_ratio(scene, load));
   axes.push_back(particles(scene));
   axes.push_back(stiffness());
+  add_material_axes(options, scene, axes);
   if (rope.holds.size() == 1 && rope.holds.front().particle == 0 &&
       rope.holds.front().to.kind == Attachment::Kind::fixed) {
     axes.push_back(driven_speed(scene));
     axes.push_back(start_angle(scene));
   }
-  for (MapAxis& axis : axes) axis.values = thinned(axis.values, quick);
+  for (MapAxis& axis : axes) axis.values = thinned(axis.values, options.quick);
   return axes;
 }
 

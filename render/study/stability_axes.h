@@ -24,8 +24,9 @@ struct MapAxis {
 };
 
 /// The axes that the scene has: mass ratio where it carries a load, start angle and driven speed
-/// where it hangs from one fixed point. `quick`: every other value.
-std::vector<MapAxis> map_axes(const scenes::Scene& scene, bool quick);
+/// where it hangs from one fixed point, the stiffnesses of its material where it has one. Every
+/// other value where the options ask for a quick answer.
+std::vector<MapAxis> map_axes(const options::StudyOptions& options, const scenes::Scene& scene);
 
 /// True where the map of `axis` shows the contender.
 bool takes_part(const options::Contender& contender, const MapAxis& axis);

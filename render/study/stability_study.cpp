@@ -194,7 +194,7 @@ StabilityStudy stability_study(const options::StudyOptions& options, const scene
   study.scored = !options.quick;
   study.duration = options.quick ? 0.5 : 1.0;
   study.contenders = options::chosen_contenders(options);
-  const std::size_t total = all_places(study, map_axes(scene, options.quick)).size();
+  const std::size_t total = all_places(study, map_axes(options, scene)).size();
   // Most cells take far less than their share, so a cell may take several.
   study.cap = 8 * options.budget / static_cast<double>(std::max<std::size_t>(1, total));
   return study;
@@ -205,7 +205,7 @@ program::Journal map_all(StabilityStudy& study, const options::StudyOptions& opt
                          const std::string& journal_name, const program::Common& common,
                          const std::function<void(const StabilityMap&)>& mapped) {
   const bool merge = options.part.merge;
-  const std::vector<MapAxis> axes = map_axes(scene, options.quick);
+  const std::vector<MapAxis> axes = map_axes(options, scene);
   const std::vector<CellPlace> places = all_places(study, axes);
   std::size_t pieces = 0;
   for (const MapAxis& axis : axes) {
@@ -244,7 +244,7 @@ program::Journal map_all(StabilityStudy& study, const options::StudyOptions& opt
 
 int map_part(const StabilityStudy& study, const options::StudyOptions& options,
              const scenes::Scene& scene, const program::Common& common) {
-  const std::vector<MapAxis> axes = map_axes(scene, options.quick);
+  const std::vector<MapAxis> axes = map_axes(options, scene);
   const std::vector<CellPlace> places = all_places(study, axes);
   std::optional<Column> column;
   CellPlace of_column;

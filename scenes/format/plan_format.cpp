@@ -41,6 +41,10 @@ const TableFormat& plan_format() {
        needed(text("stamp", "Hash of what the plan was made from.")),
        needed(text("program", "Hash of how the method moves, in the program that made it.")),
        needed({.name = "method", .type = Type::method, .meaning = "What solves it."}),
+       {.name = "neglected",
+        .type = Type::texts,
+        .meaning =
+            "Physics of connectors that need not be followed: air, twist, bending, stretch."},
        table("connectors", "How many particles will do.", connector, Type::named),
        table("bodies", "Those that need be no rigid bodies.", body, Type::named)}};
   return format;

@@ -68,6 +68,7 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
       connector.model = ConnectorModel::span;
     }
   }
+  neglect(scene.world, plan->neglected);
   for (std::size_t b = 0; b < scene.world.bodies.size(); ++b) {
     Body& body = scene.world.bodies[b];
     if (std::ranges::find(plan->links, body.name) == plan->links.end()) continue;

@@ -161,6 +161,13 @@ std::string with_plan(std::string_view text, const Plan& plan) {
   if (plan.exposures > 0) table += fmt::format("exposures = {}\n", plan.exposures);
   table += fmt::format("stamp = \"{:016x}\"\nprogram = \"{:016x}\"\nmethod = {{ {} }}\n",
                        plan.stamp, plan.program, method);
+  if (!plan.neglected.empty()) {
+    std::string names;
+    for (const Physics one : plan.neglected) {
+      names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", name_of(one));
+    }
+    table += fmt::format("neglected = [{}]\n", names);
+  }
   if (!connectors.empty()) table += fmt::format("connectors = {{ {} }}\n", connectors);
   if (!bodies.empty()) table += fmt::format("bodies = {{ {} }}\n", bodies);
   return without_plan(text) + "\n\n" + table;

@@ -56,6 +56,13 @@ Plan read_plan(const Document& document, const Value& table, int fps) {
   plan.stamp = hexadecimal(document, *table.find("stamp"));
   plan.program = hexadecimal(document, *table.find("program"));
   plan.method = read_method(document, table.find("method"), fps);
+  if (const Value* neglected = table.find("neglected")) {
+    for (const Value& name : neglected->children) {
+      const auto physics = physics_named(name.text);
+      if (!physics) document.mismatch(name, "one of: air, twist, bending, stretch");
+      plan.neglected.push_back(*physics);
+    }
+  }
   each_of_scene(
       document, table, "connectors", "is no connector of the scene", [&](const Value& one) {
         plan.particles[one.name] = static_cast<std::size_t>(number_or(one, "particles", 0));

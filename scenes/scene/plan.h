@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "scenes/scene/scene_method.h"
+#include "sim/run/neglect.h"
 
 namespace taut::scenes {
 
@@ -43,6 +44,7 @@ struct Plan {
   MethodChoice method = {};
   std::map<std::string, std::size_t> particles = {};  // of each; 0: a massless span
   std::vector<std::string> links = {};                // bodies that are links
+  std::vector<Physics> neglected = {};                // of all connectors
 };
 
 /// A tolerance as people write it.

@@ -56,6 +56,37 @@ double lowest_potential(const World& world) {
   return energy;
 }
 
+bool stretches(const Connector& connector) {
+  return std::ranges::any_of(connector.sections, [](const Section& section) {
+    return std::isfinite(section.axial_stiffness);
+  });
+}
+
+/// The largest change of a link's length in a state, as a share of its rest length.
+double stretch_of(const World& world, const Snapshot& state) {
+  double most = 0;
+  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
+    const std::vector<Vec3>& at = state.connectors[c];
+    for (std::size_t k = 0; k + 1 < at.size(); ++k) {
+      const double rest = world.connectors[c].rest[k];
+      if (rest > 0) most = std::max(most, std::abs((at[k + 1] - at[k]).norm() / rest - 1));
+    }
+  }
+  return most;
+}
+
+/// The stretch that is an error: all of it where links are rigid; where some stretch by their
+/// material, as much as they stretch more than in the reference.
+double wrong_stretch(const World& world, const Run& run, const truth::Reference* reference) {
+  if (std::ranges::none_of(world.connectors, stretches)) return run.stretch_max;
+  double most = 0;
+  for (std::size_t k = 0; reference && k < reference->frames.size(); ++k) {
+    if (k >= run.stretch.size() || reference->frames[k].time > reference->horizon) break;
+    most = std::max(most, run.stretch[k] - stretch_of(world, reference->frames[k]));
+  }
+  return most;
+}
+
 }  // namespace
 
 double total_length(const World& world) {
@@ -75,7 +106,7 @@ double available_energy(const World& world) {
 Classification classify(const Problem& problem, const Run& run, const truth::Reference* reference,
                         const ClassLimits& limits) {
   Classification classification;
-  classification.stretch = run.stretch_max;
+  classification.stretch = wrong_stretch(problem.world, run, reference);
   if (is_closed(problem.world) && problem.timeline.empty()) {
     const double scale = available_energy(problem.world);
     const auto share = [scale](double energy) { return energy > 0 ? energy / scale : 0; };

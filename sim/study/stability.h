@@ -30,7 +30,7 @@ struct ClassLimits {
 struct Classification {
   MotionClass motion_class = MotionClass::plausible;
   double gain = 0, loss = 0;  // of the available energy
-  double stretch = 0;
+  double stretch = 0;         // of a link's length; beyond its material's
   double error = std::numeric_limits<double>::quiet_NaN();  // RMS, of the length
 };
 

@@ -194,7 +194,7 @@ void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
                               study::frame_times(scene.duration, scene.fps), scene.timeline},
                              metres, 1e9, [](double) {});
   std::size_t tried = 0;
-  for (const planning::SceneModel& one : planning::models_of(scene, {})) {
+  for (const planning::SceneModel& one : planning::models_of(scene, {}, {})) {
     for (const MethodChoice& candidate : planning::all_candidates(one.model.world, scene.fps)) {
       const study::Trial trial = study::attempt(one.model, candidate, reference, asked, enough);
       EXPECT_NE(trial.end, study::Trial::End::within)
