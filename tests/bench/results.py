@@ -76,7 +76,7 @@ class Workshop:
     def check(self, result):
         old = self.place(result)
         if result.measured:
-            if not re.search(r"^\*Measured \d{4}-\d\d-\d\d at [0-9a-f]{7,}, .*\*$", old, re.MULTILINE):
+            if not re.search(r"^\*Measured \d{4}-\d\d-\d\d at [0-9a-f]{7,}, \d+ cores of .*, load [\d.]+: `.*\*$", old, re.MULTILINE):
                 raise Failed(f"{result.page}: the place has no line with date, commit and machine")
             return
         if old.strip() != result.make(self).strip():

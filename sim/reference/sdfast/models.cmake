@@ -1,8 +1,8 @@
 # Models of chains by SD/FAST's generator, where there is one: sim/README.md says how to get it. Nothing that it
 # writes is kept in the sources.
 find_program(TAUT_SDFAST sdfast DOC "SD/FAST's generator, for the method sdfast")
-set(TAUT_SDFAST_LINKS 1 5 10 20 40 80 CACHE STRING "Numbers of links that the method sdfast has planar models for")
-set(TAUT_SDFAST_BALL_LINKS 1 5 10 20 CACHE STRING "The same with ball joints")
+set(TAUT_SDFAST_LINKS 1 5 10 20 40 50 80 CACHE STRING "Numbers of links that the method sdfast has planar models for")
+set(TAUT_SDFAST_BALL_LINKS 1 5 10 20 50 CACHE STRING "The same with ball joints")
 # Kane's code grows with more than the square of the links: 1.3 MB for 10 on ball joints, 5 MB and minutes of
 # compiling for 20.
 set(TAUT_SDFAST_KANE_LINKS 1 5 10 20 40 CACHE STRING "As TAUT_SDFAST_LINKS, for Kane's formulation")
