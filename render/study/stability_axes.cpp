@@ -119,28 +119,31 @@ MapAxis material_axis(const scenes::Scene& scene, const std::string& key, const 
 }
 
 /// The stiffnesses that the rope's sections have: EA in its load's and its own weight, EI in that
-/// times the length squared. None where the scene gives them by its `material`.
-void add_material_axes(const options::StudyOptions& options, const scenes::Scene& scene,
-                       std::vector<MapAxis>& axes) {
+/// times the length squared.
+void add_material_axes(const scenes::Scene& scene, std::vector<MapAxis>& axes) {
   const Connector& rope = scene.world.connectors.front();
   if (rope.sections.empty()) return;
   const Section& section = rope.sections.front();
   const double weight = (rope.mass + load_of(scene)) * scene.world.gravity.norm();
   if (!(weight > 0 && rope.length > 0)) return;
-  const auto add = [&](const MapAxis& axis) {
-    try {
-      options::study_scene(options, axis.changes(axis.values.front()));
-      axes.push_back(axis);
-    } catch (const scenes::BadScene&) {
-      // Another key of the scene has the stiffness.
-    }
-  };
   if (std::isfinite(section.axial_stiffness)) {
-    add(material_axis(scene, "axial_stiffness", "axial stiffness EA (N)", weight, 10, 1e6));
+    axes.push_back(
+        material_axis(scene, "axial_stiffness", "axial stiffness EA (N)", weight, 10, 1e6));
   }
   if (section.bending_stiffness > 0) {
-    add(material_axis(scene, "bending_stiffness", "bending stiffness EI (N m²)",
-                      weight * rope.length * rope.length, 1e-6, 1));
+    axes.push_back(material_axis(scene, "bending_stiffness", "bending stiffness EI (N m²)",
+                                 weight * rope.length * rope.length, 1e-6, 1));
+  }
+}
+
+/// Whether the scene can have the value: its start may need more particles, and a stiffness follow
+/// from another key.
+bool is_possible(const options::StudyOptions& options, const MapAxis& axis, double value) {
+  try {
+    if (axis.changes) options::study_scene(options, axis.changes(value));
+    return true;
+  } catch (const scenes::BadScene&) {
+    return false;
   }
 }
 
@@ -152,13 +155,17 @@ std::vector<MapAxis> map_axes(const options::StudyOptions& options, const scenes
   if (const double load = load_of(scene); load > 0) axes.push_back(mass_ratio(scene, load));
   axes.push_back(particles(scene));
   axes.push_back(stiffness());
-  add_material_axes(options, scene, axes);
+  add_material_axes(scene, axes);
   if (rope.holds.size() == 1 && rope.holds.front().particle == 0 &&
       rope.holds.front().to.kind == Attachment::Kind::fixed) {
     axes.push_back(driven_speed(scene));
     axes.push_back(start_angle(scene));
   }
-  for (MapAxis& axis : axes) axis.values = thinned(axis.values, options.quick);
+  for (MapAxis& axis : axes) {
+    axis.values = thinned(axis.values, options.quick);
+    std::erase_if(axis.values, [&](double value) { return !is_possible(options, axis, value); });
+  }
+  std::erase_if(axes, [](const MapAxis& axis) { return axis.values.size() < 2; });
   return axes;
 }
 
