@@ -139,9 +139,9 @@ void add_plan(CLI::App& app, program::Program& program) {
   taut plan scenes/rope_swing.toml --tolerance 1px --write
   taut render scenes/rope_swing.toml --planned
 
-It chooses the number of particles or a massless span, rigid bodies or links in their place, stretch,
-bending, twist and air that may be neglected, the method with its settings, and the exposures of the
-motion blur; by counts of work, so that the same
+It chooses the number of particles or a massless span, rigid bodies or links in their place, the
+stretch, bending, twist and air that may be neglected, the method with its settings, and the
+exposures of the motion blur; by counts of work, so that the same
 scene has the same plan on every machine. The scene as it is written, solved to convergence, is what
 it compares with: every particle and the ends of every body, at every frame and at all that the clip
 shows between them, as long as the motion is predictable; after that energy, stretch and speeds.
