@@ -9,6 +9,7 @@ namespace taut {
 namespace {
 
 constexpr std::array kAll = {Physics::air, Physics::twist, Physics::bending, Physics::stretch};
+constexpr std::array<std::string_view, kAll.size()> kNames = {"air", "twist", "bending", "stretch"};
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 
 bool stretches(const Section& section) {
@@ -61,17 +62,7 @@ void neglect(Connector& connector, Physics physics) {
 }  // namespace
 
 std::string_view name_of(Physics physics) {
-  switch (physics) {
-    case Physics::air:
-      return "air";
-    case Physics::twist:
-      return "twist";
-    case Physics::bending:
-      return "bending";
-    case Physics::stretch:
-      return "stretch";
-  }
-  return "";
+  return kNames[static_cast<std::size_t>(physics)];
 }
 
 std::vector<std::string_view> names_of(std::span<const Physics> physics) {
@@ -81,9 +72,9 @@ std::vector<std::string_view> names_of(std::span<const Physics> physics) {
 }
 
 std::optional<Physics> physics_named(std::string_view name) {
-  const auto found = std::ranges::find(kAll, name, name_of);
-  if (found == kAll.end()) return {};
-  return *found;
+  const auto found = std::ranges::find(kNames, name);
+  if (found == kNames.end()) return {};
+  return kAll[static_cast<std::size_t>(found - kNames.begin())];
 }
 
 std::vector<Physics> physics_of(const World& world) {
