@@ -193,6 +193,14 @@ std::vector<double> map_heights(const SettingInfo& setting, bool quick) {
     for (const Setting& value : setting.sweep) values.push_back(std::get<double>(value));
   }
   std::ranges::sort(values);
+  if (setting.name != "step") {
+    // Sweeps go over many decades: a value in each is a row that can be read.
+    std::vector<double> apart;
+    for (const double value : values) {
+      if (apart.empty() || value > 9 * apart.back()) apart.push_back(value);
+    }
+    values = std::move(apart);
+  }
   return thinned(std::move(values), quick);
 }
 
