@@ -26,10 +26,19 @@ AccuracyRow score(const Problem& problem, const truth::Reference& reference,
   if (result.end != Run::End::done) return row;
   row.steps = static_cast<double>(result.counters.steps) / problem.duration();
   row.solves = static_cast<double>(result.counters.solves) / problem.duration();
+  row.cpu = {result.cpu / problem.duration()};
   // Looking at states between the steps disturbs a brief run by more than it takes.
   constexpr double kBrief = 0.05;  // s
-  row.cpu = {(result.cpu < kBrief ? time_run(problem, candidate) : result.cpu) /
-             problem.duration()};
+  if (result.cpu >= kBrief) return row;
+  try {
+    row.cpu = {time_run(problem, candidate) / problem.duration()};
+  } catch (const Diverged& error) {
+    // An engine need not do the same twice.
+    row.end = Run::End::diverged;
+    row.reason = error.what();
+    row.cpu.clear();
+    row.errors.assign(metrics.size(), std::numeric_limits<double>::infinity());
+  }
   return row;
 }
 
