@@ -51,9 +51,14 @@ void Integrator::plan(const World& world, double time, const std::optional<Plane
        {&q_, &rate_, &acceleration_, &q_before_, &rate_before_, &q_between_, &rate_between_}) {
     *slice = arena_.make();
   }
-  dop853_.make_arrays(arena_);
+  dop853_.make_results(arena_);
+  rosenbrock_.make_results(arena_);
   adams_.make_arrays(arena_);
-  rosenbrock_.make_arrays(arena_);
+  // One of them tries a step at a time.
+  Arena::Line* const workspace = arena_.mark();
+  dop853_.make_workspace(arena_);
+  arena_.rewind(workspace);
+  rosenbrock_.make_workspace(arena_);
   longest_ = driven(world, component_) ? kConstants.longest_driven : kConstants.longest;
   cost_ = {Dop853Step::kCost, AdamsStep::kCost, RosenbrockStep::kCost};
   for (double& cost : cost_) cost += system_.projection_cost();

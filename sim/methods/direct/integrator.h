@@ -1,6 +1,7 @@
 // Step control: which scheme takes a step, how far it goes, and what becomes of one that fails.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -82,7 +83,8 @@ class Integrator {
 
  private:
   static constexpr std::size_t kArrays =
-      7 + Dop853Step::kArrays + AdamsStep::kArrays + RosenbrockStep::kArrays;
+      7 + Dop853Step::kResults + RosenbrockStep::kResults + AdamsStep::kArrays +
+      std::max(Dop853Step::kWorkspace, RosenbrockStep::kWorkspace);
   struct Rest {  // of a scheme that has handed over, before it is tried again
     int steps = 0, interval = 0;
   };

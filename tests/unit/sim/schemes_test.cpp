@@ -34,12 +34,15 @@ class Stepper {
   explicit Stepper(World world) : world_(std::move(world)) {
     const Component part = division_.divide(world_)[0];
     motion_.rebuild(world_, part, planes_.find(world_, part, 0, Vec3::Zero()));
-    arena_.reset(3 + Dop853Step::kArrays + AdamsStep::kArrays + RosenbrockStep::kArrays,
+    arena_.reset(3 + Dop853Step::kResults + Dop853Step::kWorkspace + AdamsStep::kArrays +
+                     RosenbrockStep::kResults + RosenbrockStep::kWorkspace,
                  motion_.size());
     for (Slice* slice : {&q_, &rate_, &first_}) *slice = arena_.make();
-    dop853_.make_arrays(arena_);
+    dop853_.make_results(arena_);
+    dop853_.make_workspace(arena_);
     adams_.make_arrays(arena_);
-    rosenbrock_.make_arrays(arena_);
+    rosenbrock_.make_results(arena_);
+    rosenbrock_.make_workspace(arena_);
     motion_.load(world_, 0, q_.data(), rate_.data());
   }
 

@@ -41,11 +41,15 @@ class Arena {
   /// Another one, of any numbers.
   Slice make() { return {std::exchange(next_, next_ + stride(size_))->numbers, size_}; }
 
- private:
   struct alignas(64) Line {
     Line() {}  // not even zeros
     double numbers[8];
   };
+  /// The place of the next array; rewound to there, the arena makes those behind it again.
+  Line* mark() const { return next_; }
+  void rewind(Line* mark) { next_ = mark; }
+
+ private:
   /// An odd number of lines.
   static std::size_t stride(std::size_t size) { return (size + 7) / 8 | 1; }
 

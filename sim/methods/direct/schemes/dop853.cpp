@@ -89,9 +89,13 @@ void error_of_order_3(std::size_t n, double h, const double* const* a, double* q
 
 }  // namespace
 
-void Dop853Step::make_arrays(Arena& arena) {
+void Dop853Step::make_results(Arena& arena) {
+  for (Slice* slice : {&q_, &rate_}) *slice = arena.make();
+}
+
+void Dop853Step::make_workspace(Arena& arena) {
   for (int s = 1; s < kStages; ++s) accelerations_[s] = arena.make();
-  for (Slice* slice : {&q_, &rate_, &error_q_, &error_rate_}) *slice = arena.make();
+  for (Slice* slice : {&error_q_, &error_rate_}) *slice = arena.make();
 }
 
 double Dop853Step::attempt(Motion& motion, double time, double h, const double* q,

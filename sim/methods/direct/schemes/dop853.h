@@ -11,8 +11,9 @@ namespace taut::direct {
 /// (Nystrom's form), so that only accelerations are kept.
 class Dop853Step {
  public:
-  /// Takes its arrays from `arena`.
-  void make_arrays(Arena& arena);
+  /// Takes the arrays of its results, and those that it needs within an attempt, from `arena`.
+  void make_results(Arena& arena);
+  void make_workspace(Arena& arena);
 
   /// Tries a step of h (s) from (q, rate) at `time`, whose acceleration is `first`; returns the
   /// estimated error (m).
@@ -36,7 +37,7 @@ class Dop853Step {
   /// measured.
   static constexpr double kCost = 12.5;
 
-  static constexpr std::size_t kArrays = kStages + 3;
+  static constexpr std::size_t kResults = 2, kWorkspace = kStages + 1;
 
  private:
   std::array<Slice, kStages> accelerations_;  // by stage; that of stage 0 is the caller's

@@ -120,10 +120,14 @@ void end_state(std::size_t n, const double* rate, Stages dx, Stages dy, double* 
 
 }  // namespace
 
-void RosenbrockStep::make_arrays(Arena& arena) {
+void RosenbrockStep::make_results(Arena& arena) {
+  for (Slice* slice : {&q_, &rate_}) *slice = arena.make();
+}
+
+void RosenbrockStep::make_workspace(Arena& arena) {
   for (Slice& slice : dx_) slice = arena.make();
   for (Slice& slice : dy_) slice = arena.make();
-  for (Slice* slice : {&q_, &rate_, &chart_rate_, &acceleration_, &error_q_, &error_rate_}) {
+  for (Slice* slice : {&chart_rate_, &acceleration_, &error_q_, &error_rate_}) {
     *slice = arena.make();
   }
 }

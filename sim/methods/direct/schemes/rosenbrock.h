@@ -17,8 +17,9 @@ namespace taut::direct {
 /// that the stages have factored. Hairer and Wanner, II, IV.8, filter so for the same reason.
 class RosenbrockStep {
  public:
-  /// Takes its arrays from `arena`.
-  void make_arrays(Arena& arena);
+  /// Takes the arrays of its results, and those that it needs within an attempt, from `arena`.
+  void make_results(Arena& arena);
+  void make_workspace(Arena& arena);
 
   /// Tries a step as Dop853Step::attempt(); the last acceleration that `motion` computed must be
   /// `first`. Infinite where a direction turns by a right angle.
@@ -35,7 +36,7 @@ class RosenbrockStep {
   }
 
   static constexpr int kStages = 4;
-  static constexpr std::size_t kArrays = 2 * kStages + 6;
+  static constexpr std::size_t kResults = 2, kWorkspace = 2 * kStages + 4;
   static constexpr double kErrorOrder = 3;
   /// The cost of a step beside projections, in accelerations; measured.
   static constexpr double kCost = 7;
