@@ -14,6 +14,7 @@ inline constexpr double kMostParticles = 1e5;  // of a connector
 inline constexpr double kMostFps = 1000;
 inline constexpr double kWidest = 16384;      // pixels
 inline constexpr double kMostTurn = 1e6;      // rad, of a clamp
+inline constexpr double kMostLaps = 1000;     // of a curve
 inline constexpr double kMostPaidOut = 1e9;   // m, by a winch
 inline constexpr double kMostFriction = 100;  // beyond, nothing ever slides
 
@@ -71,6 +72,7 @@ const TableFormat& start_format();
 const TableFormat& end_format();
 const TableFormat& pulley_format();
 const TableFormat& stage_format();
+const TableFormat& choreography_format();
 const TableFormat& plan_format();
 
 }  // namespace taut::scenes

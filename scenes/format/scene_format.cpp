@@ -315,6 +315,8 @@ const TableFormat& scene_format() {
             touching_format(), Type::named),
       table("pins", "Points of a connector that are held for a while.", pin_format(), Type::tables),
       table("cuts", "Places where a connector is divided for good.", cut_format(), Type::tables),
+      table("choreography", "Where a free body is led; taut choreograph finds the hand's path.",
+            choreography_format()),
       table("stage", "What pictures need beside the world.", stage_format()),
       table("plan", "What taut plan found; --planned takes it.", plan_format()),
   }};

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "scenes/format/format_keys.h"
 #include "scenes/format/old_keys.h"
 #include "scenes/load/plan_file.h"
+#include "scenes/reader/choreography.h"
 #include "scenes/reader/reader.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/run/coarser.h"
@@ -82,6 +84,21 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   scene.method = plan->method;
   if (scene.stage) take_exposures(*plan, *scene.stage);
   return scene;
+}
+
+std::optional<Choreographed> load_choreography(const std::filesystem::path& file,
+                                               const std::vector<SceneChange>& changes) {
+  Document document = read_document(file);
+  for (const auto& [key, value] : changes) change(document, key, value);
+  rename_old_keys(document);
+  std::vector<Value>& all = document.root.children;
+  const auto found = std::ranges::find(all, "choreography", &Value::name);
+  if (found == all.end()) return std::nullopt;
+  check_format(document, *found, choreography_format());
+  const Value table = std::move(*found);
+  all.erase(found);
+  const Scene scene = read_scene(document, false);
+  return read_choreography(document, table, Motions(document), scene);
 }
 
 }  // namespace taut::scenes

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "scenes/scene/choreographed.h"
 #include "scenes/scene/scene.h"
 
 namespace taut::scenes {
@@ -20,5 +22,10 @@ std::vector<std::string> old_keys(const std::filesystem::path& file);
 /// Reads a scene as its plan models and solves it. Throws BadScene, also where it has no plan or
 /// changed since the plan was made.
 Scene load_planned(const std::filesystem::path& file, bool with_stage);
+
+/// What a scene's choreography asks for, of the scene's world before the keys found; the file with
+/// them need not be there. Nothing where the scene has no choreography. Throws BadScene.
+std::optional<Choreographed> load_choreography(const std::filesystem::path& file,
+                                               const std::vector<SceneChange>& changes = {});
 
 }  // namespace taut::scenes

@@ -110,6 +110,10 @@ std::uint64_t plan_stamp(const std::filesystem::path& scene) {
       if (const Value* file = path.find("file")) hash.text(read_bytes(find_file(document, *file)));
     }
   }
+  if (const Value* choreography = document.root.find("choreography")) {
+    const Value* file = choreography->find("file");
+    if (file) hash.text(read_bytes(find_file(document, *file)));
+  }
   return hash.value();
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -20,7 +21,23 @@ Quat turned_to(const Quat& before, const Vec3& axis) {
   return (rotation_between(before * Vec3::UnitY(), axis) * before).normalized();
 }
 
-Path read_keys(const Document& document, const Value& list) {
+/// Puts a choreography's keys where they belong; the path rests before and after.
+void insert(const Document& document, const Value& list, const std::vector<PathKey>& found,
+            std::vector<PathKey>& keys) {
+  const double from = found.front().time, until = found.back().time;
+  const auto later = std::ranges::lower_bound(keys, from, {}, &PathKey::time);
+  if (later == keys.begin() || (later != keys.end() && later->time <= until)) {
+    document.fail_at_key(list, fmt::format("the choreography's file has the keys from {} to {} s: "
+                                           "expected one key before and none there",
+                                           from, until));
+  }
+  std::prev(later)->ease = true;
+  const auto first = keys.insert(later, found.begin(), found.end());
+  (first + static_cast<std::ptrdiff_t>(found.size()) - 1)->ease = true;
+}
+
+/// With the keys that a choreography has found.
+Path read_keys(const Document& document, const Value& list, const std::vector<PathKey>& found) {
   std::vector<PathKey> keys;
   for (const Value& entry : list.children) {
     const Value& time = *entry.find("t");
@@ -43,6 +60,7 @@ Path read_keys(const Document& document, const Value& list) {
       keys.push_back(key);
     }
   }
+  if (!found.empty()) insert(document, list, found, keys);
   return Path(std::move(keys));
 }
 
@@ -131,6 +149,16 @@ Path path_from_csv(const std::string& text, const std::filesystem::path& file) {
 
 namespace {
 
+/// The keys of the file that the scene's choreography names, where it leads the path of that name;
+/// else none.
+std::vector<PathKey> choreographed_keys(const Document& document, std::string_view path) {
+  const Value* table = document.root.find("choreography");
+  if (!table || table->find("path")->text != path) return {};
+  const Value& file = *table->find("file");
+  const auto found = find_file(document, file);
+  return with_place(document, file, [&] { return read_path_csv(found).keys(); });
+}
+
 Path read_file(const Document& document, const Value& value) {
   const auto file = find_file(document, value);
   return with_place(document, value, [&] { return read_path_csv(file); });
@@ -143,10 +171,11 @@ std::vector<std::shared_ptr<const Path>> read_paths(const Document& document) {
   if (const Value* table = document.root.find("paths")) {
     for (const Value& entry : table->children) {
       const Value& motion = entry.children.front();
-      paths.push_back(
-          std::make_shared<const Path>(motion.name == "keys"     ? read_keys(document, motion)
-                                       : motion.name == "circle" ? read_circle(document, motion)
-                                                                 : read_file(document, motion)));
+      paths.push_back(std::make_shared<const Path>(
+          motion.name == "keys"
+              ? read_keys(document, motion, choreographed_keys(document, entry.name))
+          : motion.name == "circle" ? read_circle(document, motion)
+                                    : read_file(document, motion)));
     }
   }
   return paths;

@@ -5,6 +5,7 @@
 #include "scenes/files/standard_input.h"
 #include "scenes/format/format.h"
 #include "scenes/format/old_keys.h"
+#include "scenes/reader/choreography.h"
 #include "scenes/reader/reader.h"
 
 namespace taut::scenes {
@@ -211,6 +212,9 @@ Scene read_scene(Document document, bool with_stage) {
   check_touching(document, scene.world);
   scene.timeline = read_timeline(document, motions, scene.world, scene.duration);
   check_curvatures(document, scene.world, scene.timeline);
+  if (const Value* table = root.find("choreography")) {
+    read_choreography(document, *table, motions, scene);  // only to say what is wrong with it
+  }
   if (plan) try_plan(document, *plan, scene);
   if (with_stage && root.find("stage")) read_stage(document, motions, scene);
   return scene;

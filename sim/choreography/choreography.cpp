@@ -45,22 +45,25 @@ std::vector<double> lengths(const std::vector<Vec3>& vectors) {
   return list;
 }
 
-void measure_hand(const Choreography& problem, double from, HandPath& found) {
-  const Path path(found.keys);
+}  // namespace
+
+HandMotion motion_of_hand(const Choreography& problem, const std::vector<PathKey>& keys) {
+  const Path path(keys);
+  const double from = hand_path(problem.world, problem.body)->keys().back().time;
   constexpr int kBetween = 4;
-  for (std::size_t k = 1; k < found.keys.size(); ++k) {
-    const double begin = found.keys[k - 1].time, end = found.keys[k].time;
-    if (begin < from) continue;
+  HandMotion most;
+  for (std::size_t k = 1; k < keys.size(); ++k) {
+    const double begin = keys[k - 1].time, end = keys[k].time;
+    if (begin < from || end > problem.until) continue;
     for (int i = 0; i <= kBetween; ++i) {
       const FrameMotion hand = path.at(begin + (end - begin) * i / kBetween);
-      found.reach = std::max(found.reach, (hand.position - problem.limits.shoulder).norm());
-      found.speed = std::max(found.speed, hand.velocity.norm());
-      found.acceleration = std::max(found.acceleration, hand.acceleration.norm());
+      most.reach = std::max(most.reach, (hand.position - problem.limits.shoulder).norm());
+      most.speed = std::max(most.speed, hand.velocity.norm());
+      most.acceleration = std::max(most.acceleration, hand.acceleration.norm());
     }
   }
+  return most;
 }
-
-}  // namespace
 
 std::vector<double> misses(const Choreography& problem, const std::vector<PathKey>& keys,
                            double tolerance) {
@@ -68,11 +71,11 @@ std::vector<double> misses(const Choreography& problem, const std::vector<PathKe
 }
 
 HandPath choreograph(const Choreography& problem, double within,
-                     const std::function<void(double)>& watch) {
+                     const std::function<void(double)>& watch, const std::function<void()>& tick) {
   if (problem.world.topology == 0) {
     Choreography finished = problem;
     finish(finished.world);
-    return choreograph(finished, within, watch);
+    return choreograph(finished, within, watch, tick);
   }
   const std::vector<PathKey> before = hand_path(problem.world, problem.body)->keys();
   const double from = before.back().time;
@@ -82,13 +85,12 @@ HandPath choreograph(const Choreography& problem, double within,
 
   HandPath best;
   double best_miss = std::numeric_limits<double>::infinity();
-  constexpr int kRounds = 12;
   constexpr double kWorthwhile = 0.9;  // of the miss before
   constexpr double kAstray = 0.2;      // m: what aims beside the points do not mend
   constexpr double kFinely = 0.01;     // of what is asked: how finely it is simulated
-  for (int round = 0; round < kRounds && best_miss > within; ++round) {
-    fit.solve(aims);
-    HandPath found{before, {}};
+  for (int round = 0; round < kMostRounds && best_miss > within; ++round) {
+    fit.solve(aims, tick);
+    HandPath found{before, {}, {}};
     found.keys.back().ease = true;
     for (const PathKey& key : fit.keys()) found.keys.push_back(key);
     const std::vector<Vec3> off = deviations(problem, found.keys, kFinely * within);
@@ -98,7 +100,7 @@ HandPath choreograph(const Choreography& problem, double within,
     const bool improves = miss < kWorthwhile * best_miss;
     if (miss < best_miss) {
       found.tension = fit.least_tension();
-      measure_hand(problem, from, found);
+      found.hand = motion_of_hand(problem, found.keys);
       best = std::move(found);
       best_miss = miss;
     }

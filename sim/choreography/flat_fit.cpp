@@ -38,11 +38,12 @@ double beyond_limit(double value, double limit) {
   return kBeyond * std::max(0.0, value / limit - kFullUse);
 }
 
-/// Gaussians as near as the shortest time between waypoints, and the body's own swing, ask for.
+/// Gaussians as near as waypoints, and the body's own swing, ask for; nearer ones would only let
+/// the fit end at motions that jerk between the instants looked at.
 double spacing_of(const Choreography& problem, double length) {
   double spacing = 2 * std::numbers::pi * std::sqrt(length / problem.world.gravity.norm()) / 8;
   for (std::size_t k = 1; k < problem.waypoints.size(); ++k) {
-    spacing = std::min(spacing, (problem.waypoints[k].time - problem.waypoints[k - 1].time) / 2);
+    spacing = std::min(spacing, problem.waypoints[k].time - problem.waypoints[k - 1].time);
   }
   return spacing;
 }
@@ -174,6 +175,7 @@ double FlatFit::fit(double gravities, double fine) {
   double now = cost(coefficients_), damping = kFirstDamping, growth = 2;
   linearize(normal, slope);
   for (int trial = 0; trial < kMostTrials; ++trial) {
+    if (tick_) tick_();
     damped = normal;
     damped.diagonal() *= 1 + damping;
     damped.diagonal().array() += kRidge * normal.diagonal().maxCoeff();
@@ -197,8 +199,9 @@ double FlatFit::fit(double gravities, double fine) {
   return now;
 }
 
-void FlatFit::solve(const std::vector<Vec3>& aims) {
+void FlatFit::solve(const std::vector<Vec3>& aims, const std::function<void()>& tick) {
   aims_ = aims;
+  tick_ = tick;
   double gravities = fitted_ ? 1 : kGravities, step = kFirstStep;
   for (double cost = fitted_ ? 0 : fit(gravities, kRoughly); gravities > 1 && step > kLastStep;) {
     const double next = std::max(1.0, gravities * std::exp(-step));

@@ -2,6 +2,7 @@
 // given points.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "sim/choreography/gaussian_sum.h"
@@ -20,7 +21,8 @@ class FlatFit {
   /// The fit by Levenberg and Marquardt's method, from the last one. The first one begins under a
   /// gravity so large that the body hangs, and follows the fit down to the world's: so the chain
   /// stays taut all the way, where a fit at once would stop at motions that it cannot follow.
-  void solve(const std::vector<Vec3>& aims);
+  /// `tick` is called now and then.
+  void solve(const std::vector<Vec3>& aims, const std::function<void()>& tick);
 
   /// The hand's keys after `from`, at rest at the last.
   std::vector<PathKey> keys() const;
@@ -56,6 +58,7 @@ class FlatFit {
   GaussianSum curve_;
   std::vector<Instant> instants_;
   std::vector<Vec3> aims_;
+  std::function<void()> tick_;
   Eigen::VectorXd coefficients_;
   bool fitted_ = false;
 };

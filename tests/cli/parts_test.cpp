@@ -24,7 +24,7 @@ Words operator+(Words words, const Words& more) {
   return words;
 }
 
-class Parts : public testing::Test {
+class RenderParts : public testing::Test {
  protected:
   ProgramResult run(const Words& words) const { return run_taut(words, folder_.path()); }
   void must(const Words& words) const {
@@ -86,7 +86,7 @@ TEST(Part, EveryPieceIsOfOnePartAndPartsAreEven) {
   }
 }
 
-TEST_F(Parts, OfAClipMakeTheBytesOfOneRun) {
+TEST_F(RenderParts, OfAClipMakeTheBytesOfOneRun) {
   folder_.write("swing.toml", swing_scene(0.4));
   const Words render{"render", "swing.toml"}, parts = render + Words{"--out", "parts"};
   must(render + Words{"--out", "whole"});
@@ -114,7 +114,7 @@ TEST_F(Parts, OfAClipMakeTheBytesOfOneRun) {
   EXPECT_EQ(nlohmann::json::parse(whole.output).at("frames_drawn"), 0);
 }
 
-TEST_F(Parts, OfAnotherClipAreNotMerged) {
+TEST_F(RenderParts, OfAnotherClipAreNotMerged) {
   folder_.write("swing.toml", swing_scene(0.1));
   const Words render{"render", "swing.toml", "--no-video"};
   const ProgramResult none = run(render + Words{"--merge"});
@@ -136,7 +136,7 @@ TEST_F(Parts, OfAnotherClipAreNotMerged) {
   }
 }
 
-TEST_F(Parts, OfStabilityMapsMakeTheBytesOfOneRun) {
+TEST_F(RenderParts, OfStabilityMapsMakeTheBytesOfOneRun) {
   folder_.write("swing.toml", kShortSwing);
   const Words maps{"stability",       "swing.toml", "--quick", "--methods",
                    "springs,impulse", "--budget",   "20"};
@@ -166,7 +166,7 @@ std::vector<Words> untimed(const fs::path& file) {
   return rows;
 }
 
-TEST_F(Parts, OfAChartMakeTheErrorsOfOneRun) {
+TEST_F(RenderParts, OfAChartMakeTheErrorsOfOneRun) {
   folder_.write("swing.toml", kShortSwing);
   const Words chart{"chart",    "swing.toml", "--methods", "impulse,springs,direct",
                     "--budget", "60",         "--quick"};
@@ -183,7 +183,7 @@ TEST_F(Parts, OfAChartMakeTheErrorsOfOneRun) {
   EXPECT_TRUE(files("parts") == first) << "merging is a function of the parts alone";
 }
 
-TEST_F(Parts, OfWorkPrecisionMergeToOneTable) {
+TEST_F(RenderParts, OfWorkPrecisionMergeToOneTable) {
   folder_.write("a.toml", kShortSwing);
   folder_.write("b.toml", kShortSwing);
   const Words command{"work-precision", "a.toml",      "b.toml",   "--methods", "impulse,direct",
@@ -203,7 +203,7 @@ TEST_F(Parts, OfWorkPrecisionMergeToOneTable) {
   EXPECT_EQ(run(command + Words{"--merge", "--json", "-q"}).output, merged.output);
 }
 
-TEST_F(Parts, SayWhatTheyDidAsTheSchemaHasIt) {
+TEST_F(RenderParts, SayWhatTheyDidAsTheSchemaHasIt) {
   folder_.write("swing.toml", swing_scene(0.1));
   const ProgramResult part = run({"render", "swing.toml", "--part", "1/2", "--json", "-q"});
   ASSERT_EQ(part.code, 0) << part.messages;
@@ -214,7 +214,7 @@ TEST_F(Parts, SayWhatTheyDidAsTheSchemaHasIt) {
 }
 
 /// `make` with the installed rules, killed with all its parts in the middle, and again.
-TEST_F(Parts, OfMakeGoOnAfterAKill) {
+TEST_F(RenderParts, OfMakeGoOnAfterAKill) {
   if (run_taut({"--version"}).code != 0 || Child({"make", "--version"}, "/").wait().code != 0) {
     GTEST_SKIP() << "make is not installed";
   }

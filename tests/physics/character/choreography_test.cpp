@@ -187,9 +187,9 @@ TEST(Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) {
   const choreography::HandPath found =
       choreography::choreograph(problem, 0.002, [&](double miss) { told = miss; });
   EXPECT_LE(told, 0.002);
-  EXPECT_LE(found.reach, problem.limits.reach);
-  EXPECT_LE(found.speed, problem.limits.speed);
-  EXPECT_LE(found.acceleration, problem.limits.acceleration);
+  EXPECT_LE(found.hand.reach, problem.limits.reach);
+  EXPECT_LE(found.hand.speed, problem.limits.speed);
+  EXPECT_LE(found.hand.acceleration, problem.limits.acceleration);
   EXPECT_GT(found.tension, 0.1);
   EXPECT_EQ(found.keys.front().position, Vec3::Zero());
   // Again by a finer simulation.

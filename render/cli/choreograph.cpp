@@ -1,0 +1,188 @@
+// taut choreograph: the hand's path that leads a free body through given points.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "render/base/atomic_file.h"
+#include "render/base/interrupt.h"
+#include "render/options/scene_options.h"
+#include "render/program/command.h"
+#include "render/program/note.h"
+#include "render/program/progress.h"
+#include "scenes/load/load_scene.h"
+#include "sim/choreography/choreography.h"
+#include "sim/choreography/hand_frame.h"
+
+namespace taut::cli {
+namespace choreograph_command {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  options::SceneOptions inputs;
+  std::string scene, out;
+  bool as_it_stands = false;
+};
+
+constexpr double kCertain = 0.01;  // of `within`: the tolerance of the simulation that measures
+
+/// As the file has them.
+std::vector<PathKey> rounded(std::vector<PathKey> keys) {
+  const auto cut = [](double number, double decimals) {
+    const double scale = std::pow(10, decimals);
+    return std::round(number * scale) / scale;
+  };
+  for (PathKey& key : keys) {
+    key.time = cut(key.time, 6);
+    for (double& x : key.position) x = cut(x, 7);
+    for (double& x : key.rotation.coeffs()) x = cut(x, 8);
+  }
+  return keys;
+}
+
+std::string csv(const std::vector<PathKey>& keys) {
+  std::string text = "t,x,y,z,qw,qx,qy,qz\n";
+  for (const PathKey& key : keys) {
+    text += fmt::format("{:.6f},{:.7f},{:.7f},{:.7f},{:.8f},{:.8f},{:.8f},{:.8f}\n", key.time,
+                        key.position.x(), key.position.y(), key.position.z(), key.rotation.w(),
+                        key.rotation.x(), key.rotation.y(), key.rotation.z());
+  }
+  return text;
+}
+
+struct Certificate {
+  std::vector<double> misses;  // m, of each waypoint
+  choreography::HandMotion hand;
+
+  double worst() const { return *std::ranges::max_element(misses); }
+};
+
+bool keeps_to(const choreography::HandMotion& hand, const choreography::HandLimits& limits) {
+  return hand.reach <= limits.reach && hand.speed <= limits.speed &&
+         hand.acceleration <= limits.acceleration;
+}
+
+std::string as_text(const Certificate& found, const scenes::Choreographed& asked) {
+  const auto& waypoints = asked.problem.waypoints;
+  const auto worst = std::ranges::max_element(found.misses);
+  return fmt::format(
+      "{} waypoints, passed within {:.2f} mm, the worst at {:.3f} s (asked: {:g} mm)\n"
+      "hand: at most {:.3f} m from the shoulder, {:.2f} m/s, {:.1f} m/s^2{}\n",
+      waypoints.size(), 1e3 * *worst, waypoints[std::size_t(worst - found.misses.begin())].time,
+      1e3 * asked.within, found.hand.reach, found.hand.speed, found.hand.acceleration,
+      keeps_to(found.hand, asked.problem.limits) ? "" : ", beyond its limits");
+}
+
+std::string as_json(const Options& options, const Certificate& found,
+                    const scenes::Choreographed& asked, const fs::path& file) {
+  nlohmann::ordered_json json = {{"scene", options.scene},
+                                 {"file", file.string()},
+                                 {"within_m", asked.within},
+                                 {"worst_m", found.worst()},
+                                 {"keeps_limits", keeps_to(found.hand, asked.problem.limits)},
+                                 {"hand_reach_m", found.hand.reach},
+                                 {"hand_speed_m_s", found.hand.speed},
+                                 {"hand_acceleration_m_s2", found.hand.acceleration}};
+  json["waypoints"] = nlohmann::ordered_json::array();
+  for (std::size_t k = 0; k < found.misses.size(); ++k) {
+    json["waypoints"].push_back(
+        {{"t_s", asked.problem.waypoints[k].time}, {"missed_by_m", found.misses[k]}});
+  }
+  return json.dump(2) + '\n';
+}
+
+Certificate certify(const scenes::Choreographed& asked, const std::vector<PathKey>& keys) {
+  return {choreography::misses(asked.problem, keys, kCertain * asked.within),
+          choreography::motion_of_hand(asked.problem, keys)};
+}
+
+/// The keys as they stand in the scene's file.
+std::vector<PathKey> keys_of(const Options& options, const scenes::Choreographed& asked) {
+  const scenes::Scene scene =
+      scenes::load_scene(options.scene, false, options::scene_changes(options.inputs.set));
+  return choreography::hand_path(scene.world, asked.problem.body)->keys();
+}
+
+std::vector<PathKey> find(const scenes::Choreographed& asked, bool quiet) {
+  program::Progress progress("choreographing", "rounds", choreography::kMostRounds, quiet);
+  std::uint64_t rounds = 0;
+  const auto watch = [&](double) { progress.update(++rounds); };
+  return rounded(
+      choreography::choreograph(asked.problem, asked.within, watch, render::stop_if_interrupted)
+          .keys);
+}
+
+int run(const Options& options, const program::Common& common) {
+  const auto asked =
+      scenes::load_choreography(options.scene, options::scene_changes(options.inputs.set));
+  if (!asked) {
+    throw program::Misuse(fmt::format("{}: has no [choreography]", options.scene));
+  }
+  const fs::path file = options.out.empty() ? asked->file : fs::path(options.out);
+  if (options.as_it_stands) {
+    const Certificate found = certify(*asked, keys_of(options, *asked));
+    render::write_output(common.json ? as_json(options, found, *asked, asked->file)
+                                     : as_text(found, *asked));
+    return found.worst() <= asked->within ? program::kDone : program::kUsage;
+  }
+  render::AtomicFile output(file);
+  const std::vector<PathKey> keys = find(*asked, common.quiet);
+  const Certificate found = certify(*asked, keys);
+  const std::size_t before =
+      choreography::hand_path(asked->problem.world, asked->problem.body)->keys().size();
+  render::write_output(common.json ? as_json(options, found, *asked, file)
+                                   : as_text(found, *asked));
+  if (!(found.worst() <= asked->within)) {
+    throw program::Misuse(fmt::format(
+        "{}: comes within {:.2f} mm, asked for {:g} mm; {} is not written. More time between the "
+        "waypoints, wider limits or a larger `within` make it easier",
+        options.scene, 1e3 * found.worst(), 1e3 * asked->within, file.string()));
+  }
+  output.write(csv({keys.begin() + std::ptrdiff_t(before), keys.end()}));
+  output.commit();
+  return program::kDone;
+}
+
+}  // namespace
+}  // namespace choreograph_command
+
+void add_choreograph(CLI::App& app, program::Program& program) {
+  using namespace choreograph_command;
+  program::Command command = program::add_command(
+      app, program, "choreograph", "The hand's path that leads a free stick through given points",
+      R"(  taut choreograph scenes/choreography/turning_eight.toml
+  taut choreograph scenes/choreography/turning_eight.toml --as-it-stands
+  taut choreograph scenes/choreography/turning_eight.toml -o path.csv --json
+
+The scene's [choreography] says where a point of a free body, such as the tip of a stick on a chain,
+is to be when. The path of the hand that leads it there is found within the hand's reach, speed and
+acceleration, and written to the file that the scene names: from then on all commands know it.
+
+What is told of it is measured: the exact method simulates the scene with the path as it was
+written, and says by how much each waypoint is missed. A path that comes less near than the scene
+asks for is not written. --json has every waypoint. Exit codes: 0 found, 2 no path comes so near,
+3 bad scene, 6 the file cannot be written, 130 interrupted)");
+  const auto options = std::make_shared<Options>();
+  options::add_scene_options(command, options->inputs);
+  command.add_option("--out,-o", options->out, "The file; default the one that the scene names")
+      .type_name("FILE");
+  command.add_flag("--as-it-stands", options->as_it_stands,
+                   "Only measure the path that the scene has");
+  command.callback([options, &program] {
+    program.run = [options, &program] {
+      return options::for_each_scene(options->inputs, program.common,
+                                     [&](const std::string& scene) {
+                                       Options one = *options;
+                                       one.scene = scene;
+                                       return run(one, program.common);
+                                     });
+    };
+  });
+}
+
+}  // namespace taut::cli
