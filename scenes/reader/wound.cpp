@@ -7,8 +7,8 @@ namespace taut::scenes {
 
 namespace {
 
-constexpr int kCorners = 720;    // of a turn, as a polygon around the circle
-constexpr double kApart = 1.05;  // of the rope's thickness, from one turn to the next
+constexpr int kCorners = 720;         // of a turn, as a polygon around the circle
+constexpr double kTurnsApart = 1.05;  // of the rope's thickness, from one turn to the next
 
 }  // namespace
 
@@ -24,7 +24,7 @@ std::vector<Vec3> wound_line(const Obstacle& around, double radius, const Vec3& 
   const Vec3 side = axis.cross(down);
   const double step = 2 * std::numbers::pi / kCorners;
   const double circle = (around.shape.radius + radius) / std::cos(step / 2);
-  const double rise = winding.turns > 1 ? kApart * 2 * radius * winding.turns : 0;
+  const double rise = winding.turns > 1 ? kTurnsApart * 2 * radius * winding.turns : 0;
   const int steps = std::max(1, static_cast<int>(std::lround(winding.turns * kCorners)));
   std::vector<Vec3> corners;
   for (int i = 0; i < steps; ++i) {

@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -23,7 +24,9 @@ void misbehave(const char* how) {
   if (is("file")) open("planted", O_WRONLY | O_CREAT, 0600);
   if (is("remove")) unlink("scene.toml");
   if (is("memory")) {
-    for (std::vector<std::vector<char>> all;;) all.emplace_back(1 << 20, 'x');
+    constexpr std::size_t kBlock = 64u << 20;  // bytes; not touched, so that it takes no time
+    for (std::vector<std::unique_ptr<char[]>> all;;)
+      all.push_back(std::make_unique_for_overwrite<char[]>(kBlock));
   }
   for (volatile bool goes_on = is("loop"); goes_on;) {
   }
