@@ -141,6 +141,18 @@ Choreographed read_choreography(const Document& document, const Value& table,
   }
   problem.world = choreography::with_hand_path(scene.world, problem.body,
                                                keys_before(document, table, motions, problem));
+  constexpr std::size_t kMostPieces = 1500;  // some minutes, and 200 MB
+  const std::size_t pieces = choreography::pieces(problem);
+  if (pieces == 0) {
+    document.mismatch(*table.find("until"), "more time from the path's rest to the next");
+  }
+  if (pieces > kMostPieces) {
+    document.fail_at_key(
+        table,
+        fmt::format("takes a path of {} pieces, expected at most {}: waypoints farther apart, "
+                    "or less time",
+                    pieces, kMostPieces));
+  }
   if (const Value* limits = table.find("limits")) problem.limits = read_limits(*limits);
   problem.pivot = number_or(table, "pivot", problem.pivot);
   made.within = number_or(table, "within", kWithin);

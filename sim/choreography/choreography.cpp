@@ -70,6 +70,11 @@ std::vector<double> misses(const Choreography& problem, const std::vector<PathKe
   return lengths(deviations(problem, keys, tolerance));
 }
 
+std::size_t pieces(const Choreography& problem) {
+  const double from = hand_path(problem.world, problem.body)->keys().back().time;
+  return static_cast<std::size_t>(FlatFit::gaussians(problem, from));
+}
+
 HandPath choreograph(const Choreography& problem, double within,
                      const std::function<void(double)>& watch, const std::function<void()>& tick) {
   if (problem.world.topology == 0) {

@@ -39,6 +39,10 @@ std::vector<double> misses(const Choreography& problem, const std::vector<PathKe
 /// The motion of the hand by those keys, from where the problem's own end until `until`.
 HandMotion motion_of_hand(const Choreography& problem, const std::vector<PathKey>& keys);
 
+/// How many pieces the curve has that choreograph() fits: it takes memory by their square, and time
+/// by their cube.
+std::size_t pieces(const Choreography& problem);
+
 /// The smoothest path of the hand that leads the body's point through the waypoints, the worst of
 /// them missed by at most `within` (m) where that can be had; else the best that was found. First
 /// by the flat chain, then round by round aimed beside the points by what the simulation missed;

@@ -56,6 +56,11 @@ double total(const std::vector<double>& numbers) {
 
 }  // namespace
 
+Eigen::Index FlatFit::gaussians(const Choreography& problem, double from) {
+  const double length = total(flat_chain(problem.world, problem.body).length);
+  return GaussianSum::between(from, problem.until, spacing_of(problem, length)).count;
+}
+
 FlatFit::FlatFit(const Choreography& problem, double from)
     : problem_(problem),
       chain_(coarser(flat_chain(problem.world, problem.body), kLinks)),

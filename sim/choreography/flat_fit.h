@@ -18,6 +18,9 @@ class FlatFit {
  public:
   FlatFit(const Choreography& problem, double from);
 
+  /// How many Gaussians the free end's curve is.
+  static Eigen::Index gaussians(const Choreography& problem, double from);
+
   /// The fit by Levenberg and Marquardt's method, from the last one. The first one begins under a
   /// gravity so large that the body hangs, and follows the fit down to the world's: so the chain
   /// stays taut all the way, where a fit at once would stop at motions that it cannot follow.

@@ -101,6 +101,12 @@ TEST_F(ChoreographedScene, FaultsAreNamed) {
   expect(scene("waypoints = [{ t = 0.0, position = [0, 1, 0] }]", "body = \"free\"",
                "{ t = 3.5, position = [0, 2, 0] }"),
          "stands among the choreography");
+  expect(scene("waypoints = [{ t = 1.0, position = [0, 1, 0] }, { t = 1.0001, position = [0, 2, 0] "
+               "}]"),
+         "takes a path of ");
+  std::string brief = scene(point);
+  brief.replace(brief.find("until = 3.0"), 11, "until = 1.1");
+  expect(brief, "choreography.until: found 1.1, expected more time");
   keys_at("1.0 0.5");
   expect(scene(point), "hand.csv:3: found the time 0.5, expected one after 1");
 }
