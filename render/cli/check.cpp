@@ -327,6 +327,9 @@ int check(const std::string& file, const std::vector<std::string>& set,
     scene = std::move(complete);
     warnings = scenes::warnings_of(scene, std::chrono::duration<double>(kLooking).count(),
                                    render::stop_if_interrupted);
+    if (auto missed = scenes::choreography_warning(scene, changes)) {
+      warnings.push_back(std::move(*missed));
+    }
   } catch (const TooLong&) {
     warnings.emplace_back("too much to simulate for a look at what the camera shows");
   }

@@ -9,8 +9,11 @@
 
 #include "scenes/character/reach.h"
 #include "scenes/load/default_stage.h"
+#include "scenes/load/load_scene.h"
 #include "scenes/scene/clip.h"
 #include "scenes/scene/view.h"
+#include "sim/choreography/choreography.h"
+#include "sim/choreography/hand_frame.h"
 
 namespace taut::scenes {
 namespace {
@@ -156,6 +159,25 @@ std::vector<std::string> warnings_of(const Scene& scene, double seconds,
   look_at_hands(scene, warnings);
   look_through_camera(scene, seconds, tick, warnings);
   return warnings;
+}
+
+std::optional<std::string> choreography_warning(const Scene& scene,
+                                                const std::vector<SceneChange>& changes) {
+  const std::optional<Choreographed> asked = load_choreography(scene.file, changes);
+  if (!asked) return std::nullopt;
+  constexpr double kCertain = 0.01;  // of what is asked: the simulation's tolerance
+  const auto path = choreography::hand_path(scene.world, asked->problem.body);
+  try {
+    const double worst = std::ranges::max(
+        choreography::misses(asked->problem, path->keys(), kCertain * asked->within));
+    if (worst <= asked->within) return std::nullopt;
+    return fmt::format(
+        "choreography: a waypoint is missed by {:.3g} mm, asked: {:.3g} mm; taut "
+        "choreograph finds the path anew",
+        1e3 * worst, 1e3 * asked->within);
+  } catch (const Diverged& error) {
+    return fmt::format("choreography: {}", error.what());
+  }
 }
 
 }  // namespace taut::scenes

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,5 +15,10 @@ namespace taut::scenes {
 /// Simulates for at most `seconds` of wall time: later motion is not looked at.
 std::vector<std::string> warnings_of(const Scene& scene, double seconds,
                                      const std::function<void()>& tick);
+
+/// By how much the path that stands in a scene misses what its choreography asks for, where that is
+/// too much; else nothing. `changes` are those that the scene was read with. Throws BadScene.
+std::optional<std::string> choreography_warning(const Scene& scene,
+                                                const std::vector<SceneChange>& changes);
 
 }  // namespace taut::scenes

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
 #include "sim/choreography/problem.h"
-#include "sim/motion/path.h"
 
 namespace taut::scenes {
 

@@ -36,6 +36,13 @@ TEST(Choreograph, WritesAPathThatAllCommandsKnow) {
   const ProgramResult again =
       run_taut({"choreograph", "scene.toml", "--as-it-stands", "--json"}, folder.path());
   EXPECT_EQ(nlohmann::json::parse(again.output).at("worst_m"), told.at("worst_m"));
+  // A scene that asks for another motion than its path was found for.
+  const std::string other = "choreography.waypoints=[{ t = 1.0, position = [0.3, 1.7, 0] }]";
+  EXPECT_EQ(run_taut({"check", "scene.toml"}, folder.path()).output.find("is missed by"),
+            std::string::npos);
+  EXPECT_NE(run_taut({"check", "scene.toml", "--set", other}, folder.path())
+                .output.find("warning: choreography: a waypoint is missed by "),
+            std::string::npos);
 }
 
 TEST(Choreograph, WritesNothingWhereNoPathComesSoNear) {
