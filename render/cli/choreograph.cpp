@@ -29,9 +29,7 @@ struct Options {
   bool as_it_stands = false;
 };
 
-constexpr double kCertain = 0.01;  // of `within`: the tolerance of the simulation that measures
-
-/// As the file has them.
+/// As csv() writes them, so that what is certified is what is read.
 std::vector<PathKey> rounded(std::vector<PathKey> keys) {
   const auto cut = [](double number, double decimals) {
     const double scale = std::pow(10, decimals);
@@ -97,7 +95,7 @@ std::string as_json(const Options& options, const Certificate& found,
 }
 
 Certificate certify(const scenes::Choreographed& asked, const std::vector<PathKey>& keys) {
-  return {choreography::misses(asked.problem, keys, kCertain * asked.within),
+  return {choreography::misses(asked.problem, keys, asked.within),
           choreography::motion_of_hand(asked.problem, keys)};
 }
 

@@ -60,8 +60,8 @@ const TableFormat& choreography_format() {
        needed({.name = "file",
                .type = Type::file,
                .meaning =
-                   "A CSV file beside the scene, which taut choreograph writes: how the path "
-                   "goes on."}),
+                   "A CSV file beside the scene, which taut choreograph writes: the path's keys "
+                   "until then."}),
        needed(time_of("until", "When the path rests again, where it did before.")),
        positive("within", "How near each waypoint is passed; default: 2 mm.", "m"),
        table("limits", "Of the hand.", limits_format()),

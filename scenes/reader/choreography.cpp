@@ -141,17 +141,18 @@ Choreographed read_choreography(const Document& document, const Value& table,
   }
   problem.world = choreography::with_hand_path(scene.world, problem.body,
                                                keys_before(document, table, motions, problem));
-  constexpr std::size_t kMostPieces = 1500;  // some minutes, and 200 MB
-  const std::size_t pieces = choreography::pieces(problem);
-  if (pieces == 0) {
+  constexpr std::size_t kMostGaussians =
+      1500;  // the fit's matrices have 3 x 1500 rows, 160 MB each
+  const std::size_t gaussians = choreography::gaussians(problem);
+  if (gaussians == 0) {
     document.mismatch(*table.find("until"), "more time from the path's rest to the next");
   }
-  if (pieces > kMostPieces) {
+  if (gaussians > kMostGaussians) {
     document.fail_at_key(
         table,
-        fmt::format("takes a path of {} pieces, expected at most {}: waypoints farther apart, "
+        fmt::format("takes a curve of {} Gaussians, expected at most {}: waypoints farther apart, "
                     "or less time",
-                    pieces, kMostPieces));
+                    gaussians, kMostGaussians));
   }
   if (const Value* limits = table.find("limits")) problem.limits = read_limits(*limits);
   problem.pivot = number_or(table, "pivot", problem.pivot);

@@ -25,11 +25,14 @@ World with_hand_path(const World& world, std::size_t body, const std::vector<Pat
 
 namespace {
 
+constexpr double kCertain = 0.01;  // of what is asked: the tolerance of the simulation
+
 /// Where the body's point is minus where it should be, at each waypoint.
 std::vector<Vec3> deviations(const Choreography& problem, const std::vector<PathKey>& keys,
-                             double tolerance) {
+                             double within) {
   Simulation simulation(with_hand_path(problem.world, problem.body, keys),
-                        make_method("direct", {{"tolerance", tolerance}}), problem.timeline);
+                        make_method("direct", {{"tolerance", kCertain * within}}),
+                        problem.timeline);
   std::vector<Vec3> off;
   for (const Waypoint& waypoint : problem.waypoints) {
     simulation.advance_to(waypoint.time);
@@ -66,11 +69,11 @@ HandMotion motion_of_hand(const Choreography& problem, const std::vector<PathKey
 }
 
 std::vector<double> misses(const Choreography& problem, const std::vector<PathKey>& keys,
-                           double tolerance) {
-  return lengths(deviations(problem, keys, tolerance));
+                           double within) {
+  return lengths(deviations(problem, keys, within));
 }
 
-std::size_t pieces(const Choreography& problem) {
+std::size_t gaussians(const Choreography& problem) {
   const double from = hand_path(problem.world, problem.body)->keys().back().time;
   return static_cast<std::size_t>(FlatFit::gaussians(problem, from));
 }
@@ -92,13 +95,12 @@ HandPath choreograph(const Choreography& problem, double within,
   double best_miss = std::numeric_limits<double>::infinity();
   constexpr double kWorthwhile = 0.9;  // of the miss before
   constexpr double kAstray = 0.2;      // m: what aims beside the points do not mend
-  constexpr double kFinely = 0.01;     // of what is asked: how finely it is simulated
   for (int round = 0; round < kMostRounds && best_miss > within; ++round) {
     fit.solve(aims, tick);
     HandPath found{before, {}, {}};
     found.keys.back().ease = true;
     for (const PathKey& key : fit.keys()) found.keys.push_back(key);
-    const std::vector<Vec3> off = deviations(problem, found.keys, kFinely * within);
+    const std::vector<Vec3> off = deviations(problem, found.keys, within);
     found.miss = lengths(off);
     const double miss = *std::ranges::max_element(found.miss);
     if (watch) watch(miss);

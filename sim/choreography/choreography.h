@@ -31,17 +31,17 @@ inline constexpr int kMostRounds = 12;  // of choreograph()
 /// The world with another path in the place of the one that drives the body's connector.
 World with_hand_path(const World& world, std::size_t body, const std::vector<PathKey>& keys);
 
-/// Distances (m) of the body's point from the waypoints, by `direct` at a tolerance of `tolerance`
+/// Distances (m) of the body's point from the waypoints, by `direct` at a hundredth of `within`
 /// (m). Throws Diverged.
 std::vector<double> misses(const Choreography& problem, const std::vector<PathKey>& keys,
-                           double tolerance);
+                           double within);
 
 /// The motion of the hand by those keys, from where the problem's own end until `until`.
 HandMotion motion_of_hand(const Choreography& problem, const std::vector<PathKey>& keys);
 
-/// How many pieces the curve has that choreograph() fits: it takes memory by their square, and time
-/// by their cube.
-std::size_t pieces(const Choreography& problem);
+/// How many Gaussians the curve is that choreograph() fits: it takes memory by their square, and
+/// time by their cube.
+std::size_t gaussians(const Choreography& problem);
 
 /// The smoothest path of the hand that leads the body's point through the waypoints, the worst of
 /// them missed by at most `within` (m) where that can be had; else the best that was found. First

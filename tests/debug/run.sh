@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs a program with assertions through scenes of every kind, all methods, and a picture: run.sh TAUT
+# Runs a program with assertions through scenes of every kind, the methods that every build has, and a picture: run.sh TAUT
 set -eu
 taut=$1
 cd "$(dirname "$0")/../.."

@@ -103,7 +103,7 @@ TEST_F(ChoreographedScene, FaultsAreNamed) {
          "stands among the choreography");
   expect(scene("waypoints = [{ t = 1.0, position = [0, 1, 0] }, { t = 1.0001, position = [0, 2, 0] "
                "}]"),
-         "takes a path of ");
+         "takes a curve of ");
   std::string brief = scene(point);
   brief.replace(brief.find("until = 3.0"), 11, "until = 1.1");
   expect(brief, "choreography.until: found 1.1, expected more time");
