@@ -1,6 +1,7 @@
 #include "sim/motion/circle.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace taut {
@@ -10,14 +11,16 @@ FrameMotion motion(const Circle& circle, double time) {
   const double u = std::clamp(time / circle.ramp, 0.0, 1.0);
   const double after = std::max(time - circle.ramp, 0.0);
   const double angle = speed * (circle.ramp * u * u * u * (1 - u / 2) + after);
-  const Vec3 spin = speed * u * u * (3 - 2 * u) * circle.axis;
-  const Vec3 spin_rate = speed / circle.ramp * 6 * u * (1 - u) * circle.axis;
+  const double rate = speed * u * u * (3 - 2 * u);            // rad/s
+  const double gain = speed / circle.ramp * 6 * u * (1 - u);  // rad/s^2
+  const double cosine = std::cos(angle), sine = std::sin(angle);
+  const Vec3 first = circle.start - circle.centre, across = circle.axis.cross(first);
+  const Vec3 radius = cosine * first + sine * across, tangent = cosine * across - sine * first;
 
-  const Vec3 radius = Eigen::AngleAxisd(angle, circle.axis) * (circle.start - circle.centre);
   FrameMotion motion;
   motion.position = circle.centre + radius;
-  motion.velocity = spin.cross(radius);
-  motion.acceleration = spin_rate.cross(radius) + spin.cross(motion.velocity);
+  motion.velocity = rate * tangent;
+  motion.acceleration = gain * tangent - rate * rate * radius;
   return motion;
 }
 
