@@ -5,18 +5,6 @@ namespace taut::scenes {
 
 using namespace format_keys;
 
-namespace {
-
-/// Keys of a number over time.
-TableFormat number_keys(const char* name, const char* meaning, const char* unit, double most) {
-  return {
-      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
-       needed({.name = name, .meaning = meaning, .unit = unit, .minimum = -most, .maximum = most}),
-       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
-}
-
-}  // namespace
-
 const TableFormat& end_format() {
   static const TableFormat turns =
       number_keys("angle", "Right-handed about the clamp's direction.", "rad", kMostTurn);

@@ -13,7 +13,7 @@ inline constexpr double kLongest = 86400;      // s, a day
 inline constexpr double kMostParticles = 1e5;  // of a connector
 inline constexpr double kMostFps = 1000;
 inline constexpr double kWidest = 16384;      // pixels
-inline constexpr double kMostTurn = 1e6;      // rad, of a clamp
+inline constexpr double kMostTurn = 1e6;      // rad
 inline constexpr double kMostLaps = 1000;     // of a curve
 inline constexpr double kMostPaidOut = 1e9;   // m, by a winch
 inline constexpr double kMostFriction = 100;  // beyond, nothing ever slides
@@ -55,6 +55,15 @@ inline KeyFormat table(std::string_view name, std::string_view meaning, const Ta
 inline KeyFormat needed(KeyFormat key) {
   key.required = true;
   return key;
+}
+
+/// Keys of a number over time.
+inline TableFormat number_keys(const char* name, const char* meaning, const char* unit,
+                               double most) {
+  return {
+      {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
+       needed({.name = name, .meaning = meaning, .unit = unit, .minimum = -most, .maximum = most}),
+       {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
 }
 
 }  // namespace taut::scenes::format_keys

@@ -47,6 +47,23 @@ const TableFormat& circle_format() {
   return format;
 }
 
+const TableFormat& axle_format() {
+  static const TableFormat angles =
+      number_keys("angle", "Right-handed about the axis.", "rad", kMostTurn);
+  static const TableFormat format{
+      {needed(vector("position", "Where the path is.")),
+       needed(vector("axis", "It turns about, the y axis of its frame.", "")),
+       needed({.name = "keys",
+               .type = Type::tables,
+               .meaning = "How far it has turned when; smooth between.",
+               .least = 1,
+               .table = &angles}),
+       {.name = "pitch",
+        .meaning = "By how much each turn moves it along the axis, as a screw; default: 0.",
+        .unit = "m"}}};
+  return format;
+}
+
 }  // namespace
 
 const TableFormat& path_format() {
@@ -59,8 +76,9 @@ const TableFormat& path_format() {
        {.name = "file",
         .type = Type::file,
         .meaning = "A CSV file with columns t,x,y,z[,qw,qx,qy,qz] instead of keys."},
-       table("circle", "Round and round, from rest, instead of keys.", circle_format())},
-      {{{"keys", "file", "circle"}}}};
+       table("circle", "Round and round, from rest, instead of keys.", circle_format()),
+       table("axle", "In one place, turning about an axis, instead of keys.", axle_format())},
+      {{{"keys", "file", "circle", "axle"}}}};
   return format;
 }
 

@@ -77,6 +77,12 @@ Path read_circle(const Document& document, const Value& value) {
   return Path::round(circle);
 }
 
+Path read_axle(const Document& document, const Value& value) {
+  return Path::about({value.find("position")->vec3(), direction(document, *value.find("axis")),
+                      read_number_keys(document, *value.find("keys"), "angle"),
+                      number_or(value, "pitch", 0)});
+}
+
 /// A row of numbers between commas; false when a field is none.
 bool split(std::string_view line, std::vector<double>& row) {
   row.clear();
@@ -175,6 +181,7 @@ std::vector<std::shared_ptr<const Path>> read_paths(const Document& document) {
           motion.name == "keys"
               ? read_keys(document, motion, choreographed_keys(document, entry.name))
           : motion.name == "circle" ? read_circle(document, motion)
+          : motion.name == "axle"   ? read_axle(document, motion)
                                     : read_file(document, motion)));
     }
   }

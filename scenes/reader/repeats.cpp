@@ -7,19 +7,6 @@
 #include "scenes/reader/common.h"
 
 namespace taut::scenes {
-namespace {
-
-/// The same path, later and beside; its frame keeps its directions.
-std::shared_ptr<const Path> moved(const Path& path, const Repeat& repeat) {
-  std::vector<PathKey> keys = path.keys();
-  for (PathKey& key : keys) {
-    key.time += repeat.delay;
-    key.position += repeat.by;
-  }
-  return std::make_shared<const Path>(std::move(keys));
-}
-
-}  // namespace
 
 std::vector<Repeat> repeats(const Value& connector) {
   std::vector<Repeat> all{{}};
@@ -55,11 +42,13 @@ Connector repeated(const Connector& first, std::size_t index, const Repeat& repe
   for (Vec3& position : copy.position) position += repeat.by;
   for (Hold& hold : copy.holds) {
     if (hold.to.kind == Attachment::Kind::path) {
-      hold.to.path = moved(*hold.to.path, repeat);
+      hold.to.path = std::make_shared<const Path>(hold.to.path->moved(repeat.by, repeat.delay));
     } else {
       hold.to.point += repeat.by;
     }
-    if (hold.turn) hold.turn = moved(*hold.turn, {.by = Vec3::Zero(), .delay = repeat.delay});
+    if (hold.turn) {
+      hold.turn = std::make_shared<const Path>(hold.turn->moved(Vec3::Zero(), repeat.delay));
+    }
   }
   return copy;
 }

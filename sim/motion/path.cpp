@@ -1,9 +1,11 @@
 #include "sim/motion/path.h"
 
 #include <algorithm>
+#include <numbers>
 #include <stdexcept>
 
 #include "sim/motion/hash.h"
+#include "sim/motion/rotation.h"
 
 namespace taut {
 namespace {
@@ -63,6 +65,19 @@ FrameMotion frame_motion(const Jet<3>& place, const Jet<4>& turn) {
   motion.spin = 2 * (quat(q1) * motion.rotation.conjugate()).vec();
   motion.spin_rate = 2 * (quat(q2) * motion.rotation.conjugate()).vec();
   return motion;
+}
+
+FrameMotion motion(const Axle& axle, double time) {
+  const FrameMotion angle = axle.angle->at(time);
+  const double along = axle.pitch / (2 * std::numbers::pi);  // m per radian
+  const auto about = [&](const Vec3& of) -> Vec3 { return of.x() * axle.axis; };
+  const Eigen::AngleAxisd turn(angle.position.x(), Vec3::UnitY());
+  return {axle.position + along * about(angle.position),
+          along * about(angle.velocity),
+          along * about(angle.acceleration),
+          rotation_between(Vec3::UnitY(), axle.axis) * Quat(turn),
+          about(angle.velocity),
+          about(angle.acceleration)};
 }
 
 }  // namespace
@@ -138,8 +153,43 @@ Path Path::round(const Circle& circle) {
   return path;
 }
 
+Path Path::about(const Axle& axle) {
+  Path path;
+  path.axle_ = axle;
+  for (const PathKey& key : axle.angle->keys()) {
+    const FrameMotion frame = motion(axle, key.time);
+    path.keys_.push_back({key.time, frame.position, frame.rotation, key.ease});
+  }
+  Hash hash;
+  for (const Vec3* vector : {&axle.position, &axle.axis}) {
+    for (const double c : *vector) hash.word(c);
+  }
+  path.fingerprint_ = hash.word(axle.pitch).word(axle.angle->fingerprint()).value();
+  return path;
+}
+
+Path Path::moved(const Vec3& by, double delay) const {
+  Path path = *this;
+  for (PathKey& key : path.keys_) {
+    key.time += delay;
+    key.position += by;
+  }
+  if (!circle_ && !axle_) return Path(std::move(path.keys_));
+  if (circle_) {
+    path.circle_->centre += by;
+    path.circle_->start += by;
+  }
+  if (axle_) path.axle_->position += by;
+  path.delay_ += delay;
+  Hash hash;
+  for (const double c : by) hash.word(c);
+  path.fingerprint_ = hash.word(delay).word(fingerprint_).value();
+  return path;
+}
+
 FrameMotion Path::at(double time) const {
-  if (circle_) return motion(*circle_, time);
+  if (circle_) return motion(*circle_, time - delay_);
+  if (axle_) return motion(*axle_, time - delay_);
   const auto after = std::upper_bound(keys_.begin(), keys_.end(), time,
                                       [](double t, const PathKey& key) { return t < key.time; });
   // The rates are zero at the first and the last key.

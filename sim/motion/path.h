@@ -1,7 +1,8 @@
-// A path: positions and orientations through keys or round a circle, C2 in time.
+// A path: positions and orientations through keys, round a circle or about an axle, C2 in time.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,16 @@ struct PathKey {
   bool ease = false;
 };
 
+class Path;
+
+/// A frame that turns about its own y axis.
+struct Axle {
+  Vec3 position = Vec3::Zero();       // m
+  Vec3 axis = Vec3::UnitZ();          // unit vector, the y axis of the frame
+  std::shared_ptr<const Path> angle;  // rad, the x of its positions; right-handed
+  double pitch = 0;                   // m along the axis per turn, as of a screw
+};
+
 /// Position and orientation as functions of time, twice continuously differentiable, passing
 /// through every key. Before the first key the path rests, and after the last unless it is a
 /// circle.
@@ -28,13 +39,17 @@ class Path {
   explicit Path(std::vector<PathKey> keys);
 
   static Path round(const Circle& circle);
+  static Path about(const Axle& axle);
+
+  /// The same motion beside (m) and later (s); its frame keeps its directions.
+  Path moved(const Vec3& by, double delay) const;
 
   /// The motion at `time` (s), analytic: a spline's derivatives are those of the spline, not
   /// differences.
   FrameMotion at(double time) const;
 
-  /// Of a circle: its start, the end of its ramp, and the thirds of the turn after it. All times at
-  /// which the third derivative jumps are among the keys.
+  /// Of a circle: its start, the end of its ramp, and the thirds of the turn after it; of an axle
+  /// the keys of its angle. All times at which the third derivative jumps are among the keys.
   const std::vector<PathKey>& keys() const { return keys_; }
 
   /// A hash of the keys or the circle: paths that share it are the same motion.
@@ -45,6 +60,8 @@ class Path {
   std::uint64_t fingerprint_ = 0;
   std::vector<PathKey> keys_;
   std::optional<Circle> circle_;
+  std::optional<Axle> axle_;
+  double delay_ = 0;  // s, of a circle or an axle
   // Values and their first two derivatives at the keys, 7 rows: x y z, then quaternion w x y z.
   using Row = Eigen::Matrix<double, 7, 1>;
   std::vector<Row> value_, rate_, rate2_;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numbers>
 #include <stdexcept>
 
 namespace taut::path_test {
@@ -156,6 +158,46 @@ TEST(Path, RefusesTimesThatDoNotRise) {
   EXPECT_THROW(Path({{1, Vec3::Zero()}, {0, Vec3::UnitX()}}), std::invalid_argument);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Path({{0, Vec3::Zero()}, {nan, Vec3::UnitX()}}), std::invalid_argument);
+}
+
+/// Turns about x and moves along it, as a screw.
+Path screw() {
+  Axle axle;
+  axle.position = {0.1, 0.2, 0.3};
+  axle.axis = Vec3::UnitX();
+  axle.pitch = 0.5;
+  axle.angle = std::make_shared<const Path>(
+      std::vector<PathKey>{{0, Vec3::Zero()}, {1, {7, 0, 0}}, {2, {4, 0, 0}}});
+  return Path::about(axle);
+}
+
+TEST(Path, TurnsAboutAnAxleAndMovesByItsPitch) {
+  const Path path = screw();
+  const FrameMotion frame = path.at(1);
+  const double turns = 7 / (2 * std::numbers::pi);
+  EXPECT_NEAR((frame.position - Vec3(0.1 + 0.5 * turns, 0.2, 0.3)).norm(), 0, 1e-15);
+  EXPECT_NEAR((frame.rotation * Vec3::UnitY() - Vec3::UnitX()).norm(), 0, 1e-15);
+  constexpr double kStep = 1e-5;  // s
+  const Vec3 arm(0.3, 0.1, -0.2);
+  const PointMotion point = path.at(0.6).point(arm), later = path.at(0.6 + kStep).point(arm),
+                    before = path.at(0.6 - kStep).point(arm);
+  EXPECT_NEAR((later.position - before.position - 2 * kStep * point.velocity).norm(), 0, 1e-11);
+  EXPECT_NEAR((later.velocity - before.velocity - 2 * kStep * point.acceleration).norm(), 0, 1e-9);
+}
+
+TEST(Path, IsTheSameMotionBesideAndLater) {
+  Circle circle;
+  circle.start = circle.centre + Vec3::UnitX();
+  for (const Path& path :
+       {Path::round(circle), screw(), Path({{0, Vec3::Zero()}, {2, Vec3::UnitY()}})}) {
+    const Path moved = path.moved({1, 2, 3}, 0.25);
+    const FrameMotion one = path.at(0.7), other = moved.at(0.95);
+    EXPECT_NEAR((other.position - one.position - Vec3(1, 2, 3)).norm(), 0, 1e-14);
+    EXPECT_NEAR((other.velocity - one.velocity).norm(), 0, 1e-13);
+    EXPECT_NEAR(other.rotation.angularDistance(one.rotation), 0, 1e-7);  // of an arc cosine
+    EXPECT_NE(moved.fingerprint(), path.fingerprint());
+    EXPECT_EQ(moved.keys().front().time, path.keys().front().time + 0.25);
+  }
 }
 
 }  // namespace
