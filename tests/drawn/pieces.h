@@ -42,6 +42,14 @@ class Pieces {
            dice_.between(0.1, 0.6));
       return name;
     }
+    if (chance(0.2)) {
+      line(
+          "axle = {{ position = {}, axis = {}, pitch = {}, keys = [{{ t = {}, angle = 0 }}, "
+          "{{ t = {}, angle = {} }}] }}",
+          text(start), text(dice_.direction()), dice_.between(-0.1, 0.1) * length_,
+          dice_.between(0, 0.2), dice_.between(0.4, 1.2), dice_.between(-6, 6));
+      return name;
+    }
     std::string keys = fmt::format("{{ t = 0, position = {}, ease = true }}", text(start));
     Vec3 place = start;
     double time = 0;
