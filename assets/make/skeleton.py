@@ -1,5 +1,5 @@
-"""The rest skeleton of the martial artist: 60 joints, three per finger, an eye, its upper lid and two in a tail of
-the belt on each side.
+"""The rest skeleton of the martial artist: 65 joints, three per finger, an eye, its upper lid, a brow, a corner of the
+mouth and two in a tail of the belt on each side, and the jaw.
 
 glTF axes: y up, z forward, x to the character's left; metres. The arms hang 40 degrees below the
 horizontal, palms down and inward. Other parts of the project pose these joints by name and measure
@@ -41,6 +41,10 @@ TAILS = {
     "Right": ((-0.012, 1.008, 0.152), (-0.040, 0.895, 0.172), (-0.064, 0.764, 0.180)),
 }
 EYE = vec(0.0315, 1.6515, 0.0665)  # centre of the left eye ball
+# Where the left brow and the left corner of the mouth are. Their joints are as far back as the skull is round, so that
+# what turns about them slides over it.
+BROW, MOUTH = vec(0.0300, 1.6780, 0.080), vec(0.0240, 1.5895, 0.081)
+JAW, CHIN = vec(0, 1.6120, -0.006), vec(0, 1.5570, 0.085)
 
 
 class Skeleton:
@@ -134,6 +138,12 @@ def build():
         s.add(side + "Tail1", "Hips", vec(*knot))
         s.add(side + "Tail2", side + "Tail1", vec(*bend))
         s.tail[side + "Tail2"] = vec(*end)
+    for side, sign in SIDES:
+        for name, place in (("Brow", BROW), ("Mouth", MOUTH)):
+            s.add(side + name, "Head", vec(sign, 1, 0) * place)
+            s.tail[side + name] = vec(sign, 1, 1) * place
+    s.add("Jaw", "Head", JAW)
+    s.tail["Jaw"] = CHIN
     onward = {"Hips": "Spine", "Chest": "Neck"}
     for side, _ in SIDES:
         onward[side + "Hand"] = side + "HandMiddle1"

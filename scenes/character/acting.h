@@ -18,6 +18,10 @@ Track act(const Figure& figure, const Path& path, double duration);
 /// hand goes. The eyes are there first, the head comes after; now and then the lids blink.
 void look_about(const Figure& figure, const Path& path, Track& controls);
 
+/// The face: calm before anything has happened, concentrated while the hand moves, strained where
+/// it is thrown about, and pleased once all is over.
+void play_face(const Figure& figure, const Path& path, Track& controls);
+
 /// Steps of the right and the left foot (3 rows each, m): where the hand settles farther forward or
 /// aside, the right foot goes along beforehand, lifted, and stands again; then the left is drawn
 /// up.

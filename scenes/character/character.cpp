@@ -19,6 +19,7 @@ class Player : public Performance {
         controls_(act(figure_, *path_, duration)),
         tails_(figure_.skeleton()) {
     look_about(figure_, *path_, controls_);
+    play_face(figure_, *path_, controls_);
     plan_arm(figure_, *path_, controls_);
     for (Eigen::Index i = 0; head && i < controls_.count(); ++i) {
       controls_.samples().col(i).segment<3>(head_yaw) += head->at(controls_.time(i)).position;

@@ -19,6 +19,11 @@ constexpr double forearm_share = 0.55;
 /// makes when the eye looks down.
 constexpr double lid_closes = 0.62, lid_follows = 0.6;
 
+/// The turns (rad) of a whole movement of the face's bones: about 4 mm of the skin, and 5 of the
+/// chin.
+constexpr double brow_rises = 0.065, brow_draws = 0.030, brow_tilts = 0.26;
+constexpr double corner_rises = 0.085, corner_widens = 0.060, jaw_opens = 0.090;
+
 /// A fighting stance: where the ankles stand (m, for a figure of 1.78 m) and how the feet point.
 struct Stand {
   double x, z, yaw;
@@ -63,12 +68,15 @@ Figure::Figure(const Model& model, double stick_radius)
     foot_[i] = find("Foot");
     eye_[i] = skeleton_.maybe(sides[i] + "Eye");
     lid_[i] = skeleton_.maybe(sides[i] + "Lid");
+    brow_[i] = skeleton_.maybe(sides[i] + "Brow");
+    mouth_[i] = skeleton_.maybe(sides[i] + "Mouth");
     const auto bone = [&](std::size_t a, std::size_t b) {
       return Vec3(skeleton_.rest(b) - skeleton_.rest(a));
     };
     arms_[i] = {bone(arm_[i], forearm_[i]), bone(forearm_[i], hand_[i])};
     legs_[i] = {bone(thigh_[i], shin_[i]), bone(shin_[i], foot_[i])};
   }
+  jaw_ = skeleton_.maybe("Jaw");
   hips_ = skeleton_.find("Hips");
   spine_ = {skeleton_.find("Spine"), skeleton_.find("Spine1"), skeleton_.find("Chest")};
   chest_ = spine_[2];
@@ -94,14 +102,7 @@ Posture Figure::torso(const Controls& c) const {
   for (const auto& [bone, share] : {std::pair{neck_, 0.4}, std::pair{head_, 0.6}})
     p.turn[bone] = turn(y_axis, share * c[head_yaw]) * turn(x_axis, share * c[head_lean]) *
                    turn(z_axis, -share * c[head_tilt]);
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (eye_[i] >= 0)
-      p.turn[std::size_t(eye_[i])] = turn(y_axis, c[eye_yaw]) * turn(x_axis, c[eye_lean]);
-    // An eye that looks down takes its lid along.
-    const double down = lid_follows * std::max(c[eye_lean], 0.0);
-    if (lid_[i] >= 0)
-      p.turn[std::size_t(lid_[i])] = turn(x_axis, down + c[lids] * (lid_closes - down));
-  }
+  set_face(c, p);
   p.turn[clavicle_[0]] =
       turn(y_axis, -c[left_shoulder_forward]) * turn(z_axis, c[left_shoulder_up]);
   p.turn[clavicle_[1]] =
@@ -109,6 +110,25 @@ Posture Figure::torso(const Controls& c) const {
   for (const auto& [bone, closed] : grip_.fingers) p.turn[bone] = closed;
   for (const auto& [bone, closed] : left_fist_) p.turn[bone] = closed;
   return p;
+}
+
+void Figure::set_face(const Controls& c, Posture& p) const {
+  const auto set = [&](int bone, const Quat& turned) {
+    if (bone >= 0) p.turn[std::size_t(bone)] = turned;
+  };
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double left = i == 0 ? 1 : -1;
+    set(eye_[i], turn(y_axis, c[eye_yaw]) * turn(x_axis, c[eye_lean]));
+    // An eye that looks down takes its lid along.
+    const double down = lid_follows * std::max(c[eye_lean], 0.0);
+    set(lid_[i], turn(x_axis, down + c[lids] * (lid_closes - down)));
+    set(brow_[i], turn(x_axis, -brow_rises * c[brows]) *
+                      turn(y_axis, -left * brow_draws * c[frown]) *
+                      turn(z_axis, left * brow_tilts * c[frown]));
+    set(mouth_[i],
+        turn(x_axis, -corner_rises * c[smile]) * turn(y_axis, left * corner_widens * c[smile]));
+  }
+  set(jaw_, turn(x_axis, jaw_opens * c[jaw]));
 }
 
 Quat Figure::hand_turn(const Quat& stick, double roll) const {

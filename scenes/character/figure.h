@@ -30,6 +30,10 @@ enum Control {
   eye_yaw,
   eye_lean,  // of both eyes against the head
   lids,      // how far the upper lids are down: 0 open, 1 closed
+  brows,     // raised; negative: lowered
+  frown,     // their inner ends down
+  smile,     // the corners of the mouth up and back
+  jaw,       // the mouth open
   right_step_x,
   right_step_y,
   right_step_z,
@@ -85,6 +89,7 @@ class Figure {
   const Vec3& between_eyes() const { return between_eyes_; }
 
  private:
+  void set_face(const Controls& controls, Posture& posture) const;
   void aim_left_arm(const Controls& controls, Posture& posture) const;
   void plant_feet(const Controls& controls, Posture& posture) const;
 
@@ -94,7 +99,8 @@ class Figure {
   // By side, left then right.
   std::array<std::size_t, 2> clavicle_, arm_, forearm_, hand_, thigh_, shin_, foot_;
   std::array<std::size_t, 3> spine_;
-  std::array<int, 2> eye_, lid_;  // -1 where the model has none
+  std::array<int, 2> eye_, lid_, brow_, mouth_;  // -1 where the model has none
+  int jaw_;
   std::size_t hips_, chest_, neck_, head_;
   Vec3 between_eyes_;
   std::array<Limb, 2> arms_, legs_;

@@ -3,7 +3,7 @@ import numpy as np
 
 import occlusion
 import skeleton
-from character import belt, body, eyes, hair, hands, head, jacket, jacket_shape, trousers
+from character import belt, body, eyes, face, hair, hands, head, jacket, jacket_shape, trousers
 from character.strain import both, ease, pose
 from character.weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
 from mesh import mirror, sculpt, smoothing
@@ -105,12 +105,14 @@ def _weigh(part, heat):
             dense = _drape(part, dense)
         if part.name == "Trousers":
             dense = _part_legs(part, dense)
-        if part.name == "Head":  # the face stays rigid: only the throat bends
-            dense = _stiffen_face(part, dense)
+        if part.name == "Head":  # the throat bends, and the face has bones of its own
+            dense = face.weigh(part.points, _stiffen_face(part, dense))
     else:
         side = "Left" if part.name.endswith("L") else "Right"
         bone = {"Eye": side + "Eye", "Iris": side + "Eye", "Pupil": side + "Eye", "Lid": side + "Lid", "Lash": side + "Lid"}
         dense = rigid(n, bone.get(part.name[:-1], "Head"))
+        if part.name[:-1] == "Brow":
+            dense = face.weigh(part.points, dense)
     part.joints, part.weights = strongest(dense)
 
 

@@ -1,4 +1,5 @@
-// The body's part in a hand's path: it prepares, follows late, breathes and blinks.
+// The body's part in a hand's path: it prepares, follows late, breathes and blinks, and its face
+// plays.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,6 +33,7 @@ Path move(const Vec3& way) {
 scenes::Track controls(const Path& path) {
   scenes::Track track = scenes::act(figure(), path, 6);
   scenes::look_about(figure(), path, track);
+  scenes::play_face(figure(), path, track);
   return track;
 }
 
@@ -113,6 +115,23 @@ TEST(CharacterActing, TheLidsBlinkNowAndThen) {
   }
   EXPECT_EQ(blinks, 2);  // in 6 s
   EXPECT_LT(closed / scenes::acting_rate, 0.5);
+}
+
+TEST(CharacterActing, TheFaceIsCalmThenStrainedThenPleased) {
+  const scenes::Track track = controls(move(Vec3(0.3, 0.2, 0)));
+  const auto at = [&](double time) { return track.at(time); };
+  for (const scenes::Control control : {scenes::brows, scenes::frown, scenes::smile, scenes::jaw})
+    EXPECT_NEAR(at(0.5)[control], 0, 1e-3) << control;
+  EXPECT_GT(at(start)[scenes::frown], 0.8);
+  EXPECT_LT(at(start)[scenes::brows], -0.4);
+  EXPECT_GT(at(start)[scenes::jaw], 0.3);
+  EXPECT_GT(at(5)[scenes::smile], 0.9);
+  EXPECT_GT(at(5)[scenes::brows], 0.4);
+  EXPECT_LT(at(5)[scenes::frown], 0.1);
+  for (Eigen::Index i = 1; i < track.count(); ++i) {  // no faster than a face can
+    for (const scenes::Control control : {scenes::brows, scenes::frown, scenes::smile, scenes::jaw})
+      EXPECT_NEAR(track[i][control], track[i - 1][control], 0.15) << control << ' ' << i;
+  }
 }
 
 }  // namespace
