@@ -76,7 +76,8 @@ struct Classified {
   std::optional<double> horizon;  // s
   struct Method {
     const options::Contender* contender;
-    std::optional<study::Run> run;  // none: this build lacks it
+    std::string missing;  // why there is no run
+    std::optional<study::Run> run;
     study::Classification classification = {};
   };
   std::vector<Method> methods = {};
@@ -87,6 +88,7 @@ Classified classified(const Options& options, const std::string& file,
   options::StudyOptions study = options.study;
   study.scene = file;
   study.follows = options::Follows::pins_and_cuts;
+  study.among_obstacles = true;
   study.inputs.set = options::sets_of_scene(options.study.inputs.set);
   Classified result{options::study_scene(study), file, {}};
   const scenes::Scene& scene = result.scene;
@@ -100,8 +102,11 @@ Classified classified(const Options& options, const std::string& file,
   if (reference) result.horizon = reference->horizon;
   for (const options::Contender& contender : contenders) {
     render::stop_if_interrupted();
-    Classified::Method method{&contender, {}};
-    if (contender.method->missing.empty()) {
+    Classified::Method method{&contender, std::string(contender.method->missing), {}};
+    if (method.missing.empty() && !follows(*contender.method, scene.world)) {
+      method.missing = "does not follow it";
+    }
+    if (method.missing.empty()) {
       method.run = study::run(problem, candidate_for(contender, scene, options.study.inputs.set),
                               options.cap);
       method.classification =
@@ -116,8 +121,7 @@ Classified classified(const Options& options, const std::string& file,
 std::vector<std::string> row_of(const Classified& one) {
   std::vector<std::string> row{one.scene.title, one.horizon ? options::rounded(*one.horizon) : "-"};
   for (const Classified::Method& method : one.methods)
-    row.push_back(method.run ? words(*method.run, method.classification)
-                             : std::string(method.contender->method->missing));
+    row.push_back(method.run ? words(*method.run, method.classification) : method.missing);
   return row;
 }
 
@@ -141,7 +145,7 @@ program::Json json_of(const Classified& one) {
                      diverged ? program::Json(method.run->failed_at) : program::Json(nullptr)},
                     {"cpu_s", method.run->cpu}});
     } else {
-      entry.update({{"class", nullptr}, {"missing", method.contender->method->missing}});
+      entry.update({{"class", nullptr}, {"missing", method.missing}});
     }
     json["methods"].push_back(std::move(entry));
   }

@@ -111,9 +111,7 @@ int run(const Options& options, const program::Common& common) {
     throw program::Misuse(
         fmt::format("{}: {}, which plans do not follow yet", options.scene, what));
   };
-  refuse(!scene.world.obstacles.empty(), "has obstacles");
   refuse(!scene.world.pairs.empty(), "has bodies that touch each other");
-  refuse(has_strings(scene.world), "has links that only pull");
   refuse(!scene.world.joints.empty(), "joins connectors");
   const planning::Asked asked = asked_for(options.tolerance, scene);
   const std::uint64_t stamp = scenes::plan_stamp(scene.file);

@@ -134,21 +134,22 @@ scenes::Scene study_scene(const StudyOptions& options,
     throw program::Misuse(fmt::format("{}: has no connector to study", options.scene));
   }
   if (!scene.world.obstacles.empty() && !options.among_obstacles) {
-    throw program::Misuse(fmt::format(
-        "{}: has obstacles, which bench, chart, compare and work-precision follow, and this "
-        "command does not",
-        options.scene));
+    throw program::Misuse(
+        fmt::format("{}: has obstacles, which bench, chart, classify, compare, stability and "
+                    "work-precision follow, "
+                    "and this command does not",
+                    options.scene));
   }
   if (!scene.world.pairs.empty() && !options.among_obstacles) {
-    throw program::Misuse(fmt::format(
-        "{}: has bodies that touch each other, which bench, chart, compare and work-precision "
-        "follow, and this command does not",
-        options.scene));
+    throw program::Misuse(
+        fmt::format("{}: has bodies that touch each other, which bench, chart, classify, compare, "
+                    "stability and work-precision follow, and this command does not",
+                    options.scene));
   }
   if (has_strings(scene.world) && !options.among_obstacles) {
     throw program::Misuse(fmt::format(
-        "{}: has links that only pull, which bench, chart, compare and work-precision follow, "
-        "and this command does not",
+        "{}: has links that only pull, which bench, chart, classify, compare, stability and "
+        "work-precision follow, and this command does not",
         options.scene));
   }
   if (!scene.timeline.pins.empty() && options.follows == Follows::nothing) {

@@ -111,7 +111,9 @@ Classification classify(const Problem& problem, const Run& run, const truth::Ref
     const double scale = available_energy(problem.world);
     const auto share = [scale](double energy) { return energy > 0 ? energy / scale : 0; };
     classification.gain = share(run.energy_gain);
-    classification.loss = share(run.energy_loss);
+    // Impacts and friction take energy, and so do strings that snap.
+    const bool may_lose = has_contact(problem.world) || has_strings(problem.world);
+    classification.loss = may_lose ? 0 : share(run.energy_loss);
   }
   if (reference) {
     const Metric metric = share_of_length(total_length(problem.world));

@@ -102,6 +102,25 @@ start = {{ direction = [{}, {}, 0] }}
   }
 }
 
+TEST(PlannedScenes, AlsoAmongObstacles) {
+  const Folder folder;
+  folder.write("scene.toml", R"(duration = 0.5
+[connectors.rope]
+length = 0.6
+mass = 0.1
+particles = 7
+radius = 0.01
+from = { fixed = [0, 1, 0] }
+to = { point_mass = 0.2 }
+start = { direction = [0.8, -0.6, 0] }
+[obstacles.peg]
+shape = { sphere = { diameter = 0.1 } }
+position = [0.05, 0.7, 0]
+)");
+  plan_of(folder.path() / "scene.toml", "--tolerance 5mm --write");
+  expect_within(folder.path() / "scene.toml");
+}
+
 /// A scene of any kind: a rope, chain or stick, with a light or a very heavy load or another rope,
 /// hanging, driven, pinned or cut, in a plane or in space, seen from near or far.
 std::string any_scene(std::mt19937& random) {

@@ -145,9 +145,15 @@ TEST(Bench, AmongObstaclesItTimesTheMethodsThatKnowContact) {
   ASSERT_EQ(precision.code, 0) << precision.messages;
   const auto methods = nlohmann::json::parse(precision.output).at("scenes").at(0).at("methods");
   EXPECT_LT(double(methods.at(1).at("work_precision").at(0).at("penetration_m")), 1e-9);
-  const ProgramResult stability = run_taut({"stability", "floor.toml"}, folder.path());
-  EXPECT_EQ(stability.code, 2);
-  EXPECT_NE(stability.messages.find("has obstacles, which bench, chart"), std::string::npos);
+  const ProgramResult claims = run_taut({"claims", "floor.toml"}, folder.path());
+  EXPECT_EQ(claims.code, 2);
+  EXPECT_NE(claims.messages.find("has obstacles, which bench, chart"), std::string::npos);
+  const ProgramResult classes =
+      run_taut({"classify", "floor.toml", "--methods", "impulse,direct", "--json"}, folder.path());
+  ASSERT_EQ(classes.code, 0) << classes.messages;
+  const auto classified = nlohmann::json::parse(classes.output).at("scenes").at(0).at("methods");
+  EXPECT_EQ(classified.at(0).at("missing"), "does not follow it");
+  EXPECT_EQ(classified.at(1).at("class"), "accurate");
   const ProgramResult unable =
       run_taut({"chart", "floor.toml", "--methods", "impulse"}, folder.path());
   EXPECT_EQ(unable.code, 2);
