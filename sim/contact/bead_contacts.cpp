@@ -24,6 +24,7 @@ void BeadContacts::rebuild(const Mechanism& mechanism, const World& world) {
   if (obstacles_.empty()) return;
   radius_.reserve(mechanism.state_room());  // enough for points that pins add
   category_.reserve(mechanism.state_room());
+  met_.reserve(mechanism.state_room());
   for (const Connector& connector : world.connectors) {
     radius_.insert(radius_.end(), connector.particles(), connector.radius);
     category_.insert(category_.end(), connector.particles(), connector.category);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/contact/bead_contacts.h"
+#include "sim/contact/body_contacts.h"
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/methods/xpbd_material.h"
@@ -13,6 +14,7 @@ namespace taut::methods {
 namespace {
 
 constexpr std::string_view kXpbd = "xpbd";
+constexpr int kRounds = 100;  // of links and touches in an impact; most take ten
 
 using Map = Eigen::Map<Vec3>;
 using ConstMap = Eigen::Map<const Vec3>;
@@ -38,6 +40,7 @@ class Xpbd final : public SteppedMethod {
   double prepare(Mechanism& mechanism, const World&) override;
   bool stops_stretch() const override { return false; }  // velocities come from positions
   void step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) override;
+  void share_impact(Mechanism& mechanism, double time, std::vector<double>& state);
   void flow(Mechanism& mechanism, double time, double dt, std::vector<double>& state);
   void pass(const Mechanism& mechanism, double softness, double* state);
   double mobility(const Mechanism& mechanism, int carried, const Vec3& along, const double* state);
@@ -50,18 +53,22 @@ class Xpbd final : public SteppedMethod {
   std::vector<double> multiplier_, flown_;    // kg m per row; the state after free motion
   std::vector<double> started_;               // the state before it
   std::vector<Vec3> force_;                   // N, per point, of what flows past it
-  contact::BeadContacts contacts_;
+  contact::BeadContacts beads_;
+  contact::BodyContacts bodies_;
+  Projection projection_;  // where bodies touch
   XpbdMaterial material_;
 };
 
 double Xpbd::prepare(Mechanism& mechanism, const World& world) {
-  contacts_.rebuild(mechanism, world);
-  refuse_touching_bodies(kXpbd, world);
+  beads_.rebuild(mechanism, world);
+  bodies_.rebuild(mechanism, world);
+  if (bodies_.any()) projection_.rebuild(mechanism);
   refuse_pulleys(kXpbd, world);
   refuse_laden_materials(kXpbd, world);
   material_.rebuild(mechanism);
   resize_within(mechanism.row_room(), mechanism.rows().size(), multiplier_);
   flown_.reserve(mechanism.state_room());
+  started_.reserve(mechanism.state_room());
   carriers_.reserve(mechanism.row_room());
   carriers_.assign(mechanism.rows().size(), {});
   for (const auto& end : mechanism.row_ends()) {
@@ -79,7 +86,7 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
 }
 
 void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) {
-  if (contacts_.any()) started_ = state;
+  if (beads_.any() || bodies_.any()) started_ = state;
   if (material_.any()) {
     material_.begin(state);
     material_.blow(mechanism, dt, state);
@@ -100,7 +107,8 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     pass(mechanism, compliance_ / (dt * dt), state.data());
     if (material_.any()) material_.pass(mechanism, dt, state.data());
   }
-  if (contacts_.any()) contacts_.move_out(mechanism, time + dt, dt, started_, state);
+  if (beads_.any()) beads_.move_out(mechanism, time + dt, dt, started_, state);
+  if (bodies_.any()) bodies_.move_out(mechanism, time + dt, dt, started_, state);
   counters_.solves += static_cast<std::uint64_t>(iterations_);
   counters_.cycles += step_cycles_ + iterations_ * pass_cycles_;
 
@@ -115,7 +123,22 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     const Quat turned = quaternion(&state[q + 3]) * quaternion(&flown_[q + 3]).conjugate();
     spin += angle(turned) / dt;
   }
-  if (contacts_.any()) contacts_.rebound(mechanism, dt, started_, state);
+  if (beads_.any()) beads_.rebound(mechanism, dt, started_, state);
+  if (bodies_.any() && bodies_.rebound(mechanism, dt, started_, state)) {
+    share_impact(mechanism, time + dt, state);
+  }
+}
+
+/// Rigid links answer an impact of a body at once: the impulses of the links and of the touches, in
+/// turn. A step later the body would have left already.
+void Xpbd::share_impact(Mechanism& mechanism, double time, std::vector<double>& state) {
+  const bool rigid = compliance_ == 0 && !mechanism.has_strings();
+  if (!rigid || mechanism.row_ends().empty()) return;
+  for (int round = 0; round < kRounds; ++round) {
+    projection_.rates(mechanism, time, state);
+    ++counters_.solves;
+    if (bodies_.push(mechanism, state)) return;
+  }
 }
 
 /// Changes velocities by what flows past the particles.
@@ -226,6 +249,7 @@ MethodInfo xpbd_method() {
       .longest_step = stiff_step,
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .touches_obstacles = true,
+      .touches_with_bodies = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

@@ -2,82 +2,13 @@
 // beforehand.
 #include <gtest/gtest.h>
 
-#include <numbers>
-
-#include "contact_worlds.h"
-#include "sim/contact/capsule.h"
+#include "contact_sticks.h"
 #include "sim/measure/measure.h"
-#include "tests/support/dice.h"
 
 namespace taut::body_pair_test {
 namespace {
 
-using namespace contact_worlds;
-using worlds::kGravity;
-
-constexpr double kLength = 0.4, kRadius = 0.01, kMass = 0.3;  // m, m, kg
-constexpr double kAcross = kMass * kLength * kLength / 12;    // kg m^2, of a thin rod
-constexpr double kAlong = kMass * kRadius * kRadius / 2;
-
-/// A thin rod between the centres of its ends, along the y axis.
-Body rod(const Vec3& centre, const Vec3& velocity = Vec3::Zero()) {
-  Body body;
-  body.name = "rod";
-  body.mass_properties = {kMass, Vec3::Zero(), Vec3(kAcross, kAlong, kAcross).asDiagonal()};
-  body.capsule = {kRadius, -kLength / 2 * Vec3::UnitY(), kLength / 2 * Vec3::UnitY()};
-  body.position = centre;
-  body.velocity = velocity;
-  return body;
-}
-
-Body turned(Body body, const Vec3& to) {
-  body.rotation = rotation_between(Vec3::UnitY(), to);
-  return body;
-}
-
-Body ball(const Vec3& centre, const Vec3& velocity) {
-  Body body;
-  body.name = "ball";
-  body.mass_properties = solid_sphere(kMass, 2 * kRadius);
-  body.capsule.radius = kRadius;
-  body.position = centre;
-  body.velocity = velocity;
-  return body;
-}
-
-/// Bodies of which each touches each other.
-World among(std::vector<Body> bodies, double friction = 0, double restitution = 0) {
-  World world;
-  world.gravity.setZero();
-  world.bodies = std::move(bodies);
-  for (std::size_t a = 0; a < world.bodies.size(); ++a) {
-    for (std::size_t b = a + 1; b < world.bodies.size(); ++b) {
-      world.pairs.push_back({a, b, friction, friction, restitution});
-    }
-  }
-  finish(world);
-  return world;
-}
-
-contact::Capsule capsule_of(const Body& body) {
-  return {body.point(body.capsule.from), body.point(body.capsule.to), body.capsule.radius};
-}
-
-/// The deepest that bodies are in each other or in obstacles, m.
-double depth(const World& world) {
-  double deepest = -1;
-  for (const BodyPair& pair : world.pairs) {
-    deepest = std::max(deepest, -contact::least_gap(capsule_of(world.bodies[pair.a]),
-                                                    capsule_of(world.bodies[pair.b])));
-  }
-  for (const Body& body : world.bodies) {
-    for (const Obstacle& with : world.obstacles) {
-      const Pose frame = with.frame(world.time).pose();
-      deepest = std::max(deepest, -contact::least_gap(with.shape, frame, capsule_of(body)));
-    }
-  }
-  return deepest;
-}
+using namespace contact_sticks;
 
 class BodyPairs : public testing::TestWithParam<const char*> {
  protected:
@@ -182,19 +113,6 @@ TEST_P(BodyPairs, ThreeInARow) {
       EXPECT_NEAR(bodies[static_cast<std::size_t>(i)].velocity.x(), kSpeed * expected[i], 1e-13);
     }
   }
-}
-
-/// Three equal rods along z on a floor: one on top of two that touch.
-World pile(double friction) {
-  const double high = kRadius * (1 + std::sqrt(3.0));
-  World world = among({turned(rod(Vec3(-kRadius, kRadius, 0)), Vec3::UnitZ()),
-                       turned(rod(Vec3(kRadius, kRadius, 0)), Vec3::UnitZ()),
-                       turned(rod(Vec3(0, high, 0)), Vec3::UnitZ())},
-                      friction);
-  world.gravity = Vec3(0, -kGravity, 0);
-  world.obstacles = {obstacle(plane_shape(), friction)};
-  finish(world);
-  return world;
 }
 
 // With a coefficient above tan 15 degrees it stands.
@@ -305,31 +223,6 @@ TEST(BodyPairsOnChains, TwoSolversAgree) {
       EXPECT_LT(apart(truth.world(), other.world()), 2 * tolerance) << friction;
     }
   }
-}
-
-/// Sticks and balls above a floor, each at a height of its own.
-World storm(unsigned seed) {
-  Dice dice(seed);
-  std::vector<Body> bodies;
-  for (int i = 0; i < 4; ++i) {
-    const double radius = dice.between(0.01, 0.03), mass = dice.between(0.05, 0.5);
-    const double length = dice.pick(5) == 0 ? 0 : dice.between(0.1, 0.3);
-    Body body;
-    body.name = "body";
-    body.mass_properties = length > 0 ? solid_cylinder(mass, length + 2 * radius, 2 * radius)
-                                      : solid_sphere(mass, 2 * radius);
-    body.capsule = {radius, -length / 2 * Vec3::UnitY(), length / 2 * Vec3::UnitY()};
-    body.position = dice.within(0.1) + (0.5 + 0.6 * i) * Vec3::UnitY();
-    body.rotation = rotation_between(Vec3::UnitY(), dice.direction());
-    body.spin = dice.within(5);
-    bodies.push_back(body);
-  }
-  const double friction = dice.pick(3) == 0 ? 0 : dice.between(0, 1);
-  World world = among(std::move(bodies), friction);
-  world.gravity = Vec3(0, -kGravity, 0);
-  world.obstacles = {obstacle(plane_shape(), friction)};
-  finish(world);
-  return world;
 }
 
 TEST(BodyPairStorms, NothingPassesAndAllLand) {

@@ -4,58 +4,13 @@
 
 #include <numbers>
 
-#include "contact_worlds.h"
-#include "sim/contact/capsule.h"
+#include "contact_sticks.h"
 #include "sim/measure/measure.h"
 
 namespace taut::contact_body_test {
 namespace {
 
-using namespace contact_worlds;
-using worlds::kGravity;
-
-constexpr double kLength = 0.4, kRadius = 0.01, kMass = 0.3;  // m, m, kg
-constexpr double kAcross = kMass * kLength * kLength / 12;    // kg m^2, of a thin rod
-
-/// A thin rod between the centres of its ends, turned up from the x axis by `angle` (rad).
-Body rod(const Vec3& centre, double angle) {
-  Body body;
-  body.name = "rod";
-  body.mass_properties = {kMass, Vec3::Zero(),
-                          Vec3(kAcross, kMass * kRadius * kRadius / 2, kAcross).asDiagonal()};
-  body.capsule = {kRadius, -kLength / 2 * Vec3::UnitY(), kLength / 2 * Vec3::UnitY()};
-  body.position = centre;
-  body.rotation = Quat(Eigen::AngleAxisd(angle - std::numbers::pi / 2, Vec3::UnitZ()));
-  return body;
-}
-
-World with(const Body& body, const Obstacle& obstacle) {
-  World world;
-  world.bodies = {body};
-  world.obstacles = {obstacle};
-  finish(world);
-  return world;
-}
-
-Obstacle incline(double angle, double friction) {
-  Obstacle made = obstacle(plane_shape(), friction);
-  made.place.rotation = Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()));
-  return made;
-}
-
-/// The deepest that a body is in an obstacle, m.
-double depth(const World& world) {
-  double deepest = -1;
-  for (const Body& body : world.bodies) {
-    const contact::Capsule own{body.point(body.capsule.from), body.point(body.capsule.to),
-                               body.capsule.radius};
-    for (const Obstacle& with : world.obstacles) {
-      const Pose frame = with.frame(world.time).pose();
-      deepest = std::max(deepest, -contact::least_gap(with.shape, frame, own));
-    }
-  }
-  return deepest;
-}
+using namespace contact_sticks;
 
 class ContactBody : public testing::TestWithParam<const char*> {
  protected:
@@ -73,7 +28,7 @@ TEST_P(ContactBody, ARodOnOneEndByTheClosedForm) {
       const double lands = 0.25, speed = kGravity * lands;
       const double height = kRadius + kLength / 2 * std::sin(angle) + speed * lands / 2;
       Simulation simulation =
-          simulate(with(rod(Vec3(0, height, 0), angle), obstacle(plane_shape(), 0, e)));
+          simulate(with(leaning(Vec3(0, height, 0), angle), obstacle(plane_shape(), 0, e)));
       simulation.advance_to(lands + 1e-9);
       const double impulse = (1 + e) * kMass * speed / (1 + 3 * std::cos(angle) * std::cos(angle));
       const Body& body = simulation.world().bodies[0];
@@ -90,7 +45,7 @@ TEST_P(ContactBody, ARodOnOneEndByTheClosedForm) {
 TEST_P(ContactBody, ARodOnOneEndThatSticks) {
   const double angle = 0.8, lands = 0.25, speed = kGravity * lands;
   const double height = kRadius + kLength / 2 * std::sin(angle) + speed * lands / 2;
-  Body body = rod(Vec3(0, height, 0), angle);
+  Body body = leaning(Vec3(0, height, 0), angle);
   body.capsule.radius = 1e-6;  // else friction acts beside the end
   body.position.y() += 1e-6 - kRadius;
   Simulation simulation = simulate(with(body, obstacle(plane_shape(), 2)));
@@ -103,7 +58,7 @@ TEST_P(ContactBody, WhatLiesStaysAtRest) {
   Obstacle box = obstacle(box_shape(Vec3(0.2, 0.1, 0.1)), 0.4);
   box.place.position.y() = -0.05;
   for (const Obstacle& below : {obstacle(plane_shape(), 0.4), obstacle(plane_shape(), 0), box}) {
-    Simulation simulation = simulate(with(rod(Vec3(0, kRadius, 0), 0), below));
+    Simulation simulation = simulate(with(leaning(Vec3(0, kRadius, 0), 0), below));
     simulation.advance_to(is_truth() ? 1 : 10);
     const Body& body = simulation.world().bodies[0];
     EXPECT_LT(body.velocity.norm(), 1e-9);
@@ -117,7 +72,7 @@ TEST_P(ContactBody, ARodOnAnInclineSlidesOrSticks) {
   const double angle = std::atan(0.5);
   for (const double mu : {0.0, 0.2, 0.6}) {
     const Vec3 up(-std::sin(angle), std::cos(angle), 0);
-    Simulation simulation = simulate(with(rod(kRadius * up, angle), incline(angle, mu)));
+    Simulation simulation = simulate(with(leaning(kRadius * up, angle), incline(angle, mu)));
     simulation.advance_to(1);
     const double down = kGravity * (std::sin(angle) - mu * std::cos(angle));
     const Body& body = simulation.world().bodies[0];
@@ -131,7 +86,7 @@ TEST_P(ContactBody, ARodStopsWhereItMust) {
   constexpr double speed = 2, kinetic = 0.3;
   const double angle = std::atan(0.5);
   const Vec3 along(std::cos(angle), std::sin(angle), 0), up(-along.y(), along.x(), 0);
-  Body body = rod(kRadius * up, angle);
+  Body body = leaning(kRadius * up, angle);
   body.velocity = speed * along;
   Obstacle below = incline(angle, kinetic);
   below.static_friction = 0.6;
@@ -148,7 +103,7 @@ TEST_P(ContactBody, ARodStopsWhereItMust) {
 TEST_P(ContactBody, ARodThatLiesAcrossAnInclineRolls) {
   const double angle = 0.2;
   const Vec3 along(std::cos(angle), std::sin(angle), 0), up(-along.y(), along.x(), 0);
-  Body body = rod(kRadius * up, angle);
+  Body body = leaning(kRadius * up, angle);
   body.rotation = rotation_between(Vec3::UnitY(), Vec3::UnitZ());
   Simulation simulation = simulate(with(body, incline(angle, 0.5)));
   constexpr double time = 0.5;
@@ -161,7 +116,7 @@ TEST_P(ContactBody, ARodThatLiesAcrossAnInclineRolls) {
 TEST_P(ContactBody, ARodThatSlipsOnASmoothFloor) {
   const double start = 1.2, half = kLength / 2;
   const World world =
-      with(rod(Vec3(0, kRadius + half * std::sin(start), 0), start), obstacle(plane_shape()));
+      with(leaning(Vec3(0, kRadius + half * std::sin(start), 0), start), obstacle(plane_shape()));
   Simulation simulation = simulate(world, 1e-6);
   const double at_start = energy(world);
   for (int frame = 1; frame <= 20; ++frame) {
@@ -183,7 +138,7 @@ TEST_P(ContactBody, ARodThatSlipsOnASmoothFloor) {
 /// A stick on a rope that swings against a post.
 World swinging_stick(double friction, double restitution = 0) {
   World world = worlds::chain(7, 0.6, Vec3::UnitX(), 0.05);
-  Body stick = rod(Vec3::Zero(), 0);
+  Body stick = leaning(Vec3::Zero(), 0);
   stick.position = Vec3(0.6 + kLength / 2, 0, 0);
   world.bodies = {stick};
   world.connectors[0].holds.push_back({6, worlds::on_body(0, kLength / 2 * Vec3::UnitY())});

@@ -67,10 +67,11 @@ TEST_F(BodyContactScene, OtherMethodsAreRefused) {
     if (method.touches_with_bodies) {
       EXPECT_TRUE(follows(method, read(text))) << method.name;
     } else {
-      expect(text,
-             method.touches_obstacles
-                 ? "follows no free bodies that touch obstacles, expected one of: direct, truth"
-                 : "knows no contact");
+      expect(
+          text,
+          method.touches_obstacles
+              ? "follows no free bodies that touch obstacles, expected one of: xpbd, direct, truth"
+              : "knows no contact");
     }
   }
 }
@@ -144,7 +145,9 @@ TEST_F(BodyContactScene, OtherMethodsAreRefusedWithPairs) {
     if (method.touches_with_bodies) {
       EXPECT_TRUE(follows(method, read(text))) << method.name;
     } else {
-      expect(text, "follows no free bodies that touch each other, expected one of: direct, truth");
+      expect(text,
+             "follows no free bodies that touch each other, expected one of: xpbd, direct, "
+             "truth");
     }
   }
 }

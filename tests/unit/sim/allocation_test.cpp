@@ -197,6 +197,38 @@ TEST(Allocations, SteppingJoinedConnectorsDoesNotAllocateAfterTheFirstCall) {
   }
 }
 
+/// A rope with a stick at its end that fall on a floor, and a stick that falls on that.
+World sticks_on_a_floor() {
+  World world = stick_on_a_rope();
+  world.connectors[0].holds.erase(world.connectors[0].holds.begin());
+  world.connectors[0].radius = 0.01;
+  Body above = world.bodies[0];
+  above.mass_properties = above.bare;
+  above.position += Vec3(0.02, 0.3, 0);
+  world.bodies.push_back(above);
+  for (Body& body : world.bodies) {
+    body.capsule = {0.015, Vec3(0, -0.18, 0), Vec3(0, 0.18, 0)};
+  }
+  world.pairs = {{0, 1, 0.3, 0.3, 0.5}};
+  Obstacle floor;
+  floor.place.position.y() = -1.2;
+  world.obstacles = {floor};
+  refresh(world);
+  return world;
+}
+
+TEST(Allocations, SteppingContactDoesNotAllocateAfterTheFirstCall) {
+  for (const std::string_view name : {"xpbd"}) {
+    World world = sticks_on_a_floor();
+    const auto method = make_method(name, {});
+    method->advance(world, 1.0 / 240);
+    const std::size_t before = allocations;
+    for (int k = 2; k <= 240; ++k) method->advance(world, k / 240.0);
+    EXPECT_EQ(allocations - before, 0u) << name;
+    EXPECT_LT(world.bodies[0].position.y(), -0.8) << name;  // it lies there
+  }
+}
+
 TEST(Allocations, DirectDoesNotAllocateAtCoarseTolerances) {
   for (const double tolerance : {0.01, 0.03, 0.06, 0.1, 0.3}) {
     World world = spiral();

@@ -1,0 +1,62 @@
+// Contact of free bodies as games do it: capsules inside of obstacles or of each other are moved
+// out, and rubbed.
+#pragma once
+
+#include <vector>
+
+#include "sim/contact/body_meetings.h"
+#include "sim/contact/body_touch.h"
+#include "sim/contact/gauss_seidel.h"
+#include "sim/links/mechanism.h"
+
+namespace taut::contact {
+
+/// For methods of fixed steps on a Mechanism, after the step, as BeadContacts; each body moves by
+/// its own mass, whatever links hold it. Where bodies are together, or one has several touches,
+/// relax() finds what they do to each other.
+class BodyContacts {
+ public:
+  /// Call when the topology is new.
+  void rebuild(const Mechanism& mechanism, const World& world);
+
+  bool any() const { return !meetings_.empty(); }
+
+  /// Moves bodies out, and against their sliding since the places of `before`, as far as Coulomb's
+  /// law lets what moved them out.
+  void move_out(const Mechanism& mechanism, double time, double dt,
+                const std::vector<double>& before, std::vector<double>& state);
+  /// After move_out(), with the velocities that positions made: completes what that gave to the
+  /// impulses of the step, with the restitution of the speeds that touches came with, in `before`.
+  /// So friction in an impact is of the impulse, and no depth gives a velocity. True where there
+  /// was an impact, so that links may have to answer.
+  bool rebound(const Mechanism& mechanism, double dt, const std::vector<double>& before,
+               std::vector<double>& state);
+  /// Completes the impulses again where links have changed velocities since. True where that
+  /// changes them by less than a millionth.
+  bool push(const Mechanism& mechanism, std::vector<double>& state);
+
+  /// Moves bodies out along normals, and finds the impulses that stop or throw back the velocities
+  /// of what touches, with friction.
+  void stop(const Mechanism& mechanism, double time, double dt, std::vector<double>& state);
+
+ private:
+  void find(const Mechanism& mechanism, double time, double dt, const std::vector<double>& state);
+  void add(const Mechanism& mechanism, std::size_t meeting, const Capsule& capsule, Spot spot,
+           const SpotGap& gap, const std::vector<double>& state);
+  void find_masses(const Mechanism& mechanism, const std::vector<double>& state);
+  void shift(const Mechanism& mechanism, std::vector<double>& state);
+  bool find_rebounds(const Mechanism& mechanism, double dt, const std::vector<double>& came);
+  void use_friction(bool used);
+  Vec3 surface_velocity(const BodyTouch& at) const;
+
+  std::vector<BodyMeeting> meetings_;
+  std::vector<BodyCapsule> capsules_;  // per free body, from the centre of mass
+  std::vector<Obstacle> obstacles_;
+  std::vector<FrameMotion> frames_;    // of these, at the step's end
+  std::vector<BodyTouch> touches_;     // other_arm: from the obstacle's origin where there is one
+  std::vector<EffectiveMass> masses_;  // per touch
+  std::vector<Mat6> mobility_;         // per free body
+  std::vector<Vec6> twists_;           // per free body: displacements, then velocities
+};
+
+}  // namespace taut::contact
