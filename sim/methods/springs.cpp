@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "sim/contact/bead_contacts.h"
+#include "sim/contact/body_contacts.h"
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/run/companion.h"
@@ -61,10 +62,10 @@ class Springs : public SteppedMethod {
 
  private:
   double prepare(Mechanism& mechanism, const World& world) override {
-    refuse_touching_bodies("springs", world);
     refuse_pulleys("springs", world);
     stepper_.prepare(mechanism);
-    contacts_.rebuild(mechanism, world);
+    beads_.rebuild(mechanism, world);
+    bodies_.rebuild(mechanism, world);
     row_mobility(mechanism, mobility_);
     const double highest = mechanism.is_joined()
                                ? joined_stretch_frequency_bound(mechanism, mobility_, stiffness_)
@@ -102,7 +103,8 @@ class Springs : public SteppedMethod {
                     ++counters_.solves;
                     counters_.cycles += at.cycles();
                   });
-    if (contacts_.any()) contacts_.stop(mechanism, time + dt, dt, state);
+    if (beads_.any()) beads_.stop(mechanism, time + dt, dt, state);
+    if (bodies_.any()) bodies_.stop(mechanism, time + dt, dt, state);
   }
 
   double stiffness_, damping_;  // N/m, 1
@@ -110,7 +112,8 @@ class Springs : public SteppedMethod {
   Integrator integrator_;
   double limit_;  // of its stable steps, as a multiple of 1/w
   Stepper stepper_;
-  contact::BeadContacts contacts_;
+  contact::BeadContacts beads_;
+  contact::BodyContacts bodies_;
   std::vector<double> mobility_;  // per row, 1/kg
 };
 
@@ -161,6 +164,7 @@ MethodInfo springs_method() {
       .longest_step = longest_step,
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
       .touches_obstacles = true,
+      .touches_with_bodies = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

@@ -192,13 +192,6 @@ void refuse_obstacles(std::string_view method, const World& world) {
                  no_contact(world));
 }
 
-void refuse_touching_bodies(std::string_view method, const World& world) {
-  if (!has_touching_bodies(world)) return;
-  const auto found = std::ranges::find_if(
-      world.bodies, [](const Body& body) { return body.capsule.touches() && !body.driven(); });
-  throw Diverged(std::string(method), world.time, 0, found->name, 0, no_touching_bodies(world));
-}
-
 void refuse_materials(std::string_view method, const World& world) {
   const auto found = std::ranges::find_if(
       world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });

@@ -215,9 +215,6 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
 /// For methods that know no contact: throws Diverged where has_contact().
 void refuse_obstacles(std::string_view method, const World& world);
 
-/// For methods whose bodies touch nothing: throws Diverged where has_touching_bodies().
-void refuse_touching_bodies(std::string_view method, const World& world);
-
 /// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
 void refuse_materials(std::string_view method, const World& world);
 /// For methods to which particles are of one connector: throws Diverged where some are joined.

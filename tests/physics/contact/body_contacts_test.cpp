@@ -296,7 +296,7 @@ TEST_P(BodiesByGames, NothingPassesInAStorm) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, BodiesByGames, testing::Values("xpbd"));
+INSTANTIATE_TEST_SUITE_P(Both, BodiesByGames, testing::Values("xpbd", "springs"));
 
 }  // namespace
 }  // namespace taut::body_contacts_test

@@ -41,7 +41,6 @@ class Ignored : public testing::TestWithParam<const char*> {
 
 TEST_P(Ignored, PassAsIfItWereNotThere) {
   World world = falling();
-  if (!find_method(method_)->touches_with_bodies) world.bodies.clear();
   const World freely = run(world).world();
   world.connectors[1].category = 2;
   for (Body& body : world.bodies) body.capsule.category = 4;

@@ -218,7 +218,7 @@ World sticks_on_a_floor() {
 }
 
 TEST(Allocations, SteppingContactDoesNotAllocateAfterTheFirstCall) {
-  for (const std::string_view name : {"xpbd"}) {
+  for (const std::string_view name : {"xpbd", "springs"}) {
     World world = sticks_on_a_floor();
     const auto method = make_method(name, {});
     method->advance(world, 1.0 / 240);
