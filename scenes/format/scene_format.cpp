@@ -171,6 +171,11 @@ const TableFormat& connector_format() {
            "Of its particles, as beads that touch obstacles; default: half of the diameter "
            "as drawn.",
            "m"),
+       {.name = "contact",
+        .type = Type::choice,
+        .meaning = "What touches obstacles: its beads, or the links between them as well, as "
+                   "capsules.",
+        .choices = {"beads", "links"}},
        positive("diameter", "As drawn: of the rope or cord, or across a link of the chain.", "m"),
        color("color", "Linear colour."),
        positive("axial_stiffness", "EA: tension per strain; default: links are rigid.", "N"),

@@ -121,7 +121,7 @@ void look_at_beads(const World& world, std::vector<std::string>& warnings) {
     if (std::isinf(sharpest)) continue;
     for (const Connector& connector : world.connectors) {
       if (connector.name.find('#') != std::string::npos) continue;  // a copy
-      if (!obstacle.touches(connector.category)) continue;
+      if (!obstacle.touches(connector.category) || connector.links_touch) continue;
       const double bent = sharpest + connector.radius;
       if (bent == 0) {
         warnings.push_back(fmt::format(

@@ -108,6 +108,7 @@ class Layout {
     connector.restitution = number_or(value, "restitution", 0);
     connector.radius =
         number_or(value, "radius", number_or(value, "diameter", ConnectorLook().diameter) / 2);
+    connector.links_touch = text_or(value, "contact", "beads") == "links";
     read_sections(document_, value, connector);
     if (value.find("over")) return add_route(value, std::move(connector));
     add_end(value, "from", 0, connector);

@@ -120,6 +120,19 @@ void refuse_joints(const Document& document, const MethodInfo& method) {
                                          method.name, able));
 }
 
+void refuse_touching_links(const Document& document, const MethodInfo& method) {
+  const Value *connectors = document.root.find("connectors"),
+              *obstacles = document.root.find("obstacles");
+  if (!connectors || !obstacles || obstacles->children.empty() || method.touches_with_links) return;
+  for (const Value& connector : connectors->children) {
+    if (text_or(connector, "contact", "beads") != "links") continue;
+    document.fail_at_key(*connector.find("contact"),
+                         fmt::format("the method {} touches obstacles with beads alone, expected "
+                                     "one of: {}",
+                                     method.name, methods_with(&MethodInfo::touches_with_links)));
+  }
+}
+
 void refuse_strings(const Document& document, const MethodInfo& method) {
   const Value* connectors = document.root.find("connectors");
   if (!connectors) return;
@@ -205,6 +218,7 @@ Scene read_scene(Document document, bool with_stage) {
   refuse_touching_bodies(document, *find_method(scene.method.name));
   refuse_materials(document, *find_method(scene.method.name));
   refuse_joints(document, *find_method(scene.method.name));
+  refuse_touching_links(document, *find_method(scene.method.name));
   refuse_strings(document, *find_method(scene.method.name));
   refuse_winches(document, *find_method(scene.method.name));
   finish(scene.world);

@@ -2,18 +2,13 @@
 
 #include <algorithm>
 
+#include "sim/contact/coulomb.h"
+
 namespace taut::contact {
 namespace {
 
 using Map = Eigen::Map<Vec3>;
 using ConstMap = Eigen::Map<const Vec3>;
-
-/// By how much of its length something that slides by `slip` is held back, if it can be by `push`
-/// times the coefficient of friction.
-double friction_share(const Obstacle& obstacle, double slip, double push) {
-  if (slip <= obstacle.static_friction * push) return 1;
-  return std::min(1.0, obstacle.kinetic_friction * push / slip);
-}
 
 }  // namespace
 
@@ -57,7 +52,7 @@ void BeadContacts::move_out(const Mechanism& mechanism, double time, double dt,
     at += met.depth * met.normal;
     const Vec3 moved = at - ConstMap(&before[mechanism.position(met.point)]) - dt * met.surface;
     const Vec3 slip = moved - met.normal.dot(moved) * met.normal;
-    at -= friction_share(obstacles_[met.obstacle], slip.norm(), met.depth) * slip;
+    at -= held_share(obstacles_[met.obstacle], slip.norm(), met.depth) * slip;
   }
 }
 
@@ -86,7 +81,7 @@ void BeadContacts::stop(const Mechanism& mechanism, double time, double dt,
     if (into <= 0) continue;
     const double push = into * (1 + (into > resting ? obstacle.restitution : 0));
     const Vec3 slip = passing + into * met.normal;
-    velocity += push * met.normal - friction_share(obstacle, slip.norm(), push) * slip;
+    velocity += push * met.normal - held_share(obstacle, slip.norm(), push) * slip;
   }
 }
 

@@ -191,6 +191,7 @@ void Interventions::divide(World& world, std::size_t index, double along, std::s
   move_tail(first.rest, second.rest, at);
   second.radius = first.radius;
   second.category = first.category;
+  second.links_touch = first.links_touch;
   second.drag = first.drag;
   if (!first.sections.empty()) move_tail(first.sections, second.sections, at);
   move_tail(first.position, second.position, at);

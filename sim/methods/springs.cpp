@@ -8,6 +8,7 @@
 
 #include "sim/contact/bead_contacts.h"
 #include "sim/contact/body_contacts.h"
+#include "sim/contact/link_contacts.h"
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/run/companion.h"
@@ -65,6 +66,7 @@ class Springs : public SteppedMethod {
     refuse_pulleys("springs", world);
     stepper_.prepare(mechanism);
     beads_.rebuild(mechanism, world);
+    links_.rebuild(mechanism, world);
     bodies_.rebuild(mechanism, world);
     row_mobility(mechanism, mobility_);
     const double highest = mechanism.is_joined()
@@ -104,6 +106,7 @@ class Springs : public SteppedMethod {
                     counters_.cycles += at.cycles();
                   });
     if (beads_.any()) beads_.stop(mechanism, time + dt, dt, state);
+    if (links_.any()) links_.stop(mechanism, time + dt, dt, state);
     if (bodies_.any()) bodies_.stop(mechanism, time + dt, dt, state);
   }
 
@@ -113,6 +116,7 @@ class Springs : public SteppedMethod {
   double limit_;  // of its stable steps, as a multiple of 1/w
   Stepper stepper_;
   contact::BeadContacts beads_;
+  contact::LinkContacts links_;
   contact::BodyContacts bodies_;
   std::vector<double> mobility_;  // per row, 1/kg
 };
@@ -165,6 +169,7 @@ MethodInfo springs_method() {
       .longest_step_law = "limit of the fastest stretch w, 2 sqrt(k/m) or less",
       .touches_obstacles = true,
       .touches_with_bodies = true,
+      .touches_with_links = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

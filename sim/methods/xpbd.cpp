@@ -5,6 +5,7 @@
 
 #include "sim/contact/bead_contacts.h"
 #include "sim/contact/body_contacts.h"
+#include "sim/contact/link_contacts.h"
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/methods/xpbd_material.h"
@@ -54,6 +55,7 @@ class Xpbd final : public SteppedMethod {
   std::vector<double> started_;               // the state before it
   std::vector<Vec3> force_;                   // N, per point, of what flows past it
   contact::BeadContacts beads_;
+  contact::LinkContacts links_;
   contact::BodyContacts bodies_;
   Projection projection_;  // where bodies touch
   XpbdMaterial material_;
@@ -61,6 +63,7 @@ class Xpbd final : public SteppedMethod {
 
 double Xpbd::prepare(Mechanism& mechanism, const World& world) {
   beads_.rebuild(mechanism, world);
+  links_.rebuild(mechanism, world);
   bodies_.rebuild(mechanism, world);
   if (bodies_.any()) projection_.rebuild(mechanism);
   refuse_pulleys(kXpbd, world);
@@ -108,6 +111,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     if (material_.any()) material_.pass(mechanism, dt, state.data());
   }
   if (beads_.any()) beads_.move_out(mechanism, time + dt, dt, started_, state);
+  if (links_.any()) links_.move_out(mechanism, time + dt, dt, started_, state);
   if (bodies_.any()) bodies_.move_out(mechanism, time + dt, dt, started_, state);
   counters_.solves += static_cast<std::uint64_t>(iterations_);
   counters_.cycles += step_cycles_ + iterations_ * pass_cycles_;
@@ -124,6 +128,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     spin += angle(turned) / dt;
   }
   if (beads_.any()) beads_.rebound(mechanism, dt, started_, state);
+  if (links_.any()) links_.rebound(mechanism, dt, started_, state);
   if (bodies_.any() && bodies_.rebound(mechanism, dt, started_, state)) {
     share_impact(mechanism, time + dt, state);
   }
@@ -250,6 +255,7 @@ MethodInfo xpbd_method() {
       .longest_step_law = "1% of stretch at rest, dt^2 = m l / 100 T",
       .touches_obstacles = true,
       .touches_with_bodies = true,
+      .touches_with_links = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

@@ -91,6 +91,7 @@ void Multipliers::advance(World& world, double until) {
         has_contact(world) ? "truth with contact" : "truth beside links that only pull";
     refuse_materials(name, world);
     refuse_joints(name, world);
+    refuse_touching_links("truth", world);
     among_obstacles_->advance(world, until);
     counters_ = among_obstacles_->counters();
     return;

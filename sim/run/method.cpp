@@ -15,6 +15,7 @@ constexpr const char* kNoSpans = "follows no massless spans (model = \"span\")";
 constexpr const char* kNoMaterials = "knows neither stretch nor bending nor air";
 constexpr const char* kNoJoints = "follows no connectors that are joined";
 constexpr const char* kNoStrings = "follows no links that only pull";
+constexpr const char* kNoTouchingLinks = "touches obstacles with beads, not with links";
 constexpr const char* kNoWinches = "follows no connectors that have winches";
 constexpr const char* kNoPulleys = "follows no rope that passes pulleys";
 
@@ -39,6 +40,7 @@ std::string refusal(const MethodInfo& method, const World& world) {
   if (!method.follows_spans && has_spans(world)) return kNoSpans;
   if (!method.touches_obstacles && !world.obstacles.empty()) return no_contact(world);
   if (!method.touches_with_bodies && has_touching_bodies(world)) return no_touching_bodies(world);
+  if (!method.touches_with_links && has_touching_links(world)) return kNoTouchingLinks;
   if (!method.follows_materials && has_materials(world)) return kNoMaterials;
   if (!method.follows_joints && !world.joints.empty()) return kNoJoints;
   if (!method.follows_strings && has_strings(world)) return kNoStrings;
@@ -204,6 +206,12 @@ void refuse_joints(std::string_view method, const World& world) {
   const Joint::Particle& at = world.joints.front().particles.front();
   throw Diverged(std::string(method), world.time, 0, world.connectors[at.connector].name,
                  at.particle, kNoJoints);
+}
+
+void refuse_touching_links(std::string_view method, const World& world) {
+  if (!has_touching_links(world)) return;
+  const auto found = std::ranges::find_if(world.connectors, &Connector::links_touch);
+  throw Diverged(std::string(method), world.time, 0, found->name, 0, kNoTouchingLinks);
 }
 
 void refuse_strings(std::string_view method, const World& world) {

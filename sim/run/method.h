@@ -157,6 +157,8 @@ struct MethodInfo {
   bool touches_obstacles = false;
   /// So do the capsules of free bodies; others throw Diverged where has_touching_bodies().
   bool touches_with_bodies = false;
+  /// Links touch them as beads do where Connector::links_touch; others throw Diverged there.
+  bool touches_with_links = false;
   /// Connectors stretch, resist bending and meet the air as sim/material says; others throw
   /// Diverged where a world has such a one.
   bool follows_materials = false;
@@ -214,6 +216,9 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
 
 /// For methods that know no contact: throws Diverged where has_contact().
 void refuse_obstacles(std::string_view method, const World& world);
+
+/// For methods that touch obstacles with beads alone: throws Diverged where has_touching_links().
+void refuse_touching_links(std::string_view method, const World& world);
 
 /// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
 void refuse_materials(std::string_view method, const World& world);

@@ -99,6 +99,7 @@ struct Connector {
   double restitution = 0;  // coefficient of restitution when the span goes taut, 0 to 1
   double radius = 0;       // m, of the beads that touch obstacles: each particle is one
   std::uint64_t category = 0;  // bits, of which an obstacle may ignore some
+  bool links_touch = false;    // the links touch obstacles, too, as capsules of that radius
   ConnectorModel model = ConnectorModel::links;
   /// The links are strings, which may be shorter than `rest` and never push (sim/contact). Such a
   /// connector is a model of links, has no sections and no joint.

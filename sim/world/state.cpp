@@ -9,6 +9,11 @@ bool has_materials(const World& world) {
       world.connectors, [](const Connector& connector) { return !connector.sections.empty(); });
 }
 
+bool has_touching_links(const World& world) {
+  return !world.obstacles.empty() &&
+         std::ranges::any_of(world.connectors, &Connector::links_touch);
+}
+
 bool has_strings(const World& world) {
   return std::ranges::any_of(world.connectors, &Connector::pulls);
 }

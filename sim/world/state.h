@@ -49,6 +49,8 @@ bool has_contact(const World& world);
 /// Whether some connector has a winch or passes a pulley (Connector::winch).
 bool has_winches(const World& world);
 
+/// Whether links touch obstacles, not beads alone (Connector::links_touch).
+bool has_touching_links(const World& world);
 /// Whether some connector's links are strings (Connector::pulls).
 bool has_strings(const World& world);
 

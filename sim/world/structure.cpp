@@ -87,6 +87,7 @@ std::uint64_t structure_of_connector(const World& world, std::size_t index) {
   hash.word(sum);
   if (!connector.sections.empty()) add_materials(connector, hash);
   if (connector.pulls) hash.text("pulls");
+  if (connector.links_touch) hash.text("links touch");
   if (connector.winch) {
     for (const auto& path : connector.winch->paths) add(path, hash);
     hash.word(connector.winch->density);

@@ -133,6 +133,7 @@ class Direct : public Method {
         refuse_obstacles("direct with a massless span", world);
         refuse_strings("direct with a massless span", world);
       }
+      refuse_touching_links("direct", world);
       built_ = true;
       topology_ = world.topology;
       contacts_->prepare(world);

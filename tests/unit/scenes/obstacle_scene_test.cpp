@@ -1,4 +1,5 @@
 // Obstacles of scenes: what they are read as, what is said against them, and how they are seen.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -369,6 +370,22 @@ TEST_F(ObstacleScene, WhatCannotBePushedOutIsSaid) {
       "to = { fixed = [0, 2, 2.5] }\nstart = { push_out = [0, 0, -1] }\n[bodies.drop]\nmass = 1\n"
       "shape = { sphere = { diameter = 0.1 } }\nposition = [0, 2, 3]\n",
       "", "needs ends that are free, fixed, on a path or on a bone");
+}
+
+TEST_F(ObstacleScene, LinksTouchWhereTheMethodLetsThem) {
+  std::string scene = kScene;
+  scene.replace(scene.find("radius = 0.01"), 0, "contact = \"links\"\n");
+  for (const MethodInfo& method : all_methods()) {
+    if (!method.missing.empty() || !method.touches_obstacles) continue;
+    const std::string text = fmt::format("{}[method]\nname = \"{}\"\n", scene, method.name);
+    if (method.touches_with_links) {
+      EXPECT_TRUE(has_touching_links(read(text).world)) << method.name;
+    } else {
+      SceneTexts::expect(text, fmt::format("the method {} touches obstacles with beads alone, "
+                                           "expected one of: springs, xpbd",
+                                           method.name));
+    }
+  }
 }
 
 }  // namespace
