@@ -63,6 +63,10 @@ class Bullet : public Engine {
     body_->setMaxCoordinateVelocity(1e6);
     body_->useRK4Integration(runge_kutta_);
     set_in_motion(rods);
+    if (rods.resist_bending()) rods_ = &rods;
+    edges_.resize(rods.rods().size());
+    spins_.resize(rods.rods().size());
+    turns_.resize(rods.rods().size());
     world_.addMultiBody(body_.get());
     upper_ = -top.centre * top.along;
     for (const Bead& bead : rods.beads()) add(bead, rods.radius());
@@ -166,7 +170,38 @@ class Bullet : public Engine {
     if (rods.load()) set(rods.load()->spin, axes_.conjugate());
   }
 
+  /// The moments in the joints, for Bullet's have no springs; in the axes of the rod below.
+  void bend() {
+    Quat turn = Quat::Identity();
+    Vec3 spin = Vec3::Zero();
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      const int link = static_cast<int>(i) - first_;
+      if (link < 0) {
+        turn = eigen(body_->getWorldToBaseRot()).conjugate();
+        spin = eigen(body_->getBaseOmega());
+      } else {
+        turn = turn * eigen(body_->getParentToLocalRot(link)).conjugate();
+        const btScalar* rate = body_->getJointVelMultiDof(link);
+        spin += turn * Vec3(rate[0], rate[1], rate[2]);
+      }
+      turns_[i] = turn;
+      edges_[i] = turn * rods_->rods()[i].along;
+      spins_[i] = spin;
+    }
+    rods_->bend(edges_, spins_, moments_);
+    for (std::size_t i = 0; i < moments_.size(); ++i) {
+      const int link = static_cast<int>(i) - first_;
+      if (link < 0) {
+        body_->addBaseTorque(bullet(moments_[i]));
+      } else {
+        const Vec3 moment = turns_[i].conjugate() * moments_[i];
+        body_->addJointTorqueMultiDof(link, moment.data());
+      }
+    }
+  }
+
   void step(double time, double dt) override {
+    if (rods_) bend();
     world_.setGravity(bullet(gravity(time + dt / 2)));
     constexpr int kAsGiven = 0;  // one step of dt, none of Bullet's own choice
     world_.stepSimulation(dt, kAsGiven);
@@ -197,7 +232,10 @@ class Bullet : public Engine {
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btCollisionObject>> objects_;
   std::unique_ptr<btMultiBody> body_;
-  btCompoundShape* compound_ = nullptr;  // the last rod's beads
+  const Rods* rods_ = nullptr;                 // where they bend
+  std::vector<Vec3> edges_, spins_, moments_;  // m, rad/s, N m
+  std::vector<Quat> turns_;                    // of the rods since the start
+  btCompoundShape* compound_ = nullptr;        // the last rod's beads
   int first_ = 0, last_link_ = -2;
   bool hangs_ = true;
   Vec3 upper_ = Vec3::Zero();  // m, from the first rod's centre of mass to its upper end
@@ -230,7 +268,8 @@ MethodInfo bullet_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Bullet>(settings);
           },
-          .touches_obstacles = true};
+          .touches_obstacles = true,
+          .follows_materials = true};
 }
 
 }  // namespace taut::engines

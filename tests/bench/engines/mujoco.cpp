@@ -41,8 +41,14 @@ void write(std::ostringstream& out, const Obstacle& obstacle, const std::string&
       << std::max(obstacle.kinetic_friction, 1e-5) << " 0 0' " << contact << "/>";
 }
 
+/// How the model is made, beside the rods.
+struct Options {
+  std::string integrator, contact;
+  bool springs = false;  // joints have bends as their springs and dampers
+};
+
 /// The model in MuJoCo's own language. All bodies have the world's axes at the start.
-std::string xml(const Rods& rods, const std::string& integrator, const std::string& contact) {
+std::string xml(const Rods& rods, const Options& options) {
   std::ostringstream out;
   out.precision(17);
   const auto vector = [](const Vec3& v) {
@@ -51,26 +57,31 @@ std::string xml(const Rods& rods, const std::string& integrator, const std::stri
     text << v.x() << ' ' << v.y() << ' ' << v.z();
     return text.str();
   };
-  const auto open = [&](const Vec3& at, bool is_joined) {
-    out << "<body pos='" << vector(at) << (is_joined ? "'><joint type='ball'/>" : "'><freejoint/>");
+  const auto open = [&](const Vec3& at, bool is_joined, const Rod& rod) {
+    out << "<body pos='" << vector(at) << (is_joined ? "'><joint type='ball'" : "'><freejoint");
+    if (is_joined && options.springs) {
+      out << " stiffness='" << rod.bending_stiffness << "' damping='" << rod.bending_damping << "'";
+    }
+    out << "/>";
   };
   // Where nothing touches and nothing is limited, what looks for that is switched off.
   const char* touching = rods.obstacles().empty() ? "constraint='disable' contact='disable' " : "";
-  out << "<mujoco><compiler inertiafromgeom='false'/><option integrator='" << integrator
+  out << "<mujoco><compiler inertiafromgeom='false'/><option integrator='" << options.integrator
       << "'><flag " << touching
       << "limit='disable' equality='disable' frictionloss='disable' warmstart='disable' "
          "sensor='disable'/></option><worldbody>";
-  for (const Obstacle& obstacle : rods.obstacles()) write(out, obstacle, contact);
+  for (const Obstacle& obstacle : rods.obstacles()) write(out, obstacle, options.contact);
   const std::vector<Bead> beads = rods.beads();
   auto bead = beads.begin();
   Vec3 at = Vec3::Zero();
   for (std::size_t i = 0; i < rods.rods().size(); ++i) {
     const Rod& rod = rods.rods()[i];
-    open(at, rods.hangs() || i > 0);
+    open(at, rods.hangs() || i > 0, rod);
     for (; bead != beads.end() && bead->rod == i; ++bead) {
       out << "<geom type='sphere' size='" << rods.radius() << "' pos='"
           << vector(rod.centre * rod.along + bead->at)
-          << "' contype='0' conaffinity='1' condim='1' friction='0 0 0' " << contact << "/>";
+          << "' contype='0' conaffinity='1' condim='1' friction='0 0 0' " << options.contact
+          << "/>";
     }
     out << "<inertial pos='" << vector(rod.centre * rod.along) << "' mass='" << rod.mass
         << "' diaginertia='" << vector(Vec3::Constant(rod.inertia)) << "'/>";
@@ -78,7 +89,7 @@ std::string xml(const Rods& rods, const std::string& integrator, const std::stri
   }
   if (const auto& load = rods.load()) {
     const Mat3& i = load->inertia;
-    open(at, true);
+    open(at, true, {});
     out << "<inertial pos='" << vector(load->centre) << "' mass='" << load->mass
         << "' fullinertia='" << vector(i.diagonal()) << ' ' << vector({i(0, 1), i(0, 2), i(1, 2)})
         << "'/></body>";
@@ -105,17 +116,24 @@ class MuJoCo : public Engine {
  public:
   explicit MuJoCo(const Settings& settings)
       : Engine(number(settings, "step")),
-        integrator_(text(settings, "integrator")),
-        // As stiff as MuJoCo lets a step be (two of them), or as it comes.
-        contact_(text(settings, "contact") == "stiff" ? "solref='1e-9 1' solimp='0.99 0.9999 1e-6'"
-                                                      : "") {}
+        // Contact as stiff as MuJoCo lets a step be (two of them), or as it comes.
+        options_{
+            text(settings, "integrator"),
+            text(settings, "contact") == "stiff" ? "solref='1e-9 1' solimp='0.99 0.9999 1e-6'" : "",
+            text(settings, "bending") == "springs"} {}
   ~MuJoCo() override { mjcb_passive = nullptr; }
 
  private:
   void build(const Rods& rods) override {
-    model_.reset(compile(xml(rods, integrator_, contact_)));
+    model_.reset(compile(xml(rods, options_)));
     data_.reset(mj_makeData(model_.get()));
     rods_ = &rods;
+    edges_.resize(rods.rods().size());
+    spins_.resize(rods.rods().size());
+    for (std::size_t i = 0; i < rods.rods().size(); ++i) {
+      if (rods.rods()[i].bending_stiffness > 0) set_straight(i);
+    }
+    bends_ = rods.resist_bending() && !options_.springs;
     // Joints turn by the difference of the spins that they join.
     Vec3 above = Vec3::Zero();
     mjtNum* rate = data_->qvel;
@@ -131,6 +149,30 @@ class MuJoCo : public Engine {
     mju_user_warning = [](const char*) {};  // it would keep a log in the working directory
   }
 
+  /// Lets the spring of a rod's joint rest where the rod lies in line with what is above it.
+  void set_straight(std::size_t rod) {
+    const Vec3 above = rod == 0 ? rods_->clamp() : rods_->rods()[rod - 1].along.normalized();
+    const Quat rest = rotation_between(rods_->rods()[rod].along.normalized(), above);
+    mjtNum* q = model_->qpos_spring + model_->jnt_qposadr[rod];
+    q[0] = rest.w();
+    for (int k = 0; k < 3; ++k) q[k + 1] = rest.vec()[k];
+  }
+
+  /// The moments in the joints; MuJoCo has them in the axes of the rod below.
+  void bend() {
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      edges_[i] = rotation(i + kWorld) * rods_->rods()[i].along;
+      spins_[i] = Eigen::Map<const Vec3>(data_->cvel + 6 * (i + kWorld));
+    }
+    rods_->bend(edges_, spins_, moments_);
+    for (std::size_t i = 0; i < moments_.size(); ++i) {
+      const bool is_free = i == 0 && !rods_->hangs();  // then it has three coordinates of place
+      Eigen::Map<Vec3> moment(data_->qfrc_passive + model_->body_dofadr[i + kWorld] +
+                              (is_free ? 3 : 0));
+      moment += rotation(i + kWorld).conjugate() * moments_[i];
+    }
+  }
+
   void step(double time, double dt) override {
     active_ = this;
     // Called at every stage of an integrator. Gravity is an option of the model, which MuJoCo hands
@@ -138,6 +180,7 @@ class MuJoCo : public Engine {
     mjcb_passive = [](const mjModel*, mjData* data) {
       const Vec3 g = active_->gravity(data->time);
       for (int k = 0; k < 3; ++k) active_->model_->opt.gravity[k] = g[k];
+      if (active_->bends_) active_->bend();
     };
     data_->time = time;
     model_->opt.timestep = dt;
@@ -151,7 +194,6 @@ class MuJoCo : public Engine {
 
   void read(std::vector<Vec3>& ends, Quat& turn) override {
     mj_kinematics(model_.get(), data_.get());
-    constexpr std::size_t kWorld = 1;  // body 0
     const std::size_t rods = rods_->rods().size();
     for (std::size_t i = 0; i < rods; ++i) {
       const mjtNum* at = data_->xpos + 3 * (i + kWorld);
@@ -166,15 +208,18 @@ class MuJoCo : public Engine {
     return {q[0], q[1], q[2], q[3]};
   }
 
+  static constexpr std::size_t kWorld = 1;  // body 0
   struct Delete {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
     void operator()(mjData* data) const { mj_deleteData(data); }
   };
   static inline MuJoCo* active_ = nullptr;  // the one that is stepping: hooks are global
-  std::string integrator_, contact_;
+  Options options_;
   std::unique_ptr<mjModel, Delete> model_;
   std::unique_ptr<mjData, Delete> data_;
   const Rods* rods_ = nullptr;
+  bool bends_ = false;                         // by moments of its own
+  std::vector<Vec3> edges_, spins_, moments_;  // m, rad/s, N m
 };
 
 }  // namespace
@@ -195,11 +240,20 @@ MethodInfo mujoco_method() {
                     .unit = "",
                     .fallback = std::string("stiff"),
                     .choices = {"soft", "stiff"},
+                    .sweep = {}},
+                   {.name = "bending",
+                    .meaning = "By the springs and dampers of the joints, or by the moments of "
+                               "taut's own model.",
+                    .unit = "",
+                    .fallback = std::string("springs"),
+                    .choices = {"springs", "moments"},
                     .sweep = {}}},
       .make = [](const Settings& settings) -> std::unique_ptr<Method> {
         return std::make_unique<MuJoCo>(settings);
       },
-      .touches_obstacles = true};
+      .forms = {{"moments", {{"bending", std::string("moments")}}}},
+      .touches_obstacles = true,
+      .follows_materials = true};
 }
 
 }  // namespace taut::engines

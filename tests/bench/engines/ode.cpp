@@ -59,6 +59,10 @@ class Ode : public Engine {
       dGeomSetBody(ball, bodies_[bead.rod]);
       dGeomSetOffsetPosition(ball, bead.at.x(), bead.at.y(), bead.at.z());
     }
+    rods_ = &rods;
+    for (std::size_t i = 0; i < rods.rods().size(); ++i) {
+      if (rods.rods()[i].bending_stiffness > 0 || rods.rods()[i].bending_damping > 0) add_spring(i);
+    }
     obstacles_ = &rods.obstacles();
     for (const Obstacle& obstacle : *obstacles_) {
       const dGeomID solid = add(obstacle);
@@ -131,7 +135,58 @@ class Ode : public Engine {
     dJointSetBallAnchor(joint, top.x(), top.y(), top.z());
   }
 
+  struct Spring {
+    std::size_t rod = 0;
+    dJointID motor = nullptr;
+  };
+
+  /// Of the bend between a rod and what is above it: two axes across them have stops at zero.
+  void add_spring(std::size_t rod) {
+    const dJointID motor = dJointCreateAMotor(world_, nullptr);
+    dJointAttach(motor, bodies_[rod], rod > 0 ? bodies_[rod - 1] : nullptr);
+    dJointSetAMotorMode(motor, dAMotorUser);
+    dJointSetAMotorNumAxes(motor, 2);
+    for (const int stop : {dParamLoStop, dParamHiStop, dParamLoStop2, dParamHiStop2}) {
+      dJointSetAMotorParam(motor, stop, 0);
+    }
+    springs_.push_back({rod, motor});
+  }
+
+  Vec3 direction(std::size_t rod) const {
+    const Vec3 along = rods_->rods()[rod].along.normalized();
+    dVector3 now;
+    dBodyVectorToWorld(bodies_[rod], along.x(), along.y(), along.z(), now);
+    return eigen(now);
+  }
+
+  /// Lets a stop give way as a spring and a damper do at the end of a step of `dt` (ODE's manual,
+  /// "How To Use ERP and CFM"). The moment of the spring is that of taut's own model at its angle
+  /// a, 2 k tan(a/2) / cos^2(a/2), and so is that of the damper.
+  void bend(const Spring& spring, double dt) {
+    const Vec3 above = spring.rod > 0 ? direction(spring.rod - 1) : rods_->clamp();
+    const Vec3 own = direction(spring.rod);
+    const Vec3 across = above.cross(own);
+    const double sine = across.norm(), angle = std::atan2(sine, above.dot(own));
+    const Vec3 axis = sine > 0 ? Vec3(across / sine) : above.unitOrthogonal();
+    const Vec3 other = axis.cross(above + own).normalized();
+    dJointSetAMotorAxis(spring.motor, 0, 0, axis.x(), axis.y(), axis.z());
+    dJointSetAMotorAxis(spring.motor, 1, 0, other.x(), other.y(), other.z());
+    dJointSetAMotorAngle(spring.motor, 0, angle);
+    dJointSetAMotorAngle(spring.motor, 1, 0);
+    const double tangent = std::tan(angle / 2), steep = 1 + tangent * tangent;
+    const double share = angle > 0 ? 2 * tangent * steep / angle : 1;
+    const Rod& rod = rods_->rods()[spring.rod];
+    const double pull = dt * share * rod.bending_stiffness;
+    const auto set = [&](double damping, int erp, int cfm) {
+      dJointSetAMotorParam(spring.motor, erp, pull / (pull + damping));
+      dJointSetAMotorParam(spring.motor, cfm, 1 / (pull + damping));
+    };
+    set(steep * steep * rod.bending_damping, dParamStopERP, dParamStopCFM);
+    set(rod.bending_damping, dParamStopERP2, dParamStopCFM2);
+  }
+
   void step(double time, double dt) override {
+    for (const Spring& spring : springs_) bend(spring, dt);
     const Vec3 g = gravity(time + dt / 2);
     dWorldSetGravity(world_, g.x(), g.y(), g.z());
     if (!obstacles_->empty()) {
@@ -171,6 +226,8 @@ class Ode : public Engine {
   std::vector<Vec3> lower_;      // m, from each rod's centre of mass to its lower end
   bool hangs_ = true;
   Vec3 upper_ = Vec3::Zero();  // m, from the first rod's centre of mass to its upper end
+  const Rods* rods_ = nullptr;
+  std::vector<Spring> springs_;
   const std::vector<Obstacle>* obstacles_ = nullptr;
   dSpaceID beads_ = dSimpleSpaceCreate(nullptr), solids_ = dSimpleSpaceCreate(nullptr);
   dJointGroupID contacts_ = dJointGroupCreate(0);
@@ -198,7 +255,8 @@ MethodInfo ode_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Ode>(settings);
           },
-          .touches_obstacles = true};
+          .touches_obstacles = true,
+          .follows_materials = true};
 }
 
 }  // namespace taut::engines

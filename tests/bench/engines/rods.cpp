@@ -1,6 +1,10 @@
 #include "tests/bench/engines/rods.h"
 
+#include <algorithm>
 #include <stdexcept>
+
+#include "sim/material/elements.h"
+#include "sim/material/forces.h"
 
 namespace taut::engines {
 namespace {
@@ -11,10 +15,26 @@ const Hold* top(const World& world) {
   return holds.empty() || holds[0].particle > 0 ? nullptr : &holds[0];
 }
 
+void need(bool holds, const char* what) {
+  if (!holds) throw std::invalid_argument(what);
+}
+
+void check_material(const World& world) {
+  const Connector& connector = world.connectors[0];
+  const auto is_straight = [](const Section& section) { return section.rest_curvature.isZero(0); };
+  need(!connector.stretches(), "engines are given links that do not stretch");
+  need(std::ranges::all_of(connector.sections, is_straight),
+       "engines are given a connector that is straight at rest");
+  need(connector.sections.empty() || world.air.density == 0 ||
+           (connector.drag.across == 0 && connector.drag.along == 0),
+       "engines are given no air");
+  for (const Hold& hold : connector.holds) {
+    need(hold.clamp.isZero(0) || hold.to.kind == Attachment::Kind::fixed,
+         "engines are given a clamp that stands still");
+  }
+}
+
 void check(const World& world) {
-  const auto need = [](bool holds, const char* what) {
-    if (!holds) throw std::invalid_argument(what);
-  };
   need(world.connectors.size() == 1, "engines are given one connector");
   const Connector& connector = world.connectors[0];
   const std::size_t last = connector.particles() - 1;
@@ -26,6 +46,7 @@ void check(const World& world) {
             !is_prescribed(world, connector.holds[below].to)),
        "engines are given a connector that nothing but a free body holds below");
   need(world.bodies.size() + below == connector.holds.size(), "engines are given one body at most");
+  check_material(world);
   if (world.obstacles.empty()) return;
   need(!connector.pulls, "engines are given rods beside obstacles");
   need(!top(world) || top(world)->to.kind == Attachment::Kind::fixed,
@@ -57,7 +78,15 @@ Rods::Rods(const World& world) {
                rod.along.squaredNorm();
     rods_.push_back(rod);
   }
+  std::vector<material::BendElement> bends;
+  material::add_bends(connector, 0, 0, bends);
+  for (const material::BendElement& bend : bends) {
+    Rod& below = rods_[bend.b];  // point i is above rod i
+    below.bending_stiffness = bend.stiffness;
+    below.bending_damping = bend.damping;
+  }
   hangs_ = top(world) != nullptr;
+  if (hangs_) clamp_ = top(world)->clamp.normalized();
   if (!hangs_) velocity_ = connector.velocity[0];
   start_ = connector.position[0];
   radius_ = connector.radius;
@@ -72,6 +101,35 @@ Rods::Rods(const World& world) {
   at_start_ = body.rotation;
   load_ = Load{body.bare.mass, turn * (body.bare.centre - to.point),
                turn * body.bare.inertia * turn.transpose(), body.spin};
+}
+
+bool Rods::resist_bending() const {
+  return std::ranges::any_of(
+      rods_, [](const Rod& rod) { return rod.bending_stiffness > 0 || rod.bending_damping > 0; });
+}
+
+void Rods::bend(const std::vector<Vec3>& edges, const std::vector<Vec3>& spins,
+                std::vector<Vec3>& moments) const {
+  moments.assign(rods_.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < rods_.size(); ++i) {
+    const Rod& rod = rods_[i];
+    if (rod.bending_stiffness == 0 && rod.bending_damping == 0) continue;
+    const Vec3& above = i == 0 ? clamp_ : edges[i - 1];
+    const material::Bend bend(above, edges[i]);
+    Vec3 by_above, by_own;  // N
+    bend.slope(rod.bending_stiffness, by_above, by_own);
+    if (rod.bending_damping > 0) {
+      const Vec3 rate = i == 0 ? Vec3::Zero() : Vec3(spins[i - 1].cross(above));
+      Vec3 damped_above, damped_own;
+      bend.resistance(rod.bending_damping, rate, spins[i].cross(edges[i]), damped_above,
+                      damped_own);
+      by_above += damped_above;
+      by_own += damped_own;
+    }
+    if (i > 0) moments[i - 1] -= above.cross(by_above);
+    moments[i] -= edges[i].cross(by_own);
+  }
+  for (std::size_t i = rods_.size() - 1; i-- > 0;) moments[i] += moments[i + 1];
 }
 
 std::vector<Bead> Rods::beads() const {

@@ -17,6 +17,9 @@ struct Rod {
   double mass = 0;            // kg
   double inertia = 0;         // kg m^2, about the centre, any axis
   Vec3 spin = Vec3::Zero();   // rad/s, at the start; none about itself
+  // Of the bend between it and what is above it (material::BendElement).
+  double bending_stiffness = 0;  // N m
+  double bending_damping = 0;    // N m s
 };
 
 /// The load that hangs from the last rod by a point: its axes are the world's at the start.
@@ -36,7 +39,8 @@ struct Bead {
 /// The one connector of a world, from a fixed, driven or free end down to a point mass, a free end
 /// or a free body. Places and speeds are relative to where it hangs from: an end that is driven is
 /// a frame that falls, in which gravity is less by the end's acceleration. One that is free is
-/// where it was at the start. Beside obstacles, which stand still, no end is driven.
+/// where it was at the start. Beside obstacles, which stand still, no end is driven. It may resist
+/// bending, clamped to a fixed point or to nothing; then nothing twists it.
 class Rods {
  public:
   /// Throws std::invalid_argument with the reason where the world is another.
@@ -47,6 +51,15 @@ class Rods {
   /// Whether the upper end is held; otherwise it moves by `velocity` (m/s) at the start.
   bool hangs() const { return hangs_; }
   const Vec3& velocity() const { return velocity_; }
+
+  /// Whether any rod resists bending.
+  bool resist_bending() const;
+  /// The direction in which the upper end is clamped (unit vector), or zero.
+  const Vec3& clamp() const { return clamp_; }
+  /// The moments (N m) of taut's own model in the joints above the rods, where the rods have these
+  /// edges (m) and spins (rad/s): of the couples on each rod and on all that hang from it.
+  void bend(const std::vector<Vec3>& edges, const std::vector<Vec3>& spins,
+            std::vector<Vec3>& moments) const;
 
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   std::vector<Bead> beads() const;
@@ -61,7 +74,7 @@ class Rods {
   std::vector<Rod> rods_;
   std::optional<Load> load_;
   bool hangs_ = true;
-  Vec3 velocity_ = Vec3::Zero(), start_ = Vec3::Zero();
+  Vec3 velocity_ = Vec3::Zero(), start_ = Vec3::Zero(), clamp_ = Vec3::Zero();
   std::vector<Obstacle> obstacles_;
   double radius_ = 0;
   std::size_t body_ = 0;
