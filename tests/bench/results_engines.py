@@ -1,4 +1,7 @@
 """What results.py writes of other engines."""
+import json
+import math
+
 from markdown_tables import cells, first_table, markdown
 from results_tables import STUDY, Failed, keep, result
 
@@ -32,3 +35,33 @@ def touching(work):
     for row in some:
         row[0] = row[0].rpartition("/")[2]
     return costs + "\n\n" + markdown([kept] + some, range(4, 7))
+
+
+def costs_and_nearest(told):
+    """A row for each method: its cost at each error on each scene, and the least error that it comes to."""
+    def cost(point, cheapest):
+        ms = point["cpu_ms_per_simulated_s"]
+        return f"{ms:.3g} ({ms / cheapest:.3g}x)" if ms else "-"
+    head = ["ms per simulated second"]
+    rows = {entry["method"]: [entry["method"]] for entry in told["scenes"][0]["methods"]}
+    for scene in told["scenes"]:
+        entries = scene["methods"]
+        for i, point in enumerate(entries[0]["work_precision"]):
+            head.append(f"{scene['title']}: {1000 * point['error_asked_m']:g} mm")
+            points = [entry["work_precision"][i] for entry in entries]
+            cheapest = min((one["cpu_ms_per_simulated_s"] or math.inf for one in points))
+            for entry, one in zip(entries, points):
+                rows[entry["method"]].append(cost(one, cheapest))
+        head.append("nearest (m)")
+        for entry in entries:
+            rows[entry["method"]].append(f"{entry['least_rms_error_m']:.2g}")
+    return markdown([head, *rows.values()], range(1, len(head)))
+
+
+@result("materials", STUDY)
+def materials(work):
+    """other engines where a connector bends"""
+    scenes = " ".join(f"tests/bench/engines/{name}.toml" for name in ("hose", "rod", "hose_in_space"))
+    return costs_and_nearest(json.loads(work.run(
+        f"taut_engines work-precision {scenes} --methods direct,springs,xpbd,bullet,mujoco,mujoco:moments,ode "
+        "--budget 100 --errors 0.01,0.001,0.0001 --json")))
