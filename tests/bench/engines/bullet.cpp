@@ -24,10 +24,10 @@ Quat eigen(const btQuaternion& q) {
   return {q.w(), q.x(), q.y(), q.z()};
 }
 
-class Bullet : public Engine {
+class Bullet : public RodEngine {
  public:
   explicit Bullet(const Settings& settings)
-      : Engine(number(settings, "step")), runge_kutta_(text(settings, "integrator") == "rk4") {
+      : RodEngine(number(settings, "step")), runge_kutta_(text(settings, "integrator") == "rk4") {
     world_.getSolverInfo().m_numIterations = static_cast<int>(number(settings, "iterations"));
   }
   ~Bullet() override {

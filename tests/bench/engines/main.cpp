@@ -10,9 +10,11 @@ int main(int argc, char** argv) {
 #endif
 #ifdef TAUT_MUJOCO
   add_method(engines::mujoco_method());
+  add_method(engines::mujoco_net_method());
 #endif
 #ifdef TAUT_ODE
   add_method(engines::ode_method());
+  add_method(engines::ode_net_method());
 #endif
   constexpr program::AddCommand kCommands[] = {cli::add_work_precision, cli::add_chart};
   return program::run_program(argc, argv, kCommands);

@@ -2,12 +2,12 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <sstream>
 
 #include "sim/motion/rotation.h"
 #include "tests/bench/engines/engine.h"
+#include "tests/bench/engines/mujoco_model.h"
 
 namespace taut::engines {
 namespace {
@@ -99,33 +99,19 @@ std::string xml(const Rods& rods, const Options& options) {
   return out.str();
 }
 
-mjModel* compile(const std::string& text) {
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  constexpr const char* kName = "rods.xml";
-  mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(text.size()));
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), kName)], text.data(), text.size());
-  char error[500] = "";
-  mjModel* model = mj_loadXML(kName, files.get(), error, sizeof error);
-  mj_deleteVFS(files.get());
-  if (!model) throw Diverged("mujoco", 0, 0, "", 0, std::string(error, std::strcspn(error, "\n")));
-  return model;
-}
-
-class MuJoCo : public Engine {
+class MuJoCo : public RodEngine {
  public:
   explicit MuJoCo(const Settings& settings)
-      : Engine(number(settings, "step")),
-        // Contact as stiff as MuJoCo lets a step be (two of them), or as it comes.
-        options_{
-            text(settings, "integrator"),
-            text(settings, "contact") == "stiff" ? "solref='1e-9 1' solimp='0.99 0.9999 1e-6'" : "",
-            text(settings, "bending") == "springs"} {}
+      : RodEngine(number(settings, "step")),
+        // Contact as stiff as a step lets it be, or as it comes.
+        options_{text(settings, "integrator"),
+                 text(settings, "contact") == "stiff" ? kStiffContact : "",
+                 text(settings, "bending") == "springs"} {}
   ~MuJoCo() override { mjcb_passive = nullptr; }
 
  private:
   void build(const Rods& rods) override {
-    model_.reset(compile(xml(rods, options_)));
+    model_ = compile_model(xml(rods, options_));
     data_.reset(mj_makeData(model_.get()));
     rods_ = &rods;
     edges_.resize(rods.rods().size());
@@ -146,7 +132,6 @@ class MuJoCo : public Engine {
     }
     for (const Rod& rod : rods.rods()) set(rod.spin);
     if (rods.load()) set(rods.load()->spin);
-    mju_user_warning = [](const char*) {};  // it would keep a log in the working directory
   }
 
   /// Lets the spring of a rod's joint rest where the rod lies in line with what is above it.
@@ -185,11 +170,7 @@ class MuJoCo : public Engine {
     data_->time = time;
     model_->opt.timestep = dt;
     mj_step(model_.get(), data_.get());
-    // MuJoCo goes on from the start where it became unstable.
-    for (const int trouble : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
-      if (data_->warning[trouble].number == 0) continue;
-      throw Diverged("mujoco", time, counters_.steps, "", 0, "not finite");
-    }
+    check_finite(*data_, time, counters_.steps);
   }
 
   void read(std::vector<Vec3>& ends, Quat& turn) override {
@@ -209,14 +190,10 @@ class MuJoCo : public Engine {
   }
 
   static constexpr std::size_t kWorld = 1;  // body 0
-  struct Delete {
-    void operator()(mjModel* model) const { mj_deleteModel(model); }
-    void operator()(mjData* data) const { mj_deleteData(data); }
-  };
   static inline MuJoCo* active_ = nullptr;  // the one that is stepping: hooks are global
   Options options_;
-  std::unique_ptr<mjModel, Delete> model_;
-  std::unique_ptr<mjData, Delete> data_;
+  MuJoCoModel model_;
+  MuJoCoData data_;
   const Rods* rods_ = nullptr;
   bool bends_ = false;                         // by moments of its own
   std::vector<Vec3> edges_, spins_, moments_;  // m, rad/s, N m
@@ -225,35 +202,29 @@ class MuJoCo : public Engine {
 }  // namespace
 
 MethodInfo mujoco_method() {
-  return {
-      .name = "mujoco",
-      .summary = "MuJoCo: joint coordinates, the composite rigid body algorithm",
-      .settings = {step_setting(false, 20),
-                   {.name = "integrator",
-                    .meaning = "Semi-implicit Euler, implicit in velocity, or Runge-Kutta.",
-                    .unit = "",
-                    .fallback = std::string("Euler"),
-                    .choices = {"Euler", "implicit", "RK4"},
-                    .sweep = {std::string("Euler"), std::string("implicit"), std::string("RK4")}},
-                   {.name = "contact",
-                    .meaning = "As soft as it comes, or as stiff as the step lets it be.",
-                    .unit = "",
-                    .fallback = std::string("stiff"),
-                    .choices = {"soft", "stiff"},
-                    .sweep = {}},
-                   {.name = "bending",
-                    .meaning = "By the springs and dampers of the joints, or by the moments of "
-                               "taut's own model.",
-                    .unit = "",
-                    .fallback = std::string("springs"),
-                    .choices = {"springs", "moments"},
-                    .sweep = {}}},
-      .make = [](const Settings& settings) -> std::unique_ptr<Method> {
-        return std::make_unique<MuJoCo>(settings);
-      },
-      .forms = {{"moments", {{"bending", std::string("moments")}}}},
-      .touches_obstacles = true,
-      .follows_materials = true};
+  return {.name = "mujoco",
+          .summary = "MuJoCo: joint coordinates, the composite rigid body algorithm",
+          .settings = {step_setting(false, 20),
+                       mujoco_integrator(),
+                       {.name = "contact",
+                        .meaning = "As soft as it comes, or as stiff as the step lets it be.",
+                        .unit = "",
+                        .fallback = std::string("stiff"),
+                        .choices = {"soft", "stiff"},
+                        .sweep = {}},
+                       {.name = "bending",
+                        .meaning = "By the springs and dampers of the joints, or by the moments of "
+                                   "taut's own model.",
+                        .unit = "",
+                        .fallback = std::string("springs"),
+                        .choices = {"springs", "moments"},
+                        .sweep = {}}},
+          .make = [](const Settings& settings) -> std::unique_ptr<Method> {
+            return std::make_unique<MuJoCo>(settings);
+          },
+          .forms = {{"moments", {{"bending", std::string("moments")}}}},
+          .touches_obstacles = true,
+          .follows_materials = true};
 }
 
 }  // namespace taut::engines

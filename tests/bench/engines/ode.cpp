@@ -1,10 +1,9 @@
 // The Open Dynamics Engine: every rod six coordinates, held together by ball joints.
 #include <ode/ode.h>
 
-#include <vector>
-
 #include "sim/motion/rotation.h"
 #include "tests/bench/engines/engine.h"
+#include "tests/bench/engines/ode_world.h"
 
 namespace taut::engines {
 namespace {
@@ -13,27 +12,14 @@ Vec3 eigen(const dVector3 v) {
   return {v[0], v[1], v[2]};
 }
 
-/// The library, as long as the program runs.
-struct Library {
-  Library() { dInitODE2(0); }
-  ~Library() { dCloseODE(); }
-};
-
-class Ode : public Engine {
+class Ode : public RodEngine {
  public:
   explicit Ode(const Settings& settings)
-      : Engine(number(settings, "step")),
-        iterations_(static_cast<int>(number(settings, "iterations"))) {
-    static const Library library;
-    world_ = dWorldCreate();
-    dWorldSetERP(world_, number(settings, "erp"));
-    dWorldSetCFM(world_, 0);
-    if (iterations_ > 0) dWorldSetQuickStepNumIterations(world_, iterations_);
-  }
+      : RodEngine(number(settings, "step")), world_(make_ode_world(settings)) {}
   ~Ode() override {
     for (const dSpaceID space : {beads_, solids_}) dSpaceDestroy(space);  // with what is in them
     dJointGroupDestroy(contacts_);
-    dWorldDestroy(world_);
+    dWorldDestroy(world_.id);
   }
 
  private:
@@ -107,7 +93,7 @@ class Ode : public Engine {
       found[i].surface.mode = dContactApprox1 | dContactBounce;
       found[i].surface.mu = with.kinetic_friction;
       found[i].surface.bounce = with.restitution;
-      const dJointID joint = dJointCreateContact(world_, contacts_, &found[i]);
+      const dJointID joint = dJointCreateContact(world_.id, contacts_, &found[i]);
       dJointAttach(joint, dGeomGetBody(found[i].geom.g1), dGeomGetBody(found[i].geom.g2));
     }
   }
@@ -121,7 +107,7 @@ class Ode : public Engine {
   /// A body whose centre of mass is `centre` from the joint at `top`, with the world's axes.
   void add(double mass, const Vec3& top, const Vec3& centre, const Mat3& i, bool is_joined) {
     const dBodyID above = bodies_.empty() ? nullptr : bodies_.back();
-    const dBodyID body = dBodyCreate(world_);
+    const dBodyID body = dBodyCreate(world_.id);
     const Vec3 at = top + centre;
     dMass properties;
     dMassSetParameters(&properties, mass, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2),
@@ -130,7 +116,7 @@ class Ode : public Engine {
     dBodySetPosition(body, at.x(), at.y(), at.z());
     bodies_.push_back(body);
     if (!is_joined) return;
-    const dJointID joint = dJointCreateBall(world_, nullptr);
+    const dJointID joint = dJointCreateBall(world_.id, nullptr);
     dJointAttach(joint, body, above);
     dJointSetBallAnchor(joint, top.x(), top.y(), top.z());
   }
@@ -142,7 +128,7 @@ class Ode : public Engine {
 
   /// Of the bend between a rod and what is above it: two axes across them have stops at zero.
   void add_spring(std::size_t rod) {
-    const dJointID motor = dJointCreateAMotor(world_, nullptr);
+    const dJointID motor = dJointCreateAMotor(world_.id, nullptr);
     dJointAttach(motor, bodies_[rod], rod > 0 ? bodies_[rod - 1] : nullptr);
     dJointSetAMotorMode(motor, dAMotorUser);
     dJointSetAMotorNumAxes(motor, 2);
@@ -188,7 +174,7 @@ class Ode : public Engine {
   void step(double time, double dt) override {
     for (const Spring& spring : springs_) bend(spring, dt);
     const Vec3 g = gravity(time + dt / 2);
-    dWorldSetGravity(world_, g.x(), g.y(), g.z());
+    dWorldSetGravity(world_.id, g.x(), g.y(), g.z());
     if (!obstacles_->empty()) {
       const auto near = [](void* own, dGeomID a, dGeomID b) {
         static_cast<Ode*>(own)->touch(a, b);
@@ -196,11 +182,7 @@ class Ode : public Engine {
       dSpaceCollide2(reinterpret_cast<dGeomID>(beads_), reinterpret_cast<dGeomID>(solids_), this,
                      near);
     }
-    if (iterations_ > 0) {
-      dWorldQuickStep(world_, dt);
-    } else {
-      dWorldStep(world_, dt);
-    }
+    world_.step(dt);
     dJointGroupEmpty(contacts_);
   }
 
@@ -220,8 +202,7 @@ class Ode : public Engine {
     }
   }
 
-  int iterations_;
-  dWorldID world_;
+  OdeWorld world_;
   std::vector<dBodyID> bodies_;  // the world owns them
   std::vector<Vec3> lower_;      // m, from each rod's centre of mass to its lower end
   bool hangs_ = true;
@@ -238,20 +219,7 @@ class Ode : public Engine {
 MethodInfo ode_method() {
   return {.name = "ode",
           .summary = "the Open Dynamics Engine: rigid bodies and ball joints",
-          .settings = {step_setting(false, 20),
-                       {.name = "iterations",
-                        .meaning = "Of QuickStep; zero solves all joints exactly.",
-                        .unit = "1",
-                        .fallback = 0.0,
-                        .maximum = 1e6,
-                        .whole = true,
-                        .sweep = {0.0, 20.0, 200.0}},
-                       {.name = "erp",
-                        .meaning = "Share of a joint's gap that a step closes.",
-                        .unit = "1",
-                        .fallback = 0.2,
-                        .maximum = 1,
-                        .sweep = {0.2, 0.8}}},
+          .settings = ode_settings(),
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<Ode>(settings);
           },

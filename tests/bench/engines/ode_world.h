@@ -1,0 +1,29 @@
+// What both of ODE's methods have: its world, and how it steps.
+#pragma once
+
+#include <ode/ode.h>
+
+#include <vector>
+
+#include "sim/run/method.h"
+
+namespace taut::engines {
+
+struct OdeWorld {
+  dWorldID id = nullptr;
+  int iterations = 0;  // of QuickStep; zero: all joints are solved exactly
+
+  void step(double dt) const {
+    if (iterations > 0) {
+      dWorldQuickStep(id, dt);
+    } else {
+      dWorldStep(id, dt);
+    }
+  }
+};
+
+/// Whoever has it destroys it.
+OdeWorld make_ode_world(const Settings& settings);
+std::vector<SettingInfo> ode_settings();
+
+}  // namespace taut::engines

@@ -1,0 +1,42 @@
+// Connectors that are joined as engines can have them: point masses and the links between them.
+#pragma once
+
+#include <vector>
+
+#include "sim/world/world.h"
+
+namespace taut::engines {
+
+/// A particle, or the particles that a joint makes one.
+struct Point {
+  Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();  // m, m/s, at the start
+  double mass = 0;                                        // kg
+  bool held = false;                                      // where it is
+};
+
+/// Between two points of which one at least moves.
+struct Link {
+  std::size_t a = 0, b = 0;
+  double length = 0;  // m
+};
+
+/// The connectors of a world, some of whose points are fixed.
+class Points {
+ public:
+  /// Throws std::invalid_argument with the reason where the world has more than this.
+  explicit Points(const World& world);
+
+  const std::vector<Point>& points() const { return points_; }
+  const std::vector<Link>& links() const { return links_; }
+  const Vec3& gravity() const { return gravity_; }  // m/s^2
+  /// Puts the world at `time`: `positions` (m) are those of all points.
+  void place(const std::vector<Vec3>& positions, double time, World& world) const;
+
+ private:
+  std::vector<Point> points_;
+  std::vector<Link> links_;
+  std::vector<std::size_t> point_of_;  // of the particles, connector by connector
+  Vec3 gravity_ = Vec3::Zero();
+};
+
+}  // namespace taut::engines
