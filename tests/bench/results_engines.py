@@ -42,6 +42,7 @@ def costs_and_nearest(told):
     def cost(point, cheapest):
         ms = point["cpu_ms_per_simulated_s"]
         return f"{ms:.3g} ({ms / cheapest:.3g}x)" if ms else "-"
+
     head = ["ms per simulated second"]
     rows = {entry["method"]: [entry["method"]] for entry in told["scenes"][0]["methods"]}
     for scene in told["scenes"]:
@@ -49,12 +50,13 @@ def costs_and_nearest(told):
         for i, point in enumerate(entries[0]["work_precision"]):
             head.append(f"{scene['title']}: {1000 * point['error_asked_m']:g} mm")
             points = [entry["work_precision"][i] for entry in entries]
-            cheapest = min((one["cpu_ms_per_simulated_s"] or math.inf for one in points))
+            cheapest = min(one["cpu_ms_per_simulated_s"] or math.inf for one in points)
             for entry, one in zip(entries, points):
                 rows[entry["method"]].append(cost(one, cheapest))
         head.append("nearest (m)")
         for entry in entries:
-            rows[entry["method"]].append(f"{entry['least_rms_error_m']:.2g}")
+            least = entry["least_rms_error_m"]
+            rows[entry["method"]].append("-" if least is None else f"{least:.2g}")
     return markdown([head, *rows.values()], range(1, len(head)))
 
 
@@ -64,4 +66,12 @@ def materials(work):
     scenes = " ".join(f"tests/bench/engines/{name}.toml" for name in ("hose", "rod", "hose_in_space"))
     return costs_and_nearest(json.loads(work.run(
         f"taut_engines work-precision {scenes} --methods direct,springs,xpbd,bullet,mujoco,mujoco:moments,ode "
+        "--budget 100 --errors 0.01,0.001,0.0001 --json")))
+
+
+@result("nets", STUDY)
+def nets(work):
+    """other engines where connectors are joined"""
+    return costs_and_nearest(json.loads(work.run(
+        "taut_engines work-precision tests/bench/engines/net.toml --methods direct,springs,xpbd,bullet-net,mujoco-net,ode-net "
         "--budget 100 --errors 0.01,0.001,0.0001 --json")))

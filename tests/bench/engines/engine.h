@@ -124,6 +124,7 @@ class NetEngine : public Engine {
 MethodInfo bullet_method();
 MethodInfo mujoco_method();
 MethodInfo ode_method();
+MethodInfo bullet_net_method();
 MethodInfo mujoco_net_method();
 MethodInfo ode_net_method();
 

@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   using namespace taut;
 #ifdef TAUT_BULLET
   add_method(engines::bullet_method());
+  add_method(engines::bullet_net_method());
 #endif
 #ifdef TAUT_MUJOCO
   add_method(engines::mujoco_method());
