@@ -20,10 +20,12 @@ class Engine : public Method {
   void advance(World& world, double until) final {
     world_ = &world;
     if (before_.empty()) {
+      refuse_winches(kName, world);
+      refuse_pulleys(kName, world);
       try {
         build(world);
       } catch (const std::invalid_argument& error) {
-        throw Diverged("engine", world.time, 0, "", 0, error.what());
+        throw Diverged(kName, world.time, 0, "", 0, error.what());
       }
       before_.resize(world.connectors.size());
     }
@@ -52,6 +54,8 @@ class Engine : public Method {
   }
 
  protected:
+  static constexpr const char* kName = "engine";
+
   /// Throws std::invalid_argument with the reason where the world is more than an engine is given.
   virtual void build(const World& world) = 0;
   /// From `time` on by `dt` (s).
@@ -82,6 +86,7 @@ class RodEngine : public Engine {
 
  private:
   void build(const World& world) final {
+    refuse_joints(kName, world);
     rods_.emplace(world);
     ends_.assign(rods_->rods().size() + 1, Vec3::Zero());
     build(*rods_);
@@ -108,6 +113,9 @@ class NetEngine : public Engine {
 
  private:
   void build(const World& world) final {
+    refuse_materials(kName, world);
+    refuse_strings(kName, world);
+    refuse_obstacles(kName, world);
     net_.emplace(world);
     for (const Point& point : net_->points()) positions_.push_back(point.position);
     build(*net_);

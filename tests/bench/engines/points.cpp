@@ -12,9 +12,7 @@ void check_net(const World& world) {
     if (!holds) throw std::invalid_argument(what);
   };
   need(std::ranges::all_of(world.bodies, &Body::driven), "engines are given nets without bodies");
-  need(world.obstacles.empty(), "engines are given nets without obstacles");
   for (const Connector& connector : world.connectors) {
-    need(!connector.pulls, "engines are given nets of rigid links");
     for (const Hold& hold : connector.holds) {
       need(hold.to.kind == Attachment::Kind::fixed, "engines are given nets on fixed points");
     }
@@ -44,10 +42,9 @@ Points::Points(const World& world) : gravity_(world.gravity) {
   for (std::size_t i = 0; i < leaders.size(); ++i) point_of_[i] = point_of_[leaders[i]];
   particle = 0;
   for (const Connector& connector : world.connectors) {
-    for (const double rest : connector.rest) {
-      const Link link{point_of_[particle], point_of_[particle + 1], rest};
+    for (std::size_t k = 0; k < connector.links(); ++k, ++particle) {
+      const Link link{point_of_[particle], point_of_[particle + 1]};
       if (!points_[link.a].held || !points_[link.b].held) links_.push_back(link);
-      ++particle;
     }
     ++particle;
   }

@@ -14,10 +14,9 @@ struct Point {
   bool held = false;                                      // where it is
 };
 
-/// Between two points of which one at least moves.
+/// Between two points of which one at least moves; as long as it is at the start.
 struct Link {
   std::size_t a = 0, b = 0;
-  double length = 0;  // m
 };
 
 /// The connectors of a world, some of whose points are fixed.
