@@ -49,6 +49,7 @@ void check(const World& world) {
   check_material(world);
   if (world.obstacles.empty()) return;
   need(!connector.pulls, "engines are given rods beside obstacles");
+  need(!connector.links_touch, "engines are given beads that touch obstacles");
   need(!top(world) || top(world)->to.kind == Attachment::Kind::fixed,
        "engines are given no driven end beside obstacles");
   for (const Obstacle& obstacle : world.obstacles) {
