@@ -106,13 +106,6 @@ int run(const Options& options, const program::Common& common) {
   if (scene.world.connectors.empty()) {
     throw program::Misuse(fmt::format("{}: has no connector to plan for", options.scene));
   }
-  const auto refuse = [&](bool there, const char* what) {
-    if (!there) return;
-    throw program::Misuse(
-        fmt::format("{}: {}, which plans do not follow yet", options.scene, what));
-  };
-  refuse(!scene.world.pairs.empty(), "has bodies that touch each other");
-  refuse(!scene.world.joints.empty(), "joins connectors");
   const planning::Asked asked = asked_for(options.tolerance, scene);
   const std::uint64_t stamp = scenes::plan_stamp(scene.file);
   std::optional<PlanFile> file;

@@ -121,6 +121,27 @@ position = [0.05, 0.7, 0]
   expect_within(folder.path() / "scene.toml");
 }
 
+TEST(PlannedScenes, AlsoJoinedOnes) {
+  const Folder folder;
+  folder.write("scene.toml", R"(duration = 0.5
+[connectors.trunk]
+length = 0.5
+mass = 0.1
+particles = 6
+from = { fixed = [0, 1, 0] }
+to = { point_mass = 0.1 }
+start = { direction = [0.8, -0.6, 0] }
+[connectors.branch]
+length = 0.3
+mass = 0.05
+particles = 4
+from = { connector = "trunk", at = 0.3 }
+to = { point_mass = 0.1 }
+)");
+  plan_of(folder.path() / "scene.toml", "--tolerance 5mm --write");
+  expect_within(folder.path() / "scene.toml");
+}
+
 /// A scene of any kind: a rope, chain or stick, with a light or a very heavy load or another rope,
 /// hanging, driven, pinned or cut, in a plane or in space, seen from near or far.
 std::string any_scene(std::mt19937& random) {
