@@ -23,8 +23,8 @@ Eigen::Map<const Vec3> part(const std::vector<double>& state, std::size_t at) {
 }
 
 /// sum_k weights[k] slopes[k] of the first `count` stages, times h, on top of `from`.
-void add_up(const std::array<double, kStages>& weights, int count, double h,
-            const std::array<std::vector<double>, kStages>& slopes, std::vector<double>& to) {
+void add_up(const Dop853::Row& weights, int count, double h,
+            const std::array<std::vector<double>, kAllStages>& slopes, std::vector<double>& to) {
   for (int k = 0; k < count; ++k) {
     const double weight = h * weights[static_cast<std::size_t>(k)];
     if (weight == 0) continue;
@@ -46,7 +46,9 @@ void Joined::rebuild(const World& world) {
   projection_.rebuild(mechanism_);
   friction_.rebuild(mechanism_);
   const std::size_t size = mechanism_.state_size(), rows = mechanism_.unknowns();
-  for (State* state : {&state_, &loaded_, &next_, &scratch_, &error_}) state->assign(size, 0.0);
+  for (State* state : {&state_, &before_, &shown_, &loaded_, &next_, &scratch_, &error_}) {
+    state->assign(size, 0.0);
+  }
   for (State& state : slope_) state.assign(size, 0.0);
   for (State* state : {&right_, &tension_}) state->assign(rows, 0.0);
   length_ = length_scale(world);
@@ -152,8 +154,8 @@ double Joined::attempt(double time, double h) {
     find_slope(time + kDop853.node[stage] * h, next_, slope_[stage]);
   }
   next_ = state_;
-  add_up(kDop853.weight, kStages, h, slope_, next_);
-  const auto estimate = [&](const std::array<double, kStages>& weights) {
+  add_up(kDop853.stage[kStages], kStages, h, slope_, next_);
+  const auto estimate = [&](const Dop853::Row& weights) {
     std::ranges::fill(error_, 0.0);
     add_up(weights, kStages, h, slope_, error_);
     return size(error_);
@@ -174,41 +176,100 @@ bool Joined::project(double time, State& state) {
   return true;
 }
 
+/// Whether steps, which may be as long as `wish`, end at the time that is asked for and `left`
+/// away: where equal parts of the way are cheaper than steps of that length and a state within the
+/// last one, and where events are looked for at the ends of steps.
+bool Joined::lands(double left, double wish) const {
+  if (options_.step > 0 || mechanism_.has_winches() || mechanism_.pulleys() > 0) return true;
+  constexpr double kWithin = kAllStages - kStages;  // slopes, of a step's twelve
+  const double steps = left / wish;
+  return (std::ceil(steps - 1e-9) - steps) * kStages < kWithin;
+}
+
+void Joined::prepare_states_within() {
+  if (within_known_) return;
+  within_known_ = true;
+  const double h = time_ - before_time_;
+  find_slope(time_, state_, slope_[kStages]);
+  for (std::size_t s = kStages + 1; s < kAllStages; ++s) {
+    next_ = before_;
+    add_up(kDop853.stage[s], static_cast<int>(s), h, slope_, next_);
+    find_slope(before_time_ + kDop853.node[s] * h, next_, slope_[s]);
+  }
+}
+
+/// Hairer's interpolation, of order 7 (see dop853_table.h).
+void Joined::find_state_within(double time, State& state) {
+  const double h = time_ - before_time_, s = (time - before_time_) / h, left = 1 - s;
+  Dop853::Row weights{};
+  for (std::size_t k = 0; k < kAllStages; ++k) {
+    const auto& rows = kDop853.between;
+    weights[k] = rows[0][k] + s * (rows[1][k] + left * (rows[2][k] + s * rows[3][k]));
+  }
+  std::ranges::fill(state, 0.0);
+  add_up(weights, kAllStages, h, slope_, state);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const double gone = state_[i] - before_[i], bend = h * slope_[0][i] - gone;
+    const double rest = gone - h * slope_[kStages][i] - bend + left * state[i];
+    state[i] = before_[i] + s * (gone + left * (bend + s * rest));
+  }
+}
+
 void Joined::advance(World& world, double until) {
   const bool fresh = !built_ || topology_ != world.topology;
   if (fresh) rebuild(world);
   mechanism_.load(world, loaded_);
-  if (fresh || loaded_ != state_) {
+  if (fresh || loaded_ != shown_) {
     state_ = loaded_;
-    if (!project(world.time, state_)) give_up(world, world.time);
-    if (friction_.any()) friction_.decide(mechanism_, system_, world.time, state_);
+    time_ = world.time;
+    if (!project(time_, state_)) give_up(world, time_);
+    if (friction_.any()) friction_.decide(mechanism_, system_, time_, state_);
   }
+  follow(world, until);
+  if (time_ == until) {
+    mechanism_.store(state_, until, world);
+    mechanism_.load(world, state_);
+    shown_ = state_;
+    return;
+  }
+  prepare_states_within();
+  find_state_within(until, next_);
+  if (!project(until, next_)) give_up(world, until);
+  mechanism_.store(next_, until, world);
+  mechanism_.load(world, shown_);
+}
+
+/// Steps to `until`, or beyond it where that is cheaper.
+void Joined::follow(const World& world, double until) {
   if (mechanism_.has_winches()) find_material_waves();
-  double time = brief_ = world.time;
+  brief_ = time_;
   short_ = 0;
   const double first = kFirst * std::sqrt(shortest_ / std::max(world.gravity.norm(), 1.0));
   if (step_ == 0) step_ = first;
-  double from_change = distance_to_change(time, state_);
-  while (time < until) {
-    find_slope(time, state_, slope_[0]);
+  double from_change = distance_to_change(time_, state_);
+  while (time_ < until) {
+    find_slope(time_, state_, slope_[0]);
     const double stable = longest_step(wave_frequency());
     double change = kNever;  // s, from here to where rope begins to slide, or stops
     for (bool taken = false; !taken;) {
       const double wish = std::min(options_.step > 0 ? options_.step : step_, stable);
-      const double count = std::max(1.0, std::ceil((until - time) / wish * (1 - 1e-9)));
-      const bool to_change = change < (until - time) / count;
-      const double h = to_change ? change : (until - time) / count;
-      const double error = attempt(time, h), limit = allowed_error(h);
+      const double left = until - time_;
+      const bool landing = lands(left, wish);
+      const double count = landing ? std::max(1.0, std::ceil(left / wish * (1 - 1e-9))) : 2;
+      const double part = landing ? left / count : wish;
+      const bool to_change = change < part;
+      const double h = to_change ? change : part;
+      const double error = attempt(time_, h), limit = allowed_error(h);
       const auto run_through =
-          error <= limit ? mechanism_.run_through(time + h, next_.data()) : std::nullopt;
+          error <= limit ? mechanism_.run_through(time_ + h, next_.data()) : std::nullopt;
       if (run_through && h < kBriefTime) {
-        throw Diverged("direct", time, counters_.steps, world.connectors[*run_through].name, 0,
+        throw Diverged("direct", time_, counters_.steps, world.connectors[*run_through].name, 0,
                        kRunThrough);
       }
-      taken = error <= limit && !run_through && project(time + h, next_);
+      taken = error <= limit && !run_through && project(time_ + h, next_);
       const double ratio = kConstants.safety * std::pow(limit / error, 1 / Dop853Step::kErrorOrder);
       ++counters_.steps;
-      const double off = taken ? distance_to_change(time + h, next_) : kNever;
+      const double off = taken ? distance_to_change(time_ + h, next_) : kNever;
       if (off < -PulleyFriction::kNear && h > kLeastStep) {
         taken = false;
         change = h * PulleyFriction::share(from_change, off);
@@ -216,31 +277,32 @@ void Joined::advance(World& world, double until) {
         continue;
       }
       if (taken) {
+        std::swap(before_, state_);
         std::swap(state_, next_);
-        time = count == 1 && !to_change ? until : time + h;
+        before_time_ = time_;
+        within_known_ = false;
+        time_ = count == 1 && !to_change ? until : time_ + h;
         from_change = off;
         if (off <= PulleyFriction::kNear) {
-          friction_.decide(mechanism_, system_, time, state_);
-          from_change = distance_to_change(time, state_);
+          friction_.decide(mechanism_, system_, time_, state_);
+          from_change = distance_to_change(time_, state_);
         }
-        mechanism_.follow(time, state_);
-        if (time - brief_ > kBriefTime) {
-          brief_ = time;
+        mechanism_.follow(time_, state_);
+        if (time_ - brief_ > kBriefTime) {
+          brief_ = time_;
           short_ = 0;
         }
-        if (++short_ > kMostSteps) give_up(world, time);
+        if (++short_ > kMostSteps) give_up(world, time_);
         // A step that was cut to end at `until` says nothing against the longer one.
         const double next = h * std::min(ratio, kConstants.most_change);
         if (ratio < 1 || next > step_) step_ = next;
       } else {
         ++counters_.rejected;
         step_ = h * (error <= limit || !(ratio > 0) ? 0.25 : std::clamp(ratio, 0.1, 0.9));
-        if (step_ < kLeastStep) give_up(world, time);
+        if (step_ < kLeastStep) give_up(world, time_);
       }
     }
   }
-  mechanism_.store(state_, until, world);
-  mechanism_.load(world, state_);
 }
 
 void Joined::give_up(const World& world, double time) const {

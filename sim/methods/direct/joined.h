@@ -17,6 +17,7 @@ namespace taut::direct {
 /// Follows a world as a whole by DOP853 on the places of its points, under the tensions of all
 /// links at once (JoinedTension), with projection onto the links after each step. Explicit: steps
 /// are never longer than what the waves under the tensions, and of what stretches and bends, allow.
+/// They may go beyond the time that is asked for, whose state is interpolated then.
 class Joined {
  public:
   explicit Joined(const StepOptions& options) : options_(options) {}
@@ -29,6 +30,7 @@ class Joined {
   using State = std::vector<double>;
 
   void rebuild(const World& world);
+  void follow(const World& world, double until);
   void find_slope(double time, const State& state, State& slope);
   void find_material_waves();
   double wave_frequency();
@@ -37,6 +39,9 @@ class Joined {
   double attempt(double time, double h);
   double size(const State& error) const;
   bool project(double time, State& state);
+  bool lands(double left, double wish) const;
+  void prepare_states_within();
+  void find_state_within(double time, State& state);
   double distance_to_change(double time, State& state);
   [[noreturn]] void give_up(const World& world, double time) const;
 
@@ -48,11 +53,13 @@ class Joined {
   TensionSystem system_;
   Projection projection_;
   PulleyFriction friction_;
-  State state_, loaded_, next_, scratch_, error_, right_, tension_;
-  std::array<State, kStages> slope_;  // of the stages
-  double length_ = 0, shortest_ = 0;  // m: the scale of the world, and its shortest link
-  double material_waves_ = 0;         // rad/s
-  double carried_ = 0;                // particles that nothing prescribes
+  State state_, before_, shown_, loaded_, next_, scratch_, error_, right_, tension_;
+  std::array<State, kAllStages> slope_;  // of the stages
+  double time_ = 0, before_time_ = 0;    // s, of state_ and of before_, where its step began
+  bool within_known_ = false;            // states within that step
+  double length_ = 0, shortest_ = 0;     // m: the scale of the world, and its shortest link
+  double material_waves_ = 0;            // rad/s
+  double carried_ = 0;                   // particles that nothing prescribes
   bool driven_ = false;
   double step_ = 0;   // s, what the error allows; zero: not known yet
   double brief_ = 0;  // s, from which on steps are counted

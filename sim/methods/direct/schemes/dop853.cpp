@@ -9,7 +9,7 @@
 namespace taut::direct {
 namespace {
 
-using Row = std::array<double, kStages>;
+using Row = Dop853::Row;
 
 /// Weights of the accelerations in q where `row` are those of the rates: sum_j row_j stage_jk.
 constexpr Row position_row(const Row& row) {
@@ -25,7 +25,7 @@ constexpr auto kPositionStage = [] {
   for (int i = 0; i < kStages; ++i) rows[i] = position_row(kDop853.stage[i]);
   return rows;
 }();
-constexpr Row kPositionWeight = position_row(kDop853.weight);
+constexpr Row kWeight = kDop853.stage[kStages], kPositionWeight = position_row(kWeight);
 constexpr Row kPositionError5 = position_row(kDop853.error5);
 constexpr Row kPositionError3 = position_row(kDop853.error3);
 
@@ -63,7 +63,7 @@ void end_state(std::size_t n, double h, const double* q, const double* rate, con
                double* __restrict q_out, double* __restrict rate_out) {
   for (std::size_t i = 0; i < n; ++i) {
     q_out[i] = q[i] + h * (rate[i] + h * combine<kPositionWeight, kStages>(a, i));
-    rate_out[i] = rate[i] + h * combine<kDop853.weight, kStages>(a, i);
+    rate_out[i] = rate[i] + h * combine<kWeight, kStages>(a, i);
   }
 }
 
