@@ -11,8 +11,8 @@
 
 namespace taut::contact {
 
-/// For methods of fixed steps on a Mechanism, after the step, as BeadContacts; each body moves by
-/// its own mass, whatever links hold it. Where bodies are together, or one has several touches,
+/// For methods of fixed steps on a Mechanism, after the step, as ConnectorContacts; each body moves
+/// by its own mass, whatever links hold it. Where bodies are together, or one has several touches,
 /// relax() finds what they do to each other.
 class BodyContacts {
  public:

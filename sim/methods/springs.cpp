@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/contact/bead_contacts.h"
 #include "sim/contact/body_contacts.h"
-#include "sim/contact/link_contacts.h"
+#include "sim/contact/connector_contacts.h"
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/run/companion.h"
@@ -65,8 +64,7 @@ class Springs : public SteppedMethod {
   double prepare(Mechanism& mechanism, const World& world) override {
     refuse_pulleys("springs", world);
     stepper_.prepare(mechanism);
-    beads_.rebuild(mechanism, world);
-    links_.rebuild(mechanism, world);
+    connectors_.rebuild(mechanism, world);
     bodies_.rebuild(mechanism, world);
     row_mobility(mechanism, mobility_);
     const double highest = mechanism.is_joined()
@@ -105,8 +103,7 @@ class Springs : public SteppedMethod {
                     ++counters_.solves;
                     counters_.cycles += at.cycles();
                   });
-    if (beads_.any()) beads_.stop(mechanism, time + dt, dt, state);
-    if (links_.any()) links_.stop(mechanism, time + dt, dt, state);
+    if (connectors_.any()) connectors_.stop(mechanism, time + dt, dt, state);
     if (bodies_.any()) bodies_.stop(mechanism, time + dt, dt, state);
   }
 
@@ -115,8 +112,7 @@ class Springs : public SteppedMethod {
   Integrator integrator_;
   double limit_;  // of its stable steps, as a multiple of 1/w
   Stepper stepper_;
-  contact::BeadContacts beads_;
-  contact::LinkContacts links_;
+  contact::ConnectorContacts connectors_;
   contact::BodyContacts bodies_;
   std::vector<double> mobility_;  // per row, 1/kg
 };

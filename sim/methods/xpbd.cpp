@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/contact/bead_contacts.h"
 #include "sim/contact/body_contacts.h"
-#include "sim/contact/link_contacts.h"
+#include "sim/contact/connector_contacts.h"
 #include "sim/measure/frequency.h"
 #include "sim/methods/stepped.h"
 #include "sim/methods/xpbd_material.h"
@@ -54,16 +53,14 @@ class Xpbd final : public SteppedMethod {
   std::vector<double> multiplier_, flown_;    // kg m per row; the state after free motion
   std::vector<double> started_;               // the state before it
   std::vector<Vec3> force_;                   // N, per point, of what flows past it
-  contact::BeadContacts beads_;
-  contact::LinkContacts links_;
+  contact::ConnectorContacts connectors_;
   contact::BodyContacts bodies_;
   Projection projection_;  // where bodies touch
   XpbdMaterial material_;
 };
 
 double Xpbd::prepare(Mechanism& mechanism, const World& world) {
-  beads_.rebuild(mechanism, world);
-  links_.rebuild(mechanism, world);
+  connectors_.rebuild(mechanism, world);
   bodies_.rebuild(mechanism, world);
   if (bodies_.any()) projection_.rebuild(mechanism);
   refuse_pulleys(kXpbd, world);
@@ -89,7 +86,7 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
 }
 
 void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double>& state) {
-  if (beads_.any() || bodies_.any()) started_ = state;
+  if (connectors_.any() || bodies_.any()) started_ = state;
   if (material_.any()) {
     material_.begin(state);
     material_.blow(mechanism, dt, state);
@@ -110,8 +107,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     pass(mechanism, compliance_ / (dt * dt), state.data());
     if (material_.any()) material_.pass(mechanism, dt, state.data());
   }
-  if (beads_.any()) beads_.move_out(mechanism, time + dt, dt, started_, state);
-  if (links_.any()) links_.move_out(mechanism, time + dt, dt, started_, state);
+  if (connectors_.any()) connectors_.move_out(mechanism, time + dt, dt, started_, state);
   if (bodies_.any()) bodies_.move_out(mechanism, time + dt, dt, started_, state);
   counters_.solves += static_cast<std::uint64_t>(iterations_);
   counters_.cycles += step_cycles_ + iterations_ * pass_cycles_;
@@ -127,8 +123,7 @@ void Xpbd::step(Mechanism& mechanism, double time, double dt, std::vector<double
     const Quat turned = quaternion(&state[q + 3]) * quaternion(&flown_[q + 3]).conjugate();
     spin += angle(turned) / dt;
   }
-  if (beads_.any()) beads_.rebound(mechanism, dt, started_, state);
-  if (links_.any()) links_.rebound(mechanism, dt, started_, state);
+  if (connectors_.any()) connectors_.rebound(mechanism, dt, started_, state);
   if (bodies_.any() && bodies_.rebound(mechanism, dt, started_, state)) {
     share_impact(mechanism, time + dt, state);
   }

@@ -1,6 +1,8 @@
-// Contact as games do it: beads inside of obstacles are moved out, and rubbed.
+// Contact of connectors as games do it: beads, and links where they touch, inside of obstacles are
+// moved out, and rubbed.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "sim/links/mechanism.h"
@@ -9,39 +11,49 @@
 namespace taut::contact {
 
 /// For methods of fixed steps on a Mechanism, after the step. Contact is found where the step ends:
-/// a bead that passes through an obstacle within a step is not stopped.
-class BeadContacts {
+/// what passes through an obstacle within a step is not stopped. What a link gets between its beads
+/// goes to both by the lever rule.
+class ConnectorContacts {
  public:
   /// Call when the topology is new.
   void rebuild(const Mechanism& mechanism, const World& world);
 
   bool any() const { return !obstacles_.empty(); }
 
-  /// Moves beads out to the surfaces, and against their sliding since the positions of `before`, as
-  /// far as Coulomb's law lets the depth (Mueller et al. 2020, section 3.5).
+  /// Moves beads and links out to the surfaces, and against their sliding since the positions of
+  /// `before`, as far as Coulomb's law lets the depth (Mueller et al. 2020, section 3.5).
   void move_out(const Mechanism& mechanism, double time, double dt,
                 const std::vector<double>& before, std::vector<double>& state);
-  /// After move_out(), with the velocities that positions made: throws beads back with the
+  /// After move_out(), with the velocities that positions made: throws them back with the
   /// obstacle's restitution of the speed that they came with, in `before`.
   void rebound(const Mechanism& mechanism, double dt, const std::vector<double>& before,
                std::vector<double>& state);
 
-  /// Moves beads out, stops their velocities into the surfaces or throws them back, and slows their
+  /// Moves them out, stops their velocities into the surfaces or throws them back, and slows their
   /// sliding by at most the coefficient of friction times that change.
   void stop(const Mechanism& mechanism, double time, double dt, std::vector<double>& state);
 
  private:
+  struct Link {
+    std::size_t first = 0;  // point; the other is the next
+    double radius = 0;      // m
+    std::uint64_t category = 0;
+  };
   struct Met {
     std::size_t point = 0, obstacle = 0;
+    double share = 0;  // of the way to the next point; zero: the bead itself
     Vec3 normal = Vec3::UnitY(), surface = Vec3::Zero();  // m/s, of the obstacle there
     double depth = 0;                                     // m
   };
   void find(const Mechanism& mechanism, double time, const std::vector<double>& state);
+  void find_links(const Mechanism& mechanism, std::size_t obstacle, const FrameMotion& frame,
+                  const std::vector<double>& state);
 
   std::vector<Obstacle> obstacles_;
   std::vector<double> radius_;           // m, per point; negative: it touches nothing
   std::vector<std::uint64_t> category_;  // per point
-  std::vector<Met> met_;
+  std::vector<Link> links_;              // that touch
+  std::vector<Met> met_;                 // beads and links by obstacle
 };
 
 }  // namespace taut::contact

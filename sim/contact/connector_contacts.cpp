@@ -1,0 +1,194 @@
+#include "sim/contact/connector_contacts.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace taut::contact {
+namespace {
+
+using Map = Eigen::Map<Vec3>;
+using ConstMap = Eigen::Map<const Vec3>;
+
+/// By how much of its length something that slides by `slip` is held back, if it can be by `push`
+/// times the coefficient of friction.
+double held_share(const Obstacle& obstacle, double slip, double push) {
+  if (slip <= obstacle.static_friction * push) return 1;
+  return std::min(1.0, obstacle.kinetic_friction * push / slip);
+}
+
+struct Nearest {
+  double share = 0;  // of the way from one end to the other
+  SurfaceDistance distance;
+};
+
+/// The point between a and b that is deepest inside of the obstacle, if one is deeper than the
+/// ends: beads are there. Obstacles are convex, so that the distance to them is along a line.
+std::optional<Nearest> deepest(const Obstacle& obstacle, const Pose& pose, const Vec3& a,
+                               const Vec3& b, double radius) {
+  constexpr int kHalvings = 40;
+  const Vec3 way = b - a;
+  const auto at = [&](double share) { return gap(obstacle, pose, a + share * way, radius); };
+  if (at(0.5).distance > way.norm() / 2) return std::nullopt;
+  if (!(at(0).normal.dot(way) < 0) || !(at(1).normal.dot(way) > 0)) return std::nullopt;
+  double low = 0, high = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (low + high) / 2;
+    (at(middle).normal.dot(way) < 0 ? low : high) = middle;
+  }
+  const double share = (low + high) / 2;
+  const SurfaceDistance distance = at(share);
+  if (distance.distance > 0) return std::nullopt;
+  return Nearest{share, distance};
+}
+
+Vec3 between(const double* first, const double* last, double share) {
+  if (share == 0) return ConstMap(first);
+  return (1 - share) * ConstMap(first) + share * ConstMap(last);
+}
+
+/// A bead, or the point of a link at a share of the way between its two beads: places or
+/// velocities.
+struct Lever {
+  double *first, *last;
+  double share, first_mobility, last_mobility;
+
+  Vec3 value() const { return between(first, last, share); }
+  /// Changes the value there by `change`, as an impulse at that point does.
+  void add(const Vec3& change) const {
+    if (share == 0) {
+      Map(first) += change;
+      return;
+    }
+    const double left = 1 - share;
+    const double mobility = left * left * first_mobility + share * share * last_mobility;
+    const Vec3 impulse = change / mobility;
+    Map(first) += left * first_mobility * impulse;
+    Map(last) += share * last_mobility * impulse;
+  }
+};
+
+std::size_t next_of(std::size_t point, double share) {
+  return share == 0 ? point : point + 1;
+}
+
+Lever place(const Mechanism& mechanism, std::size_t point, double share,
+            std::vector<double>& state) {
+  const std::size_t next = next_of(point, share);
+  const auto& mobile = mechanism.inverse_mass();
+  return {&state[mechanism.position(point)], &state[mechanism.position(next)], share, mobile[point],
+          mobile[next]};
+}
+
+Lever velocity(const Mechanism& mechanism, std::size_t point, double share,
+               std::vector<double>& state) {
+  const std::size_t next = next_of(point, share);
+  const auto& mobile = mechanism.inverse_mass();
+  return {&state[mechanism.velocity(point)], &state[mechanism.velocity(next)], share, mobile[point],
+          mobile[next]};
+}
+
+}  // namespace
+
+void ConnectorContacts::rebuild(const Mechanism& mechanism, const World& world) {
+  obstacles_ = world.obstacles;
+  radius_.clear();
+  category_.clear();
+  links_.clear();
+  if (obstacles_.empty()) return;
+  radius_.reserve(mechanism.state_room());  // enough for points that pins add
+  category_.reserve(mechanism.state_room());
+  const auto& mobile = mechanism.inverse_mass();
+  if (has_touching_links(world)) links_.reserve(mechanism.state_room());
+  met_.reserve(mechanism.state_room());
+  for (const Connector& connector : world.connectors) {
+    const std::size_t first = radius_.size();
+    radius_.insert(radius_.end(), connector.particles(), connector.radius);
+    category_.insert(category_.end(), connector.particles(), connector.category);
+    for (std::size_t p = first; connector.links_touch && p + 1 < radius_.size(); ++p) {
+      if (mobile[p] == 0 && mobile[p + 1] == 0) continue;
+      links_.push_back({p, connector.radius, connector.category});
+    }
+  }
+  for (std::size_t p = 0; p < radius_.size(); ++p) {
+    if (mobile[p] == 0) radius_[p] = -1;
+  }
+}
+
+void ConnectorContacts::find(const Mechanism& mechanism, double time,
+                             const std::vector<double>& state) {
+  met_.clear();
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const FrameMotion frame = obstacles_[o].frame(time);
+    for (std::size_t p = 0; p < radius_.size(); ++p) {
+      if (radius_[p] < 0 || !obstacles_[o].touches(category_[p])) continue;
+      const Vec3 at = ConstMap(&state[mechanism.position(p)]);
+      const SurfaceDistance near = gap(obstacles_[o], frame.pose(), at, radius_[p]);
+      if (near.distance > 0) continue;
+      met_.push_back({p, o, 0, near.normal, frame.velocity + frame.spin.cross(at - frame.position),
+                      -near.distance});
+    }
+    if (!links_.empty()) find_links(mechanism, o, frame, state);
+  }
+}
+
+void ConnectorContacts::find_links(const Mechanism& mechanism, std::size_t obstacle,
+                                   const FrameMotion& frame, const std::vector<double>& state) {
+  for (const Link& link : links_) {
+    if (!obstacles_[obstacle].touches(link.category)) continue;
+    const ConstMap a(&state[mechanism.position(link.first)]),
+        b(&state[mechanism.position(link.first + 1)]);
+    const auto near = deepest(obstacles_[obstacle], frame.pose(), a, b, link.radius);
+    if (!near) continue;
+    const Vec3 at = a + near->share * (b - a);
+    met_.push_back({link.first, obstacle, near->share, near->distance.normal,
+                    frame.velocity + frame.spin.cross(at - frame.position),
+                    -near->distance.distance});
+  }
+}
+
+void ConnectorContacts::move_out(const Mechanism& mechanism, double time, double dt,
+                                 const std::vector<double>& before, std::vector<double>& state) {
+  find(mechanism, time, state);
+  for (const Met& met : met_) {
+    const Lever at = place(mechanism, met.point, met.share, state);
+    at.add(met.depth * met.normal);
+    const Vec3 was = between(&before[mechanism.position(met.point)],
+                             &before[mechanism.position(next_of(met.point, met.share))], met.share);
+    const Vec3 moved = at.value() - was - dt * met.surface;
+    const Vec3 slip = moved - met.normal.dot(moved) * met.normal;
+    at.add(-held_share(obstacles_[met.obstacle], slip.norm(), met.depth) * slip);
+  }
+}
+
+void ConnectorContacts::rebound(const Mechanism& mechanism, double dt,
+                                const std::vector<double>& before, std::vector<double>& state) {
+  const double resting = 2 * dt * mechanism.gravity().norm();  // m/s, what gravity alone may make
+  for (const Met& met : met_) {
+    const Lever at = velocity(mechanism, met.point, met.share, state);
+    const Vec3 came =
+        between(&before[mechanism.velocity(met.point)],
+                &before[mechanism.velocity(next_of(met.point, met.share))], met.share);
+    const double into = met.normal.dot(met.surface - came);
+    const double back = into > resting ? obstacles_[met.obstacle].restitution * into : 0;
+    at.add((back - met.normal.dot(at.value() - met.surface)) * met.normal);
+  }
+}
+
+void ConnectorContacts::stop(const Mechanism& mechanism, double time, double dt,
+                             std::vector<double>& state) {
+  find(mechanism, time, state);
+  const double resting = 2 * dt * mechanism.gravity().norm();
+  for (const Met& met : met_) {
+    const Obstacle& obstacle = obstacles_[met.obstacle];
+    place(mechanism, met.point, met.share, state).add(met.depth * met.normal);
+    const Lever at = velocity(mechanism, met.point, met.share, state);
+    const Vec3 passing = at.value() - met.surface;
+    const double into = -met.normal.dot(passing);
+    if (into <= 0) continue;
+    const double push = into * (1 + (into > resting ? obstacle.restitution : 0));
+    const Vec3 slip = passing + into * met.normal;
+    at.add(push * met.normal - held_share(obstacle, slip.norm(), push) * slip);
+  }
+}
+
+}  // namespace taut::contact
