@@ -71,19 +71,12 @@ std::size_t next_of(std::size_t point, double share) {
   return share == 0 ? point : point + 1;
 }
 
-Lever place(const Mechanism& mechanism, std::size_t point, double share,
-            std::vector<double>& state) {
+/// Of places or velocities, as `part` says where a point has them in the state.
+Lever lever(const Mechanism& mechanism, std::size_t (Mechanism::*part)(std::size_t) const,
+            std::size_t point, double share, std::vector<double>& state) {
   const std::size_t next = next_of(point, share);
   const auto& mobile = mechanism.inverse_mass();
-  return {&state[mechanism.position(point)], &state[mechanism.position(next)], share, mobile[point],
-          mobile[next]};
-}
-
-Lever velocity(const Mechanism& mechanism, std::size_t point, double share,
-               std::vector<double>& state) {
-  const std::size_t next = next_of(point, share);
-  const auto& mobile = mechanism.inverse_mass();
-  return {&state[mechanism.velocity(point)], &state[mechanism.velocity(next)], share, mobile[point],
+  return {&state[(mechanism.*part)(point)], &state[(mechanism.*part)(next)], share, mobile[point],
           mobile[next]};
 }
 
@@ -150,7 +143,7 @@ void ConnectorContacts::move_out(const Mechanism& mechanism, double time, double
                                  const std::vector<double>& before, std::vector<double>& state) {
   find(mechanism, time, state);
   for (const Met& met : met_) {
-    const Lever at = place(mechanism, met.point, met.share, state);
+    const Lever at = lever(mechanism, &Mechanism::position, met.point, met.share, state);
     at.add(met.depth * met.normal);
     const Vec3 was = between(&before[mechanism.position(met.point)],
                              &before[mechanism.position(next_of(met.point, met.share))], met.share);
@@ -164,7 +157,7 @@ void ConnectorContacts::rebound(const Mechanism& mechanism, double dt,
                                 const std::vector<double>& before, std::vector<double>& state) {
   const double resting = 2 * dt * mechanism.gravity().norm();  // m/s, what gravity alone may make
   for (const Met& met : met_) {
-    const Lever at = velocity(mechanism, met.point, met.share, state);
+    const Lever at = lever(mechanism, &Mechanism::velocity, met.point, met.share, state);
     const Vec3 came =
         between(&before[mechanism.velocity(met.point)],
                 &before[mechanism.velocity(next_of(met.point, met.share))], met.share);
@@ -180,8 +173,8 @@ void ConnectorContacts::stop(const Mechanism& mechanism, double time, double dt,
   const double resting = 2 * dt * mechanism.gravity().norm();
   for (const Met& met : met_) {
     const Obstacle& obstacle = obstacles_[met.obstacle];
-    place(mechanism, met.point, met.share, state).add(met.depth * met.normal);
-    const Lever at = velocity(mechanism, met.point, met.share, state);
+    lever(mechanism, &Mechanism::position, met.point, met.share, state).add(met.depth * met.normal);
+    const Lever at = lever(mechanism, &Mechanism::velocity, met.point, met.share, state);
     const Vec3 passing = at.value() - met.surface;
     const double into = -met.normal.dot(passing);
     if (into <= 0) continue;
