@@ -17,6 +17,9 @@ struct StepConstants {
   /// The share of a tolerance by which a step may misplace particles on waves that it passes over:
   /// these die away within a few steps, and do not grow.
   double passed_over = 0.1;  // 1
+  /// No error is larger than this share of the length: what is off by more has nothing of the
+  /// motion left, and steps that allow it stir waves that others then follow.
+  double largest = 0.5;  // 1
   /// The acceleration of a link is off by about so many roundings; errors below them do not fall
   /// with the step.
   double roundings = 4;  // 1

@@ -40,7 +40,8 @@ double Integrator::stable_step(Scheme scheme) const {
 
 /// The error (m) that a run may make.
 double Integrator::asked_error() const {
-  return options_.step > 0 ? kConstants.coarsest * system_.length() : options_.tolerance;
+  if (options_.step > 0) return kConstants.coarsest * system_.length();
+  return std::min(options_.tolerance, kConstants.largest * system_.length());
 }
 
 /// The error (m) that a step of h of the scheme may make.

@@ -195,6 +195,21 @@ TEST(Direct, EnergyIsKeptWithinTheTolerance) {
   }
 }
 
+// A heavy load on a light chain, let go from the side: no tolerance is dearer than half the length.
+TEST(Direct, ALooserToleranceCostsNoMore) {
+  constexpr double length = 0.2;
+  World world = chain_of(50, length, 0.05, Vec3::UnitX());
+  world.connectors[0].particle_mass.back() += 5;
+  finish(world);
+  const auto solves = [&](double metres) {
+    Simulation simulation(world, make_method("direct", tolerance(metres)));
+    for (int frame = 1; frame <= 60; ++frame) simulation.advance_to(frame / 60.0);
+    return simulation.method().counters().solves;
+  };
+  const auto half = solves(length / 2);
+  for (const double metres : {0.14, 0.3, 1.0, 10.0}) EXPECT_EQ(solves(metres), half) << metres;
+}
+
 TEST(Direct, TimeRunsBackToTheStartAtAFixedStep) {
   World world = chain_of(20, 0.2, 0.05, Vec3::UnitX());
   world.connectors[0].particle_mass[20] += 0.2;
