@@ -7,10 +7,11 @@
 namespace taut::scenes {
 namespace {
 
-constexpr double busy = 0.2, strained = 8;   // m/s, m/s^2: of the hand, half of an expression
-constexpr double wakes = 0.10, calms = 0.3;  // s, mean delays of concentration and of ease
-constexpr double over = 0.2;                 // s of rest, after which all is over
-constexpr double seen_coming = 0.08;         // s, by which the face is ahead of the hand
+// The hand's speed (m/s) and acceleration (m/s^2) that make half of an expression.
+constexpr double half_speed = 0.2, half_acceleration = 8;
+constexpr double attack = 0.10, release = 0.3;  // s, mean delays of a face that tightens, and eases
+constexpr double anticipation = 0.08;           // s, by which the face is ahead of the hand
+constexpr double least_rest = 0.2;              // s, after which the hand has come to rest
 
 /// From 0 to 1, a half at `half`.
 double share(double x, double half) {
@@ -23,21 +24,22 @@ void play_face(const Figure& figure, const Path& path, Track& controls) {
   const Track hand = Track::sample(
       controls.time(controls.count() - 1), acting_rate,
       [&](double time) { return Eigen::VectorXd(path.at(time).position / figure.scale()); });
-  Track speed = hand.rates(), force = speed.smoothed(0.02).rates();
+  Track speed = hand.rates(), acceleration = speed.smoothed(0.02).rates();
   speed.samples() = speed.samples().colwise().norm().eval();
-  force.samples() = force.samples().colwise().norm().eval();
+  acceleration.samples() = acceleration.samples().colwise().norm().eval();
   const auto each = [](const Track& track, double half) {
     Track out = track;
     out.samples() = track.samples().unaryExpr([half](double x) { return share(x, half); });
     return out;
   };
-  const Track moving = each(speed.smoothed(0.15), busy);
-  const Track effort = each(force.smoothed(0.04), strained).ahead(seen_coming).lagged(wakes / 2);
-  const Track concentration = moving.smoothed(calms).ahead(seen_coming).lagged(wakes);
+  const Track moving = each(speed.smoothed(0.15), half_speed);
+  const Track effort =
+      each(acceleration.smoothed(0.04), half_acceleration).ahead(anticipation).lagged(attack / 2);
+  const Track concentration = moving.smoothed(release).ahead(anticipation).lagged(attack);
 
   // Rest counts once the hand has moved, and only where it lasts.
   Track ease = moving;
-  const auto lasts = static_cast<Eigen::Index>(over * moving.rate());
+  const auto lasts = static_cast<Eigen::Index>(least_rest * moving.rate());
   bool moved = false;
   Eigen::Index since = 0;  // the last sample at which the hand moved
   for (Eigen::Index i = 0; i < moving.count(); ++i) {
@@ -46,7 +48,7 @@ void play_face(const Figure& figure, const Path& path, Track& controls) {
     if (now > 0.3) since = i;
     ease.samples()(0, i) = moved && i - since > lasts ? 1 : 0;
   }
-  const Track pleased = ease.lagged(calms);
+  const Track pleased = ease.lagged(release);
 
   for (Eigen::Index i = 0; i < controls.count(); ++i) {
     const double strain = effort[i][0], content = pleased[i][0];

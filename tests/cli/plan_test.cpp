@@ -64,6 +64,14 @@ void expect_within(const fs::path& file) {
   EXPECT_LE(error, std::stod(plan.tolerance)) << file;
 }
 
+/// The same of a scene's text, planned here.
+void expect_planned_within(const std::string& scene, const std::string& tolerance) {
+  const Folder folder;
+  const fs::path file = folder.write("scene.toml", scene);
+  plan_of(file, "--tolerance " + tolerance + " --write");
+  expect_within(file);
+}
+
 TEST(PlannedScenes, StayWithinTheirToleranceOfAnIndependentTruth) {
   std::size_t planned = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(kScenes)) {
@@ -84,9 +92,8 @@ TEST(PlannedScenes, AlsoThoseThatNobodyHasSeen) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
   for (int i = 0; i < 3; ++i) {
-    const Folder folder;
     const double length = between(0.1, 1.5), angle = between(0, 1.2);
-    folder.write("scene.toml", fmt::format(R"(duration = 1.0
+    expect_planned_within(fmt::format(R"(duration = 1.0
 [connectors.rope]
 length = {}
 mass = {}
@@ -95,16 +102,14 @@ from = {{ fixed = [0, 2, 0] }}
 to = {{ point_mass = {} }}
 start = {{ direction = [{}, {}, 0] }}
 )",
-                                           length, between(0.01, 0.2), int(between(4, 40)),
-                                           between(0.05, 0.5), std::cos(angle), -std::sin(angle)));
-    plan_of(folder.path() / "scene.toml", "--tolerance 2mm --write");
-    expect_within(folder.path() / "scene.toml");
+                                      length, between(0.01, 0.2), int(between(4, 40)),
+                                      between(0.05, 0.5), std::cos(angle), -std::sin(angle)),
+                          "2mm");
   }
 }
 
 TEST(PlannedScenes, AlsoAmongObstacles) {
-  const Folder folder;
-  folder.write("scene.toml", R"(duration = 0.5
+  expect_planned_within(R"(duration = 0.5
 [connectors.rope]
 length = 0.6
 mass = 0.1
@@ -116,14 +121,12 @@ start = { direction = [0.8, -0.6, 0] }
 [obstacles.peg]
 shape = { sphere = { diameter = 0.1 } }
 position = [0.05, 0.7, 0]
-)");
-  plan_of(folder.path() / "scene.toml", "--tolerance 5mm --write");
-  expect_within(folder.path() / "scene.toml");
+)",
+                        "5mm");
 }
 
 TEST(PlannedScenes, AlsoJoinedOnes) {
-  const Folder folder;
-  folder.write("scene.toml", R"(duration = 0.5
+  expect_planned_within(R"(duration = 0.5
 [connectors.trunk]
 length = 0.5
 mass = 0.1
@@ -137,9 +140,8 @@ mass = 0.05
 particles = 4
 from = { connector = "trunk", at = 0.3 }
 to = { point_mass = 0.1 }
-)");
-  plan_of(folder.path() / "scene.toml", "--tolerance 5mm --write");
-  expect_within(folder.path() / "scene.toml");
+)",
+                        "5mm");
 }
 
 /// A scene of any kind: a rope, chain or stick, with a light or a very heavy load or another rope,

@@ -18,7 +18,7 @@ struct StepConstants {
   /// these die away within a few steps, and do not grow.
   double passed_over = 0.1;  // 1
   /// No error is larger than this share of the length: what is off by more has nothing of the
-  /// motion left, and steps that allow it stir waves that others then follow.
+  /// motion left, and steps that allow more excite waves, which the next steps have to follow.
   double largest = 0.5;  // 1
   /// The acceleration of a link is off by about so many roundings; errors below them do not fall
   /// with the step.

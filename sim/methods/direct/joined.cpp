@@ -254,11 +254,8 @@ void Joined::follow(const World& world, double until) {
     for (bool taken = false; !taken;) {
       const double wish = std::min(options_.step > 0 ? options_.step : step_, stable);
       const double left = until - time_;
-      const bool landing = lands(left, wish);
-      const double count = landing ? std::max(1.0, std::ceil(left / wish * (1 - 1e-9))) : 2;
-      const double part = landing ? left / count : wish;
-      const bool to_change = change < part;
-      const double h = to_change ? change : part;
+      const double count = std::max(1.0, std::ceil(left / wish * (1 - 1e-9)));
+      const double h = std::min(change, lands(left, wish) ? left / count : wish);
       const double error = attempt(time_, h), limit = allowed_error(h);
       const auto run_through =
           error <= limit ? mechanism_.run_through(time_ + h, next_.data()) : std::nullopt;
@@ -281,7 +278,7 @@ void Joined::follow(const World& world, double until) {
         std::swap(state_, next_);
         before_time_ = time_;
         within_known_ = false;
-        time_ = count == 1 && !to_change ? until : time_ + h;
+        time_ = h == left ? until : time_ + h;
         from_change = off;
         if (off <= PulleyFriction::kNear) {
           friction_.decide(mechanism_, system_, time_, state_);

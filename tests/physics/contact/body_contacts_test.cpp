@@ -77,12 +77,8 @@ TEST_P(BodiesByGames, ARodOnAnInclineSlidesOrSticks) {
 TEST_P(BodiesByGames, ARodStopsWhereItMust) {
   constexpr double speed = 2, kinetic = 0.3;
   const double angle = std::atan(0.5);
-  const Vec3 along(std::cos(angle), std::sin(angle), 0), up(-along.y(), along.x(), 0);
-  Body body = leaning(kRadius * up, angle);
-  body.velocity = speed * along;
-  Obstacle below = incline(angle, kinetic);
-  below.static_friction = 0.6;
-  const World world = after(with(body, below), 1);
+  const Vec3 along(std::cos(angle), std::sin(angle), 0);
+  const World world = after(rod_pushed_up(angle, speed, kinetic), 1);
   const double slowing = kGravity * (std::sin(angle) + kinetic * std::cos(angle));
   EXPECT_NEAR(world.bodies[0].position.dot(along), speed * speed / (2 * slowing), kGain);
   EXPECT_LT(world.bodies[0].velocity.norm(), kGain);
@@ -178,9 +174,7 @@ TEST_P(BodiesByGames, FrictionTurnsBalls) {
     const double angle = 0.5;  // of the line of centres to the way
     const Vec3 normal(std::cos(angle), std::sin(angle), 0), across(-normal.y(), normal.x(), 0);
     const Vec3 way = Vec3::UnitX();
-    const World start = among(
-        {ball(-2 * kRadius * normal - 0.3 * way, kSpeed * way), ball(Vec3::Zero(), Vec3::Zero())},
-        mu, kRestitution);
+    const World start = balls_aslant(normal, kSpeed, mu, kRestitution);
     for (const double step : {kStep, kStep / 8}) {
       const World world = after(start, 0.3, step);
       const double push = (1 + kRestitution) * kMass / 2 * kSpeed * normal.dot(way);

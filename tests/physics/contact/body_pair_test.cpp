@@ -73,9 +73,7 @@ TEST_P(BodyPairs, FrictionTurnsBalls) {
     const double angle = 0.5;  // of the line of centres to the way
     const Vec3 normal(std::cos(angle), std::sin(angle), 0), across(-normal.y(), normal.x(), 0);
     const Vec3 way = Vec3::UnitX();
-    const World world = among(
-        {ball(-2 * kRadius * normal - 0.3 * way, kSpeed * way), ball(Vec3::Zero(), Vec3::Zero())},
-        mu, kRestitution);
+    const World world = balls_aslant(normal, kSpeed, mu, kRestitution);
     Simulation simulation = simulate(world);
     simulation.advance_to(0.3);
     const double push = (1 + kRestitution) * kMass / 2 * kSpeed * normal.dot(way);

@@ -85,12 +85,8 @@ TEST_P(ContactBody, ARodOnAnInclineSlidesOrSticks) {
 TEST_P(ContactBody, ARodStopsWhereItMust) {
   constexpr double speed = 2, kinetic = 0.3;
   const double angle = std::atan(0.5);
-  const Vec3 along(std::cos(angle), std::sin(angle), 0), up(-along.y(), along.x(), 0);
-  Body body = leaning(kRadius * up, angle);
-  body.velocity = speed * along;
-  Obstacle below = incline(angle, kinetic);
-  below.static_friction = 0.6;
-  Simulation simulation = simulate(with(body, below));
+  const Vec3 along(std::cos(angle), std::sin(angle), 0);
+  Simulation simulation = simulate(rod_pushed_up(angle, speed, kinetic));
   simulation.advance_to(2);
   const double slowing = kGravity * (std::sin(angle) + kinetic * std::cos(angle));
   const double way = simulation.world().bodies[0].position.dot(along);

@@ -99,6 +99,23 @@ inline double depth(const World& world) {
   return deepest;
 }
 
+/// A ball that comes along x at `speed` (m/s) to one at rest, which it meets along `normal`.
+inline World balls_aslant(const Vec3& normal, double speed, double friction, double restitution) {
+  const Vec3 before = -2 * kRadius * normal - 0.3 * Vec3::UnitX();
+  return among({ball(before, speed * Vec3::UnitX()), ball(Vec3::Zero(), Vec3::Zero())}, friction,
+               restitution);
+}
+
+/// A rod that slides up an incline of `angle` (rad) at first; static friction would hold it.
+inline World rod_pushed_up(double angle, double speed, double kinetic) {
+  const Vec3 along(std::cos(angle), std::sin(angle), 0), up(-along.y(), along.x(), 0);
+  Body body = leaning(kRadius * up, angle);
+  body.velocity = speed * along;
+  Obstacle below = incline(angle, kinetic);
+  below.static_friction = 1.2 * std::tan(angle);
+  return with(body, below);
+}
+
 /// Three equal rods along z on a floor: one on top of two that touch.
 inline World pile(double friction) {
   const double high = kRadius * (1 + std::sqrt(3.0));
