@@ -200,6 +200,13 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
          {"static_friction", pair.static_friction},
          {"restitution", pair.restitution}});
   }
+  for (const BeadPair& pair : scene.world.bead_pairs) {
+    json["touching"].push_back({{"connector", scene.world.connectors[pair.connector].name},
+                                {"body", scene.world.bodies[pair.body].name},
+                                {"friction", pair.kinetic_friction},
+                                {"static_friction", pair.static_friction},
+                                {"restitution", pair.restitution}});
+  }
   if (scene.stage) json["clip_frames"] = std::uint64_t(options::clip_length(scene));
   json["pins"] = scene.timeline.pins.size();
   json["cuts"] = scene.timeline.cuts.size();
@@ -217,6 +224,19 @@ program::Json as_json(const scenes::Scene& scene, bool staged,
                               {"bones", model->bones.size()}});
   }
   return json;
+}
+
+/// Connectors that touch bodies, in lines; copies and the cords of a net in one.
+std::vector<std::string> pairs_with_connectors(const World& world) {
+  std::vector<std::string> lines;
+  for (const BeadPair& pair : world.bead_pairs) {
+    const std::string& name = world.connectors[pair.connector].name;
+    std::string text = fmt::format("beads of {} and body {} touch: friction {}, restitution {}",
+                                   name.substr(0, name.find('#')), world.bodies[pair.body].name,
+                                   pair.kinetic_friction, pair.restitution);
+    if (std::ranges::find(lines, text) == lines.end()) lines.push_back(std::move(text));
+  }
+  return lines;
 }
 
 std::string as_text(const scenes::Scene& scene, bool staged,
@@ -258,6 +278,7 @@ std::string as_text(const scenes::Scene& scene, bool staged,
                      world.bodies[pair.a].name, world.bodies[pair.b].name, pair.kinetic_friction,
                      pair.restitution));
   }
+  for (const std::string& pair : pairs_with_connectors(world)) line(pair);
   for (const TimedPin& pin : scene.timeline.pins) {
     line(fmt::format("pin: {} at {} m, from {} s {}", world.connectors[pin.connector].name,
                      pin.along, pin.from,

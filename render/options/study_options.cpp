@@ -140,9 +140,11 @@ scenes::Scene study_scene(const StudyOptions& options,
                     "and this command does not",
                     options.scene));
   }
-  if (!scene.world.pairs.empty() && !options.among_obstacles) {
+  const bool touch = !scene.world.pairs.empty() || !scene.world.bead_pairs.empty();
+  if (touch && !options.among_obstacles) {
     throw program::Misuse(
-        fmt::format("{}: has bodies that touch each other, which bench, chart, classify, compare, "
+        fmt::format("{}: has bodies that touch each other or connectors, which bench, chart, "
+                    "classify, compare, "
                     "stability and work-precision follow, and this command does not",
                     options.scene));
   }

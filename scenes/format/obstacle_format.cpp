@@ -76,7 +76,8 @@ const TableFormat& obstacle_format() {
                    "default: 0."),
        {.name = "ignores",
         .type = Type::texts,
-        .meaning = "Names of connectors and free bodies that pass through it; default: none."},
+        .meaning =
+            "Names of connectors, nets and free bodies that pass through it; default: none."},
        color("color", "Linear colour."),
        {.name = "shown",
         .type = Type::flag,
@@ -91,7 +92,12 @@ const TableFormat& touching_format() {
            {.name = "bodies",
             .type = Type::texts,
             .meaning = "Names of free bodies with `contact`, of which each touches each other."}),
-       friction(), static_friction(),
+       {.name = "connectors",
+        .type = Type::texts,
+        .meaning = "Names of connectors and nets, whose beads touch each of these bodies; default: "
+                   "none."},
+       friction(),
+       static_friction(),
        restitution("Newton's coefficient: the share of the speed at which they meet with which "
                    "they part; default: 0.")}};
   return format;

@@ -66,6 +66,13 @@ std::string_view text_or(const Value& table, std::string_view key, std::string_v
   return value ? std::string_view(value->text) : fallback;
 }
 
+const Value& connector_value(const Document& document, const Connector& connector) {
+  const std::string name = connector.name.substr(0, connector.name.find('#'));
+  const Value* table = document.root.find("connectors");
+  const Value* found = table ? table->find(name) : nullptr;
+  return found ? *found : *document.root.find("nets")->find(name);
+}
+
 Vec3 direction(const Document& document, const Value& value) {
   const Vec3 unit = value.vec3().stableNormalized();
   if (unit.isZero()) document.fail(value, "found a vector of length 0, expected a direction");

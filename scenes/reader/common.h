@@ -41,6 +41,9 @@ Vec3 vec3_or(const Value& table, std::string_view key, const Vec3& fallback);
 bool flag_or(const Value& table, std::string_view key, bool fallback);
 std::string_view text_or(const Value& table, std::string_view key, std::string_view fallback);
 
+/// The table that a connector is of: its own, that of which it is a copy, or its net's.
+const Value& connector_value(const Document& document, const Connector& connector);
+
 /// A direction of any length but zero, as a unit vector.
 Vec3 direction(const Document& document, const Value& value);
 /// A quaternion [w, x, y, z] of any length but zero, as a rotation.

@@ -92,7 +92,7 @@ class Ignored {
   /// As the document has them, which stays.
   static std::vector<std::string_view> all_names(const Document& document) {
     std::vector<std::string_view> names;
-    for (const char* kind : {"connectors", "bodies"}) {
+    for (const char* kind : {"connectors", "nets", "bodies"}) {
       const Value* table = document.root.find(kind);
       for (std::size_t i = 0; table && i < table->children.size(); ++i) {
         const Value& value = table->children[i];
@@ -103,7 +103,7 @@ class Ignored {
   }
 
   std::uint64_t category(const Value& name) {
-    const std::size_t index = names_.index_of(document_, name, "connector or free body");
+    const std::size_t index = names_.index_of(document_, name, "connector, net or free body");
     const auto known = bits_.find(index);
     if (known != bits_.end()) return known->second;
     if (bits_.size() == 64)
@@ -127,9 +127,7 @@ class Ignored {
 void check_start(const Document& document, const Value& value, const Obstacle& obstacle,
                  const World& world) {
   const Pose frame = obstacle.frame(0).pose();
-  const Value* connectors = document.root.find("connectors");
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    const Connector& connector = world.connectors[c];
+  for (const Connector& connector : world.connectors) {
     if (!obstacle.touches(connector.category)) continue;
     const double rounding = kRounding * connector.length;
     for (std::size_t i = 0; i < connector.particles(); ++i) {
@@ -143,7 +141,7 @@ void check_start(const Document& document, const Value& value, const Obstacle& o
                                          "m deep, expected to be beside it",
                                          connector.name, i, -apart));
       }
-      document.fail(*connectors->find(connector.name.substr(0, connector.name.find('#'))),
+      document.fail(connector_value(document, connector),
                     fmt::format("its particle {} starts {:.6g} m inside of obstacle {}, expected "
                                 "to start outside, {} m of radius counted, or start.push_out",
                                 i, -apart, obstacle.name, connector.radius));

@@ -53,6 +53,19 @@ void refuse_touching_bodies(const Document& document, const MethodInfo& method) 
   }
 }
 
+void refuse_touching_connectors(const Document& document, const MethodInfo& method) {
+  const Value* touching = document.root.find("touching");
+  if (!touching || method.beads_touch_bodies) return;
+  for (const Value& value : touching->children) {
+    const Value* key = value.find("connectors");
+    if (!key) continue;
+    document.fail_at_key(*key,
+                         fmt::format("the method {} follows no connectors that touch free "
+                                     "bodies, expected one of: {}",
+                                     method.name, methods_with(&MethodInfo::beads_touch_bodies)));
+  }
+}
+
 /// The part of a scene that touches, in words; null: none.
 const char* what_touches(const Document& document) {
   const auto is_there = [&](const char* name) {
@@ -60,7 +73,7 @@ const char* what_touches(const Document& document) {
     return table && !table->children.empty();
   };
   if (is_there("obstacles")) return "obstacles";
-  return is_there("touching") ? "bodies that touch each other" : nullptr;
+  return is_there("touching") ? "bodies that touch" : nullptr;
 }
 
 /// The key of a connector that makes its links stretch, bend or meet the air; null: none does.
@@ -80,10 +93,11 @@ void refuse_materials(const Document& document, const MethodInfo& method) {
   for (const Value& connector : connectors->children) {
     const Value* key = material_key(connector);
     if (!key) continue;
-    if (touching) {
-      document.fail_at_key(*key, fmt::format("stands in a scene with {}, where links are rigid, "
-                                             "bend freely and meet no air",
-                                             touching));
+    if (touching && !method.touches_beside_more) {
+      document.fail_at_key(
+          *key, fmt::format("stands in a scene with {}, where links of the method {} are rigid, "
+                            "bend freely and meet no air, expected one of: {}",
+                            touching, method.name, methods_with(&MethodInfo::touches_beside_more)));
     }
     if (method.follows_materials) continue;
     const std::string able = methods_with(&MethodInfo::follows_materials);
@@ -108,10 +122,12 @@ const Value* joining_key(const Value& root) {
 void refuse_joints(const Document& document, const MethodInfo& method) {
   const Value* key = joining_key(document.root);
   if (!key) return;
-  if (const char* touching = what_touches(document)) {
-    document.fail_at_key(*key, fmt::format("stands in a scene with {}, where connectors are not "
-                                           "joined",
-                                           touching));
+  const char* touching = what_touches(document);
+  if (touching && !method.touches_beside_more) {
+    document.fail_at_key(
+        *key, fmt::format("stands in a scene with {}, where the method {} follows no connectors "
+                          "that are joined, expected one of: {}",
+                          touching, method.name, methods_with(&MethodInfo::touches_beside_more)));
   }
   if (method.follows_joints) return;
   const std::string able = methods_with(&MethodInfo::follows_joints);
@@ -216,6 +232,7 @@ Scene read_scene(Document document, bool with_stage) {
   refuse_spans(document, *find_method(scene.method.name));
   refuse_obstacles(document, *find_method(scene.method.name));
   refuse_touching_bodies(document, *find_method(scene.method.name));
+  refuse_touching_connectors(document, *find_method(scene.method.name));
   refuse_materials(document, *find_method(scene.method.name));
   refuse_joints(document, *find_method(scene.method.name));
   refuse_touching_links(document, *find_method(scene.method.name));

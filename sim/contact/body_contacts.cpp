@@ -10,15 +10,6 @@ constexpr double kUnchanged = 1e-6;  // of the greatest twist: a change as good 
 using Map = Eigen::Map<Vec3>;
 using ConstMap = Eigen::Map<const Vec3>;
 
-Eigen::Map<Vec6> twist(double* at) {
-  return Eigen::Map<Vec6>(at);
-}
-
-Pose pose_of(const Mechanism& mechanism, std::uint32_t body, const std::vector<double>& state) {
-  const double* q = &state[mechanism.pose(body)];
-  return {ConstMap(q), quaternion(q + 3)};
-}
-
 Capsule placed(const BodyCapsule& capsule, const Pose& at) {
   return {at.to_world(capsule.from), at.to_world(capsule.to), capsule.radius};
 }
@@ -36,26 +27,89 @@ bool is_far(const Shape& shape, const Pose& frame, const Capsule& capsule, doubl
   return shape.from(middle).distance > reach + near;
 }
 
-/// How far a body's point has moved since `before` (m).
-Vec3 moved(const Mechanism& mechanism, std::uint32_t body, const Vec3& arm,
-           const std::vector<double>& before, const std::vector<double>& state) {
-  const Pose now = pose_of(mechanism, body, state), old = pose_of(mechanism, body, before);
+}  // namespace
+
+Pose BodyContacts::pose_of(const Mechanism& mechanism, std::uint32_t one,
+                           const std::vector<double>& state) const {
+  if (one >= bodies()) {
+    return {ConstMap(&state[mechanism.position(beads_[one - bodies()])]), Quat::Identity()};
+  }
+  const double* q = &state[mechanism.pose(one)];
+  return {ConstMap(q), quaternion(q + 3)};
+}
+
+Vec6 BodyContacts::twist_of(const Mechanism& mechanism, std::uint32_t one,
+                            const std::vector<double>& state) const {
+  if (one < bodies()) return Eigen::Map<const Vec6>(&state[mechanism.twist(one)]);
+  Vec6 twist = Vec6::Zero();
+  twist.head<3>() = ConstMap(&state[mechanism.velocity(beads_[one - bodies()])]);
+  return twist;
+}
+
+void BodyContacts::set_twist(const Mechanism& mechanism, std::uint32_t one, const Vec6& twist,
+                             std::vector<double>& state) const {
+  if (one < bodies()) {
+    Eigen::Map<Vec6>(state.data() + mechanism.twist(one)) = twist;
+  } else {
+    Map(state.data() + mechanism.velocity(beads_[one - bodies()])) = twist.head<3>();
+  }
+}
+
+Mat6 BodyContacts::mobility_of(const Mechanism& mechanism, std::uint32_t one,
+                               const std::vector<double>& state) const {
+  if (one >= bodies()) {
+    return mobility(mechanism.inverse_mass()[beads_[one - bodies()]], Mat3::Zero());
+  }
+  const auto& body = mechanism.bodies()[one];
+  const Mat3 turn = pose_of(mechanism, one, state).rotation.toRotationMatrix();
+  return mobility(body.inverse_mass, turn * body.inverse_inertia * turn.transpose());
+}
+
+/// How far a point of one has moved since `before` (m).
+Vec3 BodyContacts::moved(const Mechanism& mechanism, std::uint32_t one, const Vec3& arm,
+                         const std::vector<double>& before,
+                         const std::vector<double>& state) const {
+  const Pose now = pose_of(mechanism, one, state), old = pose_of(mechanism, one, before);
   return now.position + arm - old.to_world(now.rotation.conjugate() * arm);
 }
 
-}  // namespace
-
 void BodyContacts::rebuild(const Mechanism& mechanism, const World& world) {
   meetings_.clear();
-  if (!has_touching_bodies(world)) return;
+  beads_.clear();
+  if (!has_touching_bodies(world) && world.bead_pairs.empty()) return;
   obstacles_ = world.obstacles;
   capsules_ = capsules_of_free_bodies(world);
   meetings_ = meetings_of_bodies(world, obstacles_, world.pairs);
   frames_.reserve(obstacles_.size());
-  touches_.reserve(kSpots.size() * meetings_.size());
-  masses_.reserve(touches_.capacity());
-  mobility_.reserve(mechanism.bodies().size());
-  twists_.reserve(mechanism.bodies().size());
+  std::size_t spots = kSpots.size() * meetings_.size();
+  const std::vector<BodyMeeting> of_beads = meetings_of_beads(world, mechanism);
+  spots += of_beads.size();
+  add_beads(world, of_beads);
+  touches_.reserve(spots);
+  masses_.reserve(spots);
+  here_.assign(capsules_.size(), kNoBody);
+  numbers_.reserve(capsules_.size());
+  mobility_.reserve(capsules_.size());
+  twists_.reserve(capsules_.size());
+}
+
+/// Numbers beads behind the bodies.
+void BodyContacts::add_beads(const World& world, std::span<const BodyMeeting> meetings) {
+  std::vector<double> radius;
+  for (const Connector& connector : world.connectors) {
+    radius.insert(radius.end(), connector.particles(), connector.radius);
+  }
+  std::vector<std::uint32_t> number(radius.size(), kNoBody);
+  for (const BodyMeeting& meeting : meetings) {
+    std::uint32_t& one = number[meeting.body];
+    if (one == kNoBody) {
+      one = small(capsules_.size());
+      capsules_.push_back({.radius = radius[meeting.body]});
+      beads_.push_back(meeting.body);
+    }
+    meetings_.push_back(meeting);
+    meetings_.back().body = one;
+  }
 }
 
 void BodyContacts::find(const Mechanism& mechanism, double time, double dt,
@@ -65,6 +119,8 @@ void BodyContacts::find(const Mechanism& mechanism, double time, double dt,
   frames_.clear();
   for (const Obstacle& obstacle : obstacles_) frames_.push_back(obstacle.frame(time));
   touches_.clear();
+  for (const std::uint32_t one : numbers_) here_[one] = kNoBody;
+  numbers_.clear();
   for (std::size_t m = 0; m < meetings_.size(); ++m) {
     const BodyMeeting& meeting = meetings_[m];
     const Capsule capsule =
@@ -89,6 +145,14 @@ void BodyContacts::find(const Mechanism& mechanism, double time, double dt,
   find_masses(mechanism, state);
 }
 
+std::uint32_t BodyContacts::number_here(std::uint32_t one) {
+  if (here_[one] == kNoBody) {
+    here_[one] = small(numbers_.size());
+    numbers_.push_back(one);
+  }
+  return here_[one];
+}
+
 void BodyContacts::add(const Mechanism& mechanism, std::size_t index, const Capsule& capsule,
                        Spot spot, const SpotGap& gap, const std::vector<double>& state) {
   const BodyMeeting& meeting = meetings_[index];
@@ -96,8 +160,8 @@ void BodyContacts::add(const Mechanism& mechanism, std::size_t index, const Caps
   const Vec3 origin = meeting.other == kNoBody ? frames_[meeting.obstacle].position
                                                : pose_of(mechanism, meeting.other, state).position;
   BodyTouch& at = touches_.emplace_back();
-  at.body = meeting.body;
-  at.other = meeting.other;
+  at.body = number_here(meeting.body);
+  if (meeting.other != kNoBody) at.other = number_here(meeting.other);
   at.meeting = small(index);
   at.spot = spot;
   at.arm = point - pose_of(mechanism, meeting.body, state).position;
@@ -110,11 +174,8 @@ void BodyContacts::find_masses(const Mechanism& mechanism, const std::vector<dou
   masses_.clear();
   if (touches_.empty()) return;
   mobility_.clear();
-  for (std::uint32_t b = 0; b < capsules_.size(); ++b) {
-    const auto& body = mechanism.bodies()[b];
-    const Mat3 turn = pose_of(mechanism, b, state).rotation.toRotationMatrix();
-    const Mat3 inverse = turn * body.inverse_inertia * turn.transpose();
-    mobility_.push_back(mobility(body.inverse_mass, inverse));
+  for (const std::uint32_t one : numbers_) {
+    mobility_.push_back(mobility_of(mechanism, one, state));
   }
   for (const BodyTouch& at : touches_) masses_.push_back(effective_mass(mobility_, at));
 }
@@ -135,16 +196,22 @@ void BodyContacts::use_friction(bool used) {
 
 /// Moves bodies and what they carry, and forgets the touches that stay open.
 void BodyContacts::shift(const Mechanism& mechanism, std::vector<double>& state) {
-  twists_.assign(capsules_.size(), Vec6::Zero());
+  twists_.assign(numbers_.size(), Vec6::Zero());
   relax(mobility_, masses_, touches_, twists_);
-  for (std::uint32_t b = 0; b < twists_.size(); ++b) {
-    if (twists_[b].isZero(0)) continue;
-    double* q = &state[mechanism.pose(b)];
-    Map(q) += twists_[b].head<3>();
-    rotate(twists_[b].tail<3>(), q + 3);
+  for (std::size_t i = 0; i < twists_.size(); ++i) {
+    if (twists_[i].isZero(0)) continue;
+    const std::uint32_t one = numbers_[i];
+    if (one >= bodies()) {
+      Map(&state[mechanism.position(beads_[one - bodies()])]) += twists_[i].head<3>();
+      continue;
+    }
+    double* q = &state[mechanism.pose(one)];
+    Map(q) += twists_[i].head<3>();
+    rotate(twists_[i].tail<3>(), q + 3);
   }
   for (const auto& carried : mechanism.body_points()) {
-    if (twists_[carried.body].isZero(0)) continue;
+    const std::uint32_t here = here_[carried.body];
+    if (here == kNoBody || twists_[here].isZero(0)) continue;
     Map place(&state[mechanism.position(carried.point)]);
     place = pose_of(mechanism, carried.body, state).to_world(carried.local);
   }
@@ -166,9 +233,10 @@ void BodyContacts::move_out(const Mechanism& mechanism, double time, double dt,
   find(mechanism, time, dt, state);
   if (touches_.empty()) return;
   for (BodyTouch& at : touches_) {
-    at.touch.surface = dt * surface_velocity(at) - moved(mechanism, at.body, at.arm, before, state);
+    at.touch.surface =
+        dt * surface_velocity(at) - moved(mechanism, numbers_[at.body], at.arm, before, state);
     if (at.other == kNoBody) continue;
-    at.touch.surface += moved(mechanism, at.other, at.other_arm, before, state);
+    at.touch.surface += moved(mechanism, numbers_[at.other], at.other_arm, before, state);
   }
   use_friction(true);
   shift(mechanism, state);
@@ -178,8 +246,8 @@ void BodyContacts::move_out(const Mechanism& mechanism, double time, double dt,
 /// some came faster than gravity makes them.
 bool BodyContacts::find_rebounds(const Mechanism& mechanism, double dt,
                                  const std::vector<double>& came) {
-  for (std::uint32_t b = 0; b < twists_.size(); ++b) {
-    twists_[b] = Eigen::Map<const Vec6>(&came[mechanism.twist(b)]);
+  for (std::size_t i = 0; i < twists_.size(); ++i) {
+    twists_[i] = twist_of(mechanism, numbers_[i], came);
   }
   const double resting = resting_speed(mechanism, dt);
   bool struck = false;
@@ -195,14 +263,16 @@ bool BodyContacts::find_rebounds(const Mechanism& mechanism, double dt,
 }
 
 bool BodyContacts::push(const Mechanism& mechanism, std::vector<double>& state) {
-  for (std::uint32_t b = 0; b < twists_.size(); ++b) twists_[b] = twist(&state[mechanism.twist(b)]);
+  for (std::size_t i = 0; i < twists_.size(); ++i) {
+    twists_[i] = twist_of(mechanism, numbers_[i], state);
+  }
   relax(mobility_, masses_, touches_, twists_);
   double changed = 0, most = 0;
-  for (std::uint32_t b = 0; b < twists_.size(); ++b) {
-    auto now = twist(&state[mechanism.twist(b)]);
-    changed = std::max(changed, (twists_[b] - now).norm());
-    most = std::max(most, twists_[b].norm());
-    now = twists_[b];
+  for (std::size_t i = 0; i < twists_.size(); ++i) {
+    const Vec6 now = twist_of(mechanism, numbers_[i], state);
+    changed = std::max(changed, (twists_[i] - now).norm());
+    most = std::max(most, twists_[i].norm());
+    set_twist(mechanism, numbers_[i], twists_[i], state);
   }
   return changed <= kUnchanged * most;
 }

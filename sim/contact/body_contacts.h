@@ -1,5 +1,5 @@
-// Contact of free bodies as games do it: capsules inside of obstacles or of each other are moved
-// out, and rubbed.
+// Contact of free bodies as games do it: capsules inside of obstacles, of each other or of beads
+// are moved out, and rubbed.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,8 @@ namespace taut::contact {
 
 /// For methods of fixed steps on a Mechanism, after the step, as ConnectorContacts; each body moves
 /// by its own mass, whatever links hold it. Where bodies are together, or one has several touches,
-/// relax() finds what they do to each other.
+/// relax() finds what they do to each other. A bead that may touch a body (World::bead_pairs) is
+/// one without a size: a ball that does not turn.
 class BodyContacts {
  public:
   /// Call when the topology is new.
@@ -40,7 +41,22 @@ class BodyContacts {
   void stop(const Mechanism& mechanism, double time, double dt, std::vector<double>& state);
 
  private:
+  /// What may touch: free bodies, as Mechanism numbers them, and behind them beads.
+  std::size_t bodies() const { return capsules_.size() - beads_.size(); }
+  Pose pose_of(const Mechanism& mechanism, std::uint32_t one,
+               const std::vector<double>& state) const;
+  Vec6 twist_of(const Mechanism& mechanism, std::uint32_t one,
+                const std::vector<double>& state) const;
+  void set_twist(const Mechanism& mechanism, std::uint32_t one, const Vec6& twist,
+                 std::vector<double>& state) const;
+  Mat6 mobility_of(const Mechanism& mechanism, std::uint32_t one,
+                   const std::vector<double>& state) const;
+  Vec3 moved(const Mechanism& mechanism, std::uint32_t one, const Vec3& arm,
+             const std::vector<double>& before, const std::vector<double>& state) const;
+
   void find(const Mechanism& mechanism, double time, double dt, const std::vector<double>& state);
+  void add_beads(const World& world, std::span<const BodyMeeting> meetings);
+  std::uint32_t number_here(std::uint32_t one);
   void add(const Mechanism& mechanism, std::size_t meeting, const Capsule& capsule, Spot spot,
            const SpotGap& gap, const std::vector<double>& state);
   void find_masses(const Mechanism& mechanism, const std::vector<double>& state);
@@ -50,13 +66,17 @@ class BodyContacts {
   Vec3 surface_velocity(const BodyTouch& at) const;
 
   std::vector<BodyMeeting> meetings_;
-  std::vector<BodyCapsule> capsules_;  // per free body, from the centre of mass
+  std::vector<BodyCapsule> capsules_;  // from the centre of mass, of all that may touch
+  std::vector<std::uint32_t> beads_;   // their points
   std::vector<Obstacle> obstacles_;
-  std::vector<FrameMotion> frames_;    // of these, at the step's end
-  std::vector<BodyTouch> touches_;     // other_arm: from the obstacle's origin where there is one
-  std::vector<EffectiveMass> masses_;  // per touch
-  std::vector<Mat6> mobility_;         // per free body
-  std::vector<Vec6> twists_;           // per free body: displacements, then velocities
+  std::vector<FrameMotion> frames_;  // of these, at the step's end
+  /// Of numbers_; other_arm: from the obstacle's origin where there is one.
+  std::vector<BodyTouch> touches_;
+  std::vector<EffectiveMass> masses_;   // per touch
+  std::vector<std::uint32_t> numbers_;  // of all that have touches
+  std::vector<std::uint32_t> here_;     // where one is among these; kNoBody: it is not
+  std::vector<Mat6> mobility_;          // of these
+  std::vector<Vec6> twists_;            // of these: displacements, then velocities
 };
 
 }  // namespace taut::contact

@@ -1,6 +1,8 @@
 #include "sim/contact/body_meetings.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "sim/contact/clusters.h"
 #include "sim/motion/rotation.h"
@@ -17,6 +19,16 @@ void make_solid(const BodyCapsule& capsule, BodyMeeting& meeting) {
   if (!(length > 0)) return;
   meeting.shape = capsule_shape(capsule.radius, length);
   meeting.place.rotation = rotation_between(Vec3::UnitY(), way);
+}
+
+/// The number of each body among the free ones.
+std::vector<std::uint32_t> numbers_of_free_bodies(const World& world) {
+  std::vector<std::uint32_t> number(world.bodies.size(), kNoBody);
+  std::uint32_t free = 0;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    if (!world.bodies[b].driven()) number[b] = free++;
+  }
+  return number;
 }
 
 }  // namespace
@@ -36,11 +48,7 @@ std::vector<BodyCapsule> capsules_of_free_bodies(const World& world) {
 std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const Obstacle> obstacles,
                                             std::span<const BodyPair> pairs) {
   const std::vector<BodyCapsule> capsules = capsules_of_free_bodies(world);
-  std::vector<std::uint32_t> number(world.bodies.size(), kNoBody);
-  std::uint32_t free = 0;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    if (!world.bodies[b].driven()) number[b] = free++;
-  }
+  const std::vector<std::uint32_t> number = numbers_of_free_bodies(world);
   std::vector<BodyMeeting> meetings;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     if (number[b] == kNoBody || !world.bodies[b].capsule.touches()) continue;
@@ -64,6 +72,31 @@ std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const 
       made.static_friction = pair.static_friction;
       made.kinetic_friction = pair.kinetic_friction;
       made.restitution = pair.restitution;
+    }
+  }
+  return meetings;
+}
+
+std::vector<BodyMeeting> meetings_of_beads(const World& world, const Mechanism& mechanism) {
+  const std::vector<BodyCapsule> capsules = capsules_of_free_bodies(world);
+  const std::vector<std::uint32_t> number = numbers_of_free_bodies(world);
+  std::vector<std::size_t> first{0};
+  for (const Connector& connector : world.connectors) {
+    first.push_back(first.back() + connector.particles());
+  }
+  std::vector<BodyMeeting> meetings;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> known;  // what is joined is of two connectors
+  for (const BeadPair& pair : world.bead_pairs) {
+    BodyMeeting made;
+    made.other = number[pair.body];
+    make_solid(capsules[made.other], made);
+    made.static_friction = pair.static_friction;
+    made.kinetic_friction = pair.kinetic_friction;
+    made.restitution = pair.restitution;
+    for (std::size_t p = first[pair.connector]; p < first[pair.connector + 1]; ++p) {
+      made.body = small(mechanism.leader(p));
+      if (mechanism.inverse_mass()[made.body] == 0) continue;
+      if (known.insert({made.body, made.other}).second) meetings.push_back(made);
     }
   }
   return meetings;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/contact/body_mobility.h"
+#include "sim/links/mechanism.h"
 #include "sim/world/world.h"
 
 namespace taut::contact {
@@ -26,6 +27,10 @@ std::vector<BodyCapsule> capsules_of_free_bodies(const World& world);
 /// All that these may touch, in order of the bodies; `pairs` of the world's bodies.
 std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const Obstacle> obstacles,
                                             std::span<const BodyPair> pairs);
+
+/// The same of beads that may touch free bodies (World::bead_pairs) and that nothing holds: `body`
+/// is the mechanism's point that stands for the bead.
+std::vector<BodyMeeting> meetings_of_beads(const World& world, const Mechanism& mechanism);
 
 /// Per free body, the number of those that may touch each other in whatever way; empty where no
 /// body may touch another.

@@ -67,14 +67,9 @@ struct Lever {
   }
 };
 
-std::size_t next_of(std::size_t point, double share) {
-  return share == 0 ? point : point + 1;
-}
-
 /// Of places or velocities, as `part` says where a point has them in the state.
 Lever lever(const Mechanism& mechanism, std::size_t (Mechanism::*part)(std::size_t) const,
-            std::size_t point, double share, std::vector<double>& state) {
-  const std::size_t next = next_of(point, share);
+            std::size_t point, std::size_t next, double share, std::vector<double>& state) {
   const auto& mobile = mechanism.inverse_mass();
   return {&state[(mechanism.*part)(point)], &state[(mechanism.*part)(next)], share, mobile[point],
           mobile[next]};
@@ -98,8 +93,9 @@ void ConnectorContacts::rebuild(const Mechanism& mechanism, const World& world) 
     radius_.insert(radius_.end(), connector.particles(), connector.radius);
     category_.insert(category_.end(), connector.particles(), connector.category);
     for (std::size_t p = first; connector.links_touch && p + 1 < radius_.size(); ++p) {
-      if (mobile[p] == 0 && mobile[p + 1] == 0) continue;
-      links_.push_back({p, connector.radius, connector.category});
+      const std::size_t a = mechanism.leader(p), b = mechanism.leader(p + 1);
+      if (mobile[a] == 0 && mobile[b] == 0) continue;
+      links_.push_back({a, b, connector.radius, connector.category});
     }
   }
   for (std::size_t p = 0; p < radius_.size(); ++p) {
@@ -117,8 +113,8 @@ void ConnectorContacts::find(const Mechanism& mechanism, double time,
       const Vec3 at = ConstMap(&state[mechanism.position(p)]);
       const SurfaceDistance near = gap(obstacles_[o], frame.pose(), at, radius_[p]);
       if (near.distance > 0) continue;
-      met_.push_back({p, o, 0, near.normal, frame.velocity + frame.spin.cross(at - frame.position),
-                      -near.distance});
+      met_.push_back({p, p, o, 0, near.normal,
+                      frame.velocity + frame.spin.cross(at - frame.position), -near.distance});
     }
     if (!links_.empty()) find_links(mechanism, o, frame, state);
   }
@@ -129,11 +125,11 @@ void ConnectorContacts::find_links(const Mechanism& mechanism, std::size_t obsta
   for (const Link& link : links_) {
     if (!obstacles_[obstacle].touches(link.category)) continue;
     const ConstMap a(&state[mechanism.position(link.first)]),
-        b(&state[mechanism.position(link.first + 1)]);
+        b(&state[mechanism.position(link.last)]);
     const auto near = deepest(obstacles_[obstacle], frame.pose(), a, b, link.radius);
     if (!near) continue;
     const Vec3 at = a + near->share * (b - a);
-    met_.push_back({link.first, obstacle, near->share, near->distance.normal,
+    met_.push_back({link.first, link.last, obstacle, near->share, near->distance.normal,
                     frame.velocity + frame.spin.cross(at - frame.position),
                     -near->distance.distance});
   }
@@ -143,10 +139,10 @@ void ConnectorContacts::move_out(const Mechanism& mechanism, double time, double
                                  const std::vector<double>& before, std::vector<double>& state) {
   find(mechanism, time, state);
   for (const Met& met : met_) {
-    const Lever at = lever(mechanism, &Mechanism::position, met.point, met.share, state);
+    const Lever at = lever(mechanism, &Mechanism::position, met.point, met.next, met.share, state);
     at.add(met.depth * met.normal);
     const Vec3 was = between(&before[mechanism.position(met.point)],
-                             &before[mechanism.position(next_of(met.point, met.share))], met.share);
+                             &before[mechanism.position(met.next)], met.share);
     const Vec3 moved = at.value() - was - dt * met.surface;
     const Vec3 slip = moved - met.normal.dot(moved) * met.normal;
     at.add(-held_share(obstacles_[met.obstacle], slip.norm(), met.depth) * slip);
@@ -157,10 +153,9 @@ void ConnectorContacts::rebound(const Mechanism& mechanism, double dt,
                                 const std::vector<double>& before, std::vector<double>& state) {
   const double resting = 2 * dt * mechanism.gravity().norm();  // m/s, what gravity alone may make
   for (const Met& met : met_) {
-    const Lever at = lever(mechanism, &Mechanism::velocity, met.point, met.share, state);
-    const Vec3 came =
-        between(&before[mechanism.velocity(met.point)],
-                &before[mechanism.velocity(next_of(met.point, met.share))], met.share);
+    const Lever at = lever(mechanism, &Mechanism::velocity, met.point, met.next, met.share, state);
+    const Vec3 came = between(&before[mechanism.velocity(met.point)],
+                              &before[mechanism.velocity(met.next)], met.share);
     const double into = met.normal.dot(met.surface - came);
     const double back = into > resting ? obstacles_[met.obstacle].restitution * into : 0;
     at.add((back - met.normal.dot(at.value() - met.surface)) * met.normal);
@@ -173,8 +168,9 @@ void ConnectorContacts::stop(const Mechanism& mechanism, double time, double dt,
   const double resting = 2 * dt * mechanism.gravity().norm();
   for (const Met& met : met_) {
     const Obstacle& obstacle = obstacles_[met.obstacle];
-    lever(mechanism, &Mechanism::position, met.point, met.share, state).add(met.depth * met.normal);
-    const Lever at = lever(mechanism, &Mechanism::velocity, met.point, met.share, state);
+    lever(mechanism, &Mechanism::position, met.point, met.next, met.share, state)
+        .add(met.depth * met.normal);
+    const Lever at = lever(mechanism, &Mechanism::velocity, met.point, met.next, met.share, state);
     const Vec3 passing = at.value() - met.surface;
     const double into = -met.normal.dot(passing);
     if (into <= 0) continue;

@@ -35,12 +35,12 @@ class ConnectorContacts {
 
  private:
   struct Link {
-    std::size_t first = 0;  // point; the other is the next
-    double radius = 0;      // m
+    std::size_t first = 0, last = 0;  // points
+    double radius = 0;                // m
     std::uint64_t category = 0;
   };
   struct Met {
-    std::size_t point = 0, obstacle = 0;
+    std::size_t point = 0, next = 0, obstacle = 0;
     double share = 0;  // of the way to the next point; zero: the bead itself
     Vec3 normal = Vec3::UnitY(), surface = Vec3::Zero();  // m/s, of the obstacle there
     double depth = 0;                                     // m

@@ -109,6 +109,12 @@ void Interventions::add_part(World& world, std::size_t index) {
   second.name = world.connectors[original].name;
   add_mark(second.name, ++cut_off_[original]);
   ties_.connector_added();
+  for (std::size_t p = 0, pairs = world.bead_pairs.size(); p < pairs; ++p) {
+    if (world.bead_pairs[p].connector != index) continue;
+    world.bead_pairs.push_back(world.bead_pairs[p]);
+    world.bead_pairs.back().connector = world.connectors.size() - 1;
+    world.topology += structure_of_bead_pair(world, world.bead_pairs.size() - 1);
+  }
 }
 
 Divided Interventions::cut(World& world, std::size_t index, double along) {

@@ -109,6 +109,9 @@ void Interventions::reserve(World& world, std::size_t pins, std::size_t cuts) {
   gone_from_.reserve(1);
   ties_.reserve(world, world.connectors.size() + cuts, pins * world.connectors.size());
   world.connectors.reserve(world.connectors.size() + cuts);
+  if (!world.bead_pairs.empty()) {
+    world.bead_pairs.reserve(world.bead_pairs.size() + cuts * world.bodies.size());
+  }
   original_.reserve(world.connectors.size() + cuts);
   cut_off_.reserve(world.connectors.size() + cuts);
   spare_.reserve(cuts);

@@ -90,6 +90,8 @@ class Mechanism {
   /// 1/kg per point; zero for held points, carried ones included, and for those that others stand
   /// for.
   const std::vector<double>& inverse_mass() const { return inverse_mass_; }
+  /// The point that stands for this one: itself, unless it is joined.
+  std::size_t leader(std::size_t point) const { return leaders_.empty() ? point : leaders_[point]; }
   const Vec3& gravity() const { return gravity_; }
   /// Whether winches change lengths and masses with time.
   bool has_winches() const { return !winches_.empty(); }

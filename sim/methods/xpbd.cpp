@@ -251,6 +251,8 @@ MethodInfo xpbd_method() {
       .touches_obstacles = true,
       .touches_with_bodies = true,
       .touches_with_links = true,
+      .beads_touch_bodies = true,
+      .touches_beside_more = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

@@ -92,6 +92,8 @@ void Multipliers::advance(World& world, double until) {
     refuse_materials(name, world);
     refuse_joints(name, world);
     refuse_touching_links("truth", world);
+    refuse_bead_pairs("truth", world);
+    refuse_more_beside_contact("truth", world);
     among_obstacles_->advance(world, until);
     counters_ = among_obstacles_->counters();
     return;

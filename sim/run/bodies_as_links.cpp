@@ -41,6 +41,8 @@ std::string why_no_link(const World& world, const Timeline& timeline, std::size_
   if (world.bodies[body].driven()) return "driven";
   const auto is_of = [&](const BodyPair& pair) { return pair.a == body || pair.b == body; };
   if (std::ranges::any_of(world.pairs, is_of)) return "it touches other bodies";
+  const auto beads_touch = [&](const BeadPair& pair) { return pair.body == body; };
+  if (std::ranges::any_of(world.bead_pairs, beads_touch)) return "it touches connectors";
   const std::vector<End> holds = holds_on(world, body);
   if (holds.empty()) return "nothing holds it";
   if (holds.size() > 1) return "held by more than one point";

@@ -43,6 +43,7 @@ Sets tied(const World& world, const Timeline& timeline) {
   }
   for (const Pulley& pulley : world.pulleys) sets.join(pulley.from, pulley.to);
   for (const BodyPair& pair : world.pairs) sets.join(bodies + pair.a, bodies + pair.b);
+  for (const BeadPair& pair : world.bead_pairs) sets.join(pair.connector, bodies + pair.body);
   for (const TimedPin& pin : timeline.pins) {
     if (pin.to && on_free_body(world, *pin.to)) sets.join(pin.connector, bodies + pin.to->body);
   }
@@ -142,6 +143,13 @@ void Islands::take(const World& whole, Island& island) {
     BodyPair& own = part.pairs.emplace_back(pair);
     own.a = index_of(island.bodies, pair.a);
     own.b = index_of(island.bodies, pair.b);
+  }
+  part.bead_pairs.clear();
+  for (const BeadPair& pair : whole.bead_pairs) {
+    if (!std::ranges::binary_search(island.bodies, pair.body)) continue;
+    BeadPair& own = part.bead_pairs.emplace_back(pair);
+    own.connector = index_of(island.connectors, pair.connector);
+    own.body = index_of(island.bodies, pair.body);
   }
   part.joints.clear();
   for (const std::size_t j : island.joints) {

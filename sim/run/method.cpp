@@ -16,6 +16,9 @@ constexpr const char* kNoMaterials = "knows neither stretch nor bending nor air"
 constexpr const char* kNoJoints = "follows no connectors that are joined";
 constexpr const char* kNoStrings = "follows no links that only pull";
 constexpr const char* kNoTouchingLinks = "touches obstacles with beads, not with links";
+constexpr const char* kNoBeadPairs = "follows no free bodies that touch connectors";
+constexpr const char* kNoMoreBesideContact =
+    "knows contact of rigid links that bend freely, not of what is joined, stretches or is reeled";
 constexpr const char* kNoWinches = "follows no connectors that have winches";
 constexpr const char* kNoPulleys = "follows no rope that passes pulleys";
 
@@ -23,6 +26,11 @@ std::string no_contact(const World& world) {
   const std::string what = "knows no contact, and ";
   if (!world.obstacles.empty()) {
     return what + "there is the obstacle " + world.obstacles.front().name;
+  }
+  if (world.pairs.empty()) {
+    const BeadPair& pair = world.bead_pairs.front();
+    return what + world.connectors[pair.connector].name + " and " + world.bodies[pair.body].name +
+           " touch each other";
   }
   const BodyPair& pair = world.pairs.front();
   return what + world.bodies[pair.a].name + " and " + world.bodies[pair.b].name +
@@ -41,11 +49,13 @@ std::string refusal(const MethodInfo& method, const World& world) {
   if (!method.touches_obstacles && !world.obstacles.empty()) return no_contact(world);
   if (!method.touches_with_bodies && has_touching_bodies(world)) return no_touching_bodies(world);
   if (!method.touches_with_links && has_touching_links(world)) return kNoTouchingLinks;
+  if (!method.beads_touch_bodies && !world.bead_pairs.empty()) return kNoBeadPairs;
   if (!method.follows_materials && has_materials(world)) return kNoMaterials;
   if (!method.follows_joints && !world.joints.empty()) return kNoJoints;
   if (!method.follows_strings && has_strings(world)) return kNoStrings;
   if (!method.follows_winches && has_winches(world)) return kNoWinches;
   if (!method.follows_pulleys && !world.pulleys.empty()) return kNoPulleys;
+  if (!method.touches_beside_more && touches_beside_more(world)) return kNoMoreBesideContact;
   return {};
 }
 
@@ -212,6 +222,19 @@ void refuse_touching_links(std::string_view method, const World& world) {
   if (!has_touching_links(world)) return;
   const auto found = std::ranges::find_if(world.connectors, &Connector::links_touch);
   throw Diverged(std::string(method), world.time, 0, found->name, 0, kNoTouchingLinks);
+}
+
+void refuse_bead_pairs(std::string_view method, const World& world) {
+  if (world.bead_pairs.empty()) return;
+  const std::size_t touched = world.bead_pairs.front().connector;
+  throw Diverged(std::string(method), world.time, 0, world.connectors[touched].name, 0,
+                 kNoBeadPairs);
+}
+
+void refuse_more_beside_contact(std::string_view method, const World& world) {
+  if (!touches_beside_more(world)) return;
+  throw Diverged(std::string(method), world.time, 0, world.connectors.front().name, 0,
+                 kNoMoreBesideContact);
 }
 
 void refuse_strings(std::string_view method, const World& world) {

@@ -88,6 +88,13 @@ struct BodyPair {
   double restitution = 0;                            // Newton's coefficient, 0 to 1
 };
 
+/// A connector whose beads touch the capsule of a free body; others pass through.
+struct BeadPair {
+  std::size_t connector = 0, body = 0;               // of World
+  double static_friction = 0, kinetic_friction = 0;  // Coulomb's coefficients
+  double restitution = 0;                            // Newton's coefficient, 0 to 1
+};
+
 /// Changes a body's mass properties; its frame and the velocities of its points stay.
 void reweigh(Body& body, const MassProperties& properties);
 

@@ -31,7 +31,12 @@ bool has_touching_bodies(const World& world) {
 }
 
 bool has_contact(const World& world) {
-  return !world.obstacles.empty() || !world.pairs.empty();
+  return !world.obstacles.empty() || !world.pairs.empty() || !world.bead_pairs.empty();
+}
+
+bool touches_beside_more(const World& world) {
+  return has_contact(world) &&
+         (!world.joints.empty() || has_winches(world) || has_materials(world));
 }
 
 }  // namespace taut

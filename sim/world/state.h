@@ -32,18 +32,19 @@ struct World {
   Air air;
   std::vector<Body> bodies;
   std::vector<Connector> connectors;
-  std::vector<Joint> joints;        // what joins connectors to each other and to themselves
-  std::vector<Pulley> pulleys;      // where rope passes from one connector into another
-  std::vector<Obstacle> obstacles;  // what beads of connectors and free bodies touch
-  std::vector<BodyPair> pairs;      // of free bodies that touch each other
-  std::uint64_t topology = 0;       // another one whenever what structure() tells changes
-  std::uint64_t pins = 0;           // how many there ever were
+  std::vector<Joint> joints;         // what joins connectors to each other and to themselves
+  std::vector<Pulley> pulleys;       // where rope passes from one connector into another
+  std::vector<Obstacle> obstacles;   // what beads of connectors and free bodies touch
+  std::vector<BodyPair> pairs;       // of free bodies that touch each other
+  std::vector<BeadPair> bead_pairs;  // of connectors and free bodies that do
+  std::uint64_t topology = 0;        // another one whenever what structure() tells changes
+  std::uint64_t pins = 0;            // how many there ever were
 };
 
 /// Whether some connector stretches, resists bending or meets the air (Connector::sections).
 bool has_materials(const World& world);
 
-/// Whether anything touches: there are obstacles, or bodies that touch each other.
+/// Whether anything touches: there are obstacles, or bodies that touch each other or connectors.
 bool has_contact(const World& world);
 
 /// Whether some connector has a winch or passes a pulley (Connector::winch).
@@ -56,5 +57,9 @@ bool has_strings(const World& world);
 
 /// Whether some free body touches obstacles (Body::capsule), and there are some, or another body.
 bool has_touching_bodies(const World& world);
+
+/// Whether something touches beside connectors that are joined, have winches, or stretch, bend or
+/// meet the air.
+bool touches_beside_more(const World& world);
 
 }  // namespace taut

@@ -106,8 +106,17 @@ std::uint64_t structure_of_joint(const World& world, std::size_t index) {
   return hash.value();
 }
 
+std::uint64_t structure_of_bead_pair(const World& world, std::size_t index) {
+  const BeadPair& pair = world.bead_pairs[index];
+  Hash hash;
+  hash.text("beads").word(index).word(pair.connector).word(pair.body);
+  hash.word(pair.static_friction).word(pair.kinetic_friction).word(pair.restitution);
+  return hash.value();
+}
+
 std::uint64_t structure(const World& world) {
   std::uint64_t sum = 0;
+  for (std::size_t p = 0; p < world.bead_pairs.size(); ++p) sum += structure_of_bead_pair(world, p);
   for (std::size_t j = 0; j < world.joints.size(); ++j) sum += structure_of_joint(world, j);
   for (std::size_t b = 0; b < world.bodies.size(); ++b) sum += structure_of_body(world, b);
   for (std::size_t c = 0; c < world.connectors.size(); ++c) sum += structure_of_connector(world, c);

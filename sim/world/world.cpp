@@ -37,6 +37,15 @@ void refuse_flaws(const World& world) {
   }
 }
 
+/// The flaw of a body that is to touch others, or empty.
+std::string body_flaw(const World& world, std::size_t index) {
+  if (index >= world.bodies.size()) return "a pair is of a body that is not there";
+  const Body& body = world.bodies[index];
+  if (body.driven()) return "a pair is of the body " + body.name + ", which is driven";
+  if (body.capsule.touches()) return {};
+  return "a pair is of the body " + body.name + ", which touches nothing";
+}
+
 }  // namespace
 
 void reweigh(World& world) {
@@ -72,17 +81,20 @@ std::string pair_flaw(const World& world) {
   std::set<std::pair<std::size_t, std::size_t>> seen;
   for (const BodyPair& pair : world.pairs) {
     for (const std::size_t b : {pair.a, pair.b}) {
-      if (b >= world.bodies.size()) return "a pair is of a body that is not there";
-      const Body& body = world.bodies[b];
-      if (body.driven()) return "a pair is of the body " + body.name + ", which is driven";
-      if (!body.capsule.touches()) {
-        return "a pair is of the body " + body.name + ", which touches nothing";
-      }
+      if (std::string flaw = body_flaw(world, b); !flaw.empty()) return flaw;
     }
     const std::string& name = world.bodies[pair.a].name;
     if (pair.a == pair.b) return "a pair is of the body " + name + " and itself";
     if (seen.insert(std::minmax(pair.a, pair.b)).second) continue;
     return "there are two pairs of the bodies " + name + " and " + world.bodies[pair.b].name;
+  }
+  seen.clear();
+  for (const BeadPair& pair : world.bead_pairs) {
+    if (pair.connector >= world.connectors.size()) return "a pair is of no connector";
+    if (std::string flaw = body_flaw(world, pair.body); !flaw.empty()) return flaw;
+    if (seen.insert({pair.connector, pair.body}).second) continue;
+    return "there are two pairs of the connector " + world.connectors[pair.connector].name +
+           " and the body " + world.bodies[pair.body].name;
   }
   return {};
 }

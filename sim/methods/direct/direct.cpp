@@ -24,6 +24,10 @@ class Direct : public Method {
   explicit Direct(const direct::StepOptions& options) : options_(options) {}
 
   void advance(World& world, double until) override {
+    if (!built_ || topology_ != world.topology) {
+      refuse_more_beside_contact("direct", world);
+      refuse_bead_pairs("direct", world);
+    }
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
       if (!world.joints.empty() || has_winches(world)) return advance_joined(world, until);
       if (has_materials(world)) return advance_materials(world, until);
