@@ -67,6 +67,7 @@ class TouchingReader {
                   surfaces.restitution);
     const Value &list = *value.find("bodies"), *beads = value.find("connectors");
     const std::vector<std::size_t> bodies = bodies_of(list);
+    if (bodies.empty()) document_.mismatch(list, "at least one body");
     if (bodies.size() < 2 && !beads) document_.mismatch(list, "at least two bodies, or connectors");
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       for (std::size_t k = i + 1; k < bodies.size(); ++k) {

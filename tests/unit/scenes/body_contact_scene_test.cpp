@@ -131,7 +131,57 @@ TEST_F(BodyContactScene, FaultsOfPairsAreNamed) {
   };
   expect(rope("mass = 0\nparticles = 2\nmodel = \"span\""), "massless spans");
   expect(rope("mass = 0.1\nparticles = 9\naxial_stiffness = 10.0"),
-         "stands in a scene with bodies that touch each other");
+         "stands in a scene with bodies that touch, where links of the method direct are rigid");
+}
+
+const std::string kNetBelow =
+    "[nets.net]\nkind = \"net\"\norigin = [-0.5, -1, -0.5]\nacross = [1, 0, 0]\n"
+    "down = [0, 0, 1]\nsize = [1, 1]\ncells = [2, 2]\nmass = 0.1\nheld = \"nothing\"\n"
+    "diameter = 0.02\n";
+
+std::string beads_touch(const std::string& connectors, const std::string& bodies = "\"s0\"") {
+  return "[touching.both]\nbodies = [" + bodies + "]\nconnectors = [" + connectors +
+         "]\nfriction = 0.2\nrestitution = 0.3\n";
+}
+
+TEST_F(BodyContactScene, BeadsTouchBodiesAsTheSceneSays) {
+  const World world =
+      read(sticks_with(kNetBelow + beads_touch("\"net\"", "\"s0\", \"s2\""), "xpbd"));
+  EXPECT_EQ(world.pairs.size(), 1u);
+  ASSERT_EQ(world.bead_pairs.size(), 2 * world.connectors.size());
+  EXPECT_EQ(world.bead_pairs[1].connector, 0u);
+  EXPECT_EQ(world.bead_pairs[1].body, 2u);
+  EXPECT_DOUBLE_EQ(world.bead_pairs[1].kinetic_friction, 0.2);
+  EXPECT_DOUBLE_EQ(world.bead_pairs[1].restitution, 0.3);
+  EXPECT_TRUE(has_contact(world));
+}
+
+TEST_F(BodyContactScene, FaultsOfBeadsThatTouchBodiesAreNamed) {
+  expect(sticks_with(kNetBelow + beads_touch("\"none\""), "xpbd"), "touching.both.connectors");
+  expect(sticks_with(kNetBelow + beads_touch("\"net\", \"net\""), "xpbd"),
+         "has net#1 and s0, which are in touching.both already");
+  expect(sticks_with(kNetBelow + beads_touch("\"net\"", ""), "xpbd"), "touching.both.bodies");
+  std::string inside = sticks_with(kNetBelow + beads_touch("\"net\""), "xpbd");
+  inside.replace(inside.find("[-0.5, -1, -0.5]"), 16, "[-0.5, 0.0, -0.5]");
+  expect(inside, "nets.net: its particle");
+  for (const MethodInfo& method : all_methods()) {
+    if (!method.touches_with_bodies || method.beads_touch_bodies) continue;
+    expect(sticks_with(kNetBelow + beads_touch("\"net\""), std::string(method.name)),
+           "touching.both.connectors: the method " + std::string(method.name) +
+               " follows no connectors that touch free bodies, expected one of: springs, xpbd");
+  }
+}
+
+TEST_F(BodyContactScene, JoinedConnectorsTouchObstaclesInSomeMethods) {
+  const std::string floor = "[obstacles.floor]\nshape = { plane = {} }\nposition = [0, -2, 0]\n";
+  EXPECT_EQ(read(sticks_with(kNetBelow + floor, "springs")).obstacles.size(), 1u);
+  expect(sticks_with(kNetBelow + floor, "direct"),
+         "nets.net: stands in a scene with obstacles, where the method direct follows no "
+         "connectors that are joined, expected one of: springs, xpbd");
+  expect(sticks_with(kNetBelow + "[obstacles.floor]\nshape = { plane = {} }\n"
+                                 "position = [0, -0.5, 0]\nignores = [\"s0\", \"s1\", \"s2\"]",
+                     "springs"),
+         "nets.net: its particle");
 }
 
 TEST_F(BodyContactScene, OtherMethodsAreRefusedWithPairs) {

@@ -236,9 +236,9 @@ TEST_F(ObstacleScene, IgnoresWhatItNames) {
     EXPECT_EQ(world.obstacles[0].touches(connector.category), connector.name == "rope")
         << connector.name;
   }
-  expect(
-      "ignores = [\"rod\"]\n", "13:12",
-      "obstacles.floor.ignores[0]: found \"rod\", expected the name of a connector or free body");
+  expect("ignores = [\"rod\"]\n", "13:12",
+         "obstacles.floor.ignores[0]: found \"rod\", expected the name of a connector, net or free "
+         "body");
   expect("ignores = \"rope\"\n", "13:11", "expected a list of strings");
 }
 
