@@ -4,7 +4,10 @@
 #include <cmath>
 #include <ranges>
 
+#include "sim/methods/bead_touches.h"
+#include "sim/methods/repositioning.h"
 #include "sim/methods/span_impulse.h"
+#include "sim/methods/span_path.h"
 #include "sim/run/companion.h"
 #include "sim/topology/room.h"
 #include "sim/topology/span.h"
@@ -15,25 +18,17 @@ namespace {
 constexpr std::string_view kImpulse = "impulse";
 constexpr int kSettlings = 8;   // times that spans which share a body are gone through at most
 constexpr double kSense = 1e6;  // m; no scene is so wide
-constexpr double kMore = 1e-6;  // rounding of a particle's mass
 constexpr std::size_t kEvents = 1024;
-
-/// A connector's data for repositioning, beside its state.
-struct Strand {
-  std::vector<double> along;   // m, rest length from the first particle
-  std::vector<double> weight;  // how easily a particle is moved; zero: held
-  std::vector<Vec3> flown;     // m, positions after free flight and impulses
-};
 
 class Impulse final : public Method {
  public:
   explicit Impulse(const Settings& settings)
       : step_(number(settings, "step")),
-        threshold_(number(settings, "h")),
         limits_{number(settings, "l_c"), number(settings, "l_t")},
         passes_(static_cast<int>(number(settings, "passes"))),
         as_printed_(flag(settings, "as_printed")),
-        impulses_(limits_, as_printed_) {}
+        impulses_(limits_, as_printed_),
+        repositioning_(limits_, number(settings, "h"), as_printed_) {}
 
   void advance(World& world, double until) override {
     if (!prepared_ || topology_ != world.topology) prepare(world);
@@ -44,36 +39,38 @@ class Impulse final : public Method {
 
  private:
   void prepare(const World& world);
-  void make_room(const World& world);
-  void weigh(const Connector& connector, Strand& strand) const;
   void step(World& world, double time, double dt);
   void fly(World& world, double dt);
+  void find_paths(World& world, double dt);
   void settle(World& world, double time, double dt);
-  void reposition(Connector& connector, const Strand& strand, const Span& span) const;
-  void stay_in_reach(Connector& connector, const Strand& strand, const Span& span) const;
-  void meet(Connector& connector, const Strand& strand, std::size_t i, std::size_t end) const;
+  bool interact(World& world, std::size_t span, double time, double dt);
   void check(const World& world, double time) const;
 
-  double step_, threshold_;
+  double step_;
   LinkLimits limits_;
   int passes_;
   bool as_printed_;
   SpanImpulses impulses_;
   std::vector<Span> spans_, spans_before_;
-  std::vector<Strand> strands_;
+  Repositioning repositioning_;
+  BeadTouches touches_;
+  PathFinder finder_;
+  std::vector<SpanPath> paths_;  // of spans_, where there are obstacles
   bool prepared_ = false;
   std::uint64_t topology_ = 0;
   double step_cycles_ = 0, pass_cycles_ = 0;  // see Counters::cycles
 };
 
 void Impulse::prepare(const World& world) {
-  refuse_obstacles(kImpulse, world);
+  refuse_touching_bodies(kImpulse, world);
+  refuse_touching_links(kImpulse, world);
   refuse_materials(kImpulse, world);
   refuse_joints(kImpulse, world);
   refuse_winches(kImpulse, world);
   refuse_strings(kImpulse, world);
   topology_ = world.topology;
   impulses_.prepare(world);
+  touches_.prepare(world);
   if (!prepared_) {
     events_.reserve(kEvents);
     const std::size_t spans = room(world).holds + world.connectors.size();
@@ -83,9 +80,11 @@ void Impulse::prepare(const World& world) {
   prepared_ = true;
   std::swap(spans_, spans_before_);
   divide(world, spans_before_, spans_);
-  make_room(world);
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    weigh(world.connectors[c], strands_[c]);
+  repositioning_.prepare(world, spans_);
+  if (touches_.any()) {
+    if (paths_.capacity() == 0) finder_.reserve(room(world).particles);
+    if (paths_.capacity() == 0) paths_.reserve(spans_.capacity());
+    paths_.resize(spans_.size());
   }
   // A link that is as long as it may be costs a pass its length and a comparison, another a root, a
   // division and a move that the next link waits for; of a step, flight, reach and velocities are
@@ -97,73 +96,24 @@ void Impulse::prepare(const World& world) {
     pass_cycles_ += 40 * static_cast<double>(connector.links());
   }
   for (const Body& body : world.bodies) step_cycles_ += body.driven() ? 100 : 1200;
-  if (!as_printed_) return;
-  for (const Span& span : spans_) {  // "the end points are set to have infinite mass"
-    for (const SpanEnd* end : {&span.a, &span.b}) {
-      if (end->kind != SpanEnd::Kind::follower) strands_[span.connector].weight[end->particle] = 0;
-    }
-  }
-}
-
-/// Strands for all connectors that the world has room for, with as much room as any of them.
-void Impulse::make_room(const World& world) {
-  if (strands_.size() >= world.connectors.size()) return;
-  strands_.resize(world.connectors.capacity());
-  const auto capacity = [](const Connector& c) { return c.position.capacity(); };
-  std::size_t most = 0;
-  for (const Connector& connector : world.connectors) most = std::max(most, capacity(connector));
-  if (double(strands_.size()) * double(most) > kMostRoom) most = 0;
-  for (std::size_t c = 0; c < strands_.size(); ++c) {
-    const bool cut_off = c >= world.connectors.size();  // later, from any of them
-    const std::size_t particles = cut_off ? most : capacity(world.connectors[c]);
-    strands_[c].along.reserve(particles);
-    strands_[c].weight.reserve(particles);
-    strands_[c].flown.reserve(particles);
-  }
-}
-
-/// Reads the lengths and masses of a connector.
-void Impulse::weigh(const Connector& connector, Strand& strand) const {
-  const std::size_t n = connector.particles();
-  strand.along.assign(n, 0.0);
-  strand.weight.assign(n, 1.0);
-  for (std::size_t i = 0; i + 1 < n; ++i) strand.along[i + 1] = strand.along[i] + connector.rest[i];
-  const bool massless = connector.model == ConnectorModel::span || !(connector.mass > 0);
-  double share = 0;  // kg, of the heaviest particle between the ends
-  for (std::size_t i = 1; i + 1 < n && !massless; ++i) {
-    share = std::max(share, connector.particle_mass[i]);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    const double mass = connector.particle_mass[i];
-    // An end that carries more than its share of the connector has infinite mass here, as every
-    // end in the paper; so a rope's bare end stays one of its particles.
-    const bool carries = (i == 0 || i + 1 == n) && mass > share * (1 + kMore);
-    strand.weight[i] = carries ? 0 : mass > 0 && share > 0 ? share / mass : 1;
-  }
-  for (const Hold& hold : connector.holds) strand.weight[hold.particle] = 0;
 }
 
 void Impulse::step(World& world, double time, double dt) {
   fly(world, dt);
   place_held(world, time);
+  if (touches_.any()) {
+    touches_.land(world, time, dt);
+    find_paths(world, dt);
+  }
   settle(world, time, dt);
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    strands_[c].flown = world.connectors[c].position;
-  }
+  if (touches_.any()) touches_.begin_repositioning(world, dt);
+  repositioning_.begin(world);
   for (const Span& span : spans_) {
-    Connector& connector = world.connectors[span.connector];
-    const Strand& strand = strands_[span.connector];
-    for (int pass = 0; pass < passes_; ++pass) reposition(connector, strand, span);
-    stay_in_reach(connector, strand, span);
+    for (int pass = 0; pass < passes_; ++pass) repositioning_.pass(world, span, touches_, dt);
+    repositioning_.stay_in_reach(world, span, touches_, dt);
   }
-  const double rate = 1 / dt;
-  // Velocities from positions: flight gave dx/dt + g dt/2, repositioning adds what it moved.
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    Connector& connector = world.connectors[c];
-    for (std::size_t i = 0; i < connector.particles(); ++i) {
-      connector.velocity[i] += rate * (connector.position[i] - strands_[c].flown[i]);
-    }
-  }
+  repositioning_.set_velocities(world, dt);
+  if (touches_.any()) touches_.finish(world, repositioning_.flown(), dt);
   ++counters_.steps;
   counters_.solves += static_cast<std::uint64_t>(passes_);
   counters_.cycles += step_cycles_ + passes_ * pass_cycles_;
@@ -188,72 +138,65 @@ void Impulse::fly(World& world, double dt) {
   }
 }
 
+/// Around what each span pulls in this step, and what that does to its beads there.
+void Impulse::find_paths(World& world, double dt) {
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    SpanPath& path = paths_[s];
+    path = finder_.find(world, spans_[s], repositioning_.along(spans_[s].connector), touches_);
+    if (!path.bends) continue;
+    path.state = impulses_.grip(world, spans_[s], path);
+    for (TouchingBead* bead : finder_.corners()) {
+      if (path.state == SpanPath::State::held) {
+        touches_.hold(world, *bead, dt);
+      } else if (path.state != SpanPath::State::slack) {
+        bead->role = TouchingBead::Role::led;
+      }
+    }
+  }
+}
+
 void Impulse::settle(World& world, double time, double dt) {
-  for (Span& span : spans_) impulses_.watch(world, span, time, events_);
+  for (std::size_t s = 0; s < spans_.size(); ++s) {
+    if (touches_.any() && paths_[s].bends) {
+      impulses_.watch_around(world, spans_[s], paths_[s], time, events_);
+    } else {
+      impulses_.watch(world, spans_[s], time, events_);
+    }
+  }
   bool moved = true;
   for (int i = 0; moved && i < kSettlings; ++i) {
     moved = false;
-    for (Span& span : spans_) moved |= impulses_.act(world, span, time, dt, events_);
+    for (std::size_t s = 0; s < spans_.size(); ++s) moved |= interact(world, s, time, dt);
+    for (TouchingBead& bead : touches_.beads()) {  // what the impulses have pulled at
+      const std::size_t last = world.connectors[bead.connector].particles() - 1;
+      if (bead.particle == 0 || bead.particle == last) moved |= touches_.press(world, bead, dt);
+    }
   }
   place_carried(world);
 }
 
-/// Section IV.B: neighbours nearer than l_c or farther than l_t, by more than h, are moved to that
-/// distance, each by the other's part of their mass.
-void Impulse::reposition(Connector& connector, const Strand& strand, const Span& span) const {
-  for (std::size_t k = span.a.particle; k < span.b.particle; ++k) {
-    Vec3& p = connector.position[k];
-    Vec3& q = connector.position[k + 1];
-    const Vec3 apart = q - p;
-    const double squared = apart.squaredNorm();
-    const double shortest = limits_.shortest * connector.rest[k];
-    const double longest = limits_.longest * connector.rest[k];
-    const double least = std::max(0.0, shortest - threshold_), most = longest + threshold_;
-    if (squared >= least * least && squared <= most * most) continue;
-    const double weight = strand.weight[k] + strand.weight[k + 1];
-    if (weight == 0 || squared == 0) continue;
-    const double distance = std::sqrt(squared);
-    const double wanted = distance > longest ? longest : shortest;
-    const Vec3 move = apart * ((distance - wanted) / (distance * weight));
-    p += strand.weight[k] * move;
-    q -= strand.weight[k + 1] * move;
+bool Impulse::interact(World& world, std::size_t index, double time, double dt) {
+  Span& span = spans_[index];
+  if (!touches_.any() || !paths_[index].bends) {
+    return impulses_.act(world, span, time, dt, events_);
   }
-}
-
-/// Section IV.B: a particle farther from an end than the rest length between them is moved to that
-/// distance; from both ends, and the ends themselves last.
-void Impulse::stay_in_reach(Connector& connector, const Strand& strand, const Span& span) const {
-  const std::size_t first = span.a.particle, last = span.b.particle;
-  for (const std::size_t end : {first, last}) {
-    if (strand.weight[end] > 0) {
-      for (std::size_t i = first + 1; i < last; ++i) meet(connector, strand, i, end);
-      continue;
-    }
-    const Vec3 place = connector.position[end];
-    const double along = strand.along[end];
-    for (std::size_t i = first + 1; i < last; ++i) {
-      const double longest = limits_.longest * std::abs(strand.along[i] - along);
-      const Vec3 apart = connector.position[i] - place;
-      const double squared = apart.squaredNorm();
-      if (squared <= longest * longest) continue;
-      connector.position[i] = place + longest / std::sqrt(squared) * apart;
-    }
+  const SpanPath& path = paths_[index];
+  if (path.state != SpanPath::State::held) {
+    return impulses_.act_around(world, span, path, time, dt, events_);
   }
-  if (!as_printed_) meet(connector, strand, last, first);
-}
-
-/// Moves a particle and an end into each other's reach, each by the other's part of their mass.
-void Impulse::meet(Connector& connector, const Strand& strand, std::size_t i,
-                   std::size_t end) const {
-  const double longest = limits_.longest * std::abs(strand.along[i] - strand.along[end]);
-  const Vec3 apart = connector.position[end] - connector.position[i];
-  const double squared = apart.squaredNorm();
-  const double weight = strand.weight[i] + strand.weight[end];
-  if (squared <= longest * longest || weight == 0) return;
-  const double distance = std::sqrt(squared);
-  const Vec3 move = apart * ((distance - longest) / (distance * weight));
-  connector.position[i] += strand.weight[i] * move;
-  connector.position[end] -= strand.weight[end] * move;
+  Span before = span, after = span;
+  before.b = {.kind = SpanEnd::Kind::prescribed, .particle = path.first.particle};
+  after.a = {.kind = SpanEnd::Kind::prescribed, .particle = path.last.particle};
+  bool moved = false;
+  for (Span* part : {&before, &after}) {
+    const double length = part == &before ? path.first_length : path.last_length;
+    part->mass *= length / part->length;
+    part->length = length;
+    part->folds = part->links() > 1 || span.folds;
+    moved |= impulses_.act(world, *part, time, dt, events_);
+  }
+  span.taut = before.taut || after.taut;
+  return moved;
 }
 
 void Impulse::check(const World& world, double time) const {
@@ -314,6 +257,7 @@ MethodInfo impulse_method() {
       .paper_role = PaperRole::proposed,
       .forms = {{"as-printed", {{"as_printed", true}}}},
       .follows_spans = true,
+      .touches_obstacles = true,
       .companion =
           [](const MethodInfo&, const Settings&) {
             return Companion{.none = "does not converge to the exact solution, whatever its step"};

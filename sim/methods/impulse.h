@@ -17,6 +17,11 @@ namespace taut::methods {
 /// scales the rebound alone, and the impulse acts at the moment within the step at which the span
 /// became taut: the ends have moved with their new velocities since, which leaves them within reach
 /// and keeps momentum, angular momentum and, while a span stays taut, energy.
+///
+/// Beads inside of obstacles after their flight are placed on the surfaces. Where a span's pull
+/// presses them on, they are its corners: held by friction they divide it, as pins do; else it
+/// slides around them, and equation (5) is that of the whole way from end to end, with pulls that
+/// differ by what friction takes (SpanPath). Where `as_printed`, corners always divide.
 MethodInfo impulse_method();
 
 }  // namespace taut::methods

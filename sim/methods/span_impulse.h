@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "sim/methods/span_path.h"
 #include "sim/motion/rotation.h"
 #include "sim/run/method.h"
 #include "sim/topology/span.h"
@@ -29,6 +30,14 @@ class SpanImpulses {
   /// Lets the span's ends interact after a free flight of `dt` (s) that ended at `time` (s). True
   /// where that moved anything. Appends what an observer would see to `events`.
   bool act(World& world, Span& span, double time, double dt, std::vector<Event>& events) const;
+
+  /// The same for a span whose pull goes around corners.
+  void watch_around(const World& world, Span& span, const SpanPath& path, double time,
+                    std::vector<Event>& events) const;
+  bool act_around(World& world, Span& span, const SpanPath& path, double time, double dt,
+                  std::vector<Event>& events) const;
+  /// What the corners do to the span.
+  SpanPath::State grip(World& world, const Span& span, const SpanPath& path) const;
 
   const FreeRotation& rotation(std::size_t body) const { return rotations_[body]; }
 

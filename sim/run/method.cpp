@@ -218,6 +218,13 @@ void refuse_joints(std::string_view method, const World& world) {
                  at.particle, kNoJoints);
 }
 
+void refuse_touching_bodies(std::string_view method, const World& world) {
+  if (!has_touching_bodies(world)) return;
+  throw Diverged(std::string(method), world.time, 0,
+                 world.connectors.empty() ? "" : world.connectors.front().name, 0,
+                 no_touching_bodies(world));
+}
+
 void refuse_touching_links(std::string_view method, const World& world) {
   if (!has_touching_links(world)) return;
   const auto found = std::ranges::find_if(world.connectors, &Connector::links_touch);

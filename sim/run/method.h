@@ -222,6 +222,8 @@ std::unique_ptr<Method> make_method(std::string_view name, const Settings& setti
 /// For methods that know no contact: throws Diverged where has_contact().
 void refuse_obstacles(std::string_view method, const World& world);
 
+/// For methods that follow no free bodies that touch: throws Diverged where has_touching_bodies().
+void refuse_touching_bodies(std::string_view method, const World& world);
 /// For methods that touch obstacles with beads alone: throws Diverged where has_touching_links().
 void refuse_touching_links(std::string_view method, const World& world);
 

@@ -1,4 +1,4 @@
-// Contact as games do it, in xpbd and springs: of first order in the step.
+// Contact found where steps end, in impulse, xpbd and springs: of first order in the step.
 #include <gtest/gtest.h>
 
 #include "contact_worlds.h"
@@ -54,7 +54,7 @@ TEST_P(ContactByGames, ARopeOnAFloor) {
   EXPECT_LT(fastest(world), 0.05);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, ContactByGames, testing::Values("xpbd", "springs"));
+INSTANTIATE_TEST_SUITE_P(All, ContactByGames, testing::Values("impulse", "xpbd", "springs"));
 
 }  // namespace
 }  // namespace taut::contact_methods_test

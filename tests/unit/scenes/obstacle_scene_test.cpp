@@ -258,8 +258,10 @@ TEST_F(ObstacleScene, FaultsAreNamed) {
          "13:", "is around what holds connector rope (particle 0), 0.1 m deep");
   expect("[obstacles.ball]\nshape = { sphere = { diameter = 0.2 } }\nposition = [0.5, 1, 0]\n",
          "2:", "its particle 8 starts 0.01 m inside of obstacle ball");
-  expect("[method]\nname = \"impulse\"\n", "10:",
-         "the method impulse knows no contact, expected one of: springs, xpbd, direct, truth");
+  expect(
+      "[method]\nname = \"dynamic-constraints\"\n", "10:",
+      "the method dynamic-constraints knows no contact, expected one of: impulse, springs, xpbd, "
+      "direct, truth");
 }
 
 // The beads touch the post at equal angles, and both ends hang.

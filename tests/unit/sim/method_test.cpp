@@ -44,9 +44,9 @@ TEST(Methods, WrongSettingsAreNamed) {
 
 TEST(Methods, SayWhatTheyDoNotFollow) {
   World world;
-  EXPECT_EQ(refusal(*find_method("impulse"), world), "");
+  EXPECT_EQ(refusal(*find_method("dynamic-constraints"), world), "");
   world.obstacles.emplace_back().name = "floor";
-  EXPECT_EQ(refusal(*find_method("impulse"), world),
+  EXPECT_EQ(refusal(*find_method("dynamic-constraints"), world),
             "knows no contact, and there is the obstacle floor");
   EXPECT_EQ(refusal(*find_method("direct"), world), "");
 }
