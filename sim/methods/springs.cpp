@@ -168,6 +168,7 @@ MethodInfo springs_method() {
       .touches_with_links = true,
       .beads_touch_bodies = true,
       .touches_beside_more = true,
+      .touches_with_links_at_bodies = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

@@ -10,7 +10,6 @@ namespace taut::direct {
 namespace {
 
 constexpr double kSampling = 1.0 / 30;  // s, at most between two checks of what is near
-constexpr double kSurprise = 2;         // by how much speeds may rise until the next check
 constexpr double kLongest = 1.0 / 60;   // s, of a step
 constexpr double kShortest = 1e-8;      // s, below which a step cannot converge
 constexpr double kFirst = 0.3;          // of the time in which gravity moves by the tolerance
@@ -149,71 +148,6 @@ void Contacts::write(const Group& group, World& world) {
   }
 }
 
-/// Whether a body may touch something within so many seconds of the part's present time.
-bool Contacts::is_body_near(const Body& body, const World& part, double within) const {
-  if (body.driven() || !body.capsule.touches()) return false;
-  const double fall = part.gravity.norm() * within;
-  const contact::Capsule own{body.point(body.capsule.from), body.point(body.capsule.to),
-                             body.capsule.radius};
-  const double radius =
-      std::max((own.from - body.position).norm(), (own.to - body.position).norm()) + own.radius;
-  for (const Obstacle& obstacle : obstacles_) {
-    if (!obstacle.touches(body.capsule.category)) continue;
-    const FrameMotion frame = obstacle.frame(part.time);
-    const double apart = contact::least_gap(obstacle.shape, frame.pose(), own);
-    const double far = (body.position - frame.position).norm() + radius + std::max(apart, 0.0);
-    const double speed = (body.velocity - frame.velocity).norm() + body.spin.norm() * radius +
-                         frame.spin.norm() * far + fall;
-    if (apart <= kSurprise * speed * within) return true;
-  }
-  return false;
-}
-
-/// Whether two bodies may touch within so many seconds of the part's present time.
-bool Contacts::is_pair_near(const BodyPair& pair, const World& part, double within) {
-  const Body &a = part.bodies[pair.a], &b = part.bodies[pair.b];
-  const auto axis = [](const Body& body) {
-    return contact::Capsule{body.point(body.capsule.from), body.point(body.capsule.to),
-                            body.capsule.radius};
-  };
-  const contact::Capsule own = axis(a), other = axis(b);
-  const auto radius = [](const Body& body, const contact::Capsule& of) {
-    return std::max((of.from - body.position).norm(), (of.to - body.position).norm()) + of.radius;
-  };
-  const double fall = part.gravity.norm() * within;
-  const double speed = (a.velocity - b.velocity).norm() + a.spin.norm() * radius(a, own) +
-                       b.spin.norm() * radius(b, other) + fall;
-  return contact::least_gap(other, own) <= kSurprise * speed * within;
-}
-
-/// Whether something of the group may touch something within so many seconds of its present time.
-bool Contacts::is_near(const Group& group, double within) const {
-  const World& part = group.part;
-  const double fall = part.gravity.norm() * within;
-  for (const Body& body : part.bodies) {
-    if (is_body_near(body, part, within)) return true;
-  }
-  for (const BodyPair& pair : group.pairs) {
-    if (is_pair_near(pair, part, within)) return true;
-  }
-  for (const Obstacle& obstacle : obstacles_) {
-    const FrameMotion frame = obstacle.frame(part.time);
-    for (const Connector& connector : part.connectors) {
-      if (!obstacle.touches(connector.category)) continue;
-      for (std::size_t i = 0; i < connector.particles(); ++i) {
-        if (find_hold(connector, i)) continue;
-        const Vec3& at = connector.position[i];
-        const SurfaceDistance near = gap(obstacle, frame.pose(), at, connector.radius);
-        const Vec3 surface =
-            frame.velocity + frame.spin.cross(at - near.distance * near.normal - frame.position);
-        const double speed = (connector.velocity[i] - surface).norm() + fall;
-        if (near.distance <= kSurprise * speed * within) return true;
-      }
-    }
-  }
-  return false;
-}
-
 void Contacts::advance(World& world, double until) {
   for (const auto& group : groups_) {
     if (read(world, *group)) group->steps = false;
@@ -242,8 +176,8 @@ void Contacts::follow(Group& group, double until) {
   step_through(group, until);
 }
 
-/// Says why no step is possible. Links touch nothing, nor do bodies without a capsule: they may
-/// carry an end inside of an obstacle, or a cut make a bead there, farther than a link is long.
+/// Says why no step is possible. Bodies without a capsule touch nothing, nor do most links: they
+/// may carry an end inside of an obstacle, or a cut make a bead there, farther than a link is long.
 void Contacts::give_up(const Group& group) const {
   const World& part = group.part;
   constexpr double kInside = 1e-6;  // of the connector's length

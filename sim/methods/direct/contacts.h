@@ -53,6 +53,8 @@ class Contacts {
   bool is_near(const Group& group, double within) const;
   static bool is_pair_near(const BodyPair& pair, const World& part, double within);
   bool is_body_near(const Body& body, const World& part, double within) const;
+  static bool is_link_near(const Connector& connector, const Obstacle& obstacle, const World& part,
+                           double within);
   void follow(Group& group, double until);
   void step_through(Group& group, double until);
   [[noreturn]] void give_up(const Group& group) const;

@@ -137,7 +137,7 @@ class Direct : public Method {
         refuse_obstacles("direct with a massless span", world);
         refuse_strings("direct with a massless span", world);
       }
-      refuse_touching_links("direct", world);
+      refuse_touching_links_at_bodies("direct", world);
       built_ = true;
       topology_ = world.topology;
       contacts_->prepare(world);
@@ -295,6 +295,7 @@ MethodInfo direct_method() {
       .follows_spans = true,
       .touches_obstacles = true,
       .touches_with_bodies = true,
+      .touches_with_links = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

@@ -25,13 +25,14 @@ Shape any_shape(Dice& dice) {
 }
 
 /// A rope that is thrown among three obstacles, one of which moves, above a floor.
-World storm(unsigned seed, Timeline& timeline) {
+World storm(unsigned seed, bool links_touch, Timeline& timeline) {
   Dice dice(seed);
   World world;
   const auto particles = static_cast<std::size_t>(5 + dice.pick(30));
   Connector rope = straight_connector("rope", 1, dice.scale(0.02, 1), particles, Vec3(0, 1.5, 0),
                                       dice.direction());
   rope.radius = dice.between(0, 0.01);
+  rope.links_touch = links_touch;
   const Vec3 velocity = dice.within(3), spin = dice.within(2);
   for (std::size_t i = 0; i < particles; ++i) {
     rope.velocity[i] = velocity + spin.cross(rope.position[i] - rope.position[0]);
@@ -69,10 +70,10 @@ World storm(unsigned seed, Timeline& timeline) {
   return world;
 }
 
-void weather(unsigned first, unsigned count) {
+void weather(unsigned first, unsigned count, bool links_touch) {
   for (unsigned seed = first; seed < first + count; ++seed) {
     Timeline timeline;
-    const World world = storm(seed, timeline);
+    const World world = storm(seed, links_touch, timeline);
     Simulation simulation(world, make_method("direct", {{"tolerance", 1e-3}}), timeline);
     try {
       for (int frame = 1; frame <= 60; ++frame) {
@@ -81,6 +82,7 @@ void weather(unsigned first, unsigned count) {
         // The restored links of a pin that was between beads may lead one inside.
         if (timeline.pins.empty()) {
           ASSERT_LE(penetration(simulation.world()), 1e-9) << seed;
+          ASSERT_LE(penetration_of_links(simulation.world()), 1e-9) << seed;
         }
         ASSERT_LT(stretch_max(simulation.world()), 1e-6) << seed;
       }
@@ -94,13 +96,23 @@ void weather(unsigned first, unsigned count) {
   }
 }
 
-TEST(ContactStorm, TenWorlds) {
-  weather(1, 10);
+class ContactStorm : public testing::TestWithParam<bool> {};
+
+TEST_P(ContactStorm, TenWorlds) {
+  weather(1, 10, GetParam());
 }
 
-TEST(LongContactStorm, AHundredWorlds) {
-  weather(1, 100);
+class LongContactStorm : public testing::TestWithParam<bool> {};
+
+TEST_P(LongContactStorm, AHundredWorlds) {
+  weather(1, 100, GetParam());
 }
+
+const auto named = [](const testing::TestParamInfo<bool>& of) {
+  return of.param ? "WithLinks" : "WithBeads";
+};
+INSTANTIATE_TEST_SUITE_P(Both, ContactStorm, testing::Bool(), named);
+INSTANTIATE_TEST_SUITE_P(Long, LongContactStorm, testing::Bool(), named);
 
 }  // namespace
 }  // namespace taut::contact_storm_test

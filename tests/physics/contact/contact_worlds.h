@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "sim/contact/capsule.h"
 #include "sim/motion/rotation.h"
 #include "sim/run/simulation.h"
 #include "sim/world/obstacle.h"
@@ -56,6 +57,22 @@ inline double penetration(const World& world) {
         if (held) continue;
         const double apart = gap(obstacle, frame, connector.position[i], connector.radius).distance;
         deepest = std::max(deepest, -apart);
+      }
+    }
+  }
+  return deepest;
+}
+
+/// The deepest that a link between beads is in an obstacle, m; of links that touch.
+inline double penetration_of_links(const World& world) {
+  double deepest = 0;
+  for (const Obstacle& obstacle : world.obstacles) {
+    const Pose frame = obstacle.frame(world.time).pose();
+    for (const Connector& connector : world.connectors) {
+      for (std::size_t i = 0; connector.links_touch && i + 1 < connector.particles(); ++i) {
+        const contact::Capsule link{connector.position[i], connector.position[i + 1],
+                                    connector.radius};
+        deepest = std::max(deepest, -contact::least_gap(obstacle.shape, frame, link));
       }
     }
   }

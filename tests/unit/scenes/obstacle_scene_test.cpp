@@ -374,21 +374,5 @@ TEST_F(ObstacleScene, WhatCannotBePushedOutIsSaid) {
       "", "needs ends that are free, fixed, on a path or on a bone");
 }
 
-TEST_F(ObstacleScene, LinksTouchWhereTheMethodLetsThem) {
-  std::string scene = kScene;
-  scene.replace(scene.find("radius = 0.01"), 0, "contact = \"links\"\n");
-  for (const MethodInfo& method : all_methods()) {
-    if (!method.missing.empty() || !method.touches_obstacles) continue;
-    const std::string text = fmt::format("{}[method]\nname = \"{}\"\n", scene, method.name);
-    if (method.touches_with_links) {
-      EXPECT_TRUE(has_touching_links(read(text).world)) << method.name;
-    } else {
-      SceneTexts::expect(text, fmt::format("the method {} touches obstacles with beads alone, "
-                                           "expected one of: springs, xpbd",
-                                           method.name));
-    }
-  }
-}
-
 }  // namespace
 }  // namespace taut::obstacle_scene_test

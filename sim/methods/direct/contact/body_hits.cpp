@@ -15,8 +15,7 @@ using contact::Spot;
 using contact::SpotGap;
 using ConstMap = Eigen::Map<const Vec3>;
 
-constexpr double kEntered = 1e-2;  // times touching: what else of a body that touches is inside
-constexpr double kMostTurn = 2;    // rad: turns in a step from which on it seems to turn evenly
+constexpr double kMostTurn = 2;  // rad: turns in a step from which on it seems to turn evenly
 
 /// A body's way through a step: from its velocity at the start, bent to where it ends.
 struct Way {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "sim/methods/direct/contact/body_touches.h"
+#include "sim/methods/direct/contact/entry.h"
 
 namespace taut::direct {
 namespace {
@@ -9,7 +10,6 @@ namespace {
 using contact::kNoBody;
 using contact::Vec6;
 
-constexpr double kShortOf = 100;      // times touching: a hit that was located is this near
 constexpr double kShortOfTwo = 2000;  // the same of two bodies, both of whose ways are foretold
 
 }  // namespace

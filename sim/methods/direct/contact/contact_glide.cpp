@@ -20,7 +20,6 @@ constexpr double kDiverges = 10;  // times the first error: a trial that is give
 constexpr int kIterations = 40;   // of Newton's method, at most
 constexpr double kWave = 0.5;     // rad^2: faster ones turn links within a step
 constexpr double kSlow = 0.1;     // of an error, from one iteration to the next
-constexpr double kNudge = 100;    // times touching(): to see how surfaces curve
 
 }  // namespace
 
@@ -41,6 +40,7 @@ bool ContactStep::glide(double time, double h) {
   }
   for (BeadTouch& at : touches_) at.touch.push = 0;
   bodies_.release();
+  links_.release();
   scale_friction(1);
   move_bodies(time, h);
   double before = INFINITY;
@@ -49,6 +49,7 @@ bool ContactStep::glide(double time, double h) {
     measure();
     aim(h);
     if (bodies_.any()) turn_ = std::max(turn_, bodies_.aim(body_step(time, h), next_));
+    if (links_.any()) links_.aim(body_step(time, h), next_);
     if (!pull(time, h)) return false;
     const double worst = residual(h);
     if (!std::isfinite(worst)) return false;
@@ -72,6 +73,7 @@ bool ContactStep::glide(double time, double h) {
     bend(h);
     stiffen(h);
     mask();
+    links_.linearize(body_step(time, h), next_, mean_, behind_, creep_);
     const bool strings = mechanism_.has_strings();
     glide_system_.assemble(mechanism_, {.h = h,
                                         .mobility = mobility_,
@@ -79,8 +81,10 @@ bool ContactStep::glide(double time, double h) {
                                         .turn = stiffness_,
                                         .along = strings ? right_ : along_,
                                         .to = strings ? left_ : to_,
-                                        .bodies = bodies_.coupled()});
-    glide_system_.solve(behind_, change_);
+                                        .bodies = bodies_.coupled(),
+                                        .touches = links_.linear()});
+    glide_system_.solve(behind_, change_, links_.missing());
+    links_.advance(1);
     for (std::size_t p = 0; p < behind_.size(); ++p) {
       vector(&next_[mechanism_.position(p)]) += h * behind_[p];
     }
@@ -104,12 +108,12 @@ double ContactStep::wave_turn(double h) const {
 /// The pulls with which rows get their lengths, as directions and normals are. From those that
 /// there are or, where that leads nowhere, with friction that first is viscous.
 bool ContactStep::pull(double time, double h) {
-  kept_pull_ = pull_;
+  keep_pulls();
   if (pull_creeping(time, h, contact::kCreep, true)) return true;
-  pull_ = kept_pull_;
+  restore_pulls();
   const double creep =
       contact::approach_friction([&](double to) { return pull_creeping(time, h, to); },
-                                 [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
+                                 [&] { keep_pulls(); }, [&] { restore_pulls(); });
   if (creep <= contact::kCreep) return true;
   if (h > slippery_) return false;
   slips_ = true;
@@ -141,6 +145,7 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
     for (std::size_t r = 0; r < rows.size(); ++r) {
       worst = std::max(worst, wrong(r, change_[r]) - noise_[rows[r].a] - noise_[rows[r].b]);
     }
+    worst = std::max(worst, links_.error(noise_));
     if (!std::isfinite(worst)) return false;
     // Rows that others determine already keep what roundings left of their errors.
     if (worst * h <= exact_ || (worst * h < touching_ && worst > before / 2)) return sticks();
@@ -152,13 +157,18 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
       relax(along_, 0.5, mean_);
       continue;
     }
-    for (double& change : change_) change *= 2;  // of a pull half makes the mean velocities
-    mask();
-    const bool strings = mechanism_.has_strings();
-    system_.assemble(mechanism_, mobility_, strings ? left_ : to_, strings ? right_ : along_,
-                     bodies_.coupled());
-    system_.solve(change_);
     const double share = damping.share();
+    if (links_.any()) {
+      solve_with_links(along_, 0.5);
+      links_.advance(share);
+    } else {
+      for (double& change : change_) change *= 2;  // of a pull half makes the mean velocities
+      mask();
+      const bool strings = mechanism_.has_strings();
+      system_.assemble(mechanism_, mobility_, strings ? left_ : to_, strings ? right_ : along_,
+                       bodies_.coupled());
+      system_.solve(change_);
+    }
     for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += share * change_[r];
   }
   return false;
@@ -178,19 +188,7 @@ void ContactStep::stiffen(double h) {
     const Mat3 across = Mat3::Identity() - to_[r] * to_[r].transpose();
     stiffness_[r] = pull_[r] / ((from_[r] + to_[r]).norm() * gap.norm()) * across_mean * across;
   }
-  for (const auto& carried : mechanism_.body_points()) {
-    if (bodies_.any()) {
-      mobility_[carried.point] =
-          contact::mobility(bodies_.coupled()->own(carried.body), carried.arm, carried.arm);
-      continue;
-    }
-    const auto& body = mechanism_.bodies()[carried.body];
-    Mat3 lever;
-    lever << 0, -carried.arm.z(), carried.arm.y(), carried.arm.z(), 0, -carried.arm.x(),
-        -carried.arm.y(), carried.arm.x(), 0;
-    mobility_[carried.point] =
-        body.inverse_mass * Mat3::Identity() - lever * body.world_inverse * lever;
-  }
+  mobilize_carried();
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     behind_[p] = mean_[p] - (position(next_, p) - position(state_, p)) / h;
   }
@@ -204,6 +202,7 @@ void ContactStep::respond(double time, double h) {
     mean_[p] = ConstMap(&state_[mechanism_.velocity(p)]) + gain;
   }
   spread(pull_, along_, 0.5, mean_);
+  if (links_.any()) carry_held(h);
   respond_all(mean_);
   if (!mechanism_.bodies().empty()) {
     aimed_ = next_;
@@ -211,10 +210,7 @@ void ContactStep::respond(double time, double h) {
     jams_ = bodies_.any() && !bodies_.respond(body_step(time, h), inverse_, next_, creep_, move);
     if (!bodies_.any()) move();
   }
-  for (std::size_t p = 0; p < mean_.size(); ++p) {
-    if (mechanism_.inverse_mass()[p] > 0) continue;
-    mean_[p] = (position(next_, p) - position(state_, p)) / h;
-  }
+  carry_held(h);
   if (mechanism_.bodies().empty()) return;
   if (bodies_.any()) {  // where they are aimed from next
     const auto poses = static_cast<std::ptrdiff_t>(mechanism_.pose(0));
@@ -224,10 +220,18 @@ void ContactStep::respond(double time, double h) {
   next_.swap(aimed_);
 }
 
+/// The mean velocities of held points.
+void ContactStep::carry_held(double h) {
+  for (std::size_t p = 0; p < mean_.size(); ++p) {
+    if (mechanism_.inverse_mass()[p] > 0) continue;
+    mean_[p] = (position(next_, p) - position(state_, p)) / h;
+  }
+}
+
 /// By how much (m) points are elsewhere than they respond, a row is too long, or a touch is open
 /// or broken.
 double ContactStep::residual(double h) const {
-  double worst = bodies_.residual(next_, mechanism_);
+  double worst = std::max(bodies_.residual(next_, mechanism_), links_.residual());
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     const Vec3 off = position(state_, p) + h * mean_[p] - position(next_, p);
     worst = std::max(worst, off.lpNorm<Eigen::Infinity>() - h * noise_[p]);
@@ -264,56 +268,6 @@ void ContactStep::measure() {
     to_[r] = gap / length;
     along_[r] = (from_[r] + to_[r]).normalized();
     turn_ = std::max(turn_, (to_[r] - from_[r]).norm());
-  }
-}
-
-/// Tells the touches of the first stage where the beads are.
-void ContactStep::aim(double h) {
-  for (BeadTouch& at : touches_) aim(at, position(next_, at.point), h);
-}
-
-/// A touch whose bead ends up at `to`.
-void ContactStep::aim(BeadTouch& at, const Vec3& to, double h) const {
-  const Obstacle& obstacle = (*obstacles_)[at.obstacle];
-  const FrameMotion &start = start_[at.obstacle], &end = end_[at.obstacle];
-  const Vec3 from = position(state_, at.point);
-  SurfaceDistance near = gap(obstacle, end.pose(), to, radius_[at.point]);
-  const Vec3 side = end.rotation * at.side;
-  if (near.normal.dot(side) < 0) {  // on its way to a solution it came out on the other side
-    near = {side.dot(to - end.pose().to_world(at.anchor)), side};
-  }
-  at.gap = near.distance;
-  // Along the mean normal a bead that stays at a round surface moves no way at all.
-  Vec3 normal = near.normal;
-  if (!at.hits) normal += gap(obstacle, start.pose(), from, radius_[at.point]).normal;
-  at.touch.normal = normal.squaredNorm() > 1 ? Vec3(normal.normalized()) : near.normal;
-  const Vec3 local = end.rotation.conjugate() * (to - end.position);
-  at.touch.surface = (to - start.pose().to_world(local)) / h;
-  at.touch.least = (at.touch.normal.dot(to - from) - near.distance) / h;
-  at.touch.pushed.setZero();
-  at.touch.friction_before.setZero();
-}
-
-/// How the responses of beads at one surface change with where they end up, as it curves.
-void ContactStep::bend(double h) {
-  std::ranges::fill(bend_, Mat3::Zero());
-  const double nudge = kNudge * touching_;
-  for (std::size_t i = 0; i < touches_.size(); ++i) {
-    const BeadTouch& at = touches_[i];
-    const auto pushes = [&](std::size_t k) {
-      return k < touches_.size() && touches_[k].point == at.point && touches_[k].touch.push > 0;
-    };
-    if (!(at.touch.push > 0) || pushes(i + 1) || (i > 0 && pushes(i - 1))) continue;
-    Mat3 normal;
-    Vec3 least;
-    for (int axis = 0; axis < 3; ++axis) {
-      BeadTouch moved = at;
-      aim(moved, position(next_, at.point) + nudge * Vec3::Unit(axis), h);
-      normal.col(axis) = (moved.touch.normal - at.touch.normal) / nudge;
-      least[axis] = (moved.touch.least - at.touch.least) / nudge;
-    }
-    bend_[at.point] =
-        contact::response_to_turning(bare_[at.point], at.touch, normal, least, creep_);
   }
 }
 

@@ -134,9 +134,13 @@ double ContactStep::error(double lowest) const {
   if (hits_ || last_hits_ || pattern() != last_pattern_) return 0;
   double change = 0, wave = 0;
   std::size_t count = 0, touching = 0;
+  std::uint32_t linked = 0;  // a bead behind those whose links touch
+  std::size_t next = 0;      // of these links
   for (std::size_t p = 0; p < radius_.size(); ++p) {
+    while (next < links_.count() && links_.first(next) <= p) linked = links_.first(next++) + 2;
     if (mechanism_.inverse_mass()[p] == 0) continue;
     ++count;
+    if (p < linked) continue;
     while (touching < touches_.size() && touches_[touching].point < p) ++touching;
     if (touching < touches_.size() && touches_[touching].point == p) continue;
     change += (acceleration_[p] - last_acceleration_[p]).squaredNorm();

@@ -44,30 +44,93 @@ void ContactStep::spread(std::span<const double> impulse, std::span<const Vec3> 
 /// Lets each bead respond to its touches, and notes how it does.
 void ContactStep::respond_all(std::span<Vec3> velocity) {
   const auto& mobile = mechanism_.inverse_mass();
+  links_.give(mobile, velocity);
   std::ranges::copy(velocity, bare_.begin());
   for (std::size_t p = 0; p < mobility_.size(); ++p) mobility_[p] = mobile[p] * Mat3::Identity();
-  std::array<contact::Touch, 3> touches;
   for (std::size_t i = 0; i < touches_.size();) {
-    const std::size_t point = touches_[i].point;
     std::size_t count = 0;
-    while (i + count < touches_.size() && touches_[i + count].point == point) ++count;
-    for (std::size_t k = 0; k < count; ++k) touches[k] = touches_[i + k].touch;
-    const contact::Response response =
-        contact::respond(velocity[point], std::span(touches).first(count), creep_);
-    velocity[point] = response.velocity;
-    mobility_[point] = mobile[point] * response.derivative;
-    for (std::size_t k = 0; k < count; ++k) touches_[i + k].touch = touches[k];
+    while (i + count < touches_.size() && touches_[i + count].point == touches_[i].point) ++count;
+    respond_at(i, count, velocity);
     i += count;
+  }
+  if (links_.any()) respond_links(velocity);
+}
+
+/// Lets the bead of the `first` of so many touches respond to these.
+void ContactStep::respond_at(std::size_t first, std::size_t count, std::span<Vec3> velocity) {
+  const std::size_t point = touches_[first].point;
+  std::array<contact::Touch, 3> touches;
+  for (std::size_t k = 0; k < count; ++k) touches[k] = touches_[first + k].touch;
+  const contact::Response response =
+      contact::respond(bare_[point], std::span(touches).first(count), creep_);
+  velocity[point] = response.velocity;
+  mobility_[point] = mechanism_.inverse_mass()[point] * response.derivative;
+  for (std::size_t k = 0; k < count; ++k) touches_[first + k].touch = touches[k];
+}
+
+/// Lets what touches links give what it should, as far as a few sweeps lead there.
+void ContactStep::respond_links(std::span<Vec3> velocity) {
+  links_.relax(mechanism_.inverse_mass(), bare_, velocity, creep_, [&](std::uint32_t point) {
+    if (mechanism_.inverse_mass()[point] == 0) return;
+    const auto [first, last] = std::ranges::equal_range(touches_, point, {}, &BeadTouch::point);
+    if (first == last) {
+      velocity[point] = bare_[point];
+      return;
+    }
+    respond_at(static_cast<std::size_t>(first - touches_.begin()),
+               static_cast<std::size_t>(last - first), velocity);
+  });
+}
+
+/// Newton's change of the pulls, and of what touches links, where `change_` has by how much the
+/// rows part too fast; of an impulse a `share` makes these velocities.
+void ContactStep::solve_with_links(std::span<const Vec3> along, double share) {
+  for (double& change : change_) change = -change;
+  mask();
+  std::ranges::fill(stiffness_, Mat3::Zero());
+  std::ranges::fill(bend_, Mat3::Zero());
+  std::ranges::fill(behind_, Vec3::Zero());
+  mobilize_carried();
+  links_.linearize();
+  const bool strings = mechanism_.has_strings();
+  glide_system_.assemble(mechanism_, {.h = 0,
+                                      .mobility = mobility_,
+                                      .bend = bend_,
+                                      .turn = stiffness_,
+                                      .along = strings ? right_ : along,
+                                      .to = strings ? left_ : to_,
+                                      .bodies = bodies_.coupled(),
+                                      .touches = links_.linear()});
+  glide_system_.solve(behind_, change_, links_.missing());
+  for (double& change : change_) change *= 0.5 / share;  // it speaks of mean velocities
+}
+
+/// How points that bodies carry respond.
+void ContactStep::mobilize_carried() {
+  for (const auto& carried : mechanism_.body_points()) {
+    if (bodies_.any()) {
+      mobility_[carried.point] =
+          contact::mobility(bodies_.coupled()->own(carried.body), carried.arm, carried.arm);
+      continue;
+    }
+    const auto& body = mechanism_.bodies()[carried.body];
+    Mat3 lever;
+    lever << 0, -carried.arm.z(), carried.arm.y(), carried.arm.z(), 0, -carried.arm.x(),
+        -carried.arm.y(), carried.arm.x(), 0;
+    mobility_[carried.point] =
+        body.inverse_mass * Mat3::Identity() - lever * body.world_inverse * lever;
   }
 }
 
 /// Whether no bead that sticks creeps so far in the step that one could see it. Between surfaces
 /// that carry its ends apart, or toward each other, a link may have no other solution.
 bool ContactStep::sticks() const {
-  return creep_ > contact::kCreep || std::ranges::all_of(touches_, [&](const BeadTouch& at) {
-           return at.touch.state != contact::Touch::State::sticks ||
-                  h_ * creep_ * at.touch.friction.norm() <= touching_;
-         });
+  if (creep_ > contact::kCreep) return true;
+  if (h_ * creep_ * links_.most_stuck() > touching_) return false;
+  return std::ranges::all_of(touches_, [&](const BeadTouch& at) {
+    return at.touch.state != contact::Touch::State::sticks ||
+           h_ * creep_ * at.touch.friction.norm() <= touching_;
+  });
 }
 
 /// A hash of the states of all touches.
@@ -79,6 +142,7 @@ std::uint64_t ContactStep::pattern() const {
         .word(static_cast<std::uint64_t>(at.touch.state));
   }
   if (bodies_.any()) hash.word(bodies_.pattern());
+  if (links_.any()) hash.word(links_.pattern());
   if (mechanism_.has_strings()) {
     for (const char pulls : pulls_) hash.word(std::uint64_t(pulls != 0));
   }

@@ -5,6 +5,7 @@
 #include "sim/contact/creep.h"
 #include "sim/contact/damping.h"
 #include "sim/methods/direct/contact/contact_step.h"
+#include "sim/methods/direct/contact/entry.h"
 
 namespace taut::direct {
 namespace {
@@ -15,10 +16,11 @@ Eigen::Map<Vec3> vector(double* at) {
   return Eigen::Map<Vec3>(at);
 }
 
-constexpr double kShortOf = 100;    // times touching(): a hit that was located is this near
 constexpr double kStopped = 1e-13;  // of the speeds
 constexpr double kLeftOver = 1e4;   // times that, at most
 constexpr int kIterations = 40;
+constexpr double kGained = 1e-6;  // of the speed of bounces: rounding
+constexpr int kHalvings = 4;      // of bounces that gain energy
 
 }  // namespace
 
@@ -66,7 +68,8 @@ void ContactStep::aim_velocities(double h, double least) {
     touch.least = touch.normal.dot(touch.surface);
     if (!at.hits) continue;
     const double bounce = obstacle.restitution * arriving(at, h);
-    if (bounce > least) touch.least += bounce;
+    at.bounce = bounce > least ? bounce : 0;
+    touch.least += at.bounce;
   }
 }
 
@@ -102,12 +105,25 @@ bool ContactStep::settle(double time, double h, double lowest) {
   kick(pull_, along_, 0.5);
   const double least = std::sqrt(2 * mechanism_.gravity().norm() * lowest);
   aim_velocities(h, least);
+  if (links_.any()) links_.aim_velocities(body_step(time, h), next_, middle_, least);
   if (!pushed_.empty()) begin_settling(time, h, least);
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
   keep_taut();
   const double stopped = kStopped * (1 + std::sqrt(speed));
   if (!stop(stopped)) return false;
+  end_settling();
+  for (int i = 0; links_.any() && i <= kHalvings && bounces() * kGained < find_gain(); ++i) {
+    scale_bounces(i < kHalvings ? 0.5 : 0);
+    if (!stop(stopped)) return false;
+    end_settling();
+  }
+  mechanism_.place(time + h, next_.data());
+  return true;
+}
+
+/// The velocities at the end of the step.
+void ContactStep::end_settling() {
   for (std::size_t p = 0; p < free_.size(); ++p) {
     vector(&next_[mechanism_.velocity(p)]) = free_[p];
   }
@@ -116,20 +132,35 @@ bool ContactStep::settle(double time, double h, double lowest) {
       Eigen::Map<contact::Vec6>(&next_[mechanism_.twist(b)]) += bodies_.added(b);
     }
   }
-  mechanism_.place(time + h, next_.data());
-  return true;
+}
+
+/// m/s, the fastest with which something is thrown back; nothing: infinite.
+double ContactStep::bounces() const {
+  double most = links_.bounces();
+  for (const BeadTouch& at : touches_) most = std::max(most, at.bounce);
+  return most > 0 ? most : INFINITY;
+}
+
+/// Throws back with a share of the speed. Where links fold about an edge, each touch has the other
+/// as its lever, and Newton's law for both would make energy.
+void ContactStep::scale_bounces(double share) {
+  links_.scale_bounces(share);
+  for (BeadTouch& at : touches_) {
+    at.touch.least += (share - 1) * at.bounce;
+    at.bounce *= share;
+  }
 }
 
 /// Finds the second stage's impulses; friction creeps as in glide().
 bool ContactStep::stop(double stopped) {
   scale_friction(1);
-  std::ranges::fill(pull_, 0.0);
+  clear_pulls();
   if (stop_creeping(stopped, contact::kCreep)) return true;
-  if (touches_.empty() && !bodies_.any()) return false;
-  std::ranges::fill(pull_, 0.0);
+  if (touches_.empty() && !bodies_.any() && !links_.any()) return false;
+  clear_pulls();
   const double creep =
       contact::approach_friction([&](double to) { return stop_creeping(stopped, to); },
-                                 [&] { kept_pull_ = pull_; }, [&] { pull_ = kept_pull_; });
+                                 [&] { keep_pulls(); }, [&] { restore_pulls(); });
   return creep <= contact::kCreep ||
          with_less_friction([&] { return stop_creeping(stopped, contact::kCreep); });
 }
@@ -141,20 +172,36 @@ void ContactStep::scale_friction(double share) {
     at.touch.slide = share * (*obstacles_)[at.obstacle].kinetic_friction;
   }
   bodies_.scale_friction(share);
+  links_.scale_friction(*obstacles_, share);
+}
+
+void ContactStep::clear_pulls() {
+  std::ranges::fill(pull_, 0.0);
+  links_.release();
+}
+
+void ContactStep::keep_pulls() {
+  kept_pull_ = pull_;
+  links_.keep();
+}
+
+void ContactStep::restore_pulls() {
+  pull_ = kept_pull_;
+  links_.restore();
 }
 
 /// With friction raised in shares from none, as much as there is a solution with.
 bool ContactStep::with_less_friction(const std::function<bool()>& solve) {
-  std::ranges::fill(pull_, 0.0);
+  clear_pulls();
   double most = -1;
   for (const double share : {0.0, 0.3, 0.6, 0.8}) {
-    kept_pull_ = pull_;
+    keep_pulls();
     scale_friction(share);
     if (!solve()) break;
     most = share;
   }
   if (most < 0) return false;
-  pull_ = kept_pull_;
+  restore_pulls();
   scale_friction(most);
   return solve();
 }
@@ -194,12 +241,17 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
       const double noise = noise_[rows[r].a] + noise_[rows[r].b];
       worst = std::max(worst, wrong(r, change_[r]) - noise);
     }
+    worst = std::max(worst, links_.error(noise_));
     if (!std::isfinite(worst)) return false;
     // Where states go to and fro within rounding, what is left does no harm.
     if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) return sticks();
     ++solves_;
     if (damping.relaxes(pattern())) {
       relax(to_, 1, free_);
+    } else if (links_.any()) {
+      solve_with_links(to_, 1);
+      links_.advance(damping.share());
+      for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r] *= damping.share();
     } else {
       mask();
       const std::vector<Vec3>& along = mechanism_.has_strings() ? left_ : to_;

@@ -22,6 +22,7 @@ void ContactStep::rebuild(const World& world, const std::vector<Obstacle>& obsta
   obstacles_ = &obstacles;
   mechanism_.rebuild(world);
   bodies_.rebuild(world, obstacles, pairs);
+  links_.rebuild(world, mechanism_);
   system_.rebuild(mechanism_, bodies_.together());
   glide_system_.rebuild(mechanism_, bodies_.together());
   radius_.clear();
@@ -160,6 +161,9 @@ bool ContactStep::take_hits(bool locates, double& h) {
   for (const BodyTouches::Hit& hit : bodies_.found()) {
     if (locates || hit.passes) first = std::min(first, hit.share);
   }
+  for (const LinkTouches::Hit& hit : links_.found()) {
+    if (locates || hit.passes) first = std::min(first, hit.share);
+  }
   for (const Snap& snap : snaps_) first = std::min(first, snap.share);
   const bool shortens = first < 1 - 1e-6 && first * h > kShortest;
   const std::size_t sorted = touches_.size();
@@ -170,6 +174,9 @@ bool ContactStep::take_hits(bool locates, double& h) {
                              &BeadTouch::point);
   for (const BodyTouches::Hit& hit : bodies_.found()) {
     if (!shortens || hit.share <= first * (1 + 1e-6)) bodies_.add(body_step(0, h), hit);
+  }
+  for (const LinkTouches::Hit& hit : links_.found()) {
+    if (!shortens || hit.share <= first * (1 + 1e-6)) links_.add(body_step(0, h), hit);
   }
   for (const Snap& snap : snaps_) {
     if (!shortens || snap.share <= first * (1 + 1e-6)) taut_[snap.row] = true;
@@ -195,6 +202,7 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
   }
   find_touches();
   if (bodies_.possible()) bodies_.find(body_step(time, h));
+  if (links_.possible()) links_.find(body_step(time, h));
   find_taut(!locates);
   hits_ = located_ = false;
   for (int round = 0; round < kRounds; ++round) {
@@ -202,7 +210,9 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
     if (!glide(time, h)) return 0;
     const bool enters = find_hits(time, h), snaps = find_snaps(h);
     const bool hits = bodies_.possible() && !bodies_.hits(body_step(time, h), next_).empty();
-    if (!enters && !snaps && !hits) {
+    const bool crosses =
+        links_.possible() && !links_.hits(body_step(time, h), next_, mean_).empty();
+    if (!enters && !snaps && !hits && !crosses) {
       if (!settle(time, h, lowest)) return 0;
       const bool changes = hits_ || last_hits_ || pattern() != last_pattern_;
       gained_ = changes ? find_gain() : 0;

@@ -1,4 +1,4 @@
-// One step of links whose beads touch obstacles.
+// One step of connectors at obstacles.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include "sim/links/mechanism.h"
 #include "sim/methods/direct/contact/body_touches.h"
 #include "sim/methods/direct/contact/glide_system.h"
+#include "sim/methods/direct/contact/link_touches.h"
 #include "sim/world/obstacle.h"
 
 namespace taut::direct {
@@ -21,7 +22,8 @@ namespace taut::direct {
 /// obstacle, whatever that takes. In the second, velocities settle: impulses along the links and at
 /// the touches stop what would stretch a link or enter an obstacle, by Newton's law of impact. Both
 /// have Signorini's condition and Coulomb's law for the sum of the step, and are solved by Newton's
-/// method, in which each bead responds by itself (see respond()), and each body (BodyTouches).
+/// method, in which each bead responds by itself (see respond()), and each body (BodyTouches). What
+/// touches links between their beads (LinkTouches) is found beside the links' impulses.
 class ContactStep {
  public:
   /// Call when the topology is new; `pairs` of the world's bodies touch each other. The obstacles
@@ -69,6 +71,7 @@ class ContactStep {
     bool hits = false;  // it came to be in this step
     Vec3 anchor, side;  // m, and the normal there: where it began, in the obstacle's frame
     double gap = 0;     // m, at the end
+    double bounce = 0;  // m/s, in the second stage
     contact::Touch touch;
   };
   struct Hit {
@@ -106,6 +109,9 @@ class ContactStep {
   void aim_velocities(double h, double least);
   double arriving(const BeadTouch& at, double h) const;
   bool stop(double stopped);
+  void end_settling();
+  double bounces() const;
+  void scale_bounces(double share);
   bool stop_creeping(double stopped, double creep);
   void scale_friction(double share);
   bool with_less_friction(const std::function<bool()>& solve);
@@ -113,6 +119,14 @@ class ContactStep {
   void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
               std::span<Vec3> velocity);
   void respond_all(std::span<Vec3> velocity);
+  void respond_at(std::size_t first, std::size_t count, std::span<Vec3> velocity);
+  void respond_links(std::span<Vec3> velocity);
+  void solve_with_links(std::span<const Vec3> along, double share);
+  void mobilize_carried();
+  void carry_held(double h);
+  void clear_pulls();
+  void keep_pulls();
+  void restore_pulls();
   std::span<const BeadTouch> touches_of(std::size_t point) const;
   void relax(std::span<const Vec3> along, double share, std::span<const Vec3> velocity);
   void relax_row(std::size_t row, const Vec3& along, double share);
@@ -136,6 +150,7 @@ class ContactStep {
   contact::RowSystem system_;
   GlideSystem glide_system_;
   BodyTouches bodies_;
+  LinkTouches links_;
   bool jams_ = false;  // a body has no respond to what it touches
   // Per body: the rates of its twist, of the step before, and without waves.
   std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;

@@ -1,4 +1,4 @@
-// Where on its way something enters an obstacle.
+// Where on its way something enters an obstacle, and how near it is then.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,9 @@
 namespace taut::direct {
 
 constexpr double kReached = 1e-8;  // m: that near, it is there
+constexpr double kEntered = 1e-2;  // times touching: what else of a thing that touches is inside
+constexpr double kShortOf = 100;   // times touching: a hit that was located is this near
+constexpr double kNudge = 100;     // times touching: to see how a touch changes with places
 
 struct Entry {
   double share = 2;     // of the way; above 1: nowhere

@@ -24,24 +24,35 @@ Mat3 mobility(const Mechanism& mechanism, const Mechanism::BodyPoint& at,
 }  // namespace
 
 void GlideSystem::rebuild(const Mechanism& mechanism, std::span<const std::uint32_t> together) {
-  const auto& rows = mechanism.rows();
-  first_.assign(mechanism.points(), 0);
-  row_.assign(rows.size(), 0);
-  size_ = half_ = 0;
-  std::size_t r = 0;
-  for (std::size_t p = 0; p < first_.size(); ++p) {
-    first_[p] = size_;
-    size_ += 3;
-    for (; r < rows.size() && rows[r].a == p; ++r) row_[r] = size_++;
-  }
-  // Neighbours' velocities couple.
-  for (const Row& row : rows) half_ = std::max(half_, first_[row.b] + 2 - first_[row.a]);
+  arrange(mechanism, {});
   border_ = contact::ends_that_meet(mechanism, together);
   border_rows_.clear();
   for (const std::size_t end : border_) border_rows_.push_back(mechanism.row_ends()[end].row);
 }
 
+/// Numbers the unknowns.
+void GlideSystem::arrange(const Mechanism& mechanism, std::span<const LinkTouch> touches) {
+  const auto& rows = mechanism.rows();
+  first_.assign(mechanism.points(), 0);
+  row_.assign(rows.size(), 0);
+  touch_.assign(touches.size(), 0);
+  size_ = half_ = 0;
+  std::size_t r = 0, t = 0;
+  for (std::size_t p = 0; p < first_.size(); ++p) {
+    first_[p] = size_;
+    size_ += 3;
+    for (; t < touches.size() && touches[t].first == p; ++t) {
+      touch_[t] = size_;
+      size_ += 3;
+    }
+    for (; r < rows.size() && rows[r].a == p; ++r) row_[r] = size_++;
+  }
+  // Neighbours' velocities couple.
+  for (const Row& row : rows) half_ = std::max(half_, first_[row.b] + 2 - first_[row.a]);
+}
+
 void GlideSystem::assemble(const Mechanism& mechanism, const Terms& terms) {
+  if (!terms.touches.empty() || !touch_.empty()) arrange(mechanism, terms.touches);
   band_.clear(size_, half_);
   for (std::size_t p = 0; p < first_.size(); ++p) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -52,8 +63,38 @@ void GlideSystem::assemble(const Mechanism& mechanism, const Terms& terms) {
     }
   }
   for (std::size_t r = 0; r < row_.size(); ++r) add_row(mechanism, terms, r);
+  for (std::size_t t = 0; t < touch_.size(); ++t) add_touch(terms, t);
   band_.factor();
   if (!border_.empty()) add_bodies(mechanism, terms);
+}
+
+void GlideSystem::add(std::size_t row, std::size_t column, const Mat3& block) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      band_.at(row + i, column + k) += block(static_cast<int>(i), static_cast<int>(k));
+    }
+  }
+}
+
+void GlideSystem::add_touch(const Terms& terms, std::size_t t) {
+  const LinkTouch& at = terms.touches[t];
+  const std::size_t a = first_[at.first], b = first_[at.first + 1], impulse = touch_[t];
+  const Mat3 &mobility_a = terms.mobility[at.first], &mobility_b = terms.mobility[at.first + 1];
+  const Vec3 slope_a = terms.h * at.slope_first, slope_b = terms.h * at.slope_next;
+  const double left = 1 - at.share;
+  // What is given goes to both points by the lever rule, and to other shares as the touch moves.
+  add(a, impulse, -left * mobility_a);
+  add(b, impulse, -at.share * mobility_b);
+  const Vec3 moves_a = mobility_a * at.given, moves_b = mobility_b * at.given;
+  add(a, a, moves_a * slope_a.transpose());
+  add(a, b, moves_a * slope_b.transpose());
+  add(b, a, -moves_b * slope_a.transpose());
+  add(b, b, -moves_b * slope_b.transpose());
+  const Mat3 changes = at.derivative - Mat3::Identity();
+  const Vec3 shifts = changes * at.apart;
+  add(impulse, a, left * changes + terms.h * at.bend_first + shifts * slope_a.transpose());
+  add(impulse, b, at.share * changes + terms.h * at.bend_next + shifts * slope_b.transpose());
+  add(impulse, impulse, -at.mobility * at.derivative);
 }
 
 void GlideSystem::add_row(const Mechanism& mechanism, const Terms& terms, std::size_t r) {
@@ -114,12 +155,16 @@ void GlideSystem::add_bodies(const Mechanism& mechanism, const Terms& terms) {
   decomposed_.compute(system);
 }
 
-void GlideSystem::solve(std::span<Vec3> velocity, std::span<double> impulse) {
+void GlideSystem::solve(std::span<Vec3> velocity, std::span<double> impulse,
+                        std::span<Vec3> given) {
   values_.resize(size_);
   for (std::size_t p = 0; p < first_.size(); ++p) {
     for (int i = 0; i < 3; ++i) values_[first_[p] + static_cast<std::size_t>(i)] = velocity[p][i];
   }
   for (std::size_t r = 0; r < row_.size(); ++r) values_[row_[r]] = impulse[r];
+  for (std::size_t t = 0; t < touch_.size(); ++t) {
+    for (int i = 0; i < 3; ++i) values_[touch_[t] + static_cast<std::size_t>(i)] = given[t][i];
+  }
   band_.solve(values_);
   if (!border_.empty()) {
     found_.resize(static_cast<Eigen::Index>(border_.size()));
@@ -136,6 +181,9 @@ void GlideSystem::solve(std::span<Vec3> velocity, std::span<double> impulse) {
     for (int i = 0; i < 3; ++i) velocity[p][i] = values_[first_[p] + static_cast<std::size_t>(i)];
   }
   for (std::size_t r = 0; r < row_.size(); ++r) impulse[r] = values_[row_[r]];
+  for (std::size_t t = 0; t < touch_.size(); ++t) {
+    for (int i = 0; i < 3; ++i) given[t][i] = values_[touch_[t] + static_cast<std::size_t>(i)];
+  }
 }
 
 }  // namespace taut::direct

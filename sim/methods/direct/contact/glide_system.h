@@ -13,10 +13,21 @@ namespace taut::direct {
 
 /// How the points and rows of a mechanism respond to small changes of the points' velocities v
 /// (m/s, mean over the step) and the rows' impulses (N s). Ordered by points (a point's velocity,
-/// then the rows that begin there) the system has a narrow band. Bodies that rows meet in several
-/// points couple these, by Woodbury's identity.
+/// then what touches the link there, then the rows that begin there) the system has a narrow band.
+/// Bodies that rows meet in several points couple these, by Woodbury's identity.
 class GlideSystem {
  public:
+  /// A touch of a link: its impulse J (N s, of the mean velocities) acts at a share of the way from
+  /// one point to the next, and obeys respond(u - mobility J) = u there, see touch.h.
+  struct LinkTouch {
+    std::uint32_t first = 0;  // point
+    double share = 0, mobility = 0;
+    Mat3 derivative;               // of respond()
+    Mat3 bend_first, bend_next;    // 1/s: of respond() by the points' displacements
+    Vec3 slope_first, slope_next;  // 1/m: of the share by these
+    Vec3 given, apart;             // N s: J; m/s: how the next point moves past the first
+  };
+
   /// The terms of the equations, per point and per row.
   struct Terms {
     double h = 0;                     // s
@@ -26,21 +37,26 @@ class GlideSystem {
     std::span<const Vec3> along, to;  // of the row's pull; in which its length grows
     /// Of bodies to what pulls them; null: freely.
     const contact::BodyMobility* bodies = nullptr;
+    std::span<const LinkTouch> touches = {};  // in order of points
   };
 
   /// `together`: see contact::ends_that_meet().
   void rebuild(const Mechanism& mechanism, std::span<const std::uint32_t> together = {});
   void assemble(const Mechanism& mechanism, const Terms& terms);
-  /// In: by how much each point is slower than its response, and each row grows too slowly (m/s).
-  /// Out: what to add to velocities and impulses.
-  void solve(std::span<Vec3> velocity, std::span<double> impulse);
+  /// In: by how much each point is slower than its response, each row grows too slowly and each
+  /// touch of a link falls short of its law (m/s). Out: what to add to velocities and impulses.
+  void solve(std::span<Vec3> velocity, std::span<double> impulse, std::span<Vec3> given = {});
 
  private:
+  void arrange(const Mechanism& mechanism, std::span<const LinkTouch> touches);
+  void add_touch(const Terms& terms, std::size_t touch);
+  void add(std::size_t row, std::size_t column, const Mat3& block);
   void add_row(const Mechanism& mechanism, const Terms& terms, std::size_t row);
   void add_bodies(const Mechanism& mechanism, const Terms& terms);
 
   std::vector<std::size_t> first_;  // per point: its velocity's first unknown
   std::vector<std::size_t> row_;    // per row: its unknown
+  std::vector<std::size_t> touch_;  // per touch of a link: its impulse's first unknown
   std::size_t size_ = 0, half_ = 0;
   contact::BandSystem band_;
   std::vector<double> values_;

@@ -1,0 +1,158 @@
+// Links at obstacles, in a step of ContactStep.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/contact/capsule.h"
+#include "sim/contact/touch.h"
+#include "sim/methods/direct/contact/body_touches.h"
+#include "sim/methods/direct/contact/glide_system.h"
+
+namespace taut::direct {
+
+/// The touches of links between their beads. A touch at a share s of the way from one bead to the
+/// next moves with (1 - s) of the one's velocity and s of the other's, and what the link gets there
+/// goes to both in these shares. It obeys the laws of beads (touch.h), as one of the mass with
+/// which it moves. Beads respond to it as to the pulls of their links: its impulse is an unknown of
+/// Newton's method beside these. In the first stage of a step a touch that lasts gives along the
+/// mean of its normals and at the mean of its shares; in the second where the step ends.
+class LinkTouches {
+ public:
+  using Step = BodyTouches::Step;
+  struct Hit {
+    double share = 1;  // of the step
+    std::uint32_t link = 0, obstacle = 0;
+    contact::Spot spot = contact::Spot::nearest;
+    bool passes = false;  // the link is outside again at the step's end
+    Vec3 anchor, side;    // m, and the normal: where it enters, in the obstacle's frame
+  };
+
+  void rebuild(const World& world, const Mechanism& mechanism);
+  /// Whether some link may touch something.
+  bool possible() const { return !links_.empty(); }
+  bool any() const { return !touches_.empty(); }
+
+  /// Finds the links that touch where the step begins, those that leave aside.
+  void find(const Step& step);
+  /// What links hit on the way to `next`, on which points have such mean velocities.
+  const std::vector<Hit>& hits(const Step& step, const std::vector<double>& next,
+                               std::span<const Vec3> mean);
+  const std::vector<Hit>& found() const { return hits_; }  // by the last hits()
+  void add(const Step& step, const Hit& hit);
+
+  void scale_friction(const std::vector<Obstacle>& obstacles, double share);
+  void release();  // nothing has been given in this stage
+  void keep();     // what has been given
+  void restore();
+
+  /// Tells the touches of the first stage where the links end up.
+  void aim(const Step& step, const std::vector<double>& next);
+  /// Tells the touches of the second stage where they are, and what the first has given; bounces
+  /// slower than `least` (m/s) are not followed.
+  void aim_velocities(const Step& step, const std::vector<double>& next,
+                      std::span<const Vec3> middle, double least);
+
+  /// m/s, the fastest with which a link is thrown back.
+  double bounces() const;
+  void scale_bounces(double share);
+
+  /// Adds what is given to the velocities of points.
+  void give(std::span<const double> inverse_mass, std::span<Vec3> velocity) const;
+  /// Nonlinear Gauss-Seidel: each touch in turn gives what its law asks for. `bare` are the
+  /// velocities of points without their own touches, to which respond(point) answers with a
+  /// `velocity`.
+  template <typename Respond>
+  void relax(std::span<const double> inverse_mass, std::span<Vec3> bare,
+             std::span<const Vec3> velocity, double creep, const Respond& respond) {
+    const auto relax_one = [&](LinkTouch& at) {
+      const std::uint32_t point = links_[at.link].first;
+      find_error(at, velocity, creep);
+      const Vec3 more = at.error / at.mobility;
+      at.given += more;
+      bare[point] += (1 - at.share) * inverse_mass[point] * more;
+      bare[point + 1] += at.share * inverse_mass[point + 1] * more;
+      respond(point);
+      respond(point + 1);
+    };
+    speed_ = 0;
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (LinkTouch& at : touches_) relax_one(at);
+      for (std::size_t i = touches_.size() - 1; i-- > 0;) relax_one(touches_[i]);
+      for (LinkTouch& at : touches_) find_error(at, velocity, creep);
+      if (error({}) <= kRelaxed * (1 + speed_)) break;
+    }
+  }
+  /// m/s: by how much a touch breaks its law, after relax(), beyond the `noise` of points.
+  double error(std::span<const double> noise) const;
+
+  /// Newton's equations of the touches after relax(), and by how much these fall short.
+  void linearize();
+  /// The same in the first stage, as links go elsewhere from where they are, which their points
+  /// with such velocities are `behind` of.
+  void linearize(const Step& step, const std::vector<double>& next, std::span<const Vec3> velocity,
+                 std::span<const Vec3> behind, double creep);
+  std::span<const GlideSystem::LinkTouch> linear() const { return linear_; }
+  std::span<Vec3> missing() { return missing_; }
+  /// Adds a share of what Newton's method has made of missing().
+  void advance(double share);
+
+  /// m, by how much a touch is open or broken.
+  double residual() const;
+  /// m/s, by friction: of what sticks.
+  double most_stuck() const;
+  std::uint64_t pattern() const;
+  std::size_t count() const { return touches_.size(); }
+  /// The first bead of a touch's link; touches are in order of these.
+  std::uint32_t first(std::size_t touch) const { return links_[touches_[touch].link].first; }
+
+ private:
+  static constexpr int kSweeps = 4;
+  static constexpr double kRelaxed = 1e-15;  // of the speeds
+
+  struct Link {
+    std::uint32_t first = 0;  // point; the other is the next
+    double radius = 0;        // m
+    std::uint64_t category = 0;
+  };
+  struct LinkTouch {
+    std::uint32_t link = 0, obstacle = 0;
+    contact::Spot spot = contact::Spot::nearest;
+    bool hits = false;       // it came to be in this step
+    Vec3 anchor, side;       // m, and the normal there: where it began, in the obstacle's frame
+    double share_start = 0;  // of the way to the next point, where the step begins
+    Vec3 normal_start;       // out of the obstacle, there
+    double share = 0;        // where it gives
+    double gap = 0;          // m, at the end
+    double mobility = 1;     // 1/kg, of the link there
+    double bounce = 0;       // m/s, in the second stage
+    contact::Touch touch = {};
+    Vec3 given = Vec3::Zero();  // N s, of this stage; in the first, of the mean velocities
+    Vec3 error = Vec3::Zero();  // m/s
+    Mat3 derivative = Mat3::Identity();
+  };
+
+  contact::Capsule capsule(const Step& step, const std::vector<double>& state,
+                           std::uint32_t link) const;
+  Vec3 velocity(const Step& step, std::uint32_t link, double share) const;
+  bool is_known(std::uint32_t link, std::uint32_t obstacle, contact::Spot spot) const;
+  void add(const Step& step, LinkTouch made);
+  void aim(LinkTouch& at, const Step& step, const contact::Capsule& own) const;
+  void set_mobility(LinkTouch& at, const Step& step) const;
+  void find_error(LinkTouch& at, std::span<const Vec3> velocity, double creep);
+  double arriving(const LinkTouch& at, const Step& step, std::span<const Vec3> middle) const;
+  void bend(const Step& step, const std::vector<double>& next, const LinkTouch& at,
+            std::span<const Vec3> velocity, double creep, GlideSystem::LinkTouch& made) const;
+  void sweep(const Step& step, const std::vector<double>& next, std::span<const Vec3> mean,
+             std::uint32_t link, std::uint32_t obstacle);
+
+  std::vector<Link> links_;
+  std::vector<LinkTouch> touches_, before_;  // in order of links; before_: of the step before
+  std::vector<Hit> hits_;
+  std::vector<Vec3> kept_, missing_;  // N s, m/s
+  std::vector<GlideSystem::LinkTouch> linear_;
+  double speed_ = 0;  // m/s, of the touches
+};
+
+}  // namespace taut::direct
