@@ -17,10 +17,10 @@ namespace taut::direct {
 /// Follows a world some of whose connectors are massless spans, by a method that follows links.
 /// The method sees a world of its own, in which a taut span is a link without mass between its two
 /// ends and a slack one is absent; a point mass at an end is a body that nothing turns. Changes are
-/// found between two checks and located in time: a slack span whose ends part beyond its length
-/// goes taut, a taut one whose tension turns negative goes slack. Going taut, the ends are thrown
-/// back with the connector's restitution; where that is none, or they were thrown back just before,
-/// the link takes their speed of separation away, which keeps all momenta.
+/// found between two checks and located in time: a slack span whose ends part beyond its length goes
+/// taut, a taut one whose tension turns negative goes slack. Going taut, the ends are thrown back
+/// with the connector's restitution; where that is none, or they were thrown back just before, the
+/// link takes their speed of separation away, which keeps all momenta.
 class Spans {
  public:
   /// `links` follows everything but spans.
