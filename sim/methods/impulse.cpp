@@ -64,6 +64,7 @@ class Impulse final : public Method {
 void Impulse::prepare(const World& world) {
   refuse_touching_bodies(kImpulse, world);
   refuse_touching_links(kImpulse, world);
+  refuse_bead_pairs(kImpulse, world);
   refuse_materials(kImpulse, world);
   refuse_joints(kImpulse, world);
   refuse_winches(kImpulse, world);
