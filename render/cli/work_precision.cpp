@@ -83,6 +83,10 @@ and times them one after another; --merge makes the tables.)");
                   "Seconds that each scene may take, about; default: 120")
       .positive();
   command.add_flag("--quick", options->study.quick, "Few settings of each method");
+  command
+      .add_option("--reference-step", options->study.reference_step,
+                  "s; score against direct at this step, where the truth gives up")
+      .positive();
   program::add_part_options(command, options->study.part, "runs");
   command.add_flag("--markdown", options->markdown, "The tables as Markdown");
   command.callback([options, &program] {

@@ -180,6 +180,7 @@ std::uint64_t stamp_of(const StudyOptions& options) {
   for (const std::string& method : options.methods) hash.text(method);
   return hash.number(options.budget)
       .number(options.quick)
+      .number(options.reference_step)
       .number(film::program_fingerprint())
       .value();
 }

@@ -25,6 +25,7 @@ struct StudyOptions {
   std::vector<std::string> methods;  // METHOD or METHOD:FORM; empty: all
   double budget = 0;                 // s of wall time
   bool quick = false;
+  double reference_step = 0;  // s: scores are against `direct` at that step; zero: the truth
   program::PartOptions part;  // of chart and stability
   Follows follows = Follows::nothing;
   bool among_obstacles = false;  // whether the study takes scenes with contact or strings

@@ -21,7 +21,7 @@ struct AccuracyStudy {
   double share = 0;              // the least error that is scored, of the length
   std::size_t particles = 0;
   double horizon = 0;           // s
-  double self_error = 0;        // of the length
+  double self_error = 0;        // of the length; of work_precision() m
   std::vector<double> targets;  // of the length
   bool in_pixels = false;       // rows have a second error, in pixels of the scene's camera
   std::vector<AccuracyBlock> blocks;

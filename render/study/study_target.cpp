@@ -12,6 +12,20 @@
 #include "render/program/progress.h"
 
 namespace taut::studies {
+namespace {
+
+void cut_at_horizon(Target& target) {
+  std::erase_if(target.problem.times, [&](double time) { return time > target.reference.horizon; });
+  target.reference.frames.resize(target.problem.times.size());
+}
+
+void check_predictable(const scenes::Scene& scene, const Target& target) {
+  if (target.problem.times.size() >= 2) return;
+  throw program::Misuse(fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
+                                    scene.file.string(), target.reference.horizon));
+}
+
+}  // namespace
 
 truth::Reference solved_truth(const scenes::Scene& scene, std::span<const double> times,
                               const truth::TruthOptions& options) {
@@ -27,18 +41,28 @@ truth::Reference solved_truth(const scenes::Scene& scene, std::span<const double
 Target target_of(const scenes::Scene& scene, double duration, const truth::TruthOptions& options) {
   Target target{{scene.world, study::frame_times(duration, scene.fps), scene.timeline}, {}};
   target.reference = solved_truth(scene, target.problem.times, options);
-  std::erase_if(target.problem.times, [&](double time) { return time > target.reference.horizon; });
-  target.reference.frames.resize(target.problem.times.size());
+  cut_at_horizon(target);
   return target;
 }
 
 Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions& options) {
   Target target = target_of(scene, scene.duration, options);
-  if (target.problem.times.size() < 2) {
-    throw program::Misuse(
-        fmt::format("{}: nothing is predictable: the horizon of the truth is {} s",
-                    scene.file.string(), target.reference.horizon));
-  }
+  check_predictable(scene, target);
+  return target;
+}
+
+Target stepped_target(const scenes::Scene& scene, double step, double scored_error) {
+  Target target{{scene.world, study::frame_times(scene.duration, scene.fps), scene.timeline}, {}};
+  const std::vector<double>& times = target.problem.times;
+  program::Progress progress("solving the reference", "frames", 2 * times.size(), true);
+  std::uint64_t done = 0;
+  target.reference =
+      truth::stepped_reference(scene.world, times, step, scored_error, scene.timeline, [&] {
+        render::stop_if_interrupted();
+        progress.update(++done);
+      });
+  cut_at_horizon(target);
+  check_predictable(scene, target);
   return target;
 }
 

@@ -28,6 +28,9 @@ Target target_of(const scenes::Scene& scene, double duration, const truth::Truth
 /// The whole scene up to its horizon. Throws Misuse where that is before the second frame.
 Target predictable_target(const scenes::Scene& scene, const truth::TruthOptions& options);
 
+/// The same by truth::stepped_reference().
+Target stepped_target(const scenes::Scene& scene, double step, double scored_error);
+
 /// The truth as far as it tells runs within `scored_error` (m) from others. None where one of its
 /// solvers cannot solve the problem within `cpu_cap` (s), or they disagree at once.
 std::optional<truth::Reference> quick_reference(const study::Problem& problem, double scored_error,

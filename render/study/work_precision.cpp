@@ -18,14 +18,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double kScoringShare = 0.7, kTimingShare = 0.3;  // of the budget
 constexpr double kSlowShare = 0.002;                       // share of it that is a long run
 constexpr double kMetre = 1;
 
 Target solved_target(const options::StudyOptions& options, double least_error, bool quiet) {
   const scenes::Scene scene = options::study_scene(options);
+  if (options.reference_step > 0) {
+    return stepped_target(scene, options.reference_step, least_error);
+  }
   if (!quiet) program::note("{}: solving the truth\n", options.scene);
   truth::TruthOptions truth;
   truth.scored_error = least_error;
@@ -55,6 +56,7 @@ AccuracyStudy study_of(const options::StudyOptions& options, double least_error,
             nullptr, quiet);
   time_all(study, target, 1, kTimingShare * left, kSlowShare * left);
   study.horizon = target.reference.horizon;
+  study.self_error = target.reference.self_error;
   return study;
 }
 
@@ -92,7 +94,8 @@ class SharedRuns {
           if (!target || of_target != scene) {
             target = solved_target(scenes_[scene], least_error_, common.quiet);
             of_target = scene;
-            journal.add(truth_key(scene), {program::exact(target->reference.horizon)});
+            journal.add(truth_key(scene), {program::exact(target->reference.horizon),
+                                           program::exact(target->reference.self_error)});
           }
           return scored_and_timed(*target, metrics, candidate, cap_, kSlowShare * options_.budget);
         });
@@ -109,8 +112,10 @@ class SharedRuns {
           block.rows.push_back(row_from(candidate, *journal.find(key_of(s, candidate))));
         }
       }
-      if (const auto* truth = journal.find(truth_key(s)))
+      if (const auto* truth = journal.find(truth_key(s))) {
         study.horizon = program::number_in(truth->at(0));
+        study.self_error = program::number_in(truth->at(1));
+      }
       studies.push_back(std::move(study));
     }
     return studies;

@@ -23,6 +23,28 @@ double milliseconds(const study::AccuracyRow& row) {
   return 1e3 * study::spread(row.cpu).median;
 }
 
+/// The row that comes nearest to the truth; null where none is done.
+const study::AccuracyRow* nearest_row(const AccuracyBlock& block) {
+  const study::AccuracyRow* nearest = nullptr;
+  for (const study::AccuracyRow& row : block.rows) {
+    if (row.end != study::Run::End::done) continue;
+    if (!nearest || row.errors[0] < nearest->errors[0]) nearest = &row;
+  }
+  return nearest;
+}
+
+program::Json row_json(const study::AccuracyRow& row) {
+  const study::Spread time = study::spread(row.cpu);
+  return {{"cpu_ms_per_simulated_s", 1e3 * time.median},
+          {"low_quartile_ms", 1e3 * time.low},
+          {"high_quartile_ms", 1e3 * time.high},
+          {"timings", row.cpu.size()},
+          {"rms_error_m", row.errors[0]},
+          {"penetration_m", row.penetration_max},
+          {"energy_gained_j", row.energy_gain},
+          {"settings", options::settings_json(row.candidate.settings)}};
+}
+
 }  // namespace
 
 chart::Table costs_of_errors(const std::vector<AccuracyStudy>& studies,
@@ -65,10 +87,9 @@ chart::Table cheapest_settings(const std::vector<AccuracyStudy>& studies,
         if (!best[i]) continue;
         const study::Spread time = study::spread(best[i]->cpu);
         table.add({study.scene, study.blocks[i].contender.label, fmt::format("{:g}", error),
-                   describe(best[i]->candidate.settings),
-                   fmt::format("{:.3g}", best[i]->errors[0]), fmt::format("{:.4g}", time.median),
-                   fmt::format("{:.4g}", time.low), fmt::format("{:.4g}", time.high),
-                   std::to_string(best[i]->cpu.size()),
+                   describe(best[i]->candidate.settings), fmt::format("{:.3g}", best[i]->errors[0]),
+                   fmt::format("{:.4g}", time.median), fmt::format("{:.4g}", time.low),
+                   fmt::format("{:.4g}", time.high), std::to_string(best[i]->cpu.size()),
                    fmt::format("{:.2g}", best[i]->penetration_max),
                    fmt::format("{:.2g}", best[i]->energy_gain)});
       }
@@ -85,17 +106,13 @@ chart::Table errors_not_attained(const std::vector<AccuracyStudy>& studies,
     for (const AccuracyBlock& block : study.blocks) {
       if (block.rows.empty() || study::cheapest(study::cost_and_error(block.rows, 0), least))
         continue;
-      const auto nearest =
-          std::ranges::min_element(block.rows, {}, [](const study::AccuracyRow& row) {
-            return row.end == study::Run::End::done ? row.errors[0] : INFINITY;
-          });
+      const study::AccuracyRow* nearest = nearest_row(block);
       const auto ended = std::ranges::find_if(block.rows, [](const study::AccuracyRow& row) {
         return row.end != study::Run::End::done;
       });
-      const bool any = nearest->end == study::Run::End::done;
       table.add({study.scene, block.contender.label,
-                 any ? fmt::format("{:.3g}", nearest->errors[0]) : "none",
-                 any ? describe(nearest->candidate.settings) : "",
+                 nearest ? fmt::format("{:.3g}", nearest->errors[0]) : "none",
+                 nearest ? describe(nearest->candidate.settings) : "",
                  ended == block.rows.end() ? "" : ended->reason});
     }
   }
@@ -103,8 +120,10 @@ chart::Table errors_not_attained(const std::vector<AccuracyStudy>& studies,
 }
 
 program::Json work_precision_json(const AccuracyStudy& study, const std::vector<double>& errors) {
-  program::Json json = {
-      {"scene", study.scene}, {"title", study.title}, {"horizon_s", study.horizon}};
+  program::Json json = {{"scene", study.scene},
+                        {"title", study.title},
+                        {"horizon_s", study.horizon},
+                        {"self_error_m", study.self_error}};
   for (const AccuracyBlock& block : study.blocks) {
     program::Json entry = {{"method", block.contender.label}};
     const std::string missing(block.contender.method->missing);
@@ -112,24 +131,12 @@ program::Json work_precision_json(const AccuracyStudy& study, const std::vector<
     for (const double error : errors) {
       const auto found = study::cheapest(study::cost_and_error(block.rows, 0), error);
       program::Json point = {{"error_asked_m", error}, {"cpu_ms_per_simulated_s", nullptr}};
-      if (found) {
-        const study::AccuracyRow& row = block.rows[*found];
-        const study::Spread time = study::spread(row.cpu);
-        point.update({{"cpu_ms_per_simulated_s", 1e3 * time.median},
-                      {"low_quartile_ms", 1e3 * time.low},
-                      {"high_quartile_ms", 1e3 * time.high},
-                      {"timings", row.cpu.size()},
-                      {"rms_error_m", row.errors[0]},
-                      {"penetration_m", row.penetration_max},
-                      {"energy_gained_j", row.energy_gain},
-                      {"settings", options::settings_json(row.candidate.settings)}});
-      }
+      if (found) point.update(row_json(block.rows[*found]));
       entry["work_precision"].push_back(std::move(point));
     }
-    double nearest = INFINITY;
-    for (const study::AccuracyRow& row : block.rows)
-      if (row.end == study::Run::End::done) nearest = std::min(nearest, row.errors[0]);
-    entry["least_rms_error_m"] = program::number_or_null(nearest);
+    const study::AccuracyRow* nearest = nearest_row(block);
+    entry["least_rms_error_m"] = program::number_or_null(nearest ? nearest->errors[0] : INFINITY);
+    if (nearest) entry["nearest"] = row_json(*nearest);
     json["methods"].push_back(std::move(entry));
   }
   return json;

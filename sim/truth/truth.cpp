@@ -21,6 +21,8 @@ constexpr double kContactStep = 0.2;
 // have winches.
 constexpr double kMaterialTolerance = 1e-3;  // of the scored error
 
+constexpr double kSteppedAgreement = 0.1;  // of the scored error
+
 using Frames = std::vector<Snapshot>;
 
 struct Solver {
@@ -93,6 +95,17 @@ double largest_distance(const World& world, const Snapshot& a, const Snapshot& b
   return largest;
 }
 
+/// Sets the horizon where `other` is farther than `apart` (m) from the truth, and the self-error.
+void compare(const World& world, const Frames& other, std::span<const double> times, double apart,
+             Reference& truth) {
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    const double distance = largest_distance(world, other[i], truth.frames[i]);
+    if (!(distance <= apart)) break;
+    truth.horizon = times[i];
+    truth.self_error = std::max(truth.self_error, distance);
+  }
+}
+
 }  // namespace
 
 World nudged(World world, double distance, bool rough) {
@@ -138,12 +151,28 @@ Reference solve_truth(const World& world, std::span<const double> times,
     until = until.first(agree(start, first).size());
   }
   const Frames checked = agree(world, second_solver(world, options));
-  if (!checked.empty()) truth.horizon = times[checked.size() - 1];
-  for (std::size_t i = 0; i < checked.size(); ++i) {
-    truth.self_error =
-        std::max(truth.self_error, largest_distance(world, checked[i], truth.frames[i]));
-  }
+  compare(world, checked, times, apart, truth);
   return truth;
+}
+
+Reference stepped_reference(const World& world, std::span<const double> times, double step,
+                            double scored_error, const Timeline& timeline,
+                            const std::function<void()>& tick) {
+  const auto solve = [&](double of_step) {
+    constexpr double kNoCap = std::numeric_limits<double>::infinity();
+    Solution solution = run(world, {"direct", {{"step", of_step}}}, timeline, times, kNoCap,
+                            [&](std::size_t, const Snapshot&) {
+                              if (tick) tick();
+                              return true;
+                            });
+    if (solution.end && solution.frames.size() < 2) throw *solution.end;
+    return std::move(solution.frames);
+  };
+  Reference reference{.frames = solve(step)};
+  Frames twice = solve(2 * step);
+  twice.resize(std::min(twice.size(), reference.frames.size()));
+  compare(world, twice, times, kSteppedAgreement * scored_error, reference);
+  return reference;
 }
 
 }  // namespace taut::truth

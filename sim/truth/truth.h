@@ -46,6 +46,13 @@ Reference solve_truth(const World& world, std::span<const double> times,
                       const TruthOptions& options = {}, const Timeline& timeline = {},
                       const std::function<void()>& tick = {});
 
+/// The time stepping of `direct` at a step (s), for worlds whose friction the truth gives up. The
+/// self-error is how far twice the step is from it; the horizon ends where that is more than a
+/// tenth of `scored_error` (m).
+Reference stepped_reference(const World& world, std::span<const double> times, double step,
+                            double scored_error, const Timeline& timeline = {},
+                            const std::function<void()>& tick = {});
+
 /// `world` with its particles moved sideways by up to `distance` (m): more and more along each
 /// connector or, `rough`, by turns to one side and the other. A method's first projection puts the
 /// lengths right again.

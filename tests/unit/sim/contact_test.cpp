@@ -190,5 +190,24 @@ TEST(Penetration, IsThatOfTheDeepestBeadThatNothingHolds) {
   EXPECT_EQ(penetration_max(world), 0);
 }
 
+TEST(Penetration, OfABodyIsWhereItsCapsuleIsDeepest) {
+  World world;
+  Body body;
+  body.mass_properties = solid_cylinder(0.1, 0.3, 0.02);
+  body.capsule = {.radius = 0.01, .from = {0, -0.15, 0}, .to = {0, 0.15, 0}};
+  body.rotation = Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ());  // it lies along x
+  body.position = {0.1, 0.055, 0};
+  world.bodies.push_back(body);
+  world.obstacles.push_back({});
+  world.obstacles[0].shape = sphere_shape(0.05);  // between the ends
+  EXPECT_NEAR(penetration_max(world), 0.005, 1e-15);
+  world.bodies[0].position.x() = 0.15 + 0.03;  // an end is 0.03 aside, 0.055 above
+  EXPECT_NEAR(penetration_max(world), std::max(0.0, 0.06 - std::hypot(0.03, 0.055)), 1e-15);
+  world.bodies[0].position.x() = 0.15 + 0.01;
+  EXPECT_NEAR(penetration_max(world), 0.06 - std::hypot(0.01, 0.055), 1e-15);
+  world.obstacles[0].ignores = world.bodies[0].capsule.category = 1;
+  EXPECT_EQ(penetration_max(world), 0);
+}
+
 }  // namespace
 }  // namespace taut::contact_test
