@@ -9,20 +9,12 @@
 #include <memory>
 #include <span>
 
+#include "sim/motion/rotation.h"
+#include "tests/bench/engines/bullet_solid.h"
 #include "tests/bench/engines/engine.h"
 
 namespace taut::engines {
 namespace {
-
-btVector3 bullet(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Vec3 eigen(const btVector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Quat eigen(const btQuaternion& q) {
-  return {q.w(), q.x(), q.y(), q.z()};
-}
 
 class Bullet : public RodEngine {
  public:
@@ -32,6 +24,7 @@ class Bullet : public RodEngine {
   }
   ~Bullet() override {
     for (const auto& object : objects_) world_.removeCollisionObject(object.get());
+    for (const BulletSolid& solid : solids_) world_.removeCollisionObject(solid.object.get());
   }
 
  private:
@@ -63,74 +56,64 @@ class Bullet : public RodEngine {
     body_->setMaxCoordinateVelocity(1e6);
     body_->useRK4Integration(runge_kutta_);
     set_in_motion(rods);
-    if (rods.resist_bending()) rods_ = &rods;
+    bends_ = rods.resist_bending();
     edges_.resize(rods.rods().size());
     spins_.resize(rods.rods().size());
     turns_.resize(rods.rods().size());
     world_.addMultiBody(body_.get());
     upper_ = -top.centre * top.along;
     for (const Bead& bead : rods.beads()) add(bead, rods.radius());
-    for (const Obstacle& obstacle : rods.obstacles()) add(obstacle);
+    rods_ = &rods;
+    if (rods.load() && rods.load()->capsule.touches()) add(rods.load()->capsule, i);
+    for (const Obstacle& obstacle : rods.obstacles()) {
+      solids_.push_back(make_bullet_solid(obstacle));
+      place_bullet_solid(obstacle, rods.motion(obstacle, world(), world().time), 0,
+                         *solids_.back().object);
+      world_.addCollisionObject(solids_.back().object.get(), kSolids, kBeads);
+    }
     body_->forwardKinematics(rotations_, origins_);
     body_->updateCollisionObjectWorldTransforms(rotations_, origins_);
   }
 
-  // Bullet's friction and restitution of a pair are the products of both things' own: beads have 1.
+  // Friction and restitution of a pair are the products of both things' own: here they are 1.
   static constexpr int kSolids = 1, kBeads = 2;
+
+  void open_compound(int link) {
+    shapes_.push_back(std::make_unique<btCompoundShape>());
+    auto collider = std::make_unique<btMultiBodyLinkCollider>(body_.get(), link);
+    collider->setCollisionShape(shapes_.back().get());
+    collider->setFriction(1);
+    collider->setRestitution(1);
+    if (link < 0) {
+      body_->setBaseCollider(collider.get());
+    } else {
+      body_->getLink(link).m_collider = collider.get();
+    }
+    world_.addCollisionObject(collider.get(), kBeads, kSolids);
+    objects_.push_back(std::move(collider));
+    compound_ = static_cast<btCompoundShape*>(shapes_.back().get());
+    last_link_ = link;
+  }
 
   /// A rod's beads are one shape: the first free rod has two.
   void add(const Bead& bead, double radius) {
     const int link = static_cast<int>(bead.rod) - first_;
-    if (link != last_link_) {
-      shapes_.push_back(std::make_unique<btCompoundShape>());
-      auto collider = std::make_unique<btMultiBodyLinkCollider>(body_.get(), link);
-      collider->setCollisionShape(shapes_.back().get());
-      collider->setFriction(1);
-      collider->setRestitution(1);
-      if (link < 0) {
-        body_->setBaseCollider(collider.get());
-      } else {
-        body_->getLink(link).m_collider = collider.get();
-      }
-      world_.addCollisionObject(collider.get(), kBeads, kSolids);
-      objects_.push_back(std::move(collider));
-      compound_ = static_cast<btCompoundShape*>(shapes_.back().get());
-      last_link_ = link;
-    }
+    if (link != last_link_) open_compound(link);
     shapes_.push_back(std::make_unique<btSphereShape>(radius));
     compound_->addChildShape(btTransform(btQuaternion::getIdentity(), bullet(bead.at)),
                              shapes_.back().get());
   }
 
-  void add(const Obstacle& obstacle) {
-    const Shape& shape = obstacle.shape;
-    switch (shape.kind) {
-      case Shape::Kind::plane:
-        shapes_.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), 0));
-        break;
-      case Shape::Kind::sphere:
-        shapes_.push_back(std::make_unique<btSphereShape>(shape.radius));
-        break;
-      case Shape::Kind::capsule:
-        shapes_.push_back(std::make_unique<btCapsuleShape>(shape.radius, shape.length));
-        break;
-      case Shape::Kind::cylinder:
-        shapes_.push_back(std::make_unique<btCylinderShape>(
-            btVector3(shape.radius, shape.length / 2, shape.radius)));
-        break;
-      case Shape::Kind::box:
-        shapes_.push_back(std::make_unique<btBoxShape>(bullet(shape.size / 2)));
-        break;
-    }
-    auto solid = std::make_unique<btCollisionObject>();
-    solid->setCollisionShape(shapes_.back().get());
-    const Quat& turn = obstacle.place.rotation;
-    solid->setWorldTransform(
-        btTransform({turn.x(), turn.y(), turn.z(), turn.w()}, bullet(obstacle.place.position)));
-    solid->setFriction(obstacle.kinetic_friction);
-    solid->setRestitution(obstacle.restitution);
-    world_.addCollisionObject(solid.get(), kSolids, kBeads);
-    objects_.push_back(std::move(solid));
+  /// The load's, whose link is the last.
+  void add(const BodyCapsule& capsule, int link) {
+    const Vec3 along = capsule.to - capsule.from;
+    const Vec3 middle = (capsule.from + capsule.to) / 2 - rods_->load()->centre;
+    const Vec3 axis = along.isZero(0) ? Vec3::UnitY() : Vec3(along.normalized());
+    const Quat turn = axes_.conjugate() * rotation_between(Vec3::UnitY(), axis);
+    open_compound(link);
+    shapes_.push_back(std::make_unique<btCapsuleShape>(capsule.radius, along.norm()));
+    compound_->addChildShape(btTransform(bullet(turn), bullet(axes_.conjugate() * middle)),
+                             shapes_.back().get());
   }
 
   /// Bullet's links have the axes of their principal moments.
@@ -201,7 +184,12 @@ class Bullet : public RodEngine {
   }
 
   void step(double time, double dt) override {
-    if (rods_) bend();
+    if (bends_) bend();
+    for (std::size_t i = 0; i < solids_.size(); ++i) {
+      const Obstacle& obstacle = rods_->obstacles()[i];
+      if (!obstacle.path) continue;
+      place_bullet_solid(obstacle, rods_->motion(obstacle, world(), time), dt, *solids_[i].object);
+    }
     world_.setGravity(bullet(gravity(time + dt / 2)));
     constexpr int kAsGiven = 0;  // one step of dt, none of Bullet's own choice
     world_.stepSimulation(dt, kAsGiven);
@@ -231,8 +219,10 @@ class Bullet : public RodEngine {
   // The world owns none of these.
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btCollisionObject>> objects_;
+  std::vector<BulletSolid> solids_;  // of the rods' obstacles
   std::unique_ptr<btMultiBody> body_;
-  const Rods* rods_ = nullptr;                 // where they bend
+  const Rods* rods_ = nullptr;
+  bool bends_ = false;
   std::vector<Vec3> edges_, spins_, moments_;  // m, rad/s, N m
   std::vector<Quat> turns_;                    // of the rods since the start
   btCompoundShape* compound_ = nullptr;        // the last rod's beads
@@ -269,6 +259,7 @@ MethodInfo bullet_method() {
             return std::make_unique<Bullet>(settings);
           },
           .touches_obstacles = true,
+          .touches_with_bodies = true,
           .follows_materials = true};
 }
 

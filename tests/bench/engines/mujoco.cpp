@@ -1,45 +1,16 @@
 // MuJoCo: joint coordinates, the composite rigid body algorithm, one ball joint a rod.
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
 #include <memory>
 #include <sstream>
 
 #include "sim/motion/rotation.h"
 #include "tests/bench/engines/engine.h"
 #include "tests/bench/engines/mujoco_model.h"
+#include "tests/bench/engines/mujoco_solids.h"
 
 namespace taut::engines {
 namespace {
-
-/// An obstacle; MuJoCo's planes, capsules and cylinders have the z axis where taut's have y.
-void write(std::ostringstream& out, const Obstacle& obstacle, const std::string& contact) {
-  const Shape& shape = obstacle.shape;
-  const bool turned = shape.kind != Shape::Kind::sphere && shape.kind != Shape::Kind::box;
-  const Quat z_to_y = rotation_between(Vec3::UnitZ(), Vec3::UnitY());
-  const Quat turn = turned ? obstacle.place.rotation * z_to_y : obstacle.place.rotation;
-  const Vec3& at = obstacle.place.position;
-  constexpr const char* kTypes[] = {"plane", "sphere", "capsule", "cylinder", "box"};
-  out << "<geom type='" << kTypes[static_cast<int>(shape.kind)] << "' pos='" << at.x() << ' '
-      << at.y() << ' ' << at.z() << "' quat='" << turn.w() << ' ' << turn.x() << ' ' << turn.y()
-      << ' ' << turn.z() << "' size='";
-  switch (shape.kind) {
-    case Shape::Kind::plane:
-      out << "0 0 1";
-      break;
-    case Shape::Kind::sphere:
-      out << shape.radius;
-      break;
-    case Shape::Kind::box:
-      out << shape.size.x() / 2 << ' ' << shape.size.y() / 2 << ' ' << shape.size.z() / 2;
-      break;
-    default:
-      out << shape.radius << ' ' << shape.length / 2;
-  }
-  const bool slides = obstacle.kinetic_friction == 0;
-  out << "' contype='1' conaffinity='0' condim='" << (slides ? 1 : 3) << "' friction='"
-      << std::max(obstacle.kinetic_friction, 1e-5) << " 0 0' " << contact << "/>";
-}
 
 /// How the model is made, beside the rods.
 struct Options {
@@ -48,7 +19,7 @@ struct Options {
 };
 
 /// The model in MuJoCo's own language. All bodies have the world's axes at the start.
-std::string xml(const Rods& rods, const Options& options) {
+std::string xml(const Rods& rods, const std::vector<Pose>& solids, const Options& options) {
   std::ostringstream out;
   out.precision(17);
   const auto vector = [](const Vec3& v) {
@@ -70,7 +41,13 @@ std::string xml(const Rods& rods, const Options& options) {
       << "'><flag " << touching
       << "limit='disable' equality='disable' frictionloss='disable' warmstart='disable' "
          "sensor='disable'/></option><worldbody>";
-  for (const Obstacle& obstacle : rods.obstacles()) write(out, obstacle, options.contact);
+  const auto write_solids = [&](bool led) {
+    for (std::size_t i = 0; i < solids.size(); ++i) {
+      const Obstacle& obstacle = rods.obstacles()[i];
+      if ((obstacle.path != nullptr) == led) write_solid(out, obstacle, solids[i], options.contact);
+    }
+  };
+  write_solids(false);
   const std::vector<Bead> beads = rods.beads();
   auto bead = beads.begin();
   Vec3 at = Vec3::Zero();
@@ -78,10 +55,7 @@ std::string xml(const Rods& rods, const Options& options) {
     const Rod& rod = rods.rods()[i];
     open(at, rods.hangs() || i > 0, rod);
     for (; bead != beads.end() && bead->rod == i; ++bead) {
-      out << "<geom type='sphere' size='" << rods.radius() << "' pos='"
-          << vector(rod.centre * rod.along + bead->at)
-          << "' contype='0' conaffinity='1' condim='1' friction='0 0 0' " << options.contact
-          << "/>";
+      write_ball(out, rods.radius(), rod.centre * rod.along + bead->at, options.contact);
     }
     out << "<inertial pos='" << vector(rod.centre * rod.along) << "' mass='" << rod.mass
         << "' diaginertia='" << vector(Vec3::Constant(rod.inertia)) << "'/>";
@@ -90,11 +64,13 @@ std::string xml(const Rods& rods, const Options& options) {
   if (const auto& load = rods.load()) {
     const Mat3& i = load->inertia;
     open(at, true, {});
+    if (load->capsule.touches()) write_capsule(out, load->capsule, options.contact);
     out << "<inertial pos='" << vector(load->centre) << "' mass='" << load->mass
         << "' fullinertia='" << vector(i.diagonal()) << ' ' << vector({i(0, 1), i(0, 2), i(1, 2)})
         << "'/></body>";
   }
   for (std::size_t i = 0; i < rods.rods().size(); ++i) out << "</body>";
+  write_solids(true);
   out << "</worldbody></mujoco>";
   return out.str();
 }
@@ -111,7 +87,13 @@ class MuJoCo : public RodEngine {
 
  private:
   void build(const Rods& rods) override {
-    model_ = compile_model(xml(rods, options_));
+    std::vector<Pose> solids;
+    for (const Obstacle& obstacle : rods.obstacles()) {
+      solids.push_back(rods.motion(obstacle, world(), world().time).pose());
+    }
+    model_ = compile_model(xml(rods, solids, options_));
+    // The solver's accuracy is relative to what moves freely.
+    model_->stat.meaninertia = compile_model(xml(rods, {}, options_))->stat.meaninertia;
     data_.reset(mj_makeData(model_.get()));
     rods_ = &rods;
     edges_.resize(rods.rods().size());
@@ -169,6 +151,11 @@ class MuJoCo : public RodEngine {
     };
     data_->time = time;
     model_->opt.timestep = dt;
+    int body = static_cast<int>(kWorld + rods_->rods().size() + (rods_->load() ? 1 : 0));
+    for (const Obstacle& obstacle : rods_->obstacles()) {
+      if (!obstacle.path) continue;
+      lead(*model_, *data_, body++, rods_->motion(obstacle, world(), time), gravity(time));
+    }
     mj_step(model_.get(), data_.get());
     check_finite(*data_, time, counters_.steps);
   }
@@ -224,6 +211,7 @@ MethodInfo mujoco_method() {
           },
           .forms = {{"moments", {{"bending", std::string("moments")}}}},
           .touches_obstacles = true,
+          .touches_with_bodies = true,
           .follows_materials = true};
 }
 

@@ -1,8 +1,10 @@
 // The Open Dynamics Engine: every rod six coordinates, held together by ball joints.
 #include <ode/ode.h>
 
-#include "sim/motion/rotation.h"
+#include <optional>
+
 #include "tests/bench/engines/engine.h"
+#include "tests/bench/engines/ode_touch.h"
 #include "tests/bench/engines/ode_world.h"
 
 namespace taut::engines {
@@ -17,8 +19,7 @@ class Ode : public RodEngine {
   explicit Ode(const Settings& settings)
       : RodEngine(number(settings, "step")), world_(make_ode_world(settings)) {}
   ~Ode() override {
-    for (const dSpaceID space : {beads_, solids_}) dSpaceDestroy(space);  // with what is in them
-    dJointGroupDestroy(contacts_);
+    touch_.reset();
     dWorldDestroy(world_.id);
   }
 
@@ -41,60 +42,19 @@ class Ode : public RodEngine {
     hangs_ = rods.hangs();
     upper_ = -rods.rods()[0].centre * rods.rods()[0].along;
     for (const Bead& bead : rods.beads()) {
-      const dGeomID ball = dCreateSphere(beads_, rods.radius());
-      dGeomSetBody(ball, bodies_[bead.rod]);
-      dGeomSetOffsetPosition(ball, bead.at.x(), bead.at.y(), bead.at.z());
+      touch_->add_ball(bodies_[bead.rod], rods.radius(), bead.at);
+    }
+    if (const auto& load = rods.load(); load && load->capsule.touches()) {
+      const BodyCapsule& capsule = load->capsule;
+      touch_->add_capsule(bodies_.back(), capsule.radius, capsule.from - load->centre,
+                          capsule.to - load->centre);
     }
     rods_ = &rods;
     for (std::size_t i = 0; i < rods.rods().size(); ++i) {
       if (rods.rods()[i].bending_stiffness > 0 || rods.rods()[i].bending_damping > 0) add_spring(i);
     }
-    obstacles_ = &rods.obstacles();
-    for (const Obstacle& obstacle : *obstacles_) {
-      const dGeomID solid = add(obstacle);
-      dGeomSetData(solid, const_cast<Obstacle*>(&obstacle));
-    }
-  }
-
-  dGeomID add(const Obstacle& obstacle) {
-    const Shape& shape = obstacle.shape;
-    const Vec3& at = obstacle.place.position;
-    Quat turn = obstacle.place.rotation;
-    if (shape.kind == Shape::Kind::plane) {
-      const Vec3 up = turn * Vec3::UnitY();
-      return dCreatePlane(solids_, up.x(), up.y(), up.z(), up.dot(at));
-    }
-    dGeomID solid = nullptr;
-    if (shape.kind == Shape::Kind::sphere) {
-      solid = dCreateSphere(solids_, shape.radius);
-    } else if (shape.kind == Shape::Kind::box) {
-      solid = dCreateBox(solids_, shape.size.x(), shape.size.y(), shape.size.z());
-    } else {
-      const bool has_caps = shape.kind == Shape::Kind::capsule;
-      solid = has_caps ? dCreateCapsule(solids_, shape.radius, shape.length)
-                       : dCreateCylinder(solids_, shape.radius, shape.length);
-      turn = turn * rotation_between(Vec3::UnitZ(), Vec3::UnitY());
-    }
-    const dQuaternion q{turn.w(), turn.x(), turn.y(), turn.z()};
-    dGeomSetQuaternion(solid, q);
-    dGeomSetPosition(solid, at.x(), at.y(), at.z());
-    return solid;
-  }
-
-  /// Contact joints where a bead is in a solid.
-  void touch(dGeomID bead, dGeomID solid) {
-    constexpr int kMost = 4;
-    dContact found[kMost];
-    const int count = dCollide(bead, solid, kMost, &found[0].geom, sizeof(dContact));
-    const bool is_first = dGeomGetSpace(bead) == solids_;
-    const auto& with = *static_cast<const Obstacle*>(dGeomGetData(is_first ? bead : solid));
-    for (int i = 0; i < count; ++i) {
-      found[i].surface = {};
-      found[i].surface.mode = dContactApprox1 | dContactBounce;
-      found[i].surface.mu = with.kinetic_friction;
-      found[i].surface.bounce = with.restitution;
-      const dJointID joint = dJointCreateContact(world_.id, contacts_, &found[i]);
-      dJointAttach(joint, dGeomGetBody(found[i].geom.g1), dGeomGetBody(found[i].geom.g2));
+    for (const Obstacle& obstacle : rods.obstacles()) {
+      touch_->add_solid(world_.id, obstacle, rods.motion(obstacle, world(), world().time).pose());
     }
   }
 
@@ -175,15 +135,12 @@ class Ode : public RodEngine {
     for (const Spring& spring : springs_) bend(spring, dt);
     const Vec3 g = gravity(time + dt / 2);
     dWorldSetGravity(world_.id, g.x(), g.y(), g.z());
-    if (!obstacles_->empty()) {
-      const auto near = [](void* own, dGeomID a, dGeomID b) {
-        static_cast<Ode*>(own)->touch(a, b);
-      };
-      dSpaceCollide2(reinterpret_cast<dGeomID>(beads_), reinterpret_cast<dGeomID>(solids_), this,
-                     near);
+    for (const Obstacle& obstacle : rods_->obstacles()) {
+      if (obstacle.path) touch_->move(obstacle, rods_->motion(obstacle, world(), time));
     }
+    if (touch_->any()) touch_->find(world_.id);
     world_.step(dt);
-    dJointGroupEmpty(contacts_);
+    touch_->forget();
   }
 
   void read(std::vector<Vec3>& ends, Quat& turn) override {
@@ -209,9 +166,7 @@ class Ode : public RodEngine {
   Vec3 upper_ = Vec3::Zero();  // m, from the first rod's centre of mass to its upper end
   const Rods* rods_ = nullptr;
   std::vector<Spring> springs_;
-  const std::vector<Obstacle>* obstacles_ = nullptr;
-  dSpaceID beads_ = dSimpleSpaceCreate(nullptr), solids_ = dSimpleSpaceCreate(nullptr);
-  dJointGroupID contacts_ = dJointGroupCreate(0);
+  std::optional<OdeTouch> touch_{std::in_place};
 };
 
 }  // namespace
@@ -224,6 +179,7 @@ MethodInfo ode_method() {
             return std::make_unique<Ode>(settings);
           },
           .touches_obstacles = true,
+          .touches_with_bodies = true,
           .follows_materials = true};
 }
 

@@ -1,10 +1,12 @@
 #include "tests/bench/engines/rods.h"
 
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 
 #include "sim/material/elements.h"
 #include "sim/material/forces.h"
+#include "tests/bench/engines/solids.h"
 
 namespace taut::engines {
 namespace {
@@ -45,18 +47,23 @@ void check(const World& world) {
            (connector.holds.size() == below + 1 && connector.holds[below].particle == last &&
             !is_prescribed(world, connector.holds[below].to)),
        "engines are given a connector that nothing but a free body holds below");
-  need(world.bodies.size() + below == connector.holds.size(), "engines are given one body at most");
+  need(static_cast<std::size_t>(std::ranges::count_if(world.bodies, std::not_fn(&Body::driven))) +
+               below ==
+           connector.holds.size(),
+       "engines are given one free body at most");
   check_material(world);
   if (world.obstacles.empty()) return;
   need(!connector.pulls, "engines are given rods beside obstacles");
   need(!connector.links_touch, "engines are given beads that touch obstacles");
-  need(!top(world) || top(world)->to.kind == Attachment::Kind::fixed,
-       "engines are given no driven end beside obstacles");
-  for (const Obstacle& obstacle : world.obstacles) {
-    need(!obstacle.path, "engines are given obstacles that stand still");
-    need(obstacle.shape.rounding == 0, "engines are given no rounded edges");
-    need(obstacle.static_friction == obstacle.kinetic_friction,
-         "engines are given one coefficient of friction");
+  for (const Obstacle& obstacle : world.obstacles) check_solid(obstacle);
+  for (const Body& body : world.bodies) {
+    if (body.driven() || !body.capsule.touches()) continue;
+    need(std::ranges::all_of(world.obstacles,
+                             [&](const Obstacle& obstacle) {
+                               return obstacle.touches(connector.category) ==
+                                      obstacle.touches(body.capsule.category);
+                             }),
+         "engines are given obstacles that touch a body and its connector alike");
   }
 }
 
@@ -93,15 +100,29 @@ Rods::Rods(const World& world) {
   radius_ = connector.radius;
   obstacles_ = world.obstacles;
   std::erase_if(obstacles_, [&](const Obstacle& o) { return !o.touches(connector.category); });
-  for (Obstacle& obstacle : obstacles_) obstacle.place.position -= start_;
-  if (world.bodies.empty()) return;
+  if (connector.holds.size() == (hangs_ ? 1U : 0U)) return;
   const Attachment& to = connector.holds.back().to;
   const Body& body = world.bodies[to.body];
   const Mat3 turn = body.rotation.toRotationMatrix();
   body_ = to.body;
   at_start_ = body.rotation;
   load_ = Load{body.bare.mass, turn * (body.bare.centre - to.point),
-               turn * body.bare.inertia * turn.transpose(), body.spin};
+               turn * body.bare.inertia * turn.transpose(), body.spin, body.capsule};
+  load_->capsule.from = turn * (body.capsule.from - to.point);
+  load_->capsule.to = turn * (body.capsule.to - to.point);
+}
+
+FrameMotion Rods::motion(const Obstacle& obstacle, const World& world, double time) const {
+  FrameMotion motion = obstacle.frame(time);
+  if (!hangs_) {
+    motion.position -= start_;
+    return motion;
+  }
+  const PointMotion from = hold_motion(world, top(world)->to, time);
+  motion.position -= from.position;
+  motion.velocity -= from.velocity;
+  motion.acceleration -= from.acceleration;
+  return motion;
 }
 
 bool Rods::resist_bending() const {

@@ -28,6 +28,7 @@ struct Load {
   Vec3 centre = Vec3::Zero();   // m, from the point
   Mat3 inertia = Mat3::Zero();  // kg m^2, about the centre
   Vec3 spin = Vec3::Zero();     // rad/s, at the start
+  BodyCapsule capsule;          // that touches obstacles; m, from the point
 };
 
 /// A ball about one end of a rod: a particle that obstacles touch.
@@ -39,8 +40,8 @@ struct Bead {
 /// The one connector of a world, from a fixed, driven or free end down to a point mass, a free end
 /// or a free body. Places and speeds are relative to where it hangs from: an end that is driven is
 /// a frame that falls, in which gravity is less by the end's acceleration. One that is free is
-/// where it was at the start. Beside obstacles, which stand still, no end is driven. It may resist
-/// bending, clamped to a fixed point or to nothing; then nothing twists it.
+/// where it was at the start. It may resist bending, clamped to a fixed point or to nothing; then
+/// nothing twists it.
 class Rods {
  public:
   /// Throws std::invalid_argument with the reason where the world is another.
@@ -61,7 +62,10 @@ class Rods {
   void bend(const std::vector<Vec3>& edges, const std::vector<Vec3>& spins,
             std::vector<Vec3>& moments) const;
 
+  /// That beads and the load touch, in the world's places.
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  /// The motion of one of them in the rods' frame.
+  FrameMotion motion(const Obstacle& obstacle, const World& world, double time) const;
   std::vector<Bead> beads() const;
   double radius() const { return radius_; }  // m, of the beads
   /// m/s^2, as what hangs feels it at `time`.
