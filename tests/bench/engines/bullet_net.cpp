@@ -22,6 +22,8 @@ class BulletNet : public NetEngine {
 
  private:
   void build(const Points& net) override {
+    refuse_strings(kName, world());
+    refuse_obstacles(kName, world());
     const Vec3& g = net.gravity();
     world_.setGravity({g.x(), g.y(), g.z()});
     btSoftBodyWorldInfo& info = world_.getWorldInfo();

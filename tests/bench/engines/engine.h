@@ -114,8 +114,6 @@ class NetEngine : public Engine {
  private:
   void build(const World& world) final {
     refuse_materials(kName, world);
-    refuse_strings(kName, world);
-    refuse_obstacles(kName, world);
     net_.emplace(world);
     for (const Point& point : net_->points()) positions_.push_back(point.position);
     build(*net_);

@@ -21,6 +21,9 @@ using MuJoCoData = std::unique_ptr<mjData, DeleteMuJoCo>;
 /// A constraint as stiff as MuJoCo lets a step be (two of them).
 inline constexpr const char* kStiffContact = "solref='1e-9 1' solimp='0.99 0.9999 1e-6'";
 
+/// The same of a tendon's limit.
+inline constexpr const char* kStiffLimit = "solreflimit='1e-9 1' solimplimit='0.99 0.9999 1e-6'";
+
 SettingInfo mujoco_integrator();
 
 /// Throws Diverged with MuJoCo's complaint.

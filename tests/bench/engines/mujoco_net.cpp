@@ -4,6 +4,7 @@
 
 #include "tests/bench/engines/engine.h"
 #include "tests/bench/engines/mujoco_model.h"
+#include "tests/bench/engines/mujoco_solids.h"
 
 namespace taut::engines {
 namespace {
@@ -11,11 +12,15 @@ namespace {
 std::string net_xml(const Points& net, const std::string& integrator) {
   std::ostringstream out, tendons, lengths;
   out.precision(17);
+  tendons.precision(17);
   const Vec3& g = net.gravity();
   out << "<mujoco><compiler inertiafromgeom='false'/><option integrator='" << integrator
-      << "' gravity='" << g.x() << ' ' << g.y() << ' ' << g.z()
-      << "'><flag contact='disable' limit='disable' frictionloss='disable' sensor='disable'/>"
-         "</option><worldbody>";
+      << "' gravity='" << g.x() << ' ' << g.y() << ' ' << g.z() << "'><flag "
+      << (net.obstacles().empty() ? "contact='disable' " : "")
+      << "frictionloss='disable' sensor='disable'/></option><worldbody>";
+  for (const Obstacle& obstacle : net.obstacles()) {
+    write_solid(out, obstacle, obstacle.place, kStiffContact);
+  }
   for (std::size_t i = 0; i < net.points().size(); ++i) {
     const Point& point = net.points()[i];
     const Vec3& at = point.position;
@@ -25,14 +30,16 @@ std::string net_xml(const Points& net, const std::string& integrator) {
         out << "<joint type='slide' axis='" << axis << "'/>";
       }
       out << "<inertial pos='0 0 0' mass='" << point.mass << "' diaginertia='1 1 1'/>";
+      if (!net.obstacles().empty()) write_ball(out, point.radius, Vec3::Zero(), kStiffContact);
     }
     out << "<site name='" << i << "'/></body>";
   }
   for (std::size_t i = 0; i < net.links().size(); ++i) {
     const Link& link = net.links()[i];
-    tendons << "<spatial name='" << i << "'><site site='" << link.a << "'/><site site='" << link.b
-            << "'/></spatial>";
-    lengths << "<tendon tendon1='" << i << "' " << kStiffContact << "/>";
+    tendons << "<spatial name='" << i << "'";
+    if (link.pulls) tendons << " limited='true' range='0 " << link.length << "' " << kStiffLimit;
+    tendons << "><site site='" << link.a << "'/><site site='" << link.b << "'/></spatial>";
+    if (!link.pulls) lengths << "<tendon tendon1='" << i << "' " << kStiffContact << "/>";
   }
   out << "</worldbody><tendon>" << tendons.str() << "</tendon><equality>" << lengths.str()
       << "</equality></mujoco>";
@@ -84,7 +91,9 @@ MethodInfo mujoco_net_method() {
           .make = [](const Settings& settings) -> std::unique_ptr<Method> {
             return std::make_unique<MuJoCoNet>(settings);
           },
-          .follows_joints = true};
+          .touches_obstacles = true,
+          .follows_joints = true,
+          .follows_strings = true};
 }
 
 }  // namespace taut::engines

@@ -20,7 +20,7 @@ class Ode : public RodEngine {
       : RodEngine(number(settings, "step")), world_(make_ode_world(settings)) {}
   ~Ode() override {
     touch_.reset();
-    dWorldDestroy(world_.id);
+    world_.destroy();
   }
 
  private:
@@ -139,7 +139,7 @@ class Ode : public RodEngine {
       if (obstacle.path) touch_->move(obstacle, rods_->motion(obstacle, world(), time));
     }
     if (touch_->any()) touch_->find(world_.id);
-    world_.step(dt);
+    world_.step(time, dt);
     touch_->forget();
   }
 

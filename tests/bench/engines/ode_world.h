@@ -13,13 +13,11 @@ struct OdeWorld {
   dWorldID id = nullptr;
   int iterations = 0;  // of QuickStep; zero: all joints are solved exactly
 
-  void step(double dt) const {
-    if (iterations > 0) {
-      dWorldQuickStep(id, dt);
-    } else {
-      dWorldStep(id, dt);
-    }
-  }
+  bool broken = false;
+
+  /// From `time` (s) on. Throws Diverged.
+  void step(double time, double dt);
+  void destroy();
 };
 
 /// Whoever has it destroys it.

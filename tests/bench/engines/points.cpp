@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <stdexcept>
 
+#include "tests/bench/engines/solids.h"
+
 namespace taut::engines {
 namespace {
 
@@ -16,12 +18,20 @@ void check_net(const World& world) {
     for (const Hold& hold : connector.holds) {
       need(hold.to.kind == Attachment::Kind::fixed, "engines are given nets on fixed points");
     }
+    need(!connector.links_touch, "engines are given beads that touch obstacles");
+    for (const Obstacle& obstacle : world.obstacles) {
+      need(obstacle.touches(connector.category), "engines are given obstacles that all nets touch");
+    }
+  }
+  for (const Obstacle& obstacle : world.obstacles) {
+    check_solid(obstacle);
+    need(!obstacle.path, "engines are given nets beside obstacles that stand still");
   }
 }
 
 }  // namespace
 
-Points::Points(const World& world) : gravity_(world.gravity) {
+Points::Points(const World& world) : obstacles_(world.obstacles), gravity_(world.gravity) {
   check_net(world);
   std::vector<std::uint32_t> leaders;
   find_leaders(world, leaders);
@@ -35,15 +45,16 @@ Points::Points(const World& world) : gravity_(world.gravity) {
       if (held) ++hold;
       if (leaders[particle] != particle) continue;
       point_of_[particle] = points_.size();
-      points_.push_back(
-          {connector.position[i], connector.velocity[i], joined_mass(world, c, i), held});
+      points_.push_back({connector.position[i], connector.velocity[i], joined_mass(world, c, i),
+                         held, connector.radius});
     }
   }
   for (std::size_t i = 0; i < leaders.size(); ++i) point_of_[i] = point_of_[leaders[i]];
   particle = 0;
   for (const Connector& connector : world.connectors) {
     for (std::size_t k = 0; k < connector.links(); ++k, ++particle) {
-      const Link link{point_of_[particle], point_of_[particle + 1]};
+      const Link link{point_of_[particle], point_of_[particle + 1], connector.rest[k],
+                      connector.pulls};
       if (!points_[link.a].held || !points_[link.b].held) links_.push_back(link);
     }
     ++particle;
