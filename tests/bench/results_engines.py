@@ -60,6 +60,39 @@ def costs_and_nearest(told):
     return markdown([head, *rows.values()], range(1, len(head)))
 
 
+def cheapest_or_nearest(told, error):
+    """A row for each scene and method: its cheapest settings within an error (m), else those that come nearest."""
+    rows = [["scene", "method", "settings", "error (m)", "penetration (m)", "energy gained (J)"]]
+    for scene in told["scenes"]:
+        for entry in scene["methods"]:
+            within = next(one for one in entry["work_precision"] if one["error_asked_m"] == error)
+            found = within if within["cpu_ms_per_simulated_s"] else entry.get("nearest")
+            row = [scene["title"], entry["method"]]
+            if found:
+                row.append(", ".join(f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
+                                     for name, value in found["settings"].items()))
+                row += [f"{found[key]:.2g}" for key in ("rms_error_m", "penetration_m", "energy_gained_j")]
+            rows.append(row if found else row + ["no run came to its end", "-", "-", "-"])
+    return markdown(rows, range(3, 6))
+
+
+@result("friction", STUDY)
+def friction(work):
+    """other engines at a capstan, between sticks that touch, and with strings on a plate"""
+    ways = (("tests/bench/engines/capstan_half.toml tests/bench/engines/capstan_once.toml "
+             "tests/bench/engines/capstan_twice.toml", "direct,xpbd,bullet,mujoco,ode", "--reference-step 0.00013"),
+            ("tests/bench/engines/nunchaku.toml", "direct,xpbd,bullet,mujoco,ode", "--reference-step 0.00005"),
+            ("scenes/contact/scale.toml", "direct,springs,xpbd,mujoco-net,ode-net", ""))
+    parts, known = [], [["scene", "scored until (s)", "the reference's own error (m)"]]
+    for scenes, methods, reference in ways:
+        told = json.loads(work.run(f"taut_engines work-precision {scenes} --methods {methods} --budget 60 "
+                                   f"--errors 0.03,0.01,0.003 --json {reference}".strip()))
+        known += [[scene["title"], f"{scene['horizon_s']:.3g}", f"{scene['self_error_m']:.1g}"]
+                  for scene in told["scenes"]]
+        parts += [costs_and_nearest(told), cheapest_or_nearest(told, 0.01)]
+    return "\n\n".join([markdown(known, range(1, 3)), *parts])
+
+
 @result("materials", STUDY)
 def materials(work):
     """other engines where a connector bends"""
