@@ -85,7 +85,7 @@ def friction(work):
             ("scenes/contact/scale.toml", "direct,springs,xpbd,mujoco-net,ode-net", ""))
     parts, known = [], [["scene", "scored until (s)", "the reference's own error (m)"]]
     for scenes, methods, reference in ways:
-        told = json.loads(work.run(f"taut_engines work-precision {scenes} --methods {methods} --budget 60 "
+        told = json.loads(work.run(f"taut_engines work-precision {scenes} --methods {methods} --budget 100 "
                                    f"--errors 0.03,0.01,0.003 --json {reference}".strip()))
         known += [[scene["title"], f"{scene['horizon_s']:.3g}", f"{scene['self_error_m']:.1g}"]
                   for scene in told["scenes"]]
