@@ -76,6 +76,9 @@ Vec3 BodyContacts::moved(const Mechanism& mechanism, std::uint32_t one, const Ve
 void BodyContacts::rebuild(const Mechanism& mechanism, const World& world) {
   meetings_.clear();
   beads_.clear();
+  groups_.clear();
+  points_.clear();
+  numbers_.clear();
   if (!has_touching_bodies(world) && world.bead_pairs.empty()) return;
   obstacles_ = world.obstacles;
   capsules_ = capsules_of_free_bodies(world);
@@ -107,8 +110,16 @@ void BodyContacts::add_beads(const World& world, std::span<const BodyMeeting> me
       capsules_.push_back({.radius = radius[meeting.body]});
       beads_.push_back(meeting.body);
     }
+    if (groups_.empty() || meetings_[groups_.back().first].other != meeting.other) {
+      groups_.push_back({.first = meetings_.size()});
+    }
+    const BodyCapsule& solid = capsules_[meeting.other];
+    const double reach = (solid.to - solid.from).norm() / 2 + solid.radius + radius[meeting.body];
+    groups_.back().reach = std::max(groups_.back().reach, reach);
+    points_.push_back(meeting.body);
     meetings_.push_back(meeting);
     meetings_.back().body = one;
+    groups_.back().end = meetings_.size();
   }
 }
 
@@ -121,28 +132,41 @@ void BodyContacts::find(const Mechanism& mechanism, double time, double dt,
   touches_.clear();
   for (const std::uint32_t one : numbers_) here_[one] = kNoBody;
   numbers_.clear();
-  for (std::size_t m = 0; m < meetings_.size(); ++m) {
-    const BodyMeeting& meeting = meetings_[m];
-    const Capsule capsule =
-        placed(capsules_[meeting.body], pose_of(mechanism, meeting.body, state));
-    Pose solid;
-    if (meeting.other == kNoBody) {
-      solid = frames_[meeting.obstacle].pose();
-    } else {
-      const Pose other = pose_of(mechanism, meeting.other, state);
-      solid = pose_of_solid(meeting, other.position, other.rotation);
-    }
-    if (is_far(meeting.shape, solid, capsule, near)) continue;
-    const auto gaps = all_gaps(meeting.shape, solid, capsule);
-    const auto touches = [&](const SpotGap& gap) { return gap.distance <= near; };
-    if (std::ranges::none_of(gaps, touches)) continue;
-    // What moves one spot out may move another in: all of them count.
-    for (const Spot spot : kSpots) {
-      const SpotGap& gap = gaps[static_cast<std::size_t>(spot)];
-      if (gap.distinct) add(mechanism, m, capsule, spot, gap, state);
+  const std::size_t of_bodies = meetings_.size() - points_.size();
+  for (std::size_t m = 0; m < of_bodies; ++m) find_at(mechanism, m, near, state);
+  for (const BeadGroup& group : groups_) {
+    const Vec3 middle = solid_of(mechanism, meetings_[group.first], state).position;
+    const double reach = group.reach + near;
+    for (std::size_t m = group.first; m < group.end; ++m) {
+      const ConstMap bead(&state[mechanism.position(points_[m - of_bodies])]);
+      if ((bead - middle).squaredNorm() <= reach * reach) find_at(mechanism, m, near, state);
     }
   }
   find_masses(mechanism, state);
+}
+
+/// The frame of what a meeting is with.
+Pose BodyContacts::solid_of(const Mechanism& mechanism, const BodyMeeting& meeting,
+                            const std::vector<double>& state) const {
+  if (meeting.other == kNoBody) return frames_[meeting.obstacle].pose();
+  const Pose other = pose_of(mechanism, meeting.other, state);
+  return pose_of_solid(meeting, other.position, other.rotation);
+}
+
+void BodyContacts::find_at(const Mechanism& mechanism, std::size_t index, double near,
+                           const std::vector<double>& state) {
+  const BodyMeeting& meeting = meetings_[index];
+  const Capsule capsule = placed(capsules_[meeting.body], pose_of(mechanism, meeting.body, state));
+  const Pose solid = solid_of(mechanism, meeting, state);
+  if (is_far(meeting.shape, solid, capsule, near)) return;
+  const auto gaps = all_gaps(meeting.shape, solid, capsule);
+  const auto touches = [&](const SpotGap& gap) { return gap.distance <= near; };
+  if (std::ranges::none_of(gaps, touches)) return;
+  // What moves one spot out may move another in: all of them count.
+  for (const Spot spot : kSpots) {
+    const SpotGap& gap = gaps[static_cast<std::size_t>(spot)];
+    if (gap.distinct) add(mechanism, index, capsule, spot, gap, state);
+  }
 }
 
 std::uint32_t BodyContacts::number_here(std::uint32_t one) {

@@ -55,6 +55,10 @@ class BodyContacts {
              const std::vector<double>& before, const std::vector<double>& state) const;
 
   void find(const Mechanism& mechanism, double time, double dt, const std::vector<double>& state);
+  void find_at(const Mechanism& mechanism, std::size_t meeting, double near,
+               const std::vector<double>& state);
+  Pose solid_of(const Mechanism& mechanism, const BodyMeeting& meeting,
+                const std::vector<double>& state) const;
   void add_beads(const World& world, std::span<const BodyMeeting> meetings);
   std::uint32_t number_here(std::uint32_t one);
   void add(const Mechanism& mechanism, std::size_t meeting, const Capsule& capsule, Spot spot,
@@ -65,7 +69,15 @@ class BodyContacts {
   void use_friction(bool used);
   Vec3 surface_velocity(const BodyTouch& at) const;
 
-  std::vector<BodyMeeting> meetings_;
+  /// Meetings of beads with one body, in a row.
+  struct BeadGroup {
+    std::size_t first = 0, end = 0;
+    double reach = 0;  // m, from the middle of the body's capsule: no bead farther off touches it
+  };
+
+  std::vector<BodyMeeting> meetings_;  // of bodies, then of beads
+  std::vector<BeadGroup> groups_;
+  std::vector<std::uint32_t> points_;  // of the meetings of beads
   std::vector<BodyCapsule> capsules_;  // from the centre of mass, of all that may touch
   std::vector<std::uint32_t> beads_;   // their points
   std::vector<Obstacle> obstacles_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/contact/penetration.h"
 #include "sim/measure/measure.h"
 
 namespace taut::study {
@@ -84,8 +85,8 @@ Run run(const Problem& problem, const MethodChoice& candidate, double cpu_cap,
       result.energy_loss = std::max(result.energy_loss, -gained);
       result.stretch.push_back(stretch);
       result.stretch_max = std::max(result.stretch_max, stretch);
-      result.penetration_max =
-          std::max(result.penetration_max, penetration_max(std::as_const(simulation).world()));
+      result.penetration_max = std::max(
+          result.penetration_max, contact::penetration_max(std::as_const(simulation).world()));
     }
   } catch (const Diverged& error) {
     result.end = Run::End::diverged;

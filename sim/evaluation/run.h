@@ -36,7 +36,7 @@ struct Run {
   double failed_at = 0;         // s, where it diverged
   std::vector<double> stretch;  // of each frame, as stretch_max() has it
   double stretch_max = 0;       // of all frames
-  double penetration_max = 0;   // m, of all frames, as penetration_max() has it
+  double penetration_max = 0;   // m, of all frames, as contact::penetration_max() has it
   double energy_gain = 0;       // J, the most above the energy at the start, of all frames
   double energy_loss = 0;       // J, the most below it
 };

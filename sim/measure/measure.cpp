@@ -179,51 +179,6 @@ double stretch_max(const World& world) {
   return most;
 }
 
-namespace {
-
-/// The least gap (m) of a body's capsule, which is convex along its line.
-double least_gap_of(const Body& body, const Obstacle& obstacle, const Pose& frame) {
-  const BodyCapsule& capsule = body.capsule;
-  const Vec3 from = body.point(capsule.from), along = body.point(capsule.to) - from;
-  const auto at = [&](double share) {
-    return gap(obstacle, frame, from + share * along, capsule.radius).distance;
-  };
-  double low = 0, high = 1;
-  constexpr int kThirds = 100;  // of what is left, a third goes each time
-  for (int i = 0; i < kThirds && high > low; ++i) {
-    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
-    if (at(a) < at(b)) {
-      high = b;
-    } else {
-      low = a;
-    }
-  }
-  return std::min({at(0), at(low), at(1)});
-}
-
-}  // namespace
-
-double penetration_max(const World& world) {
-  double most = 0;
-  for (const Obstacle& obstacle : world.obstacles) {
-    const Pose frame = obstacle.frame(world.time).pose();
-    for (const Connector& connector : world.connectors) {
-      if (!obstacle.touches(connector.category)) continue;
-      for (std::size_t i = 0; i < connector.particles(); ++i) {
-        if (find_hold(connector, i)) continue;
-        most =
-            std::max(most, -gap(obstacle, frame, connector.position[i], connector.radius).distance);
-      }
-    }
-    for (const Body& body : world.bodies) {
-      if (body.driven() || !body.capsule.touches() || !obstacle.touches(body.capsule.category))
-        continue;
-      most = std::max(most, -least_gap_of(body, obstacle, frame));
-    }
-  }
-  return most;
-}
-
 double moving_mass(const World& world) {
   double mass = 0;
   each_free_body(world, [&](const Body& body) { mass += body.mass_properties.mass; });

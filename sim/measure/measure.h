@@ -21,9 +21,6 @@ Vec3 angular_momentum(const World& world, const Vec3& about = Vec3::Zero());
 /// The largest |link length / rest length - 1| of any link (rest length zero: the gap in m); of
 /// strings, which may be shorter, without the bars.
 double stretch_max(const World& world);
-/// How deep (m) the bead or the free body's capsule is that is deepest in an obstacle; zero where
-/// none is in one.
-double penetration_max(const World& world);
 
 /// The mass of everything that moves freely, kg.
 double moving_mass(const World& world);

@@ -159,13 +159,13 @@ struct MethodInfo {
   bool touches_with_bodies = false;
   /// Links touch them as beads do where Connector::links_touch; others throw Diverged there.
   bool touches_with_links = false;
+  /// So do links of connectors that free bodies hold; others throw Diverged there.
+  bool touches_with_links_at_bodies = false;
   /// Beads touch free bodies (World::bead_pairs); others throw Diverged where some are to.
   bool beads_touch_bodies = false;
   /// What touches may stand beside connectors that are joined, have winches or materials; others
   /// throw Diverged where touches_beside_more().
   bool touches_beside_more = false;
-  /// So do links of connectors that free bodies hold; others throw Diverged there.
-  bool touches_with_links_at_bodies = false;
   /// Connectors stretch, resist bending and meet the air as sim/material says; others throw
   /// Diverged where a world has such a one.
   bool follows_materials = false;
@@ -228,14 +228,15 @@ void refuse_obstacles(std::string_view method, const World& world);
 void refuse_touching_bodies(std::string_view method, const World& world);
 /// For methods that touch obstacles with beads alone: throws Diverged where has_touching_links().
 void refuse_touching_links(std::string_view method, const World& world);
+/// For methods that touch them with links, but not those of connectors that free bodies hold:
+/// throws Diverged.
+void refuse_touching_links_at_bodies(std::string_view method, const World& world);
 
 /// For methods whose beads touch obstacles alone: throws Diverged where some are to touch bodies.
 void refuse_bead_pairs(std::string_view method, const World& world);
 /// For methods that know contact of rigid links that bend freely: throws Diverged where
 /// touches_beside_more().
 void refuse_more_beside_contact(std::string_view method, const World& world);
-/// For methods that do so with links, but not of connectors that free bodies hold: throws Diverged.
-void refuse_touching_links_at_bodies(std::string_view method, const World& world);
 
 /// For methods whose links are rigid and bend freely: throws Diverged where a connector's do not.
 void refuse_materials(std::string_view method, const World& world);

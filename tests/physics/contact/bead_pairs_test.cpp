@@ -180,6 +180,27 @@ TEST_P(BeadPairs, ABallComesToRestInANet) {
   EXPECT_LT(rest.bodies[0].velocity.squaredNorm() / 2, 1e-3 * kGravity * fallen);
 }
 
+// After a touch a pin takes one of the beads: there are fewer that may touch. The ball lies on the
+// others as before.
+TEST_P(BeadPairs, WhatIsPinnedWhileItTouchesHolds) {
+  World start;
+  Connector cord = straight_connector("cord", 0.6, 4 * kBead, 4, Vec3(-0.3, 0, 0), Vec3::UnitX());
+  cord.radius = kThick;
+  cord.holds = {{0, worlds::fixed_at(cord.position.front())},
+                {3, worlds::fixed_at(cord.position.back())}};
+  start.connectors = {cord};
+  start.bodies = {large_ball(Vec3(0.1, kSize + kThick, 0))};
+  touch(start);
+  finish(start);
+  Simulation simulation(start, make_method(GetParam(), {{"step", kStep}}),
+                        Timeline{.pins = {{0, 0.4, 0.1, INFINITY, {}}}, .cuts = {}});
+  simulation.advance_to(0.5);
+  const Connector& after = simulation.world().connectors[0];
+  EXPECT_LT(after.velocity[2].norm(), 1e-12);
+  EXPECT_GT(simulation.world().bodies[0].position.y() - after.position[2].y(), 0);
+  EXPECT_LE(depth_in_ball(simulation.world()), 1e-9);
+}
+
 // Joined beads touch obstacles, too; of two that are joined one stands for both.
 TEST_P(BeadPairs, ANetFallsOnAFloor) {
   World world = joined_worlds::net(5, 0.3);

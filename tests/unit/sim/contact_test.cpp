@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "sim/contact/penetration.h"
 #include "sim/contact/touch.h"
-#include "sim/measure/measure.h"
 #include "sim/world/connector.h"
 #include "sim/world/obstacle.h"
 #include "tests/support/dice.h"
@@ -185,9 +185,9 @@ TEST(Penetration, IsThatOfTheDeepestBeadThatNothingHolds) {
   world.connectors[0].holds = {{2, {}}};  // the lowest
   const double middle = world.connectors[0].position[1].y();
   ASSERT_LT(middle, 0);
-  EXPECT_DOUBLE_EQ(penetration_max(world), 0.01 - middle);
+  EXPECT_DOUBLE_EQ(contact::penetration_max(world), 0.01 - middle);
   world.obstacles[0].place.position.y() = -1;
-  EXPECT_EQ(penetration_max(world), 0);
+  EXPECT_EQ(contact::penetration_max(world), 0);
 }
 
 TEST(Penetration, OfABodyIsWhereItsCapsuleIsDeepest) {
@@ -200,13 +200,14 @@ TEST(Penetration, OfABodyIsWhereItsCapsuleIsDeepest) {
   world.bodies.push_back(body);
   world.obstacles.push_back({});
   world.obstacles[0].shape = sphere_shape(0.05);  // between the ends
-  EXPECT_NEAR(penetration_max(world), 0.005, 1e-15);
+  EXPECT_NEAR(contact::penetration_max(world), 0.005, 1e-15);
   world.bodies[0].position.x() = 0.15 + 0.03;  // an end is 0.03 aside, 0.055 above
-  EXPECT_NEAR(penetration_max(world), std::max(0.0, 0.06 - std::hypot(0.03, 0.055)), 1e-15);
+  EXPECT_NEAR(contact::penetration_max(world), std::max(0.0, 0.06 - std::hypot(0.03, 0.055)),
+              1e-15);
   world.bodies[0].position.x() = 0.15 + 0.01;
-  EXPECT_NEAR(penetration_max(world), 0.06 - std::hypot(0.01, 0.055), 1e-15);
+  EXPECT_NEAR(contact::penetration_max(world), 0.06 - std::hypot(0.01, 0.055), 1e-15);
   world.obstacles[0].ignores = world.bodies[0].capsule.category = 1;
-  EXPECT_EQ(penetration_max(world), 0);
+  EXPECT_EQ(contact::penetration_max(world), 0);
 }
 
 }  // namespace
