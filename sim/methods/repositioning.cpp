@@ -74,45 +74,64 @@ void Repositioning::begin(const World& world) {
   }
 }
 
-void Repositioning::pass(World& world, const Span& span, BeadTouches& touches, double dt) {
-  const Connector& connector = world.connectors[span.connector];
+Repositioning::Strand Repositioning::strand(World& world, const Span& span,
+                                            const BeadTouches& touches, double dt) const {
+  const std::size_t c = span.connector;
+  return {world.connectors[c].position,       along_[c], weight_[c], c,
+          touches.any() ? &touches : nullptr, dt};
+}
+
+void Repositioning::pass(World& world, const Span& span, const BeadTouches& touches,
+                         double dt) const {
+  const Strand at = strand(world, span, touches, dt);
+  const std::vector<double>& rest = world.connectors[span.connector].rest;
   for (std::size_t k = span.a.particle; k < span.b.particle; ++k) {
-    const double squared = (connector.position[k + 1] - connector.position[k]).squaredNorm();
-    const double shortest = limits_.shortest * connector.rest[k];
-    const double longest = limits_.longest * connector.rest[k];
+    const double squared = (at.position[k + 1] - at.position[k]).squaredNorm();
+    const double shortest = limits_.shortest * rest[k];
+    const double longest = limits_.longest * rest[k];
     const double least = std::max(0.0, shortest - threshold_), most = longest + threshold_;
     if (squared >= least * least && squared <= most * most) continue;
     if (squared == 0) continue;
-    draw({world, span.connector, touches, dt}, k, k + 1,
-         squared > longest * longest ? longest : shortest);
+    draw(at, k, k + 1, squared, squared > longest * longest ? longest : shortest);
   }
 }
 
-/// Moves two particles to the `wanted` distance (m), each by the other's part of their mass.
-void Repositioning::draw(const Where& where, std::size_t i, std::size_t j, double wanted) {
-  Connector& connector = where.world.connectors[where.connector];
-  const std::vector<double>& weight = weight_[where.connector];
-  const double both = weight[i] + weight[j];
+/// Moves two particles, whose distance has this square, to the `wanted` distance (m), each by the
+/// other's part of their mass.
+void Repositioning::draw(const Strand& strand, std::size_t i, std::size_t j, double squared,
+                         double wanted) {
+  const double both = strand.weight[i] + strand.weight[j];
   if (both == 0) return;
-  Vec3 &p = connector.position[i], &q = connector.position[j];
-  const Vec3 apart = q - p;
-  const double distance = apart.norm();
-  const Vec3 move = apart * ((distance - wanted) / (distance * both));
-  const TouchingBead* at_p = where.touches.find(where.connector, i);
-  const TouchingBead* at_q = where.touches.find(where.connector, j);
+  Vec3 &p = strand.position[i], &q = strand.position[j];
+  const double distance = std::sqrt(squared);
+  const Vec3 move = (q - p) * ((distance - wanted) / (distance * both));
+  if (strand.touches) return draw_at_surfaces(strand, i, j, move, wanted);
+  p += strand.weight[i] * move;
+  q -= strand.weight[j] * move;
+}
+
+/// The same where the surfaces that they touch let them: what is kept from one of them falls to the
+/// other, and none moves farther than both are off.
+void Repositioning::draw_at_surfaces(const Strand& strand, std::size_t i, std::size_t j,
+                                     const Vec3& move, double wanted) {
+  const double weight_i = strand.weight[i], weight_j = strand.weight[j];
+  const double both = weight_i + weight_j;
+  Vec3 &p = strand.position[i], &q = strand.position[j];
+  const Vec3 from_p = p, from_q = q;
+  const TouchingBead* at_p = strand.touches->find(strand.connector, i);
+  const TouchingBead* at_q = strand.touches->find(strand.connector, j);
   if (!at_p && !at_q) {
-    p += weight[i] * move;
-    q -= weight[j] * move;
+    p += weight_i * move;
+    q -= weight_j * move;
     return;
   }
-  // What a surface keeps from one of them falls to the other; none moves farther than both are off.
-  const Vec3 from_p = p, from_q = q;
+  const double distance = (q - p).norm();
   double more = 1;
   for (int attempt = 0; attempt < kDraws; ++attempt) {
-    p = from_p + std::min(more * weight[i], both) * move;
-    q = from_q - std::min(more * weight[j], both) * move;
-    if (at_p) p = BeadTouches::allowed(*at_p, p, where.dt);
-    if (at_q) q = BeadTouches::allowed(*at_q, q, where.dt);
+    p = from_p + std::min(more * weight_i, both) * move;
+    q = from_q - std::min(more * weight_j, both) * move;
+    if (at_p) p = BeadTouches::allowed(*at_p, p, strand.dt);
+    if (at_q) q = BeadTouches::allowed(*at_q, q, strand.dt);
     const double reached = (distance - (q - p).norm()) / (distance - wanted);
     if (!(reached > 1 / kMostDrawn)) return;  // they can be drawn no nearer
     more /= reached;
@@ -128,39 +147,41 @@ void Repositioning::stay_in_reach(World& world, const Span& span, BeadTouches& t
     dividers_.push_back(bead.particle);
   }
   dividers_.push_back(span.b.particle);
-  const Where where{world, span.connector, touches, dt};
+  const Strand at = strand(world, span, touches, dt);
   const std::size_t parts = dividers_.size() - 1;
   for (std::size_t k = 0; k < parts; ++k) {
     const std::size_t first = dividers_[k], last = dividers_[k + 1];
-    for (const std::size_t end : {first, last}) {
-      for (std::size_t i = first + 1; i < last; ++i) reach(where, i, end);
-    }
-    if (parts > 1) meet(where, last, first);  // a corner that slides stays in reach
+    for (const std::size_t end : {first, last}) reach(at, first, last, end);
+    if (parts > 1) meet(at, last, first);  // a corner that slides stays in reach
   }
-  if (!as_printed_) meet(where, span.b.particle, span.a.particle);
+  if (!as_printed_) meet(at, span.b.particle, span.a.particle);
 }
 
-/// Moves a particle into the reach of an end of its part.
-void Repositioning::reach(const Where& where, std::size_t i, std::size_t end) {
-  if (weight_[where.connector][end] > 0) return meet(where, i, end);
-  const std::vector<double>& along = along_[where.connector];
-  std::vector<Vec3>& position = where.world.connectors[where.connector].position;
-  const double longest = limits_.longest * std::abs(along[i] - along[end]);
-  const Vec3 apart = position[i] - position[end];
-  const double squared = apart.squaredNorm();
-  if (squared <= longest * longest) return;
-  const Vec3 wanted = position[end] + longest / std::sqrt(squared) * apart;
-  const TouchingBead* bead = where.touches.find(where.connector, i);
-  position[i] = bead ? BeadTouches::allowed(*bead, wanted, where.dt) : wanted;
+/// Moves the particles between two into the reach of one of these, `end`.
+void Repositioning::reach(const Strand& strand, std::size_t first, std::size_t last,
+                          std::size_t end) const {
+  if (strand.weight[end] > 0) {
+    for (std::size_t i = first + 1; i < last; ++i) meet(strand, i, end);
+    return;
+  }
+  const Vec3 place = strand.position[end];
+  const double along = strand.along[end];
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const double longest = limits_.longest * std::abs(strand.along[i] - along);
+    const Vec3 apart = strand.position[i] - place;
+    const double squared = apart.squaredNorm();
+    if (squared <= longest * longest) continue;
+    const Vec3 wanted = place + longest / std::sqrt(squared) * apart;
+    const TouchingBead* bead = strand.touches ? strand.touches->find(strand.connector, i) : nullptr;
+    strand.position[i] = bead ? BeadTouches::allowed(*bead, wanted, strand.dt) : wanted;
+  }
 }
 
 /// Moves a particle and an end into each other's reach, each by the other's part of their mass.
-void Repositioning::meet(const Where& where, std::size_t i, std::size_t end) {
-  const std::vector<double>& along = along_[where.connector];
-  const std::vector<Vec3>& position = where.world.connectors[where.connector].position;
-  const double longest = limits_.longest * std::abs(along[i] - along[end]);
-  if ((position[end] - position[i]).squaredNorm() <= longest * longest) return;
-  draw(where, i, end, longest);
+void Repositioning::meet(const Strand& strand, std::size_t i, std::size_t end) const {
+  const double longest = limits_.longest * std::abs(strand.along[i] - strand.along[end]);
+  const double squared = (strand.position[end] - strand.position[i]).squaredNorm();
+  if (squared > longest * longest) draw(strand, i, end, squared, longest);
 }
 
 void Repositioning::set_velocities(World& world, double dt) const {

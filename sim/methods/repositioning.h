@@ -23,7 +23,7 @@ class Repositioning {
   void begin(const World& world);
   /// Neighbours nearer than l_c or farther than l_t, by more than h, are moved to that distance,
   /// each by the other's part of their mass; what touches something, as far as that lets it.
-  void pass(World& world, const Span& span, BeadTouches& touches, double dt);
+  void pass(World& world, const Span& span, const BeadTouches& touches, double dt) const;
   /// A particle farther from an end than the rest length between them is moved to that distance;
   /// from both ends, and the ends themselves last. Corners divide the span into parts.
   void stay_in_reach(World& world, const Span& span, BeadTouches& touches, double dt);
@@ -32,17 +32,23 @@ class Repositioning {
   const std::vector<std::vector<Vec3>>& flown() const { return flown_; }
 
  private:
-  struct Where {
-    World& world;
+  /// A connector in a step.
+  struct Strand {
+    std::vector<Vec3>& position;
+    const std::vector<double>&along, &weight;
     std::size_t connector;
-    BeadTouches& touches;
-    double dt;  // s
+    const BeadTouches* touches;  // null: nothing touches
+    double dt;                   // s
   };
+  Strand strand(World& world, const Span& span, const BeadTouches& touches, double dt) const;
   void make_room(const World& world);
   void weigh(const Connector& connector, std::size_t index);
-  void reach(const Where& where, std::size_t i, std::size_t end);
-  void meet(const Where& where, std::size_t i, std::size_t end);
-  void draw(const Where& where, std::size_t i, std::size_t j, double wanted);
+  void reach(const Strand& strand, std::size_t first, std::size_t last, std::size_t end) const;
+  void meet(const Strand& strand, std::size_t i, std::size_t end) const;
+  static void draw(const Strand& strand, std::size_t i, std::size_t j, double squared,
+                   double wanted);
+  static void draw_at_surfaces(const Strand& strand, std::size_t i, std::size_t j, const Vec3& move,
+                               double wanted);
 
   LinkLimits limits_;
   double threshold_;  // m: h
