@@ -43,7 +43,12 @@ const TableFormat& limits_format() {
       {needed(vector("shoulder", "From where the hand's reach is measured.")),
        positive("reach", "The farthest from there; default: any.", "m"),
        positive("speed", "Default: any.", "m/s"),
-       positive("acceleration", "Default: any.", "m/s^2")}};
+       positive("acceleration", "Default: any.", "m/s^2"),
+       positive(
+           "clearance",
+           "How far the body, from where it hangs to the point, stays from a line from the pivot "
+           "to the chain's end; default: it may pass through it.",
+           "m")}};
   return format;
 }
 

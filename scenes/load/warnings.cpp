@@ -165,10 +165,9 @@ std::optional<std::string> choreography_warning(const Scene& scene,
                                                 const std::vector<SceneChange>& changes) {
   const std::optional<Choreographed> asked = load_choreography(scene.file, changes);
   if (!asked) return std::nullopt;
-  const auto path = choreography::hand_path(scene.world, asked->problem.body);
   try {
     const double worst =
-        std::ranges::max(choreography::misses(asked->problem, path->keys(), asked->within));
+        std::ranges::max(choreography::misses(asked->problem, scene.world, asked->within));
     if (worst <= asked->within) return std::nullopt;
     return fmt::format(
         "choreography: a waypoint is missed by {:.3g} mm, asked: {:.3g} mm; taut "

@@ -73,6 +73,7 @@ choreography::HandLimits read_limits(const Value& table) {
   limits.reach = number_or(table, "reach", limits.reach);
   limits.speed = number_or(table, "speed", limits.speed);
   limits.acceleration = number_or(table, "acceleration", limits.acceleration);
+  limits.clearance = number_or(table, "clearance", limits.clearance);
   return limits;
 }
 
@@ -99,6 +100,18 @@ std::vector<PathKey> keys_before(const Document& document, const Value& table,
     document.fail_at_key(table, fmt::format("begins at {} s, before the path's first key", first));
   }
   return keys;
+}
+
+/// What the body touches counts where the whole scene is simulated. While the path is sought, what
+/// a character carries along is not yet where the hand will take it.
+World touching_nothing(const World& world) {
+  return with_change(world, [](World& other) {
+    other.obstacles.clear();
+    other.pairs.clear();
+    other.bead_pairs.clear();
+    for (Body& body : other.bodies) body.capsule = {};
+    for (Connector& connector : other.connectors) connector.links_touch = false;
+  });
 }
 
 /// The point has to move with the line that the body hangs by.
@@ -139,8 +152,8 @@ Choreographed read_choreography(const Document& document, const Value& table,
         *table.find("until"),
         fmt::format("a time after {} s, that of the last waypoint", problem.waypoints.back().time));
   }
-  problem.world = choreography::with_hand_path(scene.world, problem.body,
-                                               keys_before(document, table, motions, problem));
+  problem.world = touching_nothing(choreography::with_hand_path(
+      scene.world, problem.body, keys_before(document, table, motions, problem)));
   constexpr std::size_t kMostGaussians =
       1500;  // the fit's matrices have 3 x 1500 rows, 160 MB each
   const std::size_t gaussians = choreography::gaussians(problem);
@@ -154,8 +167,15 @@ Choreographed read_choreography(const Document& document, const Value& table,
                     "or less time",
                     gaussians, kMostGaussians));
   }
-  if (const Value* limits = table.find("limits")) problem.limits = read_limits(*limits);
   problem.pivot = number_or(table, "pivot", problem.pivot);
+  if (const Value* limits = table.find("limits")) {
+    problem.limits = read_limits(*limits);
+    const Value* clearance = limits->find("clearance");
+    if (clearance && !table.find("pivot")) {
+      document.fail(*clearance,
+                    "needs choreography.pivot, from where the forearm reaches to the hand");
+    }
+  }
   made.within = number_or(table, "within", kWithin);
   const Value& file = *table.find("file");
   const std::filesystem::path& stands = file.inherited ? document.base : document.file;

@@ -28,10 +28,8 @@ namespace {
 constexpr double kCertain = 0.01;  // of what is asked: the tolerance of the simulation
 
 /// Where the body's point is minus where it should be, at each waypoint.
-std::vector<Vec3> deviations(const Choreography& problem, const std::vector<PathKey>& keys,
-                             double within) {
-  Simulation simulation(with_hand_path(problem.world, problem.body, keys),
-                        make_method("direct", {{"tolerance", kCertain * within}}),
+std::vector<Vec3> deviations(const Choreography& problem, const World& world, double within) {
+  Simulation simulation(world, make_method("direct", {{"tolerance", kCertain * within}}),
                         problem.timeline);
   std::vector<Vec3> off;
   for (const Waypoint& waypoint : problem.waypoints) {
@@ -68,9 +66,8 @@ HandMotion motion_of_hand(const Choreography& problem, const std::vector<PathKey
   return most;
 }
 
-std::vector<double> misses(const Choreography& problem, const std::vector<PathKey>& keys,
-                           double within) {
-  return lengths(deviations(problem, keys, within));
+std::vector<double> misses(const Choreography& problem, const World& world, double within) {
+  return lengths(deviations(problem, world, within));
 }
 
 std::size_t gaussians(const Choreography& problem) {
@@ -100,7 +97,8 @@ HandPath choreograph(const Choreography& problem, double within,
     HandPath found{before, {}, {}};
     found.keys.back().ease = true;
     for (const PathKey& key : fit.keys()) found.keys.push_back(key);
-    const std::vector<Vec3> off = deviations(problem, found.keys, within);
+    const std::vector<Vec3> off =
+        deviations(problem, with_hand_path(problem.world, problem.body, found.keys), within);
     found.miss = lengths(off);
     const double miss = *std::ranges::max_element(found.miss);
     if (watch) watch(miss);

@@ -31,10 +31,9 @@ inline constexpr int kMostRounds = 12;  // of choreograph()
 /// The world with another path in the place of the one that drives the body's connector.
 World with_hand_path(const World& world, std::size_t body, const std::vector<PathKey>& keys);
 
-/// Distances (m) of the body's point from the waypoints, by `direct` at a hundredth of `within`
-/// (m). Throws Diverged.
-std::vector<double> misses(const Choreography& problem, const std::vector<PathKey>& keys,
-                           double within);
+/// Distances (m) of the body's point from the waypoints in a world whose hand has its path, such as
+/// with_hand_path() makes, by `direct` at a hundredth of `within` (m). Throws Diverged.
+std::vector<double> misses(const Choreography& problem, const World& world, double within);
 
 /// The motion of the hand by those keys, from where the problem's own end until `until`.
 HandMotion motion_of_hand(const Choreography& problem, const std::vector<PathKey>& keys);

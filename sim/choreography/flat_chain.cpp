@@ -12,6 +12,12 @@ bool is_on(const Hold& hold, std::size_t body) {
   return hold.to.kind == Attachment::Kind::body && hold.to.body == body;
 }
 
+/// Links that only pull move as rigid ones do while they are taut, as those of a flat chain are.
+World while_taut(World world) {
+  for (Connector& connector : world.connectors) connector.pulls = false;
+  return world;
+}
+
 }  // namespace
 
 const Connector& hanging_chain(const World& world, std::size_t body) {
@@ -58,12 +64,12 @@ TaylorSeries second_derivative(const TaylorSeries& series) {
   return second;
 }
 
-FlatMotion flat_motion(const FlatChain& chain, const TaylorSeries& free_end) {
+FlatMotion flat_motion(const FlatChain& chain, const TaylorSeries& free_end, double gravities) {
   FlatMotion motion{{free_end}, {}};
   TaylorSeries pull = TaylorSeries::Zero(3, free_end.cols());
   for (std::size_t link = 0; link < chain.length.size(); ++link) {
     TaylorSeries needed = second_derivative(motion.particles.back());
-    needed.col(0) -= chain.gravity;
+    needed.col(0) -= gravities * chain.gravity;
     pull = (pull.leftCols(needed.cols()) + chain.mass[link] * needed).eval();
     motion.tension.push_back(pull.col(0).norm());
     motion.particles.push_back(motion.particles.back().leftCols(needed.cols()) +
@@ -73,7 +79,7 @@ FlatMotion flat_motion(const FlatChain& chain, const TaylorSeries& free_end) {
 }
 
 std::string why_not_flat(const World& world, const Timeline& timeline, std::size_t body) {
-  std::string reason = why_no_link(world, timeline, body);
+  std::string reason = why_no_link(while_taut(world), timeline, body);
   if (!reason.empty()) return reason;
   const Connector& chain = hanging_chain(world, body);
   const Hold& hold = hanging_hold(world, body);
@@ -95,6 +101,7 @@ std::string why_not_flat(const World& world, const Timeline& timeline, std::size
 }
 
 FlatChain flat_chain(World world, std::size_t body) {
+  world = while_taut(std::move(world));
   const std::string name = hanging_chain(world, body).name;
   world.bodies[body].model = BodyModel::link;
   BodiesAsLinks links(world);

@@ -43,12 +43,14 @@ struct FlatMotion {
   std::vector<double> tension;          // N, of each link
 };
 
-/// Exact to rounding; no number is finite where a link's pull is zero.
-FlatMotion flat_motion(const FlatChain& chain, const TaylorSeries& free_end);
+/// Under so many times the chain's gravity. Exact to rounding; no number is finite where a link's
+/// pull is zero.
+FlatMotion flat_motion(const FlatChain& chain, const TaylorSeries& free_end, double gravities = 1);
 
 /// Why the motion of the body and of the connector that it hangs by does not follow from that of
 /// one of its points, or empty. Beside what why_no_link() says, the connector's other end has to be
-/// driven, and the body to have the same moment about every axis across its line.
+/// driven, and the body to have the same moment about every axis across its line. Links that only
+/// pull count as rigid: while the chain is taut they are.
 std::string why_not_flat(const World& world, const Timeline& timeline, std::size_t body);
 
 /// The connector that the body hangs by, and its hold on the body.

@@ -5,13 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+
+#include "sim/contact/capsule.h"
 
 namespace taut::choreography {
 namespace {
 
 constexpr std::size_t kNoWaypoint = static_cast<std::size_t>(-1);
 constexpr Eigen::Index kHandColumns = 4;  // of the hand's series: to its third derivative
-constexpr Eigen::Index kTerms = 7;        // residuals of an instant of the hand
+constexpr Eigen::Index kTerms = 8;        // residuals of an instant of the hand
 constexpr int kInstants = 2, kKeys = 8;   // of the hand, for each Gaussian
 // Of the chain. Each takes two more derivatives; the simulation shows the effect of more links.
 constexpr std::size_t kLinks = 4;
@@ -79,14 +82,36 @@ FlatFit::FlatFit(const Choreography& problem, double from)
   coefficients_ = Eigen::VectorXd::Zero(3 * curve_.count);
   for (std::size_t k = 0; k < problem.waypoints.size(); ++k) {
     const double time = problem.waypoints[k].time;
-    instants_.push_back({time, curve_.at(time, last_.columns(1)), k});
+    instants_.push_back({time, curve_.at(time, last_.columns(1)), k, hangs_at(time)});
   }
   const int steps = steps_of(curve_.spacing / kInstants);
   for (int k = 1; k < steps; ++k) {
     const double time = from + (problem.until - from) * k / steps;
-    instants_.push_back({time, curve_.at(time, chain_.columns(kHandColumns)), kNoWaypoint});
+    instants_.push_back(
+        {time, curve_.at(time, chain_.columns(kHandColumns)), kNoWaypoint, hangs_at(time)});
   }
   start();
+}
+
+double FlatFit::hangs_at(double time) const {
+  const std::vector<Waypoint>& points = problem_.waypoints;
+  const auto held_by_turning = [&](std::size_t k) {
+    if (k == 0 || k + 1 >= points.size()) return false;
+    const double before = points[k].time - points[k - 1].time;
+    const double after = points[k + 1].time - points[k].time;
+    const Vec3 acceleration = 2 / (before + after) *
+                              ((points[k + 1].position - points[k].position) / after -
+                               (points[k].position - points[k - 1].position) / before);
+    const Vec3 out = (points[k].position - hand_.rest()).normalized();
+    return -acceleration.dot(out) > problem_.world.gravity.norm();
+  };
+  const auto next = std::ranges::upper_bound(points, time, {}, &Waypoint::time);
+  const auto k = static_cast<std::size_t>(next - points.begin());
+  const double begin = k == 0 ? from_ : points[k - 1].time;
+  const double end = k == points.size() ? problem_.until : points[k].time;
+  const double first = k > 0 && held_by_turning(k - 1) ? 0 : 1;
+  const double last = k < points.size() && held_by_turning(k) ? 0 : 1;
+  return first + (last - first) * (time - begin) / (end - begin);
 }
 
 int FlatFit::steps_of(double longest) const {
@@ -126,13 +151,22 @@ TaylorSeries FlatFit::free_end(const GaussianSum::Local& basis,
   return series;
 }
 
+double FlatFit::clearance(const FlatMotion& motion) const {
+  const std::optional<Vec3> pivot = hand_.pivot();
+  if (!(problem_.limits.clearance > 0 && pivot)) return std::numeric_limits<double>::infinity();
+  const Vec3 hangs = motion.particles[1].col(0), end = motion.particles[0].col(0);
+  return contact::least_gap(contact::Capsule{motion.particles.back().col(0), *pivot},
+                            contact::Capsule{hangs, hangs + along_ * (end - hangs)});
+}
+
 Eigen::VectorXd FlatFit::residuals(const Instant& instant, const TaylorSeries& free_end) const {
+  const double gravities = std::pow(gravities_, instant.hangs);
   if (instant.waypoint != kNoWaypoint) {
-    const FlatMotion motion = flat_motion(last_, free_end);
+    const FlatMotion motion = flat_motion(last_, free_end, gravities);
     const Vec3 hangs = motion.particles[1].col(0), end = motion.particles[0].col(0);
     return (hangs + along_ * (end - hangs) - aims_[instant.waypoint]) / kNear;
   }
-  const FlatMotion motion = flat_motion(chain_, free_end);
+  const FlatMotion motion = flat_motion(chain_, free_end, gravities);
   const TaylorSeries hand = hand_.origin(motion.particles.back());
   const HandLimits& limits = problem_.limits;
   Eigen::VectorXd terms(kTerms);
@@ -140,7 +174,8 @@ Eigen::VectorXd FlatFit::residuals(const Instant& instant, const TaylorSeries& f
       beyond_limit((hand.col(0) - limits.shoulder).norm(), limits.reach),
       beyond_limit(hand.col(1).norm(), limits.speed),
       beyond_limit(2 * hand.col(2).norm(), limits.acceleration),
-      kSlackening * std::max(0.0, std::log(kLeastPull * weight_ / motion.tension[0]));
+      kSlackening * std::max(0.0, std::log(kLeastPull * weight_ / motion.tension[0])),
+      kBeyond * std::max(0.0, 1 - clearance(motion) / limits.clearance);
   return terms;
 }
 
@@ -174,7 +209,7 @@ void FlatFit::linearize(Eigen::MatrixXd& normal, Eigen::VectorXd& slope) const {
 // Nielsen, "Damping parameter in Marquardt's method", 1999; the damping is by the diagonal's share,
 // so that it has no unit.
 double FlatFit::fit(double gravities, double fine) {
-  chain_.gravity = last_.gravity = gravities * problem_.world.gravity;
+  gravities_ = gravities;
   Eigen::MatrixXd normal, damped;
   Eigen::VectorXd slope;
   double now = cost(coefficients_), damping = kFirstDamping, growth = 2;

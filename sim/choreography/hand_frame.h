@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "sim/choreography/flat_chain.h"
 
@@ -22,6 +23,10 @@ class HandFrame {
   /// The path's rotation; without spin about the lever.
   Quat rotation(const Vec3& end) const;
 
+  /// The place that the lever points away from (m); nothing where there is none.
+  std::optional<Vec3> pivot() const {
+    return turns() ? std::optional<Vec3>(rest_ - pivot_ * along_) : std::nullopt;
+  }
   /// Where the end is at rest (m).
   const Vec3& rest() const { return rest_; }
 

@@ -23,6 +23,9 @@ struct HandLimits {
   double reach = std::numeric_limits<double>::infinity();         // m, from the shoulder
   double speed = std::numeric_limits<double>::infinity();         // m/s
   double acceleration = std::numeric_limits<double>::infinity();  // m/s^2
+  /// m, between the forearm, a line from the pivot to the hand, and the body's from where it hangs
+  /// to the point; counts where there is a pivot.
+  double clearance = 0;
 };
 
 /// The problem. The path that drives the other end of the body's connector rests from its last key

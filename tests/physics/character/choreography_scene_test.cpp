@@ -17,7 +17,7 @@ TEST(ChoreographyScene, TheTipPassesItsPointsAndTheHandKeepsToItsLimits) {
   const scenes::Choreographed asked = scenes::load_choreography(kScene).value();
   const std::vector<PathKey> keys =
       choreography::hand_path(scene.world, asked.problem.body)->keys();
-  const std::vector<double> misses = choreography::misses(asked.problem, keys, 1e-4);
+  const std::vector<double> misses = choreography::misses(asked.problem, scene.world, 1e-4);
   EXPECT_LT(*std::ranges::max_element(misses), asked.within);
   const choreography::HandMotion hand = choreography::motion_of_hand(asked.problem, keys);
   EXPECT_LT(hand.reach, asked.problem.limits.reach);

@@ -9,6 +9,7 @@
 #include "sim/choreography/flat_chain.h"
 #include "sim/choreography/gaussian_sum.h"
 #include "sim/choreography/hand_frame.h"
+#include "sim/contact/capsule.h"
 #include "sim/motion/rotation.h"
 #include "sim/run/method.h"
 #include "sim/run/simulation.h"
@@ -193,7 +194,8 @@ TEST(Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) {
   EXPECT_GT(found.tension, 0.1);
   EXPECT_EQ(found.keys.front().position, Vec3::Zero());
   // Again by a finer simulation.
-  const std::vector<double> again = choreography::misses(problem, found.keys, 1e-5);
+  const std::vector<double> again = choreography::misses(
+      problem, choreography::with_hand_path(problem.world, 1, found.keys), 1e-5);
   ASSERT_EQ(again.size(), problem.waypoints.size());
   for (std::size_t k = 0; k < again.size(); ++k) EXPECT_NEAR(again[k], found.miss[k], 1e-4);
   // The held stick points away from its pivot, and stick and hand rest at the end.
@@ -207,6 +209,58 @@ TEST(Choreography, TheTipPassesItsPointsWithinTheLimitsOfTheHand) {
   simulation.advance_to(problem.until);
   EXPECT_LT(simulation.world().bodies[1].velocity.norm(), 0.05);
   EXPECT_LT((frame.rest() - simulation.world().connectors[0].position[0]).norm(), 1e-9);
+}
+
+/// A spin that stands upright, three turns of 0.56 s, of which the tip is above the hand half the
+/// time.
+choreography::Choreography upright_spin() {
+  choreography::Choreography problem = figure_eight();
+  problem.waypoints.clear();
+  const Vec3 end = forward().rotation * Vec3(0, 0.135, 0);
+  for (int k = 0; k <= 18; ++k) {
+    const double angle = std::numbers::pi / 3 * k;
+    problem.waypoints.push_back(
+        {2 + 0.56 / 6 * k, end + 0.52 * Vec3(std::sin(angle), -std::cos(angle), 0)});
+  }
+  problem.until = 5.4;
+  problem.limits = {Vec3(0, 0.3, -0.4), 0.8, 2.0, 40, 0.08};
+  return problem;
+}
+
+TEST(Choreography, AnUprightSpinFromRestAndBackStaysClearOfWhatLeadsIt) {
+  const choreography::Choreography problem = upright_spin();
+  const choreography::HandPath found = choreography::choreograph(problem, 0.002);
+  EXPECT_LE(*std::ranges::max_element(found.miss), 0.002);
+  EXPECT_LE(found.hand.speed, problem.limits.speed);
+  EXPECT_LE(found.hand.acceleration, problem.limits.acceleration);
+  EXPECT_GT(found.tension, 0.1);
+  // By the simulation: the stick from the line between the pivot and the chain's end.
+  const Vec3 pivot = forward().rotation * Vec3(0, 0.135 - problem.pivot, 0);
+  Simulation simulation(choreography::with_hand_path(problem.world, 1, found.keys),
+                        make_method("direct", {{"tolerance", 1e-4}}));
+  double clearance = 1;
+  for (int k = 1; k <= 540; ++k) {
+    simulation.advance_to(0.01 * k);
+    const World& world = simulation.world();
+    const Vec3 hangs = world.bodies[1].point(Vec3(0, 0.15, 0));
+    const Vec3 tip = world.bodies[1].point(problem.point);
+    clearance = std::min(
+        clearance, contact::least_gap(contact::Capsule{world.connectors[0].position[0], pivot},
+                                      contact::Capsule{hangs, tip}));
+  }
+  // A residual of 1 is a thirtieth of the clearance; the fit weighs it against waypoints.
+  EXPECT_GT(clearance, 0.9 * problem.limits.clearance);
+}
+
+/// While they are taut, links that only pull move as rods do.
+TEST(Choreography, LeadsAChainOfStrings) {
+  choreography::Choreography problem = figure_eight();
+  problem.waypoints.resize(5);
+  problem.until = 3.2;
+  problem.world.connectors[0].pulls = true;
+  finish(problem.world);
+  const choreography::HandPath found = choreography::choreograph(problem, 0.002);
+  EXPECT_LE(*std::ranges::max_element(found.miss), 0.002);
 }
 
 TEST(Choreography, HasTheSameBitsAgain) {

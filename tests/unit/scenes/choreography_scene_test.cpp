@@ -104,6 +104,8 @@ TEST_F(ChoreographedScene, FaultsAreNamed) {
   expect(scene("waypoints = [{ t = 1.0, position = [0, 1, 0] }, { t = 1.0001, position = [0, 2, 0] "
                "}]"),
          "takes a curve of ");
+  expect(scene(point + "\nlimits = { shoulder = [0, 1, 0], clearance = 0.1 }"),
+         "needs choreography.pivot");
   std::string brief = scene(point);
   brief.replace(brief.find("until = 3.0"), 11, "until = 1.1");
   expect(brief, "choreography.until: found 1.1, expected more time");
