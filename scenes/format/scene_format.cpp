@@ -125,8 +125,8 @@ const TableFormat& connector_format() {
   static const TableFormat format{
       {needed(not_negative("length", "Of all links together; 0: a joint of two particles.", "m")),
        not_negative("mass",
-                    "Shared evenly by the particles, ends included; with a taper by the links, "
-                    "whose ends have half each.",
+                    "Shared evenly by the particles, ends included; with a taper or in a closed "
+                    "loop by the links, whose ends have half each.",
                     "kg"),
        needed({.name = "particles",
                .meaning = "How many; one more than links.",

@@ -68,6 +68,13 @@ void check(const Document& document, const Value& value, const Connector& connec
   }
 }
 
+/// Whether its last particle is joined to its first.
+bool is_loop(const Value& connector) {
+  const Value* joined = connector.find("to")->find("connector");
+  return joined && joined->text == connector.name &&
+         number_or(*connector.find("to"), "at", -1) == 0;
+}
+
 bool is_clamped(const Value& connector) {
   return connector.find("from")->find("clamp") && connector.find("to")->find("clamp");
 }
@@ -109,6 +116,8 @@ void read_sections(const Document& document, const Value& value, Connector& conn
     }
     if (const Value* turn = value.find(end)->find("turn")) check_turn(document, value, *turn);
   }
+  // The particle where a loop closes is as heavy as the others.
+  if (is_loop(value)) weigh_by_links(std::vector<double>(connector.links(), 1.0), connector);
   if (!first) return;
   check(document, value, connector, *first);
   Section section;

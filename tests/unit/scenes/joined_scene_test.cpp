@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/measure/measure.h"
+#include "sim/run/simulation.h"
 #include "tests/unit/scenes/scene_texts.h"
 
 namespace taut::joined_scene_test {
@@ -89,6 +90,26 @@ TEST_F(JoinedScene, ALoopIsAPolygon) {
     EXPECT_NEAR(loop.velocity[i].norm(), 5 * radius, 1e-12);
   }
   expect_whole(world);
+}
+
+// The particle where it closes is no heavier than the others: what spins stays round as it falls.
+TEST_F(JoinedScene, ASpinningLoopKeepsItsCircle) {
+  const World start =
+      read(kHead + ring("connector = \"ring\", at = 0",
+                        "start = { circle = { centre = [0, 0, 0], axis = [0, 0, 1] }, spin = [0, "
+                        "0, 5] }"))
+          .world;
+  const Connector& loop = start.connectors[0];
+  for (std::size_t i = 0; i < 13; ++i) {
+    EXPECT_NEAR(joined_mass(start, 0, i), loop.mass / 12, 1e-15);
+  }
+  Simulation simulation(start, make_method("direct", {{"tolerance", 1e-7}}));
+  simulation.advance_to(1);
+  const Vec3 centre = start.gravity / 2;
+  const double radius = 0.1 / (2 * std::sin(std::numbers::pi / 12));
+  for (const Vec3& at : simulation.world().connectors[0].position) {
+    EXPECT_NEAR((at - centre).norm(), radius, 1e-6);
+  }
 }
 
 TEST_F(JoinedScene, FaultsOfJoinedEndsAreNamed) {
