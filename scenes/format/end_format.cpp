@@ -9,7 +9,7 @@ const TableFormat& end_format() {
   static const TableFormat turns =
       number_keys("angle", "Right-handed about the clamp's direction.", "rad", kMostTurn);
   static const TableFormat lengths =
-      number_keys("paid_out", "Since the start; below zero: taken in.", "m", kMostPaidOut);
+      length_keys("paid_out", "Since the start; below zero: taken in.");
   static const TableFormat format{
       {text("body", "Name of the body that holds the end."),
        vector("point", "Where on the body, path or bone, in its frame; default: its origin."),
@@ -48,7 +48,7 @@ const TableFormat& end_format() {
 
 const TableFormat& pulley_format() {
   static const TableFormat passed =
-      number_keys("passed", "Since the start; below zero: backwards.", "m", kMostPaidOut);
+      length_keys("passed", "Since the start; below zero: backwards.");
   static const TableFormat format{
       {text("body", "Name of the body that carries it."),
        vector("point", "Where on the body, path or bone, in its frame; default: its origin."),

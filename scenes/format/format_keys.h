@@ -16,6 +16,7 @@ inline constexpr double kWidest = 16384;      // pixels
 inline constexpr double kMostTurn = 1e6;      // rad
 inline constexpr double kMostLaps = 1000;     // of a curve
 inline constexpr double kMostPaidOut = 1e9;   // m, by a winch
+inline constexpr double kFastestWinch = 1e4;  // m/s, by a winch
 inline constexpr double kMostFriction = 100;  // beyond, nothing ever slides
 
 inline KeyFormat vector(std::string_view name, std::string_view meaning,
@@ -64,6 +65,21 @@ inline TableFormat number_keys(const char* name, const char* meaning, const char
       {needed({.name = "t", .meaning = "Time of the key.", .unit = "s"}),
        needed({.name = name, .meaning = meaning, .unit = unit, .minimum = -most, .maximum = most}),
        {.name = "ease", .type = Type::flag, .meaning = "Comes to rest at this key."}}};
+}
+
+/// Keys of a length that changes, or of the speed at which it does.
+inline TableFormat length_keys(const char* name, const char* meaning) {
+  TableFormat format = number_keys(name, meaning, "m", kMostPaidOut);
+  format.keys[1].required = false;
+  format.keys.push_back(
+      {.name = "speed",
+       .meaning = "How fast that changes at this key, instead: smooth and monotone between keys, "
+                  "from rest on, and as the last key says beyond it.",
+       .unit = "m/s",
+       .minimum = -kFastestWinch,
+       .maximum = kFastestWinch});
+  format.alternatives = {{{name, "speed"}}, {{"ease", "speed"}, false}};
+  return format;
 }
 
 }  // namespace taut::scenes::format_keys

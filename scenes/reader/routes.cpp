@@ -54,7 +54,10 @@ void give_length(Connector& span, double length, double density) {
 std::shared_ptr<const Path> backwards(const std::shared_ptr<const Path>& path) {
   if (!path) return nullptr;
   std::vector<PathKey> keys = path->keys();
-  for (PathKey& key : keys) key.position = -key.position;
+  for (PathKey& key : keys) {
+    key.position = -key.position;
+    key.velocity = -key.velocity;
+  }
   return std::make_shared<const Path>(std::move(keys));
 }
 

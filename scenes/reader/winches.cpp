@@ -21,6 +21,29 @@ const Value* winch_of(const Value& connector) {
   return nullptr;
 }
 
+/// The lengths that keys of speeds (the x of `speeds`) make, known until `end` (s) at least: zero
+/// at the start. Between keys the speed is the cubic without acceleration at either.
+std::shared_ptr<const Path> integral(const Path& speeds, double end) {
+  std::vector<PathKey> keys = speeds.keys();
+  if (keys.back().time < end && keys.back().position.x() != 0) {
+    keys.push_back(keys.back());
+    keys.back().time = end;
+  }
+  double length = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    keys[i].velocity = keys[i].position;
+    keys[i].ease = true;
+    if (i > 0) {
+      length +=
+          (keys[i].time - keys[i - 1].time) * (keys[i - 1].velocity.x() + keys[i].velocity.x()) / 2;
+    }
+    keys[i].position.x() = length;
+  }
+  const Vec3 start = Path(keys).at(0).position;
+  for (PathKey& key : keys) key.position -= start;
+  return std::make_shared<const Path>(std::move(keys));
+}
+
 /// The feature of a connector that does not go with a winch; null: none.
 const char* misfit(const Value& connector) {
   if (text_or(connector, "model", "links") == "span") return "a massless span";
@@ -42,12 +65,23 @@ const char* misfit(const Value& connector) {
 
 std::shared_ptr<const Path> read_length_keys(const Document& document, const Value& list,
                                              std::string_view key) {
-  auto path = read_number_keys(document, list, key);
-  const double start = path->at(0).position.x();
-  if (std::abs(start) > 1e-9) {
-    document.fail_at_key(list,
-                         fmt::format("has {:.6g} m of {} at the start, expected 0", start, key));
+  const bool by_speed = list.children.front().find("speed") != nullptr;
+  for (const Value& entry : list.children) {
+    const Value& found = *(entry.find("speed") ? entry.find("speed") : entry.find(key));
+    if ((found.name == "speed") == by_speed) continue;
+    document.fail_at_key(found, fmt::format("stands beside keys of {}, expected all of one kind",
+                                            by_speed ? "speed" : key));
   }
+  auto path = read_number_keys(document, list, by_speed ? "speed" : key);
+  if (by_speed) path = integral(*path, document.root.find("duration")->number);
+  const FrameMotion start = path->at(0);
+  const auto refuse = [&](double found, const char* unit, std::string_view of) {
+    if (std::abs(found) <= 1e-9) return;
+    document.fail_at_key(
+        list, fmt::format("has {:.6g} {} of {} at the start, expected 0", found, unit, of));
+  };
+  refuse(start.velocity.x(), "m/s", "speed");
+  refuse(start.position.x(), "m", key);
   return path;
 }
 

@@ -10,7 +10,7 @@
 
 namespace taut::scenes {
 
-/// As read_number_keys(), of lengths (m), which start with zero.
+/// Lengths (m) over time from keys of `key`, or of a speed (m/s); zero and at rest at the start.
 std::shared_ptr<const Path> read_length_keys(const Document& document, const Value& list,
                                              std::string_view key);
 /// Fails at `key` where winches whose lengths are all known take in more than the links have.

@@ -12,12 +12,12 @@ namespace {
 
 using KeyRow = Eigen::Matrix<double, 7, 1>;
 
-bool rests(const std::vector<PathKey>& keys, std::size_t i) {
+bool eases(const std::vector<PathKey>& keys, std::size_t i) {
   return i == 0 || i + 1 == keys.size() || keys[i].ease;
 }
 
-/// Rates at the keys first..last of the cubic spline that rests at both; Thomas's algorithm on
-/// the conditions that the second derivative is continuous at every key between them.
+/// Rates between the keys first and last of the cubic spline that has `rate` at both; Thomas's
+/// algorithm on the conditions that the second derivative is continuous at every key between them.
 void section_rates(const std::vector<PathKey>& keys, const std::vector<KeyRow>& value,
                    std::size_t first, std::size_t last, std::vector<KeyRow>& rate) {
   std::vector<double> above(last - first + 1, 0.0);
@@ -100,9 +100,12 @@ Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
     value_[i] << keys_[i].position, q;
   }
   rate_.assign(n, KeyRow::Zero());
+  for (std::size_t i = 0; i < n; ++i) {
+    if (eases(keys_, i)) rate_[i].head<3>() = keys_[i].velocity;
+  }
   rate2_.assign(n, KeyRow::Zero());
   for (std::size_t first = 0, i = 1; i < n; ++i) {
-    if (!rests(keys_, i)) continue;
+    if (!eases(keys_, i)) continue;
     section_rates(keys_, value_, first, i, rate_);
     for (std::size_t k = first + 1; k < i; ++k) {
       const double h = keys_[k + 1].time - keys_[k].time;
@@ -120,6 +123,8 @@ Path::Path(std::vector<PathKey> keys) : keys_(std::move(keys)) {
     hash.word(key.time).word(std::uint64_t{key.ease});
     for (const double c : key.position) hash.word(c);
     for (const double c : key.rotation.coeffs()) hash.word(c);
+    if (key.velocity.isZero(0)) continue;
+    for (const double c : key.velocity) hash.word(c);
   }
   fingerprint_ = hash.value();
 }
@@ -192,13 +197,14 @@ FrameMotion Path::at(double time) const {
   if (axle_) return motion(*axle_, time - delay_);
   const auto after = std::upper_bound(keys_.begin(), keys_.end(), time,
                                       [](double t, const PathKey& key) { return t < key.time; });
-  // The rates are zero at the first and the last key.
-  const auto resting = [&](std::size_t i) -> FrameMotion {
-    return {value_[i].head<3>(), Vec3::Zero(), Vec3::Zero(), rotation_[i]};
+  const auto beyond = [&](std::size_t i) -> FrameMotion {
+    const Vec3& velocity = keys_[i].velocity;
+    return {keys_[i].position + (time - keys_[i].time) * velocity, velocity, Vec3::Zero(),
+            rotation_[i]};
   };
-  if (after == keys_.begin()) return resting(0);
+  if (after == keys_.begin()) return beyond(0);
   const auto b = static_cast<std::size_t>(after - keys_.begin()), a = b - 1;
-  if (after == keys_.end()) return resting(a);
+  if (after == keys_.end()) return beyond(a);
   const double h = keys_[b].time - keys_[a].time, u = (time - keys_[a].time) / h;
   const Section& s = sections_[a];
   const auto rows = [&](auto part) {

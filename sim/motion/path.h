@@ -11,13 +11,15 @@
 
 namespace taut {
 
-/// A key of a path. `ease` brings the path to rest at the key (velocity and acceleration zero); two
-/// neighbouring keys that ease and share their pose are a hold.
+/// A key of a path. `ease` has the path pass the key with `velocity` and no acceleration, at rest
+/// by default; two neighbouring keys that ease and share their pose are a hold. The first and the
+/// last key of a path always ease.
 struct PathKey {
   double time = 0;  // s
   Vec3 position = Vec3::Zero();
   Quat rotation = Quat::Identity();
   bool ease = false;
+  Vec3 velocity = Vec3::Zero();  // m/s, where it eases
 };
 
 class Path;
@@ -31,8 +33,8 @@ struct Axle {
 };
 
 /// Position and orientation as functions of time, twice continuously differentiable, passing
-/// through every key. Before the first key the path rests, and after the last unless it is a
-/// circle.
+/// through every key. Before the first key and after the last the path keeps the velocity of that
+/// key, which is rest unless the key says otherwise; a circle goes on.
 class Path {
  public:
   /// Keys need strictly rising times; throws std::invalid_argument otherwise or when empty.

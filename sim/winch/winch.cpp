@@ -44,7 +44,8 @@ double Winch::least() const {
     }
   }
   for (int i = 0; i < kHalvings; ++i, step /= 2) {
-    for (const double time : {at - step, at + step}) {
+    for (const double aside : {at - step, at + step}) {
+      const double time = std::clamp(aside, times.front(), times.back());
       const double more = longer(time).length;
       if (more >= least) continue;
       least = more;
@@ -55,8 +56,9 @@ double Winch::least() const {
 }
 
 bool Winch::rests() const {
-  return std::ranges::all_of(paths,
-                             [](const auto& path) { return !path || path->keys().size() == 1; });
+  return std::ranges::all_of(paths, [](const auto& path) {
+    return !path || (path->keys().size() == 1 && path->keys().front().velocity.isZero(0));
+  });
 }
 
 }  // namespace taut

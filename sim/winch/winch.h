@@ -48,7 +48,7 @@ struct Winch {
   };
   Flow flow(std::size_t particle, const PaidOut& first, const PaidOut& last) const;
 
-  /// The least that longer() ever is, m.
+  /// The least that longer() ever is from the first key until the last, m.
   double least() const;
   /// Whether the winches stand still throughout.
   bool rests() const;

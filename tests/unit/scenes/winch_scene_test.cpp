@@ -1,6 +1,8 @@
 // Winches in scene files: what they are read as, and what is said against them.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sim/interventions/interventions.h"
 #include "sim/run/simulation.h"
 #include "tests/unit/scenes/scene_texts.h"
@@ -28,6 +30,35 @@ TEST_F(WinchScene, PaysOutByKeys) {
   EXPECT_EQ(winch.longer(0.5).length, -0.25);  // a smooth step is at its middle there
   EXPECT_EQ(winch.paid_out(1, 0.5).length, 0);
   EXPECT_DOUBLE_EQ(winch.share(0), winch.share(9));
+}
+
+// Between keys the speed is a cubic without acceleration at either: symmetric about the middle.
+TEST_F(WinchScene, PaysOutBySpeeds) {
+  const std::string keys =
+      "[{ t = 0.1, speed = 0.0 }, { t = 0.5, speed = -0.6 }, { t = 0.6, speed = -0.6 }, "
+      "{ t = 0.8, speed = 0.2 }]";
+  const scenes::Scene made = read(scene(held(keys)));
+  const Winch& winch = *made.world.connectors[0].winch;
+  const auto expect_at = [&](double time, double length, double speed, double acceleration) {
+    const PaidOut at = winch.paid_out(0, time);
+    EXPECT_NEAR(at.length, length, 1e-15) << time;
+    EXPECT_NEAR(at.rate, speed, 1e-14) << time;
+    EXPECT_NEAR(at.acceleration, acceleration, 1e-13) << time;
+  };
+  expect_at(0.05, 0, 0, 0);
+  // The smooth step 3 u^2 - 2 u^3 has the integral 3/32 up to its middle, and the slope 3/2 there.
+  expect_at(0.3, -0.6 * 0.4 * 3 / 32, -0.3, -0.6 / 0.4 * 3 / 2);
+  expect_at(0.5, -0.12, -0.6, 0);
+  expect_at(0.55, -0.15, -0.6, 0);
+  expect_at(0.6, -0.18, -0.6, 0);
+  expect_at(0.8, -0.22, 0.2, 0);
+  expect_at(1.0, -0.18, 0.2, 0);
+  expect_at(1.5, -0.08, 0.2, 0);
+  const double turns = 0.75;  // of the way from -0.6 to 0.2: 3 u^2 - 2 u^3 = 3/4, u = 0.673648
+  const double share = 0.6736481776669303;
+  const double paid = -0.6 * share + 0.8 * (std::pow(share, 3) - std::pow(share, 4) / 2);
+  EXPECT_NEAR(3 * share * share - 2 * share * share * share, turns, 1e-15);
+  EXPECT_NEAR(winch.least(), -0.18 + 0.2 * paid, 1e-12);
 }
 
 TEST_F(WinchScene, LinkAtAFreeBodyKeepsItsLength) {
@@ -74,6 +105,15 @@ TEST_F(WinchScene, SaysWhatIsWrong) {
          "takes in 1 m, of 0.99 m that it can");
   expect(scene(held("[{ t = 1.0, paid_out = 0.0 }, { t = 1.0, paid_out = 0.1 }]")),
          "a time after 1 s");
+  expect(scene(held("[{ t = 0.0, speed = 0.2 }]")), "has 0.2 m/s of speed at the start");
+  expect(scene(held("[{ t = 0.0, speed = 0.0 }, { t = 0.5, speed = -1.5 }]")),
+         "takes in 1.125 m, of 0.99 m that it can");
+  expect(scene(held("[{ t = 0.0, speed = 0.0 }, { t = 0.5, paid_out = 0.1 }]")),
+         "winch[1].paid_out: stands beside keys of speed");
+  expect(scene(held("[{ t = 0.0, paid_out = 0.0 }, { t = 0.5, speed = 0.1 }]")),
+         "winch[1].speed: stands beside keys of paid_out");
+  expect(scene(held("[{ t = 0.0, speed = 0.0, ease = true }]")), "only one of: ease, speed");
+  expect(scene(held("[{ t = 0.0 }]")), "one of: paid_out, speed");
   expect(scene(held(kKeys), "free = true", "links = \"pull\""), "links that only pull");
   expect(scene(held(kKeys), "free = true", "axial_stiffness = 0.1"),
          "stands beside axial_stiffness");

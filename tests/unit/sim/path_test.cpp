@@ -124,6 +124,32 @@ TEST(Path, TurnsTheShortWayAndAboutTheAxisOfItsKeys) {
   }
 }
 
+// Its velocity goes from a key's to the next one's by the smooth step 3 u^2 - 2 u^3, where places
+// are apart by the mean of both.
+TEST(Path, PassesKeysWithTheirVelocity) {
+  const Vec3 slow(0.2, 0, -0.1), fast(1.0, 2.0, 0.5), start(1, 2, 3);
+  const double h = 0.8;
+  const Path path({{0.5, start, Quat::Identity(), true, slow},
+                   {0.5 + h, start + h * (slow + fast) / 2, Quat::Identity(), true, fast},
+                   {0.5 + 2 * h, start + h * (slow + 3 * fast) / 2, Quat::Identity(), true, fast}});
+  for (const double u : {0.0, 0.1, 0.5, 0.8, 1.0}) {
+    const FrameMotion now = path.at(0.5 + u * h);
+    const double share = u * u * (3 - 2 * u);
+    EXPECT_LT((now.velocity - slow - share * (fast - slow)).norm(), 1e-14);
+    EXPECT_LT((now.acceleration - 6 * u * (1 - u) / h * (fast - slow)).norm(), 1e-13);
+    const double way = u * u * u * (1 - u / 2);
+    EXPECT_LT((now.position - start - h * (u * slow + way * (fast - slow))).norm(), 1e-14);
+  }
+  for (const double t : {1.3, 1.7, 2.1, 3.0}) {  // steady between equal keys and beyond the last
+    const Vec3 way = h * (slow + fast) / 2 + (t - 0.5 - h) * fast;
+    EXPECT_LT((path.at(t).position - start - way).norm(), 1e-14);
+    EXPECT_LT((path.at(t).velocity - fast).norm(), 1e-14);
+    EXPECT_LT(path.at(t).acceleration.norm(), 1e-13);
+  }
+  EXPECT_LT((path.at(-1).position - start + 1.5 * slow).norm(), 1e-15);
+  EXPECT_NE(path.fingerprint(), Path(std::vector<PathKey>{{0.5, start}}).fingerprint());
+}
+
 TEST(Path, OneKeyIsAPlace) {
   const Path path({{2.0, Vec3(1, 2, 3), turn(1, Vec3::UnitX())}});
   for (const double t : {0.0, 2.0, 3.0}) EXPECT_EQ(path.at(t).position, Vec3(1, 2, 3));

@@ -64,6 +64,7 @@ std::optional<Plane> PlaneFinder::find(const World& world, const Component& comp
       if (!path) continue;
       for (const PathKey& key : path->keys()) {
         hints.push_back(key.position - path->keys().front().position);
+        if (!key.velocity.isZero(0)) hints.push_back(key.velocity);
       }
     }
   }
