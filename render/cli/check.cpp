@@ -6,11 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <set>
 #include <utility>
 
 #include "render/base/atomic_file.h"
 #include "render/base/interrupt.h"
+#include "render/cli/check_connectors.h"
 #include "render/options/method_options.h"
 #include "render/options/needs.h"
 #include "render/options/scene_options.h"
@@ -47,65 +47,6 @@ std::size_t triangles(const scenes::Model& model) {
   std::size_t count = 0;
   for (const scenes::Mesh& mesh : model.meshes) count += mesh.indices.size() / 3;
   return count;
-}
-
-std::string held_by(const World& world, const Connector& connector, std::size_t particle) {
-  for (const Hold& hold : connector.holds) {
-    if (hold.particle != particle) continue;
-    if (hold.to.kind == Attachment::Kind::fixed) return "a fixed point";
-    if (hold.to.kind == Attachment::Kind::path) return "a path";
-    return world.bodies[hold.to.body].name;
-  }
-  return "nothing";
-}
-
-/// The particles that are joined with others, as connector and number.
-std::set<std::pair<std::size_t, std::size_t>> joined_particles(const World& world) {
-  std::set<std::pair<std::size_t, std::size_t>> found;
-  for (const Joint& joint : world.joints) {
-    for (const auto& [connector, particle] : joint.particles) found.emplace(connector, particle);
-  }
-  return found;
-}
-
-std::string ends_text(const World& world, std::size_t index,
-                      const std::set<std::pair<std::size_t, std::size_t>>& joined) {
-  const Connector& connector = world.connectors[index];
-  const auto end = [&](std::size_t particle) -> std::string {
-    const std::string holder = held_by(world, connector, particle);
-    return holder == "nothing" && joined.contains({index, particle}) ? "a joint" : holder;
-  };
-  const std::string first = end(0), last = end(connector.particles() - 1);
-  return first == "nothing" && last == "nothing" ? "free"
-                                                 : fmt::format("held by {} and {}", first, last);
-}
-
-/// The connector's material, where it is more than rigid links: at its first link, if it tapers.
-std::string material_text(const Connector& connector) {
-  if (connector.sections.empty()) return "";
-  const Section& first = connector.sections.front();
-  std::string text;
-  if (connector.stretches()) text += fmt::format(", EA {:.6g} N", first.axial_stiffness);
-  if (first.bending_stiffness > 0)
-    text += fmt::format(", EI {:.6g} N m^2", first.bending_stiffness);
-  if (first.twisting_stiffness > 0)
-    text += fmt::format(", GJ {:.6g} N m^2", first.twisting_stiffness);
-  if (connector.drag.across > 0 || connector.drag.along > 0) {
-    text +=
-        fmt::format(", drag {} across and {} along", connector.drag.across, connector.drag.along);
-  }
-  return text;
-}
-
-program::Json material_json(const Connector& connector) {
-  const Section& first = connector.sections.front();
-  program::Json json;
-  json["axial_stiffness_n"] =
-      connector.stretches() ? program::Json(first.axial_stiffness) : program::Json();
-  json["bending_stiffness_n_m2"] = first.bending_stiffness;
-  json["twisting_stiffness_n_m2"] = first.twisting_stiffness;
-  json["drag"] = {{"across", connector.drag.across}, {"along", connector.drag.along}};
-  return json;
 }
 
 std::string_view kind_of(const Obstacle& obstacle) {
@@ -255,13 +196,7 @@ std::string as_text(const scenes::Scene& scene, bool staged,
     line(fmt::format("body {}: {:.6g} kg, {}", body.name, body.mass_properties.mass,
                      body.driven() ? "driven" : "free"));
   }
-  const auto joined = joined_particles(world);
-  for (std::size_t c = 0; c < world.connectors.size(); ++c) {
-    const Connector& connector = world.connectors[c];
-    line(fmt::format("connector {}: {} m, {:.6g} kg, {} particles{}, {}", connector.name,
-                     connector.length, connector.mass, connector.particles(),
-                     material_text(connector), ends_text(world, c, joined)));
-  }
+  for (const std::string& connector : connector_lines(world)) line(connector);
   if (!world.joints.empty()) line(fmt::format("joints: {}", world.joints.size()));
   for (const Pulley& pulley : world.pulleys)
     line(fmt::format("pulley {}: inertia {} kg, friction {}, of its bearing {}", pulley.name,
