@@ -6,7 +6,9 @@
 
 #include "sim/evaluation/run.h"
 #include "sim/evaluation/sample_points.h"
+#include "sim/run/simulation.h"
 #include "sim/study/refined.h"
+#include "sim/world/winched.h"
 
 namespace taut::planner_test {
 namespace {
@@ -29,6 +31,41 @@ TEST(SamplePoints, LieBetweenTheParticlesOfACoarserChain) {
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_NEAR((places[i] - fine.connectors[0].position[i]).norm(), 0, 1e-16) << i;
   }
+}
+
+/// A rope that a winch takes in by half, straight down to a ball, whose link keeps its length.
+World half_taken_in(std::size_t particles) {
+  World world;
+  Body ball;
+  ball.mass_properties = solid_cylinder(1, 0.1, 0.1);
+  ball.position = {0, -1.05, 0};
+  world.bodies.push_back(ball);
+  Connector rope = straight_connector("rope", 1, 0.05, particles, {0, 0, 0}, {0, -1, 0});
+  Hold load;
+  load.particle = particles - 1;
+  load.to.kind = Attachment::Kind::body;
+  load.to.point = {0, 0.05, 0};
+  rope.holds = {{0, Attachment{}}, load};
+  world.connectors.push_back(std::move(rope));
+  add_winches(world, world.connectors[0],
+              std::make_shared<const Path>(std::vector<PathKey>{{0, {0, 0, 0}}, {1, {-0.5, 0, 0}}}),
+              nullptr);
+  finish(world);
+  return world;
+}
+
+// However much of the length a coarser rope's links share, points are where they were along it.
+TEST(SamplePoints, KeepTheirShareOfALengthThatChanges) {
+  const World fine = half_taken_in(11), coarse = half_taken_in(4);
+  const study::SamplePoints sample_points(fine, snapshot(fine)), own(coarse, snapshot(coarse));
+  Simulation exact(fine, make_method("direct", {})), run(coarse, make_method("direct", {}));
+  exact.advance_to(1);
+  run.advance_to(1);
+  const std::vector<Vec3> places = own.places(sample_points, run.state());
+  const std::vector<Vec3> right = sample_points.places(sample_points, exact.state());
+  EXPECT_NEAR(right[10].y(), -0.5, 1e-9);
+  EXPECT_NEAR(right[9].y(), -0.4, 1e-9);
+  for (std::size_t i = 0; i < 11; ++i) EXPECT_LT((places[i] - right[i]).norm(), 1e-9) << i;
 }
 
 TEST(SamplePoints, OfAStickAreItsEnds) {
