@@ -193,9 +193,9 @@ Planned make_plan(const scenes::Scene& scene, const std::vector<scenes::SceneCha
   };
   const study::ReferenceSolution reference = [&] {
     program::Progress progress("solving the reference", "%", 100, quiet);
-    return study::solve_reference(
-        {few_copies(scene.world), study::frame_times(scene.duration, scene.fps), scene.timeline},
-        scored, kCheckWork, tick(progress));
+    return study::solve_reference({few_copies(scene.world, scene.timeline),
+                                   study::frame_times(scene.duration, scene.fps), scene.timeline},
+                                  scored, kCheckWork, tick(progress));
   }();
   const std::optional<Blur> blur = blur_of(scene, reference, asked);
   asked.tolerance.most -= asked.per_metre * reference.self_error;

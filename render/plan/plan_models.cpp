@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "render/options/study_options.h"
 #include "scenes/files/error.h"
@@ -28,8 +29,8 @@ std::vector<double> shares(std::size_t most_links) {
 
 constexpr std::size_t kCopies = 4;  // of each connector that are looked at, besides itself
 
-/// The reader numbers them: "cord#2".
-bool is_copy(const Connector& connector) {
+/// Copies, spans behind a pulley, cords of nets: the reader numbers them, "cord#2".
+bool is_numbered(const Connector& connector) {
   return connector.name.find('#') != std::string::npos;
 }
 
@@ -57,6 +58,48 @@ std::string original(const Connector& connector) {
   return connector.name.substr(0, connector.name.find('#'));
 }
 
+/// Whether what is numbered are copies, each a component of its own to which nothing else refers.
+bool has_copies_alone(const World& world, const Timeline& timeline) {
+  const auto names_numbered = [&](const auto& event) {
+    return is_numbered(world.connectors[event.connector]);
+  };
+  const auto has_winch = [](const Connector& connector) { return connector.winch != nullptr; };
+  return world.joints.empty() && world.pulleys.empty() && world.bead_pairs.empty() &&
+         std::ranges::none_of(world.connectors, has_winch) &&
+         std::ranges::none_of(timeline.pins, names_numbered) &&
+         std::ranges::none_of(timeline.cuts, names_numbered);
+}
+
+/// The scene with massless ropes over its pulleys, where some have mass; else without links, but
+/// for what is joined, which has no spans. None where the scene's start needs what they leave out.
+std::optional<SceneModel> massless_model(const scenes::Scene& scene,
+                                         const std::vector<scenes::SceneChange>& written,
+                                         SceneModel model) {
+  if (const std::set<std::string> ropes = scenes::heavy_ropes(scene.world); !ropes.empty()) {
+    std::vector<scenes::SceneChange> changes = written;
+    for (const std::string& name : ropes) {
+      model.particles[name] = 0;
+      for (scenes::SceneChange& change : scenes::without_mass(name)) {
+        changes.push_back(std::move(change));
+      }
+    }
+    try {
+      model.model.world = scenes::load_scene(scene.file, false, changes).world;
+    } catch (const scenes::BadScene&) {
+      return std::nullopt;
+    }
+    return model;
+  }
+  if (has_spans(scene.world) || !scene.world.joints.empty()) return std::nullopt;
+  for (auto& [name, particles] : model.particles) particles = 0;
+  model.neglected = physics_of(model.model.world);
+  neglect(model.model.world, model.neglected);
+  for (Connector& connector : model.model.world.connectors) {
+    connector.model = ConnectorModel::span;
+  }
+  return model;
+}
+
 }  // namespace
 
 std::vector<SceneModel> models_of(const scenes::Scene& scene,
@@ -71,7 +114,7 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
     std::map<std::string, std::size_t> particles;
     std::vector<scenes::SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
-      if (is_copy(connector)) continue;
+      if (is_numbered(connector)) continue;
       const auto links = static_cast<std::size_t>(
           std::max(1.0, std::round(share * static_cast<double>(connector.links()))));
       particles[connector.name] = links + 1;
@@ -82,7 +125,11 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
     try {
       scenes::Scene changed = scenes::load_scene(scene.file, false, changes);
       take_masses(changed.world, scene.world);
-      SceneModel model{particles, {}, {}, {few_copies(changed.world), changed.timeline, {}}, {}};
+      SceneModel model{particles,
+                       {},
+                       {},
+                       {few_copies(changed.world, changed.timeline), changed.timeline, {}},
+                       {}};
       add_with_links(model, models);
       if (negligible.empty()) continue;
       model.neglected = negligible;
@@ -92,17 +139,14 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
       // The scene's start, or one of its pins, needs more particles.
     }
   }
-  if (!has_spans(scene.world)) {
-    SceneModel spans = models.front();
-    for (auto& [name, particles] : spans.particles) particles = 0;
-    spans.neglected = physics_of(spans.model.world);
-    neglect(spans.model.world, spans.neglected);
-    for (Connector& connector : spans.model.world.connectors) {
-      connector.model = ConnectorModel::span;
-    }
-    models.push_back(std::move(spans));
+  if (auto massless = massless_model(scene, written, models.front())) {
+    models.push_back(std::move(*massless));
   }
   return models;
+}
+
+bool is_massless(const SceneModel& model) {
+  return std::ranges::any_of(model.particles, [](const auto& one) { return one.second == 0; });
 }
 
 ModelErrors model_errors(const scenes::Scene& scene,
@@ -115,14 +159,16 @@ ModelErrors model_errors(const scenes::Scene& scene,
   const auto refined = [&](std::size_t times) {
     std::vector<scenes::SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
-      if (is_copy(connector)) continue;
+      if (is_numbered(connector)) continue;
       changes.push_back({fmt::format("connectors.{}.particles", connector.name),
                          fmt::to_string(times * connector.links() + 1)});
     }
+    // Nets have as many particles as their knots and links ask for.
+    if (changes.size() == written.size()) return std::numeric_limits<double>::infinity();
     try {
       const scenes::Scene changed = scenes::load_scene(scene.file, false, changes);
-      return study::distance_between(reference, few_copies(changed.world), changed.timeline, finely,
-                                     distance);
+      return study::distance_between(reference, few_copies(changed.world, changed.timeline),
+                                     changed.timeline, finely, distance);
     } catch (const scenes::BadScene&) {
       return std::numeric_limits<double>::infinity();  // points were given for so many particles
     }
@@ -137,7 +183,7 @@ ModelErrors model_errors(const scenes::Scene& scene,
                                                   finely, distance);
   }
   const SceneModel& last = models.back();
-  if (last.particles.begin()->second == 0) {
+  if (is_massless(last)) {
     errors.span =
         study::distance_between(reference, last.model.world, last.model.timeline, finely, distance);
   }
@@ -157,7 +203,7 @@ std::vector<Physics> negligible_physics(const scenes::Scene& scene,
   for (const Physics one : physics_of(scene.world)) {
     std::vector<Physics> tried = negligible;
     tried.push_back(one);
-    study::PlanModel model{few_copies(scene.world), scene.timeline, {}};
+    study::PlanModel model{few_copies(scene.world, scene.timeline), scene.timeline, {}};
     neglect(model.world, tried);
     const study::Trial trial = study::attempt(model, finely, reference, tolerance, INFINITY);
     if (trial.end == study::Trial::End::within) negligible = std::move(tried);
@@ -165,7 +211,8 @@ std::vector<Physics> negligible_physics(const scenes::Scene& scene,
   return negligible;
 }
 
-World few_copies(World world) {
+World few_copies(World world, const Timeline& timeline) {
+  if (!has_copies_alone(world, timeline)) return world;
   std::map<std::string, std::size_t> copies, seen;
   for (const Connector& connector : world.connectors) copies[original(connector)] += 1;
   const auto is_left_out = [&](const Connector& connector) {
@@ -207,7 +254,7 @@ std::vector<MethodChoice> all_candidates(const World& world, int fps, double lon
 std::string describe(const SceneModel& model, const scenes::Scene& scene) {
   std::string text;
   for (const Connector& connector : scene.world.connectors) {
-    if (is_copy(connector)) continue;
+    if (is_numbered(connector)) continue;
     const std::size_t particles = model.particles.at(connector.name);
     if (particles == connector.particles()) continue;
     text += text.empty() ? "" : ", ";

@@ -23,8 +23,8 @@ struct SceneModel {
 /// The scene as it is written, then with fewer and fewer particles: of each connector about 7/8,
 /// 3/4, 5/8, 1/2 of its links, the same shares of the half and so on, down to one; each of these
 /// also with links for all bodies that can be links, and each without `negligible` physics; and as
-/// massless spans. Candidates and trials are not yet set. `written` are the changes that the scene
-/// was read with.
+/// massless spans, or with massless ropes over pulleys. Candidates and trials are not yet set.
+/// `written` are the changes that the scene was read with.
 std::vector<SceneModel> models_of(const scenes::Scene& scene,
                                   const std::vector<scenes::SceneChange>& written,
                                   const std::vector<Physics>& negligible);
@@ -45,7 +45,7 @@ std::vector<MethodChoice> all_candidates(const World& world, int fps,
 struct ModelErrors {
   double twice = 0, four = 0;  // by how much the scene's chains differ from 2 and 4 times the links
   std::optional<double> rope;  // from continuous ropes, where these tell
-  std::optional<double> span;  // of massless spans from the scene's chains
+  std::optional<double> span;  // of what is massless from the scene's chains
   std::optional<double> link;  // of links in the place of rigid bodies
   std::map<Physics, double> physics;  // of leaving one alone out
 };
@@ -57,9 +57,12 @@ ModelErrors model_errors(const scenes::Scene& scene,
                          const study::ReferenceSolution& reference, const MethodChoice& finely,
                          const study::Distance& distance);
 
+/// Whether the model has something massless.
+bool is_massless(const SceneModel& model);
+
 /// The world with a few of each connector's copies: as they are all alike, these show for all how
-/// good a model is. Copies that hang on bodies all stay.
-World few_copies(World world);
+/// good a model is. Copies that hang on bodies all stay, and all where something refers to some.
+World few_copies(World world, const Timeline& timeline);
 
 /// "6 of 11 particles"; "as it is written".
 std::string describe(const SceneModel& model, const scenes::Scene& scene);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <tuple>
 
@@ -202,7 +203,7 @@ std::string plan_text(const Planned& planned) {
                              "from twice and four times the links tell",
                              options::rounded(*off.rope), unit, options::rounded(off.twice),
                              options::rounded(off.four), unit));
-  } else if (reference.known > 1) {
+  } else if (reference.known > 1 && std::isfinite(off.twice)) {
     line("rope", fmt::format("the scene's chains are {} and {} {} from twice and four times the "
                              "links: too few to tell where continuous ropes would be",
                              options::rounded(off.twice), options::rounded(off.four), unit));

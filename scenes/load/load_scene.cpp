@@ -31,6 +31,11 @@ std::vector<std::string> old_keys(const std::filesystem::path& file) {
 
 namespace {
 
+/// Copies and spans behind a pulley have numbers, "cord#2".
+std::string written_name(const Connector& connector) {
+  return connector.name.substr(0, connector.name.find('#'));
+}
+
 /// Whoever asks for pixels is shown no point farther from where it is than that.
 void take_exposures(const Plan& plan, Stage& stage) {
   if (plan.exposures == 0 || !plan.tolerance.ends_with("px")) return;
@@ -39,6 +44,27 @@ void take_exposures(const Plan& plan, Stage& stage) {
 }
 
 }  // namespace
+
+std::set<std::string> heavy_ropes(const World& world) {
+  std::set<std::string> names;
+  for (const Connector& connector : world.connectors) {
+    // Of what has a number, spans of ropes alone have winches: those of pulleys that are driven.
+    const std::string name = written_name(connector);
+    if (connector.winch && name != connector.name) names.insert(name);
+  }
+  for (const Pulley& pulley : world.pulleys) {
+    names.insert(written_name(world.connectors[pulley.from]));
+  }
+  for (const Connector& connector : world.connectors) {
+    if (connector.mass == 0) names.erase(written_name(connector));
+  }
+  return names;
+}
+
+std::vector<SceneChange> without_mass(const std::string& rope) {
+  return {{fmt::format("connectors.{}.mass", rope), "0"},
+          {fmt::format("connectors.{}.particles", rope), "2"}};
+}
 
 Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   const Scene exact = load_scene(file, false);
@@ -56,17 +82,22 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   if (plan->program != method_stamp(plan->method)) {
     again("this program's method moves otherwise than the one that its plan was made by");
   }
+  const std::set<std::string> heavy = heavy_ropes(exact.world);
   std::vector<SceneChange> changes;
   for (const auto& [connector, particles] : plan->particles) {
-    if (particles == 0) continue;
-    changes.push_back(
-        {fmt::format("connectors.{}.particles", connector), fmt::to_string(particles)});
+    if (particles > 0) {
+      changes.push_back(
+          {fmt::format("connectors.{}.particles", connector), fmt::to_string(particles)});
+    } else if (heavy.contains(connector)) {
+      std::ranges::copy(without_mass(connector), std::back_inserter(changes));
+    }
   }
   Scene scene = load_scene(file, with_stage, changes);
   take_masses(scene.world, exact.world);
   for (Connector& connector : scene.world.connectors) {
-    const auto found = plan->particles.find(connector.name.substr(0, connector.name.find('#')));
-    if (found != plan->particles.end() && found->second == 0) {
+    const std::string name = written_name(connector);
+    const auto found = plan->particles.find(name);
+    if (found != plan->particles.end() && found->second == 0 && !heavy.contains(name)) {
       connector.model = ConnectorModel::span;
     }
   }

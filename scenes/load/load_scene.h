@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,12 @@ Scene load_scene(const std::filesystem::path& file, bool with_stage,
 
 /// A sentence for each key of the file that has another name now, with its place. Throws BadScene.
 std::vector<std::string> old_keys(const std::filesystem::path& file);
+
+/// The ropes that pass pulleys, driven ones included, and have mass.
+std::set<std::string> heavy_ropes(const World& world);
+
+/// What makes such a rope massless: its spans are straight, and only their length counts.
+std::vector<SceneChange> without_mass(const std::string& rope);
 
 /// Reads a scene as its plan models and solves it. Throws BadScene, also where it has no plan or
 /// changed since the plan was made.

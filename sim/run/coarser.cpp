@@ -10,6 +10,7 @@ void take_masses(World& world, const World& exact) {
   for (std::size_t c = 0; c < world.connectors.size(); ++c) {
     Connector& coarse = world.connectors[c];
     const Connector& fine = exact.connectors[c];
+    if (coarse.mass == 0 && fine.mass > 0) continue;  // modelled without
     std::ranges::fill(coarse.particle_mass, 0.0);
     double along = 0, link_start = 0;  // m, of the fine particle; of the coarse link
     std::size_t link = 0;

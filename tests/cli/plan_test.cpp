@@ -46,9 +46,9 @@ void expect_within(const fs::path& file) {
                       planned = scenes::load_planned(file, false);
   const scenes::Plan& plan = *exact.plan;
   const study::Distance distance = distance_of(exact, plan.tolerance);
-  const World world = planning::few_copies(exact.world);
+  const World world = planning::few_copies(exact.world, exact.timeline);
   Simulation truth(world, make_method("truth", {{"local_error", 1e-11}}), exact.timeline);
-  Simulation found(planning::few_copies(planned.world),
+  Simulation found(planning::few_copies(planned.world, planned.timeline),
                    make_method(planned.method.name, planned.method.settings), planned.timeline);
   const study::SamplePoints sample_points(world, truth.state()), own(found.world(), found.state());
   double error = 0;
@@ -144,6 +144,61 @@ to = { point_mass = 0.1 }
                         "5mm");
 }
 
+// The cords of a net have numbers, and are no copies of one another.
+TEST(PlannedScenes, AlsoNets) {
+  expect_planned_within(R"(duration = 0.3
+[nets.ladder]
+kind = "ladder"
+origin = [0, 2, 0]
+across = [1, 0, 0]
+down = [0.5, -1, 0.2]
+size = [0.3, 0.9]
+cells = [1, 6]
+links = 2
+mass = 1.0
+held = "upper corners"
+)",
+                        "5mm");
+}
+
+// Spans of a rope have numbers, too. Where it is light enough, only their lengths count.
+TEST(PlannedScenes, AlsoRopesOverPulleysWhichMayBeMassless) {
+  const auto scene = [](double mass) {
+    return fmt::format(R"(duration = 0.5
+[bodies.load]
+mass = 5.0
+shape = {{ sphere = {{ diameter = 0.2 }} }}
+position = [0.3, 1.0, 0.0]
+velocity = [0.2, 0.0, 0.1]
+[pulleys]
+lead = {{ fixed = [0.6, 2.0, 0.0], inertia = 0.1 }}
+block = {{ body = "load", point = [0.0, 0.1, 0.0] }}
+[connectors.rope]
+length = 2.397368
+mass = {}
+particles = 5
+from = {{ fixed = [0.0, 2.0, 0.0] }}
+over = ["block", "lead"]
+to = {{ fixed = [0.6, 1.5, 0.0], winch = [{{ t = 0.0, speed = 0.0 }}, {{ t = 0.4, speed = -0.5 }}] }}
+)",
+                       mass);
+  };
+  const Folder folder;
+  const fs::path file = folder.write("scene.toml", scene(5e-5));
+  plan_of(file, "--tolerance 1mm --write");
+  expect_within(file);
+  const scenes::Scene light = scenes::load_scene(file, false);
+  ASSERT_TRUE(light.plan.has_value());
+  EXPECT_EQ(light.plan->particles.at("rope"), 0u);
+  const World world = scenes::load_planned(file, false).world;
+  EXPECT_EQ(world.pulleys.size(), 2u);
+  for (const Connector& span : world.connectors) {
+    EXPECT_EQ(span.mass, 0) << span.name;
+    EXPECT_EQ(span.particles(), 2u) << span.name;
+  }
+  expect_planned_within(scene(1.0), "0.5mm");
+}
+
 /// A scene of any kind: a rope, chain or stick, with a light or a very heavy load or another rope,
 /// hanging, driven, pinned or cut, in a plane or in space, seen from near or far.
 std::string any_scene(std::mt19937& random) {
@@ -232,7 +287,7 @@ void expect_nearly_the_cheapest(const char* name, const char* tolerance) {
   const study::Tolerance asked{distance_of(scene, tolerance), std::stod(tolerance)};
   const double metres = plan.at("scored_metres").get<double>();
   const study::ReferenceSolution reference =
-      study::solve_reference({planning::few_copies(scene.world),
+      study::solve_reference({planning::few_copies(scene.world, scene.timeline),
                               study::frame_times(scene.duration, scene.fps), scene.timeline},
                              metres, 1e9, [](double) {});
   std::size_t tried = 0;
