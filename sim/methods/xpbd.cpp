@@ -6,6 +6,7 @@
 #include "sim/contact/body_contacts.h"
 #include "sim/contact/connector_contacts.h"
 #include "sim/measure/frequency.h"
+#include "sim/methods/carried.h"
 #include "sim/methods/stepped.h"
 #include "sim/methods/xpbd_material.h"
 #include "sim/run/companion.h"
@@ -43,8 +44,6 @@ class Xpbd final : public SteppedMethod {
   void share_impact(Mechanism& mechanism, double time, std::vector<double>& state);
   void flow(Mechanism& mechanism, double time, double dt, std::vector<double>& state);
   void pass(const Mechanism& mechanism, double softness, double* state);
-  double mobility(const Mechanism& mechanism, int carried, const Vec3& along, const double* state);
-  void pull(const Mechanism& mechanism, int carried, const Vec3& by, double* state);
 
   double compliance_;  // m/N
   int iterations_;
@@ -64,7 +63,6 @@ double Xpbd::prepare(Mechanism& mechanism, const World& world) {
   bodies_.rebuild(mechanism, world);
   if (bodies_.any()) projection_.rebuild(mechanism);
   refuse_pulleys(kXpbd, world);
-  refuse_laden_materials(kXpbd, world);
   material_.rebuild(mechanism);
   resize_within(mechanism.row_room(), mechanism.rows().size(), multiplier_);
   flown_.reserve(mechanism.state_room());
@@ -171,10 +169,13 @@ void Xpbd::pass(const Mechanism& mechanism, double softness, double* state) {
       violation = gap[row.axis];
     }
     const Carriers& carriers = carriers_[r];
+    const auto carried = [&](int at) -> const Mechanism::BodyPoint& {
+      return mechanism.body_points()[static_cast<std::size_t>(at)];
+    };
     const double wa =
-        carriers.a == kNone ? w[row.a] : mobility(mechanism, carriers.a, along, state);
+        carriers.a == kNone ? w[row.a] : mobility(mechanism, carried(carriers.a), along, state);
     const double wb =
-        carriers.b == kNone ? w[row.b] : mobility(mechanism, carriers.b, along, state);
+        carriers.b == kNone ? w[row.b] : mobility(mechanism, carried(carriers.b), along, state);
     const double stiff = wa + wb + softness;
     if (stiff == 0) continue;  // both ends are held
     double change = -(violation + softness * multiplier_[r]) / stiff;
@@ -183,36 +184,8 @@ void Xpbd::pass(const Mechanism& mechanism, double softness, double* state) {
     const Vec3 move = change * along;
     a -= w[row.a] * move;
     b += w[row.b] * move;
-    if (carriers.a != kNone) pull(mechanism, carriers.a, -move, state);
-    if (carriers.b != kNone) pull(mechanism, carriers.b, move, state);
-  }
-}
-
-/// How easily a carried point moves `along`, 1/kg.
-double Xpbd::mobility(const Mechanism& mechanism, int carried, const Vec3& along,
-                      const double* state) {
-  const auto& point = mechanism.body_points()[static_cast<std::size_t>(carried)];
-  const auto& body = mechanism.bodies()[point.body];
-  const Quat rotation = quaternion(state + mechanism.pose(point.body) + 3);
-  const Vec3 lever = point.local.cross(rotation.conjugate() * along);  // in body axes
-  return body.inverse_mass + lever.dot(body.inverse_inertia * lever);
-}
-
-/// Moves the body that carries a point as `by` (kg m) at that point does, and all its points.
-void Xpbd::pull(const Mechanism& mechanism, int carried, const Vec3& by, double* state) {
-  const auto& point = mechanism.body_points()[static_cast<std::size_t>(carried)];
-  const auto& body = mechanism.bodies()[point.body];
-  double* q = state + mechanism.pose(point.body);
-  const Quat rotation = quaternion(q + 3);
-  const Vec3 lever = point.local.cross(rotation.conjugate() * by);
-  Map centre(q);
-  centre += body.inverse_mass * by;
-  rotate(rotation * (body.inverse_inertia * lever), q + 3);
-  const Quat turned = quaternion(q + 3);
-  for (const auto& other : mechanism.body_points()) {
-    if (other.body != point.body) continue;
-    Map position(state + mechanism.position(other.point));
-    position = centre + turned * other.local;
+    if (carriers.a != kNone) pull(mechanism, carried(carriers.a), -move, state);
+    if (carriers.b != kNone) pull(mechanism, carried(carriers.b), move, state);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/material/elements.h"
+#include "sim/methods/carried.h"
 
 namespace taut::methods {
 
@@ -17,6 +18,12 @@ void XpbdMaterial::rebuild(const Mechanism& mechanism) {
   started_.reserve(mechanism.state_room());
   force_.reserve(mechanism.state_room() / 6);
   force_.resize(mechanism.points());
+  carried_.clear();
+  if (mechanism.body_points().empty()) return;
+  carried_.assign(mechanism.points(), kNone);
+  for (std::size_t i = 0; i < mechanism.body_points().size(); ++i) {
+    carried_[mechanism.body_points()[i].point] = static_cast<std::uint32_t>(i);
+  }
 }
 
 void XpbdMaterial::blow(const Mechanism& mechanism, double dt, std::vector<double>& state) {
@@ -26,6 +33,15 @@ void XpbdMaterial::blow(const Mechanism& mechanism, double dt, std::vector<doubl
   for (std::size_t p = 0; p < mechanism.points(); ++p) {
     Eigen::Map<Vec3> velocity(&state[mechanism.velocity(p)]);
     velocity += dt * mechanism.inverse_mass()[p] * force_[p];
+  }
+  for (const Mechanism::BodyPoint& at : mechanism.body_points()) {
+    const Mechanism::FreeBody& body = mechanism.bodies()[at.body];
+    const Quat rotation = quaternion(&state[mechanism.pose(at.body) + 3]);
+    const Vec3 torque = at.local.cross(rotation.conjugate() * force_[at.point]);  // body axes
+    Eigen::Map<Vec3> velocity(&state[mechanism.twist(at.body)]);
+    Eigen::Map<Vec3> spin(&state[mechanism.twist(at.body) + 3]);
+    velocity += dt * body.inverse_mass * force_[at.point];
+    spin += dt * (rotation * (body.inverse_inertia * torque));
   }
 }
 
@@ -38,17 +54,23 @@ template <std::size_t N>
 void XpbdMaterial::project(const Mechanism& mechanism, double dt, double stiffness, double damping,
                            double value, const Change (&changes)[N], double& multiplier,
                            double* state) {
-  double mobility = 0, since = 0;  // of C: 1/kg, and how it has changed in the step
+  double easy = 0, since = 0;  // of C: its mobility (1/kg), and how it has changed in the step
   for (const Change& change : changes) {
-    mobility += mechanism.inverse_mass()[change.point] * change.gradient.squaredNorm();
+    const Mechanism::BodyPoint* body_point = carried(mechanism, change.point);
+    easy += body_point ? mobility(mechanism, *body_point, change.gradient, state)
+                       : mechanism.inverse_mass()[change.point] * change.gradient.squaredNorm();
     const std::size_t at = mechanism.position(change.point);
     since += change.gradient.dot(Eigen::Map<const Vec3>(state + at) -
                                  Eigen::Map<const Vec3>(&started_[at]));
   }
   const double hard = stiffness * dt * dt, slow = damping * dt;  // kg
-  const double more = -(hard * value + multiplier + slow * since) / (1 + (hard + slow) * mobility);
+  const double more = -(hard * value + multiplier + slow * since) / (1 + (hard + slow) * easy);
   multiplier += more;
   for (const Change& change : changes) {
+    if (const Mechanism::BodyPoint* body_point = carried(mechanism, change.point)) {
+      pull(mechanism, *body_point, more * change.gradient, state);
+      continue;
+    }
     Eigen::Map<Vec3> position(state + mechanism.position(change.point));
     position += more * mechanism.inverse_mass()[change.point] * change.gradient;
   }

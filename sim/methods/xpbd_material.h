@@ -33,8 +33,16 @@ class XpbdMaterial {
   void project_twist(const Mechanism& mechanism, double dt, const material::TwistElement& rod,
                      double& multiplier, double* state);
 
+  /// The body's point at a point that a free body carries; null: none does.
+  const Mechanism::BodyPoint* carried(const Mechanism& mechanism, std::uint32_t point) const {
+    const std::uint32_t at = carried_.empty() ? kNone : carried_[point];
+    return at == kNone ? nullptr : &mechanism.body_points()[at];
+  }
+
+  static constexpr std::uint32_t kNone = 0xffffffff;
   bool any_ = false;
-  std::vector<double> multiplier_;  // of stretches, then of bends
+  std::vector<std::uint32_t> carried_;  // of each point, in body_points(); empty: no body
+  std::vector<double> multiplier_;      // of stretches, then of bends
   std::vector<double> started_;
   std::vector<Vec3> force_;
 };

@@ -275,14 +275,11 @@ void refuse_pulleys(std::string_view method, const World& world) {
                  kNoPulleys);
 }
 
-void refuse_laden_materials(std::string_view method, const World& world) {
-  for (const Connector& connector : world.connectors) {
-    for (const Hold& hold : connector.holds) {
-      if (connector.sections.empty() || is_prescribed(world, hold.to)) continue;
-      throw Diverged(std::string(method), world.time, 0, connector.name, 0,
-                     "follows no free body on a connector that stretches, bends or meets the air");
-    }
-  }
+bool has_laden_materials(const World& world) {
+  return std::ranges::any_of(world.connectors, [&](const Connector& connector) {
+    const auto carried = [&](const Hold& hold) { return !is_prescribed(world, hold.to); };
+    return !connector.sections.empty() && std::ranges::any_of(connector.holds, carried);
+  });
 }
 
 Diverged::Diverged(std::string method_name, double at, std::uint64_t step_number,

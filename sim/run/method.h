@@ -251,8 +251,8 @@ void refuse_pulleys(std::string_view method, const World& world);
 
 /// The message of Diverged for Mechanism::run_through().
 inline constexpr const char* kRunThrough = "the rope has run through its pulley";
-/// For methods that follow no free body on such a connector.
-void refuse_laden_materials(std::string_view method, const World& world);
+/// Whether a free body is on a connector that stretches, bends or meets the air.
+bool has_laden_materials(const World& world);
 
 // Typed access for the methods' own code; the setting must exist.
 double number(const Settings& settings, std::string_view name);

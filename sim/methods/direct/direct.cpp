@@ -29,7 +29,9 @@ class Direct : public Method {
       refuse_bead_pairs("direct", world);
     }
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
-      if (!world.joints.empty() || has_winches(world)) return advance_joined(world, until);
+      if (!world.joints.empty() || has_winches(world) || has_laden_materials(world)) {
+        return advance_joined(world, until);
+      }
       if (has_materials(world)) return advance_materials(world, until);
       if (has_contact(world) || has_strings(world)) return advance_contacts(world, until);
       if (has_spans(world)) return advance_spans(world, until);

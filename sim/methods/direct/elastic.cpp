@@ -34,7 +34,6 @@ Elastic::Elastic(const StepOptions& options, std::function<std::unique_ptr<Metho
 void Elastic::prepare(const World& world) {
   if (has_contact(world)) refuse_materials("direct with contact", world);
   if (has_strings(world)) refuse_materials("direct beside links that only pull", world);
-  refuse_laden_materials("direct", world);
   rest_ = world;
   rest_.connectors.clear();
   rest_connectors_.clear();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/material/forces.h"
 #include "sim/measure/measure.h"
 #include "sim/methods/direct/schemes/dop853.h"
 #include "sim/methods/direct/system/scales.h"
@@ -39,6 +40,11 @@ void Joined::rebuild(const World& world) {
   if (has_contact(world)) refuse_joints("direct with contact", world);
   if (has_strings(world)) refuse_joints("direct beside links that only pull", world);
   if (has_spans(world)) refuse_joints("direct beside a massless span", world);
+  if (has_laden_materials(world)) {
+    if (has_contact(world)) refuse_materials("direct with contact", world);
+    if (has_strings(world)) refuse_materials("direct beside links that only pull", world);
+    if (has_spans(world)) refuse_materials("direct beside a massless span", world);
+  }
   built_ = true;
   topology_ = world.topology;
   mechanism_.rebuild(world);
@@ -72,8 +78,20 @@ void Joined::rebuild(const World& world) {
 void Joined::find_material_waves() {
   material_waves_ = 0;
   if (!mechanism_.material().any()) return;
-  const auto [frequency, damping_ratio] =
-      mechanism_.material().highest_mode(mechanism_.inverse_mass());
+  easy_ = mechanism_.inverse_mass();
+  for (const Mechanism::BodyPoint& at : mechanism_.body_points()) {
+    // The most that a push at a point of the body moves it there, or at another of its points.
+    const Mechanism::FreeBody& body = mechanism_.bodies()[at.body];
+    double arms = 0, count = 0;
+    for (const Mechanism::BodyPoint& other : mechanism_.body_points()) {
+      if (other.body != at.body) continue;
+      arms += other.local.norm();
+      ++count;
+    }
+    easy_[at.point] =
+        count * body.inverse_mass + at.local.norm() * arms * body.inverse_inertia.norm();
+  }
+  const auto [frequency, damping_ratio] = mechanism_.material().highest_mode(easy_);
   material_waves_ = frequency * std::max(1.0, 2 * damping_ratio);
 }
 
@@ -178,9 +196,11 @@ bool Joined::project(double time, State& state) {
 
 /// Whether steps, which may be as long as `wish`, end at the time that is asked for and `left`
 /// away: where equal parts of the way are cheaper than steps of that length and a state within the
-/// last one, and where events are looked for at the ends of steps.
+/// last one; where events are looked for at the ends of steps; and where how long a step may be
+/// changes with a length.
 bool Joined::lands(double left, double wish) const {
-  if (options_.step > 0 || mechanism_.has_winches() || mechanism_.pulleys() > 0) return true;
+  const bool lengths_stiffen = mechanism_.has_winches() && mechanism_.material().any();
+  if (options_.step > 0 || friction_.any() || lengths_stiffen) return true;
   constexpr double kWithin = kAllStages - kStages;  // slopes, of a step's twelve
   const double steps = left / wish;
   return (std::ceil(steps - 1e-9) - steps) * kStages < kWithin;
@@ -259,7 +279,7 @@ void Joined::follow(const World& world, double until) {
       const double error = attempt(time_, h), limit = allowed_error(h);
       const auto run_through =
           error <= limit ? mechanism_.run_through(time_ + h, next_.data()) : std::nullopt;
-      if (run_through && h < kBriefTime) {
+      if (run_through && h < kBriefTime && time_ + h <= until) {
         throw Diverged("direct", time_, counters_.steps, world.connectors[*run_through].name, 0,
                        kRunThrough);
       }
@@ -303,6 +323,11 @@ void Joined::follow(const World& world, double until) {
 }
 
 void Joined::give_up(const World& world, double time) const {
+  const auto& stretches = mechanism_.material().stretches();
+  if (const auto* pressed = material::pressed_together(stretches, state_.data())) {
+    throw Diverged("direct", time, counters_.steps, world.connectors[pressed->connector].name,
+                   pressed->link, material::kPressedTogether);
+  }
   throw Diverged(
       "direct", time, counters_.steps, world.connectors.front().name, 0,
       std::string("no step is small enough for the tolerance: ") +

@@ -1,4 +1,5 @@
-// Worlds whose connectors are joined: trees, loops and nets.
+// Worlds whose connectors are joined: trees, loops and nets; winches, pulleys, and what stretches,
+// bends or meets the air and holds free bodies.
 #pragma once
 
 #include <array>
@@ -53,6 +54,7 @@ class Joined {
   TensionSystem system_;
   Projection projection_;
   PulleyFriction friction_;
+  std::vector<double> easy_;  // 1/kg, of each point, those of bodies included
   State state_, before_, shown_, loaded_, next_, scratch_, error_, right_, tension_;
   std::array<State, kAllStages> slope_;  // of the stages
   double time_ = 0, before_time_ = 0;    // s, of state_ and of before_, where its step began
