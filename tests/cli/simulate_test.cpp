@@ -359,36 +359,5 @@ TEST(Simulate, DivergenceIsSevenAndLeavesTheRowsUntilThen) {
   EXPECT_EQ(rows[1].rfind("0,0,", 0), 0u);
 }
 
-TEST(Check, SaysWhatItWouldDo) {
-  const Folder folder;
-  folder.write("scene.toml", kPushedStick);
-  const ProgramResult outcome = run_taut({"check", "scene.toml", "--json"}, folder.path());
-  ASSERT_EQ(outcome.code, 0) << outcome.messages;
-  const auto json = nlohmann::json::parse(outcome.output);
-  EXPECT_EQ(json.at("frames"), 5);
-  EXPECT_EQ(json.at("steps_per_frame"), 20);
-  EXPECT_EQ(json.at("bodies").at("free").at("driven"), false);
-  EXPECT_EQ(json.at("bodies").at("held").at("driven"), true);
-  EXPECT_GT(json.at("simulate").at("memory_bytes"), 0);
-  EXPECT_EQ(json.at("stage"), false);
-  EXPECT_EQ(json.at("clip_frames"), 5) << "taut's own stage";
-  EXPECT_EQ(json.at("warnings").size(), 0u);
-}
-
-TEST(Check, EveryShippedSceneIsGood) {
-  for (const auto& entry : fs::recursive_directory_iterator(TAUT_SOURCE_DIR "/scenes")) {
-    if (entry.path().extension() != ".toml") continue;
-    const ProgramResult outcome = run_taut({"check", entry.path().string()});
-    EXPECT_EQ(outcome.code, 0) << outcome.messages;
-  }
-}
-
-TEST(Check, SchemaIsTheOneThatIsShipped) {
-  const ProgramResult outcome = run_taut({"check", "--schema"});
-  EXPECT_EQ(outcome.code, 0);
-  EXPECT_TRUE(outcome.output == read_file(TAUT_SOURCE_DIR "/scenes/scene.schema.json"))
-      << "the format or a method changed; run: taut check --schema > scenes/scene.schema.json";
-}
-
 }  // namespace
 }  // namespace taut
