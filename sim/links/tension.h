@@ -11,6 +11,7 @@
 #include "sim/links/dense.h"
 #include "sim/links/joined_tension.h"
 #include "sim/links/mechanism.h"
+#include "sim/links/threshold_elimination.h"
 
 namespace taut {
 
@@ -24,7 +25,7 @@ namespace taut {
 ///
 /// Pulleys stand in the border, too, with a row of each connector that passes one: with their
 /// couplings C and inertia S (Mechanism) the matrix is [A, -C; -C^T, -S], which is not definite,
-/// and symmetric without friction; A alone may be singular there.
+/// and symmetric without friction; A alone may be singular there (ThresholdElimination).
 class TensionSystem {
  public:
   TensionSystem() = default;
@@ -128,7 +129,7 @@ class TensionSystem {
   Eigen::MatrixXd schur_, dense_;
   Eigen::VectorXd border_x_, dense_right_;
   Eigen::LDLT<Eigen::MatrixXd> border_solver_;
-  LinearSystem pulley_solver_;  // of the border where there are pulleys, as scaled
+  ThresholdElimination pulley_solver_;  // of the border where there are pulleys, as scaled
   Eigen::VectorXd scale_, scaled_right_, residual_;
   LeastSquares dense_solver_;
 };
