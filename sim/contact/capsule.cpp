@@ -8,11 +8,13 @@
 namespace taut::contact {
 namespace {
 
-constexpr double kTurn = 1e-2;   // rad: turned by that, what lies flat touches at one end of it
-constexpr double kCrosses = 10;  // cot^2 of 17 degrees: what crosses by more does not lie flat
-constexpr double kSame = 1e-6;   // of the axis: spots so near to each other are one
-constexpr double kFlat = 1e-10;  // of the axis' length: distances so near to each other are equal
-constexpr int kHalvings = 54;    // of a double's fraction
+constexpr double kTurn = 1e-2;    // rad: turned by that, what lies flat touches at one end of it
+constexpr double kCrosses = 10;   // cot^2 of 17 degrees: what crosses by more does not lie flat
+constexpr double kSame = 1e-6;    // of the axis: spots so near to each other are one
+constexpr double kFlat = 1e-10;   // of the axis' length: distances so near to each other are equal
+constexpr double kEvenly = 1e-9;  // rad: slopes so near to each other are one
+constexpr double kFarther = 1.5;  // times the way that it rolls and slides: it tips
+constexpr int kHalvings = 54;     // of a double's fraction
 
 /// A capsule's axis in the frame of a solid.
 struct Axis {
@@ -49,17 +51,35 @@ struct Axis {
     return std::clamp(way.dot(centre - from) / (length * length), 0.0, 1.0);
   }
 
+  double slope(double along) const { return at(along).normal.dot(way) / length; }
+
+  /// The first and the last of what lies flat. Over a face that is flat itself distances rise
+  /// evenly; tipped about an end, the axis touches the edge beside it.
+  std::array<double, 2> flat_ends() const {
+    const double low = least(kTurn), high = least(-kTurn), tilt = slope((low + high) / 2);
+    const double first = least(kEvenly - tilt), last = least(-kEvenly - tilt);
+    if (!(last - first > (high - low) / 2)) return {flat_end(kTurn), flat_end(-kTurn)};
+    const double nearest = least(0);
+    return {std::min(first, nearest), std::max(last, nearest)};
+  }
+
   double along(Spot spot) const {
     if (spot == Spot::from || !(length > 0)) return 0;
     if (spot == Spot::to) return 1;
     if (spot == Spot::nearest) return least(0);
-    return flat_end(spot == Spot::first ? kTurn : -kTurn);
+    return flat_ends()[spot == Spot::first ? 0 : 1];
   }
 
   const Shape& shape;
   Vec3 from, way;
   double length;
 };
+
+/// m, of the axis of a capsule that rolls over an edge or a round solid.
+double curve(const Shape& shape, double radius) {
+  const bool round = shape.kind == Shape::Kind::capsule || shape.kind == Shape::Kind::cylinder;
+  return radius + (round ? shape.radius : shape.rounding);
+}
 
 bool lies_flat(const Shape& shape) {
   return shape.kind != Shape::Kind::plane && shape.kind != Shape::Kind::sphere;
@@ -106,10 +126,9 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
     return std::abs(gaps[i].along - gaps[k].along) > kSame;
   };
   // An axis that crosses a round solid at an angle a: they are 2 kTurn cot^2(a) of the radii apart.
-  const bool round = shape.kind == Shape::Kind::capsule || shape.kind == Shape::Kind::cylinder;
-  const double curve = capsule.radius + (round ? shape.radius : shape.rounding);
   const double between = axis.length * std::abs(gaps[4].along - gaps[3].along);
-  if (!apart(3, 4) || between < 2 * kCrosses * kTurn * curve) {  // it does not lie flat
+  const double rolls = 2 * kTurn * curve(shape, capsule.radius);
+  if (!apart(3, 4) || between < kCrosses * rolls) {  // it does not lie flat
     gaps[3].distinct = gaps[4].distinct = false;
   } else if (!apart(2, 3) || !apart(2, 4)) {
     gaps[2].distinct = false;
@@ -122,6 +141,24 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
   }
   if (before && behind) gaps[2].distinct = false;
   return gaps;
+}
+
+bool tips(const Shape& shape, const Pose& start, const Capsule& from, const Pose& end,
+          const Capsule& to, Spot spot) {
+  if (!lies_flat(shape) || spot == Spot::from || spot == Spot::to) return false;
+  const Axis before(shape, start, from), after(shape, end, to);
+  const double turn = (after.way / after.length - before.way / before.length).norm();
+  const double rolls = (1 + kCrosses) * curve(shape, from.radius) * turn;
+  const Vec3 first = after.from - before.from, last = first + after.way - before.way;
+  const double slides = std::sqrt(1 + kCrosses) * std::max(first.norm(), last.norm());
+  const double from_along = before.along(spot), moves = after.along(spot) - from_along;
+  if (std::abs(moves) * before.length <= kFarther * (rolls + slides)) return false;
+  // Distances rise evenly over what is flat, ever faster over what is round.
+  return std::ranges::any_of(std::array{&before, &after}, [&](const Axis* axis) {
+    const double near = axis->slope(from_along + moves / 4);
+    const double far = axis->slope(from_along + 3 * moves / 4);
+    return std::abs(far - near) < std::max(std::abs(near), std::abs(far)) / 4;
+  });
 }
 
 double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule) {

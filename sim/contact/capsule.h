@@ -11,7 +11,7 @@ namespace taut::contact {
 
 /// A point of a capsule's axis that may be the one which touches: an end; the nearest between them;
 /// and the first and the last of those between the ends that are nearest but for a slight turn, of
-/// a capsule which lies flat on a solid.
+/// a capsule which lies flat on a solid. Tipped about such an end, it touches beside that.
 enum class Spot : std::uint8_t { from, to, nearest, first, last };
 inline constexpr std::array<Spot, 5> kSpots{Spot::from, Spot::to, Spot::nearest, Spot::first,
                                             Spot::last};
@@ -39,6 +39,12 @@ SpotGap gap_at(const Shape& shape, const Pose& frame, const Capsule& capsule, Sp
 /// The gaps at all spots, in the order of kSpots. Spots which are an end, or where others on both
 /// sides are as near, are not `distinct`.
 std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Capsule& capsule);
+
+/// Whether a spot that touches as a capsule goes from one place to another, and the solid from one
+/// frame to another, moves farther along the axis than it rolls or slides: to the other end of what
+/// lies flat.
+bool tips(const Shape& shape, const Pose& start, const Capsule& from, const Pose& end,
+          const Capsule& to, Spot spot);
 
 /// The least of the distances of a capsule (m).
 double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule);

@@ -68,6 +68,12 @@ bool BodyTouches::meet_within(double share) const {
   });
 }
 
+bool BodyTouches::thrown_back_within(double share) const {
+  return std::ranges::any_of(hits_, [&](const Hit& hit) {
+    return hit.share <= share && meetings_[hit.meeting].restitution > 0;
+  });
+}
+
 /// Where on its way a body enters what it may touch; a share above 1: nowhere.
 BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>& next,
                                     std::uint32_t index) const {

@@ -87,7 +87,8 @@ bool BodyTouches::is_known(std::uint32_t meeting, std::size_t spot) const {
   });
 }
 
-void BodyTouches::find(const Step& step) {
+bool BodyTouches::find(const Step& step, double least) {
+  bool arrives = false;
   before_.swap(touches_);
   touches_.clear();
   places_.clear();
@@ -105,11 +106,15 @@ void BodyTouches::find(const Step& step) {
       contact::BodyTouch there{
           .body = meeting.body, .other = meeting.other, .meeting = m, .touch = {}};
       aim_arms(own, near, step.mechanism, step.state, there);
-      if (near.normal.dot(passing_at_start(step, there)) > step.touching) continue;
-      add(step, m, spot, false);
+      const double leaving = near.normal.dot(passing_at_start(step, there));
+      if (leaving > step.touching) continue;
+      const bool hits = -leaving * meeting.restitution > least;
+      arrives = arrives || hits;
+      add(step, m, spot, hits);
     }
   }
   gather();
+  return arrives;
 }
 
 void BodyTouches::add(const Step& step, const Hit& hit) {

@@ -51,13 +51,16 @@ class BodyTouches {
   /// m, from a body's centre of mass to the farthest point of its capsule; 0: it has none.
   double bounding_radius(std::size_t body) const { return bounding_radius_[body]; }
 
-  /// Finds the bodies that touch where the step begins, those that leave aside.
-  void find(const Step& step);
+  /// Finds the bodies that touch where the step begins, those that leave aside. Whether one gets
+  /// there only then, to be thrown back faster than `least` (m/s).
+  bool find(const Step& step, double least);
   /// The obstacles and bodies hit on the way to `next`. Empty: none.
   const std::vector<Hit>& hits(const Step& step, const std::vector<double>& next);
   const std::vector<Hit>& found() const { return hits_; }  // by the last hits()
   /// Whether two bodies of those found meet within a share of the step.
   bool meet_within(double share) const;
+  /// Whether something of those found within a share of the step is thrown back.
+  bool thrown_back_within(double share) const;
   void add(const Step& step, const Hit& hit);
 
   // The first stage.

@@ -67,6 +67,7 @@ ContactStep::Hit ContactStep::sweep(double time, double h, std::uint32_t point,
 void ContactStep::accept() {
   state_.swap(next_);
   last_hits_ = hits_;
+  risen_ = rises_;
   last_pattern_ = pattern();
   last_h_ = h_;
   last_pushed_ = pushed_;
@@ -82,48 +83,6 @@ void ContactStep::accept() {
   }
   last_acceleration_.swap(acceleration_);
   if (!hits_) last_tension_.swap(tension_);
-}
-
-/// By how much (m/s) what moves freely is too fast where touches change and nothing is driven: they
-/// take energy and give none.
-double ContactStep::find_gain() const {
-  const auto& mobile = mechanism_.inverse_mass();
-  for (const Obstacle& obstacle : *obstacles_) {
-    if (obstacle.path) return 0;
-  }
-  for (std::size_t p = 0; p < mobile.size(); ++p) {
-    const bool moves = !ConstMap(&next_[mechanism_.velocity(p)]).isZero(0) ||
-                       !ConstMap(&state_[mechanism_.velocity(p)]).isZero(0);
-    if (mobile[p] == 0 && !is_carried_[p] && moves) return 0;
-  }
-  double mass = 0, kinetic = 0, gain = 0;  // kg, J
-  const auto add = [&](double heavy, const Vec3& before, const Vec3& after, double lifted) {
-    mass += heavy;
-    kinetic += heavy * before.squaredNorm() / 2;
-    gain += heavy * ((after.squaredNorm() - before.squaredNorm()) / 2 + lifted);
-  };
-  const auto vector = [](const std::vector<double>& state, std::size_t at) -> Vec3 {
-    return ConstMap(&state[at]);
-  };
-  for (std::size_t p = 0; p < mobile.size(); ++p) {
-    if (mobile[p] == 0) continue;
-    const std::size_t at = mechanism_.velocity(p);
-    add(1 / mobile[p], vector(state_, at), vector(next_, at),
-        mechanism_.gravity().dot(position(state_, p) - position(next_, p)));
-  }
-  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
-    const Mechanism::FreeBody& body = mechanism_.bodies()[b];
-    const std::size_t pose = mechanism_.pose(b), twist = mechanism_.twist(b);
-    add(1 / body.inverse_mass, vector(state_, twist), vector(next_, twist),
-        mechanism_.gravity().dot(vector(state_, pose) - vector(next_, pose)));
-    const auto turning = [&](const std::vector<double>& state) {
-      const Vec3 spin = quaternion(&state[pose + 3]).conjugate() * vector(state, twist + 3);
-      return spin.dot(body.inertia * spin) / 2;
-    };
-    kinetic += turning(state_);
-    gain += turning(next_) - turning(state_);
-  }
-  return gain > 0 ? gain / std::sqrt(2 * mass * (kinetic + gain)) : 0;
 }
 
 /// The midpoint rule errs by h^3/12 times the third derivative, which the change of the

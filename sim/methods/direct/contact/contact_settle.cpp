@@ -87,7 +87,7 @@ void ContactStep::begin_settling(double time, double h, double least) {
   bodies_.aim_velocities(body_step(time, h), next_, least);
 }
 
-bool ContactStep::settle(double time, double h, double lowest) {
+bool ContactStep::settle(double time, double h, double least) {
   double speed = 0;
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);
@@ -103,9 +103,8 @@ bool ContactStep::settle(double time, double h, double lowest) {
     vector(&next_[mechanism_.twist(b)]) += h / 2 * mechanism_.gravity();
   }
   kick(pull_, along_, 0.5);
-  const double least = std::sqrt(2 * mechanism_.gravity().norm() * lowest);
   aim_velocities(h, least);
-  if (links_.any()) links_.aim_velocities(body_step(time, h), next_, middle_, least);
+  if (links_.any()) links_.aim_velocities(body_step(time, h), next_, middle_, least, located_);
   if (!pushed_.empty()) begin_settling(time, h, least);
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
@@ -134,7 +133,7 @@ void ContactStep::end_settling() {
   }
 }
 
-/// m/s, the fastest with which something is thrown back; nothing: infinite.
+/// m/s, the fastest with which a bead or link is thrown back; none: infinite.
 double ContactStep::bounces() const {
   double most = links_.bounces();
   for (const BeadTouch& at : touches_) most = std::max(most, at.bounce);

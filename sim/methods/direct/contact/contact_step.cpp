@@ -12,7 +12,9 @@ using ConstMap = Eigen::Map<const Vec3>;
 constexpr double kTouching = 1e-9;  // of the longest connector
 constexpr double kExact = 1e-14;    // of it, or of a metre
 constexpr double kShortest = 1e-7;  // s: nothing is located more precisely
+constexpr double kMoment = 1e-8;    // s, of an impact where a step begins
 constexpr double kMeeting = 1e-6;   // s, of a step in which bodies meet that are as near
+constexpr double kTipping = 1e-6;   // s: in longer steps nothing may tip from end to end
 constexpr int kRounds = 12;         // of finding what is hit in a step
 
 }  // namespace
@@ -42,7 +44,8 @@ void ContactStep::rebuild(const World& world, const std::vector<Obstacle>& obsta
   for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
     if (world.connectors.empty()) longest = std::max(longest, bodies_.bounding_radius(b));
   }
-  touching_ = kTouching * (longest > 0 ? longest : 1);
+  length_ = longest > 0 ? longest : 1;
+  touching_ = kTouching * length_;
   exact_ = kExact * std::max(longest, 1.0);
   const std::size_t points = mechanism_.points(), rows = mechanism_.rows().size();
   for (auto* array : {&mean_, &middle_, &free_, &bare_, &behind_, &acceleration_,
@@ -81,14 +84,17 @@ void ContactStep::load(const World& world) {
   next_ = state_;
   last_hits_ = true;
   watched_ = 0;
+  risen_ = 0;
 }
 
 Vec3 ContactStep::position(const std::vector<double>& state, std::size_t point) const {
   return ConstMap(&state[mechanism_.position(point)]);
 }
 
-/// Beads that touch at the start, but for those which are leaving.
-void ContactStep::find_touches() {
+/// Beads that touch at the start, but for those which are leaving. Whether one of them gets there
+/// only then, to be thrown back faster than `least` (m/s).
+bool ContactStep::find_touches(double least) {
+  bool arrives = false;
   before_.swap(touches_);
   touches_.clear();
   for (std::uint32_t p = 0; p < radius_.size(); ++p) {
@@ -101,14 +107,19 @@ void ContactStep::find_touches() {
       const Vec3 velocity = ConstMap(&state_[mechanism_.velocity(p)]);
       const Vec3 surface =
           start_[o].point(start_[o].rotation.conjugate() * (at - start_[o].position)).velocity;
-      if (near.normal.dot(velocity - surface) > touching_) continue;
+      const double leaving = near.normal.dot(velocity - surface);
+      if (leaving > touching_) continue;
+      const std::size_t known = touches_.size();
       add_touch({.point = p,
                  .obstacle = o,
                  .anchor = start_[o].rotation.conjugate() * (at - start_[o].position)},
-                touches_.size());
-      touches_.back().hits = false;
+                known);
+      if (touches_.size() == known) continue;
+      touches_.back().hits = -leaving * (*obstacles_)[o].restitution > least;
+      arrives = arrives || touches_.back().hits;
     }
   }
+  return arrives;
 }
 
 /// Adds a touch at the end, unless the bead has that one or three already. Touches before `sorted`
@@ -151,6 +162,15 @@ BodyTouches::Step ContactStep::body_step(double time, double h) const {
   return {mechanism_, *obstacles_, start_, end_, state_, time, h, touching_};
 }
 
+/// Whether something hit within a share of the step is thrown back.
+bool ContactStep::throws_back(double share) const {
+  const auto bounces = [&](const auto& hit) {
+    return hit.share <= share && (*obstacles_)[hit.obstacle].restitution > 0;
+  };
+  return std::ranges::any_of(found_, bounces) || std::ranges::any_of(links_.found(), bounces) ||
+         bodies_.thrown_back_within(share);
+}
+
 /// Adds what was found to the touches, where the step is to end with the first of it to those
 /// alone; whether it does.
 bool ContactStep::take_hits(bool locates, double& h) {
@@ -166,26 +186,36 @@ bool ContactStep::take_hits(bool locates, double& h) {
   }
   for (const Snap& snap : snaps_) first = std::min(first, snap.share);
   const bool shortens = first < 1 - 1e-6 && first * h > kShortest;
+  // What is thrown back where the step begins is so in a moment, not after the rest of the step.
+  const double moment = kShortest / h;
+  const bool bounces = locates && first <= moment && moment < 1 && throws_back(moment);
+  const double until = bounces ? moment : shortens ? first * (1 + 1e-6) : INFINITY;
   const std::size_t sorted = touches_.size();
   for (const Hit& hit : found_) {
-    if (!shortens || hit.share <= first * (1 + 1e-6)) add_touch(hit, sorted);
+    if (hit.share <= until) add_touch(hit, sorted);
   }
   std::ranges::inplace_merge(touches_, touches_.begin() + static_cast<std::ptrdiff_t>(sorted), {},
                              &BeadTouch::point);
   for (const BodyTouches::Hit& hit : bodies_.found()) {
-    if (!shortens || hit.share <= first * (1 + 1e-6)) bodies_.add(body_step(0, h), hit);
+    if (hit.share <= until) bodies_.add(body_step(0, h), hit);
   }
   for (const LinkTouches::Hit& hit : links_.found()) {
-    if (!shortens || hit.share <= first * (1 + 1e-6)) links_.add(body_step(0, h), hit);
+    if (hit.share <= until) links_.add(body_step(0, h), hit);
   }
   for (const Snap& snap : snaps_) {
-    if (!shortens || snap.share <= first * (1 + 1e-6)) taut_[snap.row] = true;
+    if (snap.share <= until) taut_[snap.row] = true;
   }
+  if (bounces) h = kShortest;
   if (shortens) h *= first;
   // Bodies that meet at once do so in a moment: not held together for the rest of the step.
   const bool at_once = locates && !shortens && h > kMeeting && bodies_.meet_within(kShortest / h);
   if (at_once) h = kMeeting;
-  return shortens || at_once;
+  return shortens || bounces || at_once;
+}
+
+/// m/s, of the lowest bounces that are followed.
+double ContactStep::lowest_speed(double lowest) const {
+  return std::sqrt(2 * mechanism_.gravity().norm() * lowest);
 }
 
 double ContactStep::attempt(double time, double h, double slippery, bool locates, double lowest) {
@@ -200,26 +230,30 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
   for (std::size_t b = 0; b < inverse_.size(); ++b) {
     inverse_[b] = mechanism_.bodies()[b].world_inverse;
   }
-  find_touches();
-  if (bodies_.possible()) bodies_.find(body_step(time, h));
-  if (links_.possible()) links_.find(body_step(time, h));
+  const double least = lowest_speed(lowest);
+  bool arrives = find_touches(least);
+  if (bodies_.possible()) arrives = bodies_.find(body_step(time, h), least) || arrives;
+  if (links_.possible()) arrives = links_.find(body_step(time, h), least) || arrives;
   find_taut(!locates);
-  hits_ = located_ = false;
+  if (arrives) h = std::min(h, kMoment);
+  hits_ = located_ = arrives;
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t o = 0; o < obstacles.size(); ++o) end_[o] = obstacles[o].frame(time + h);
     if (!glide(time, h)) return 0;
+    if (h > kTipping && links_.any() && links_.tips(body_step(time, h), next_)) return 0;
     const bool enters = find_hits(time, h), snaps = find_snaps(h);
     const bool hits = bodies_.possible() && !bodies_.hits(body_step(time, h), next_).empty();
     const bool crosses =
         links_.possible() && !links_.hits(body_step(time, h), next_, mean_).empty();
     if (!enters && !snaps && !hits && !crosses) {
-      if (!settle(time, h, lowest)) return 0;
+      if (!settle(time, h, least)) return 0;
       const bool changes = hits_ || last_hits_ || pattern() != last_pattern_;
-      gained_ = changes ? find_gain() : 0;
+      gained_ = changes || links_.any() ? find_gain() : 0;
+      take_gain();
       return h;
     }
     hits_ = true;
-    located_ = take_hits(locates, h);
+    located_ = take_hits(locates, h) || arrives;
   }
   return 0;
 }
@@ -238,7 +272,6 @@ double ContactStep::separation_speed(double time) {
 }
 
 double ContactStep::resolve(double time, double lowest) {
-  constexpr double kMoment = 1e-8;      // s
   constexpr double kSeparating = 1e-9;  // m/s
   if (!(separation_speed(time) > kSeparating) || attempt(time, kMoment, 0, false, lowest) == 0)
     return 0;

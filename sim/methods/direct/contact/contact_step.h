@@ -85,11 +85,18 @@ class ContactStep {
     double share = 1;  // of the step
     std::size_t row = 0;
   };
+  struct EnergyChange {
+    double gain = 0, kinetic = 0, mass = 0;  // J in the step, J at its end, kg
+  };
   using TouchRange = std::span<BeadTouch>;
 
   double separation_speed(double time);
+  bool is_driven() const;
+  EnergyChange energy_change() const;
   double find_gain() const;
-  void find_touches();
+  void take_gain();
+  bool find_touches(double least);
+  double lowest_speed(double lowest) const;
   void add_touch(const Hit& hit, std::size_t sorted);
   bool find_hits(double time, double h);
   Hit sweep(double time, double h, std::uint32_t point, std::uint32_t obstacle) const;
@@ -105,7 +112,7 @@ class ContactStep {
   void bend(double h);
   void stiffen(double h);
   void move_bodies(double time, double h);
-  bool settle(double time, double h, double lowest);
+  bool settle(double time, double h, double least);
   void aim_velocities(double h, double least);
   double arriving(const BeadTouch& at, double h) const;
   bool stop(double stopped);
@@ -142,6 +149,7 @@ class ContactStep {
   std::uint64_t pattern() const;
   Vec3 position(const std::vector<double>& state, std::size_t point) const;
   BodyTouches::Step body_step(double time, double h) const;
+  bool throws_back(double share) const;
   bool take_hits(bool locates, double& h);
   void begin_settling(double time, double h, double least);
 
@@ -156,6 +164,7 @@ class ContactStep {
   std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;
   // Per body, m: to the farthest point that touches or holds a link.
   std::vector<double> bounding_radius_;
+  double length_ = 0;  // m, of the longest connector
   double touching_ = 0;
   double exact_ = 0;                     // m: roundings of positions
   std::vector<double> radius_;           // per point, m; negative: it touches nothing
@@ -176,8 +185,9 @@ class ContactStep {
   std::vector<Vec3> left_, right_;              // to_, along_ of what pulls; zero for others
   std::vector<Snap> snaps_;
   bool snaps_now_ = false, slips_ = false;
-  double gained_ = 0;     // m/s
-  bool located_ = false;  // the step ends where something hits or snaps
+  double gained_ = 0;             // m/s
+  double risen_ = 0, rises_ = 0;  // J: energy above the least so far, before and after the step
+  bool located_ = false;          // the step ends where something hits or snaps
   std::vector<Vec3> acceleration_, last_acceleration_;  // per point, m/s^2
   std::vector<Vec3> steady_;                            // per point, m/s^2: without waves
   std::vector<Vec3> arm_;                               // per body point, m, at the start

@@ -47,6 +47,15 @@ void LinkTouches::aim(LinkTouch& at, const Step& step, const Capsule& own) const
   at.touch.friction_before.setZero();
 }
 
+bool LinkTouches::tips(const Step& step, const std::vector<double>& next) const {
+  return std::ranges::any_of(touches_, [&](const LinkTouch& at) {
+    const Shape& shape = step.obstacles[at.obstacle].shape;
+    const Pose start = step.start[at.obstacle].pose(), end = step.end[at.obstacle].pose();
+    const Capsule first = capsule(step, step.state, at.link), last = capsule(step, next, at.link);
+    return !at.hits && contact::tips(shape, start, first, end, last, at.spot);
+  });
+}
+
 /// How a touch changes as the beads of its link end up elsewhere.
 void LinkTouches::bend(const Step& step, const std::vector<double>& next, const LinkTouch& at,
                        std::span<const Vec3> velocity, double creep,
@@ -91,7 +100,7 @@ double LinkTouches::arriving(const LinkTouch& at, const Step& step,
 }
 
 void LinkTouches::aim_velocities(const Step& step, const std::vector<double>& next,
-                                 std::span<const Vec3> middle, double least) {
+                                 std::span<const Vec3> middle, double least, bool located) {
   std::erase_if(touches_, [&](const LinkTouch& at) {
     return at.gap > (at.hits ? kShortOf * step.touching : step.touching);
   });
@@ -105,8 +114,11 @@ void LinkTouches::aim_velocities(const Step& step, const std::vector<double>& ne
     set_mobility(at, step);
     contact::Touch& touch = at.touch;
     const double twice = 2 * at.mobility / was;
-    touch.pushed = twice * touch.push * touch.normal;
-    touch.friction_before = twice * touch.friction;
+    // What lasted until something hit has had its share of the step: an impact gives no more than
+    // it.
+    const double before = located && !at.hits ? 0 : twice;
+    touch.pushed = before * touch.push * touch.normal;
+    touch.friction_before = before * touch.friction;
     touch.normal = near.normal;
     const Vec3 there = own.at(near.along);
     touch.surface = end.point(end.rotation.conjugate() * (there - end.position)).velocity;

@@ -55,7 +55,8 @@ bool LinkTouches::is_known(std::uint32_t link, std::uint32_t obstacle, Spot spot
   });
 }
 
-void LinkTouches::find(const Step& step) {
+bool LinkTouches::find(const Step& step, double least) {
+  bool arrives = false;
   before_.swap(touches_);
   touches_.clear();
   for (std::uint32_t link = 0; link < links_.size(); ++link) {
@@ -72,16 +73,21 @@ void LinkTouches::find(const Step& step) {
         if (!near.distinct || near.distance > step.touching) continue;
         const Vec3 local = frame.rotation.conjugate() * (own.at(near.along) - frame.position);
         const Vec3 past = velocity(step, link, near.along) - frame.point(local).velocity;
-        if (near.normal.dot(past) > step.touching) continue;
+        const double leaving = near.normal.dot(past);
+        if (leaving > step.touching) continue;
+        const bool hits = -leaving * obstacle.restitution > least;
+        arrives = arrives || hits;
         add(step, {.link = link,
                    .obstacle = o,
                    .spot = spot,
+                   .hits = hits,
                    .anchor = local,
                    .side = frame.rotation.conjugate() * near.normal,
                    .normal_start = Vec3::Zero()});
       }
     }
   }
+  return arrives;
 }
 
 void LinkTouches::add(const Step& step, const Hit& hit) {

@@ -34,8 +34,9 @@ class LinkTouches {
   bool possible() const { return !links_.empty(); }
   bool any() const { return !touches_.empty(); }
 
-  /// Finds the links that touch where the step begins, those that leave aside.
-  void find(const Step& step);
+  /// Finds the links that touch where the step begins, those that leave aside. Whether one gets
+  /// there only then, to be thrown back faster than `least` (m/s).
+  bool find(const Step& step, double least);
   /// What links hit on the way to `next`, on which points have such mean velocities.
   const std::vector<Hit>& hits(const Step& step, const std::vector<double>& next,
                                std::span<const Vec3> mean);
@@ -49,10 +50,14 @@ class LinkTouches {
 
   /// Tells the touches of the first stage where the links end up.
   void aim(const Step& step, const std::vector<double>& next);
+  /// Whether a touch that lasts is at the other end of what lies flat than where it began: that end
+  /// arrives within the step, and what is given between both would do work.
+  bool tips(const Step& step, const std::vector<double>& next) const;
+
   /// Tells the touches of the second stage where they are, and what the first has given; bounces
   /// slower than `least` (m/s) are not followed.
   void aim_velocities(const Step& step, const std::vector<double>& next,
-                      std::span<const Vec3> middle, double least);
+                      std::span<const Vec3> middle, double least, bool located);
 
   /// m/s, the fastest with which a link is thrown back.
   double bounces() const;
