@@ -15,6 +15,9 @@ constexpr double kFlat = 1e-10;   // of the axis' length: distances so near to e
 constexpr double kEvenly = 1e-9;  // rad: slopes so near to each other are one
 constexpr double kFarther = 1.5;  // times the way that it rolls and slides: it tips
 constexpr int kHalvings = 54;     // of a double's fraction
+constexpr int kToCell = 40;       // of these, down to a cell that may be guessed
+constexpr double kCell = 0x1p-40;
+constexpr int kTrials = 20;  // of a guess
 
 /// A capsule's axis in the frame of a solid.
 struct Axis {
@@ -29,21 +32,46 @@ struct Axis {
   /// Where distances plus `turn` (rad) times the way along the axis are least: they are convex, so
   /// that their slope rises.
   double least(double turn) const {
-    const auto rises = [&](double along) { return at(along).normal.dot(way) + turn * length >= 0; };
-    if (rises(0)) return 0;
-    if (!rises(1)) return 1;
-    double low = 0, high = 1;
-    for (int i = 0; i < kHalvings; ++i) {
+    const auto rise = [&](double along) { return at(along).normal.dot(way) + turn * length; };
+    const double first = rise(0), last = rise(1);
+    if (first >= 0) return 0;
+    if (!(last >= 0)) return 1;
+    // The cell of a grid that halvings would come to, or else all of the axis.
+    double low = std::clamp(guess(first, last, rise), 0.0, 1 - kCell), high = low + kCell;
+    int halvings = kHalvings - kToCell;
+    if (rise(low) >= 0 || !(rise(high) >= 0)) low = 0, high = 1, halvings = kHalvings;
+    for (; halvings > 0; --halvings) {
       const double middle = (low + high) / 2;
-      (rises(middle) ? high : low) = middle;
+      (rise(middle) >= 0 ? high : low) = middle;
     }
     return high;
   }
 
-  /// An end of what lies flat: the turned axis touches a rounded edge beside it, and the point of
+  /// Where `rise` may cross zero, which it does in kCell of that: regula falsi, by Illinois.
+  static double guess(double first, double last, const auto& rise) {
+    double low = 0, high = 1, along = 0;
+    bool rose = false;
+    for (int i = 0; i < kTrials; ++i) {
+      const double before = along;
+      along = (low * last - high * first) / (last - first);
+      if (!(along > low && along < high) || std::abs(along - before) < kCell / 8) break;
+      const double there = rise(along);
+      const bool rises = there >= 0, again = i > 0 && rises == rose;
+      if (rises) {
+        high = along, last = there;
+        if (again) first /= 2;
+      } else {
+        low = along, first = there;
+        if (again) last /= 2;
+      }
+      rose = rises;
+    }
+    return std::floor(along / kCell) * kCell;
+  }
+
+  /// An end of what lies flat, where the turned axis touches a rounded edge beside it: the point of
   /// the axis over the curve's centre is where it lies.
-  double flat_end(double turn) const {
-    const double along = least(turn);
+  double over_curve(double along) const {
     if (!(along > 0 && along < 1)) return along;
     const SurfaceDistance near = at(along);
     const double rounding = shape.kind == Shape::Kind::capsule ? shape.radius : shape.rounding;
@@ -58,7 +86,7 @@ struct Axis {
   std::array<double, 2> flat_ends() const {
     const double low = least(kTurn), high = least(-kTurn), tilt = slope((low + high) / 2);
     const double first = least(kEvenly - tilt), last = least(-kEvenly - tilt);
-    if (!(last - first > (high - low) / 2)) return {flat_end(kTurn), flat_end(-kTurn)};
+    if (!(last - first > (high - low) / 2)) return {over_curve(low), over_curve(high)};
     const double nearest = least(0);
     return {std::min(first, nearest), std::max(last, nearest)};
   }
@@ -105,6 +133,8 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
   const Axis axis(shape, frame, capsule);
   std::array<SpotGap, 5> gaps;
   const bool point = !(axis.length > 0);
+  std::array<double, 2> ends{};
+  if (!point && lies_flat(shape)) ends = axis.flat_ends();
   for (const Spot spot : kSpots) {
     SpotGap& gap = gaps[static_cast<std::size_t>(spot)];
     const bool end = spot == Spot::from || spot == Spot::to;
@@ -118,7 +148,9 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
       gap.distinct = false;
       continue;
     }
-    gap = gap_of(axis, frame, capsule.radius, axis.along(spot));
+    const bool flat = spot == Spot::first || spot == Spot::last;
+    const double along = flat ? ends[spot == Spot::first ? 0 : 1] : axis.along(spot);
+    gap = gap_of(axis, frame, capsule.radius, along);
     if (!end) gap.distinct = gap.along > kSame && gap.along < 1 - kSame;
     if (spot == Spot::to) gap.distinct = !point;
   }
@@ -143,15 +175,15 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
   return gaps;
 }
 
-bool tips(const Shape& shape, const Pose& start, const Capsule& from, const Pose& end,
-          const Capsule& to, Spot spot) {
-  if (!lies_flat(shape) || spot == Spot::from || spot == Spot::to) return false;
+bool tips(const Shape& shape, const Pose& start, const Capsule& from, double from_along,
+          const Pose& end, const Capsule& to, double to_along) {
+  if (!lies_flat(shape)) return false;
   const Axis before(shape, start, from), after(shape, end, to);
   const double turn = (after.way / after.length - before.way / before.length).norm();
   const double rolls = (1 + kCrosses) * curve(shape, from.radius) * turn;
   const Vec3 first = after.from - before.from, last = first + after.way - before.way;
   const double slides = std::sqrt(1 + kCrosses) * std::max(first.norm(), last.norm());
-  const double from_along = before.along(spot), moves = after.along(spot) - from_along;
+  const double moves = to_along - from_along;
   if (std::abs(moves) * before.length <= kFarther * (rolls + slides)) return false;
   // Distances rise evenly over what is flat, ever faster over what is round.
   return std::ranges::any_of(std::array{&before, &after}, [&](const Axis* axis) {

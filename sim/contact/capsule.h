@@ -43,8 +43,8 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
 /// Whether a spot that touches as a capsule goes from one place to another, and the solid from one
 /// frame to another, moves farther along the axis than it rolls or slides: to the other end of what
 /// lies flat.
-bool tips(const Shape& shape, const Pose& start, const Capsule& from, const Pose& end,
-          const Capsule& to, Spot spot);
+bool tips(const Shape& shape, const Pose& start, const Capsule& from, double from_along,
+          const Pose& end, const Capsule& to, double to_along);
 
 /// The least of the distances of a capsule (m).
 double least_gap(const Shape& shape, const Pose& frame, const Capsule& capsule);

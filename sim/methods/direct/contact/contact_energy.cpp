@@ -71,8 +71,8 @@ double ContactStep::find_gain() const {
 }
 
 /// Takes back what has been gained since the energy was least, where links touch: all velocities in
-/// the same proportion, so that lengths and touches still hold (Hairer, Lubich and Wanner, Geometric
-/// Numerical Integration, IV.4).
+/// the same proportion, so that lengths and touches still hold (Hairer, Lubich and Wanner,
+/// Geometric Numerical Integration, IV.4).
 void ContactStep::take_gain() {
   rises_ = 0;
   if (!links_.any()) return;

@@ -111,9 +111,7 @@ bool ContactStep::pull(double time, double h) {
   keep_pulls();
   if (pull_creeping(time, h, contact::kCreep, true)) return true;
   restore_pulls();
-  const double creep =
-      contact::approach_friction([&](double to) { return pull_creeping(time, h, to); },
-                                 [&] { keep_pulls(); }, [&] { restore_pulls(); });
+  const double creep = approach([&](double to) { return pull_creeping(time, h, to); });
   if (creep <= contact::kCreep) return true;
   if (h > slippery_) return false;
   slips_ = true;
@@ -125,6 +123,7 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
   contact::Damping damping;
   double first = 0, before = INFINITY;
   creep_ = creep;
+  relaxes_ = false;
   const auto& rows = mechanism_.rows();
   const int most = trial ? kTrial : kIterations;
   const auto errors = [&] {
@@ -155,6 +154,7 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
     ++solves_;
     if (damping.relaxes(pattern())) {
       relax(along_, 0.5, mean_);
+      relaxes_ = true;
       continue;
     }
     const double share = damping.share();

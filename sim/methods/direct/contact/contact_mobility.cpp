@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kRounding = 4e-16;  // of what is summed
 constexpr int kTrials = 8;           // for the pull of one row
+constexpr int kSweeps = 4;           // of all that touches links
 constexpr double kImmobile = 1e-15;  // of the mobility of free beads
 constexpr double kRelaxed = 1e-14;   // of the speeds
 
@@ -53,7 +54,12 @@ void ContactStep::respond_all(std::span<Vec3> velocity) {
     respond_at(i, count, velocity);
     i += count;
   }
-  if (links_.any()) respond_links(velocity);
+  // One alone then obeys its law exactly.
+  const int once = relaxes_ || links_.count() == 1 ? 1 : 0;
+  const int sweeps = relaxes_all_ ? kSweeps : once;
+  for (int i = 0; links_.any() && i < sweeps; ++i) relax_links(velocity);
+  relaxes_ = false;
+  links_.find_errors(velocity, creep_);
 }
 
 /// Lets the bead of the `first` of so many touches respond to these.
@@ -68,8 +74,8 @@ void ContactStep::respond_at(std::size_t first, std::size_t count, std::span<Vec
   for (std::size_t k = 0; k < count; ++k) touches_[first + k].touch = touches[k];
 }
 
-/// Lets what touches links give what it should, as far as a few sweeps lead there.
-void ContactStep::respond_links(std::span<Vec3> velocity) {
+/// Lets what touches links give what it should, one after another.
+void ContactStep::relax_links(std::span<Vec3> velocity) {
   links_.relax(mechanism_.inverse_mass(), bare_, velocity, creep_, [&](std::uint32_t point) {
     if (mechanism_.inverse_mass()[point] == 0) return;
     const auto [first, last] = std::ranges::equal_range(touches_, point, {}, &BeadTouch::point);

@@ -157,9 +157,7 @@ bool ContactStep::stop(double stopped) {
   if (stop_creeping(stopped, contact::kCreep)) return true;
   if (touches_.empty() && !bodies_.any() && !links_.any()) return false;
   clear_pulls();
-  const double creep =
-      contact::approach_friction([&](double to) { return stop_creeping(stopped, to); },
-                                 [&] { keep_pulls(); }, [&] { restore_pulls(); });
+  const double creep = approach([&](double to) { return stop_creeping(stopped, to); });
   return creep <= contact::kCreep ||
          with_less_friction([&] { return stop_creeping(stopped, contact::kCreep); });
 }
@@ -189,6 +187,22 @@ void ContactStep::restore_pulls() {
   links_.restore();
 }
 
+/// Approaches friction from a viscous one. Newton's method alone leads fastest there; where it does
+/// not, what touches links is relaxed before each of its iterations.
+double ContactStep::approach(const std::function<bool(double)>& solve) {
+  const auto from_here = [&] {
+    return contact::approach_friction(
+        solve, [&] { keep_pulls(); }, [&] { restore_pulls(); });
+  };
+  const double creep = from_here();
+  if (creep <= contact::kCreep || !links_.any()) return creep;
+  clear_pulls();
+  relaxes_all_ = true;
+  const double relaxed = from_here();
+  relaxes_all_ = false;
+  return relaxed;
+}
+
 /// With friction raised in shares from none, as much as there is a solution with.
 bool ContactStep::with_less_friction(const std::function<bool()>& solve) {
   clear_pulls();
@@ -211,6 +225,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
             next_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)));
   kick(pull_, to_, 1);
   creep_ = creep;
+  relaxes_ = false;
   contact::Damping damping;
   const std::vector<Row>& rows = mechanism_.rows();
   const auto errors = [&] {
@@ -247,6 +262,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     ++solves_;
     if (damping.relaxes(pattern())) {
       relax(to_, 1, free_);
+      relaxes_ = true;
     } else if (links_.any()) {
       solve_with_links(to_, 1);
       links_.advance(damping.share());

@@ -121,13 +121,14 @@ class ContactStep {
   void scale_bounces(double share);
   bool stop_creeping(double stopped, double creep);
   void scale_friction(double share);
+  double approach(const std::function<bool(double)>& solve);
   bool with_less_friction(const std::function<bool()>& solve);
   void kick(std::span<const double> impulse, std::span<const Vec3> along, double share);
   void spread(std::span<const double> impulse, std::span<const Vec3> along, double share,
               std::span<Vec3> velocity);
   void respond_all(std::span<Vec3> velocity);
   void respond_at(std::size_t first, std::size_t count, std::span<Vec3> velocity);
-  void respond_links(std::span<Vec3> velocity);
+  void relax_links(std::span<Vec3> velocity);
   void solve_with_links(std::span<const Vec3> along, double share);
   void mobilize_carried();
   void carry_held(double h);
@@ -159,6 +160,8 @@ class ContactStep {
   GlideSystem glide_system_;
   BodyTouches bodies_;
   LinkTouches links_;
+  // Whether what touches links is relaxed in the next evaluation, and in each.
+  bool relaxes_ = false, relaxes_all_ = false;
   bool jams_ = false;  // a body has no respond to what it touches
   // Per body: the rates of its twist, of the step before, and without waves.
   std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;

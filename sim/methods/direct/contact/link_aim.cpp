@@ -52,7 +52,9 @@ bool LinkTouches::tips(const Step& step, const std::vector<double>& next) const 
     const Shape& shape = step.obstacles[at.obstacle].shape;
     const Pose start = step.start[at.obstacle].pose(), end = step.end[at.obstacle].pose();
     const Capsule first = capsule(step, step.state, at.link), last = capsule(step, next, at.link);
-    return !at.hits && contact::tips(shape, start, first, end, last, at.spot);
+    if (at.hits) return false;
+    const double ends = 2 * at.share - at.share_start;  // its share is the mean
+    return contact::tips(shape, start, first, at.share_start, end, last, ends);
   });
 }
 

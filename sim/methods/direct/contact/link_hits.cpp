@@ -67,6 +67,7 @@ void LinkTouches::sweep(const Step& step, const std::vector<double>& next,
   };
   // A bit for each spot between the beads that is new and so near.
   const auto spots_within = [&](double share, double distance) {
+    if (contact::least_gap(with.shape, frame(share), place(share)) >= distance) return 0u;
     const auto gaps = contact::all_gaps(with.shape, frame(share), place(share));
     unsigned spots = 0;
     for (const Spot spot : {Spot::nearest, Spot::first, Spot::last}) {

@@ -174,7 +174,10 @@ void LinkTouches::find_error(LinkTouch& at, std::span<const Vec3> velocity, doub
       contact::respond(moves - at.mobility * at.given, std::span(&at.touch, 1), creep);
   at.error = found.velocity - moves;
   at.derivative = found.derivative;
-  speed_ = std::max(speed_, moves.norm());
+}
+
+void LinkTouches::find_errors(std::span<const Vec3> velocity, double creep) {
+  for (LinkTouch& at : touches_) find_error(at, velocity, creep);
 }
 
 double LinkTouches::error(std::span<const double> noise) const {

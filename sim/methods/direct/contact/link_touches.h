@@ -65,9 +65,9 @@ class LinkTouches {
 
   /// Adds what is given to the velocities of points.
   void give(std::span<const double> inverse_mass, std::span<Vec3> velocity) const;
-  /// Nonlinear Gauss-Seidel: each touch in turn gives what its law asks for. `bare` are the
-  /// velocities of points without their own touches, to which respond(point) answers with a
-  /// `velocity`.
+  /// Nonlinear Gauss-Seidel, once to and fro: each touch in turn gives what its law asks for.
+  /// `bare` are the velocities of points without their own touches, to which respond(point) answers
+  /// with a `velocity`.
   template <typename Respond>
   void relax(std::span<const double> inverse_mass, std::span<Vec3> bare,
              std::span<const Vec3> velocity, double creep, const Respond& respond) {
@@ -81,18 +81,15 @@ class LinkTouches {
       respond(point);
       respond(point + 1);
     };
-    speed_ = 0;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      for (LinkTouch& at : touches_) relax_one(at);
-      for (std::size_t i = touches_.size() - 1; i-- > 0;) relax_one(touches_[i]);
-      for (LinkTouch& at : touches_) find_error(at, velocity, creep);
-      if (error({}) <= kRelaxed * (1 + speed_)) break;
-    }
+    for (LinkTouch& at : touches_) relax_one(at);
+    for (std::size_t i = touches_.size() - 1; i-- > 0;) relax_one(touches_[i]);
   }
-  /// m/s: by how much a touch breaks its law, after relax(), beyond the `noise` of points.
+  /// How touches respond, and by how much they break their laws, as points move with `velocity`.
+  void find_errors(std::span<const Vec3> velocity, double creep);
+  /// m/s: by how much a touch breaks its law, as of find_errors(), beyond the `noise` of points.
   double error(std::span<const double> noise) const;
 
-  /// Newton's equations of the touches after relax(), and by how much these fall short.
+  /// Newton's equations of the touches after find_errors(), and by how much these fall short.
   void linearize();
   /// The same in the first stage, as links go elsewhere from where they are, which their points
   /// with such velocities are `behind` of.
@@ -113,9 +110,6 @@ class LinkTouches {
   std::uint32_t first(std::size_t touch) const { return links_[touches_[touch].link].first; }
 
  private:
-  static constexpr int kSweeps = 4;
-  static constexpr double kRelaxed = 1e-15;  // of the speeds
-
   struct Link {
     std::uint32_t first = 0;  // point; the other is the next
     double radius = 0;        // m
@@ -157,7 +151,6 @@ class LinkTouches {
   std::vector<Hit> hits_;
   std::vector<Vec3> kept_, missing_;  // N s, m/s
   std::vector<GlideSystem::LinkTouch> linear_;
-  double speed_ = 0;  // m/s, of the touches
 };
 
 }  // namespace taut::direct
