@@ -1,7 +1,9 @@
-// The routine of scenes/choreography, whose hand was found from where the tip is to be.
+// The routines of scenes/choreography, whose hands were found from where the tip is to be.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "scenes/load/load_scene.h"
 #include "sim/choreography/choreography.h"
@@ -11,10 +13,11 @@ namespace taut::choreography_scene_test {
 namespace {
 
 constexpr const char* kScene = TAUT_SOURCE_DIR "/scenes/choreography/turning_eight.toml";
+constexpr const char* kSpin = TAUT_SOURCE_DIR "/scenes/choreography/eight_and_spin.toml";
 
-TEST(ChoreographyScene, TheTipPassesItsPointsAndTheHandKeepsToItsLimits) {
-  const scenes::Scene scene = scenes::load_scene(kScene, false);
-  const scenes::Choreographed asked = scenes::load_choreography(kScene).value();
+void expect_as_asked(const char* file) {
+  const scenes::Scene scene = scenes::load_scene(file, false);
+  const scenes::Choreographed asked = scenes::load_choreography(file).value();
   const std::vector<PathKey> keys =
       choreography::hand_path(scene.world, asked.problem.body)->keys();
   const std::vector<double> misses = choreography::misses(asked.problem, scene.world, 1e-4);
@@ -23,6 +26,31 @@ TEST(ChoreographyScene, TheTipPassesItsPointsAndTheHandKeepsToItsLimits) {
   EXPECT_LT(hand.reach, asked.problem.limits.reach);
   EXPECT_LT(hand.speed, asked.problem.limits.speed);
   EXPECT_LT(hand.acceleration, asked.problem.limits.acceleration);
+}
+
+TEST(ChoreographyScene, TheTipPassesItsPointsAndTheHandKeepsToItsLimits) {
+  for (const char* file : {kScene, kSpin}) {
+    SCOPED_TRACE(file);
+    expect_as_asked(file);
+  }
+}
+
+/// The tip goes round above the hand five times, and all hangs still after it.
+TEST(ChoreographyScene, TheSpinStandsUprightAndComesToRest) {
+  const scenes::Scene scene = scenes::load_scene(kSpin, false);
+  Simulation simulation = scenes::start(scene);
+  double turned = 0, before = 0;
+  for (int k = 0; k <= 260; ++k) {
+    simulation.advance_to(5.8 + 0.01 * k);
+    const Vec3 tip = simulation.state().bodies.at(1).to_world(Vec3(0, -0.15, 0));
+    const Vec3 out = tip - Vec3(-0.22, 1.13, 0.62);
+    const double angle = std::atan2(out.y(), out.x());
+    if (k > 0) turned += std::remainder(angle - before, 2 * std::numbers::pi);
+    before = angle;
+  }
+  EXPECT_NEAR(turned, 5 * 2 * std::numbers::pi, 0.01);  // 2 mm at either end, of 0.56 m
+  simulation.advance_to(scene.duration);
+  EXPECT_LT(simulation.world().bodies.at(1).velocity.norm(), 0.05);
 }
 
 /// The scene's own run, without the choreography's functions.
