@@ -24,6 +24,7 @@
 #include "scenes/load/load_scene.h"
 #include "scenes/load/plan_file.h"
 #include "scenes/load/warnings.h"
+#include "scenes/scene/names.h"
 
 namespace taut::cli {
 namespace check_command {
@@ -59,7 +60,7 @@ std::string_view kind_of(const Obstacle& obstacle) {
 std::vector<std::string> ignored_by(const Obstacle& obstacle, const World& world) {
   std::vector<std::string> names;
   for (const Connector& connector : world.connectors)
-    if (!obstacle.touches(connector.category) && connector.name.find('#') == std::string::npos)
+    if (!obstacle.touches(connector.category) && !scenes::is_numbered(connector.name))
       names.push_back(connector.name);
   for (const Body& body : world.bodies)
     if (!obstacle.touches(body.capsule.category)) names.push_back(body.name);
@@ -173,7 +174,7 @@ std::vector<std::string> pairs_with_connectors(const World& world) {
   for (const BeadPair& pair : world.bead_pairs) {
     const std::string& name = world.connectors[pair.connector].name;
     std::string text = fmt::format("beads of {} and body {} touch: friction {}, restitution {}",
-                                   name.substr(0, name.find('#')), world.bodies[pair.body].name,
+                                   scenes::written_name(name), world.bodies[pair.body].name,
                                    pair.kinetic_friction, pair.restitution);
     if (std::ranges::find(lines, text) == lines.end()) lines.push_back(std::move(text));
   }

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "scenes/scene/names.h"
+
 namespace taut::cli::check_command {
 
 namespace {
@@ -60,11 +62,6 @@ std::string material_text(const Connector& connector) {
   return text;
 }
 
-/// The name that cords of a net, copies and spans over pulleys share: NAME of NAME#2.
-std::string_view stem(std::string_view name) {
-  return name.substr(0, name.find('#'));
-}
-
 /// A net's connectors from `first` to before `last`.
 std::string net_text(const World& world, std::size_t first, std::size_t last) {
   const auto& all = world.connectors;
@@ -84,7 +81,7 @@ std::string net_text(const World& world, std::size_t first, std::size_t last) {
                                   ? fmt::format("{:.6g} m", shortest)
                                   : fmt::format("{:.6g} to {:.6g} m", shortest, longest);
   return fmt::format("net {}: {} cords of {}, {:.6g} kg, {} particles{}, {} joints, {} held",
-                     stem(all[first].name), last - first, lengths, mass, particles,
+                     scenes::written_name(all[first].name), last - first, lengths, mass, particles,
                      material_text(all[first]), joints, held);
 }
 
@@ -99,15 +96,16 @@ std::vector<std::string> connector_lines(const World& world) {
   };
   std::vector<std::string> lines;
   for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
-    const std::string_view name = stem(all[first].name);
+    const std::string_view name = scenes::written_name(all[first].name);
     last = first + 1;
     if (all[first].name.ends_with("#1")) {
-      while (last < all.size() && stem(all[last].name) == name) ++last;
+      while (last < all.size() && scenes::written_name(all[last].name) == name) ++last;
       lines.push_back(net_text(world, first, last));
       continue;
     }
     const std::string text = words(first);
-    while (last < all.size() && stem(all[last].name) == name && words(last) == text) ++last;
+    while (last < all.size() && scenes::written_name(all[last].name) == name && words(last) == text)
+      ++last;
     lines.push_back(last == first + 1 ? fmt::format("connector {}: {}", all[first].name, text)
                                       : fmt::format("connectors {} to {}: each {}", all[first].name,
                                                     all[last - 1].name, text));

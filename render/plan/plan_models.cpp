@@ -10,6 +10,7 @@
 #include "render/options/study_options.h"
 #include "scenes/files/error.h"
 #include "scenes/load/load_scene.h"
+#include "scenes/scene/names.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/run/coarser.h"
 #include "sim/study/refined.h"
@@ -28,11 +29,6 @@ std::vector<double> shares(std::size_t most_links) {
 }
 
 constexpr std::size_t kCopies = 4;  // of each connector that are looked at, besides itself
-
-/// Copies, spans behind a pulley, cords of nets: the reader numbers them, "cord#2".
-bool is_numbered(const Connector& connector) {
-  return connector.name.find('#') != std::string::npos;
-}
 
 /// The bodies that can be links; all copies of a connector hang on their own bodies, or none does.
 std::vector<std::size_t> possible_links(const World& world, const Timeline& timeline) {
@@ -54,14 +50,10 @@ void add_with_links(const SceneModel& model, std::vector<SceneModel>& models) {
   if (!linked.links.empty()) models.push_back(std::move(linked));
 }
 
-std::string original(const Connector& connector) {
-  return connector.name.substr(0, connector.name.find('#'));
-}
-
 /// Whether what is numbered are copies, each a component of its own to which nothing else refers.
 bool has_copies_alone(const World& world, const Timeline& timeline) {
   const auto names_numbered = [&](const auto& event) {
-    return is_numbered(world.connectors[event.connector]);
+    return scenes::is_numbered(world.connectors[event.connector].name);
   };
   const auto has_winch = [](const Connector& connector) { return connector.winch != nullptr; };
   return world.joints.empty() && world.pulleys.empty() && world.bead_pairs.empty() &&
@@ -114,7 +106,7 @@ std::vector<SceneModel> models_of(const scenes::Scene& scene,
     std::map<std::string, std::size_t> particles;
     std::vector<scenes::SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
-      if (is_numbered(connector)) continue;
+      if (scenes::is_numbered(connector.name)) continue;
       const auto links = static_cast<std::size_t>(
           std::max(1.0, std::round(share * static_cast<double>(connector.links()))));
       particles[connector.name] = links + 1;
@@ -159,7 +151,7 @@ ModelErrors model_errors(const scenes::Scene& scene,
   const auto refined = [&](std::size_t times) {
     std::vector<scenes::SceneChange> changes = written;
     for (const Connector& connector : scene.world.connectors) {
-      if (is_numbered(connector)) continue;
+      if (scenes::is_numbered(connector.name)) continue;
       changes.push_back({fmt::format("connectors.{}.particles", connector.name),
                          fmt::to_string(times * connector.links() + 1)});
     }
@@ -214,6 +206,9 @@ std::vector<Physics> negligible_physics(const scenes::Scene& scene,
 World few_copies(World world, const Timeline& timeline) {
   if (!has_copies_alone(world, timeline)) return world;
   std::map<std::string, std::size_t> copies, seen;
+  const auto original = [](const Connector& connector) {
+    return std::string(scenes::written_name(connector.name));
+  };
   for (const Connector& connector : world.connectors) copies[original(connector)] += 1;
   const auto is_left_out = [&](const Connector& connector) {
     const std::size_t number = seen[original(connector)]++, count = copies[original(connector)];
@@ -254,7 +249,7 @@ std::vector<MethodChoice> all_candidates(const World& world, int fps, double lon
 std::string describe(const SceneModel& model, const scenes::Scene& scene) {
   std::string text;
   for (const Connector& connector : scene.world.connectors) {
-    if (is_numbered(connector)) continue;
+    if (scenes::is_numbered(connector.name)) continue;
     const std::size_t particles = model.particles.at(connector.name);
     if (particles == connector.particles()) continue;
     text += text.empty() ? "" : ", ";

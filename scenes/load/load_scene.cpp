@@ -9,6 +9,7 @@
 #include "scenes/load/plan_file.h"
 #include "scenes/reader/choreography.h"
 #include "scenes/reader/reader.h"
+#include "scenes/scene/names.h"
 #include "sim/run/bodies_as_links.h"
 #include "sim/run/coarser.h"
 
@@ -31,11 +32,6 @@ std::vector<std::string> old_keys(const std::filesystem::path& file) {
 
 namespace {
 
-/// Copies and spans behind a pulley have numbers, "cord#2".
-std::string written_name(const Connector& connector) {
-  return connector.name.substr(0, connector.name.find('#'));
-}
-
 /// Whoever asks for pixels is shown no point farther from where it is than that.
 void take_exposures(const Plan& plan, Stage& stage) {
   if (plan.exposures == 0 || !plan.tolerance.ends_with("px")) return;
@@ -49,14 +45,15 @@ std::set<std::string> heavy_ropes(const World& world) {
   std::set<std::string> names;
   for (const Connector& connector : world.connectors) {
     // Of what has a number, spans of ropes alone have winches: those of pulleys that are driven.
-    const std::string name = written_name(connector);
-    if (connector.winch && name != connector.name) names.insert(name);
+    if (connector.winch && is_numbered(connector.name)) {
+      names.emplace(written_name(connector.name));
+    }
   }
   for (const Pulley& pulley : world.pulleys) {
-    names.insert(written_name(world.connectors[pulley.from]));
+    names.emplace(written_name(world.connectors[pulley.from].name));
   }
   for (const Connector& connector : world.connectors) {
-    if (connector.mass == 0) names.erase(written_name(connector));
+    if (connector.mass == 0) names.erase(std::string(written_name(connector.name)));
   }
   return names;
 }
@@ -95,7 +92,7 @@ Scene load_planned(const std::filesystem::path& file, bool with_stage) {
   Scene scene = load_scene(file, with_stage, changes);
   take_masses(scene.world, exact.world);
   for (Connector& connector : scene.world.connectors) {
-    const std::string name = written_name(connector);
+    const std::string name(written_name(connector.name));
     const auto found = plan->particles.find(name);
     if (found != plan->particles.end() && found->second == 0 && !heavy.contains(name)) {
       connector.model = ConnectorModel::span;

@@ -11,6 +11,7 @@
 #include "scenes/load/default_stage.h"
 #include "scenes/load/load_scene.h"
 #include "scenes/scene/clip.h"
+#include "scenes/scene/names.h"
 #include "scenes/scene/view.h"
 #include "sim/choreography/choreography.h"
 #include "sim/choreography/hand_frame.h"
@@ -120,7 +121,7 @@ void look_at_beads(const World& world, std::vector<std::string>& warnings) {
     const double sharpest = obstacle.shape.sharpest();
     if (std::isinf(sharpest)) continue;
     for (const Connector& connector : world.connectors) {
-      if (connector.name.find('#') != std::string::npos) continue;  // a copy
+      if (is_numbered(connector.name)) continue;  // as the first of them
       if (!obstacle.touches(connector.category) || connector.links_touch) continue;
       const double bent = sharpest + connector.radius;
       if (bent == 0) {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "scenes/files/asset_path.h"
+#include "scenes/scene/names.h"
 
 namespace taut::scenes {
 
@@ -67,7 +68,7 @@ std::string_view text_or(const Value& table, std::string_view key, std::string_v
 }
 
 const Value& connector_value(const Document& document, const Connector& connector) {
-  const std::string name = connector.name.substr(0, connector.name.find('#'));
+  const std::string_view name = written_name(connector.name);
   const Value* table = document.root.find("connectors");
   const Value* found = table ? table->find(name) : nullptr;
   return found ? *found : *document.root.find("nets")->find(name);

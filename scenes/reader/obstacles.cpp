@@ -5,6 +5,7 @@
 
 #include "scenes/character/capsules.h"
 #include "scenes/reader/reader.h"
+#include "scenes/scene/names.h"
 #include "sim/contact/capsule.h"
 #include "sim/motion/rotation.h"
 
@@ -87,8 +88,6 @@ class Ignored {
   }
 
  private:
-  static std::string_view stem(std::string_view name) { return name.substr(0, name.find('#')); }
-
   /// As the document has them, which stays.
   static std::vector<std::string_view> all_names(const Document& document) {
     std::vector<std::string_view> names;
@@ -111,7 +110,7 @@ class Ignored {
     const std::uint64_t bit = std::uint64_t{1} << bits_.size();
     bits_[index] = bit;
     for (Connector& c : world_.connectors)
-      if (stem(c.name) == name.text) c.category |= bit;
+      if (written_name(c.name) == name.text) c.category |= bit;
     for (Body& body : world_.bodies)
       if (body.name == name.text) body.capsule.category |= bit;
     return bit;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scenes/reader/reader.h"
+#include "scenes/scene/names.h"
 #include "sim/world/places.h"
 #include "sim/world/restore.h"
 
@@ -18,7 +19,7 @@ constexpr double kRounding = 1e-9;
 
 /// The connector whose shape at the start this is, or one of its copies.
 bool is_of(const Connector& connector, const Value& value) {
-  return connector.name.substr(0, connector.name.find('#')) == value.name;
+  return written_name(connector.name) == value.name;
 }
 
 bool keeps_lengths(const Connector& connector) {

@@ -23,8 +23,8 @@ struct HandLimits {
   double reach = std::numeric_limits<double>::infinity();         // m, from the shoulder
   double speed = std::numeric_limits<double>::infinity();         // m/s
   double acceleration = std::numeric_limits<double>::infinity();  // m/s^2
-  /// m, between the forearm, a line from the pivot to the hand, and the body's from where it hangs
-  /// to the point; counts where there is a pivot.
+  /// m, between a line from the pivot to the chain's end, and the body's from where it hangs to the
+  /// point; counts where there is a pivot.
   double clearance = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "sim/run/method.h"
+#include "tests/cli/swing_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -17,31 +18,6 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Two frames of a swing, a driven body, a hanging one.
-constexpr const char* kPushedStick = R"(duration = 0.1
-fps = 50
-[method]
-name = "impulse"
-step = 0.001
-[paths.hand]
-keys = [{ t = 0, position = [0, 1, 0] }, { t = 1, position = [0.5, 1, 0] }]
-[bodies.free]
-mass = 0.12
-shape = { cylinder = { length = 0.30, diameter = 0.028 } }
-hangs = [0, -1, 0]
-[bodies.held]
-mass = 0.12
-shape = { cylinder = { length = 0.30, diameter = 0.028 } }
-driven_by = { path = "hand" }
-[connectors.cord]
-length = 0.1
-mass = 0.01
-particles = 3
-from = { body = "held", point = [0, -0.15, 0] }
-to = { body = "free", point = [0, 0.15, 0] }
-start = { direction = [0, -1, 0] }
-)";
 
 // Hours of simulation, to be interrupted.
 const std::string kLong = [] {

@@ -64,8 +64,7 @@ ContactStep::EnergyChange ContactStep::energy_change() const {
 
 /// By how much (m/s) what moves freely is too fast where nothing is driven: what touches takes
 /// energy and gives none.
-double ContactStep::find_gain() const {
-  const EnergyChange change = energy_change();
+double ContactStep::too_fast(const EnergyChange& change) {
   if (!(change.gain > 0)) return 0;
   return change.gain / std::sqrt(2 * change.mass * (change.kinetic + change.gain));
 }
@@ -73,10 +72,9 @@ double ContactStep::find_gain() const {
 /// Takes back what has been gained since the energy was least, where links touch: all velocities in
 /// the same proportion, so that lengths and touches still hold (Hairer, Lubich and Wanner,
 /// Geometric Numerical Integration, IV.4).
-void ContactStep::take_gain() {
+void ContactStep::take_gain(const EnergyChange& change) {
   rises_ = 0;
   if (!links_.any()) return;
-  const EnergyChange change = energy_change();
   rises_ = std::max(0.0, risen_ + change.gain);
   const double lifted = change.mass * mechanism_.gravity().norm() * length_;
   if (!(rises_ > kGiven * (change.kinetic + lifted))) return;

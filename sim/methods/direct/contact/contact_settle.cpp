@@ -112,7 +112,8 @@ bool ContactStep::settle(double time, double h, double least) {
   const double stopped = kStopped * (1 + std::sqrt(speed));
   if (!stop(stopped)) return false;
   end_settling();
-  for (int i = 0; links_.any() && i <= kHalvings && bounces() * kGained < find_gain(); ++i) {
+  for (int i = 0; links_.any() && i <= kHalvings && bounces() * kGained < too_fast(energy_change());
+       ++i) {
     scale_bounces(i < kHalvings ? 0.5 : 0);
     if (!stop(stopped)) return false;
     end_settling();

@@ -248,8 +248,9 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
     if (!enters && !snaps && !hits && !crosses) {
       if (!settle(time, h, least)) return 0;
       const bool changes = hits_ || last_hits_ || pattern() != last_pattern_;
-      gained_ = changes || links_.any() ? find_gain() : 0;
-      take_gain();
+      const EnergyChange change = changes || links_.any() ? energy_change() : EnergyChange();
+      gained_ = too_fast(change);
+      take_gain(change);
       return h;
     }
     hits_ = true;

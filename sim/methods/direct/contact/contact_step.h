@@ -93,8 +93,8 @@ class ContactStep {
   double separation_speed(double time);
   bool is_driven() const;
   EnergyChange energy_change() const;
-  double find_gain() const;
-  void take_gain();
+  static double too_fast(const EnergyChange& change);
+  void take_gain(const EnergyChange& change);
   bool find_touches(double least);
   double lowest_speed(double lowest) const;
   void add_touch(const Hit& hit, std::size_t sorted);
@@ -162,7 +162,7 @@ class ContactStep {
   LinkTouches links_;
   // Whether what touches links is relaxed in the next evaluation, and in each.
   bool relaxes_ = false, relaxes_all_ = false;
-  bool jams_ = false;  // a body has no respond to what it touches
+  bool jams_ = false;  // a body has no response to what it touches
   // Per body: the rates of its twist, of the step before, and without waves.
   std::vector<contact::Vec6> pushed_, last_pushed_, steady_pushed_;
   // Per body, m: to the farthest point that touches or holds a link.
