@@ -12,6 +12,8 @@ using contact::SpotGap;
 using contact::Vec6;
 using ConstMap = Eigen::Map<const Vec3>;
 
+constexpr double kPlaceRounding = 2e-15;  // of a place, by which a displacement is off
+
 /// How the arm of a side turns over the step.
 Vec3 mean_arm(const Quat& before, const Quat& after, const Vec3& mean, const Vec3& down) {
   return (before * mean + after * mean) / 2 + down;
@@ -110,7 +112,7 @@ bool BodyTouches::solve_means(const Step& step, std::span<const Mat3> inverse,
     }
     bare_.clear();
     last_.clear();
-    double most = 0;
+    double most = 0, noise = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const Place& place = places_[first + i];
       Vec3 moves = mean_velocity(step, next, touches[i].body, place.own);
@@ -119,6 +121,9 @@ bool BodyTouches::solve_means(const Step& step, std::span<const Mat3> inverse,
       }
       bare_.push_back(moves - contact::passing(moves_, touches[i]));
       last_.push_back(touches[i].given);
+      const double place_size = ConstMap(&next[step.mechanism.pose(touches[i].body)]).norm();
+      noise =
+          std::max(noise, kPlaceRounding * place_size / step.h / mobility_[touches[i].body](0, 0));
     }
     finds = system_.solve(bare_, touches, creep) && finds;
     double moved = 0;
@@ -126,7 +131,7 @@ bool BodyTouches::solve_means(const Step& step, std::span<const Mat3> inverse,
       most = std::max(most, touches[i].given.norm());
       moved = std::max(moved, (touches[i].given - last_[i]).norm());
     }
-    if (moved > 0) change = std::max(change, moved / std::max(most, moved));
+    if (moved > noise) change = std::max(change, moved / std::max(most, moved));
     if (!step.mechanism.rows().empty()) system_.couple(touches, coupled_);
   });
   return finds;
