@@ -108,6 +108,31 @@ DigitTurns wrap(const Digit& finger, const Capsule& stick, const Vec3& hinge) {
   return flexed(best, hinge);
 }
 
+/// Turns that close a finger on itself: its joints turn together, as its tendons turn them, until
+/// its end touches the palm's skin.
+DigitTurns curl(const Digit& finger, std::span<const Vec3> palm, const Vec3& out,
+                const Vec3& hinge) {
+  constexpr std::array<double, 3> closed = {86 * degree, 104 * degree, 62 * degree};
+  constexpr double least = 0.75, step = 0.005, beside = 6 * mm;
+  BentSkin bent;
+  DigitTurns turns;
+  for (double share = least; share <= 1; share += step) {
+    const DigitTurns trial =
+        flexed({share * closed[0], share * closed[1], share * closed[2]}, hinge);
+    finger.bend(trial, bent);
+    double height = std::numeric_limits<double>::infinity();  // of the finger's end over the palm
+    for (const Vec3& p : bent.part(2))
+      for (const Vec3& q : palm) {
+        const Vec3 off = p - q;
+        const double over = off.dot(out);
+        if ((off - over * out).norm() < beside) height = std::min(height, over);
+      }
+    if (share > least && height < skin) break;
+    turns = trial;
+  }
+  return turns;
+}
+
 /// Where a thumb lies: it touches one of `wanted` with its two outer phalanges, and enters no
 /// thing.
 class Thumb {
@@ -126,11 +151,15 @@ class Thumb {
     Angles best{};
     BentSkin bent;
     double least = std::numeric_limits<double>::infinity();
-    for (const double roll : {-1.4, -0.7, 0.0, 0.7, 1.4}) {
+    for (const double roll : {-0.7, 0.0, 0.7}) {
       for (const double rise : {-0.4, 0.4}) {
-        Angles x = {rise, 0, roll, 0.4, 0.4};
-        const double cost = descend(
-            x, [&](const Angles& trial) { return discomfort(trial, wanted, things, tip, bent); });
+        Angles x = {rise, 0, roll, 0.6, 0.6};
+        // Contacts make narrow valleys: it comes near first, and then they count more and more.
+        double cost = 0;
+        for (const double firmness : {0.001, 0.01, 0.1, 1.0})
+          cost = descend(x, [&](const Angles& trial) {
+            return discomfort(trial, wanted, things, tip, firmness, bent);
+          });
         if (cost < least) {
           least = cost;
           best = x;
@@ -152,14 +181,17 @@ class Thumb {
                    Quat(Eigen::AngleAxisd(x[4], hinge_)));
   }
 
+  /// `firmness`: the weight of contacts.
   double discomfort(const Angles& x, std::span<const Capsule> wanted,
-                    std::span<const Capsule> things, const Vec3& tip, BentSkin& bent) const {
+                    std::span<const Capsule> things, const Vec3& tip, double firmness,
+                    BentSkin& bent) const {
     const DigitTurns turned = turns(x);
     digit_.bend(turned, bent);
     double cost = touch(gap(bent, 1, wanted)) + touch(gap(bent, 2, wanted));
     for (const double free : {gap(bent, 0, wanted, skin), gap(bent, BentSkin::root, wanted, skin),
                               gap(bent, 1, things, skin), gap(bent, 2, things, skin)})
       cost += 25 * squared((skin - free) / mm);
+    cost *= firmness;
     constexpr Angles ease = {0.8, 0.8, 1.2, 0.8, 0.8}, most = {1.1, 1.1, 1.7, 1.1, 1.3};
     for (std::size_t i = 0; i < x.size(); ++i)
       cost += 0.3 * squared(x[i] / ease[i]) + 1e3 * squared(beyond(std::abs(x[i]), most[i]));
@@ -302,12 +334,18 @@ Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double 
   const Capsule& stick = closed.stick;
   const Vec3 centre = (stick.a + stick.b) / 2, axis = (stick.b - stick.a).normalized();
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
-  // The thumb goes round from the other side, over the index finger's end.
+  // The thumb goes round from the other side and lies on the stick before the index finger's end:
+  // on a circle about the stick, so far on that the two touch.
   const Capsule& end = closed.phalanges[2];
-  const Vec3 middle = (end.a + end.b) / 2, off = middle - centre;
-  const Vec3 out = (off - off.dot(axis) * axis).normalized();
-  const Vec3 tip = middle + (end.radius + thumb.digit().radius(2)) * out;
-  const std::array<Capsule, 2> index = {closed.phalanges[1], end};
+  const auto across = [&](const Vec3& v) -> Vec3 { return v - v.dot(axis) * axis; };
+  const Vec3 off = across(end.b - centre), onward = across(end.b - end.a);
+  const double width = thumb.digit().radius(2), apart = end.radius + width + skin;
+  const double far = off.norm(), near = radius + width + skin;
+  const double turn = std::acos(
+      std::clamp((squared(far) + squared(near) - squared(apart)) / (2 * far * near), -1.0, 1.0));
+  const double sense = off.cross(onward).dot(axis) < 0 ? -1 : 1;
+  const Vec3 tip = end.b - off + near / far * (Eigen::AngleAxisd(sense * turn, axis) * off);
+  const std::array<Capsule, 2> index = {end, stick};
   std::vector<Capsule> things = closed.phalanges;
   things.push_back(stick);
   add_turns(thumb.digit(), thumb.lay(index, things, tip), closed.fingers);
@@ -317,8 +355,14 @@ Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double 
 std::vector<std::pair<std::size_t, Quat>> fist(const Model& model, const Skeleton& skeleton,
                                                Side side) {
   const HandAxes axes = hand_axes(skeleton, side);
-  constexpr double hollow = 1.5 * mm;  // what a fist leaves free
-  ClosedHand closed = close_hand(model, skeleton, side, hollow);
+  const std::size_t hand = skeleton.find(hand_name(side));
+  const Vec3 hinge = axes.along.cross(axes.palm);
+  const std::vector<Vec3> palm = Palm(model, skeleton, hand).bent({});
+  ClosedHand closed;
+  for (const char* name : finger_names) {
+    const Digit finger(model, skeleton, side, name);
+    add_finger(finger, curl(finger, palm, axes.palm, hinge), closed);
+  }
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
   // Across the middle phalanges of index and middle finger.
   const std::array<Capsule, 2> middles = {closed.phalanges[1], closed.phalanges[4]};

@@ -1,11 +1,13 @@
 // The hand around the stick, judged by the deformed skin of the martial artist himself.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "scenes/character/capsules.h"
 #include "scenes/character/character.h"
 #include "scenes/character/figure.h"
+#include "scenes/character/grip.h"
 #include "scenes/files/error.h"
 #include "scenes/model/load_model.h"
 #include "sim/motion/rotation.h"
@@ -59,12 +61,47 @@ TEST(CharacterGrip, EveryFingerTouchesTheStickAndNothingEntersIt) {
     }
   }
   ASSERT_EQ(gap.size(), 16u);  // three phalanges of five fingers, and the palm
+  double thumb = 1;
   for (const auto& [bone, distance] : gap) {
     EXPECT_GT(distance, -0.001) << bone;
-    // The thumb lies over the index finger.
+    // The thumb lies on the stick and over the index finger's end.
     if (bone.find("Thumb") == bone.npos) {
       EXPECT_LT(distance, 0.003) << bone;
+    } else {
+      thumb = std::min(thumb, distance);
     }
+  }
+  EXPECT_LT(thumb, 0.003);
+}
+
+/// Where the joints of a digit are when the hand's fingers are turned so; the hand is at rest.
+std::array<Vec3, 4> joints_of(const scenes::Digit& digit,
+                              const std::vector<std::pair<std::size_t, Quat>>& fingers) {
+  const std::map<std::size_t, Quat> turns(fingers.begin(), fingers.end());
+  scenes::DigitTurns turned;
+  Quat sum = Quat::Identity();
+  for (std::size_t k = 0; k < 3; ++k) turned[k] = sum = sum * turns.at(digit.bones()[k]);
+  return digit.joints(turned);
+}
+
+TEST(CharacterGrip, AnEmptyHandIsAFistWhoseFingersEndInThePalm) {
+  const scenes::Skeleton skeleton(*artist());
+  for (const auto side : {scenes::Side::left, scenes::Side::right}) {
+    const scenes::HandAxes axes = scenes::hand_axes(skeleton, side);
+    const auto fingers = scenes::fist(*artist(), skeleton, side);
+    const auto joints = [&](const char* name) {
+      return joints_of(scenes::Digit(*artist(), skeleton, side, name), fingers);
+    };
+    for (const char* name : {"Index", "Middle", "Ring", "Pinky"}) {
+      const auto at = joints(name);
+      // The last phalanx points into the palm rather than along it, and does not go through it.
+      EXPECT_LT((at[3] - at[2]).normalized().dot(axes.palm), -std::sqrt(0.5)) << name;
+      EXPECT_GT((at[3] - at[0]).dot(axes.palm), 0) << name;
+    }
+    // The thumb lies across the fingers, over their backs, no further out than they are wide.
+    const auto thumb = joints("Thumb"), index = joints("Index");
+    EXPECT_LT((thumb[3] - index[0]).dot(axes.across), 0);
+    EXPECT_LT((thumb[3] - index[1]).dot(axes.palm), 0.030);
   }
 }
 
