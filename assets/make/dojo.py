@@ -125,7 +125,7 @@ def _daylit(paper):
     """The eaves outside take the sky from the upper sheets, and warm what light is left."""
     paper = _split(paper, lambda p: np.full(len(p), 0.30))
     under = np.clip((paper.points[:, 1] - 0.435) / 1.635, 0, 1)
-    dim = 1 - 0.42 * under**1.6
+    dim = 1 - 0.50 * under**1.6
     paper.colors = paper.colors * np.stack([dim, dim**1.1, dim**1.25], axis=1)
     return paper
 

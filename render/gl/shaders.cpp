@@ -192,7 +192,7 @@ vec3 crease_slope(vec3 p) {
              d = vec3(6.8, -4.9, 0);
   float at_b = dot(p, b), at_d = dot(p, d);
   float first = dot(p, a) + 0.27 * wave(at_b), second = dot(p, c) + 0.30 * wave(at_d);
-  return 0.0011 * (wave_slope(first) * wave(second) * (a + 0.27 * wave_slope(at_b) * b) +
+  return 0.0008 * (wave_slope(first) * wave(second) * (a + 0.27 * wave_slope(at_b) * b) +
                    wave(first) * wave_slope(second) * (c + 0.30 * wave_slope(at_d) * d));
 }
 
@@ -207,10 +207,11 @@ vec3 bumped(vec3 n, vec3 rest_slope) {
   return normalize(abs(area) * n - slope);
 }
 
-// The curve has a short toe and a long shoulder (a rational fit, as film curves are).
+// A film's curve: a toe that deepens shadows and a long shoulder (Narkowicz 2015, his fit of the
+// curve of ACES).
 vec3 tone_mapped(vec3 radiance) {
   vec3 x = radiance * EXPOSURE;
-  return min(x * (2.0 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12), 1.0);
+  return min(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 1.0);
 }
 
 // Square root of the tone-mapped light: nearly even steps to the eye, cheap to undo before
@@ -255,7 +256,7 @@ void main() {
   wrap = vec3(0.1);
 #elif SURFACE == 5  // paper: daylight from behind comes through, and shows the fibres
   albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * vec2(1.1, 1.7)).g;
-  vec3 through = 0.40 * albedo * LIGHT_COLOR;
+  vec3 through = 0.46 * albedo * DAYLIGHT;
 #endif
 
   vec3 v = normalize(eye.xyz - world_position), l = TO_LIGHT;

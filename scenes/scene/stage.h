@@ -29,10 +29,10 @@ struct CameraView {
 };
 
 struct Light {
-  Vec3 direction = Vec3(-0.5, -1.0, -0.6);  // the way the light travels
-  Vec3 color = Vec3(3.0, 2.8, 2.5);         // linear radiance of the key light
-  Vec3 sky = Vec3(0.55, 0.60, 0.70);        // ambient from above, linear
-  Vec3 ground = Vec3(0.25, 0.20, 0.16);     // ambient from below, linear
+  Vec3 direction = Vec3(-0.75, -1.1, -0.18);  // the way the light travels
+  Vec3 color = Vec3(5.0, 3.9, 2.8);           // linear radiance of the key light
+  Vec3 sky = Vec3(0.36, 0.45, 0.60);          // ambient from above, linear
+  Vec3 ground = Vec3(0.16, 0.135, 0.11);      // ambient from below, linear
 };
 
 /// How a connector is drawn along its particles.

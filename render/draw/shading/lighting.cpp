@@ -27,6 +27,12 @@ Vec3 surrounding_light(const scenes::Light& light, const Vec3& direction) {
   return above * light.sky + (1 - above) * (light.ground + bounce);
 }
 
+Vec3 daylight(const scenes::Light& light) {
+  const Vec3 luma(0.2126, 0.7152, 0.0722);
+  const double sky = luma.dot(light.sky);
+  return sky > 0 ? Vec3(luma.dot(light.color) / sky * light.sky) : light.color;
+}
+
 void HarmonicSum::add(const Vec3& direction, const Vec3& radiance, double solid_angle) {
   const double x = direction.x(), y = direction.y(), z = direction.z();
   const double basis[] = {1, y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y};
@@ -70,6 +76,7 @@ std::string light_constants(const scenes::Light& light, const Harmonics& ambient
   std::string constants;
   for (const auto& [name, value] : {std::pair("TO_LIGHT", Vec3(-light.direction.normalized())),
                                     {"LIGHT_COLOR", light.color},
+                                    {"DAYLIGHT", daylight(light)},
                                     {"SKY", light.sky},
                                     {"GROUND", light.ground}})
     constants += fmt::format("const vec3 {} = {};\n", name, text(value));

@@ -17,6 +17,9 @@ using Harmonics = std::array<Eigen::Vector3f, 9>;
 /// The light past all scenery: sky above, ground below that reflects the key light like a floor.
 Vec3 surrounding_light(const scenes::Light& light, const Vec3& direction);
 
+/// What shines on paper from behind: as bright as the key light, of the sky's colour.
+Vec3 daylight(const scenes::Light& light);
+
 /// Radiance seen from a point, added up by direction.
 class HarmonicSum {
  public:

@@ -32,8 +32,8 @@ import numpy
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import picture_error  # noqa: E402
 
-LIGHT = {"direction": [-0.5, -1.0, -0.6], "color": [3.0, 2.8, 2.5], "sky": [0.55, 0.60, 0.70],
-         "ground": [0.25, 0.20, 0.16]}  # scenes/scene/stage.h
+LIGHT = {"direction": [-0.75, -1.1, -0.18], "color": [5.0, 3.9, 2.8], "sky": [0.36, 0.45, 0.60],
+         "ground": [0.16, 0.135, 0.11]}  # scenes/scene/stage.h
 
 
 def shown(scene, frame):
@@ -124,8 +124,8 @@ def write(file, picture):
 
 def developed(light):
     """taut's film curve and exposure (render/gl/shaders.cpp, encode) on linear light, as sRGB."""
-    x = 0.48 * numpy.maximum(light, 0)
-    return picture_error.srgb(x * (2 * x + 0.05) / (x * (1.95 * x + 0.75) + 0.12))
+    x = 0.60 * numpy.maximum(light, 0)
+    return picture_error.srgb(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14))
 
 
 def main():

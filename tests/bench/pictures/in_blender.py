@@ -13,7 +13,8 @@ import bpy
 import numpy
 
 WOOD, PAPER = ("wood", "floor", "plank", "beam"), ("paper",)
-THROUGH = 0.40  # the share of the key light that comes through paper (render/gl/shaders.cpp)
+THROUGH = 0.46  # the share of the daylight that comes through paper (render/gl/shaders.cpp)
+LUMA = (0.2126, 0.7152, 0.0722)
 
 
 def lattice(x, y, seed):
@@ -114,7 +115,13 @@ def extent(material):
     return high - low
 
 
-def pattern(material, image, key):
+def daylight(light):
+    """What shines on paper from behind: as bright as the key light, of the sky's colour."""
+    key, sky = (sum(w * c for w, c in zip(LUMA, light[name])) for name in ("color", "sky"))
+    return [key / sky * c for c in light["sky"]] if sky > 0 else light["color"]
+
+
+def pattern(material, image, day):
     """What the renderer's surfaces have beyond glTF: streaks of wood, and paper that the day shines through."""
     name, nodes = material.name.lower(), Nodes(material)
     if any(word in name for word in WOOD):
@@ -138,7 +145,7 @@ def pattern(material, image, key):
         glow = nodes.tree.nodes.new("ShaderNodeVectorMath")
         glow.operation = "MULTIPLY"
         nodes.put(glow.inputs[0], albedo)
-        glow.inputs[1].default_value = [THROUGH * c for c in key]
+        glow.inputs[1].default_value = [THROUGH * c for c in day]
         nodes.put(nodes.shader.inputs["Emission"], glow.outputs[0])
         nodes.shader.inputs["Emission Strength"].default_value = 1
 
@@ -161,7 +168,7 @@ def prepare(job):
     image = noise()
     for material in list(bpy.data.materials):
         if material.use_nodes:
-            pattern(material, image, light["color"])
+            pattern(material, image, daylight(light))
         material.shadow_method = "OPAQUE"
     for item in bpy.data.objects:
         if item.type == "MESH" and item.name.split(".")[0] in job["scenery"]:
