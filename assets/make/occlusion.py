@@ -37,7 +37,7 @@ def _frames(n):
     return t, np.cross(n, t)
 
 
-def bake(parts, strength=0.8, floor=0.25):
+def bake(parts, strength=1.0, floor=0.2):
     """Multiply the parts' colours by their openness to the sky, raised to `strength`, at least `floor`."""
     everything = np.concatenate([p.points for p in parts])
     lo = everything.min(axis=0) - 4 * VOXEL

@@ -247,8 +247,19 @@ void main() {
   wrap = vec3(0.15);
   sheen = 0.12;
 #elif SURFACE == 3  // skin: light that went in comes out redder past the terminator
-  wrap = vec3(0.22, 0.14, 0.11);
-  albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * 6.0).r;
+  wrap = vec3(0.17, 0.11, 0.09);
+  vec2 place = facing(rest_position, n);
+  float pores = texture(noise, place * 31.0).g;  // 1 to 4 mm, blotches 10 times as large
+  albedo *= mix(vec3(0.90, 0.84, 0.80), vec3(1.06, 1.10, 1.12), texture(noise, place * 6.0).r);
+  albedo *= 0.94 + 0.12 * pores;
+  roughness += 0.30 * (pores - 0.5);
+#elif SURFACE == 6  // hair: strands that run upwards, each with its own gloss
+  vec2 combed = facing(rest_position, n) * 16;
+  float strands = texture(noise, vec2(abs(n.x) > abs(n.z) && abs(n.x) > abs(n.y)
+                                          ? vec2(combed.x * 0.06, combed.y)
+                                          : vec2(combed.x, combed.y * 0.06))).g;
+  albedo *= 0.4 + 1.2 * strands;
+  roughness += 0.6 * (0.5 - strands);
 #elif SURFACE == 4  // rope: three strands; rest_position is (turn, metres along, radius)
   float along = length_ratio * rest_position.y - paid_out;
   float strand = abs(sin(3.14159 * (3.0 * rest_position.x + along / (7.0 * rest_position.z))));

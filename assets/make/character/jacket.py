@@ -18,7 +18,7 @@ _LAPEL = 0.021  # half width
 _SKIRT_CAVITY = Loft(
     y=[0.60, 0.735, 0.80, 0.86],
     half_x=[0.222, 0.217, 0.204, 0.10],
-    half_z=[0.157, 0.153, 0.142, 0.06],
+    half_z=[0.168, 0.162, 0.148, 0.06],
     centre_z=[-0.010, -0.010, -0.010, -0.012],
     power=2.5,
 )
@@ -73,7 +73,7 @@ def jacket(p):
 
 
 def _hem(p):
-    return HEM - 0.010 * np.cos(9 * p[:, 0]) - p[:, 1]
+    return HEM - 0.010 * np.cos(9 * p[:, 0]) + 0.004 * np.sin(31 * p[:, 0] + 2) - p[:, 1]
 
 
 def _openings(p, q, d, height):

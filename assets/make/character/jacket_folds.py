@@ -39,7 +39,7 @@ def _growth(p, d):
     slant = np.where(p[:, 2] > 0, 0.45, -0.55 * np.tanh(p[:, 0] / 0.05))
     across_fold = (to_left - slant * d[:, 1]) ** 2 / (1 + slant**2)
     above = 0.110 * ramp(1.46, 1.34, y) * across_fold + 0.10 * _bell(y, 1.075, 0.035) * tall
-    skirt = 0.02 * tall + (0.04 + 0.15 * ramp(1.02, 0.80, y)) * (1 - tall)
+    skirt = 0.02 * tall + (0.05 + 0.25 * ramp(1.02, 0.80, y)) * (1 - tall)
     return sleeve * on_sleeve + np.where(y > jacket_shape.BELT, above, skirt) * (1 - on_sleeve)
 
 
@@ -54,4 +54,4 @@ def _loose(p):
     cuff = 0.5 * ramp(0.14, 0.20, (q - _ELBOW) @ _FORE)
     pit = 1.5 * np.exp(-np.sum(((q - jacket_shape.PIT) / vec(0.055, 0.055, 0.10)) ** 2, axis=1))
     free = np.clip(1 - belt - shoulders - lapel - cuff - pit, 0, 1)
-    return -0.006 * free, 0.014 * free
+    return -0.006 * free, (0.014 + 0.006 * ramp(0.98, 0.80, y)) * free

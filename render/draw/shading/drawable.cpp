@@ -27,6 +27,7 @@ Surface surface_named(std::string_view material) {
   if (has({"wood", "floor", "plank", "beam"})) return Surface::wood;
   if (has({"cloth", "gi", "belt", "trouser", "fabric", "cotton"})) return Surface::cloth;
   if (has({"skin"})) return Surface::skin;
+  if (has({"hair"})) return Surface::hair;
   if (has({"paper"})) return Surface::paper;
   return Surface::plain;
 }

@@ -40,8 +40,8 @@ Eigen::Vector3f irradiance(const Harmonics& harmonics, const Eigen::Vector3f& no
 /// key light (Ramamoorthi and Hanrahan 2001).
 Harmonics ambient_harmonics(const scenes::Light& light);
 
-/// The stage's light as constants of a shader: TO_LIGHT (unit), LIGHT_COLOR, SKY, GROUND and
-/// `ambient` as AMBIENT. Constants, because software rasterisers load uniforms anew for every
+/// The stage's light as constants of a shader: TO_LIGHT (unit), LIGHT_COLOR, DAYLIGHT, SKY, GROUND
+/// and `ambient` as AMBIENT. Constants, because software rasterisers load uniforms anew for every
 /// pixel.
 std::string light_constants(const scenes::Light& light, const Harmonics& ambient);
 
