@@ -1,4 +1,5 @@
 // Steps: the foot in front goes where the hand goes, the foot behind is drawn up after it.
+#include <algorithm>
 #include <cmath>
 
 #include "scenes/character/acting.h"
@@ -10,6 +11,7 @@ constexpr double settling = 0.33;        // s, over which the hand's place is av
 constexpr double step_foresight = 0.28;  // s: the foot is down again before the hand is there
 constexpr double stays = 0.25;           // s: and stands where the hand will be so much later
 constexpr double share_ahead = 1.5, share_aside = 0.3;  // of the hand's way
+constexpr double apart = 0.2;                           // m: the farthest that a foot goes
 constexpr double drawn_up = 0.9;                        // of the way of the foot in front
 constexpr double worth = 0.05;                          // m off, for which a foot takes a step
 constexpr double lasts = 0.34;                          // s
@@ -40,7 +42,8 @@ Track take_steps(const Track& hand) {
   const Track settled = hand.smoothed(settling).ahead(step_foresight + lasts);
   const auto wanted = [&](double time) -> Vec3 {
     const Vec3 way = settled.at(time) - settled[0];
-    return {share_aside * way.x(), 0, share_ahead * way.z()};
+    const Vec3 there(share_aside * way.x(), 0, share_ahead * way.z());
+    return apart / std::max(apart, there.norm()) * there;
   };
   Track steps(Eigen::MatrixXd::Zero(6, hand.count()), hand.rate());
   Foot right, left;

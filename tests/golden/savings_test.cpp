@@ -119,8 +119,7 @@ class SavingsShow : public testing::TestWithParam<std::string> {};
 
 TEST_P(SavingsShow, InNoTenthFrame) {
   if (GetParam() == "bead_curtain") GTEST_SKIP() << "a thousand cords: a long test";
-  // The exact nunchaku looks like the other.
-  expect_nothing_shows(GetParam(), 72, GetParam() == "nunchaku_direct" ? 100 : 10, 2);
+  expect_nothing_shows(GetParam(), 72, 10, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SavingsShow, testing::ValuesIn(clips()),

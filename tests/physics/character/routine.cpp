@@ -11,6 +11,7 @@ namespace taut {
 namespace {
 
 constexpr std::size_t kHeld = 0, kFree = 1;  // bodies, in the order of the scene file
+constexpr double kBetween = 1.0 / 960;       // s, where the method chooses its steps
 
 Instance instance(const World& world) {
   const Body &held = world.bodies[kHeld], &free = world.bodies[kFree];
@@ -28,15 +29,14 @@ Instance instance(const World& world) {
 
 }  // namespace
 
-Routine Routine::play(bool with_stage, int split, double passes) {
+Routine Routine::play(const std::string& file, bool with_stage, const Settings& settings) {
   Routine routine;
-  routine.scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", with_stage);
+  routine.scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/" + file, with_stage);
   const scenes::Scene& scene = routine.scene;
-  Settings settings = scene.method.settings;
-  routine.step = number(settings, "step") / split;
-  settings["step"] = routine.step;
-  if (passes > 0) settings["passes"] = passes;
-  Simulation simulation(scene.world, make_method(scene.method.name, settings));
+  Settings all = scene.method.settings;
+  for (const auto& [key, value] : settings) all[key] = value;
+  routine.step = all.contains("step") ? number(all, "step") : kBetween;
+  Simulation simulation(scene.world, make_method(scene.method.name, all));
   routine.mass = scene.world.bodies[kFree].mass_properties.mass;
   for (const double rest : scene.world.connectors[0].rest) routine.length += rest;
   const auto steps = static_cast<int>(std::lround(scene.duration / routine.step));
@@ -50,7 +50,12 @@ Routine Routine::play(bool with_stage, int split, double passes) {
 }
 
 const Routine& Routine::shipped() {
-  static const Routine routine = play(true, 1, 0);
+  static const Routine routine = play("nunchaku.toml", true);
+  return routine;
+}
+
+const Routine& Routine::paper() {
+  static const Routine routine = play("nunchaku_paper.toml", true);
   return routine;
 }
 

@@ -1,6 +1,7 @@
-// The nunchaku's routine as its scene file ships it, recorded once for all of its tests.
+// The nunchaku's routines as their scene files ship them, recorded once for all of their tests.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,12 +27,14 @@ struct Routine {
   std::vector<Event> events;
   double mass = 0;    // kg, of the free stick and the chain's end that it carries
   double length = 0;  // m, of the chain
-  double step = 0;    // s
+  double step = 0;    // s, between instances
 
-  /// Simulates scenes/nunchaku.toml to its end in `split` times as many steps as it says.
-  static Routine play(bool with_stage, int split, double passes);
-  /// The scene's own steps, with its stage; played once.
+  /// Simulates a scene of the folder `scenes` to its end, with these settings in place of its own.
+  static Routine play(const std::string& file, bool with_stage, const Settings& settings = {});
+  /// The demonstration, scenes/nunchaku.toml; played once.
   static const Routine& shipped();
+  /// The phases of the paper's Figure 7, scenes/nunchaku_paper.toml; played once.
+  static const Routine& paper();
 
   /// The first caption whose text begins so. Throws std::out_of_range where there is none.
   const scenes::Caption& caption(std::string_view beginning) const;

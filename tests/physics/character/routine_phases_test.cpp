@@ -10,7 +10,7 @@ namespace taut::routine_phases_test {
 namespace {
 
 const Routine& routine() {
-  return Routine::shipped();
+  return Routine::paper();
 }
 std::vector<Instance> during(std::string_view phase) {
   const scenes::Caption& caption = routine().caption(phase);
