@@ -30,9 +30,9 @@ struct CameraView {
 
 struct Light {
   Vec3 direction = Vec3(-0.75, -1.1, -0.18);  // the way the light travels
-  Vec3 color = Vec3(5.0, 3.9, 2.8);           // linear radiance of the key light
-  Vec3 sky = Vec3(0.36, 0.45, 0.60);          // ambient from above, linear
-  Vec3 ground = Vec3(0.16, 0.135, 0.11);      // ambient from below, linear
+  Vec3 color = Vec3(6.8, 5.3, 3.8);           // linear radiance of the key light
+  Vec3 sky = Vec3(0.49, 0.61, 0.82);          // ambient from above, linear
+  Vec3 ground = Vec3(0.22, 0.184, 0.15);      // ambient from below, linear
 };
 
 /// How a connector is drawn along its particles.

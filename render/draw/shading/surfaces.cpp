@@ -13,7 +13,7 @@
 namespace taut::draw {
 namespace {
 
-constexpr double kExposure = 0.60;
+constexpr double kExposure = 0.44;
 constexpr float kGlossy = 0.45f;  // rougher surfaces mirror what lights them
 
 std::string mirror_constants(const Surroundings& around) {

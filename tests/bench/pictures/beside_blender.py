@@ -32,8 +32,8 @@ import numpy
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import picture_error  # noqa: E402
 
-LIGHT = {"direction": [-0.75, -1.1, -0.18], "color": [5.0, 3.9, 2.8], "sky": [0.36, 0.45, 0.60],
-         "ground": [0.16, 0.135, 0.11]}  # scenes/scene/stage.h
+LIGHT = {"direction": [-0.75, -1.1, -0.18], "color": [6.8, 5.3, 3.8], "sky": [0.49, 0.61, 0.82],
+         "ground": [0.22, 0.184, 0.15]}  # scenes/scene/stage.h
 
 
 def shown(scene, frame):
@@ -124,7 +124,7 @@ def write(file, picture):
 
 def developed(light):
     """taut's film curve and exposure (render/gl/shaders.cpp, encode) on linear light, as sRGB."""
-    x = 0.60 * numpy.maximum(light, 0)
+    x = 0.44 * numpy.maximum(light, 0)
     return picture_error.srgb(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14))
 
 
