@@ -64,9 +64,8 @@ bool Contacts::is_link_near(const Connector& connector, const Obstacle& obstacle
   return false;
 }
 
-/// Whether something of the group may touch something within so many seconds of its present time.
-bool Contacts::is_near(const Group& group, double within) const {
-  const World& part = group.part;
+/// Whether something of the group may touch something within so many seconds from there.
+bool Contacts::is_near(const Group& group, const World& part, double within) const {
   const double fall = part.gravity.norm() * within;
   for (const Body& body : part.bodies) {
     if (is_body_near(body, part, within)) return true;

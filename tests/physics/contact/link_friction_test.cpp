@@ -39,17 +39,18 @@ TEST(LinkFriction, AChainThatFrictionHoldsStays) {
   }
 }
 
-/// What sticks and what slides is told apart with solves of the order that beads take.
+/// What sticks and what slides is told apart with solves of the order that beads take, of which one
+/// a step is enough where all rests.
 TEST(LinkFriction, ManyLinksTakeTheOrderOfSolvesThatBeadsTake) {
+  double solves[2] = {};
   for (const std::size_t right : {std::size_t{40}, std::size_t{70}}) {
-    double solves[2] = {};
     for (const bool links : {false, true}) {
       Simulation simulation = by_direct(over(links, 60, 30, right, 0.3), 1e-3);
       simulation.advance_to(0.3);
-      solves[links] = static_cast<double>(simulation.method().counters().solves);
+      solves[links] += static_cast<double>(simulation.method().counters().solves);
     }
-    EXPECT_LT(solves[1], 10 * solves[0]) << right << ": " << solves[0] << " with beads";
   }
+  EXPECT_LT(solves[1], 8 * solves[0]) << solves[0] << " with beads";
 }
 
 }  // namespace

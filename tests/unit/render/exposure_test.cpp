@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "render/draw/jitter.h"
 #include "render/draw/shading/lighting.h"
@@ -79,8 +80,11 @@ TEST(Exposure, NothingIsBeforeTheStart) {
   EXPECT_TRUE(std::ranges::is_sorted(times));
 }
 
-TEST(Exposure, TheShutterChangesNoBitOfTheTrajectory) {
-  const scenes::Scene scene = scenes::load_scene(TAUT_SOURCE_DIR "/scenes/nunchaku.toml", true);
+class TrajectoryOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(TrajectoryOf, IsTheSameWithAnyShutter) {
+  const scenes::Scene scene =
+      scenes::load_scene(std::string(TAUT_SOURCE_DIR "/scenes/") + GetParam(), true);
   ASSERT_GT(scene.stage->shutter, 0);
   Simulation closed = scenes::start(scene), open = scenes::start(scene);
   for (int frame = 1; frame <= 2 * scene.fps; ++frame) {
@@ -94,6 +98,10 @@ TEST(Exposure, TheShutterChangesNoBitOfTheTrajectory) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Exposure, TrajectoryOf,
+                         testing::Values("nunchaku.toml", "contact/nunchaku_catch.toml",
+                                         "contact/sticks_meet.toml", "contact/post.toml"));
 
 TEST(Exposure, SlowThingsTakeFewAndFastOnesAsManyAsTheirWayAsksFor) {
   const auto counts = [](double way, int samples, int states) {

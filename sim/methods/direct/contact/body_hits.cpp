@@ -152,7 +152,13 @@ BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>&
   const Entry entry = find_entry(at_start, at_end, far, gap_at_share);
   hit.share = entry.share;
   hit.passes = entry.passes;
-  if (entry.share <= 1) hit.spots = spots_within(entry.share, 2 * kReached);
+  if (entry.share <= 1) {
+    hit.spots = spots_within(entry.share, 2 * kReached);
+  } else if (at_end < step.touching && at_end < at_start && meeting.restitution > 0) {
+    // It gets there as the step ends: what is thrown back is so in this one, where it is.
+    hit.spots = spots_within(1, step.touching);
+    if (hit.spots != 0) hit.share = 1;
+  }
   return hit;
 }
 

@@ -48,6 +48,9 @@ class BodyTouches {
   /// Whether some body may touch something.
   bool possible() const { return !meetings_.empty(); }
   bool any() const { return !touches_.empty(); }
+  const std::vector<contact::BodyTouch>& touches() const { return touches_; }
+  /// Takes these for the touches of the step before.
+  void follow(const std::vector<contact::BodyTouch>& touches) { touches_ = touches; }
   /// m, from a body's centre of mass to the farthest point of its capsule; 0: it has none.
   double bounding_radius(std::size_t body) const { return bounding_radius_[body]; }
 

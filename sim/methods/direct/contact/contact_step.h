@@ -26,6 +26,28 @@ namespace taut::direct {
 /// touches links between their beads (LinkTouches) is found beside the links' impulses.
 class ContactStep {
  public:
+  /// A bead at an obstacle.
+  struct BeadTouch {
+    std::uint32_t point = 0, obstacle = 0;
+    bool hits = false;  // it came to be in this step
+    Vec3 anchor, side;  // m, and the normal there: where it began, in the obstacle's frame
+    double gap = 0;     // m, at the end
+    double bounce = 0;  // m/s, in the second stage
+    contact::Touch touch;
+  };
+  /// What a step leaves to the next.
+  struct Past {
+    std::vector<double> state, tension;
+    std::vector<BeadTouch> touches;
+    std::vector<contact::BodyTouch> body_touches;
+    std::vector<LinkTouches::LinkTouch> link_touches;
+    std::vector<Vec3> along, acceleration, steady;
+    std::vector<contact::Vec6> pushed, steady_pushed;
+    double h = 0, watched = 0, risen = 0;
+    bool hits = true;
+    std::uint64_t pattern = 0;
+  };
+
   /// Call when the topology is new; `pairs` of the world's bodies touch each other. The obstacles
   /// must stay as long as steps are taken.
   void rebuild(const World& world, const std::vector<Obstacle>& obstacles,
@@ -46,6 +68,10 @@ class ContactStep {
   /// went, zero where the step did not converge. The state is the next one after accept().
   double attempt(double time, double h, double slippery, bool locates, double lowest);
   void accept();
+  /// Notes what the next step follows from; goes back to there, as often as one likes: then the
+  /// same attempts end in the same bits.
+  void note(Past& past) const;
+  void go_back(const Past& past);
 
   // Of the last attempt.
   double turn() const { return turn_; }  // rad, the most that a link turned
@@ -65,15 +91,6 @@ class ContactStep {
   const std::vector<double>& state() const { return state_; }
 
  private:
-  /// A bead at an obstacle.
-  struct BeadTouch {
-    std::uint32_t point = 0, obstacle = 0;
-    bool hits = false;  // it came to be in this step
-    Vec3 anchor, side;  // m, and the normal there: where it began, in the obstacle's frame
-    double gap = 0;     // m, at the end
-    double bounce = 0;  // m/s, in the second stage
-    contact::Touch touch;
-  };
   struct Hit {
     double share = 1;  // of the step
     std::uint32_t point = 0, obstacle = 0;

@@ -29,6 +29,23 @@ class LinkTouches {
     Vec3 anchor, side;    // m, and the normal: where it enters, in the obstacle's frame
   };
 
+  struct LinkTouch {
+    std::uint32_t link = 0, obstacle = 0;
+    contact::Spot spot = contact::Spot::nearest;
+    bool hits = false;       // it came to be in this step
+    Vec3 anchor, side;       // m, and the normal there: where it began, in the obstacle's frame
+    double share_start = 0;  // of the way to the next point, where the step begins
+    Vec3 normal_start;       // out of the obstacle, there
+    double share = 0;        // where it gives
+    double gap = 0;          // m, at the end
+    double mobility = 1;     // 1/kg, of the link there
+    double bounce = 0;       // m/s, in the second stage
+    contact::Touch touch = {};
+    Vec3 given = Vec3::Zero();  // N s, of this stage; in the first, of the mean velocities
+    Vec3 error = Vec3::Zero();  // m/s
+    Mat3 derivative = Mat3::Identity();
+  };
+
   void rebuild(const World& world, const Mechanism& mechanism);
   /// Whether some link may touch something.
   bool possible() const { return !links_.empty(); }
@@ -106,6 +123,9 @@ class LinkTouches {
   double most_stuck() const;
   std::uint64_t pattern() const;
   std::size_t count() const { return touches_.size(); }
+  const std::vector<LinkTouch>& touches() const { return touches_; }
+  /// Takes these for the touches of the step before.
+  void follow(const std::vector<LinkTouch>& touches) { touches_ = touches; }
   /// The first bead of a touch's link; touches are in order of these.
   std::uint32_t first(std::size_t touch) const { return links_[touches_[touch].link].first; }
 
@@ -115,23 +135,6 @@ class LinkTouches {
     double radius = 0;        // m
     std::uint64_t category = 0;
   };
-  struct LinkTouch {
-    std::uint32_t link = 0, obstacle = 0;
-    contact::Spot spot = contact::Spot::nearest;
-    bool hits = false;       // it came to be in this step
-    Vec3 anchor, side;       // m, and the normal there: where it began, in the obstacle's frame
-    double share_start = 0;  // of the way to the next point, where the step begins
-    Vec3 normal_start;       // out of the obstacle, there
-    double share = 0;        // where it gives
-    double gap = 0;          // m, at the end
-    double mobility = 1;     // 1/kg, of the link there
-    double bounce = 0;       // m/s, in the second stage
-    contact::Touch touch = {};
-    Vec3 given = Vec3::Zero();  // N s, of this stage; in the first, of the mean velocities
-    Vec3 error = Vec3::Zero();  // m/s
-    Mat3 derivative = Mat3::Identity();
-  };
-
   contact::Capsule capsule(const Step& step, const std::vector<double>& state,
                            std::uint32_t link) const;
   Vec3 velocity(const Step& step, std::uint32_t link, double share) const;
