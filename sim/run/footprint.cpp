@@ -23,8 +23,9 @@ double meeting(const World& world) {
 /// bytes by n^2; a third of n^3 additions and multiplications for each of a step's four solves.
 constexpr double kDenseMemory = 18, kDenseStep = 1.6e-10;
 
-/// Of a particle at obstacles, by `direct`: measured on a rope of 20,001 on a floor.
-constexpr double kContactMemory = 1600, kContactStep = 6e-7;  // bytes, s
+/// Of a particle at obstacles, by `direct`: measured on a rope of 20,001 on a floor that is shown
+/// within steps.
+constexpr double kContactMemory = 2600, kContactStep = 6e-7;  // bytes, s
 
 /// The elimination of n joints, of nets rather than trees: memory by n, twelve solves of n^1.5.
 constexpr double kJointMemory = 2000, kJointStep = 1.5e-7;  // bytes, s
