@@ -93,8 +93,9 @@ void expect_caught(const Routine& played) {
   for (const Obstacle& obstacle : played.scene.world.obstacles) {
     const double gap = contact::least_gap(obstacle.shape, obstacle.frame(end.time).pose(), wood);
     const bool rests = obstacle.name == "trunk" || obstacle.name == "upper_arm";
-    // The capsule ends in half spheres, the stick's axis where the wood ends.
-    if (rests) EXPECT_LT(gap, 1e-3) << obstacle.name;
+    if (rests) {
+      EXPECT_LT(gap, 1e-3) << obstacle.name;
+    }
   }
 }
 
