@@ -186,7 +186,8 @@ TEST_F(RoutineHands, EnterNothingThatHeWears) {
   const auto is_sleeve = [&](std::size_t vertex) {
     const scenes::Vertex& v = jacket.vertices[vertex];
     const auto most = std::size_t(std::ranges::max_element(v.weights) - v.weights.begin());
-    return model_.bones[v.bones[most]].name.find("Arm") != std::string::npos;
+    const std::string& bone = model_.bones[v.bones[most]].name;
+    return bone.find("Arm") != bone.npos || bone.find("Hand") != bone.npos;
   };
   std::vector<mesh::MovingVertex> cloth;
   const auto out_of_jacket = [&](const Vec3& p) {
