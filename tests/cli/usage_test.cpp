@@ -330,7 +330,7 @@ camera = [{ t = 0, position = [0, 0, 1], target = [0, 0, 0] }]
 TEST_F(Usage, CheckWarnsOfAHandBeyondTheArm) {
   const auto warnings = [](const std::string& x) {
     const ProgramResult outcome =
-        run_taut({"check", "scenes/nunchaku.toml", "--json", "--set",
+        run_taut({"check", "scenes/nunchaku_paper.toml", "--json", "--set",
                   "paths.right_hand={keys=[{t=0,position=[-0.27,1.0,0.36]},{t=2,position=[" + x +
                       ",1.0,0.36]}]}"});
     EXPECT_EQ(outcome.code, 0) << outcome.messages;
