@@ -208,6 +208,7 @@ bool ContactMotion::arrive(double time, State& state) {
   const std::vector<double> tension = tension_;
   std::ranges::fill(tension_, 0.0);
   balance(start_);
+  if (!is_driven()) lower_bounces(state);
   tension_ = tension;
   for (std::size_t p = 0; p < beads_.size(); ++p) {
     if (mechanism_.inverse_mass()[p] > 0) Map(&state[mechanism_.velocity(p)]) += added_[p];

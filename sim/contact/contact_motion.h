@@ -70,6 +70,12 @@ class ContactMotion {
     Touch touch;                 // of velocities or accelerations, as asked last
   };
 
+  /// Velocities of all.
+  struct Motion {
+    std::vector<Vec3> points;  // m/s
+    std::vector<Vec6> bodies;
+  };
+
   Vec3 place(const State& state, std::size_t point) const;
   Vec3 velocity(const State& state, std::size_t point) const;
   void move_obstacles(double time);
@@ -81,6 +87,10 @@ class ContactMotion {
   Response response(Bead& bead, const Vec3& bare) const;
   void find_touches(const State& state);
   bool arrive(double time, State& state);
+  bool is_driven() const;
+  double energy_of(const State& state, const Motion& one, const Motion& other) const;
+  Motion after_impact() const;
+  void lower_bounces(const State& state);
   void choose(double time, const State& state);
   double margin(std::size_t point, const Vec3& more) const;
   void centre();

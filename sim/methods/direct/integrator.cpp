@@ -324,7 +324,7 @@ void Integrator::try_next(Scheme next, double step) {
 /// Fixed steps: DOP853 where it is stable, else the implicit scheme. A step that goes astray is
 /// done again in smaller ones.
 void Integrator::advance_by_step(World& world, double until, Counters& counters) {
-  const double coarsest = kConstants.coarsest * system_.length();
+  const double coarsest = asked_error();
   const StepTimes times(time_, until, options_.step);
   for (std::uint64_t i = 1; i <= times.count; ++i) {
     const double end = times.at(i);

@@ -40,10 +40,10 @@ double Integrator::stable_step(Scheme scheme) const {
 
 /// The error (m) that a run may make.
 double Integrator::asked_error() const {
-  if (options_.step > 0) return kConstants.coarsest * system_.length();
-  const double length = system_.length();  // zero: a body alone
-  return length > 0 ? std::min(options_.tolerance, kConstants.largest * length)
-                    : options_.tolerance;
+  const double length = system_.length();
+  if (!(length > 0)) return options_.tolerance;  // a body alone
+  if (options_.step > 0) return kConstants.coarsest * length;
+  return std::min(options_.tolerance, kConstants.largest * length);
 }
 
 /// The error (m) that a step of h of the scheme may make.

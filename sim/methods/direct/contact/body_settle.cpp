@@ -1,5 +1,6 @@
 // The second stage of a step of bodies that touch something: velocities.
 #include <algorithm>
+#include <utility>
 
 #include "sim/methods/direct/contact/body_touches.h"
 #include "sim/methods/direct/contact/entry.h"
@@ -81,9 +82,20 @@ void BodyTouches::aim_velocities(const Step& step, const std::vector<double>& ne
       const Vec3 by_itself = system_.coupling(i, i) * touches[i].given;
       const double bounce =
           meetings_[touches[i].meeting].restitution * arriving(step, first + i, by_itself, next);
-      if (bounce > least) touches[i].touch.least += bounce;
+      places_[first + i].bounce = bounce > least ? bounce : 0;
+      touches[i].touch.least += places_[first + i].bounce;
     }
   });
+}
+
+bool BodyTouches::rebounds() const {
+  return std::ranges::any_of(places_, [](const Place& place) { return place.bounce > 0; });
+}
+
+void BodyTouches::stop_bounces() {
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    touches_[i].touch.least -= std::exchange(places_[i].bounce, 0);
+  }
 }
 
 /// How bodies respond by themselves, at the instant of the mechanism's last update.

@@ -94,6 +94,8 @@ class BodyTouches {
   // The second stage.
   /// Bounces slower than `least` (m/s) are not followed.
   void aim_velocities(const Step& step, const std::vector<double>& next, double least);
+  bool rebounds() const;  // whether some body is thrown back
+  void stop_bounces();    // none is
   /// The twists at the end, from those in `next`, which links have changed. False: none was found.
   bool settle(const Mechanism& mechanism, const std::vector<double>& next, double creep);
   /// The part of a body's twist that settle() adds.
@@ -115,6 +117,7 @@ class BodyTouches {
   struct Place {  // of a touch, beside what BodySystem sees
     bool hits = false;
     double gap = 0;          // m, at the end
+    double bounce = 0;       // m/s, in the second stage
     double along_start = 0;  // of the axis
     Vec3 start_normal = Vec3::Zero();
     Vec3 other_start = Vec3::Zero();  // as Side::at, of the other body at the start

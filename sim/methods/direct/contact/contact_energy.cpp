@@ -31,6 +31,28 @@ bool ContactStep::is_driven() const {
   return false;
 }
 
+/// J, half of the product of the velocities of two states with the masses of what moves freely: of
+/// one alone its kinetic energy. Bodies are turned as at the step's end.
+double ContactStep::energy_of(const std::vector<double>& one,
+                              const std::vector<double>& other) const {
+  double sum = 0;
+  const auto& mobile = mechanism_.inverse_mass();
+  for (std::size_t p = 0; p < mobile.size(); ++p) {
+    const std::size_t at = mechanism_.velocity(p);
+    if (mobile[p] > 0) sum += vector_at(one, at).dot(vector_at(other, at)) / mobile[p] / 2;
+  }
+  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
+    const Mechanism::FreeBody& body = mechanism_.bodies()[b];
+    const std::size_t twist = mechanism_.twist(b);
+    const Quat back = quaternion(&next_[mechanism_.pose(b) + 3]).conjugate();
+    const Vec3 spin = back * vector_at(one, twist + 3);
+    const Vec3 others_spin = back * vector_at(other, twist + 3);
+    sum += vector_at(one, twist).dot(vector_at(other, twist)) / body.inverse_mass / 2;
+    sum += spin.dot(body.inertia * others_spin) / 2;
+  }
+  return sum;
+}
+
 /// How the energy of what moves freely changes in the step; nothing where something is driven.
 ContactStep::EnergyChange ContactStep::energy_change() const {
   EnergyChange sum;
@@ -69,21 +91,19 @@ double ContactStep::too_fast(const EnergyChange& change) {
   return change.gain / std::sqrt(2 * change.mass * (change.kinetic + change.gain));
 }
 
-/// Takes back what has been gained since the energy was least, where links touch: all velocities in
-/// the same proportion, so that lengths and touches still hold (Hairer, Lubich and Wanner,
-/// Geometric Numerical Integration, IV.4).
+/// Takes back what has been gained since the energy was least: all velocities in the same
+/// proportion, so that lengths and touches still hold (Hairer, Lubich and Wanner, Geometric
+/// Numerical Integration, IV.4). The energy of free bodies in flight goes up and down by itself.
 void ContactStep::take_gain(const EnergyChange& change) {
   rises_ = 0;
-  if (!links_.any()) return;
+  if (!mechanism_.bodies().empty()) return;
   rises_ = std::max(0.0, risen_ + change.gain);
+  if (change.mass == 0) return;  // not known
   const double lifted = change.mass * mechanism_.gravity().norm() * length_;
   if (!(rises_ > kGiven * (change.kinetic + lifted))) return;
   const double share = std::sqrt(std::max(0.0, 1 - rises_ / change.kinetic));
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     Eigen::Map<Vec3>(&next_[mechanism_.velocity(p)]) *= share;
-  }
-  for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
-    Eigen::Map<contact::Vec6>(&next_[mechanism_.twist(b)]) *= share;
   }
   rises_ = 0;
 }

@@ -1,9 +1,11 @@
 // The second stage of a step at obstacles: velocities.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/contact/creep.h"
 #include "sim/contact/damping.h"
+#include "sim/contact/restitution.h"
 #include "sim/methods/direct/contact/contact_step.h"
 #include "sim/methods/direct/contact/entry.h"
 
@@ -19,8 +21,6 @@ Eigen::Map<Vec3> vector(double* at) {
 constexpr double kStopped = 1e-13;  // of the speeds
 constexpr double kLeftOver = 1e4;   // times that, at most
 constexpr int kIterations = 40;
-constexpr double kGained = 1e-6;  // of the speed of bounces: rounding
-constexpr int kHalvings = 4;      // of bounces that gain energy
 
 }  // namespace
 
@@ -112,12 +112,7 @@ bool ContactStep::settle(double time, double h, double least) {
   const double stopped = kStopped * (1 + std::sqrt(speed));
   if (!stop(stopped)) return false;
   end_settling();
-  for (int i = 0; links_.any() && i <= kHalvings && bounces() * kGained < too_fast(energy_change());
-       ++i) {
-    scale_bounces(i < kHalvings ? 0.5 : 0);
-    if (!stop(stopped)) return false;
-    end_settling();
-  }
+  if (!lower_bounces(stopped)) return false;
   mechanism_.place(time + h, next_.data());
   return true;
 }
@@ -134,21 +129,31 @@ void ContactStep::end_settling() {
   }
 }
 
-/// m/s, the fastest with which a bead or link is thrown back; none: infinite.
-double ContactStep::bounces() const {
-  double most = links_.bounces();
-  for (const BeadTouch& at : touches_) most = std::max(most, at.bounce);
-  return most > 0 ? most : INFINITY;
-}
-
-/// Throws back with a share of the speed. Where links fold about an edge, each touch has the other
-/// as its lever, and Newton's law for both would make energy.
-void ContactStep::scale_bounces(double share) {
-  links_.scale_bounces(share);
-  for (BeadTouch& at : touches_) {
-    at.touch.least += (share - 1) * at.bounce;
-    at.bounce *= share;
+/// Where the impact would make energy, it goes with the share of what is thrown back that makes
+/// none, see contact::share_thrown_back(). False: no impact without restitution was found.
+bool ContactStep::lower_bounces(double stopped) {
+  const bool beads =
+      std::ranges::any_of(touches_, [](const BeadTouch& at) { return at.bounce > 0; });
+  if (!(beads || links_.rebounds() || bodies_.rebounds()) || is_driven()) return true;
+  for (std::size_t p = 0; p < middle_.size(); ++p) {
+    vector(&glided_[mechanism_.velocity(p)]) = middle_[p];
   }
+  contact::ImpactEnergies energy{.before = energy_of(glided_, glided_),
+                                 .thrown = energy_of(next_, next_)};
+  if (!contact::gains_energy(energy.before, energy.thrown)) return true;
+  const std::vector<double>& thrown = aimed_ = next_;
+  for (BeadTouch& at : touches_) at.touch.least -= std::exchange(at.bounce, 0);
+  links_.stop_bounces();
+  bodies_.stop_bounces();
+  if (!stop(stopped)) return false;
+  end_settling();
+  energy.stopped = energy_of(next_, next_);
+  energy.mixed = energy_of(next_, thrown);
+  const double share = contact::share_thrown_back(energy);
+  for (std::size_t i = mechanism_.velocity(0); i < next_.size(); ++i) {
+    next_[i] += share * (thrown[i] - next_[i]);
+  }
+  return true;
 }
 
 /// Finds the second stage's impulses; friction creeps as in glide().

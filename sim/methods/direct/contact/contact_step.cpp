@@ -248,8 +248,9 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
     if (!enters && !snaps && !hits && !crosses) {
       if (!settle(time, h, least)) return 0;
       const bool changes = hits_ || last_hits_ || pattern() != last_pattern_;
-      const EnergyChange change = changes || links_.any() ? energy_change() : EnergyChange();
-      gained_ = too_fast(change);
+      const bool touches = !touches_.empty() || links_.any();
+      const EnergyChange change = changes || touches ? energy_change() : EnergyChange();
+      gained_ = changes || links_.any() ? too_fast(change) : 0;
       take_gain(change);
       return h;
     }

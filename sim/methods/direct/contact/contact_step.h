@@ -134,8 +134,8 @@ class ContactStep {
   double arriving(const BeadTouch& at, double h) const;
   bool stop(double stopped);
   void end_settling();
-  double bounces() const;
-  void scale_bounces(double share);
+  bool lower_bounces(double stopped);
+  double energy_of(const std::vector<double>& one, const std::vector<double>& other) const;
   bool stop_creeping(double stopped, double creep);
   void scale_friction(double share);
   double approach(const std::function<bool(double)>& solve);

@@ -1,6 +1,7 @@
 // Where links touch, in both stages of a step.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/methods/direct/contact/entry.h"
 #include "sim/methods/direct/contact/link_touches.h"
@@ -133,17 +134,12 @@ void LinkTouches::aim_velocities(const Step& step, const std::vector<double>& ne
   }
 }
 
-double LinkTouches::bounces() const {
-  double most = 0;
-  for (const LinkTouch& at : touches_) most = std::max(most, at.bounce);
-  return most;
+bool LinkTouches::rebounds() const {
+  return std::ranges::any_of(touches_, [](const LinkTouch& at) { return at.bounce > 0; });
 }
 
-void LinkTouches::scale_bounces(double share) {
-  for (LinkTouch& at : touches_) {
-    at.touch.least += (share - 1) * at.bounce;
-    at.bounce *= share;
-  }
+void LinkTouches::stop_bounces() {
+  for (LinkTouch& at : touches_) at.touch.least -= std::exchange(at.bounce, 0);
 }
 
 }  // namespace taut::direct

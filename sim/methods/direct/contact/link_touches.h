@@ -76,9 +76,8 @@ class LinkTouches {
   void aim_velocities(const Step& step, const std::vector<double>& next,
                       std::span<const Vec3> middle, double least, bool located);
 
-  /// m/s, the fastest with which a link is thrown back.
-  double bounces() const;
-  void scale_bounces(double share);
+  bool rebounds() const;  // whether some link is thrown back
+  void stop_bounces();    // none is
 
   /// Adds what is given to the velocities of points.
   void give(std::span<const double> inverse_mass, std::span<Vec3> velocity) const;
