@@ -255,9 +255,8 @@ void main() {
   roughness += 0.30 * (pores - 0.5);
 #elif SURFACE == 6  // hair: strands that run upwards, each with its own gloss
   vec2 combed = facing(rest_position, n) * 16;
-  float strands = texture(noise, vec2(abs(n.x) > abs(n.z) && abs(n.x) > abs(n.y)
-                                          ? vec2(combed.x * 0.06, combed.y)
-                                          : vec2(combed.x, combed.y * 0.06))).g;
+  bool sideways = abs(n.x) > abs(n.z) && abs(n.x) > abs(n.y);
+  float strands = texture(noise, combed * (sideways ? vec2(0.06, 1) : vec2(1, 0.06))).g;
   albedo *= 0.4 + 1.2 * strands;
   roughness += 0.6 * (0.5 - strands);
 #elif SURFACE == 4  // rope: three strands; rest_position is (turn, metres along, radius)

@@ -175,7 +175,7 @@ void Contacts::watch_jam(Group& group, double gone) {
   }
 }
 
-/// From where it has shown something.
+/// Gives ContactStep the present state back, after it has shown another.
 void Contacts::return_to_present(Group& group) {
   if (group.is_back) group.step.go_back(group.present);
   group.is_back = false;
