@@ -139,7 +139,6 @@ class Direct : public Method {
         refuse_obstacles("direct with a massless span", world);
         refuse_strings("direct with a massless span", world);
       }
-      refuse_touching_links_at_bodies("direct", world);
       built_ = true;
       topology_ = world.topology;
       contacts_->prepare(world);
@@ -298,6 +297,7 @@ MethodInfo direct_method() {
       .touches_obstacles = true,
       .touches_with_bodies = true,
       .touches_with_links = true,
+      .touches_with_links_at_bodies = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

@@ -110,17 +110,5 @@ TEST(LinkContacts, OthersRefuseThemByName) {
   }
 }
 
-TEST(LinkContacts, DirectRefusesThemAtFreeBodies) {
-  World world = rope_across_post(3, 0);
-  world.bodies = {worlds::box("body")};
-  world.bodies[0].position = world.connectors.front().position[2];
-  world.connectors.front().holds = {{2, worlds::on_body(0, Vec3::Zero())}};
-  finish(world);
-  EXPECT_FALSE(follows(*find_method("direct"), world));
-  EXPECT_TRUE(follows(*find_method("xpbd"), world));
-  Simulation simulation(world, make_method("direct", {}));
-  EXPECT_THROW(simulation.advance_to(0.01), Diverged);
-}
-
 }  // namespace
 }  // namespace taut::link_contacts_test

@@ -83,7 +83,7 @@ bool ContactStep::glide(double time, double h) {
                                         .to = strings ? left_ : to_,
                                         .bodies = bodies_.coupled(),
                                         .touches = links_.linear()});
-    glide_system_.solve(behind_, change_, links_.missing());
+    glide_system_.solve(behind_, change_, links_.missing(), {});
     links_.advance(1);
     for (std::size_t p = 0; p < behind_.size(); ++p) {
       vector(&next_[mechanism_.position(p)]) += h * behind_[p];
@@ -211,6 +211,7 @@ void ContactStep::respond(double time, double h) {
     if (!bodies_.any()) move();
   }
   carry_held(h);
+  links_.find_errors(mean_, creep_);
   if (mechanism_.bodies().empty()) return;
   if (bodies_.any()) {  // where they are aimed from next
     const auto poses = static_cast<std::ptrdiff_t>(mechanism_.pose(0));
@@ -287,6 +288,7 @@ void ContactStep::move_bodies(double time, double h) {
     vector(u) += mechanism_.bodies()[body].inverse_mass * pull;
     vector(u + 3) += inverse_[body] * arm_[end.body_point].cross(pull);
   }
+  links_.kick(mechanism_, arm_, inverse_, next_);
   bodies_.kick(mechanism_, state_, inverse_, next_);
   for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
     const double *u = &next_[mechanism_.twist(b)], *q = &state_[mechanism_.pose(b)];

@@ -55,11 +55,10 @@ void ContactStep::respond_all(std::span<Vec3> velocity) {
     i += count;
   }
   // One alone then obeys its law exactly.
-  const int once = relaxes_ || links_.count() == 1 ? 1 : 0;
+  const int once = relaxes_ || links_.is_one() ? 1 : 0;
   const int sweeps = relaxes_all_ ? kSweeps : once;
   for (int i = 0; links_.any() && i < sweeps; ++i) relax_links(velocity);
   relaxes_ = false;
-  links_.find_errors(velocity, creep_);
 }
 
 /// Lets the bead of the `first` of so many touches respond to these.
@@ -107,7 +106,7 @@ void ContactStep::solve_with_links(std::span<const Vec3> along, double share) {
                                       .to = strings ? left_ : to_,
                                       .bodies = bodies_.coupled(),
                                       .touches = links_.linear()});
-  glide_system_.solve(behind_, change_, links_.missing());
+  glide_system_.solve(behind_, change_, links_.missing(), {});
   for (double& change : change_) change *= 0.5 / share;  // it speaks of mean velocities
 }
 

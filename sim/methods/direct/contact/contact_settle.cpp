@@ -103,9 +103,16 @@ bool ContactStep::settle(double time, double h, double least) {
     vector(&next_[mechanism_.twist(b)]) += h / 2 * mechanism_.gravity();
   }
   kick(pull_, along_, 0.5);
+  links_.kick_more(mechanism_, next_);
   aim_velocities(h, least);
-  if (links_.any()) links_.aim_velocities(body_step(time, h), next_, middle_, least, located_);
   if (!pushed_.empty()) begin_settling(time, h, least);
+  if (links_.any()) {
+    for (const auto& carried : mechanism_.body_points()) {
+      middle_[carried.point] =
+          contact::velocity_at(twist_at(&next_[mechanism_.twist(carried.body)]), carried.arm);
+    }
+    links_.aim_velocities(body_step(time, h), next_, middle_, least, located_);
+  }
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
   keep_taut();
@@ -230,6 +237,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
   std::copy(glided_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)), glided_.end(),
             next_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)));
   kick(pull_, to_, 1);
+  links_.take_back_kicks();
   creep_ = creep;
   relaxes_ = false;
   contact::Damping damping;
@@ -238,6 +246,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     free_ = middle_;
     spread(pull_, to_, 1, free_);
     respond_all(free_);
+    links_.kick_more(mechanism_, next_);
     jams_ = bodies_.any() && !bodies_.settle(mechanism_, next_, creep);
     for (const auto& carried : mechanism_.body_points()) {
       const double* u = &next_[mechanism_.twist(carried.body)];
@@ -248,6 +257,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
       change_[r] = to_[r].dot(free_[rows[r].b] - free_[rows[r].a]);
     }
+    links_.find_errors(free_, creep);
   };
   for (int i = 0; i < kIterations; ++i) {
     errors();

@@ -1,8 +1,9 @@
 #include "sim/methods/direct/contact/glide_system.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <numeric>
 
-#include "sim/contact/row_system.h"
 #include "sim/motion/rotation.h"
 
 namespace taut::direct {
@@ -12,38 +13,52 @@ namespace {
 constexpr double kMean = 0.5;
 /// A row whose pull moves its ends by less than this share of what others would moves nothing.
 constexpr double kNoShare = 1e-6;
+constexpr std::uint32_t kNoPoint = UINT32_MAX;
 
-/// How a body's point moves with a pull at another (or the same) of its points.
-Mat3 mobility(const Mechanism& mechanism, const Mechanism::BodyPoint& at,
-              const Mechanism::BodyPoint& pulled) {
-  const auto& body = mechanism.bodies()[at.body];
-  return body.inverse_mass * Mat3::Identity() -
-         cross_matrix(at.arm) * body.world_inverse * cross_matrix(pulled.arm);
+/// How a place of a body moves with what pulls another that it carries with it, or the same.
+Mat3 mobility(const Mechanism& mechanism, const contact::BodyMobility* bodies, std::uint32_t body,
+              const Vec3& arm, std::uint32_t pulled, const Vec3& pulled_arm) {
+  if (bodies) return contact::mobility(bodies->between(body, pulled), arm, pulled_arm);
+  const auto& own = mechanism.bodies()[body];
+  return own.inverse_mass * Mat3::Identity() -
+         cross_matrix(arm) * own.world_inverse * cross_matrix(pulled_arm);
 }
 
 }  // namespace
 
 void GlideSystem::rebuild(const Mechanism& mechanism, std::span<const std::uint32_t> together) {
+  together_.assign(together.begin(), together.end());
+  if (together.empty()) {
+    together_.resize(mechanism.bodies().size());
+    std::iota(together_.begin(), together_.end(), 0);
+  }
+  body_point_.assign(mechanism.points(), kNoPoint);
+  for (std::size_t i = 0; i < mechanism.body_points().size(); ++i) {
+    body_point_[mechanism.body_points()[i].point] = small(i);
+  }
   arrange(mechanism, {});
-  border_ = contact::ends_that_meet(mechanism, together);
-  border_rows_.clear();
-  for (const std::size_t end : border_) border_rows_.push_back(mechanism.row_ends()[end].row);
 }
 
 /// Numbers the unknowns.
-void GlideSystem::arrange(const Mechanism& mechanism, std::span<const LinkTouch> touches) {
+void GlideSystem::arrange(const Mechanism& mechanism, const Terms& terms) {
   const auto& rows = mechanism.rows();
   first_.assign(mechanism.points(), 0);
   row_.assign(rows.size(), 0);
-  touch_.assign(touches.size(), 0);
+  touch_.assign(terms.touches.size(), 0);
+  bead_.assign(terms.beads.size(), 0);
   size_ = half_ = 0;
-  std::size_t r = 0, t = 0;
+  std::size_t r = 0, t = 0, b = 0;
   for (std::size_t p = 0; p < first_.size(); ++p) {
     first_[p] = size_;
     size_ += 3;
-    for (; t < touches.size() && touches[t].first == p; ++t) {
+    for (; t < touch_.size() && terms.touches[t].first == p; ++t) {
       touch_[t] = size_;
       size_ += 3;
+    }
+    for (; b < bead_.size() && terms.beads[b].point == p; ++b) {
+      bead_[b] = size_;
+      size_ += 3;
+      half_ = std::max(half_, size_ - 1 - first_[p]);
     }
     for (; r < rows.size() && rows[r].a == p; ++r) row_[r] = size_++;
   }
@@ -52,7 +67,8 @@ void GlideSystem::arrange(const Mechanism& mechanism, std::span<const LinkTouch>
 }
 
 void GlideSystem::assemble(const Mechanism& mechanism, const Terms& terms) {
-  if (!terms.touches.empty() || !touch_.empty()) arrange(mechanism, terms.touches);
+  const bool touches = !terms.touches.empty() || !terms.beads.empty();
+  if (touches || !touch_.empty() || !bead_.empty()) arrange(mechanism, terms);
   band_.clear(size_, half_);
   for (std::size_t p = 0; p < first_.size(); ++p) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -64,7 +80,9 @@ void GlideSystem::assemble(const Mechanism& mechanism, const Terms& terms) {
   }
   for (std::size_t r = 0; r < row_.size(); ++r) add_row(mechanism, terms, r);
   for (std::size_t t = 0; t < touch_.size(); ++t) add_touch(terms, t);
+  for (std::size_t b = 0; b < bead_.size(); ++b) add_bead(mechanism, terms, b);
   band_.factor();
+  find_border(mechanism, terms);
   if (!border_.empty()) add_bodies(mechanism, terms);
 }
 
@@ -125,51 +143,118 @@ void GlideSystem::add_row(const Mechanism& mechanism, const Terms& terms, std::s
   }
 }
 
-void GlideSystem::add_bodies(const Mechanism& mechanism, const Terms& terms) {
+void GlideSystem::add_bead(const Mechanism& mechanism, const Terms& terms, std::size_t b) {
+  const BeadTouch& at = terms.beads[b];
+  const std::size_t point = first_[at.point], impulse = bead_[b];
+  add(point, impulse, -terms.mobility[at.point]);
+  const Mat3 changes = at.derivative - Mat3::Identity();
+  add(impulse, point, changes + terms.h * at.bend);
+  // The body gives way.
+  const Mat3 gives = mobility(mechanism, terms.bodies, at.body, at.arm, at.body, at.arm);
+  add(impulse, impulse, changes * gives - at.mobility * at.derivative);
+}
+
+/// What couples bodies beyond the band: pulls at one that has several, or at those which may touch
+/// each other.
+void GlideSystem::find_border(const Mechanism& mechanism, const Terms& terms) {
+  border_.clear();
+  receivers_.clear();
+  if (together_.empty()) return;
   const auto& ends = mechanism.row_ends();
+  const auto& points = mechanism.body_points();
+  count_.assign(together_.size(), 0);
+  for (const auto& end : ends) ++count_[together_[points[end.body_point].body]];
+  for (const BeadTouch& at : terms.beads) ++count_[together_[at.body]];
+  const auto is_coupled = [&](std::uint32_t body) { return count_[together_[body]] > 1; };
+  const auto add_three = [&](std::uint32_t body, std::size_t unknown, std::size_t own,
+                             const Vec3& arm, double share) {
+    for (int axis = 0; axis < 3; ++axis) {
+      border_.push_back({.body = body,
+                         .unknown = unknown + static_cast<std::size_t>(axis),
+                         .own = own,
+                         .arm = arm,
+                         .gives = share * Vec3::Unit(axis)});
+    }
+  };
+  for (const auto& end : ends) {
+    const auto& at = points[end.body_point];
+    if (!is_coupled(at.body)) continue;
+    border_.push_back({.body = at.body,
+                       .unknown = row_[end.row],
+                       .own = first_[at.point],
+                       .arm = at.arm,
+                       .gives = kMean * end.sign * terms.along[end.row]});
+  }
+  for (const auto& at : points) {
+    if (!is_coupled(at.body)) continue;
+    receivers_.push_back({.body = at.body,
+                          .equation = first_[at.point],
+                          .arm = at.arm,
+                          .response = -Mat3::Identity()});
+  }
+  for (std::size_t t = 0; t < touch_.size(); ++t) {
+    const LinkTouch& touch = terms.touches[t];
+    for (const std::uint32_t end : {0u, 1u}) {
+      const std::uint32_t point = body_point_[touch.first + end];
+      if (point == kNoPoint || !is_coupled(points[point].body)) continue;
+      add_three(points[point].body, touch_[t], first_[touch.first + end], points[point].arm,
+                end == 0 ? 1 - touch.share : touch.share);
+    }
+  }
+  for (std::size_t b = 0; b < bead_.size(); ++b) {
+    const BeadTouch& at = terms.beads[b];
+    if (!is_coupled(at.body)) continue;
+    add_three(at.body, bead_[b], bead_[b], at.arm, -1);
+    receivers_.push_back({.body = at.body,
+                          .equation = bead_[b],
+                          .arm = at.arm,
+                          .response = Mat3::Identity() - at.derivative});
+  }
+}
+
+void GlideSystem::add_bodies(const Mechanism& mechanism, const Terms& terms) {
   const std::size_t count = border_.size();
   columns_.assign(count * size_, 0);
   Eigen::MatrixXd system =
       Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
   for (std::size_t c = 0; c < count; ++c) {
-    const auto& end = ends[border_[c]];
-    const auto& pulled = mechanism.body_points()[end.body_point];
+    const Source& by = border_[c];
     const std::span column(&columns_[c * size_], size_);
-    for (const std::size_t e : border_) {
-      const auto& at = mechanism.body_points()[ends[e].body_point];
-      const bool meet = terms.bodies && terms.bodies->meet(at.body, pulled.body);
-      if ((at.body != pulled.body && !meet) || at.point == pulled.point) continue;
-      const Mat3 coupled =
-          !terms.bodies
-              ? mobility(mechanism, at, pulled)
-              : contact::mobility(terms.bodies->between(at.body, pulled.body), at.arm, pulled.arm);
-      const Vec3 moves = -kMean * end.sign * (coupled * terms.along[end.row]);
-      for (int i = 0; i < 3; ++i) column[first_[at.point] + static_cast<std::size_t>(i)] = moves[i];
+    for (const Receiver& at : receivers_) {
+      const bool meet = terms.bodies && terms.bodies->meet(at.body, by.body);
+      if ((at.body != by.body && !meet) || at.equation == by.own) continue;
+      const Mat3 coupled = mobility(mechanism, terms.bodies, at.body, at.arm, by.body, by.arm);
+      const Vec3 moves = at.response * (coupled * by.gives);
+      for (int i = 0; i < 3; ++i) column[at.equation + static_cast<std::size_t>(i)] = moves[i];
     }
     band_.solve(column);
     for (std::size_t k = 0; k < count; ++k) {
       system(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(c)) +=
-          column[row_[border_rows_[k]]];
+          column[border_[k].unknown];
     }
   }
   decomposed_.compute(system);
 }
 
-void GlideSystem::solve(std::span<Vec3> velocity, std::span<double> impulse,
-                        std::span<Vec3> given) {
+void GlideSystem::solve(std::span<Vec3> velocity, std::span<double> impulse, std::span<Vec3> given,
+                        std::span<Vec3> by_beads) {
   values_.resize(size_);
   for (std::size_t p = 0; p < first_.size(); ++p) {
     for (int i = 0; i < 3; ++i) values_[first_[p] + static_cast<std::size_t>(i)] = velocity[p][i];
   }
   for (std::size_t r = 0; r < row_.size(); ++r) values_[row_[r]] = impulse[r];
-  for (std::size_t t = 0; t < touch_.size(); ++t) {
-    for (int i = 0; i < 3; ++i) values_[touch_[t] + static_cast<std::size_t>(i)] = given[t][i];
-  }
+  const auto each = [&](const auto& visit) {
+    for (std::size_t t = 0; t < touch_.size(); ++t) visit(touch_[t], given[t]);
+    for (std::size_t b = 0; b < bead_.size(); ++b) visit(bead_[b], by_beads[b]);
+  };
+  each([&](std::size_t at, const Vec3& value) {
+    for (int i = 0; i < 3; ++i) values_[at + static_cast<std::size_t>(i)] = value[i];
+  });
   band_.solve(values_);
   if (!border_.empty()) {
     found_.resize(static_cast<Eigen::Index>(border_.size()));
     for (std::size_t k = 0; k < border_.size(); ++k) {
-      found_[static_cast<Eigen::Index>(k)] = values_[row_[border_rows_[k]]];
+      found_[static_cast<Eigen::Index>(k)] = values_[border_[k].unknown];
     }
     decomposed_.solve(found_, share_);
     for (std::size_t k = 0; k < border_.size(); ++k) {
@@ -181,9 +266,9 @@ void GlideSystem::solve(std::span<Vec3> velocity, std::span<double> impulse,
     for (int i = 0; i < 3; ++i) velocity[p][i] = values_[first_[p] + static_cast<std::size_t>(i)];
   }
   for (std::size_t r = 0; r < row_.size(); ++r) impulse[r] = values_[row_[r]];
-  for (std::size_t t = 0; t < touch_.size(); ++t) {
-    for (int i = 0; i < 3; ++i) given[t][i] = values_[touch_[t] + static_cast<std::size_t>(i)];
-  }
+  each([&](std::size_t at, Vec3& value) {
+    for (int i = 0; i < 3; ++i) value[i] = values_[at + static_cast<std::size_t>(i)];
+  });
 }
 
 }  // namespace taut::direct

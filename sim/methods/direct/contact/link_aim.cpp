@@ -127,6 +127,7 @@ void LinkTouches::aim_velocities(const Step& step, const std::vector<double>& ne
     touch.surface = end.point(end.rotation.conjugate() * (there - end.position)).velocity;
     touch.least = touch.normal.dot(touch.surface);
     at.given.setZero();
+    at.kicked.setZero();
     if (!at.hits) continue;
     const double bounce = obstacle.restitution * arriving(at, step, middle);
     at.bounce = bounce > least ? bounce : 0;

@@ -70,7 +70,7 @@ void LinkTouches::sweep(const Step& step, const std::vector<double>& next,
     if (contact::least_gap(with.shape, frame(share), place(share)) >= distance) return 0u;
     const auto gaps = contact::all_gaps(with.shape, frame(share), place(share));
     unsigned spots = 0;
-    for (const Spot spot : {Spot::nearest, Spot::first, Spot::last}) {
+    for (const Spot spot : links_[link].spots) {
       const contact::SpotGap& near = gaps[static_cast<std::size_t>(spot)];
       if (!near.distinct || !(near.distance < distance) || is_known(link, index, spot)) continue;
       spots |= 1u << static_cast<unsigned>(spot);
@@ -79,7 +79,7 @@ void LinkTouches::sweep(const Step& step, const std::vector<double>& next,
   };
   const auto note = [&](unsigned spots, double share, double when, bool passes) {
     const Pose there = frame(when);
-    for (const Spot spot : {Spot::nearest, Spot::first, Spot::last}) {
+    for (const Spot spot : links_[link].spots) {
       if (!(spots & (1u << static_cast<unsigned>(spot)))) continue;
       const Capsule own = place(when);
       const contact::SpotGap near = contact::gap_at(with.shape, there, own, spot);

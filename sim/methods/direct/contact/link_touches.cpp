@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/motion/hash.h"
+#include "sim/motion/rotation.h"
 
 namespace taut::direct {
 namespace {
@@ -14,7 +15,6 @@ using contact::SpotGap;
 using ConstMap = Eigen::Map<const Vec3>;
 using State = contact::Touch::State;
 
-constexpr std::array<Spot, 3> kBetween{Spot::nearest, Spot::first, Spot::last};
 constexpr double kNoLever = 1e-12;  // of a bead's mobility: what is held does not touch
 
 }  // namespace
@@ -24,12 +24,22 @@ void LinkTouches::rebuild(const World& world, const Mechanism& mechanism) {
   touches_.clear();
   before_.clear();
   const auto& mobile = mechanism.inverse_mass();
+  std::vector<std::uint32_t> carried(mechanism.points(), kNone);
+  for (std::size_t i = 0; i < mechanism.body_points().size(); ++i) {
+    carried[mechanism.body_points()[i].point] = small(i);
+  }
+  const auto is_held = [&](std::uint32_t p) { return mobile[p] == 0 && carried[p] == kNone; };
   std::uint32_t first = 0;
   for (const Connector& connector : world.connectors) {
     const auto count = static_cast<std::uint32_t>(connector.particles());
     for (std::uint32_t p = first; connector.links_touch && p + 1 < first + count; ++p) {
-      if (mobile[p] == 0 && mobile[p + 1] == 0) continue;
-      links_.push_back({p, connector.radius, connector.category});
+      if (is_held(p) && is_held(p + 1)) continue;
+      Link made{p, connector.radius, connector.category, {carried[p], carried[p + 1]}, {}};
+      made.spots = {Spot::nearest, Spot::first, Spot::last};
+      // Where a free body holds it, no bead touches, but the end of the link does.
+      if (carried[p] != kNone && p == first) made.spots.push_back(Spot::from);
+      if (carried[p + 1] != kNone) made.spots.push_back(Spot::to);
+      links_.push_back(made);
     }
     first += count;
   }
@@ -68,7 +78,7 @@ bool LinkTouches::find(const Step& step, double least) {
       if (!obstacle.touches(links_[link].category)) continue;
       if (contact::gap_at(obstacle.shape, frame.pose(), own, 0.5).distance > size) continue;
       const auto gaps = contact::all_gaps(obstacle.shape, frame.pose(), own);
-      for (const Spot spot : kBetween) {
+      for (const Spot spot : links_[link].spots) {
         const SpotGap& near = gaps[static_cast<std::size_t>(spot)];
         if (!near.distinct || near.distance > step.touching) continue;
         const Vec3 local = frame.rotation.conjugate() * (own.at(near.along) - frame.position);
@@ -132,6 +142,7 @@ void LinkTouches::scale_friction(const std::vector<Obstacle>& obstacles, double 
 }
 
 void LinkTouches::release() {
+  take_back_kicks();
   for (LinkTouch& at : touches_) {
     at.given.setZero();
     at.touch.push = 0;
@@ -148,13 +159,23 @@ void LinkTouches::restore() {
   for (std::size_t i = 0; i < touches_.size(); ++i) touches_[i].given = kept_[i];
 }
 
+/// 1/kg, of a bead of a link; of one that a free body carries, on the average of all directions.
+double LinkTouches::mobility(const Mechanism& mechanism, const Link& link, std::size_t end) const {
+  if (link.carried[end] == kNone) return mechanism.inverse_mass()[link.first + end];
+  const auto& carried = mechanism.body_points()[link.carried[end]];
+  const auto& body = mechanism.bodies()[carried.body];
+  const Mat3 lever = cross_matrix(carried.arm);
+  return body.inverse_mass - (lever * body.world_inverse * lever).trace() / 3;
+}
+
 void LinkTouches::set_mobility(LinkTouch& at, const Step& step) const {
-  const std::uint32_t point = links_[at.link].first;
-  const auto& mobile = step.mechanism.inverse_mass();
+  const Link& link = links_[at.link];
+  const double first = mobility(step.mechanism, link, 0);
+  const double next = mobility(step.mechanism, link, 1);
   const double left = 1 - at.share;
-  at.mobility = left * left * mobile[point] + at.share * at.share * mobile[point + 1];
+  at.mobility = left * left * first + at.share * at.share * next;
   // Where a held end touches, nothing moves.
-  at.mobility = std::max(at.mobility, kNoLever * std::max(mobile[point], mobile[point + 1]));
+  at.mobility = std::max(at.mobility, kNoLever * std::max(first, next));
 }
 
 void LinkTouches::give(std::span<const double> inverse_mass, std::span<Vec3> velocity) const {
@@ -163,6 +184,46 @@ void LinkTouches::give(std::span<const double> inverse_mass, std::span<Vec3> vel
     velocity[point] += (1 - at.share) * inverse_mass[point] * at.given;
     velocity[point + 1] += at.share * inverse_mass[point + 1] * at.given;
   }
+}
+
+/// Gives the body that carries one of a touch's beads, if there is one, its share of an impulse.
+void LinkTouches::kick(const Mechanism& mechanism, const LinkTouch& at, std::size_t end,
+                       const Vec3& impulse, const Vec3& arm, const Mat3& inverse,
+                       std::vector<double>& twists) const {
+  const auto& carried = mechanism.body_points()[links_[at.link].carried[end]];
+  const Vec3 given = (end == 0 ? 1 - at.share : at.share) * impulse;
+  Eigen::Map<contact::Vec6> u(&twists[mechanism.twist(carried.body)]);
+  u.head<3>() += mechanism.bodies()[carried.body].inverse_mass * given;
+  u.tail<3>() += inverse * arm.cross(given);
+}
+
+void LinkTouches::kick(const Mechanism& mechanism, std::span<const Vec3> arm,
+                       std::span<const Mat3> inverse, std::vector<double>& twists) const {
+  for (const LinkTouch& at : touches_) {
+    for (std::size_t end = 0; end < 2; ++end) {
+      const std::uint32_t carried = links_[at.link].carried[end];
+      if (carried == kNone) continue;
+      const Mat3& of_body = inverse[mechanism.body_points()[carried].body];
+      kick(mechanism, at, end, at.given, arm[carried], of_body, twists);
+    }
+  }
+}
+
+void LinkTouches::kick_more(const Mechanism& mechanism, std::vector<double>& twists) {
+  for (LinkTouch& at : touches_) {
+    for (std::size_t end = 0; end < 2; ++end) {
+      const std::uint32_t carried = links_[at.link].carried[end];
+      if (carried == kNone) continue;
+      const auto& point = mechanism.body_points()[carried];
+      kick(mechanism, at, end, at.given - at.kicked, point.arm,
+           mechanism.bodies()[point.body].world_inverse, twists);
+    }
+    at.kicked = at.given;
+  }
+}
+
+void LinkTouches::take_back_kicks() {
+  for (LinkTouch& at : touches_) at.kicked.setZero();
 }
 
 /// By how much a touch breaks its law: that of a bead whose velocity without what it gets is that

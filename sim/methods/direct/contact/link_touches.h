@@ -1,6 +1,7 @@
 // Links at obstacles, in a step of ContactStep.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -41,8 +42,9 @@ class LinkTouches {
     double mobility = 1;     // 1/kg, of the link there
     double bounce = 0;       // m/s, in the second stage
     contact::Touch touch = {};
-    Vec3 given = Vec3::Zero();  // N s, of this stage; in the first, of the mean velocities
-    Vec3 error = Vec3::Zero();  // m/s
+    Vec3 given = Vec3::Zero();   // N s, of this stage; in the first, of the mean velocities
+    Vec3 kicked = Vec3::Zero();  // N s: of that, what free bodies have got
+    Vec3 error = Vec3::Zero();   // m/s
     Mat3 derivative = Mat3::Identity();
   };
 
@@ -79,8 +81,16 @@ class LinkTouches {
   bool rebounds() const;  // whether some link is thrown back
   void stop_bounces();    // none is
 
-  /// Adds what is given to the velocities of points.
+  /// Adds what is given to the velocities of points; those that free bodies carry are left to
+  /// these.
   void give(std::span<const double> inverse_mass, std::span<Vec3> velocity) const;
+  /// Gives free bodies that carry a bead of a touch what it gets of that, in `twists` of a state,
+  /// with their `arm` (per body point) and `inverse` inertias.
+  void kick(const Mechanism& mechanism, std::span<const Vec3> arm, std::span<const Mat3> inverse,
+            std::vector<double>& twists) const;
+  /// The same where the mechanism has been placed, of what they have not got yet.
+  void kick_more(const Mechanism& mechanism, std::vector<double>& twists);
+  void take_back_kicks();  // they have got nothing
   /// Nonlinear Gauss-Seidel, once to and fro: each touch in turn gives what its law asks for.
   /// `bare` are the velocities of points without their own touches, to which respond(point) answers
   /// with a `velocity`.
@@ -89,6 +99,7 @@ class LinkTouches {
              std::span<const Vec3> velocity, double creep, const Respond& respond) {
     const auto relax_one = [&](LinkTouch& at) {
       const std::uint32_t point = links_[at.link].first;
+      if (is_carried(at)) return;  // the body responds to all that it gets
       find_error(at, velocity, creep);
       const Vec3 more = at.error / at.mobility;
       at.given += more;
@@ -100,6 +111,8 @@ class LinkTouches {
     for (LinkTouch& at : touches_) relax_one(at);
     for (std::size_t i = touches_.size() - 1; i-- > 0;) relax_one(touches_[i]);
   }
+  /// Whether there is one touch alone, which relax() gives what its law asks for exactly.
+  bool is_one() const { return count() == 1 && !is_carried(touches_[0]); }
   /// How touches respond, and by how much they break their laws, as points move with `velocity`.
   void find_errors(std::span<const Vec3> velocity, double creep);
   /// m/s: by how much a touch breaks its law, as of find_errors(), beyond the `noise` of points.
@@ -133,7 +146,17 @@ class LinkTouches {
     std::uint32_t first = 0;  // point; the other is the next
     double radius = 0;        // m
     std::uint64_t category = 0;
+    std::array<std::uint32_t, 2> carried;  // of both, as Mechanism::body_points() has it; or kNone
+    std::vector<contact::Spot> spots;      // where it touches
   };
+  static constexpr std::uint32_t kNone = UINT32_MAX;
+  bool is_carried(const LinkTouch& at) const {
+    const auto& carried = links_[at.link].carried;
+    return carried[0] != kNone || carried[1] != kNone;
+  }
+  double mobility(const Mechanism& mechanism, const Link& link, std::size_t end) const;
+  void kick(const Mechanism& mechanism, const LinkTouch& at, std::size_t end, const Vec3& given,
+            const Vec3& arm, const Mat3& inverse, std::vector<double>& twists) const;
   contact::Capsule capsule(const Step& step, const std::vector<double>& state,
                            std::uint32_t link) const;
   Vec3 velocity(const Step& step, std::uint32_t link, double share) const;
