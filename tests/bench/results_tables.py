@@ -315,7 +315,7 @@ def exemptions(work):
 @result("frame", RENDER)
 def frame(work):
     """the stages of a frame, and the least that each could take"""
-    told = json.loads(work.run("taut render scenes/nunchaku.toml --frames 900-920 --profile --no-video --anew --json -q "
+    told = json.loads(work.run("taut render scenes/nunchaku.toml --frames 400-420 --profile --no-video --anew --json -q "
                                "--out out/results/frame"))
     rows = [["stage", "CPU ms", "floor ms", "frames of 21"]]
     for stage in told["profile"]:
