@@ -1,5 +1,5 @@
-"""The rest skeleton of the martial artist: 65 joints, three per finger, an eye, its upper lid, a brow, a corner of the
-mouth and two in a tail of the belt on each side, and the jaw.
+"""The rest skeleton of the martial artist: three joints per finger; an eye, its upper lid, a brow and a corner of the
+mouth on each side, and the jaw; and those of the cloth that hangs: tails of the belt, columns of the skirt and cuffs.
 
 glTF axes: y up, z forward, x to the character's left; metres. The arms hang 40 degrees below the
 horizontal, palms down and inward. Other parts of the project pose these joints by name and measure
@@ -40,6 +40,13 @@ TAILS = {
     "Left": ((0.012, 1.008, 0.152), (0.048, 0.881, 0.172), (0.078, 0.736, 0.180)),
     "Right": ((-0.012, 1.008, 0.152), (-0.040, 0.895, 0.172), (-0.064, 0.764, 0.180)),
 }
+# Columns of the skirt, which has a front and a back panel: superellipses that its cloth is on, from the belt to the hem:
+# height, half widths in x and z, and the centre's z. Column k is at the angle (k + 0.5) 360 degrees / columns from the
+# left side to the back.
+SKIRT_COLUMNS, SKIRT_POWER = 12, 2.5
+SKIRT = ((0.985, 0.181, 0.129, -0.010), (0.865, 0.217, 0.163, -0.012), (0.735, 0.236, 0.181, -0.010))
+# Columns of a cuff: how far up the fore arm from the wrist they begin and end, and their distance from its line.
+CUFF_COLUMNS, CUFF, CUFF_RADIUS = 6, (0.180, 0.060), 0.064
 EYE = vec(0.0315, 1.6515, 0.0665)  # centre of the left eye ball
 # Where the left brow and the left corner of the mouth are. Their joints are as far back as the skull is round, so that
 # what turns about them slides over it.
@@ -57,6 +64,12 @@ class Skeleton:
         self.names.append(name)
         self.parent[name] = parent
         self.head[name] = np.asarray(position, float)
+
+    def chain(self, stem, parent, points):
+        """Joints stem1, stem2 and so on at the points; the last one is where the last bone ends."""
+        for k, point in enumerate(points):
+            self.add(f"{stem}{k + 1}", parent if k == 0 else f"{stem}{k}", point)
+        self.tail[f"{stem}{len(points)}"] = points[-1]
 
     def index(self, name):
         return self.names.index(name)
@@ -106,6 +119,50 @@ def _left_arm():
     return joints, tips
 
 
+def letters(count):
+    return [chr(ord("A") + k) for k in range(count)]
+
+
+def around(columns):
+    """The angle of each column, rad."""
+    return (np.arange(columns) + 0.5) * 2 * np.pi / columns
+
+
+def skirt_point(ring, angle):
+    y, half_x, half_z, centre_z = ring
+    c, s = np.cos(angle), np.sin(angle)
+    r = (abs(c) ** SKIRT_POWER + abs(s) ** SKIRT_POWER) ** (-1 / SKIRT_POWER)
+    return vec(r * c * half_x, y, centre_z - r * s * half_z)
+
+
+def skirt_columns():
+    """Stems of the columns' names, in their order: the back panel, then the front one, each a chain of neighbours."""
+    half = SKIRT_COLUMNS // 2
+    return [f"Skirt{panel}{letter}" for panel in ("Back", "Front") for letter in letters(half)]
+
+
+def cuff_frame():
+    """The left fore arm: wrist, and unit vectors down to the hand, forward and across both."""
+    wrist = hand_frame()[0]
+    elbow = vec(0.182, 1.418, -0.022) + 0.285 * unit(vec(0.77, -0.64, 0.0))
+    down = unit(wrist - elbow)
+    forward = unit(vec(0, 0, 1) - down * down[2])
+    return wrist, down, forward, np.cross(down, forward)
+
+
+def _add_hanging(s):
+    """Joints of what hangs: a chain of them each, named by a stem and numbers from 1."""
+    for side, (knot, bend, end) in TAILS.items():
+        s.chain(side + "Tail", "Hips", [vec(*knot), vec(*bend), vec(*end)])
+    for name, angle in zip(skirt_columns(), around(SKIRT_COLUMNS)):
+        s.chain(name, "Hips", [skirt_point(ring, angle) for ring in SKIRT])
+    wrist, down, forward, across = cuff_frame()
+    for side, sign in SIDES:
+        for letter, angle in zip(letters(CUFF_COLUMNS), around(CUFF_COLUMNS)):
+            out = CUFF_RADIUS * (np.cos(angle) * forward + np.sin(angle) * across)
+            s.chain(side + "Cuff" + letter, side + "ForeArm", [vec(sign, 1, 1) * (wrist - up * down + out) for up in CUFF])
+
+
 def build():
     s = Skeleton()
     s.add("Hips", None, (0, 0.965, 0))
@@ -134,10 +191,7 @@ def build():
         for name in ("Eye", "Lid"):
             s.add(side + name, "Head", vec(sign, 1, 1) * EYE)
             s.tail[side + name] = s.head[side + name] + vec(0, 0, 0.014)
-    for side, (knot, bend, end) in TAILS.items():
-        s.add(side + "Tail1", "Hips", vec(*knot))
-        s.add(side + "Tail2", side + "Tail1", vec(*bend))
-        s.tail[side + "Tail2"] = vec(*end)
+    _add_hanging(s)
     for side, sign in SIDES:
         for name, place in (("Brow", BROW), ("Mouth", MOUTH)):
             s.add(side + name, "Head", vec(sign, 1, 0) * place)

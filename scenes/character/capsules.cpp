@@ -4,18 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/character/fabric.h"
+
 namespace taut::scenes {
 namespace {
 
 constexpr std::size_t fewest = 12;  // vertices that make a bone a body of its own
 constexpr double held = 0.98;       // share of them that the capsule holds
-
-double point_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double length2 = d.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0;
-  return (p - a - t * d).norm();
-}
 
 /// The distance that a share of `held` does not exceed.
 double most(std::vector<double>& distances) {
@@ -53,14 +48,23 @@ double volume(const Capsule& c) {
 
 }  // namespace
 
+double point_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double length2 = d.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0;
+  return (p - a - t * d).norm();
+}
+
 std::vector<Capsule> fit_capsules(const Model& model) {
   std::vector<std::vector<Vec3>> skin(model.bones.size());
   for (const Mesh& mesh : model.meshes) {
     for (const Vertex& v : mesh.vertices) {
       const auto strongest = std::max_element(v.weights.begin(), v.weights.end());
-      if (*strongest > 0)
-        skin[v.bones[static_cast<std::size_t>(strongest - v.weights.begin())]].emplace_back(
-            v.position[0], v.position[1], v.position[2]);
+      if (!(*strongest > 0)) continue;
+      std::size_t bone = v.bones[static_cast<std::size_t>(strongest - v.weights.begin())];
+      while (fabric_of(model.bones[bone].name) && model.bones[bone].parent >= 0)
+        bone = static_cast<std::size_t>(model.bones[bone].parent);
+      skin[bone].emplace_back(v.position[0], v.position[1], v.position[2]);
     }
   }
   std::vector<Capsule> capsules;

@@ -15,12 +15,15 @@ struct Capsule {
 };
 
 /// Capsules in the bind pose, in the model's space. Each holds nearly all the vertices that move
-/// mostly with its bone; a bone with hardly any has none.
+/// mostly with its bone or with cloth that hangs on it; a bone with hardly any has none.
 std::vector<Capsule> fit_capsules(const Model& model);
 
 /// The capsules where `bones` (world poses, order of Model::bones) carry them.
 std::vector<Capsule> place_capsules(const std::vector<Capsule>& fitted, const Model& model,
                                     const std::vector<Pose>& bones);
+
+/// Distance of a point from a segment, m.
+double point_distance(const Vec3& p, const Vec3& a, const Vec3& b);
 
 /// Distance between two segments, m.
 double segment_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1);

@@ -1,10 +1,11 @@
 #include "scenes/character/character.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include "scenes/character/acting.h"
+#include "scenes/character/hanging_cloth.h"
 #include "scenes/character/reach.h"
-#include "scenes/character/tails.h"
 
 namespace taut::scenes {
 namespace {
@@ -17,20 +18,27 @@ class Player : public Performance {
         path_(stick.path),
         figure_(*model_, stick.diameter / 2),
         controls_(act(figure_, *path_, duration)),
-        tails_(figure_.skeleton()) {
+        duration_(duration),
+        cloth_(*model_, figure_.skeleton()) {
     look_about(figure_, *path_, controls_);
     play_face(figure_, *path_, controls_);
     plan_arm(figure_, *path_, controls_);
     for (Eigen::Index i = 0; head && i < controls_.count(); ++i) {
       controls_.samples().col(i).segment<3>(head_yaw) += head->at(controls_.time(i)).position;
     }
-    swing_ = tails_.swing(duration, acting_rate, [&](double time) { return placed(time); });
   }
 
   std::vector<Pose> bones_at(double time) const override {
     Placement all = placed(time);
-    tails_.hang(swing_.at(time), all);
+    std::call_once(has_cloth_, [&] {
+      cloth_.simulate(duration_, acting_rate, [&](double t) { return placed(t); });
+    });
+    cloth_.hang(time, all);
     return figure_.skeleton().poses(all);
+  }
+
+  Pose limb_at(std::size_t bone, double time) const override {
+    return figure_.skeleton().poses(placed(time)).at(bone);
   }
 
   /// How far the pelvis is from over its feet, beyond what a stance allows, and what the arm is
@@ -56,8 +64,9 @@ class Player : public Performance {
   std::shared_ptr<const Path> path_;
   Figure figure_;
   Track controls_;
-  Tails tails_;
-  Track swing_{Eigen::MatrixXd::Zero(0, 1), acting_rate};
+  double duration_;  // s
+  mutable std::once_flag has_cloth_;
+  mutable HangingCloth cloth_;
 };
 
 }  // namespace
@@ -81,7 +90,7 @@ Path bone_path(const Performance& performance, std::size_t bone, double duration
   std::vector<PathKey> keys;
   for (int i = 0; keys.empty() || keys.back().time < duration; ++i) {
     const double time = i / acting_rate;
-    const Pose pose = performance.bones_at(time).at(bone);
+    const Pose pose = performance.limb_at(bone, time);
     keys.push_back({time, pose.position, pose.rotation});
   }
   return Path(std::move(keys));

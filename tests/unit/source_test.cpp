@@ -101,7 +101,7 @@ const std::map<std::string, std::set<std::string>> kSees = {
     {"sim/examples", {"taut"}},
     {"scenes/files", {}},
     {"scenes/model", {"sim/motion", "scenes/files"}},
-    {"scenes/character", {"sim/motion", "sim/world", "scenes/files", "scenes/model"}},
+    {"scenes/character", {"sim/motion", "sim/world", "sim/run", "scenes/files", "scenes/model"}},
     {"scenes/scene",
      {"sim/motion", "sim/world", "sim/run", "sim/choreography", "scenes/model",
       "scenes/character"}},

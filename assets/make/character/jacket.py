@@ -4,6 +4,7 @@ import numpy as np
 import nets
 from character.body import trunk
 from character.cloth import ribbon, spline
+from character.hanging import SLIT
 from character.jacket_folds import folds
 from character.jacket_shape import BELT, PIT, lapel_centre, smooth
 from sdf import Loft, bump, intersect, limb, mirrored, ramp, subtract, union
@@ -88,7 +89,7 @@ def _openings(p, q, d, height):
     d = subtract(d, limb(q, low, high, 0.038, 0.0620, (0, 0, 1), 0.86) - 0.8 * height, 0.004)
     skirt = intersect(_SKIRT_CAVITY(p) - 0.8 * height, p[:, 1] - 0.84, 0.03)
     d = subtract(d, skirt, 0.004)
-    slit = intersect(np.abs(p[:, 2] + 0.012) - 0.003 - 0.05 * np.maximum(0.86 - p[:, 1], 0), p[:, 1] - 0.86, 0.01)
+    slit = intersect(np.abs(p[:, 2] + 0.012) - 0.003 - 0.05 * np.maximum(SLIT - p[:, 1], 0), p[:, 1] - SLIT, 0.01)
     return subtract(d, np.where(q[:, 0] > 0.12, slit, 9.0), 0.004)
 
 

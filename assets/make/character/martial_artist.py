@@ -3,7 +3,7 @@ import numpy as np
 
 import occlusion
 import skeleton
-from character import belt, body, eyes, face, hair, hands, head, jacket, jacket_shape, trousers
+from character import belt, body, eyes, face, hair, hands, hanging, head, jacket, jacket_shape, trousers
 from character.strain import both, ease, pose
 from character.weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
 from mesh import mirror, sculpt, smoothing
@@ -100,7 +100,7 @@ def _weigh(part, heat):
     elif part.name in _BONES:
         dense = heat.at(part.points, _BONES[part.name])
         if part.name == "Belt":
-            dense = _hang_tails(part, dense)
+            dense = hanging.tails(part, dense)
         if part.name == "Jacket":
             dense = _drape(part, dense)
         if part.name == "Trousers":
@@ -123,27 +123,15 @@ def _stiffen_face(part, dense):
     return dense * (1 - t) + rigid(len(p), "Head") * t
 
 
-def _hang_tails(part, dense):
-    """Below the knot the belt's tails hang on bones of their own."""
-    p = part.points
-    on_left = ramp(-0.006, 0.006, p[:, 0])
-    for side, share in (("Left", on_left), ("Right", 1 - on_left)):
-        knot, bend, _ = skeleton.TAILS[side]
-        hangs = share * ramp(knot[1], knot[1] - 0.045, p[:, 1]) * (p[:, 2] > 0.10)
-        lower = ramp(bend[1] + 0.065, bend[1] - 0.065, p[:, 1])
-        dense = dense * (1 - hangs)[:, None]
-        dense[:, REST.index(side + "Tail1")] += hangs * (1 - lower)
-        dense[:, REST.index(side + "Tail2")] += hangs * lower
-    return dense
-
-
 def _drape(part, dense):
-    """The jacket's cloth follows the limbs widely, the trunk as the body does; its lining goes with its outside."""
+    """The jacket's cloth follows the limbs widely, the trunk as the body does, and hangs below the belt and at the wrists;
+    its lining goes with its outside."""
     limb = np.array([b.startswith(("Left", "Right")) for b in REST.names])
     limbs = spread(dense[:, limb], part.triangles, part.points, jacket.give(part.points))
     trunk = dense[:, ~limb] / np.maximum(dense[:, ~limb].sum(axis=1, keepdims=True), 1e-6)
     out = np.empty_like(dense)
     out[:, limb], out[:, ~limb] = limbs, trunk * (1 - limbs.sum(axis=1, keepdims=True))
+    out = hanging.cuffs(part, hanging.skirt(part, out))
     inside = jacket.lining(part.points, part.normals)[:, None]
     outer = inside[:, 0] < 0.5
 
@@ -156,7 +144,7 @@ def _drape(part, dense):
 def _tuck(hand, sleeve):
     """The fore arm moves with the sleeve that covers it, so that it does not come through."""
     inside = ramp(0.055, 0.095, hands.depth(hand.points))[:, None]
-    covered = nearby(hand.points, sleeve.points, dense_of(sleeve))
+    covered = nearby(hand.points, sleeve.points, hanging.without_cuffs(dense_of(sleeve)))
     hand.joints, hand.weights = strongest((1 - inside) * dense_of(hand) + inside * covered)
 
 

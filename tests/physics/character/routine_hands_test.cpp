@@ -187,7 +187,8 @@ TEST_F(RoutineHands, EnterNothingThatHeWears) {
     const scenes::Vertex& v = jacket.vertices[vertex];
     const auto most = std::size_t(std::ranges::max_element(v.weights) - v.weights.begin());
     const std::string& bone = model_.bones[v.bones[most]].name;
-    return bone.find("Arm") != bone.npos || bone.find("Hand") != bone.npos;
+    return bone.find("Arm") != bone.npos || bone.find("Hand") != bone.npos ||
+           bone.find("Cuff") != bone.npos;
   };
   std::vector<mesh::MovingVertex> cloth;
   const auto out_of_jacket = [&](const Vec3& p) {
