@@ -12,6 +12,8 @@ namespace {
 
 constexpr picture::Rgb kCardGround{17, 15, 13}, kCardHeading{248, 245, 238},
     kCardText{190, 184, 172};
+/// What is beneath a card is told by its shapes alone.
+constexpr double kCardCover = 0.82;
 constexpr double kCardLeading = 1.6;
 constexpr double kCardMargin = 0.14;  // of the picture's width, on the left and on the right
 
@@ -32,8 +34,9 @@ double eased(double x) {
 
 void draw_card(picture::Picture& picture, picture::Font& font, picture::Font& bold,
                const scenes::Card& card, std::string_view method, double shown) {
-  // Lines come when the ground is all there: they never stand over a face.
-  picture::fill(picture, {0, 0, picture.width, picture.height}, kCardGround, eased(2 * shown));
+  // Lines come when the ground is all there.
+  picture::fill(picture, {0, 0, picture.width, picture.height}, kCardGround,
+                kCardCover * eased(2 * shown));
   const double opacity = eased(2 * shown - 1);
   if (opacity <= 0) return;
   const double large = 0.12 * picture.height, small = 0.034 * picture.height;

@@ -72,8 +72,8 @@ Track act(const Figure& figure, const Path& path, double duration) {
     c[left_shoulder_up] = 0.012 * chest_rise;
 
     // The left fist keeps its guard and balances the right hand.
-    const Vec3 guard = guard_at_ease + Vec3(soft(-0.10 * f.x(), 0.03), soft(-0.12 * f.y(), 0.05),
-                                            soft(-0.22 * f.z(), 0.06));
+    const Vec3 guard = guard_at_ease + Vec3(soft(-0.22 * f.x(), 0.05), soft(-0.20 * f.y(), 0.07),
+                                            soft(-0.30 * f.z(), 0.08));
     c.segment<3>(guard_x) = scale * guard;
     c.segment<3>(right_step_x) = scale * right;
     c.segment<3>(left_step_x) = scale * left;

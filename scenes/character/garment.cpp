@@ -1,7 +1,7 @@
-#include <algorithm>
+#include "scenes/character/garment.h"
+
 #include <map>
 
-#include "scenes/character/hanging_cloth.h"
 #include "sim/motion/rotation.h"
 #include "sim/run/simulation.h"
 
