@@ -85,7 +85,7 @@ void BodyContacts::rebuild(const Mechanism& mechanism, const World& world) {
   meetings_ = meetings_of_bodies(world, obstacles_, world.pairs);
   frames_.reserve(obstacles_.size());
   std::size_t spots = kSpots.size() * meetings_.size();
-  const std::vector<BodyMeeting> of_beads = meetings_of_beads(world, mechanism);
+  const std::vector<BodyMeeting> of_beads = meetings_of_beads(world, mechanism, world.bead_pairs);
   spots += of_beads.size();
   add_beads(world, of_beads);
   touches_.reserve(spots);

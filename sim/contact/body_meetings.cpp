@@ -77,7 +77,8 @@ std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const 
   return meetings;
 }
 
-std::vector<BodyMeeting> meetings_of_beads(const World& world, const Mechanism& mechanism) {
+std::vector<BodyMeeting> meetings_of_beads(const World& world, const Mechanism& mechanism,
+                                           std::span<const BeadPair> pairs) {
   const std::vector<BodyCapsule> capsules = capsules_of_free_bodies(world);
   const std::vector<std::uint32_t> number = numbers_of_free_bodies(world);
   std::vector<std::size_t> first{0};
@@ -86,7 +87,7 @@ std::vector<BodyMeeting> meetings_of_beads(const World& world, const Mechanism& 
   }
   std::vector<BodyMeeting> meetings;
   std::set<std::pair<std::uint32_t, std::uint32_t>> known;  // what is joined is of two connectors
-  for (const BeadPair& pair : world.bead_pairs) {
+  for (const BeadPair& pair : pairs) {
     BodyMeeting made;
     made.other = number[pair.body];
     make_solid(capsules[made.other], made);

@@ -28,9 +28,10 @@ std::vector<BodyCapsule> capsules_of_free_bodies(const World& world);
 std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const Obstacle> obstacles,
                                             std::span<const BodyPair> pairs);
 
-/// The same of beads that may touch free bodies (World::bead_pairs) and that nothing holds: `body`
-/// is the mechanism's point that stands for the bead.
-std::vector<BodyMeeting> meetings_of_beads(const World& world, const Mechanism& mechanism);
+/// The same of beads that may touch free bodies, as `pairs` says, and that nothing holds: `body` is
+/// the mechanism's point that stands for the bead.
+std::vector<BodyMeeting> meetings_of_beads(const World& world, const Mechanism& mechanism,
+                                           std::span<const BeadPair> pairs);
 
 /// Per free body, the number of those that may touch each other in whatever way; empty where no
 /// body may touch another.

@@ -53,6 +53,9 @@ void Contacts::prepare(const World& world) {
     }
   }
   for (const BodyPair& pair : world.pairs) parent[find(parent, pair.a)] = find(parent, pair.b);
+  for (const BeadPair& pair : world.bead_pairs) {
+    parent[find(parent, bodies + pair.connector)] = find(parent, pair.body);
+  }
   counters_ = counters();
   groups_.clear();
   std::vector<std::size_t> group_of(parent.size(), parent.size());
@@ -101,10 +104,17 @@ void Contacts::prepare(const World& world) {
       own.a = index_of(pair.a);
       own.b = index_of(pair.b);
     }
+    for (const BeadPair& pair : world.bead_pairs) {
+      if (!std::ranges::binary_search(made->bodies, pair.body)) continue;
+      BeadPair& own = made->bead_pairs.emplace_back(pair);
+      own.body = index_of(pair.body);
+      const auto at = std::ranges::lower_bound(made->connectors, pair.connector);
+      own.connector = static_cast<std::size_t>(at - made->connectors.begin());
+    }
     part.topology = structure(part);
     made->strings = has_strings(part);
     made->links = make_();
-    made->step.rebuild(part, obstacles_, made->pairs);
+    made->step.rebuild(part, obstacles_, made->pairs, made->bead_pairs);
     begin(*made);
   }
 }
@@ -176,7 +186,8 @@ void Contacts::give_up(const World& part, const Group& group) const {
   const std::string name = part.connectors.empty() ? part.bodies[0].name : part.connectors[0].name;
   const char* what = "no step of strings is small enough";
   if (!obstacles_.empty()) what = "no step at an obstacle is small enough";
-  if (!group.pairs.empty()) what = "no step where bodies may touch is small enough";
+  const bool bodies_touch = !group.pairs.empty() || !group.bead_pairs.empty();
+  if (bodies_touch) what = "no step where bodies may touch is small enough";
   throw Diverged("direct", part.time, counters_.steps, name, 0, what);
 }
 

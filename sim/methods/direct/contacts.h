@@ -14,7 +14,7 @@
 namespace taut::direct {
 
 /// Follows a world in groups that move without each other: connectors with the free bodies that
-/// they hold and those that these may touch. While nothing of a group can reach an obstacle, or
+/// they hold or may touch and those that these may touch. While nothing of a group can reach an obstacle, or
 /// bodies each other, before the next check, a method that knows no contact follows it, and leaves
 /// the same bits as in a world without. Else ContactStep does, with steps that follow from the
 /// tolerance. The times that are asked for end no step of either: what is shown at a time within
@@ -37,6 +37,7 @@ class Contacts {
     World before, now;                            // where links are followed, before and after
     std::vector<std::size_t> bodies, connectors;  // indices into the world's
     std::vector<BodyPair> pairs;                  // of the part's bodies
+    std::vector<BeadPair> bead_pairs;             // of the part's connectors and bodies
     std::unique_ptr<Method> links, shown_links;
     ContactStep step;
     ContactStep::Past before_step, present;  // of ContactStep
@@ -62,6 +63,7 @@ class Contacts {
   static void write(const Group& group, World& world);
   bool is_near(const Group& group, const World& part, double within) const;
   static bool is_pair_near(const BodyPair& pair, const World& part, double within);
+  static bool is_pair_near(const BeadPair& pair, const World& part, double within);
   bool is_body_near(const Body& body, const World& part, double within) const;
   static bool is_link_near(const Connector& connector, const Obstacle& obstacle, const World& part,
                            double within);

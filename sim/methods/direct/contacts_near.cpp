@@ -47,6 +47,27 @@ bool Contacts::is_pair_near(const BodyPair& pair, const World& part, double with
   return contact::least_gap(other, own) <= kSurprise * speed * within;
 }
 
+/// Whether a bead may touch a body within so many seconds of the part's present time.
+bool Contacts::is_pair_near(const BeadPair& pair, const World& part, double within) {
+  const Body& body = part.bodies[pair.body];
+  const Connector& connector = part.connectors[pair.connector];
+  const contact::Capsule solid{body.point(body.capsule.from), body.point(body.capsule.to),
+                               body.capsule.radius};
+  const double reach =
+      std::max((solid.from - body.position).norm(), (solid.to - body.position).norm()) +
+      solid.radius;
+  for (std::size_t i = 0; i < connector.particles(); ++i) {
+    const Vec3& at = connector.position[i];
+    const double speed = (connector.velocity[i] - body.velocity).norm() + body.spin.norm() * reach +
+                         part.gravity.norm() * within;
+    const double near = kSurprise * speed * within;
+    if ((at - body.position).norm() > reach + connector.radius + near) continue;
+    if (contact::least_gap(solid, {at, at, connector.radius}) > near) continue;
+    if (!find_hold(connector, i)) return true;
+  }
+  return false;
+}
+
 /// Whether a link may touch an obstacle within so many seconds of the part's present time.
 bool Contacts::is_link_near(const Connector& connector, const Obstacle& obstacle, const World& part,
                             double within) {
@@ -71,6 +92,9 @@ bool Contacts::is_near(const Group& group, const World& part, double within) con
     if (is_body_near(body, part, within)) return true;
   }
   for (const BodyPair& pair : group.pairs) {
+    if (is_pair_near(pair, part, within)) return true;
+  }
+  for (const BeadPair& pair : group.bead_pairs) {
     if (is_pair_near(pair, part, within)) return true;
   }
   for (const Obstacle& obstacle : obstacles_) {

@@ -26,7 +26,6 @@ class Direct : public Method {
   void advance(World& world, double until) override {
     if (!built_ || topology_ != world.topology) {
       refuse_more_beside_contact("direct", world);
-      refuse_bead_pairs("direct", world);
     }
     if (!left_behind_) {  // else nothing of these is there, and no intervention adds it
       if (!world.joints.empty() || has_winches(world) || has_laden_materials(world)) {
@@ -298,6 +297,7 @@ MethodInfo direct_method() {
       .touches_with_bodies = true,
       .touches_with_links = true,
       .touches_with_links_at_bodies = true,
+      .beads_touch_bodies = true,
       .follows_materials = true,
       .follows_joints = true,
       .follows_strings = true,

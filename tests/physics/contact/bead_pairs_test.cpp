@@ -1,4 +1,4 @@
-// Beads of connectors that touch free bodies, as games do it: of first order in the step.
+// Beads of connectors that touch free bodies: as games do it of first order in the step.
 #include <gtest/gtest.h>
 
 #include "contact_sticks.h"
@@ -68,6 +68,9 @@ class BeadPairs : public testing::TestWithParam<const char*> {
   }
 };
 
+/// The same in nets, whose beads are joined.
+class BeadsOfNets : public BeadPairs {};
+
 // A bead responds with its own mass, as its link lies across: J = (1 + e) v/(1/m + 1/M). What it
 // gets turns the link, by the angle of a step, and what is across that comes back to it.
 TEST_P(BeadPairs, ABeadHitsABall) {
@@ -121,7 +124,7 @@ World ball_and_net(double friction) {
   return world;
 }
 
-TEST_P(BeadPairs, MomentumStaysWhereABallFliesIntoANet) {
+TEST_P(BeadsOfNets, MomentumStaysWhereABallFliesIntoANet) {
   for (const double friction : {0.0, 0.5}) {
     const World start = ball_and_net(friction);
     Simulation simulation = simulate(start);
@@ -175,7 +178,7 @@ TEST_P(BeadPairs, WhatIsPinnedWhileItTouchesIsLeft) {
 }
 
 // Held at its corners, the net carries the ball, which has lost nearly all of what it fell by.
-TEST_P(BeadPairs, ABallComesToRestInANet) {
+TEST_P(BeadsOfNets, ABallComesToRestInANet) {
   World world = joined_worlds::net(9, 0.4);
   Vec3 middle = Vec3::Zero();
   for (Connector& cord : world.connectors) cord.radius = kThick;
@@ -199,7 +202,7 @@ TEST_P(BeadPairs, ABallComesToRestInANet) {
 }
 
 // Joined beads touch obstacles, too; of two that are joined one stands for both.
-TEST_P(BeadPairs, ANetFallsOnAFloor) {
+TEST_P(BeadsOfNets, ANetFallsOnAFloor) {
   World world = joined_worlds::net(5, 0.3);
   for (Connector& cord : world.connectors) {
     cord.holds.clear();
@@ -216,7 +219,8 @@ TEST_P(BeadPairs, ANetFallsOnAFloor) {
   EXPECT_LT(fastest(rest), kGain);
 }
 
-INSTANTIATE_TEST_SUITE_P(AsGamesDo, BeadPairs, testing::Values("xpbd", "springs"));
+INSTANTIATE_TEST_SUITE_P(All, BeadPairs, testing::Values("xpbd", "springs", "direct"));
+INSTANTIATE_TEST_SUITE_P(AsGamesDo, BeadsOfNets, testing::Values("xpbd", "springs"));
 
 TEST(BeadPairs, OthersRefuseThemByName) {
   for (const MethodInfo& method : all_methods()) {

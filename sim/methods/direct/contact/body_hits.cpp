@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "sim/methods/direct/contact/body_touches.h"
+#include "sim/methods/direct/contact/body_way.h"
 #include "sim/methods/direct/contact/entry.h"
 
 namespace taut::direct {
@@ -14,41 +15,6 @@ using contact::kNoBody;
 using contact::Spot;
 using contact::SpotGap;
 using ConstMap = Eigen::Map<const Vec3>;
-
-constexpr double kMostTurn = 2;  // rad: turns in a step from which on it seems to turn evenly
-
-/// A body's way through a step: from its velocity at the start, bent to where it ends.
-struct Way {
-  Way(const double* at_start, const double* at_end, const contact::Vec6& twist, double step)
-      : from(at_start),
-        h(step),
-        velocity(twist.head<3>()),
-        bend(ConstMap(at_end) - ConstMap(at_start) - step * velocity),
-        turn(angle(quaternion(at_end + 3) * quaternion(at_start + 3).conjugate())) {}
-
-  /// The same of its turn: a body that has been stopped does not seem to come again.
-  void bend_turn(const Vec3& spin) {
-    if (!(h * spin.norm() < kMostTurn)) return;
-    turn_bend = turn - h * spin;
-    turn = h * spin;
-  }
-
-  /// The pose at a share of the step.
-  std::array<double, 7> at(double share) const {
-    std::array<double, 7> pose;
-    Eigen::Map<Vec3>{pose.data()} = ConstMap(from) + share * h * velocity + share * share * bend;
-    std::copy_n(from + 3, 4, pose.begin() + 3);
-    rotate(share * turn + share * share * turn_bend, &pose[3]);
-    return pose;
-  }
-
-  /// m: no point of the body that is within `radius` of its centre of mass turns farther.
-  double turned(double radius) const { return radius * (turn.norm() + 2 * turn_bend.norm()); }
-
-  const double* from;
-  double h;
-  Vec3 velocity, bend, turn, turn_bend = Vec3::Zero();
-};
 
 }  // namespace
 
@@ -81,12 +47,12 @@ BodyTouches::Hit BodyTouches::sweep(const Step& step, const std::vector<double>&
   const contact::BodyMeeting& meeting = meetings_[index];
   const Mechanism& mechanism = step.mechanism;
   const auto way_of = [&](std::uint32_t body) {
-    return Way(&step.state[mechanism.pose(body)], &next[mechanism.pose(body)],
-               twist_at(&step.state[mechanism.twist(body)]), step.h);
+    return BodyWay(&step.state[mechanism.pose(body)], &next[mechanism.pose(body)],
+                   twist_at(&step.state[mechanism.twist(body)]), step.h);
   };
   const std::uint32_t body = meeting.body;
-  Way way = way_of(body);
-  std::optional<Way> others;
+  BodyWay way = way_of(body);
+  std::optional<BodyWay> others;
   if (meeting.other != kNoBody) {
     others = way_of(meeting.other);
     way.bend_turn(twist_at(&step.state[mechanism.twist(body)]).tail<3>());

@@ -41,6 +41,7 @@ bool ContactStep::glide(double time, double h) {
   for (BeadTouch& at : touches_) at.touch.push = 0;
   bodies_.release();
   links_.release();
+  beads_.release();
   scale_friction(1);
   move_bodies(time, h);
   double before = INFINITY;
@@ -50,6 +51,7 @@ bool ContactStep::glide(double time, double h) {
     aim(h);
     if (bodies_.any()) turn_ = std::max(turn_, bodies_.aim(body_step(time, h), next_));
     if (links_.any()) links_.aim(body_step(time, h), next_);
+    if (beads_.any()) turn_ = std::max(turn_, beads_.aim(body_step(time, h), next_));
     if (!pull(time, h)) return false;
     const double worst = residual(h);
     if (!std::isfinite(worst)) return false;
@@ -74,6 +76,7 @@ bool ContactStep::glide(double time, double h) {
     stiffen(h);
     mask();
     links_.linearize(body_step(time, h), next_, mean_, behind_, creep_);
+    beads_.linearize(body_step(time, h), next_, behind_, creep_);
     const bool strings = mechanism_.has_strings();
     glide_system_.assemble(mechanism_, {.h = h,
                                         .mobility = mobility_,
@@ -82,9 +85,10 @@ bool ContactStep::glide(double time, double h) {
                                         .along = strings ? right_ : along_,
                                         .to = strings ? left_ : to_,
                                         .bodies = bodies_.coupled(),
-                                        .touches = links_.linear()});
-    glide_system_.solve(behind_, change_, links_.missing(), {});
-    links_.advance(1);
+                                        .touches = links_.linear(),
+                                        .beads = beads_.linear()});
+    glide_system_.solve(behind_, change_, links_.missing(), beads_.missing());
+    advance_touches(1);
     for (std::size_t p = 0; p < behind_.size(); ++p) {
       vector(&next_[mechanism_.position(p)]) += h * behind_[p];
     }
@@ -144,7 +148,7 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
     for (std::size_t r = 0; r < rows.size(); ++r) {
       worst = std::max(worst, wrong(r, change_[r]) - noise_[rows[r].a] - noise_[rows[r].b]);
     }
-    worst = std::max(worst, links_.error(noise_));
+    worst = std::max({worst, links_.error(noise_), beads_.error(noise_)});
     if (!std::isfinite(worst)) return false;
     // Rows that others determine already keep what roundings left of their errors.
     if (worst * h <= exact_ || (worst * h < touching_ && worst > before / 2)) return sticks();
@@ -158,9 +162,9 @@ bool ContactStep::pull_creeping(double time, double h, double creep, bool trial)
       continue;
     }
     const double share = damping.share();
-    if (links_.any()) {
-      solve_with_links(along_, 0.5);
-      links_.advance(share);
+    if (couples()) {
+      solve_with_touches(along_, 0.5);
+      advance_touches(share);
     } else {
       for (double& change : change_) change *= 2;  // of a pull half makes the mean velocities
       mask();
@@ -212,8 +216,9 @@ void ContactStep::respond(double time, double h) {
   }
   carry_held(h);
   links_.find_errors(mean_, creep_);
+  beads_.find_errors(body_step(time, h), next_, mean_, creep_);
   if (mechanism_.bodies().empty()) return;
-  if (bodies_.any()) {  // where they are aimed from next
+  if (bodies_.any() || beads_.any()) {  // where they are aimed from next
     const auto poses = static_cast<std::ptrdiff_t>(mechanism_.pose(0));
     const auto end = static_cast<std::ptrdiff_t>(mechanism_.velocity(0));
     std::copy(next_.begin() + poses, next_.begin() + end, aimed_.begin() + poses);
@@ -232,7 +237,8 @@ void ContactStep::carry_held(double h) {
 /// By how much (m) points are elsewhere than they respond, a row is too long, or a touch is open
 /// or broken.
 double ContactStep::residual(double h) const {
-  double worst = std::max(bodies_.residual(next_, mechanism_), links_.residual());
+  double worst = std::max(
+      {bodies_.residual(next_, mechanism_), links_.residual(), beads_.residual(mechanism_, next_)});
   for (std::size_t p = 0; p < mean_.size(); ++p) {
     const Vec3 off = position(state_, p) + h * mean_[p] - position(next_, p);
     worst = std::max(worst, off.lpNorm<Eigen::Infinity>() - h * noise_[p]);
@@ -289,6 +295,7 @@ void ContactStep::move_bodies(double time, double h) {
     vector(u + 3) += inverse_[body] * arm_[end.body_point].cross(pull);
   }
   links_.kick(mechanism_, arm_, inverse_, next_);
+  beads_.kick(mechanism_, inverse_, next_);
   bodies_.kick(mechanism_, state_, inverse_, next_);
   for (std::size_t b = 0; b < mechanism_.bodies().size(); ++b) {
     const double *u = &next_[mechanism_.twist(b)], *q = &state_[mechanism_.pose(b)];

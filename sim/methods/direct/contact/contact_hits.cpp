@@ -95,6 +95,7 @@ double ContactStep::error(double lowest) const {
   std::size_t count = 0, touching = 0;
   std::uint32_t linked = 0;  // a bead behind those whose links touch
   std::size_t next = 0;      // of these links
+  std::size_t at_body = 0;   // of the beads that touch bodies
   for (std::size_t p = 0; p < radius_.size(); ++p) {
     while (next < links_.count() && links_.first(next) <= p) linked = links_.first(next++) + 2;
     if (mechanism_.inverse_mass()[p] == 0) continue;
@@ -102,6 +103,8 @@ double ContactStep::error(double lowest) const {
     if (p < linked) continue;
     while (touching < touches_.size() && touches_[touching].point < p) ++touching;
     if (touching < touches_.size() && touches_[touching].point == p) continue;
+    while (at_body < beads_.count() && beads_.touches()[at_body].point < p) ++at_body;
+    if (at_body < beads_.count() && beads_.touches()[at_body].point == p) continue;
     change += (acceleration_[p] - last_acceleration_[p]).squaredNorm();
     wave += ((acceleration_[p] + last_acceleration_[p]) / 2 - steady_[p]).squaredNorm();
   }

@@ -46,6 +46,7 @@ void ContactStep::spread(std::span<const double> impulse, std::span<const Vec3> 
 void ContactStep::respond_all(std::span<Vec3> velocity) {
   const auto& mobile = mechanism_.inverse_mass();
   links_.give(mobile, velocity);
+  beads_.give(mobile, velocity);
   std::ranges::copy(velocity, bare_.begin());
   for (std::size_t p = 0; p < mobility_.size(); ++p) mobility_[p] = mobile[p] * Mat3::Identity();
   for (std::size_t i = 0; i < touches_.size();) {
@@ -87,9 +88,9 @@ void ContactStep::relax_links(std::span<Vec3> velocity) {
   });
 }
 
-/// Newton's change of the pulls, and of what touches links, where `change_` has by how much the
-/// rows part too fast; of an impulse a `share` makes these velocities.
-void ContactStep::solve_with_links(std::span<const Vec3> along, double share) {
+/// Newton's change of the pulls, and of what touches links and bodies, where `change_` has by how
+/// much the rows part too fast; of an impulse a `share` makes these velocities.
+void ContactStep::solve_with_touches(std::span<const Vec3> along, double share) {
   for (double& change : change_) change = -change;
   mask();
   std::ranges::fill(stiffness_, Mat3::Zero());
@@ -97,6 +98,7 @@ void ContactStep::solve_with_links(std::span<const Vec3> along, double share) {
   std::ranges::fill(behind_, Vec3::Zero());
   mobilize_carried();
   links_.linearize();
+  beads_.linearize();
   const bool strings = mechanism_.has_strings();
   glide_system_.assemble(mechanism_, {.h = 0,
                                       .mobility = mobility_,
@@ -105,9 +107,15 @@ void ContactStep::solve_with_links(std::span<const Vec3> along, double share) {
                                       .along = strings ? right_ : along,
                                       .to = strings ? left_ : to_,
                                       .bodies = bodies_.coupled(),
-                                      .touches = links_.linear()});
-  glide_system_.solve(behind_, change_, links_.missing(), {});
+                                      .touches = links_.linear(),
+                                      .beads = beads_.linear()});
+  glide_system_.solve(behind_, change_, links_.missing(), beads_.missing());
   for (double& change : change_) change *= 0.5 / share;  // it speaks of mean velocities
+}
+
+void ContactStep::advance_touches(double share) {
+  links_.advance(share);
+  beads_.advance(share);
 }
 
 /// How points that bodies carry respond.
@@ -131,7 +139,8 @@ void ContactStep::mobilize_carried() {
 /// that carry its ends apart, or toward each other, a link may have no other solution.
 bool ContactStep::sticks() const {
   if (creep_ > contact::kCreep) return true;
-  if (h_ * creep_ * links_.most_stuck() > touching_) return false;
+  const double most_stuck = std::max(links_.most_stuck(), beads_.most_stuck());
+  if (h_ * creep_ * most_stuck > touching_) return false;
   return std::ranges::all_of(touches_, [&](const BeadTouch& at) {
     return at.touch.state != contact::Touch::State::sticks ||
            h_ * creep_ * at.touch.friction.norm() <= touching_;
@@ -148,6 +157,7 @@ std::uint64_t ContactStep::pattern() const {
   }
   if (bodies_.any()) hash.word(bodies_.pattern());
   if (links_.any()) hash.word(links_.pattern());
+  if (beads_.any()) hash.word(beads_.pattern());
   if (mechanism_.has_strings()) {
     for (const char pulls : pulls_) hash.word(std::uint64_t(pulls != 0));
   }

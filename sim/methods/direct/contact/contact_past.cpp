@@ -10,6 +10,7 @@ void ContactStep::note(Past& past) const {
   past.touches = touches_;
   past.body_touches = bodies_.touches();
   past.link_touches = links_.touches();
+  past.bead_touches = beads_.touches();
   past.acceleration = last_acceleration_;
   past.steady = steady_;
   past.pushed = last_pushed_;
@@ -28,6 +29,7 @@ void ContactStep::go_back(const Past& past) {
   touches_ = past.touches;
   bodies_.follow(past.body_touches);
   links_.follow(past.link_touches);
+  beads_.follow(past.bead_touches);
   last_acceleration_ = past.acceleration;
   steady_ = past.steady;
   last_pushed_ = past.pushed;

@@ -104,14 +104,16 @@ bool ContactStep::settle(double time, double h, double least) {
   }
   kick(pull_, along_, 0.5);
   links_.kick_more(mechanism_, next_);
+  beads_.kick_more(mechanism_, next_);
   aim_velocities(h, least);
   if (!pushed_.empty()) begin_settling(time, h, least);
-  if (links_.any()) {
+  if (couples()) {
     for (const auto& carried : mechanism_.body_points()) {
       middle_[carried.point] =
           contact::velocity_at(twist_at(&next_[mechanism_.twist(carried.body)]), carried.arm);
     }
     links_.aim_velocities(body_step(time, h), next_, middle_, least, located_);
+    beads_.aim_velocities(body_step(time, h), next_, middle_, least, located_);
   }
   for (std::size_t r = 0; r < pull_.size(); ++r) tension_[r] = pull_[r] / h;
   glided_ = next_;
@@ -141,7 +143,8 @@ void ContactStep::end_settling() {
 bool ContactStep::lower_bounces(double stopped) {
   const bool beads =
       std::ranges::any_of(touches_, [](const BeadTouch& at) { return at.bounce > 0; });
-  if (!(beads || links_.rebounds() || bodies_.rebounds()) || is_driven()) return true;
+  const bool others = links_.rebounds() || beads_.rebounds() || bodies_.rebounds();
+  if (!(beads || others) || is_driven()) return true;
   for (std::size_t p = 0; p < middle_.size(); ++p) {
     vector(&glided_[mechanism_.velocity(p)]) = middle_[p];
   }
@@ -151,6 +154,7 @@ bool ContactStep::lower_bounces(double stopped) {
   const std::vector<double>& thrown = aimed_ = next_;
   for (BeadTouch& at : touches_) at.touch.least -= std::exchange(at.bounce, 0);
   links_.stop_bounces();
+  beads_.stop_bounces();
   bodies_.stop_bounces();
   if (!stop(stopped)) return false;
   end_settling();
@@ -168,7 +172,7 @@ bool ContactStep::stop(double stopped) {
   scale_friction(1);
   clear_pulls();
   if (stop_creeping(stopped, contact::kCreep)) return true;
-  if (touches_.empty() && !bodies_.any() && !links_.any()) return false;
+  if (touches_.empty() && !bodies_.any() && !couples()) return false;
   clear_pulls();
   const double creep = approach([&](double to) { return stop_creeping(stopped, to); });
   return creep <= contact::kCreep ||
@@ -183,21 +187,25 @@ void ContactStep::scale_friction(double share) {
   }
   bodies_.scale_friction(share);
   links_.scale_friction(*obstacles_, share);
+  beads_.scale_friction(share);
 }
 
 void ContactStep::clear_pulls() {
   std::ranges::fill(pull_, 0.0);
   links_.release();
+  beads_.release();
 }
 
 void ContactStep::keep_pulls() {
   kept_pull_ = pull_;
   links_.keep();
+  beads_.keep();
 }
 
 void ContactStep::restore_pulls() {
   pull_ = kept_pull_;
   links_.restore();
+  beads_.restore();
 }
 
 /// Approaches friction from a viscous one. Newton's method alone leads fastest there; where it does
@@ -238,6 +246,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
             next_.begin() + static_cast<std::ptrdiff_t>(mechanism_.velocity(0)));
   kick(pull_, to_, 1);
   links_.take_back_kicks();
+  beads_.take_back_kicks();
   creep_ = creep;
   relaxes_ = false;
   contact::Damping damping;
@@ -247,6 +256,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     spread(pull_, to_, 1, free_);
     respond_all(free_);
     links_.kick_more(mechanism_, next_);
+    beads_.kick_more(mechanism_, next_);
     jams_ = bodies_.any() && !bodies_.settle(mechanism_, next_, creep);
     for (const auto& carried : mechanism_.body_points()) {
       const double* u = &next_[mechanism_.twist(carried.body)];
@@ -258,6 +268,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
       change_[r] = to_[r].dot(free_[rows[r].b] - free_[rows[r].a]);
     }
     links_.find_errors(free_, creep);
+    beads_.find_errors(mechanism_, free_, next_, bodies_, creep);
   };
   for (int i = 0; i < kIterations; ++i) {
     errors();
@@ -271,7 +282,7 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
       const double noise = noise_[rows[r].a] + noise_[rows[r].b];
       worst = std::max(worst, wrong(r, change_[r]) - noise);
     }
-    worst = std::max(worst, links_.error(noise_));
+    worst = std::max({worst, links_.error(noise_), beads_.error(noise_)});
     if (!std::isfinite(worst)) return false;
     // Where states go to and fro within rounding, what is left does no harm.
     if (worst <= stopped || (i >= kIterations / 2 && worst <= kLeftOver * stopped)) return sticks();
@@ -279,9 +290,9 @@ bool ContactStep::stop_creeping(double stopped, double creep) {
     if (damping.relaxes(pattern())) {
       relax(to_, 1, free_);
       relaxes_ = true;
-    } else if (links_.any()) {
-      solve_with_links(to_, 1);
-      links_.advance(damping.share());
+    } else if (couples()) {
+      solve_with_touches(to_, 1);
+      advance_touches(damping.share());
       for (std::size_t r = 0; r < pull_.size(); ++r) pull_[r] += change_[r] *= damping.share();
     } else {
       mask();

@@ -20,11 +20,12 @@ constexpr int kRounds = 12;         // of finding what is hit in a step
 }  // namespace
 
 void ContactStep::rebuild(const World& world, const std::vector<Obstacle>& obstacles,
-                          std::span<const BodyPair> pairs) {
+                          std::span<const BodyPair> pairs, std::span<const BeadPair> bead_pairs) {
   obstacles_ = &obstacles;
   mechanism_.rebuild(world);
   bodies_.rebuild(world, obstacles, pairs);
   links_.rebuild(world, mechanism_);
+  beads_.rebuild(world, mechanism_, bead_pairs);
   system_.rebuild(mechanism_, bodies_.together());
   glide_system_.rebuild(mechanism_, bodies_.together());
   radius_.clear();
@@ -168,7 +169,7 @@ bool ContactStep::throws_back(double share) const {
     return hit.share <= share && (*obstacles_)[hit.obstacle].restitution > 0;
   };
   return std::ranges::any_of(found_, bounces) || std::ranges::any_of(links_.found(), bounces) ||
-         bodies_.thrown_back_within(share);
+         bodies_.thrown_back_within(share) || beads_.thrown_back_within(share);
 }
 
 /// Adds what was found to the touches, where the step is to end with the first of it to those
@@ -182,6 +183,9 @@ bool ContactStep::take_hits(bool locates, double& h) {
     if (locates || hit.passes) first = std::min(first, hit.share);
   }
   for (const LinkTouches::Hit& hit : links_.found()) {
+    if (locates || hit.passes) first = std::min(first, hit.share);
+  }
+  for (const BeadTouches::Hit& hit : beads_.found()) {
     if (locates || hit.passes) first = std::min(first, hit.share);
   }
   for (const Snap& snap : snaps_) first = std::min(first, snap.share);
@@ -202,13 +206,17 @@ bool ContactStep::take_hits(bool locates, double& h) {
   for (const LinkTouches::Hit& hit : links_.found()) {
     if (hit.share <= until) links_.add(body_step(0, h), hit);
   }
+  for (const BeadTouches::Hit& hit : beads_.found()) {
+    if (hit.share <= until) beads_.add(body_step(0, h), hit);
+  }
   for (const Snap& snap : snaps_) {
     if (snap.share <= until) taut_[snap.row] = true;
   }
   if (bounces) h = kShortest;
   if (shortens) h *= first;
   // Bodies that meet at once do so in a moment: not held together for the rest of the step.
-  const bool at_once = locates && !shortens && h > kMeeting && bodies_.meet_within(kShortest / h);
+  const bool meet = bodies_.meet_within(kShortest / h) || beads_.meet_within(kShortest / h);
+  const bool at_once = locates && !shortens && h > kMeeting && meet;
   if (at_once) h = kMeeting;
   return shortens || bounces || at_once;
 }
@@ -234,6 +242,7 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
   bool arrives = find_touches(least);
   if (bodies_.possible()) arrives = bodies_.find(body_step(time, h), least) || arrives;
   if (links_.possible()) arrives = links_.find(body_step(time, h), least) || arrives;
+  if (beads_.possible()) arrives = beads_.find(body_step(time, h), least) || arrives;
   find_taut(!locates);
   if (arrives) h = std::min(h, kMoment);
   hits_ = located_ = arrives;
@@ -245,12 +254,13 @@ double ContactStep::attempt(double time, double h, double slippery, bool locates
     const bool hits = bodies_.possible() && !bodies_.hits(body_step(time, h), next_).empty();
     const bool crosses =
         links_.possible() && !links_.hits(body_step(time, h), next_, mean_).empty();
-    if (!enters && !snaps && !hits && !crosses) {
+    const bool meets = beads_.possible() && !beads_.hits(body_step(time, h), next_, mean_).empty();
+    if (!enters && !snaps && !hits && !crosses && !meets) {
       if (!settle(time, h, least)) return 0;
       const bool changes = hits_ || last_hits_ || pattern() != last_pattern_;
-      const bool touches = !touches_.empty() || links_.any();
+      const bool touches = !touches_.empty() || couples();
       const EnergyChange change = changes || touches ? energy_change() : EnergyChange();
-      gained_ = changes || links_.any() ? too_fast(change) : 0;
+      gained_ = changes || couples() ? too_fast(change) : 0;
       take_gain(change);
       return h;
     }

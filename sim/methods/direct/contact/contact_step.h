@@ -9,6 +9,7 @@
 #include "sim/contact/row_system.h"
 #include "sim/contact/touch.h"
 #include "sim/links/mechanism.h"
+#include "sim/methods/direct/contact/bead_touches.h"
 #include "sim/methods/direct/contact/body_touches.h"
 #include "sim/methods/direct/contact/glide_system.h"
 #include "sim/methods/direct/contact/link_touches.h"
@@ -23,7 +24,8 @@ namespace taut::direct {
 /// the touches stop what would stretch a link or enter an obstacle, by Newton's law of impact. Both
 /// have Signorini's condition and Coulomb's law for the sum of the step, and are solved by Newton's
 /// method, in which each bead responds by itself (see respond()), and each body (BodyTouches). What
-/// touches links between their beads (LinkTouches) is found beside the links' impulses.
+/// touches links between their beads (LinkTouches), and beads that touch bodies (BeadTouches), are
+/// found beside the links' impulses.
 class ContactStep {
  public:
   /// A bead at an obstacle.
@@ -41,6 +43,7 @@ class ContactStep {
     std::vector<BeadTouch> touches;
     std::vector<contact::BodyTouch> body_touches;
     std::vector<LinkTouches::LinkTouch> link_touches;
+    std::vector<BeadTouches::BeadTouch> bead_touches;
     std::vector<Vec3> along, acceleration, steady;
     std::vector<contact::Vec6> pushed, steady_pushed;
     double h = 0, watched = 0, risen = 0;
@@ -48,10 +51,10 @@ class ContactStep {
     std::uint64_t pattern = 0;
   };
 
-  /// Call when the topology is new; `pairs` of the world's bodies touch each other. The obstacles
-  /// must stay as long as steps are taken.
+  /// Call when the topology is new; `pairs` of the world's bodies touch each other, and those
+  /// connectors and bodies. The obstacles must stay as long as steps are taken.
   void rebuild(const World& world, const std::vector<Obstacle>& obstacles,
-               std::span<const BodyPair> pairs);
+               std::span<const BodyPair> pairs, std::span<const BeadPair> bead_pairs);
   /// Reads the state; `world` must stay as long as steps are taken.
   void load(const World& world);
   void store(World& world, double time) const { mechanism_.store(state_, time, world); }
@@ -146,7 +149,9 @@ class ContactStep {
   void respond_all(std::span<Vec3> velocity);
   void respond_at(std::size_t first, std::size_t count, std::span<Vec3> velocity);
   void relax_links(std::span<Vec3> velocity);
-  void solve_with_links(std::span<const Vec3> along, double share);
+  bool couples() const { return links_.any() || beads_.any(); }
+  void solve_with_touches(std::span<const Vec3> along, double share);
+  void advance_touches(double share);
   void mobilize_carried();
   void carry_held(double h);
   void clear_pulls();
@@ -177,6 +182,7 @@ class ContactStep {
   GlideSystem glide_system_;
   BodyTouches bodies_;
   LinkTouches links_;
+  BeadTouches beads_;
   // Whether what touches links is relaxed in the next evaluation, and in each.
   bool relaxes_ = false, relaxes_all_ = false;
   bool jams_ = false;  // a body has no response to what it touches
