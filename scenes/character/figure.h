@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "scenes/character/fist.h"
 #include "scenes/character/grip.h"
 #include "scenes/character/limb.h"
 #include "scenes/character/skeleton.h"
@@ -95,7 +96,7 @@ class Figure {
 
   Skeleton skeleton_;
   Grip grip_;
-  std::vector<std::pair<std::size_t, Quat>> left_fist_;
+  FingerTurns left_fist_;
   // By side, left then right.
   std::array<std::size_t, 2> clavicle_, arm_, forearm_, hand_, thigh_, shin_, foot_;
   std::array<std::size_t, 3> spine_;

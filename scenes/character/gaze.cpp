@@ -15,7 +15,7 @@ constexpr double least_drawn = 0.25, most_drawn = 0.8;
 constexpr double head_share = 0.72;  // of the way from the chest's front to the target
 constexpr double head_lag = 0.088, eye_lag = 0.040;      // s
 constexpr double most_yaw = 0.45, most_lean = 0.35;      // rad, of an eye
-constexpr double blink_every = 2.9, blink_lasts = 0.24;  // s
+constexpr double blink_every = 2.9, blink_lasts = 0.20;  // s
 
 double smoothstep(double x) {
   const double t = std::clamp(x, 0.0, 1.0);

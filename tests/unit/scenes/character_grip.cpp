@@ -7,6 +7,7 @@
 #include "scenes/character/capsules.h"
 #include "scenes/character/character.h"
 #include "scenes/character/figure.h"
+#include "scenes/character/fist.h"
 #include "scenes/character/grip.h"
 #include "scenes/files/error.h"
 #include "scenes/model/load_model.h"
@@ -102,6 +103,44 @@ TEST(CharacterGrip, AnEmptyHandIsAFistWhoseFingersEndInThePalm) {
     const auto thumb = joints("Thumb"), index = joints("Index");
     EXPECT_LT((thumb[3] - index[0]).dot(axes.across), 0);
     EXPECT_LT((thumb[3] - index[1]).dot(axes.palm), 0.030);
+  }
+}
+
+/// The least distance of a finger's two outer phalanges from those of its neighbour, as their skin
+/// bends.
+double apart(const scenes::Digit& finger, const scenes::Digit& neighbour,
+             const std::map<std::size_t, Quat>& turns) {
+  const auto bent = [&](const scenes::Digit& digit) {
+    scenes::DigitTurns turned;
+    Quat sum = Quat::Identity();
+    for (std::size_t k = 0; k < 3; ++k) turned[k] = sum = sum * turns.at(digit.bones()[k]);
+    scenes::BentSkin skin;
+    digit.bend(turned, skin);
+    return skin;
+  };
+  const scenes::BentSkin a = bent(finger), b = bent(neighbour);
+  double least = 1;
+  for (const std::size_t i : {1, 2})
+    for (const std::size_t k : {1, 2})
+      for (const Vec3& p : a.part(i))
+        for (const Vec3& q : b.part(k)) least = std::min(least, (p - q).norm());
+  return least;
+}
+
+TEST(CharacterGrip, ClosedFingersLieSideBySide) {
+  const scenes::Skeleton skeleton(*artist());
+  const auto fist = scenes::fist(*artist(), skeleton, scenes::Side::left);
+  const auto grip = scenes::grip_stick(*artist(), skeleton, scenes::Side::right, 0.014).fingers;
+  for (const auto& [side, fingers] :
+       {std::pair{scenes::Side::left, fist}, {scenes::Side::right, grip}}) {
+    const std::map<std::size_t, Quat> turns(fingers.begin(), fingers.end());
+    const auto digit = [&](const char* name) {
+      return scenes::Digit(*artist(), skeleton, side, name);
+    };
+    // Vertices are some 2 mm from one another.
+    for (const auto& [name, next] :
+         {std::pair{"Index", "Middle"}, {"Middle", "Ring"}, {"Ring", "Pinky"}})
+      EXPECT_LT(apart(digit(name), digit(next), turns), 0.003) << name << " and " << next;
   }
 }
 

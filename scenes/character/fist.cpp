@@ -1,0 +1,68 @@
+#include "scenes/character/fist.h"
+
+#include <cmath>
+#include <limits>
+
+#include "scenes/character/closed_hand.h"
+#include "scenes/character/soft.h"
+#include "scenes/character/thumb.h"
+
+namespace taut::scenes {
+namespace {
+
+/// How far a finger is flexed whose joints turn together, as its tendons turn them.
+Flexion curled(double share, double aside) {
+  return {{share * 84 * degree, share * 106 * degree, share * 68 * degree}, aside};
+}
+
+/// The share at which the finger's end touches the palm's skin; a short finger's presses on it.
+double curl(const Digit& finger, double aside, std::span<const Vec3> palm, const HandAxes& axes) {
+  constexpr double least = 0.88, step = 0.005, beside = 6 * mm;
+  BentSkin bent;
+  double share = least;
+  for (; share + step <= 1; share += step) {
+    finger.bend(flexed(curled(share + step, aside), axes), bent);
+    double height = std::numeric_limits<double>::infinity();  // of the finger's end over the palm
+    for (const Vec3& p : bent.part(2))
+      for (const Vec3& q : palm) {
+        const Vec3 off = p - q;
+        const double over = off.dot(axes.palm);
+        if ((off - over * axes.palm).norm() < beside) height = std::min(height, over);
+      }
+    if (height < 0) break;
+  }
+  return share;
+}
+
+}  // namespace
+
+FingerTurns fist(const Model& model, const Skeleton& skeleton, Side side) {
+  const HandAxes axes = hand_axes(skeleton, side);
+  const Palm palm(model, skeleton, skeleton.find(hand_name(side)));
+  std::vector<Digit> fingers;
+  for (const char* name : finger_names) fingers.emplace_back(model, skeleton, side, name);
+  std::array<double, finger_names.size()> share;
+  share.fill(0.9);
+  ClosedHand closed;
+  // Fingers that close pull the palm's skin along, and lean aside.
+  for (int round = 0;; ++round) {
+    std::array<double, finger_names.size()> leaning{};
+    closed = close_side_by_side(fingers, axes, [&](std::size_t i, double aside) {
+      leaning[i] = aside;
+      return flexed(curled(share[i], aside), axes);
+    });
+    if (round == 2) break;
+    const std::vector<Vec3> skin = palm.bent(closed.fingers);
+    for (std::size_t i = 0; i < fingers.size(); ++i)
+      share[i] = curl(fingers[i], leaning[i], skin, axes);
+  }
+  const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
+  // Across the middle phalanges of index and middle finger.
+  const std::array<Capsule, 2> middles = {closed.phalanges[1], closed.phalanges[4]};
+  const Vec3 tip = 0.7 * middles[1].a + 0.3 * middles[1].b +
+                   (middles[1].radius + thumb.digit().radius(2)) * axes.palm;
+  add_turns(thumb.digit(), thumb.lay(middles, closed.phalanges, tip), closed.fingers);
+  return closed.fingers;
+}
+
+}  // namespace taut::scenes

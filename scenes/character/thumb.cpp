@@ -1,0 +1,69 @@
+#include "scenes/character/thumb.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scenes/character/closed_hand.h"
+#include "scenes/character/soft.h"
+
+namespace taut::scenes {
+
+Thumb::Thumb(Digit digit, const HandAxes& axes) : digit_(std::move(digit)), axes_(axes) {
+  // The thumb's pad faces the palm and the fingers; it flexes to there.
+  const Vec3 pad = 0.65 * axes.palm - 0.75 * axes.across;
+  hinge_ = (digit_.rest(2) - digit_.rest(1)).cross(pad).normalized();
+}
+
+DigitTurns Thumb::lay(std::span<const Capsule> wanted, std::span<const Capsule> things,
+                      const Vec3& tip) const {
+  Angles best{};
+  BentSkin bent;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double roll : {-0.7, 0.0, 0.7}) {
+    for (const double rise : {-0.4, 0.4}) {
+      Angles x = {rise, 0, roll, 0.6, 0.6};
+      // Contacts make narrow valleys: it comes near first, and then they count more and more.
+      double cost = 0;
+      for (const double firmness : {0.001, 0.01, 0.1, 1.0})
+        cost = descend(x, [&](const Angles& trial) {
+          return discomfort(trial, wanted, things, tip, firmness, bent);
+        });
+      if (cost < least) {
+        least = cost;
+        best = x;
+      }
+    }
+  }
+  return turns(best);
+}
+
+DigitTurns Thumb::turns(const Angles& x) const {
+  const Quat first = Quat(Eigen::AngleAxisd(x[0], axes_.across)) *
+                     Quat(Eigen::AngleAxisd(x[1], axes_.palm)) *
+                     Quat(Eigen::AngleAxisd(x[2], axes_.along));
+  return chained(first, Quat(Eigen::AngleAxisd(x[3], hinge_)),
+                 Quat(Eigen::AngleAxisd(x[4], hinge_)));
+}
+
+double Thumb::discomfort(const Angles& x, std::span<const Capsule> wanted,
+                         std::span<const Capsule> things, const Vec3& tip, double firmness,
+                         BentSkin& bent) const {
+  const DigitTurns turned = turns(x);
+  digit_.bend(turned, bent);
+  double cost = touch(gap(bent, 1, wanted)) + touch(gap(bent, 2, wanted));
+  const auto first = wanted.first(1);
+  cost += touch(std::min({gap(bent, 0, first), gap(bent, 1, first), gap(bent, 2, first)}));
+  for (const double free :
+       {gap(bent, 0, wanted, skin_gap), gap(bent, BentSkin::root, wanted, skin_gap),
+        gap(bent, 1, things, skin_gap), gap(bent, 2, things, skin_gap)})
+    cost += 25 * squared((skin_gap - free) / mm);
+  cost *= firmness;
+  constexpr Angles ease = {0.8, 0.8, 1.2, 0.6, 0.5}, most = {1.1, 1.1, 1.7, 1.1, 1.3};
+  for (std::size_t i = 0; i < x.size(); ++i)
+    cost += 0.3 * squared(x[i] / ease[i]) + 1e3 * squared(beyond(std::abs(x[i]), most[i]));
+  cost += squared((digit_.joints(turned)[3] - tip).norm() / (5 * mm));
+  return cost + 1e3 * (squared(beyond(-0.1, x[3])) + squared(beyond(-0.1, x[4])));
+}
+
+}  // namespace taut::scenes
