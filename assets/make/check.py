@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 
+import holes
 from skeleton import REST
 
 LIMITS = {  # triangles, bytes
@@ -21,6 +22,7 @@ LIMITS = {  # triangles, bytes
     "earring": (4_000, 150_000),
     "peg": (4_000, 150_000),
 }
+MOST_SEEN_THROUGH = 4  # mm2: less than a pixel of a close-up
 _TYPES = {5126: "<f4", 5121: "u1", 5123: "<u2", 5125: "<u4"}
 _WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
@@ -98,12 +100,32 @@ def _faults_of_skeleton(glb):
         yield "two nodes have the same name"
 
 
+def _holes_in_head(glb):
+    """Backs of surfaces that are seen first from round the head: nothing is drawn there, and the scenery shows."""
+    points, triangles, count = [], [], 0
+    for mesh in glb.json["meshes"]:
+        primitive = mesh["primitives"][0]
+        points.append(glb.array(primitive["attributes"]["POSITION"]).astype(float))
+        triangles.append(glb.array(primitive["indices"]).reshape(-1, 3).astype(np.int64) + count)
+        count += len(points[-1])
+    points, triangles = np.concatenate(points), np.concatenate(triangles)
+    low, high = np.array([-0.30, 1.45, -0.30]), np.array([0.30, 1.90, 0.30])
+    near = np.all((points[triangles] > low) & (points[triangles] < high), axis=(1, 2))
+    seen = 0
+    for eye in holes.directions(24, -0.25):
+        behind = holes.seen_from_behind(points, triangles[near], eye)
+        seen = max(seen, np.sum(behind[:, 1] > 1.54))
+    if seen > MOST_SEEN_THROUGH:
+        yield f"Head: {seen} mm2 are seen through from one side"
+
+
 def faults(path):
     """What is wrong with a file, in words; and its numbers of vertices and triangles."""
     glb, out = Glb(path), []
     skinned = "skins" in glb.json
     if skinned:
         out += _faults_of_skeleton(glb)
+        out += _holes_in_head(glb)
     vertices = triangles = 0
     for mesh in glb.json["meshes"]:
         primitive = mesh["primitives"][0]

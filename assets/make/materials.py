@@ -1,8 +1,8 @@
 """Materials by name: linear base colour, roughness, metallic. Renderers key patterns on the names."""
 
 MATERIALS = {
-    "Skin": ((0.53, 0.315, 0.218), 0.56, 0.0),
-    "Hair": ((0.011, 0.009, 0.008), 0.56, 0.0),
+    "Skin": ((0.525, 0.345, 0.260), 0.56, 0.0),
+    "Hair": ((0.011, 0.009, 0.008), 0.50, 0.0),
     "Band": ((0.48, 0.022, 0.020), 0.70, 0.0),
     "Gi": ((0.80, 0.78, 0.73), 0.88, 0.0),
     "GiDark": ((0.050, 0.060, 0.098), 0.88, 0.0),

@@ -37,8 +37,9 @@ def _frames(n):
     return t, np.cross(n, t)
 
 
-def bake(parts, strength=1.0, floor=0.2):
-    """Multiply the parts' colours by their openness to the sky, raised to `strength`, at least `floor`."""
+def bake(parts, share, floor=0.2):
+    """Multiply the parts' colours by their openness to the sky, at least `floor`; of what is missing of it only
+    share(part), (n,) or a number, is taken away."""
     everything = np.concatenate([p.points for p in parts])
     lo = everything.min(axis=0) - 4 * VOXEL
     shape = np.ceil((everything.max(axis=0) + 4 * VOXEL - lo) / VOXEL).astype(int) + 1
@@ -69,4 +70,4 @@ def bake(parts, strength=1.0, floor=0.2):
         blur = smoothing(part.triangles, len(part.points))
         for _ in range(2):
             light = 0.5 * light + 0.5 * (blur @ light)
-        part.colors = part.colors * np.maximum(light**strength, floor)[:, None]
+        part.colors = part.colors * np.maximum(1 - share(part) * (1 - light), floor)[:, None]

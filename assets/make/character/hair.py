@@ -20,12 +20,16 @@ def band_height(p):
     return p[:, 1] - (1.7130 - 0.10 * p[:, 2])
 
 
+def _temple(p):
+    """z of the hair line before the ears, by height."""
+    return np.interp(p[:, 1], [1.60, 1.625, 1.66, 1.685, 1.705, 1.715], [-0.030, 0.012, 0.018, 0.036, 0.060, 0.30])
+
+
 def hair(p):
     q = mirrored(p)
     d = _scalp(p)
     # Hair line: over the forehead under the band, down before the ears, round them, and to the nape.
-    temple = np.interp(p[:, 1], [1.60, 1.625, 1.66, 1.685, 1.705, 1.715], [-0.030, 0.012, 0.018, 0.036, 0.060, 0.30])
-    d = intersect(d, p[:, 2] - temple, 0.008)
+    d = intersect(d, p[:, 2] - _temple(p), 0.008)
     nape = np.interp(p[:, 2], [-0.10, -0.03, 0.0, 0.03], [1.588, 1.592, 1.606, 1.628])
     nape = nape + 0.0025 * np.sin(p[:, 0] * 330 + 3 * np.sin(p[:, 0] * 70)) + 0.0020 * np.sin(p[:, 2] * 410)
     d = intersect(d, nape - p[:, 1], 0.010)
@@ -34,12 +38,13 @@ def hair(p):
     v = p - _KNOT
     angle = np.arctan2(v[:, 0], v[:, 2] + 1e-9)
     far = np.linalg.norm(v, axis=1)
-    wave = np.sin(angle * 31 + 5 * np.sin(far * 23 + 2 * angle)) + 0.6 * np.sin(angle * 67 + 9 * np.sin(far * 31))
+    bent = angle + 0.05 * np.sin(far * 30 + 3 * np.sin(3 * angle))
+    wave = np.sin(bent * 29 + 2 * np.sin(5 * angle)) + 0.5 * np.sin(bent * 53 + 3 * np.sin(7 * angle)) * ramp(0.04, 0.07, far)
     up = band_height(p)
-    above = ramp(0.012, 0.022, up) * ramp(0.012, 0.045, far)
+    above = ramp(0.012, 0.022, up) * ramp(0.022, 0.060, far)
     below = ramp(0.010, 0.030, -up)
     strand = np.sin(p[:, 0] * 640 + 5 * np.sin(p[:, 1] * 60)) * ramp(0.02, -0.03, p[:, 2]) + np.sin(p[:, 2] * 640 + 5 * np.sin(p[:, 1] * 60)) * ramp(0.03, 0.06, q[:, 0])
-    d = d - 0.0013 * wave * above - 0.0007 * strand * below
+    d = d - 0.0010 * wave * above - 0.0007 * strand * below
     # Pressed in under the band, so that nothing pokes through it.
     d = np.maximum(d, np.where(np.abs(up) < 0.024, _scalp(p) + 0.0032 * ramp(0.023, 0.015, np.abs(up)), -1))
     return _top_knot(p, d)
@@ -56,9 +61,11 @@ def _top_knot(p, d):
 
 def band(p):
     """A cloth band 32 mm wide over hair and forehead, its knot and two tails behind."""
-    under = np.minimum(_scalp(p), head.head(p))
+    # From where the hair thins out before the temples the band lies on the forehead's skin.
+    hairy = intersect(_scalp(p), p[:, 2] - 0.045 + 0.25 * (1.70 - p[:, 1]), 0.030)
+    under = union(hairy, head.head(p), 0.010)
     fold = 0.0007 * np.sin(band_height(p) * 420 + 3 * np.sin(p[:, 0] * 40) + p[:, 2] * 25)
-    d = intersect(np.abs(under - 0.0010) - 0.0046 - fold, np.abs(band_height(p)) - 0.0160, 0.004)
+    d = intersect(np.abs(under + 0.0030) - 0.0080 - fold, np.abs(band_height(p)) - 0.0160, 0.004)
     knot = ellipsoid(p, (0, 1.7240, -0.1265), (0.0150, 0.0125, 0.0095))
     knot = knot + 0.0014 * np.abs(np.sin(p[:, 0] * 260))
     return np.minimum(union(d, knot, 0.004), _tails(p))

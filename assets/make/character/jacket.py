@@ -15,11 +15,12 @@ _SHOULDER, _ELBOW, _WRIST = joint("LeftArm"), joint("LeftForeArm"), joint("LeftH
 _FORE = unit(_WRIST - _ELBOW)
 _CUFF = _WRIST - 0.060 * _FORE
 _LAPEL = 0.021  # half width
+_WALL = 0.0075  # of the skirt: what the mesh can still tell from a hole
 
 _SKIRT_CAVITY = Loft(
     y=[0.60, 0.735, 0.80, 0.86],
-    half_x=[0.222, 0.217, 0.204, 0.10],
-    half_z=[0.168, 0.162, 0.148, 0.06],
+    half_x=[0.245, 0.240, 0.222, 0.10],
+    half_z=[0.191, 0.185, 0.166, 0.06],
     centre_z=[-0.010, -0.010, -0.010, -0.012],
     power=2.5,
 )
@@ -47,7 +48,7 @@ def _collar(p):
 _LAPEL_PATH = nets.project(
     _collar,
     spline(
-        [(0.0, 1.474, -0.102), (0.045, 1.476, -0.085), (0.074, 1.480, -0.040), (0.074, 1.470, 0.010), (0.067, 1.448, 0.042)]
+        [(0.0, 1.484, -0.102), (0.045, 1.488, -0.085), (0.074, 1.492, -0.040), (0.074, 1.478, 0.010), (0.067, 1.450, 0.042)]
         + [(lapel_centre(y), y, z) for y, z in ((1.40, 0.090), (1.34, 0.118), (1.27, 0.132), (1.20, 0.134), (1.10, 0.130))]
         + [(lapel_centre(y), y, z) for y, z in ((1.02, 0.120), (0.90, 0.140), (0.80, 0.158), (0.715, 0.170))]
     ),
@@ -86,8 +87,8 @@ def _openings(p, q, d, height):
     throat = limb(p, (0, 1.40, -0.020), (0, 1.62, -0.036), 0.0765, 0.0645)
     d = subtract(d, intersect(throat, inner, 0.004), 0.003)
     low, high = _WRIST - 0.15 * _FORE + vec(0, -0.006, 0), _WRIST + 0.02 * _FORE + vec(0, -0.012, 0)
-    d = subtract(d, limb(q, low, high, 0.038, 0.0620, (0, 0, 1), 0.86) - 0.8 * height, 0.004)
-    skirt = intersect(_SKIRT_CAVITY(p) - 0.8 * height, p[:, 1] - 0.84, 0.03)
+    d = subtract(d, limb(q, low, high, 0.044, 0.0680, (0, 0, 1), 0.86) - 0.8 * height, 0.004)
+    skirt = intersect(intersect(_SKIRT_CAVITY(p), p[:, 1] - 0.84, 0.03), smooth(p) - height + _WALL, 0.004)
     d = subtract(d, skirt, 0.004)
     slit = intersect(np.abs(p[:, 2] + 0.012) - 0.003 - 0.05 * np.maximum(SLIT - p[:, 1], 0), p[:, 1] - SLIT, 0.01)
     return subtract(d, np.where(q[:, 0] > 0.12, slit, 9.0), 0.004)

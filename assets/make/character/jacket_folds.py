@@ -30,7 +30,7 @@ def _growth(p, d):
     below_elbow = (q - _ELBOW) @ _FORE
     axis = np.where(below_elbow[:, None] > 0, _FORE, _UPPER) * np.stack([np.sign(p[:, 0]), 1 + 0 * y, 1 + 0 * y], 1)
     along = np.sum(axis * d, axis=1) ** 2
-    sleeve = (0.13 + 0.12 * _bell(below_elbow, 0, 0.07)) * along + 0.05 * (1 - along)
+    sleeve = (0.20 + 0.32 * _bell(below_elbow, 0, 0.08)) * along + 0.05 * (1 - along)
 
     tall = d[:, 1] ** 2
     round_trunk = np.stack([p[:, 2] + 0.010, 0 * y, -p[:, 0]], axis=1)

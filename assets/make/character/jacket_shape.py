@@ -5,7 +5,7 @@ from sdf import Loft, ellipsoid, intersect, limb, mirrored, union
 from skeleton import joint, unit, vec
 
 BELT = 1.035  # height
-BOUNDS = (-0.72, 0.69, -0.25), (0.72, 1.54, 0.24)
+BOUNDS = (-0.72, 0.69, -0.25), (0.72, 1.56, 0.24)
 PIT = vec(0.220, 1.265, -0.012)  # the bottom of the left arm pit's valley
 _SHOULDER, _ELBOW, _WRIST = joint("LeftArm"), joint("LeftForeArm"), joint("LeftHand")
 _UPPER, _FORE = unit(_ELBOW - _SHOULDER), unit(_WRIST - _ELBOW)
@@ -31,6 +31,7 @@ def smooth(p):
     q = mirrored(p)
     d = _BODY(p)
     d = intersect(d, p[:, 1] - 1.480, 0.05)
+    d = union(d, limb(q, vec(0.055, 1.461, -0.040), vec(0.15, 1.438, -0.030), 0.045, 0.045), 0.04)  # trapezius
     arm = limb(q, vec(0.10, 1.422, -0.02), _SHOULDER + 0.02 * _UPPER, 0.062, 0.070)
     arm = union(arm, limb(q, _SHOULDER, _ELBOW, 0.070, 0.066), 0.05)
     arm = union(arm, limb(q, _ELBOW, _CUFF + vec(0, -0.012, 0), 0.067, 0.072, (0, 0, 1), 0.86), 0.04)

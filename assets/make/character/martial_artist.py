@@ -58,6 +58,12 @@ def _clothed(p):
     return np.minimum(d, body.foot(q))
 
 
+def _detail_of_head(p):
+    """The skin goes on under hair and band, so that no sight passes where they meet; little of it is needed."""
+    covered = np.minimum(hair.hair(p), hair.band(p))
+    return head.detail(p) * (1 - 0.85 * ramp(-0.002, -0.006, covered))
+
+
 def _parts():
     """All parts but the eyes, unweighted."""
 
@@ -69,12 +75,12 @@ def _parts():
     foot = sculpt("FootL", "Skin", body.below_shin, (0.03, -0.01, -0.13), (0.24, 0.33, 0.24), 0.0026, 1000, 0.025)
     return [
         sculpt(
-            "Head", "Skin", lambda p: head.head(p, body.bust), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0018, 5800, 0.020,
-            head.detail, outside((hair.hair, 0.002), (hair.band, 0.002), (jacket_shape.smooth, 0.035)),
+            "Head", "Skin", lambda p: head.head(p, body.bust), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0018, 6000, 0.020,
+            _detail_of_head, outside((jacket_shape.smooth, 0.035)),
         ),
         sculpt(
             "Hair", "Hair", hair.hair, (-0.11, 1.57, -0.14), (0.11, 1.84, 0.11), 0.0026, 2800, 0.02,
-            None, outside((hair.band, 0.003), (head.head, 0.004)),
+            None, outside((head.head, 0.010)),
         ),
         sculpt("Headband", "Band", hair.band, (-0.105, 1.52, -0.18), (0.105, 1.76, 0.125), 0.0026, 1000, 0.025),
         hand,
@@ -109,7 +115,7 @@ def _weigh(part, heat):
             dense = face.weigh(part.points, _stiffen_face(part, dense))
     else:
         side = "Left" if part.name.endswith("L") else "Right"
-        bone = {"Eye": side + "Eye", "Iris": side + "Eye", "Pupil": side + "Eye", "Lid": side + "Lid", "Lash": side + "Lid"}
+        bone = {"Eye": side + "Eye", "Iris": side + "Eye", "Pupil": side + "Eye", "Glint": side + "Eye", "Lid": side + "Lid", "Lash": side + "Lid"}
         dense = rigid(n, bone.get(part.name[:-1], "Head"))
         if part.name[:-1] == "Brow":
             dense = face.weigh(part.points, dense)
@@ -165,6 +171,14 @@ def _other_side(bone):
     return bone
 
 
+def _shading(part):
+    """How much of the baked shading a part shows. A face has none of the blots that its hollows would make."""
+    if part.name in ("Head", "BrowL", "BrowR"):
+        eye = np.linalg.norm(mirrored(part.points) - skeleton.EYE, axis=1)  # the shut lid has no rim of shade
+        return (1 - 0.5 * ramp(1.52, 1.56, part.points[:, 1])) * (1 - 0.5 * ramp(0.024, 0.019, eye))
+    return 1.0
+
+
 def build(report=print):
     parts = _parts() + eyes.build()
     heat = BodyHeat(_clothed, (-0.80, -0.02, -0.26), (0.80, 1.86, 0.26))
@@ -181,11 +195,11 @@ def build(report=print):
             hands.paint(part, side)
         elif part.name in ("FootL", "FootR"):
             body.paint_foot(part, side)
-    occlusion.bake(parts)
-    lids = eyes.lids()
-    for part in lids:
+    occlusion.bake(parts, _shading)
+    unshaded = eyes.lids() + eyes.glints()  # the baked shading would take them for buried
+    for part in unshaded:
         _weigh(part, heat)
-    parts += lids
+    parts += unshaded
     for part in parts:
         report(f"  {part.name:10s} {len(part.points):6d} vertices {len(part.triangles):6d} triangles")
     return parts
