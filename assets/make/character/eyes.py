@@ -102,7 +102,7 @@ def build():
     ]
     eye, iris, brow = left[0], left[1], left[3]
     comb = 0.5 + 0.5 * np.sin((brow.points[:, 0] * 0.8 - brow.points[:, 1]) * 2400)
-    brow.tint(0.78 + 0.14 * comb, (0.03, 0.03, 0.03))  # skin shows through
+    brow.tint(0.84 + 0.05 * comb, (0.03, 0.03, 0.03))  # skin shows through
     towards = (eye.points - head.EYE) @ _GAZE / head.EYE_RADIUS
     eye.tint(0.5 * np.clip(1 - (towards - 0.55) / 0.4, 0, 1), (0.85, 0.62, 0.58))
     rim = np.linalg.norm(np.cross(iris.points - head.EYE, _GAZE), axis=1) / (head.EYE_RADIUS * np.sin(0.43))
