@@ -249,12 +249,6 @@ void refuse_more_beside_contact(std::string_view method, const World& world) {
                  kNoMoreBesideContact);
 }
 
-void refuse_touching_links_at_bodies(std::string_view method, const World& world) {
-  const Connector* found = touching_links_at_body(world);
-  if (!found) return;
-  throw Diverged(std::string(method), world.time, 0, found->name, 0, kNoTouchingLinksAtBodies);
-}
-
 void refuse_strings(std::string_view method, const World& world) {
   const auto found = std::ranges::find_if(world.connectors, &Connector::pulls);
   if (found == world.connectors.end()) return;

@@ -228,9 +228,6 @@ void refuse_obstacles(std::string_view method, const World& world);
 void refuse_touching_bodies(std::string_view method, const World& world);
 /// For methods that touch obstacles with beads alone: throws Diverged where has_touching_links().
 void refuse_touching_links(std::string_view method, const World& world);
-/// For methods that touch them with links, but not those of connectors that free bodies hold:
-/// throws Diverged.
-void refuse_touching_links_at_bodies(std::string_view method, const World& world);
 
 /// For methods whose beads touch obstacles alone: throws Diverged where some are to touch bodies.
 void refuse_bead_pairs(std::string_view method, const World& world);
