@@ -32,7 +32,7 @@ void draw_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& view
     parts.gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   }
   for (const DrawItem& item : items) parts.surfaces.draw(item, Shade::shadowed, layer.opacity);
-  if (solid) parts.draw_scenery(scenery_shade(instant.camera));
+  if (solid) parts.draw_scenery(Shade::grounded);
 }
 
 void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
@@ -84,7 +84,7 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
            exposed(block, middle, viewport, at, times > samples));
     }
     parts.surfaces.use(block);
-    parts.draw_scenery(scenery_shade(middle.camera));
+    parts.draw_scenery(Shade::grounded);
   });
 }
 
@@ -103,7 +103,7 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
     parts.surfaces.use(exposed(block, middle, viewport, i, count > samples));
     draw_items(parts, items, shade_of(count, samples));
     parts.surfaces.use(block);
-    parts.draw_scenery(scenery_shade(middle.camera));
+    parts.draw_scenery(Shade::grounded);
   });
 }
 

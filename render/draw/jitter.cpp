@@ -20,6 +20,14 @@ Eigen::Vector2f point(int i) {
   return {part(1 / kPlastic), part(1 / (kPlastic * kPlastic))};
 }
 
+Eigen::Matrix4f moved_by(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
+                         const Eigen::Vector2f& pixels) {
+  Eigen::Matrix4f moved = view_projection;
+  moved.row(0) += 2 * pixels.x() / float(viewport.width) * view_projection.row(3);
+  moved.row(1) += 2 * pixels.y() / float(viewport.height) * view_projection.row(3);
+  return moved;
+}
+
 }  // namespace
 
 float penumbra(const Eigen::Matrix4f& light_projection) {
@@ -38,13 +46,23 @@ std::vector<Exposures> exposures(double way, int samples, int states, double apa
   return result;
 }
 
+int backdrop_pictures(int samples) {
+  constexpr int kSamples = 16;
+  return samples < 4 ? 1 : std::max(kSamples / samples, 1);
+}
+
+Eigen::Matrix4f moved_backdrop(const Eigen::Matrix4f& view_projection,
+                               const picture::Rect& viewport, int i) {
+  // Four samples are a quarter of a pixel apart both ways. Of the steps that leave no two of 16 in
+  // a row these have them farthest apart.
+  constexpr float kStep = 1.0f / 16;
+  constexpr float kAcross[] = {0, -3, 2, 3}, kUp[] = {0, 1, 2, -1};
+  return moved_by(view_projection, viewport, {kStep * kAcross[i], kStep * kUp[i]});
+}
+
 Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
                               int i) {
-  const Eigen::Vector2f pixels = 0.25f * (point(i).array() - 0.5f);
-  Eigen::Matrix4f moved = view_projection;
-  moved.row(0) += 2 * pixels.x() / float(viewport.width) * view_projection.row(3);
-  moved.row(1) += 2 * pixels.y() / float(viewport.height) * view_projection.row(3);
-  return moved;
+  return moved_by(view_projection, viewport, 0.25f * (point(i).array() - 0.5f));
 }
 
 Eigen::Matrix4f moved_light(const Eigen::Matrix4f& light_projection, const Vec3& casters, int i) {

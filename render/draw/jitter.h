@@ -35,6 +35,16 @@ std::vector<Exposures> exposures(double way, int samples, int states,
 Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
                               int i);
 
+/// How many pictures of the scenery its mean is taken of, for a canvas with so many samples: 16
+/// samples of what stands, whose edges are seen for long, unless even one picture is drawn roughly.
+int backdrop_pictures(int samples);
+
+/// The projection of the scenery in one of these pictures, moved by up to a fifth of a pixel: no
+/// two samples of the usual patterns are then in one row or column. It stays where it is in the
+/// first.
+Eigen::Matrix4f moved_backdrop(const Eigen::Matrix4f& view_projection,
+                               const picture::Rect& viewport, int i);
+
 /// The projection by which surfaces look shadows up in exposure `i`, if the light comes from
 /// another point of its disc. Casters count as being as far along the light as `casters`: so one
 /// map does for all, and shadows grow softer with their distance from there.

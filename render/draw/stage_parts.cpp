@@ -56,6 +56,7 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
   block.light_projection = light.projection;
   block.eye.w() = float(1.5 * light.texel);
   block.penumbra = penumbra(light.projection);
+  block.texel_depth = float(light.texel) * light.projection.row(2).head<3>().norm();
   if (!shading.contact) return look;
   for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
     for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
@@ -84,7 +85,7 @@ void StageParts::aim(const gl::Canvas& canvas, const picture::Rect& viewport) co
   canvas.bind();
   gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
   map.bind();
-  if (canvas.defocused()) gl.BindTextureUnit(3, canvas.defocused());
+  if (canvas.backdrop_light()) gl.BindTextureUnit(3, canvas.backdrop_light());
 }
 
 void StageParts::clear(const gl::Canvas& canvas) const {
@@ -101,21 +102,23 @@ void StageParts::draw_scenery(Shade shade) {
 }
 
 void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> views) {
-  parts.draw_solid();
-  parts.clear(canvas);
+  const auto draw = [&](int i) {
+    parts.draw_solid();
+    parts.clear(canvas);
+    for (const auto& [viewport, camera] : views) {
+      FrameBlock block(camera, viewport);
+      block.view_projection = moved_backdrop(block.view_projection, viewport, i);
+      parts.surfaces.use(block);
+      parts.gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
+      parts.draw_scenery(Shade::lit);
+    }
+  };
+  if (parts.scenery.empty()) return draw(0);
   std::vector<gl::DefocusedView> unfocused;
-  for (const auto& [viewport, camera] : views) {
-    parts.surfaces.use({camera, viewport});
-    parts.gl.Viewport(viewport.x, viewport.y, viewport.width, viewport.height);
-    parts.draw_scenery(Shade::lit);
+  for (const auto& [viewport, camera] : views)
     if (camera.relative_aperture > 0 && parts.shading.lit)
       unfocused.push_back({viewport, confusion(camera, viewport.height)});
-  }
-  if (!unfocused.empty()) canvas.defocus(unfocused);
-}
-
-Shade scenery_shade(const scenes::CameraView& camera) {
-  return camera.relative_aperture > 0 ? Shade::unfocused : Shade::grounded;
+  canvas.draw_backdrop(backdrop_pictures(canvas.samples()), draw, unfocused);
 }
 
 FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,

@@ -48,9 +48,6 @@ struct StageParts {
 /// The background and the scenery of all views in light that nothing takes, blurred by the lenses.
 void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> views);
 
-/// The occluders of light on the scenery that a camera sees.
-Shade scenery_shade(const scenes::CameraView& camera);
-
 /// How exposure `i` of `count` is seen and lit: the light is moved, and the picture where there are
 /// more exposures than samples.
 FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,

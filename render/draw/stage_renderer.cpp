@@ -73,20 +73,20 @@ struct StageRenderer::Impl : StageParts {
   }
 
   /// The scenery once more, where it still is in front.
-  void draw_reached(const Reached& found, Shade shade) {
+  void draw_reached(const Reached& found) {
     gl.DepthFunc(GL_LEQUAL);
     gl.Enable(GL_SCISSOR_TEST);
     for (std::size_t i = 0; i < scenery.size(); ++i) {
       const picture::Rect& part = found[i].pixels;
       if (part.empty()) continue;
       gl.Scissor(part.x, part.y, part.width, part.height);
-      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, shade);
+      surfaces.draw({{scenery[i], Matrix4f::Identity()}, found[i].triangles}, Shade::grounded);
     }
     gl.Disable(GL_SCISSOR_TEST);
   }
 
   /// Draws things, and the shadows of the casters.
-  void paint(gl::Canvas& canvas, const picture::Rect& viewport, const Look& look, Shade ground,
+  void paint(gl::Canvas& canvas, const picture::Rect& viewport, const Look& look,
              std::span<const DrawItem> things, std::span<const DrawItem> casters, float opacity) {
     const bool solid = opacity >= 1;
     surfaces.use(look.block);
@@ -119,7 +119,7 @@ struct StageRenderer::Impl : StageParts {
     }
     find_reached(look.contacts, still_reached);
     find_pixels(boxes, look.contacts, look.block, viewport, still_reached);
-    draw_reached(still_reached, ground);
+    draw_reached(still_reached);
     for (const ReachedPart& part : still_reached) canvas.touch(part.pixels);
     lap("shadows");
   }
@@ -187,8 +187,7 @@ void StageRenderer::draw(gl::Canvas& canvas, const picture::Rect& viewport,
   d.parts.pose(instant);
   d.lap("skin");
   const std::vector<DrawItem> items = d.parts.items(instant, layer);
-  d.paint(canvas, viewport, d.look(instant, viewport), scenery_shade(instant.camera), items, items,
-          layer.opacity);
+  d.paint(canvas, viewport, d.look(instant, viewport), items, items, layer.opacity);
 }
 
 std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameState> shutter,
@@ -224,7 +223,6 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
   Impl& d = *impl_;
   const FrameState& middle = shutter[shutter.size() / 2];
   const Look look = d.look(middle, viewport);
-  const Shade ground = scenery_shade(middle.camera);
   const std::vector<Exposures> grades = d.find_moving(shutter, canvas, look, viewport);
   d.lap("sweep");
   if (grades.empty()) {
@@ -258,7 +256,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
                                         {0, 0, d.map.size(), d.map.size()});
   const picture::Rect shadow = d.find_pixels(casting, {}, look.block, viewport, d.moving_reached);
   d.lap("sweep");
-  d.paint(canvas, viewport, look, ground, still, still_casters, 1);
+  d.paint(canvas, viewport, look, still, still_casters, 1);
   d.map.save(map_part);
 
   for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
@@ -290,7 +288,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
       d.gl.Scissor(part.x, part.y, part.width, part.height);
       for (const DrawItem& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));
       d.surfaces.use(look.block);
-      if (fastest) d.draw_reached(d.moving_reached, ground);
+      if (fastest) d.draw_reached(d.moving_reached);
     });
   }
   d.lap("exposures");

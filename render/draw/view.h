@@ -23,7 +23,7 @@ enum class Savings {
 
 /// Work that could be left out.
 struct Shading {
-  int map_size = 1536;  // texels a side, of the key light's map
+  int map_size = 3072;  // texels a side, of the key light's map
   bool contact = true;  // feet take ambient light from the floor
   bool lit = true;      // false: one colour everywhere, what triangles and samples alone cost
   Savings savings = Savings::all;

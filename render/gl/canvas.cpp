@@ -41,6 +41,10 @@ Canvas::Samples::Samples(const Gl& gl, int width, int height, int samples)
       depth(make_texture(gl, kDepthFormat, width, height, samples)),
       target(make_framebuffer(gl, color.id(), depth.id())) {}
 
+Canvas::Light::Light(const Gl& gl, int width, int height)
+    : color(make_texture(gl, GL_RGBA16F, width, height)),
+      target(make_framebuffer(gl, color.id(), 0)) {}
+
 Canvas::Canvas(const Context& context, int width, int height, int samples)
     : gl_(context.gl()),
       width_(width),
@@ -52,7 +56,8 @@ Canvas::Canvas(const Context& context, int width, int height, int samples)
       no_vertices_(make_vertex_array(gl_)),
       finish_(gl_, sample_count(samples), shaders::cover_vertex, shaders::finish_fragment),
       gather_(gl_, sample_count(samples), shaders::cover_vertex, shaders::gather_fragment),
-      finish_gathered_(gl_, sample_count(0), shaders::cover_vertex, shaders::finish_fragment) {
+      finish_gathered_(gl_, sample_count(0), shaders::cover_vertex, shaders::finish_fragment),
+      put_(gl_, "", shaders::cover_vertex, shaders::put_fragment) {
   finish_.set("height", height);
   finish_gathered_.set("height", height);
 }
@@ -63,8 +68,8 @@ void Canvas::bind() const {
 
 bool Canvas::restore(std::uint64_t backdrop) {
   gathered_ = {};
-  // Shadows on it need its own blurred light, not another's.
-  on_backdrop_ = kept_ && kept_ == backdrop && kept_blurs_ == blurs_;
+  // Shadows on it need its own light, not another's.
+  on_backdrop_ = kept_ && kept_ == backdrop && kept_lights_ == lights_;
   if (!on_backdrop_) return false;
   if (last_ == backdrop) {
     for (const picture::Rect& part : touched_) copy(backdrop_->samples, drawn_, part);
@@ -76,10 +81,20 @@ bool Canvas::restore(std::uint64_t backdrop) {
   return true;
 }
 
-void Canvas::defocus(std::span<const DefocusedView> views) {
-  if (!defocus_) defocus_.emplace(gl_, width_, height_, samples_);
-  defocus_->apply(views, drawn_.color.id(), drawn_.depth.id(), drawn_.target.id());
-  ++blurs_;
+void Canvas::draw_backdrop(int pictures, const std::function<void(int)>& draw,
+                           std::span<const DefocusedView> unfocused) {
+  if (!light_) light_.emplace(gl_, width_, height_);
+  for (int i = pictures - 1; i >= 0; --i) {
+    draw(i);
+    gather(whole(), *light_, pictures - 1 - i, pictures);
+  }
+  if (!unfocused.empty()) {
+    if (!defocus_) defocus_.emplace(gl_, width_, height_, samples_);
+    defocus_->apply(unfocused, light_->color.id(), drawn_.depth.id(), light_->target.id());
+  }
+  gl_.BindTextureUnit(0, light_->color.id());
+  cover(whole(), put_, drawn_.target.id());
+  ++lights_;
 }
 
 void Canvas::keep(std::uint64_t backdrop) {
@@ -90,7 +105,7 @@ void Canvas::keep(std::uint64_t backdrop) {
     backdrop_->picture = finish();
     copy(drawn_, backdrop_->samples, whole());
     kept_ = backdrop;
-    kept_blurs_ = blurs_;
+    kept_lights_ = lights_;
     on_backdrop_ = true;
     touched_.clear();
   }
@@ -122,10 +137,8 @@ void Canvas::make_room(const picture::Rect& part) {
   const int width = enough(exposure_ ? exposure_->width : 0, part.width, width_);
   const int height = enough(exposure_ ? exposure_->height : 0, part.height, height_);
   exposure_.reset();
-  GlObject light = make_texture(gl_, GL_RGBA16F, width, height);
-  GlObject target = make_framebuffer(gl_, light.id(), 0);
-  exposure_.emplace(width, height, Samples(gl_, width, height, samples_), std::move(light),
-                    std::move(target));
+  exposure_.emplace(width, height, Samples(gl_, width, height, samples_),
+                    Light(gl_, width, height));
 }
 
 void Canvas::expose(const picture::Rect& part, int count, const std::function<void(int)>& draw) {
@@ -144,7 +157,7 @@ void Canvas::expose(const picture::Rect& part, int count, const std::function<vo
       draw(share * pictures + picture);
     }
     gl_.Disable(GL_SAMPLE_MASK);
-    if (pictures > 1) gather(part, picture, pictures);
+    if (pictures > 1) gather(part, exposure_->light, picture, pictures);
   }
   touch(part);
 }
@@ -158,8 +171,8 @@ int Canvas::exposure_among(int fewer, int i, int count) const {
   return share;
 }
 
-/// Adds a picture's share to the mean light.
-void Canvas::gather(const picture::Rect& part, int picture, int pictures) {
+/// Adds the share of one of several pictures to their mean light.
+void Canvas::gather(const picture::Rect& part, const Light& light, int picture, int pictures) {
   gather_.set("share", 1.0f / float(pictures));
   gl_.Disable(GL_BLEND);
   if (picture > 0) {
@@ -168,7 +181,7 @@ void Canvas::gather(const picture::Rect& part, int picture, int pictures) {
   }
   gl_.BindTextureUnit(0, drawn_.color.id());
   gather_.set("corner", part.x, part.y);
-  cover({0, 0, part.width, part.height}, gather_, exposure_->target.id());
+  cover({0, 0, part.width, part.height}, gather_, light.target.id());
   gl_.Disable(GL_BLEND);
 }
 
@@ -185,7 +198,7 @@ void Canvas::resolve() {
     cover(whole(), finish_, finished_target_.id());
   }
   if (gathered_.empty()) return;
-  gl_.BindTextureUnit(0, exposure_->light.id());
+  gl_.BindTextureUnit(0, exposure_->light.color.id());
   finish_gathered_.set("corner", gathered_.x, gathered_.y);
   cover(flipped(gathered_), finish_gathered_, finished_target_.id());
 }

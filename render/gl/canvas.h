@@ -30,10 +30,13 @@ class Canvas {
 
   /// Begins a frame with the backdrop of that name; false where there is none.
   bool restore(std::uint64_t backdrop);
-  /// Blurs what has been drawn in this frame, the backdrop, by how far it is out of focus.
-  void defocus(std::span<const DefocusedView> views);
-  /// The blurred light for surfaces that shade it (Defocus::blurred); 0: none was ever blurred.
-  GLuint defocused() const { return defocus_ ? defocus_->blurred() : 0; }
+  /// Draws a backdrop over the whole canvas: `draw(i)` for each i from `pictures` - 1 down to 0,
+  /// the same thing moved within a pixel. Each sample then has its pixel's mean light, blurred by
+  /// how far views are out of focus; the depths are the last picture's.
+  void draw_backdrop(int pictures, const std::function<void(int)>& draw,
+                     std::span<const DefocusedView> unfocused);
+  /// The light of the last backdrop's pixels, for surfaces that shade it; 0: there was none.
+  GLuint backdrop_light() const { return light_ ? light_->color.id() : 0; }
   /// Declares the drawing of this frame so far a backdrop, kept when it comes a second time
   /// running: behind a moving camera, keeping would be wasted.
   void keep(std::uint64_t backdrop);
@@ -74,7 +77,12 @@ class Canvas {
     copy(from, part, to, part.x, part.y);
   }
   void make_room(const picture::Rect& part);
-  void gather(const picture::Rect& part, int picture, int pictures);
+  /// The light of pixels, and what draws into it.
+  struct Light {
+    Light(const Gl& gl, int width, int height);
+    GlObject color, target;
+  };
+  void gather(const picture::Rect& part, const Light& light, int picture, int pictures);
   void cover(const picture::Rect& part, const Program& program, GLuint target) const;
   void read(const picture::Rect& part, picture::Picture& picture) const;
   picture::Rect whole() const { return {0, 0, width_, height_}; }
@@ -84,22 +92,23 @@ class Canvas {
   Samples drawn_;
   GlObject finished_, finished_target_;
   GlObject no_vertices_;
-  Program finish_, gather_, finish_gathered_;
+  Program finish_, gather_, finish_gathered_, put_;
   /// The start of every picture of several exposures, and the mean light of those done: of a part
   /// of the picture, as fast things are mostly small.
   struct Exposure {
     int width, height;
     Samples start;
-    GlObject light, target;
+    Light light;
   };
   std::optional<Exposure> exposure_;
   picture::Rect gathered_;  // the part of the frame in Exposure::light
 
   std::optional<Backdrop> backdrop_;
+  std::optional<Light> light_;
   std::optional<Defocus> defocus_;
-  std::uint64_t blurs_ = 0, kept_blurs_ = 0;  // how often defocus_ was used, and at what is kept
-  std::uint64_t last_ = 0, kept_ = 0;         // names of backdrops; 0: none
-  bool on_backdrop_ = false;                  // in this frame
+  std::uint64_t lights_ = 0, kept_lights_ = 0;  // how often light_ was drawn, and for what is kept
+  std::uint64_t last_ = 0, kept_ = 0;           // names of backdrops; 0: none
+  bool on_backdrop_ = false;                    // in this frame
   picture::RectSet touched_;
 };
 

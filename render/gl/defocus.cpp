@@ -12,23 +12,18 @@ namespace {
 
 constexpr int kLevels = 5;
 
-// The mean light of each pixel; of its circles that of the nearest sample, so that the edge of a
-// thing in focus is in focus, too.
+// The light of each pixel; of its circles that of the nearest sample, so that the edge of a thing
+// in focus is in focus, too.
 const char* const kCollect = R"(
-layout(binding = 0) uniform sampler2DMS samples;
+layout(binding = 0) uniform sampler2D drawn;
 layout(binding = 1) uniform sampler2DMS depths;
 layout(location = 0) out vec4 light;
 uniform float nearest, farthest;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec3 sum = vec3(0);
   float depth = 1;
-  for (int i = 0; i < SAMPLES; ++i) {
-    vec3 s = texelFetch(samples, pixel, i).rgb;
-    sum += s * s;
-    depth = min(depth, texelFetch(depths, pixel, i).r);
-  }
-  light = vec4(sum * (1.0 / SAMPLES), mix(nearest, farthest, depth));
+  for (int i = 0; i < SAMPLES; ++i) depth = min(depth, texelFetch(depths, pixel, i).r);
+  light = vec4(texelFetch(drawn, pixel, 0).rgb, mix(nearest, farthest, depth));
 })";
 
 // Points of a sunflower over the pixel's own circle: each a texel of the level whose texels are as
@@ -80,19 +75,10 @@ void main() {
   vec4 near = vec4(own.rgb, 1);
   if (count > 0) near = gathered(own, gl_FragCoord.xy, radius, count);
   if (share > 0) near.rgb = mix(near.rgb, far.rgb / far.a, share);
-  blurred = vec4(near.rgb, radius > LEAST ? radius : 0);
+  blurred = vec4(near.rgb, 1);
 }
 #endif
 )";
-
-const char* const kPut = R"(
-layout(binding = 0) uniform sampler2D blurred;
-layout(location = 0) out vec4 encoded;
-void main() {
-  vec4 light = texelFetch(blurred, ivec2(gl_FragCoord.xy), 0);
-  if (light.a == 0) discard;
-  encoded = vec4(sqrt(light.rgb), 1);
-})";
 
 int mipmaps(int width, int height) {
   return std::min(kLevels, int(std::bit_width(unsigned(std::max(width, height)))));
@@ -121,21 +107,18 @@ Defocus::Defocus(const Gl& gl, int width, int height, int samples)
       sharp_target_(make_framebuffer(gl, sharp_.id(), 0)),
       wide_(make_texture(gl, GL_RGBA16F, half_of(width), half_of(height))),
       wide_target_(make_framebuffer(gl, wide_.id(), 0)),
-      blurred_(make_texture(gl, GL_RGBA16F, width, height)),
-      blurred_target_(make_framebuffer(gl, blurred_.id(), 0)),
       no_vertices_(make_vertex_array(gl)),
       collect_(gl, fmt::format("#define SAMPLES {}\n", samples), shaders::cover_vertex, kCollect),
       gather_wide_(gl, constants(width, height, true), shaders::cover_vertex, kGather),
-      gather_(gl, constants(width, height, false), shaders::cover_vertex, kGather),
-      put_(gl, "", shaders::cover_vertex, kPut) {
+      gather_(gl, constants(width, height, false), shaders::cover_vertex, kGather) {
   gl.TextureParameteri(sharp_.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
 }
 
-void Defocus::apply(std::span<const DefocusedView> views, GLuint color, GLuint depth,
+void Defocus::apply(std::span<const DefocusedView> views, GLuint light, GLuint depth,
                     GLuint target) {
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
-  gl_.BindTextureUnit(0, color);
+  gl_.BindTextureUnit(0, light);
   gl_.BindTextureUnit(1, depth);
   const auto collect = [&](const DefocusedView& view) {
     collect_.set("nearest", view.confusion.nearest);
@@ -154,10 +137,8 @@ void Defocus::apply(std::span<const DefocusedView> views, GLuint color, GLuint d
     gather_.set("part", corners);
     cover({part.x / 2, part.y / 2, (part.width + 1) / 2, (part.height + 1) / 2}, gather_wide_,
           wide_target_.id());
-    cover(part, gather_, blurred_target_.id());
+    cover(part, gather_, target);
   }
-  gl_.BindTextureUnit(0, blurred_.id());
-  for (const DefocusedView& view : views) cover(view.part, put_, target);
 }
 
 void Defocus::cover(const picture::Rect& part, const Program& program, GLuint target) const {

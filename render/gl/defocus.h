@@ -27,10 +27,8 @@ class Defocus {
  public:
   Defocus(const Gl& gl, int width, int height, int samples);
 
-  /// Blurs multisampled light that is stored as its square root. `target` draws into `color`.
-  void apply(std::span<const DefocusedView> views, GLuint color, GLuint depth, GLuint target);
-  /// The blurred light of each pixel; alpha is the circle's radius in px, 0 where it is in focus.
-  GLuint blurred() const { return blurred_.id(); }
+  /// Blurs the light of each pixel. `depth` is multisampled; `target` draws into `light`.
+  void apply(std::span<const DefocusedView> views, GLuint light, GLuint depth, GLuint target);
 
  private:
   void cover(const picture::Rect& part, const Program& program, GLuint target) const;
@@ -39,9 +37,8 @@ class Defocus {
   int width_, height_;
   GlObject sharp_, sharp_target_;  // light, its mipmaps; alpha: the circle's signed radius
   GlObject wide_, wide_target_;    // wide circles, in pixels of half the size
-  GlObject blurred_, blurred_target_;
   GlObject no_vertices_;
-  Program collect_, gather_wide_, gather_, put_;
+  Program collect_, gather_wide_, gather_;
 };
 
 }  // namespace taut::gl

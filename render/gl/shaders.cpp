@@ -12,6 +12,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 capsule_to[6];      // xyz; w: 1/length^2
   int capsules;            // how many there are
   float penumbra;          // half of it, in widths of the map, for each of its depths
+  float texel_depth;       // a texel's width, in depths of the map
 };
 )";
 
@@ -55,27 +56,43 @@ uniform float grain_scale;
 uniform float paid_out, length_ratio;  // of a rope: how its material moves past what is drawn
 layout(binding = 0) uniform sampler2DShadow shadow_map;
 layout(binding = 1) uniform sampler2D noise;
-#define GROUNDED (SHADE == 2 || SHADE == 4)
-#if GROUNDED
 layout(binding = 4) uniform sampler2D casters;  // the shadow map's depths
-#endif
-#if SHADE == 4
-layout(binding = 3) uniform sampler2D backdrop;  // its blurred light; alpha: 0 where it is in focus
+#if SHADE == 2
+layout(binding = 3) uniform sampler2D backdrop;  // its light, blurred by the lens
 #endif
 #if BATHED
 in vec3 ambient;
 #endif
 
+#if SHADE == 1 || SHADE == 3
+// The light past four texels of the shadow map. A surface that the light grazes is as uneven in the
+// map as its depth changes from texel to texel: within 1.5 times that it fades into the shadow.
+vec4 lit_past(vec2 corner, float sharpness) {
+  vec4 depths = textureGather(casters, corner * (1.0 / SHADOW_SIZE));
+  return clamp((depths - shadow_position.z) * sharpness + 1, 0, 1);
+}
+
+// 1 over the depth in which a surface fades.
+float sharpness_of(float nl) {
+  float cosine = max(nl, 0.12);
+  return 1 / (texel_depth * (0.25 + 1.5 * sqrt(1 - cosine * cosine) / cosine));
+}
+#endif
+
 // One bilinear comparison with the shadow map.
-float lit_at(vec2 place) {
+float lit_at(vec2 place, float sharpness) {
   vec2 at = place * SHADOW_SIZE - 0.5, corner = floor(at), f = at - corner;
+#if SHADE == 3
+  vec4 lit = lit_past(corner + 1, sharpness);
+#else
   vec4 lit = textureGather(shadow_map, (corner + 1) * (1.0 / SHADOW_SIZE), shadow_position.z);
+#endif
   return dot(lit, vec4((1 - f.x) * f.y, f.x * f.y, f.x * (1 - f.y), (1 - f.x) * (1 - f.y)));
 }
 
 // 1 where the key light reaches. Loops rather than conditions, as software rasterisers skip only
 // loops: nothing is looked up where the surface faces away or lies outside the map.
-float key_visibility(bool needed) {
+float key_visibility(bool needed, float nl) {
 #if SHADE == 0
   return 1;
 #else
@@ -84,24 +101,23 @@ float key_visibility(bool needed) {
 #if SHADE == 3
   // The mean of the exposures is smooth.
   float sum = 1;
-  for (int i = needed ? 0 : 1; i < 1; ++i) sum = lit_at(shadow_position.xy);
+  for (int i = needed ? 0 : 1; i < 1; ++i) sum = lit_at(shadow_position.xy, sharpness_of(nl));
   return sum;
 #elif SHADE == 1
-  // 3x3 comparisons, from four gathers of 2x2 texels: as wide as penumbras from half a metre away.
+  // 5x5 comparisons, from nine gathers of 2x2 texels: as wide as penumbras from half a metre away.
   vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
   vec2 corner = floor(at), f = at - corner;
-  vec4 columns = vec4(1 - f.x, 1, 1, f.x), rows = vec4(1 - f.y, 1, 1, f.y);
-  float sum = 0;
-  int i = needed ? 0 : 4;
-  if (i == 4) sum = 9;
-  for (; i < 4; ++i) {
-    bool right = (i & 1) != 0, top = i > 1;
-    vec2 texel = corner + vec2(right ? 2 : 0, top ? 2 : 0);
-    vec4 lit = textureGather(shadow_map, texel * (1.0 / SHADOW_SIZE), shadow_position.z);
-    vec2 w = right ? columns.zw : columns.xy, h = top ? rows.zw : rows.xy;
+  float sum = 0, sharpness = sharpness_of(nl);
+  int i = needed ? 0 : 9;
+  if (i == 9) sum = 25;
+  for (; i < 9; ++i) {
+    vec2 place = vec2(i % 3, i / 3) - 1;
+    vec4 lit = lit_past(corner + 2 * place + 1, sharpness);
+    vec2 w = vec2(place.x < 0 ? 1 - f.x : 1, place.x > 0 ? f.x : 1);
+    vec2 h = vec2(place.y < 0 ? 1 - f.y : 1, place.y > 0 ? f.y : 1);
     sum += dot(lit, vec4(w.x * h.y, w.y * h.y, w.y * h.x, w.x * h.x));
   }
-  return sum * (1.0 / 9.0);
+  return sum * (1.0 / 25.0);
 #else
   // What hides the light is how far away (Fernando 2005)? Then the light's disc from there.
   float widest = max(penumbra * shadow_position.z, LEAST_PENUMBRA);
@@ -119,7 +135,7 @@ float key_visibility(bool needed) {
   for (int i = 0; i < count; ++i) {
     direction = vec2(-0.73736888 * direction.x - 0.67549029 * direction.y,
                      0.67549029 * direction.x - 0.73736888 * direction.y);
-    sum += lit_at(shadow_position.xy + radius * sqrt((float(i) + 0.5) / 16) * direction);
+    sum += lit_at(shadow_position.xy + radius * sqrt((float(i) + 0.5) / 16) * direction, 0);
   }
   return sum * (1.0 / 16.0);
 #endif
@@ -155,7 +171,7 @@ vec3 environment(vec3 r, float roughness) {
 
 float contact_light(vec3 p, vec3 n) {
   float light = 1;
-#if GROUNDED
+#if SHADE == 2
   for (int i = 0; i < capsules; ++i) {
     vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
     vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
@@ -204,6 +220,8 @@ vec3 bumped(vec3 n, vec3 rest_slope) {
   float area = dot(x, across);
   vec3 slope = sign(area) * (dot(rest_slope, dFdx(rest_position)) * across +
                              dot(rest_slope, dFdy(rest_position)) * along);
+  // No steeper than creases are at rest, where skinning crumples the surface.
+  slope *= min(1, 0.2 * abs(area) * inversesqrt(max(dot(slope, slope), 1e-30)));
   return normalize(abs(area) * n - slope);
 }
 
@@ -289,7 +307,8 @@ void main() {
 #else
   vec3 diffuse_lit = vec3(lit);
 #endif
-  float seen = key_visibility(max(diffuse_lit.r, diffuse_lit.b) > 0);
+  bool needed = max(diffuse_lit.r, diffuse_lit.b) > 0;
+  float seen = key_visibility(needed, dot(normalize(world_normal), l));
   vec3 radiance = LIGHT_COLOR * seen * (diffuse * diffuse_lit + lobe * fresnel * lit);
 
   vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);
@@ -311,7 +330,7 @@ void main() {
   ambient_part += sheen * rim * rim * rim * ambient;
 #endif
   float open = contact_light(world_position, n);
-#if SHADE == 4
+#if SHADE == 2
   vec3 unshaded = LIGHT_COLOR * (diffuse * diffuse_lit + lobe * fresnel * lit) + ambient_part;
 #endif
   radiance += open * ambient_part;
@@ -320,15 +339,14 @@ void main() {
 #endif
 #if OUTPUT == 2
   encoded = vec4(radiance, 1);
-#elif SHADE == 4
-  // Out of focus a shadow takes its share of the light that the lens has mixed.
+#elif SHADE == 2
+  // A shadow takes its share of the light that the pixel's samples and the lens have mixed.
 #if SURFACE == 5
   unshaded += through;
 #endif
-  vec4 mixed = texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0);
-  vec3 own = tone_mapped(radiance);
-  vec3 shaded = mixed.rgb * min(own / max(tone_mapped(unshaded), 1e-6), 1.0);
-  encoded = vec4(sqrt(mixed.a > 0 ? shaded : own), opacity);
+  vec3 mixed = texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0).rgb;
+  vec3 share = min(tone_mapped(radiance) / max(tone_mapped(unshaded), 1e-6), 1.0);
+  encoded = vec4(sqrt(mixed * share), opacity);
 #else
   encoded = vec4(encode(radiance), opacity);
 #endif
@@ -344,54 +362,5 @@ void main() {
 })";
 
 const char* const depth_fragment = "void main() {}";
-
-const char* const cover_vertex = R"(
-void main() {
-  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0, 1);
-})";
-
-const char* const gather_fragment = R"(
-layout(binding = 0) uniform sampler2DMS samples;
-layout(location = 0) out vec4 mean;
-uniform float share;
-uniform ivec2 corner;  // of the part of the picture that the target holds
-void main() {
-  vec3 light = vec3(0);
-  for (int i = 0; i < SAMPLES; ++i) {
-    vec3 s = texelFetch(samples, corner + ivec2(gl_FragCoord.xy), i).rgb;
-    light += s * s;
-  }
-  mean = vec4(light * (share / SAMPLES), 1);
-})";
-
-const char* const finish_fragment = R"(
-#if SAMPLES > 0
-layout(binding = 0) uniform sampler2DMS samples;
-#else
-layout(binding = 0) uniform sampler2D gathered;
-uniform ivec2 corner;  // of the part of the picture that it holds
-#endif
-layout(location = 0) out vec4 color;
-uniform int height;
-void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.x, height - 1 - int(gl_FragCoord.y));
-#if SAMPLES > 0
-  vec3 light = vec3(0);
-  for (int i = 0; i < SAMPLES; ++i) {
-    vec3 s = texelFetch(samples, pixel, i).rgb;
-    light += s * s;
-  }
-  light *= 1.0 / SAMPLES;
-#else
-  vec3 light = texelFetch(gathered, pixel - corner, 0).rgb;
-#endif
-  // Roots instead of the power of 1/2.4, within a quarter of a step of the 8-bit scale.
-  vec3 root2 = sqrt(light), root4 = sqrt(root2), root8 = sqrt(root4);
-  vec3 power = 0.662002687 * root2 + 0.684122060 * root4 - 0.323583601 * root8 - 0.0225411470 * light;
-  vec3 srgb = mix(12.92 * light, power, step(0.0031308, light));
-  // Interleaved gradient noise (Jimenez 2014), one step of the 8-bit scale wide.
-  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-  color = vec4(srgb + (noise - 0.5) / 255.0, 1);
-})";
 
 }  // namespace taut::gl::shaders

@@ -1,4 +1,5 @@
-// The GLSL sources. The head of each says what it computes; shaders.cpp holds the text.
+// The GLSL sources. The head of each says what it computes; shaders.cpp holds the text of surfaces,
+// pass_shaders.cpp that of the passes.
 #pragma once
 
 namespace taut::gl::shaders {
@@ -19,6 +20,8 @@ extern const char* const depth_fragment;
 extern const char* const cover_vertex;
 /// A share of the mean light of a pixel's samples. Define: SAMPLES.
 extern const char* const gather_fragment;
+/// Light to all samples of its pixel.
+extern const char* const put_fragment;
 /// The mean light of a pixel's samples, or with SAMPLES 0 light as it was gathered, to dithered
 /// 8-bit sRGB, top row first. Define: SAMPLES.
 extern const char* const finish_fragment;

@@ -252,7 +252,8 @@ Needs clip_needs(const scenes::Scene& scene, double frames, int samples, int thr
   const Drawn connectors = drawn(scene);
   const double canvases = connectors.vertices < kKeeping ? 3 : 2;
   double canvas = (canvases * 8.0 * samples + 4 * kPixel) * pixels;
-  if (has_lens(stage)) canvas += (8 * 4.0 / 3 + 8) * pixels;  // light with mipmaps, and blurred
+  if (!stage.scenery.empty()) canvas += 8 * pixels;           // its light
+  if (has_lens(stage)) canvas += (8 * 4.0 / 3 + 2) * pixels;  // with mipmaps, and half as wide
   needs.memory += film::frames_at_once(threads) * (kContext + canvas + connectors.memory);
   needs.disk = frames * pixels * kPixelOnDisk;
   needs.time += frames * pixels * kPixelTime;

@@ -187,7 +187,7 @@ TEST(HandComputed, AShadowEndsWhereTheLightGoesPast) {
   }
   ASSERT_EQ(edges.size(), 2u);
   // Half a pixel, and two texels of the shadow map, which covers a little more than the plate.
-  const double tolerance = pixel / 2 + 2 * 2.0 / 1536;
+  const double tolerance = pixel / 2 + 2 * 2.0 / draw::Shading().map_size;
   EXPECT_NEAR(edges[0], kSlope * kHeight - kHalf, tolerance);
   EXPECT_NEAR(edges[1], kSlope * kHeight + kHalf, tolerance);
 }

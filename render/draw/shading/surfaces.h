@@ -22,9 +22,10 @@ struct FrameBlock {
   Eigen::Matrix4f view_projection, light_projection;
   Eigen::Vector4f eye;  // w: offset along the normal before the shadow's look-up, m
   std::array<Eigen::Vector4f, kCapsules> capsule_from, capsule_to;
-  int capsules = 0;                // how many
-  float penumbra = 0;              // half of it, in widths of the map, for each of its depths
-  std::array<float, 2> padding{};  // to 16 bytes
+  int capsules = 0;       // how many
+  float penumbra = 0;     // half of it, in widths of the map, for each of its depths
+  float texel_depth = 0;  // a texel's width, in depths of the map
+  float padding = 0;      // to 16 bytes
 
   /// Without anything that moves.
   FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport);
@@ -32,11 +33,10 @@ struct FrameBlock {
 
 /// The occluders of a surface's light; the numbers are the surface shader's SHADE.
 enum class Shade {
-  lit,        // nothing
-  shadowed,   // the shadow map
-  grounded,   // capsules as well
-  averaged,   // the shadow map less smoothly, for one of many exposures in different lights
-  unfocused,  // as grounded, from the canvas' blurred light where there is any
+  lit,       // nothing
+  shadowed,  // the shadow map
+  grounded,  // capsules as well; the share of it that is left of the backdrop's light
+  averaged,  // the shadow map less smoothly, for one of many exposures in different lights
 };
 
 /// The surroundings of the things of a stage, besides the key light.
