@@ -75,7 +75,7 @@ vec4 lit_past(vec2 corner, float sharpness) {
 // 1 over the depth in which a surface fades.
 float sharpness_of(float nl) {
   float cosine = max(nl, 0.12);
-  return 1 / (texel_depth * (0.25 + 1.5 * sqrt(1 - cosine * cosine) / cosine));
+  return 1 / (texel_depth * (0.5 + 1.5 * sqrt(1 - cosine * cosine) / cosine));
 }
 #endif
 

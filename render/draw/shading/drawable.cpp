@@ -93,12 +93,12 @@ void Drawable::load() const {
   follows_(at);
   gl::upload(*gl_, shape_->moving_, std::span<const mesh::MovingVertex>(at), GL_DYNAMIC_DRAW);
   shape_->loaded_ = this;
-  // A software rasteriser keeps what it was given, half a kilobyte a triangle, until there is too
-  // much of it or it is told to draw.
+  // A software rasteriser keeps what it was given, half a kilobyte a triangle, until it has drawn
+  // it.
   constexpr std::size_t kWaiting = 3 << 13;  // indices
   shape_->waiting_ += triangles().size();
   if (shape_->waiting_ < kWaiting) return;
-  gl_->Flush();
+  gl_->Finish();
   shape_->waiting_ = 0;
 }
 
