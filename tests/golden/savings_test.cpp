@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 const fs::path kScenes = fs::path(TAUT_SOURCE_DIR) / "scenes";
-constexpr int kSamples = 4;
+constexpr int kSamples = 4, kMap = draw::Shading().map_size / 3;
 constexpr int kSeldom = 10000;  // pixels, of which one may differ
 constexpr double kTorn = 8;     // of 255, of a mean over pixels
 
@@ -73,7 +73,7 @@ class Clip {
 
   film::Film film(const gl::Context& context, draw::Savings savings) const {
     return {context,       scene_,   scene_.width,
-            scene_.height, kSamples, {.map_size = 512, .savings = savings, .still = shrink_}};
+            scene_.height, kSamples, {.map_size = kMap, .savings = savings, .still = shrink_}};
   }
   int number(const scenes::ClipFrame& frame) const { return int(&frame - frames_.data()); }
 
