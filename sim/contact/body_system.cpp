@@ -19,6 +19,7 @@ constexpr double kDependent = 1e-11;  // of the largest pivot: touches that say 
 constexpr double kLeastPart = 1e-6;  // of what presses most
 constexpr double kFirst = 1e5;       // normals before friction, where both cannot be had
 constexpr double kYields = 1e-3;     // of what friction could change: what sticks may part by less
+constexpr double kHeldBack = 1e-6;   // of the inverse mass
 constexpr double kImmobile = 1e-12;  // of the mobility of the free body
 
 Eigen::Index row(std::size_t touch) {
@@ -58,6 +59,8 @@ void BodySystem::assemble(std::span<const Mat6> mobility, std::span<const BodyTo
     }
     inverse_mass_.push_back(share * inverse_mass);
   }
+  several_ = bodies_.size() > 1;
+  linked_ = false;
   const Eigen::Index size = row(touches.size());
   coupling_.resize(size, size);
   for (std::size_t i = 0; i < touches.size(); ++i) {
@@ -72,6 +75,19 @@ void BodySystem::assemble(std::span<const Mat6> mobility, std::span<const BodyTo
       coupling_.block<3, 3>(row(i), row(k)) = sum;
     }
   }
+}
+
+void BodySystem::assemble(const Eigen::MatrixXd& coupling, std::span<const double> inverse_mass) {
+  share_ = 1;
+  bodies_.clear();
+  several_ = linked_ = true;
+  coupling_ = coupling;
+  inverse_mass_.assign(inverse_mass.begin(), inverse_mass.end());
+}
+
+/// 1/kg: in sweeps a touch that links hold changes what it gives as if it moved by so much more.
+double BodySystem::held_back(std::size_t i) const {
+  return linked_ ? kHeldBack * inverse_mass_[i] : 0;
 }
 
 Mat3 BodySystem::coupling(std::size_t i, std::size_t k) const {
@@ -201,7 +217,7 @@ bool BodySystem::sticks(std::span<const Vec3> bare, std::span<BodyTouch> touches
   for (BodyTouch& at : touches) at.touch.state = Touch::State::sticks;
   if (polish(bare, touches)) return true;
   // Of several bodies some may be about to part, and the others stick.
-  for (bool opens = bodies_.size() > 1; opens;) {
+  for (bool opens = several_; opens;) {
     opens = false;
     for (std::size_t i = 0; i < touches.size(); ++i) {
       const bool pulls = !(touches[i].touch.normal.dot(tried_[i]) > 0);
@@ -218,7 +234,7 @@ bool BodySystem::sticks(std::span<const Vec3> bare, std::span<BodyTouch> touches
 bool BodySystem::is_solved(std::span<const Vec3> bare, std::span<const BodyTouch> touches) const {
   double speed = 1;
   for (const Vec3& moves : bare) speed = std::max(speed, moves.norm());
-  const double slack = (bodies_.size() > 1 ? kSeveral : 10) * kSlack * speed;
+  const double slack = (several_ ? kSeveral : 10) * kSlack * speed;
   for (std::size_t i = 0; i < touches.size(); ++i) {
     const Touch& touch = touches[i].touch;
     const double inverse_mass = inverse_mass_[i], weak = slack / inverse_mass;
@@ -233,7 +249,8 @@ bool BodySystem::is_solved(std::span<const Vec3> bare, std::span<const BodyTouch
     if (touch.state == Touch::State::sticks) {
       const Vec3 slips = across(touch.normal) * (bare[i] - touch.surface);
       if (friction > friction_of(touch, slips) * push + weak) return false;
-      const double yields = touches.size() > 1 ? kYields * inverse_mass * touch.stick * push : 0;
+      const double yields =
+          touches.size() > 1 && !linked_ ? kYields * inverse_mass * touch.stick * push : 0;
       if (slip.norm() > slack + yields + 2 * creep_ * inverse_mass * friction) return false;
     } else if (std::abs(friction - touch.slide * push) > weak ||
                slip.dot(given_[i] - push * touch.normal) > weak * (slack + slip.norm())) {
@@ -244,11 +261,12 @@ bool BodySystem::is_solved(std::span<const Vec3> bare, std::span<const BodyTouch
 }
 
 bool BodySystem::solve(std::span<const Vec3> bare, std::span<BodyTouch> touches, double creep) {
+  if (touches.empty()) return true;
   creep_ = creep;
   bare_.assign(bare.begin(), bare.end());
   given_.clear();
   for (const BodyTouch& at : touches) given_.push_back(at.given);
-  if (bodies_.size() > 1 && goes_on(bare, touches)) return true;
+  if (several_ && goes_on(bare, touches)) return true;
   if (sticks(bare, touches)) return true;
   const auto states = [&] {
     std::size_t number = 0;
@@ -263,14 +281,14 @@ bool BodySystem::solve(std::span<const Vec3> bare, std::span<BodyTouch> touches,
     bool finds = true;
     double change = 0, most = 0;
     for (std::size_t i = 0; i < touches.size(); ++i) {
-      const Vec3 others = velocity(i, bare) - coupling(i, i) * given_[i];
+      const Vec3 others = velocity(i, bare) - coupling(i, i) * given_[i] - held_back(i) * given_[i];
       finds = solve_one(i, others, touches[i]) && finds;
       change = std::max(change, (touches[i].given - given_[i]).norm());
       given_[i] = touches[i].given;
       most = std::max(most, given_[i].norm());
     }
     if (!finds && touches.size() == 1) return false;
-    if (finds && (touches.size() == 1 || change <= 1e-16 * most)) return true;
+    if (finds && !linked_ && (touches.size() == 1 || change <= 1e-16 * most)) return true;
     const std::size_t now = states();
     same = now == before ? same + 1 : 0;
     before = now;
@@ -283,6 +301,7 @@ bool BodySystem::solve(std::span<const Vec3> bare, std::span<BodyTouch> touches,
 }
 
 void BodySystem::hold(std::span<const Vec3> bare, std::span<BodyTouch> touches) {
+  if (touches.empty()) return;
   creep_ = 0;
   bare_.assign(bare.begin(), bare.end());
   given_.assign(touches.size(), Vec3::Zero());

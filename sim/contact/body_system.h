@@ -19,6 +19,11 @@ class BodySystem {
   void assemble(std::span<const Mat6> mobility, std::span<const BodyTouch> touches,
                 double share = 1);
 
+  /// The same of whatever moves at the touches: its velocities by what is given (1/kg), three rows
+  /// and columns a touch; and the inverse mass of each touch, by which errors are measured. Links
+  /// may have a part in that, so that nothing moves some touches in some directions.
+  void assemble(const Eigen::MatrixXd& coupling, std::span<const double> inverse_mass);
+
   /// Finds the impulses (or forces) at which the touches obey the laws of touch.h; `bare` (m/s) are
   /// the velocities without. Starts at BodyTouch::given. A touch that sticks creeps with the share
   /// `creep` of the velocity that its friction would give free bodies. False: none found.
@@ -46,6 +51,7 @@ class BodySystem {
     Block lever;
   };
 
+  double held_back(std::size_t touch) const;
   std::uint32_t index_of(std::uint32_t body, std::span<const Mat6> mobility);
   Vec3 velocity(std::size_t i, std::span<const Vec3> bare) const;
   bool solve_one(std::size_t i, const Vec3& bare, BodyTouch& touch) const;
@@ -60,6 +66,8 @@ class BodySystem {
   std::vector<std::uint32_t> bodies_;
   std::vector<Mat6> mobility_;  // per body of these
   double share_ = 1, creep_ = 0;
+  bool several_ = false;  // bodies that touch each other, or what links couple
+  bool linked_ = false;
   std::vector<double> inverse_mass_;        // 1/kg, per touch: of the free bodies, shared
   std::vector<std::array<Side, 2>> sides_;  // per touch
   std::vector<Mat6> blocks_;

@@ -24,7 +24,7 @@ bool BodySystem::solve_one(std::size_t i, const Vec3& bare, BodyTouch& at) const
     set(at, Touch::State::open, Vec3::Zero());
     return true;
   }
-  const Mat3 mobility = coupling(i, i);
+  const Mat3 mobility = coupling(i, i) + held_back(i) * Mat3::Identity();
   if (touch.stick == 0 && touch.slide == 0) {
     set(at, Touch::State::slides, short_of / n.dot(mobility * n) * n);
     return true;
@@ -47,7 +47,7 @@ bool BodySystem::solve_one(std::size_t i, const Vec3& bare, BodyTouch& at) const
 bool BodySystem::slide_one(std::size_t i, const Vec3& bare, BodyTouch& at) const {
   const Touch& touch = at.touch;
   const Vec3& n = touch.normal;
-  const Mat3 mobility = coupling(i, i);
+  const Mat3 mobility = coupling(i, i) + held_back(i) * Mat3::Identity();
   const double short_of = touch.least - n.dot(bare);
   const auto given = [&](const Vec3& way) -> Vec3 {
     const Vec3 force = n - touch.slide * way;

@@ -17,6 +17,7 @@ struct BodyTouch {
   std::uint32_t meeting = 0;                // of what may touch, see meetings_of_bodies()
   Spot spot = Spot::from;
   Vec3 arm = Vec3::Zero();  // m, from the centre of mass to where it touches, world axes
+  double share = 0;         // of a link: of the way from one bead to the next
   Vec3 other_arm = Vec3::Zero();
   Touch touch;
   /// The way in which it slides already, whatever moves it; zero: it may stick.

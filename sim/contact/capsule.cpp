@@ -19,6 +19,12 @@ constexpr int kToCell = 40;       // of these, down to a cell that may be guesse
 constexpr double kCell = 0x1p-40;
 constexpr int kTrials = 20;  // of a guess
 
+/// The first and the last of what lies flat, and whether distances rise evenly between.
+struct Flat {
+  double first = 0, last = 0;
+  bool even = false;
+};
+
 /// A capsule's axis in the frame of a solid.
 struct Axis {
   Axis(const Shape& of, const Pose& frame, const Capsule& capsule)
@@ -83,19 +89,18 @@ struct Axis {
 
   /// The first and the last of what lies flat. Over a face that is flat itself distances rise
   /// evenly; tipped about an end, the axis touches the edge beside it.
-  std::array<double, 2> flat_ends() const {
+  Flat flat_ends() const {
     const double low = least(kTurn), high = least(-kTurn), tilt = slope((low + high) / 2);
     const double first = least(kEvenly - tilt), last = least(-kEvenly - tilt);
-    if (!(last - first > (high - low) / 2)) return {over_curve(low), over_curve(high)};
+    if (!(last - first > (high - low) / 2)) return {over_curve(low), over_curve(high), false};
     const double nearest = least(0);
-    return {std::min(first, nearest), std::max(last, nearest)};
+    return {std::min(first, nearest), std::max(last, nearest), true};
   }
 
   double along(Spot spot) const {
     if (spot == Spot::from || !(length > 0)) return 0;
     if (spot == Spot::to) return 1;
-    if (spot == Spot::nearest) return least(0);
-    return flat_ends()[spot == Spot::first ? 0 : 1];
+    return least(0);
   }
 
   const Shape& shape;
@@ -115,7 +120,7 @@ bool lies_flat(const Shape& shape) {
 
 SpotGap gap_of(const Axis& axis, const Pose& frame, double radius, double along) {
   const SurfaceDistance near = axis.at(along);
-  return {along, near.distance - radius, frame.rotation * near.normal, true};
+  return {along, near.distance - radius, frame.rotation * near.normal};
 }
 
 }  // namespace
@@ -126,14 +131,20 @@ SpotGap gap_at(const Shape& shape, const Pose& frame, const Capsule& capsule, do
 
 SpotGap gap_at(const Shape& shape, const Pose& frame, const Capsule& capsule, Spot spot) {
   const Axis axis(shape, frame, capsule);
-  return gap_of(axis, frame, capsule.radius, axis.along(spot));
+  if (spot <= Spot::nearest || !(axis.length > 0)) {
+    return gap_of(axis, frame, capsule.radius, axis.along(spot));
+  }
+  const Flat flat = axis.flat_ends();
+  SpotGap gap = gap_of(axis, frame, capsule.radius, spot == Spot::first ? flat.first : flat.last);
+  gap.even = flat.even;
+  return gap;
 }
 
 std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Capsule& capsule) {
   const Axis axis(shape, frame, capsule);
   std::array<SpotGap, 5> gaps;
   const bool point = !(axis.length > 0);
-  std::array<double, 2> ends{};
+  Flat ends;
   if (!point && lies_flat(shape)) ends = axis.flat_ends();
   for (const Spot spot : kSpots) {
     SpotGap& gap = gaps[static_cast<std::size_t>(spot)];
@@ -149,8 +160,9 @@ std::array<SpotGap, 5> all_gaps(const Shape& shape, const Pose& frame, const Cap
       continue;
     }
     const bool flat = spot == Spot::first || spot == Spot::last;
-    const double along = flat ? ends[spot == Spot::first ? 0 : 1] : axis.along(spot);
+    const double along = flat ? (spot == Spot::first ? ends.first : ends.last) : axis.along(spot);
     gap = gap_of(axis, frame, capsule.radius, along);
+    gap.even = flat && ends.even;
     if (!end) gap.distinct = gap.along > kSame && gap.along < 1 - kSame;
     if (spot == Spot::to) gap.distinct = !point;
   }

@@ -29,6 +29,7 @@ struct SpotGap {
   double distance = 0;          // m, of the surfaces there; negative: inside
   Vec3 normal = Vec3::UnitY();  // out of the solid, world axes
   bool distinct = true;         // it is none of the others
+  bool even = false;            // of the first and the last: distances rise evenly between them
 };
 
 /// The gap at a point of the axis.

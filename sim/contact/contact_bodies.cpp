@@ -51,6 +51,7 @@ void ContactMotion::rebuild_bodies(const World& world) {
 }
 
 Capsule ContactMotion::capsule(const State& state, std::size_t body) const {
+  if (is_part(small(body))) return capsule_of_part(state, part(small(body)));
   const double* q = &state[mechanism_.pose(body)];
   const Quat rotation = quaternion(q + 3).normalized();
   const BodyCapsule& own = capsules_[body];
@@ -73,7 +74,15 @@ Pose ContactMotion::solid(const BodyMeeting& meeting, const State& state) const 
 SpotGap ContactMotion::aim(BodyTouch& at, const State& state) const {
   const BodyMeeting& meeting = meetings_[at.meeting];
   const Capsule own = capsule(state, at.body);
-  const SpotGap near = gap_at(meeting.shape, solid(meeting, state), own, at.spot);
+  const Pose place = solid(meeting, state);
+  if (is_part(at.body)) {
+    const SpotGap near = gap_of_part(at, place, own);
+    at.touch.normal = near.normal;
+    at.share = near.along;
+    at.arm = own.at(near.along);
+    return near;
+  }
+  const SpotGap near = gap_at(meeting.shape, place, own, at.spot);
   const Vec3 there = own.at(near.along) - own.radius * near.normal;
   at.touch.normal = near.normal;
   at.arm = there - ConstMap(&state[mechanism_.pose(at.body)]);
@@ -81,12 +90,18 @@ SpotGap ContactMotion::aim(BodyTouch& at, const State& state) const {
   return near;
 }
 
+/// The place of a touch, of a link on its line.
+Vec3 ContactMotion::where(const BodyTouch& at, const State& state) const {
+  if (is_part(at.body)) return at.arm;
+  return ConstMap(&state[mechanism_.pose(at.body)]) + at.arm;
+}
+
 /// The velocity of a body past what it touches, there.
 Vec3 ContactMotion::passing(const BodyTouch& at, const State& state) const {
-  const Vec3 moves = velocity_at(twist(state, at.body), at.arm);
+  const Vec3 moves =
+      is_part(at.body) ? velocity_of_part(at, state) : velocity_at(twist(state, at.body), at.arm);
   if (at.other != kNoBody) return moves - velocity_at(twist(state, at.other), at.other_arm);
-  const Vec3 there = ConstMap(&state[mechanism_.pose(at.body)]) + at.arm;
-  return moves - surface_velocity(frames_[meetings_[at.meeting].obstacle], there);
+  return moves - surface_velocity(frames_[meetings_[at.meeting].obstacle], where(at, state));
 }
 
 /// m/s: no point of what touches there moves faster past another.
@@ -110,6 +125,7 @@ double ContactMotion::quickness(const BodyTouch& at, const State& state) const {
 /// slide: they cancel the acceleration of its passing under the present twists and motions. The
 /// touch's point travels along both.
 void ContactMotion::ask_accelerations(BodyTouch& at, const State& state) const {
+  if (is_part(at.body)) return ask_of_part(at, state);
   const BodyMeeting& meeting = meetings_[at.meeting];
   const double curve = capsules_[at.body].radius + std::min(meeting.shape.sharpest(), 1.0);
   const double step =

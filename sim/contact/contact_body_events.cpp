@@ -10,7 +10,7 @@ namespace {
 using ConstMap = Eigen::Map<const Vec3>;
 
 constexpr double kSpare = 1e-9;     // of forces per mass: no event yet
-constexpr double kFly = 1e-3;       // m/s^2, for two bodies that fly together without any force
+constexpr double kFly = 1e-3;       // m/s^2, for what flies together without any force
 constexpr double kArrives = 1e-10;  // m/s
 constexpr double kFlat = 1e-12;     // rad/s: out of a plane by rounding
 constexpr double kFar = 1;          // an event that is none
@@ -41,7 +41,7 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
       const auto is_here = [&](const BodyTouch& at) { return at.meeting == m && at.spot == spot; };
       if (std::ranges::any_of(body_touches_, is_here)) continue;
       const SpotGap& near = gaps[static_cast<std::size_t>(spot)];
-      double value = near.distinct ? near.distance + touching_ / 2 : kFar;
+      double value = is_place(meeting, state, gaps, spot) ? near.distance + touching_ / 2 : kFar;
       if (value < 0) {
         BodyTouch there = touch_of(meetings_, m, spot);
         aim(there, state);
@@ -51,17 +51,12 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
     }
   }
   for (const BodyTouch& at : body_touches_) {
-    double inverse_mass = mechanism_.bodies()[at.body].inverse_mass;
-    double moves = body_free_[at.body].head<3>().norm() + body_pulled_[at.body].head<3>().norm();
-    if (at.other != kNoBody) {
-      inverse_mass += mechanism_.bodies()[at.other].inverse_mass;
-      moves +=
-          body_free_[at.other].head<3>().norm() + body_pulled_[at.other].head<3>().norm() + kFly;
-    }
-    const double push = inverse_mass * at.touch.push;
-    const double spare = kSpare * (moves + std::abs(push));
+    const double inverse_mass = this->inverse_mass(at), push = inverse_mass * at.touch.push;
+    const double spare = kSpare * (stir(at) + std::abs(push));
     values.push_back(push + spare);
-    if (at.spot != Spot::from && at.spot != Spot::to) {
+    if (is_part(at.body)) {
+      part_events(at, state, values);
+    } else if (at.spot != Spot::from && at.spot != Spot::to) {
       const BodyMeeting& meeting = meetings_[at.meeting];
       const Pose place = solid(meeting, state);
       const double along = gap_at(meeting.shape, place, capsule(state, at.body), at.spot).along;
@@ -76,6 +71,35 @@ void ContactMotion::body_events(const State& state, std::vector<double>& values)
   }
 }
 
+/// 1/kg, of what touches there.
+double ContactMotion::inverse_mass(const BodyTouch& at) const {
+  if (is_part(at.body)) {
+    const Part& own = part(at.body);
+    const double left = 1 - at.share;
+    return left * left * inverse_mass(std::size_t(own.first)) +
+           at.share * at.share * inverse_mass(std::size_t(own.next));
+  }
+  const double own = mechanism_.bodies()[at.body].inverse_mass;
+  return at.other == kNoBody ? own : own + mechanism_.bodies()[at.other].inverse_mass;
+}
+
+/// m/s^2: what pulls and weighs there.
+double ContactMotion::stir(const BodyTouch& at) const {
+  const auto moves = [&](std::uint32_t body) {
+    return body_free_[body].head<3>().norm() + body_pulled_[body].head<3>().norm();
+  };
+  if (!is_part(at.body)) {
+    return at.other == kNoBody ? moves(at.body) : moves(at.body) + moves(at.other) + kFly;
+  }
+  double sum = kFly;
+  for (const std::uint32_t p : {part(at.body).first, part(at.body).next}) {
+    const std::uint32_t c = carrier(p);
+    sum += c == kNoBody ? free_[p].norm() + pulled_[p].norm()
+                        : moves(mechanism_.body_points()[c].body);
+  }
+  return sum;
+}
+
 /// Adds their places, and the ways in which they and what they touch go.
 void ContactMotion::add_ways_of_bodies(const State& state, std::vector<Vec3>& places,
                                        std::vector<Vec3>& ways) const {
@@ -88,7 +112,7 @@ void ContactMotion::add_ways_of_bodies(const State& state, std::vector<Vec3>& pl
     places.push_back(own.to);
   }
   for (const BodyTouch& at : body_touches_) {
-    const Vec3 there = ConstMap(&state[mechanism_.pose(at.body)]) + at.arm;
+    const Vec3 there = where(at, state);
     places.push_back(there);
     ways.push_back(at.touch.normal);
     if (at.other != kNoBody) continue;
@@ -115,21 +139,25 @@ void ContactMotion::find_body_touches(const State& state) {
     const auto gaps = all_gaps(meeting.shape, solid(meeting, state), capsule(state, meeting.body));
     for (const Spot spot : kSpots) {
       const SpotGap& near = gaps[static_cast<std::size_t>(spot)];
-      if (!near.distinct || near.distance > touching_) continue;
+      if (near.distance > touching_ || !is_place(meeting, state, gaps, spot)) continue;
       BodyTouch found = touch_of(meetings_, m, spot);
       aim(found, state);
       const Vec3 slip = passing(found, state);
       const double separating = near.normal.dot(slip);
-      if (separating > kArrives) continue;  // it leaves
+      // What leaves more slowly than bounces that are followed may be pushed back at once.
+      const double leaves = parts_.empty() ? kArrives : slowest_;
+      if (separating > leaves) continue;
       found.touch.sliding = slip - separating * near.normal;
       body_touches_.push_back(found);
     }
   }
+  if (!parts_.empty()) leave_to_links();
   gather();
 }
 
 /// Puts the touches in order of their clusters.
 void ContactMotion::gather() {
+  if (!parts_.empty()) return;  // all are one
   clusters_.find(capsules_.size(), body_touches_);
   std::ranges::stable_sort(body_touches_, {},
                            [&](const BodyTouch& at) { return clusters_.of(at); });
@@ -138,16 +166,18 @@ void ContactMotion::gather() {
 /// Asks for velocities after an impact; whether a body arrives.
 bool ContactMotion::bodies_arrive(const State& state) {
   free_bodies(&state);
+  const Motion before{free_, body_free_};
   bool any = false;
   for (BodyTouch& at : body_touches_) {
     const BodyMeeting& meeting = meetings_[at.meeting];
-    const Vec3 there = ConstMap(&state[mechanism_.pose(at.body)]) + at.arm;
     at.ahead.setZero();
     at.given.setZero();
     at.touch.surface.setZero();
-    if (at.other == kNoBody) at.touch.surface = frame_velocity(frames_[meeting.obstacle], there);
+    if (at.other == kNoBody) {
+      at.touch.surface = frame_velocity(frames_[meeting.obstacle], where(at, state));
+    }
     const double carried = at.touch.normal.dot(at.touch.surface);
-    const double into = carried - at.touch.normal.dot(contact::passing(body_free_, at));
+    const double into = carried - at.touch.normal.dot(passing(before, at));
     any = any || into > kArrives;
     const double bounce = meeting.restitution * into;
     at.touch.least = carried + (bounce > slowest_ ? bounce : 0);
@@ -173,12 +203,12 @@ void ContactMotion::take_touches() {
   std::erase_if(body_touches_,
                 [](const BodyTouch& at) { return at.touch.state == Touch::State::open; });
   gather();
-  for (std::size_t b = 0; b < twists_.size(); ++b) twists_[b] = body_free_[b] + body_added_[b];
+  const Motion after = after_impact();  // of accelerations
   for (BodyTouch& at : body_touches_) {
     if (at.touch.stick == 0) at.touch.state = Touch::State::slides;
     if (at.touch.state == Touch::State::sticks) continue;
     if (at.ahead.isZero(0)) {
-      const Vec3 slip = contact::passing(twists_, at) - at.touch.surface;
+      const Vec3 slip = passing(after, at) - at.touch.surface;
       const Vec3 across = slip - at.touch.normal.dot(slip) * at.touch.normal;
       if (across.squaredNorm() > 0) at.ahead = heading(across, across);
     }

@@ -100,6 +100,7 @@ double ContactMotion::measure(std::span<const double> start) {
 
 /// Tensions (or impulses) under which no row's error, `start` without them, is left.
 void ContactMotion::balance(std::span<const double> start) {
+  if (!parts_.empty()) return balance_together(start);
   Damping damping;
   for (int i = 0; i < kIterations; ++i) {
     double worst = measure(start);
@@ -228,7 +229,7 @@ void ContactMotion::choose(double time, const State& state) {
   mechanism_.update(time, scratch_.data());
   for (std::size_t p = 0; p < beads_.size(); ++p) {
     Bead& bead = beads_[p];
-    free_[p] = mechanism_.gravity();
+    free_[p] = weight(p);
     bead.ahead.setZero();
     if (bead.mode == Mode::open) continue;
     const Vec3 at = place(state, p);

@@ -43,6 +43,7 @@ void ContactMotion::rebuild(const World& world, double slowest) {
   along_.assign(rows, Vec3::Zero());
   frames_.resize(obstacles_.size());
   rebuild_bodies(world);
+  rebuild_parts(world);
   system_.rebuild(mechanism_, bodies_together(meetings_, capsules_.size()));
 }
 
@@ -89,7 +90,7 @@ void ContactMotion::accelerate(double time, const State& state) {
   const std::span<const Vec3> along = pulling();
   for (std::size_t p = 0; p < beads_.size(); ++p) {
     Bead& bead = beads_[p];
-    free_[p] = mechanism_.gravity();
+    free_[p] = weight(p);
     pulled_[p].setZero();
     if (bead.mode == Mode::open) continue;
     const Vec3 at = place(scratch_, p), moves = velocity(scratch_, p);
@@ -113,6 +114,12 @@ void ContactMotion::accelerate(double time, const State& state) {
   }
   free_bodies(nullptr);
   aim_bodies(scratch_);
+  if (!parts_.empty()) {
+    for (std::size_t r = 0; r < rows.size(); ++r) start_[r] = mechanism_.free_acceleration(r);
+    respond_together(start_, true);
+    change_ = tension_;
+    return;
+  }
   const auto respond_all = [&](std::span<const double> tension) {
     for (std::size_t p = 0; p < beads_.size(); ++p) {
       Bead& bead = beads_[p];
@@ -158,7 +165,8 @@ void ContactMotion::differentiate(double time, const State& state, State& deriva
   accelerate(time, state);
   mechanism_.differentiate(scratch_.data(), change_.data(), derivative.data());
   for (std::size_t p = 0; p < beads_.size(); ++p) {
-    if (beads_[p].mode == Mode::open) continue;
+    if (beads_[p].mode == Mode::open && parts_.empty()) continue;
+    if (mechanism_.inverse_mass()[p] == 0) continue;
     double* rate = &derivative[mechanism_.velocity(p)];
     Map{rate} = free_[p] + added_[p];
   }
@@ -169,6 +177,7 @@ void ContactMotion::differentiate(double time, const State& state, State& deriva
 
 double ContactMotion::project(double time, State& state) {
   move_obstacles(time);
+  if (!parts_.empty()) return project_together(time, state);
   const auto& mobile = mechanism_.inverse_mass();
   const auto& rows = mechanism_.rows();
   std::span<const Vec3> along = mechanism_.direction();

@@ -1,6 +1,7 @@
 // The smooth motion of links whose beads touch obstacles, and the events that end it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,7 +23,9 @@ namespace taut::contact {
 /// finds the velocities and the active set that follow, by the laws of Signorini, Coulomb and
 /// Newton.
 ///
-/// No bead may touch two obstacles at once; a body may.
+/// No bead may touch two obstacles at once; a body may. Where links touch, too, beads and links are
+/// to this class what bodies are, and all that touches responds together with all links: one dense
+/// system (contact_links.cpp, contact_together.cpp).
 class ContactMotion {
  public:
   using State = std::vector<double>;  // as Mechanism has it
@@ -59,6 +62,8 @@ class ContactMotion {
   static constexpr double kStill = 1e-10;  // m/s: slower is no sliding
   /// m/s: the same of two bodies, whose turns let it waver by more.
   static constexpr double kStillOfTwo = 2e-9;
+  /// m/s: the same where links touch. Several slides that slow each other pass rest by as much.
+  static constexpr double kStillOfLinks = 1e-7;
   static constexpr double kTouching = 1e-11;  // of the longest connector
 
   enum class Mode { open, slides, sticks };
@@ -70,10 +75,17 @@ class ContactMotion {
     Touch touch;                 // of velocities or accelerations, as asked last
   };
 
-  /// Velocities of all.
+  /// Velocities of all. Of points that bodies carry those of the bodies count.
   struct Motion {
     std::vector<Vec3> points;  // m/s
     std::vector<Vec6> bodies;
+  };
+
+  /// A bead, or a link between two, where links touch. Parts are numbered behind the bodies.
+  struct Part {
+    std::uint32_t first = 0, next = 0;  // points; the same: a bead
+    double radius = 0;                  // m
+    bool is_bead() const { return first == next; }
   };
 
   Vec3 place(const State& state, std::size_t point) const;
@@ -111,8 +123,12 @@ class ContactMotion {
   Vec6 twist(const State& state, std::size_t body) const;
   Pose solid(const BodyMeeting& meeting, const State& state) const;
   SpotGap aim(BodyTouch& at, const State& state) const;
+  Vec3 where(const BodyTouch& at, const State& state) const;
   Vec3 passing(const BodyTouch& at, const State& state) const;
-  static double still(const BodyTouch& at) { return at.other == kNoBody ? kStill : kStillOfTwo; }
+  double still(const BodyTouch& at) const {
+    if (!parts_.empty()) return kStillOfLinks;
+    return at.other == kNoBody ? kStill : kStillOfTwo;
+  }
   double quickness(const BodyTouch& at, const State& state) const;
   void ask_accelerations(BodyTouch& at, const State& state) const;
   void free_bodies(const State* velocities);
@@ -138,6 +154,40 @@ class ContactMotion {
   void gather();
   void take_touches();
 
+  // Where links touch.
+  void rebuild_parts(const World& world);
+  bool is_part(std::uint32_t one) const { return one >= capsules_.size(); }
+  const Part& part(std::uint32_t one) const { return parts_[one - capsules_.size()]; }
+  Capsule capsule_of_part(const State& state, const Part& part) const;
+  SpotGap gap_of_part(const BodyTouch& at, const Pose& place, const Capsule& own) const;
+  Vec3 velocity_of_part(const BodyTouch& at, const State& state) const;
+  Vec3 led(const State& state, std::uint32_t point) const;
+  void ask_of_part(BodyTouch& at, const State& state) const;
+  double slope(const BodyMeeting& meeting, const State& state, double along) const;
+  bool is_place(const BodyMeeting& meeting, const State& state, const std::array<SpotGap, 5>& gaps,
+                Spot spot) const;
+  void leave_to_links();
+  void part_events(const BodyTouch& at, const State& state, std::vector<double>& values) const;
+  double inverse_mass(const BodyTouch& at) const;
+  Vec3 weight(std::size_t point) const;
+  double stir(const BodyTouch& at) const;
+  double off(const BodyTouch& at) const;
+  std::uint32_t carrier(std::uint32_t point) const;
+  Motion no_motion() const;
+  Vec3 velocity_of(const Motion& motion, std::uint32_t point) const;
+  Vec3 passing(const Motion& motion, const BodyTouch& at) const;
+  void give(std::uint32_t point, const Vec3& impulse, Motion& motion) const;
+  void give(const BodyTouch& at, const Vec3& impulse, Motion& motion) const;
+  void pull(std::span<const double> tension, std::span<const Vec3> along, Motion& motion) const;
+  std::vector<double> answer(std::span<const double> rate, std::span<const Vec3> along,
+                             Motion& motion) const;
+  std::span<const Vec3> assemble_together();
+  bool respond_together(std::span<const double> start, bool held);
+  void balance_together(std::span<const double> start);
+  bool swap_strings(bool all);
+  double project_together(double time, State& state);
+  void shift(const Motion& way, bool places, State& state) const;
+
   std::vector<Obstacle> obstacles_;
   Mechanism mechanism_;
   RowSystem system_;
@@ -148,7 +198,8 @@ class ContactMotion {
   std::vector<FrameMotion> frames_;      // of the obstacles
   std::vector<char> is_carried_;         // per point: a free body has it
   std::vector<BodyCapsule> capsules_;    // per free body, from its centre of mass
-  std::vector<BodyMeeting> meetings_;    // of free bodies
+  std::vector<Part> parts_;              // none where no links touch
+  std::vector<BodyMeeting> meetings_;    // of free bodies and parts
   std::vector<BodyTouch> body_touches_;  // those that are closed, in order of clusters
   Clusters clusters_;
   BodySystem body_system_;

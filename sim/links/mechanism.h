@@ -165,6 +165,8 @@ class Mechanism {
   const std::vector<double>& violation() const { return violation_; }
   const std::vector<double>& rate() const { return rate_; }
   const std::vector<double>& velocity_term() const { return velocity_term_; }
+  /// Per point, m/s^2: its acceleration without tensions, or that with which it is held.
+  const std::vector<Vec3>& point_acceleration() const { return point_acceleration_; }
 
   /// The derivative of the state under the rows' `tension` (N).
   void differentiate(const double* state, const double* tension, double* derivative) const;

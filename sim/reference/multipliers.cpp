@@ -91,7 +91,6 @@ void Multipliers::advance(World& world, double until) {
         has_contact(world) ? "truth with contact" : "truth beside links that only pull";
     refuse_materials(name, world);
     refuse_joints(name, world);
-    refuse_touching_links("truth", world);
     refuse_bead_pairs("truth", world);
     refuse_more_beside_contact("truth", world);
     among_obstacles_->advance(world, until);
@@ -231,6 +230,8 @@ MethodInfo truth_method() {
           .reference = true,
           .touches_obstacles = true,
           .touches_with_bodies = true,
+          .touches_with_links = true,
+          .touches_with_links_at_bodies = true,
           .follows_materials = true,
           .follows_joints = true,
           .follows_strings = true,

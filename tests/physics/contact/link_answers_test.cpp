@@ -3,33 +3,13 @@
 
 #include <array>
 
-#include "contact_worlds.h"
+#include "link_worlds.h"
 #include "sim/measure/measure.h"
-#include "tests/support/dice.h"
 
 namespace taut::link_answers_test {
 namespace {
 
-using namespace contact_worlds;
-
-constexpr double kGravity = 9.81;    // m/s^2
-constexpr double kWire = 5e-4;       // m, its radius
-constexpr double kThickness = 1e-3;  // m, radius of a link
-
-/// A rod of a metre, two beads and the link between them, over a wire along z through the origin,
-/// which it touches at `share` of its way.
-World rod(double share, double angle, double above, const Obstacle& wire) {
-  World world;
-  const Vec3 along(std::cos(angle), std::sin(angle), 0), normal(-along.y(), along.x(), 0);
-  Connector link = straight_connector("rod", 1, 0.2, 2,
-                                      (kWire + kThickness + above) * normal - share * along, along);
-  link.radius = kThickness;
-  link.links_touch = true;
-  world.connectors = {link};
-  world.obstacles = {wire};
-  finish(world);
-  return world;
-}
+using namespace link_worlds;
 
 /// A link that comes at v gets the impulse (1 + e) v/((1 - s)^2/m + s^2/m), in the shares 1 - s and
 /// s for its beads, in frames of any length.

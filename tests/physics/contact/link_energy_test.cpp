@@ -3,33 +3,13 @@
 
 #include <algorithm>
 
-#include "contact_worlds.h"
+#include "link_worlds.h"
 #include "sim/measure/measure.h"
-#include "tests/support/dice.h"
 
 namespace taut::link_energy_test {
 namespace {
 
-using namespace contact_worlds;
-using worlds::kGravity;
-
-constexpr double kThin = 1e-5;  // m, radius of a link
-
-/// A rod of a metre and two beads over a table of the half width `half` (m), tipped about an edge.
-World rocking_rod(double half, double angle, double restitution) {
-  const Vec3 along(std::cos(angle), -std::sin(angle), 0), normal(-along.y(), along.x(), 0);
-  const Vec3 centre = Vec3(half, 0, 0) + kThin * normal - half * along;
-  World world;
-  Connector rod = straight_connector("rod", 1, 0.2, 2, centre - along / 2, along);
-  rod.radius = kThin;
-  rod.links_touch = true;
-  world.connectors = {rod};
-  Obstacle table = obstacle(box_shape(Vec3(2 * half, 0.2, 1)), 1, restitution);
-  table.place.position = Vec3(0, -0.1, 0);
-  world.obstacles = {table};
-  finish(world);
-  return world;
-}
+using namespace link_worlds;
 
 /// Housner (1963): a block that rocks keeps ((I - m a^2)/(I + m a^2))^2 of its energy as the other
 /// edge, 2a aside, takes it over. The edges are sharp, and links thin: its axis is where they are.
@@ -54,32 +34,6 @@ TEST(LinkEnergy, ARodThatRocksLosesWhatHousnerFound) {
       }
     }
   }
-}
-
-/// A rope that falls on thick posts of any kind.
-World rope_on_posts(unsigned seed) {
-  Dice dice(seed);
-  World world;
-  const auto particles = static_cast<std::size_t>(2 + dice.pick(11));
-  Connector rope = straight_connector("rope", 1, dice.scale(0.02, 1), particles,
-                                      Vec3(dice.between(-0.8, -0.2), 0.8, 0),
-                                      (Vec3::UnitX() + dice.within(0.2)).normalized());
-  rope.radius = dice.pick(2) == 0 ? dice.scale(1e-4, 0.01) : 0;
-  rope.links_touch = true;
-  const Vec3 velocity = dice.within(3);
-  for (Vec3& moves : rope.velocity) moves = velocity;
-  world.connectors = {rope};
-  for (int k = 0; k < 5; ++k) {
-    const double radius = dice.scale(0.02, 0.15);
-    const Shape shape = dice.pick(2) == 0 ? capsule_shape(radius, 1.5)
-                                          : box_shape(Vec3(radius, 1, radius), 0.1 * radius);
-    Obstacle post = obstacle(shape, dice.between(0, 1), dice.between(0, 1));
-    post.place = {Vec3(-0.6 + 0.3 * k, dice.between(0, 0.4), 0),
-                  rotation_between(Vec3::UnitY(), (Vec3::UnitZ() + dice.within(0.6)).normalized())};
-    world.obstacles.push_back(post);
-  }
-  finish(world);
-  return world;
 }
 
 TEST(LinkEnergy, NoRopeGainsAnyOnThickPosts) {
