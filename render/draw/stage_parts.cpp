@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "render/draw/jitter.h"
-#include "render/draw/shading/contact.h"
 #include "render/draw/shading/lighting.h"
 
 namespace taut::draw {
@@ -43,6 +42,7 @@ StageParts::StageParts(const gl::Context& context, const scenes::Stage& s, const
                options.lit ? Output::display : Output::flat),
       map(gl, options.map_size),
       parts(gl, s, world) {
+  for (const auto& model : stage.body_models) rods_.push_back(model ? rod(*model) : std::nullopt);
   if (!room.encloses()) return;
   std::size_t i = 0;
   for (const auto& model : stage.scenery)
@@ -58,16 +58,24 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
   block.penumbra = penumbra(light.projection);
   block.texel_depth = float(light.texel) * light.projection.row(2).head<3>().norm();
   if (!shading.contact) return look;
+  const auto add = [&block](const ContactCapsule& capsule) {
+    if (block.capsules == int(kCapsules)) return false;
+    const auto i = std::size_t(block.capsules++);
+    const Vec3 axis = capsule.to - capsule.from;
+    block.capsule_from[i] = with_w(capsule.from, capsule.radius);
+    block.capsule_to[i] = with_w(capsule.to, 1 / std::max(axis.squaredNorm(), 1e-6));
+    return true;
+  };
   for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
-    for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c])) {
-      const std::size_t i = look.contacts.size();
-      if (i == kCapsules) break;
-      const Vec3 axis = capsule.to - capsule.from;
-      block.capsule_from[i] = with_w(capsule.from, capsule.radius);
-      block.capsule_to[i] = with_w(capsule.to, 1 / std::max(axis.squaredNorm(), 1e-6));
-      look.contacts.push_back(capsule.bounds());
-    }
-  block.capsules = int(look.contacts.size());
+    for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c]))
+      if (add(capsule)) look.contacts.push_back(capsule.bounds());
+  block.feet = block.capsules;
+  for (std::size_t i = 0; i < std::min(rods_.size(), instant.state.bodies.size()); ++i) {
+    if (!rods_[i]) continue;
+    const Pose& at = instant.state.bodies[i];
+    add({at.position + at.rotation * rods_[i]->from, at.position + at.rotation * rods_[i]->to,
+         rods_[i]->radius});
+  }
   return look;
 }
 

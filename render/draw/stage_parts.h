@@ -1,9 +1,11 @@
 // The parts that a stage's pictures are made with.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "render/draw/moving_parts.h"
+#include "render/draw/shading/contact.h"
 #include "render/draw/shading/room_light.h"
 #include "render/draw/shading/shadow_map.h"
 #include "render/draw/shading/surfaces.h"
@@ -43,6 +45,9 @@ struct StageParts {
   Surfaces surfaces;
   ShadowMap map;
   MovingParts parts;
+
+ private:
+  std::vector<std::optional<ContactCapsule>> rods_;  // [body]
 };
 
 /// The background and the scenery of all views in light that nothing takes, blurred by the lenses.

@@ -8,9 +8,10 @@ layout(std140, binding = 0) uniform Frame {
   mat4 view_projection;
   mat4 light_projection;   // world to [0,1]^3 of the shadow map
   vec4 eye;                // xyz; w: offset along the normal before the shadow's look-up, m
-  vec4 capsule_from[6];    // xyz; w: radius
-  vec4 capsule_to[6];      // xyz; w: 1/length^2
-  int capsules;            // how many there are
+  vec4 capsule_from[8];    // xyz; w: radius
+  vec4 capsule_to[8];      // xyz; w: 1/length^2
+  int feet;                // the first of them, which darken the scenery
+  int capsules;            // all; the others darken what moves
   float penumbra;          // half of it, in widths of the map, for each of its depths
   float texel_depth;       // a texel's width, in depths of the map
 };
@@ -171,8 +172,13 @@ vec3 environment(vec3 r, float roughness) {
 
 float contact_light(vec3 p, vec3 n) {
   float light = 1;
+#if SHADE > 0
 #if SHADE == 2
-  for (int i = 0; i < capsules; ++i) {
+  int first = 0, end = feet;
+#else
+  int first = feet, end = capsules;
+#endif
+  for (int i = first; i < end; ++i) {
     vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
     vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
     float distance2 = dot(d, d);

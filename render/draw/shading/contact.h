@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "scenes/scene/stage.h"
@@ -20,7 +21,11 @@ struct ContactCapsule {
   Eigen::AlignedBox3f bounds() const;
 };
 
-/// The feet of a character whose bones have these poses.
+/// The feet of a character whose bones have these poses: its soles, and its toes.
 std::vector<ContactCapsule> feet(const scenes::Model& character, const std::vector<Pose>& bones);
+
+/// A body's model along its longest side, in the body's frame; none where it is no twice as long as
+/// it is wide.
+std::optional<ContactCapsule> rod(const scenes::Model& model);
 
 }  // namespace taut::draw

@@ -15,17 +15,17 @@
 
 namespace taut::draw {
 
-constexpr std::size_t kCapsules = 6;
+constexpr std::size_t kCapsules = 8;
 
 /// The uniforms of a frame for every surface; mirrors the shaders' block.
 struct FrameBlock {
   Eigen::Matrix4f view_projection, light_projection;
   Eigen::Vector4f eye;  // w: offset along the normal before the shadow's look-up, m
   std::array<Eigen::Vector4f, kCapsules> capsule_from, capsule_to;
-  int capsules = 0;       // how many
+  int feet = 0;           // the first capsules, which darken the scenery
+  int capsules = 0;       // all: the others darken what moves
   float penumbra = 0;     // half of it, in widths of the map, for each of its depths
   float texel_depth = 0;  // a texel's width, in depths of the map
-  float padding = 0;      // to 16 bytes
 
   /// Without anything that moves.
   FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport);
@@ -34,8 +34,8 @@ struct FrameBlock {
 /// The occluders of a surface's light; the numbers are the surface shader's SHADE.
 enum class Shade {
   lit,       // nothing
-  shadowed,  // the shadow map
-  grounded,  // capsules as well; the share of it that is left of the backdrop's light
+  shadowed,  // the shadow map, and capsules of bodies
+  grounded,  // the same with those of feet; the share of it that is left of the backdrop's light
   averaged,  // the shadow map less smoothly, for one of many exposures in different lights
 };
 
