@@ -47,17 +47,14 @@ std::vector<Exposures> exposures(double way, int samples, int states, double apa
 }
 
 int backdrop_pictures(int samples) {
-  constexpr int kSamples = 16;
-  return samples < 4 ? 1 : std::max(kSamples / samples, 1);
+  return samples == 4 ? 3 : 1;
 }
 
 Eigen::Matrix4f moved_backdrop(const Eigen::Matrix4f& view_projection,
                                const picture::Rect& viewport, int i) {
-  // Four samples are a quarter of a pixel apart both ways. Of the steps that leave no two of 16 in
-  // a row these have them farthest apart.
-  constexpr float kStep = 1.0f / 16;
-  constexpr float kAcross[] = {0, -3, 2, 3}, kUp[] = {0, 1, 2, -1};
-  return moved_by(view_projection, viewport, {kStep * kAcross[i], kStep * kUp[i]});
+  // Four samples are a quarter of a pixel apart both ways: a third of that makes twelve even rows.
+  constexpr float kStep[] = {0, -1.0f / 12, 1.0f / 12};
+  return moved_by(view_projection, viewport, {kStep[i], -kStep[i]});
 }
 
 Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,

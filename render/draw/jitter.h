@@ -35,13 +35,12 @@ std::vector<Exposures> exposures(double way, int samples, int states,
 Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,
                               int i);
 
-/// How many pictures of the scenery its mean is taken of, for a canvas with so many samples: 16
-/// samples of what stands, whose edges are seen for long, unless even one picture is drawn roughly.
+/// How many pictures of the scenery its mean is taken of, for a canvas with so many samples: three
+/// for four, as many as software rasterisers have, since edges of what stands are seen for long.
 int backdrop_pictures(int samples);
 
-/// The projection of the scenery in one of these pictures, moved by up to a fifth of a pixel: no
-/// two samples of the usual patterns are then in one row or column. It stays where it is in the
-/// first.
+/// The projection of the scenery in one of these pictures, moved by a twelfth of a pixel or not at
+/// all in the first: no two samples of the usual pattern are then in one row or column.
 Eigen::Matrix4f moved_backdrop(const Eigen::Matrix4f& view_projection,
                                const picture::Rect& viewport, int i);
 
