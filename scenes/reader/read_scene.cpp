@@ -137,30 +137,12 @@ void refuse_joints(const Document& document, const MethodInfo& method) {
                                          method.name, able));
 }
 
-bool ends_at_free_body(const Document& document, const Value& connector) {
-  const Value* bodies = document.root.find("bodies");
-  return std::ranges::any_of(std::array{"from", "to"}, [&](const char* end) {
-    const Value* at = connector.find(end);
-    const Value* name = at ? at->find("body") : nullptr;
-    const Value* body = name && bodies ? bodies->find(name->text) : nullptr;
-    return body && !body->find("driven_by");
-  });
-}
-
 void refuse_touching_links(const Document& document, const MethodInfo& method) {
   const Value *connectors = document.root.find("connectors"),
               *obstacles = document.root.find("obstacles");
   if (!connectors || !obstacles || obstacles->children.empty()) return;
   for (const Value& connector : connectors->children) {
-    if (text_or(connector, "contact", "beads") != "links") continue;
-    if (method.touches_with_links) {
-      if (method.touches_with_links_at_bodies || !ends_at_free_body(document, connector)) continue;
-      const std::string able = methods_with(&MethodInfo::touches_with_links_at_bodies);
-      document.fail_at_key(*connector.find("contact"),
-                           fmt::format("the method {} touches obstacles with no links of "
-                                       "connectors that free bodies hold, expected one of: {}",
-                                       method.name, able));
-    }
+    if (method.touches_with_links || text_or(connector, "contact", "beads") != "links") continue;
     document.fail_at_key(*connector.find("contact"),
                          fmt::format("the method {} touches obstacles with beads alone, expected "
                                      "one of: {}",

@@ -224,7 +224,6 @@ MethodInfo xpbd_method() {
       .touches_obstacles = true,
       .touches_with_bodies = true,
       .touches_with_links = true,
-      .touches_with_links_at_bodies = true,
       .beads_touch_bodies = true,
       .touches_beside_more = true,
       .follows_materials = true,

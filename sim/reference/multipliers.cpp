@@ -231,7 +231,6 @@ MethodInfo truth_method() {
           .touches_obstacles = true,
           .touches_with_bodies = true,
           .touches_with_links = true,
-          .touches_with_links_at_bodies = true,
           .follows_materials = true,
           .follows_joints = true,
           .follows_strings = true,

@@ -19,8 +19,6 @@ constexpr const char* kNoTouchingLinks = "touches obstacles with beads, not with
 constexpr const char* kNoBeadPairs = "follows no free bodies that touch connectors";
 constexpr const char* kNoMoreBesideContact =
     "knows contact of rigid links that bend freely, not of what is joined, stretches or is reeled";
-constexpr const char* kNoTouchingLinksAtBodies =
-    "touches obstacles with no links of connectors that free bodies hold";
 constexpr const char* kNoWinches = "follows no connectors that have winches";
 constexpr const char* kNoPulleys = "follows no rope that passes pulleys";
 
@@ -52,9 +50,6 @@ std::string refusal(const MethodInfo& method, const World& world) {
   if (!method.touches_with_bodies && has_touching_bodies(world)) return no_touching_bodies(world);
   if (!method.touches_with_links && has_touching_links(world)) return kNoTouchingLinks;
   if (!method.beads_touch_bodies && !world.bead_pairs.empty()) return kNoBeadPairs;
-  if (!method.touches_with_links_at_bodies && touching_links_at_body(world)) {
-    return kNoTouchingLinksAtBodies;
-  }
   if (!method.follows_materials && has_materials(world)) return kNoMaterials;
   if (!method.follows_joints && !world.joints.empty()) return kNoJoints;
   if (!method.follows_strings && has_strings(world)) return kNoStrings;

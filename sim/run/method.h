@@ -159,8 +159,6 @@ struct MethodInfo {
   bool touches_with_bodies = false;
   /// Links touch them as beads do where Connector::links_touch; others throw Diverged there.
   bool touches_with_links = false;
-  /// So do links of connectors that free bodies hold; others throw Diverged there.
-  bool touches_with_links_at_bodies = false;
   /// Beads touch free bodies (World::bead_pairs); others throw Diverged where some are to.
   bool beads_touch_bodies = false;
   /// What touches may stand beside connectors that are joined, have winches or materials; others

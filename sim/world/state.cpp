@@ -13,17 +13,6 @@ bool has_touching_links(const World& world) {
   return !world.obstacles.empty() && std::ranges::any_of(world.connectors, &Connector::links_touch);
 }
 
-const Connector* touching_links_at_body(const World& world) {
-  if (world.obstacles.empty()) return nullptr;
-  const auto is_free = [&](const Hold& hold) {
-    return hold.to.kind == Attachment::Kind::body && !world.bodies[hold.to.body].driven();
-  };
-  const auto found = std::ranges::find_if(world.connectors, [&](const Connector& connector) {
-    return connector.links_touch && std::ranges::any_of(connector.holds, is_free);
-  });
-  return found == world.connectors.end() ? nullptr : &*found;
-}
-
 bool has_strings(const World& world) {
   return std::ranges::any_of(world.connectors, &Connector::pulls);
 }

@@ -52,8 +52,6 @@ bool has_winches(const World& world);
 
 /// Whether links touch obstacles, not beads alone (Connector::links_touch).
 bool has_touching_links(const World& world);
-/// The first connector whose links touch obstacles, and which a free body holds; null: none.
-const Connector* touching_links_at_body(const World& world);
 /// Whether some connector's links are strings (Connector::pulls).
 bool has_strings(const World& world);
 

@@ -296,7 +296,6 @@ MethodInfo direct_method() {
       .touches_obstacles = true,
       .touches_with_bodies = true,
       .touches_with_links = true,
-      .touches_with_links_at_bodies = true,
       .beads_touch_bodies = true,
       .follows_materials = true,
       .follows_joints = true,
