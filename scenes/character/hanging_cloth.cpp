@@ -11,6 +11,8 @@ namespace {
 /// How round a body is beneath a strip of cloth, m.
 constexpr double cloth_curvature = 0.10;
 constexpr double cloth_friction = 0.3;
+/// Strips of few links tremble where they strike a leg; thick cloth does not.
+constexpr double trembling = 0.02;  // s
 
 bool is_cloth(const Model& model, const Mesh& mesh) {
   return std::ranges::any_of(mesh.vertices, [&](const Vertex& v) {
@@ -107,12 +109,12 @@ HangingCloth::HangingCloth(const Model& model, const Skeleton& skeleton) {
 void HangingCloth::simulate(double duration, double rate, const Placed& placed) {
   motions_.clear();
   for (const Garment& garment : garments_) {
-    Track motion = garment.simulate(duration, rate, [&](double time) {
+    const Track motion = garment.simulate(duration, rate, [&](double time) {
       Placement now = placed(time);
       hang(time, now);
       return now;
     });
-    motions_.push_back(std::move(motion));
+    motions_.push_back(motion.smoothed(trembling));
   }
 }
 

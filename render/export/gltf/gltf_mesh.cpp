@@ -9,29 +9,40 @@ namespace {
 using Json = GltfFile::Json;
 using Use = GltfFile::Use;
 
-/// A vertex's bones, each once, and their weights, which add up to one.
+constexpr std::uint16_t kWhole = 65535;
+
+/// A vertex's bones, each once, and their weights, which add up to kWhole.
 struct Weights {
   std::array<std::uint16_t, 4> joints{};
-  std::array<float, 4> shares{};
+  std::array<std::uint16_t, 4> shares{};
 
   Weights(const scenes::Vertex& vertex, std::size_t fixed_joint) {
     double sum = 0;
     for (const float weight : vertex.weights) sum += weight;
     if (sum == 0) {
       joints[0] = std::uint16_t(fixed_joint);
-      shares[0] = 1;
+      shares[0] = kWhole;
       return;
     }
     std::size_t used = 0;
+    std::array<double, 4> exact{};
     for (std::size_t k = 0; k < 4; ++k) {
       if (vertex.weights[k] == 0) continue;
       const auto end = joints.begin() + std::ptrdiff_t(used);
       const auto same = std::find(joints.begin(), end, vertex.bones[k]);
       const auto slot = std::size_t(same - joints.begin());
       joints[slot] = vertex.bones[k];
-      shares[slot] += float(vertex.weights[k] / sum);
+      exact[slot] += kWhole * (vertex.weights[k] / sum);
       used = std::max(used, slot + 1);
     }
+    // The largest takes what is left over by rounding.
+    int left = kWhole;
+    for (std::size_t k = 0; k < 4; ++k) {
+      shares[k] = std::uint16_t(std::lround(exact[k]));
+      left -= shares[k];
+    }
+    auto& largest = *std::ranges::max_element(shares);
+    largest = std::uint16_t(largest + left);
   }
 };
 
@@ -68,9 +79,9 @@ Json GltfMeshes::primitive(const scenes::Mesh& mesh, const scenes::Material& wit
   std::array<float, 3> tint{};
   for (const scenes::Vertex& v : mesh.vertices)
     for (std::size_t k = 0; k < 3; ++k) tint[k] = std::max(tint[k], v.color[k]);
-  std::vector<float> positions, normals, weights;
+  std::vector<float> positions, normals;
   std::vector<std::uint8_t> colors;
-  std::vector<std::uint16_t> joints;
+  std::vector<std::uint16_t> joints, weights;
   bool tinted = false;
   for (const scenes::Vertex& v : mesh.vertices) {
     positions.insert(positions.end(), v.position.begin(), v.position.end());
@@ -102,7 +113,7 @@ Json GltfMeshes::primitive(const scenes::Mesh& mesh, const scenes::Material& wit
     } else {
       attributes["JOINTS_0"] = add(joints, {GltfFile::u16, "VEC4", Use::vertices});
     }
-    attributes["WEIGHTS_0"] = add(weights, {GltfFile::f32, "VEC4", Use::vertices});
+    attributes["WEIGHTS_0"] = add(weights, {GltfFile::u16, "VEC4", Use::vertices, true});
   }
   std::size_t indices = 0;
   if (mesh.vertices.size() <= 65535) {
