@@ -1,6 +1,7 @@
 // The structure follows the glTF 2.0 specification (Khronos, 2021), sections 3.5 to 3.9 and 4.
 #include "scenes/model/gltf.h"
 
+#include <bit>
 #include <cmath>
 #include <set>
 
@@ -44,6 +45,23 @@ class Reduction {
                      {"type", a.type}};
     if (a.normalized) accessor["normalized"] = true;
     out_["accessors"].push_back(accessor);
+    return out_["accessors"].size() - 1;
+  }
+
+  /// Adds shares of few bits as floats, behind all that the source holds.
+  std::size_t emit_floats(const GltfAccessor& a) {
+    const float whole = a.component == u8 ? 255 : 65535;
+    added_.resize((in_.binary().size() + added_.size() + 3) / 4 * 4 - in_.binary().size());
+    const std::size_t offset = in_.binary().size() + added_.size(), item_size = 4 * sizeof(float);
+    for (std::size_t k = 0; k < a.count; ++k)
+      for (std::size_t e = 0; e < 4; ++e)
+        append32(added_, std::bit_cast<std::uint32_t>(float(in_.integer(a, k, e)) / whole));
+    out_["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", a.count * item_size}});
+    out_["accessors"].push_back({{"bufferView", out_["bufferViews"].size() - 1},
+                                 {"componentType", f32},
+                                 {"count", a.count},
+                                 {"type", "VEC4"}});
     return out_["accessors"].size() - 1;
   }
 
@@ -202,10 +220,10 @@ class Reduction {
       if (key[0] == 'C')
         fits = (a.type == "VEC3" || a.type == "VEC4") && (is_float || (is_short && a.normalized));
       if (key[0] == 'J') fits = a.type == "VEC4" && is_short;
-      if (key[0] == 'W') fits = a.type == "VEC4" && is_float;
+      if (key[0] == 'W') fits = a.type == "VEC4" && (is_float || (is_short && a.normalized));
       if (!fits) in_.fail("{} of type {} {} is not read", what, a.type, a.component);
       if (key[0] == 'J') note_joints(a);
-      out["attributes"][key] = emit(a);
+      out["attributes"][key] = key[0] == 'W' && is_short ? emit_floats(a) : emit(a);
     }
     if (in.contains("indices")) {
       const GltfAccessor a = in_.accessor(in["indices"], where + ".indices");
@@ -250,23 +268,25 @@ class Reduction {
 
   std::string pack() {
     out_["asset"] = {{"version", "2.0"}};
-    out_["buffers"] = {{{"byteLength", in_.binary().size()}}};
+    const std::size_t size = in_.binary().size() + added_.size();
+    out_["buffers"] = {{{"byteLength", size}}};
     if (in_.binary().empty()) in_.fail("holds no data");
     if (out_["skins"].empty()) out_.erase("skins");
     std::string text = out_.dump();
     text.resize((text.size() + 3) / 4 * 4, ' ');
     std::string glb = "glTF";
     append32(glb, 2);
-    append32(glb, 12 + 8 + text.size() + 8 + in_.binary().size());
+    append32(glb, 12 + 8 + text.size() + 8 + size);
     append32(glb, text.size());
     glb += "JSON" + text;
-    append32(glb, in_.binary().size());
+    append32(glb, size);
     glb.append("BIN\0", 4);
-    return glb + in_.binary();
+    return glb + in_.binary() + added_;
   }
 
   const GltfSource& in_;
   Json out_;
+  std::string added_;                   // to the source's data
   std::vector<std::size_t> new_index_;  // of a node, or the number of nodes: not in the scene
   std::vector<std::size_t> order_;      // nodes of the scene, parents first
   std::set<std::size_t> joints_;

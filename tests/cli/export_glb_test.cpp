@@ -213,11 +213,19 @@ TEST_F(DemoGlb, CamerasAndTheLightLookWhereTheStageSays) {
 TEST_F(DemoGlb, IsReadAsAModel) {
   Folder folder;
   const scenes::Model model = scenes::load_model(folder.write("demo.glb", *bytes_));
-  std::size_t vertices = 0, triangles = 0;
+  std::size_t vertices = 0, triangles = 0, weighted = 0;
   for (const scenes::Mesh& mesh : model.meshes) {
     vertices += mesh.vertices.size();
     triangles += mesh.indices.size() / 3;
+    for (const scenes::Vertex& v : mesh.vertices) {
+      const float sum = v.weights[0] + v.weights[1] + v.weights[2] + v.weights[3];
+      if (sum != 0) {
+        ASSERT_NEAR(sum, 1, 1e-5) << mesh.name;
+      }
+      weighted += sum != 0;
+    }
   }
+  EXPECT_GT(weighted, 30000u);
   EXPECT_GT(vertices, 32878u + 2 * 2680);
   EXPECT_GT(triangles, 64405u + 2 * 3600);
   EXPECT_GE(model.bone("RightHand"), 0);
