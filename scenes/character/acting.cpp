@@ -18,8 +18,6 @@ constexpr double body_lag = 0.110, shoulder_lag = 0.120, guard_lag = 0.140;  // 
 constexpr double foresight = 0.22;                                           // s, of anticipation
 constexpr double breath = 0.27;                                              // Hz
 
-/// Grows like x, but never beyond `limit`.
-
 }  // namespace
 
 Track act(const Figure& figure, const Path& path, double duration) {

@@ -24,8 +24,8 @@ struct ContactCapsule {
 /// The feet of a character whose bones have these poses: its soles, and its toes.
 std::vector<ContactCapsule> feet(const scenes::Model& character, const std::vector<Pose>& bones);
 
-/// A body's model along its longest side, in the body's frame; none where it is no twice as long as
-/// it is wide.
+/// A body's model along its longest side, in the body's frame; none where it is not twice as long
+/// as it is wide.
 std::optional<ContactCapsule> rod(const scenes::Model& model);
 
 }  // namespace taut::draw
