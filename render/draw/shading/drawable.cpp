@@ -25,7 +25,8 @@ Surface surface_named(std::string_view material) {
         words, [&](const char* word) { return name.find(word) != std::string::npos; });
   };
   if (has({"wood", "floor", "plank", "beam"})) return Surface::wood;
-  if (has({"cloth", "gi", "belt", "trouser", "fabric", "cotton"})) return Surface::cloth;
+  if (has({"cloth", "gi", "belt", "band", "collar", "tabi", "trouser", "fabric", "cotton"}))
+    return Surface::cloth;
   if (has({"skin"})) return Surface::skin;
   if (has({"hair"})) return Surface::hair;
   if (has({"paper"})) return Surface::paper;
