@@ -1,7 +1,8 @@
-"""The dojo: plank floor, shoji walls on three sides, posts, lintel, beams and plaster.
+"""The dojo: plank floor, shoji walls on three sides, posts, lintel, beams and plaster, under half a roof.
 
 The floor's top is y = 0 and the stage is around the origin; the back wall stands at z = -2.6, the side
-walls at x = +-4.2. Cameras look from the open side, +z.
+walls at x = +-4.2. Cameras look from the open side, +z, where the sun comes in: the roof ends over the middle of
+the floor, the wall on the sun's side, x > 0, a little farther.
 """
 import numpy as np
 
@@ -10,9 +11,10 @@ from mesh import Part
 
 BACK, SIDE, FRONT, CEILING = -2.6, 4.2, 6.0, 3.3
 _BAY = 1.2  # width of a shoji panel
-_DEEP = 7  # panels along a side wall
+_DEEP = {-1: 7, 1: 4}  # panels along a side wall
+_EAVES = 0.75  # where the roof ends, z
 _LINTEL = 2.12
-_END = BACK + _DEEP * _BAY
+_END = {side: BACK + panels * _BAY for side, panels in _DEEP.items()}
 
 
 class _Pile:
@@ -79,17 +81,18 @@ def _shaded(part):
 def _floor():
     planks, rng = _Pile("Floor", "Floor"), np.random.default_rng(3)
     width, length = 0.15, 1.8
-    for x in np.arange(-SIDE - width, SIDE + width, width):
-        z = BACK - 0.3 - length * rng.random()
+    for x in np.arange(-SIDE, SIDE - width / 2, width):
+        z = BACK
         while z < FRONT:
+            long = min(length * (rng.random() if z == BACK else 1), FRONT - z)
             tone = 0.72 + 0.28 * rng.random()
             warm = 1 + 0.10 * (rng.random() - 0.5)
             # Ends overlap by their bevels, which would glitter.
             planks.add(
-                (x + width / 2, -0.0125, z + length / 2), (width, 0.025, length + 2 * 0.0014), 0.0014,
+                (x + width / 2, -0.0125, z + long / 2), (width, 0.025, long + 2 * 0.0014), 0.0014,
                 (tone, tone * warm, tone * warm**2), lambda n: n[:, 1] > 0.1,
             )
-            z += length
+            z += long
     part = planks.part()
     part.tint(part.normals[:, 1] < 0.95, (0.30, 0.28, 0.26))  # no light comes out of the joints
     return _shaded(part)
@@ -122,28 +125,34 @@ def _inwards(n):
 
 
 def _daylit(paper):
-    """The eaves outside take the sky from the upper sheets, and warm what light is left."""
+    """The eaves outside take the sky from the upper sheets, and the corners see less of it; what light is left is
+    warmer."""
     paper = _split(paper, lambda p: np.full(len(p), 0.30))
-    under = np.clip((paper.points[:, 1] - 0.435) / 1.635, 0, 1)
-    dim = 1 - 0.50 * under**1.6
-    paper.colors = paper.colors * np.stack([dim, dim**1.1, dim**1.25], axis=1)
+    p = paper.points
+    under = np.clip((p[:, 1] - 0.435) / 1.635, 0, 1)
+    corner = np.exp(-np.minimum(SIDE - np.abs(p[:, 0]), p[:, 2] - BACK - 0.02 + 1.5 * (np.abs(p[:, 0]) < SIDE - 0.1)) / 0.9)
+    dim = (1 - 0.62 * under**1.5) * (1 - 0.35 * corner)
+    paper.colors = paper.colors * np.stack([dim, dim**1.12, dim**1.3], axis=1)
     return paper
 
 
 def _beams(frame):
     for y, tall, thick in ((_LINTEL + 0.04, 0.11, 0.11), (CEILING - 0.08, 0.16, 0.12)):
         frame.add((0, y, BACK), (2 * SIDE + 0.2, tall, thick), 0.006)
-        for s in (-1, 1):
-            frame.add((s * SIDE, y, (BACK + _END) / 2), (thick, tall, _END - BACK + 0.2), 0.006)
+        for s, end in _END.items():
+            frame.add((s * SIDE, y, (BACK + end) / 2), (thick, tall, end - BACK + 0.2), 0.006)
     for x in (-SIDE, -SIDE / 2 - 0.3, SIDE / 2 + 0.3, SIDE):
         frame.add((x, CEILING / 2, BACK + 0.02), (0.13, CEILING, 0.13), 0.006)
-    for s in (-1, 1):
-        for z in (BACK + 3 * _BAY, _END):
+    for s, end in _END.items():
+        for z in (BACK + 2 * _BAY, end):
             frame.add((s * SIDE, CEILING / 2, z), (0.13, CEILING, 0.13), 0.006)
-        frame.add((s * (SIDE - 0.03), 0.045, (BACK + _END) / 2), (0.05, 0.09, _END - BACK), 0.004)
+        frame.add((s * (SIDE - 0.03), 0.045, (BACK + end) / 2), (0.05, 0.09, end - BACK), 0.004)
     frame.add((0, 0.045, BACK + 0.03), (2 * SIDE, 0.09, 0.05), 0.004)
-    for z in np.arange(BACK + 1.2, FRONT, 1.5):
+    for z in (BACK + 1.2, BACK + 2.4, _EAVES):
         frame.add((0, CEILING - 0.07, z), (2 * SIDE, 0.14, 0.12), 0.006)
+    for x in np.arange(-SIDE + 0.15, SIDE - 0.1, 0.16):  # slats below the eaves
+        frame.add((x, CEILING - 0.32, _EAVES), (0.045, 0.40, 0.03), 0.002)
+    frame.add((0, CEILING - 0.54, _EAVES), (2 * SIDE, 0.05, 0.05), 0.003)
 
 
 def _walls():
@@ -151,15 +160,28 @@ def _walls():
     rng = np.random.default_rng(5)
     bays = int(round(2 * SIDE / _BAY))
     _shoji(frame, paper, lambda u, y, d: (u, y, BACK + d), 0, bays, -SIDE + _BAY / 2, rng)
-    for s in (-1, 1):
-        _shoji(frame, paper, lambda u, y, d, s=s: (s * (SIDE - d), y, u), 2, _DEEP, BACK + _BAY / 2, rng)
+    for s, panels in _DEEP.items():
+        _shoji(frame, paper, lambda u, y, d, s=s: (s * (SIDE - d), y, u), 2, panels, BACK + _BAY / 2, rng)
     _beams(frame)
     high = CEILING - _LINTEL
     plaster.add((0, _LINTEL + high / 2, BACK - 0.02), (2 * SIDE, high, 0.05))
-    for s in (-1, 1):
-        plaster.add((s * (SIDE + 0.02), _LINTEL + high / 2, (BACK + _END) / 2), (0.05, high, _END - BACK))
-    plaster.add((0, CEILING + 0.03, (BACK + FRONT) / 2), (2 * SIDE + 0.4, 0.05, FRONT - BACK + 0.4))
-    return [frame.part(), _shaded(_daylit(paper.part())), _shaded(plaster.part())]
+    for s, end in _END.items():
+        plaster.add((s * (SIDE + 0.02), _LINTEL + high / 2, (BACK + end) / 2), (0.05, high, end - BACK))
+    plaster.add((0, CEILING + 0.03, (BACK + _EAVES) / 2), (2 * SIDE + 0.4, 0.05, _EAVES - BACK + 0.2))
+    return [frame.part(), _names(rng), _shaded(_daylit(paper.part())), _shaded(plaster.part())]
+
+
+def _names(rng):
+    """The pupils' names on a board over the lintel: plates of pale wood, of which each hangs a little otherwise."""
+    plates = _Pile("Plates", "PlateWood")
+    for row, y in ((0, 2.66), (1, 2.42)):
+        for k in range(30 - 7 * row):
+            x = -1.62 + 0.088 * k + 0.004 * (rng.random() - 0.5)
+            tone = 0.62 + 0.38 * rng.random()
+            warm = 1 - 0.08 * rng.random()
+            plates.add((x, y + 0.003 * rng.random(), BACK + 0.012 + 0.002 * rng.random()), (0.062, 0.185, 0.010), 0.0015,
+                       (tone, tone * warm, tone * warm**2))
+    return plates.part()
 
 
 def build():

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/draw/shading/lighting.h"
+
 namespace taut::draw {
 namespace {
 
@@ -29,10 +31,6 @@ Eigen::Matrix4f moved_by(const Eigen::Matrix4f& view_projection, const picture::
 }
 
 }  // namespace
-
-float penumbra(const Eigen::Matrix4f& light_projection) {
-  return kSun * light_projection.row(0).head<3>().norm() / light_projection.row(2).head<3>().norm();
-}
 
 std::vector<Exposures> exposures(double way, int samples, int states, double apart) {
   std::vector<Exposures> result;

@@ -11,12 +11,6 @@
 
 namespace taut::draw {
 
-constexpr float kSun = 0.0047f;  // rad, the radius of its disc
-
-/// Half of a shadow's penumbra in widths of its map, for each of the map's depths between what
-/// throws it and what it falls on.
-float penumbra(const Eigen::Matrix4f& light_projection);
-
 /// Things that come up to `way` px while the shutter is open take so many exposures.
 struct Exposures {
   int count;

@@ -19,6 +19,13 @@ std::vector<Drawable> scenery_of(const gl::Gl& gl, const scenes::Stage& stage) {
   return scenery;
 }
 
+std::vector<const scenes::Mesh*> meshes_of(const scenes::Stage& stage) {
+  std::vector<const scenes::Mesh*> meshes;
+  for (const auto& model : stage.scenery)
+    for (const scenes::Mesh& mesh : model->meshes) meshes.push_back(&mesh);
+  return meshes;
+}
+
 Vec3 looked_at(const scenes::Stage& stage) {
   return stage.camera.empty() ? Vec3(Vec3::Zero()) : scenes::camera_at(stage.camera, 0).target;
 }
@@ -37,16 +44,13 @@ StageParts::StageParts(const gl::Context& context, const scenes::Stage& s, const
       shading(options),
       background(s.background),
       scenery(scenery_of(gl, s)),
-      room(gl, s.light, scenery, looked_at(s)),
-      surfaces(gl, s.light, surroundings_of(s, room), options.map_size,
+      scenery_shadow(gl, s.light, scenery),
+      room(gl, s.light, scenery, meshes_of(s), scenery_shadow, looked_at(s)),
+      surfaces(gl, s.light, surroundings_of(s, room), scenery_shadow, options.map_size,
                options.lit ? Output::display : Output::flat),
       map(gl, options.map_size),
       parts(gl, s, world) {
   for (const auto& model : stage.body_models) rods_.push_back(model ? rod(*model) : std::nullopt);
-  if (!room.encloses()) return;
-  std::size_t i = 0;
-  for (const auto& model : stage.scenery)
-    for (const scenes::Mesh& mesh : model->meshes) scenery[i++].bathe(room.on(mesh));
 }
 
 Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) const {

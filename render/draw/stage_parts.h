@@ -7,6 +7,7 @@
 #include "render/draw/moving_parts.h"
 #include "render/draw/shading/contact.h"
 #include "render/draw/shading/room_light.h"
+#include "render/draw/shading/scenery_shadow.h"
 #include "render/draw/shading/shadow_map.h"
 #include "render/draw/shading/surfaces.h"
 #include "render/draw/view.h"
@@ -41,6 +42,7 @@ struct StageParts {
   const Shading shading;
   Vec3 background;
   std::vector<Drawable> scenery;
+  SceneryShadow scenery_shadow;
   RoomLight room;
   Surfaces surfaces;
   ShadowMap map;

@@ -91,7 +91,6 @@ struct StageRenderer::Impl : StageParts {
     const bool solid = opacity >= 1;
     surfaces.use(look.block);
     draw_solid();
-    // Scenery casts no shadow: the key light is a stage's light, and walls would shut it out.
     map.clear();
     if (solid) map.draw(casters);
     lap("shadow map");

@@ -52,6 +52,7 @@ std::uint64_t fingerprint(const scenes::Stage& stage) {
   const scenes::Light& light = stage.light;
   for (const Vec3& v : {light.direction, light.color, light.sky, light.ground, stage.background})
     add(hash, v);
+  hash.number(light.scenery_casts);
   add(hash, stage.scenery);
   add(hash, stage.body_models);
   add(hash, stage.characters);

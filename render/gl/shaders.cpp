@@ -314,7 +314,8 @@ void main() {
   vec3 diffuse_lit = vec3(lit);
 #endif
   bool needed = max(diffuse_lit.r, diffuse_lit.b) > 0;
-  float seen = key_visibility(needed, dot(normalize(world_normal), l));
+  float open_sky = past_scenery(world_position);
+  float seen = open_sky * key_visibility(needed, dot(normalize(world_normal), l));
   vec3 radiance = LIGHT_COLOR * seen * (diffuse * diffuse_lit + lobe * fresnel * lit);
 
   vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);
@@ -323,7 +324,7 @@ void main() {
 #if !BATHED
   vec3 ambient = ambient_light(n);
 #endif
-#if MIRROR && !GLOSSY && BATHED
+#if OUTPUT == 2 || (MIRROR && !GLOSSY && BATHED)
   vec3 mirrored = ambient;
 #elif MIRROR && !GLOSSY
   vec3 mirrored = max(ambient_light(reflect(-v, n)), 0);
@@ -337,7 +338,7 @@ void main() {
 #endif
   float open = contact_light(world_position, n);
 #if SHADE == 2
-  vec3 unshaded = LIGHT_COLOR * (diffuse * diffuse_lit + lobe * fresnel * lit) + ambient_part;
+  vec3 unshaded = LIGHT_COLOR * open_sky * (diffuse * diffuse_lit + lobe * fresnel * lit) + ambient_part;
 #endif
   radiance += open * ambient_part;
 #if SURFACE == 5
@@ -359,14 +360,5 @@ void main() {
 }
 #endif
 )";
-
-const char* const depth_vertex = R"(
-layout(location = 0) in vec3 position;
-uniform mat4 model;
-void main() {
-  gl_Position = vec4((light_projection * (model * vec4(position, 1))).xyz * 2 - 1, 1);
-})";
-
-const char* const depth_fragment = "void main() {}";
 
 }  // namespace taut::gl::shaders

@@ -44,7 +44,11 @@ const TableFormat& stage_format() {
   static const TableFormat light{{vector("direction", "The way the key light travels.", ""),
                                   color("color", "Linear radiance of the key light."),
                                   color("sky", "Linear ambient light from above."),
-                                  color("ground", "Linear ambient light from below.")}};
+                                  color("ground", "Linear ambient light from below."),
+                                  {.name = "scenery_casts",
+                                   .type = Type::flag,
+                                   .meaning = "The scenery throws shadows: the key light comes in "
+                                              "only where it is open; default: false."}}};
   static const TableFormat caption{{needed(not_negative("from", "When it appears.", "s")),
                                     needed(positive("until", "When it goes.", "s")),
                                     needed(text("text", "What it says.")),

@@ -84,6 +84,7 @@ Light read_light(const Document& document, const Value& value) {
   light.color = vec3_or(value, "color", light.color);
   light.sky = vec3_or(value, "sky", light.sky);
   light.ground = vec3_or(value, "ground", light.ground);
+  if (const Value* casts = value.find("scenery_casts")) light.scenery_casts = casts->flag;
   return light;
 }
 

@@ -33,6 +33,7 @@ struct Light {
   Vec3 color = Vec3(6.8, 5.3, 3.8);           // linear radiance of the key light
   Vec3 sky = Vec3(0.49, 0.61, 0.82);          // ambient from above, linear
   Vec3 ground = Vec3(0.22, 0.184, 0.15);      // ambient from below, linear
+  bool scenery_casts = false;  // the key light comes in only where the scenery is open
 };
 
 /// How a connector is drawn along its particles.

@@ -50,12 +50,6 @@ Harmonics HarmonicSum::irradiance() const {
   return result;
 }
 
-Eigen::Vector3f irradiance(const Harmonics& h, const Eigen::Vector3f& n) {
-  const float x = n.x(), y = n.y(), z = n.z();
-  return h[0] + h[1] * y + h[2] * z + h[3] * x + h[4] * (x * y) + h[5] * (y * z) +
-         h[6] * (3 * z * z - 1) + h[7] * (x * z) + h[8] * (x * x - y * y);
-}
-
 Harmonics ambient_harmonics(const scenes::Light& light) {
   constexpr int kDirections = 2048;
   HarmonicSum sum;
@@ -107,6 +101,10 @@ LightMap light_map(const Vec3& direction, const Eigen::AlignedBox3d& casters, in
   m.row(1) << axes.row(1) / size, -bottom / size;
   m.row(2) << axes.row(2) / depth, -near / depth;
   return {m.cast<float>(), texel};
+}
+
+float penumbra(const Eigen::Matrix4f& light_projection) {
+  return kSun * light_projection.row(0).head<3>().norm() / light_projection.row(2).head<3>().norm();
 }
 
 Eigen::Matrix4f camera_projection(const scenes::CameraView& camera, double aspect) {

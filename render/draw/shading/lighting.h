@@ -33,9 +33,6 @@ class HarmonicSum {
                            Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
 };
 
-/// Irradiance over pi on a surface with that unit normal.
-Eigen::Vector3f irradiance(const Harmonics& harmonics, const Eigen::Vector3f& normal);
-
 /// The ambient light of a stage: sky above, ground below, and what the ground throws back of the
 /// key light (Ramamoorthi and Hanrahan 2001).
 Harmonics ambient_harmonics(const scenes::Light& light);
@@ -52,6 +49,12 @@ struct LightMap {
   double texel = 0;  // m
 };
 LightMap light_map(const Vec3& direction, const Eigen::AlignedBox3d& casters, int resolution);
+
+constexpr float kSun = 0.0047f;  // rad, the radius of its disc
+
+/// Half of a shadow's penumbra in widths of its map, for each of the map's depths between what
+/// throws it and what it falls on.
+float penumbra(const Eigen::Matrix4f& light_projection);
 
 /// World to clip space. The picture's aspect is width / height.
 Eigen::Matrix4f camera_projection(const scenes::CameraView& camera, double aspect);

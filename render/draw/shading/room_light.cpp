@@ -3,31 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "render/draw/shading/light_cube.h"
 
 namespace taut::draw {
 namespace {
 
-constexpr double kLeast = 1.0;                     // m, a side of what encloses a room
-constexpr double kMargin = 0.25;                   // m, from the walls to the outermost points
-constexpr std::array<int, 3> kPoints = {4, 2, 4};  // of the grid, by x, y, z
-constexpr int kSide = 32;                          // px of the pictures
-constexpr int kLevels = 5;                         // of roughness, from 0 to 1 evenly
-constexpr double kNear = 0.02, kFar = 60;          // m
+constexpr double kLeast = 1.0;    // m, a side of what encloses a room
+constexpr double kMargin = 0.25;  // m, from the walls to the outermost points
+constexpr std::array<std::array<int, 3>, 2> kPoints = {  // of the grid, by x, y, z
+    {{3, 2, 3}, {5, 2, 6}}};               // as the first bounce is gathered, and the second
+constexpr int kSide = 32;                  // px of the pictures
+constexpr int kMirror = 128;               // px of the one that is mirrored
+constexpr int kLevels = 5;                 // of roughness, from 0 to 1 evenly
+constexpr double kNear = 0.02, kFar = 60;  // m
 
 using Eigen::Matrix4f;
-
-/// Across, up and ahead of a cube's six sides, in OpenGL's order.
-std::array<Mat3, 6> cube_sides() {
-  const auto side = [](const Vec3& across, const Vec3& up, const Vec3& ahead) {
-    Mat3 m;
-    m << across, up, ahead;
-    return m;
-  };
-  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
-  return {side(-z, -y, x), side(z, -y, -x), side(x, z, y),
-          side(x, -z, -y), side(x, -y, z),  side(-x, -y, -z)};
-}
 
 /// World to clip space of a picture of a right angle.
 Matrix4f projection(const Mat3& side, const Vec3& eye) {
@@ -41,21 +32,6 @@ Matrix4f projection(const Mat3& side, const Vec3& eye) {
   lens(3, 2) = -1;
   lens(3, 3) = 0;
   return (lens * view).cast<float>();
-}
-
-/// A pixel of a cube: where it is, its share of the sphere, and its light.
-struct Pixel {
-  Vec3 direction;      // unit
-  double solid_angle;  // sr
-  Vec3 radiance;
-};
-
-/// The pixel (i, j) of a side that is `size` wide, without light.
-Pixel pixel(const Mat3& side, int i, int j, int size) {
-  const double s = (2 * i + 1.0) / size - 1, t = (2 * j + 1.0) / size - 1;
-  const double square = 1 + s * s + t * t, width = 2.0 / size;
-  return {(s * side.col(0) + t * side.col(1) + side.col(2)) / std::sqrt(square),
-          width * width / (square * std::sqrt(square)), Vec3::Zero()};
 }
 
 /// Neighbouring triangles of a thing, which one side of a cube sees or does not.
@@ -89,24 +65,31 @@ bool may_show(const Eigen::AlignedBox3d& box, const Mat3& side, const Vec3& eye)
   return true;
 }
 
+Harmonics no_light() {
+  Harmonics none;
+  none.fill(Eigen::Vector3f::Zero());
+  return none;
+}
+
 /// Takes cubes of pictures of the scenery.
 class Photographer {
  public:
-  Photographer(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things)
+  Photographer(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things,
+               const SceneryShadow& shadow)
       : gl_(gl),
         light_(light),
         things_(things),
-        surfaces_(gl, light, {ambient_harmonics(light)}, 1, Output::radiance),
-        color_(make_texture(gl, GL_RGBA32F, kSide, kSide)),
-        depth_(make_texture(gl, GL_DEPTH_COMPONENT24, kSide, kSide)),
+        surfaces_(gl, light, {no_light()}, shadow, 1, Output::radiance),
+        color_(make_texture(gl, GL_RGBA32F, kMirror, kMirror)),
+        depth_(make_texture(gl, GL_DEPTH_COMPONENT24, kMirror, kMirror)),
         target_(make_framebuffer(gl, color_.id(), depth_.id())) {
     for (const Drawable& thing : things) patches_.push_back(patches(thing));
   }
 
-  /// Side by side, rows from t = -1.
-  std::vector<Pixel> take(const Vec3& eye) {
+  /// Side by side, rows from t = -1; `size` px wide, at most kMirror.
+  std::vector<CubePixel> take(const Vec3& eye, int size) {
     gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.id());
-    gl_.Viewport(0, 0, kSide, kSide);
+    gl_.Viewport(0, 0, size, size);
     gl_.Enable(GL_DEPTH_TEST);
     gl_.DepthMask(GL_TRUE);
     gl_.DepthFunc(GL_LEQUAL);
@@ -115,10 +98,10 @@ class Photographer {
     gl_.Disable(GL_BLEND);
     gl_.Disable(GL_SCISSOR_TEST);
     gl_.ClearColor(0, 0, 0, 0);
-    std::vector<Pixel> cube;
-    std::vector<Eigen::Vector4f> read(std::size_t(kSide * kSide));
+    std::vector<CubePixel> cube;
+    std::vector<Eigen::Vector4f> read(std::size_t(size * size));
     for (const Mat3& side : cube_sides()) {
-      FrameBlock block({eye, eye + Vec3::UnitZ(), 1}, {0, 0, kSide, kSide});
+      FrameBlock block({eye, eye + Vec3::UnitZ(), 1}, {0, 0, size, size});
       block.view_projection = projection(side, eye);
       surfaces_.use(block);
       gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -129,12 +112,12 @@ class Photographer {
             indices_.insert(indices_.end(), patch.indices.begin(), patch.indices.end());
         surfaces_.draw({{things_[i], Matrix4f::Identity()}, indices_}, Shade::lit);
       }
-      gl_.PixelStorei(GL_PACK_ROW_LENGTH, kSide);
-      gl_.ReadPixels(0, 0, kSide, kSide, GL_RGBA, GL_FLOAT, read.data());
-      for (int j = 0; j < kSide; ++j)
-        for (int i = 0; i < kSide; ++i) {
-          Pixel seen = pixel(side, i, j, kSide);
-          const Eigen::Vector4f& color = read[std::size_t(j * kSide + i)];
+      gl_.PixelStorei(GL_PACK_ROW_LENGTH, size);
+      gl_.ReadPixels(0, 0, size, size, GL_RGBA, GL_FLOAT, read.data());
+      for (int j = 0; j < size; ++j)
+        for (int i = 0; i < size; ++i) {
+          CubePixel seen = cube_pixel(side, i, j, size);
+          const Eigen::Vector4f& color = read[std::size_t(j * size + i)];
           seen.radiance = color.w() > 0 ? Vec3(color.head<3>().cast<double>())
                                         : surrounding_light(light_, seen.direction);
           cube.push_back(seen);
@@ -153,48 +136,26 @@ class Photographer {
   std::vector<std::uint32_t> indices_;
 };
 
-Harmonics harmonics(std::span<const Pixel> cube) {
-  HarmonicSum sum;
-  for (const Pixel& p : cube) sum.add(p.direction, p.radiance, p.solid_angle);
-  return sum.irradiance();
-}
-
-/// The mirrored light of a surface of that roughness in a direction: the mean by the lobe of GGX,
-/// seen along its axis.
-Vec3 blurred(std::span<const Pixel> cube, const Vec3& ahead, double roughness) {
-  const double a2 = std::pow(roughness, 4);
-  Vec3 sum = Vec3::Zero();
-  double weights = 0;
-  for (const Pixel& p : cube) {
-    const double nl = p.direction.dot(ahead);
-    if (nl <= 0) continue;
-    const double nh2 = 0.5 * (1 + nl);  // of the half vector, squared
-    const double d = nh2 * (a2 - 1) + 1;
-    const double weight = a2 / (d * d) * nl * p.solid_angle;
-    sum += weight * p.radiance;
-    weights += weight;
-  }
-  return sum / weights;
-}
-
-gl::GlObject mirror_texture(const gl::Gl& gl, std::span<const Pixel> cube) {
+gl::GlObject mirror_texture(const gl::Gl& gl, std::span<const CubePixel> cube) {
   GLuint id = 0;
   gl.CreateTextures(GL_TEXTURE_CUBE_MAP, 1, &id);
   gl::GlObject texture(gl, id, [](const gl::Gl& g, GLuint i) { g.DeleteTextures(1, &i); });
-  gl.TextureStorage2D(id, kLevels, GL_RGBA16F, kSide, kSide);
+  gl.TextureStorage2D(id, kLevels, GL_RGBA16F, kMirror, kMirror);
   gl.TextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl.TextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
   const auto sides = cube_sides();
+  const CubeMips mips(cube, kMirror);
   for (int level = 0; level < kLevels; ++level) {
-    const int size = kSide >> level;
+    const int size = kMirror >> level;
     std::vector<Eigen::Vector4f> colors;
     for (std::size_t side = 0; side < 6; ++side) {
       for (int j = 0; j < size; ++j)
         for (int i = 0; i < size; ++i) {
           const std::size_t at = (side * std::size_t(size) + std::size_t(j)) * std::size_t(size);
-          const Vec3 light = level == 0 ? cube[at + std::size_t(i)].radiance
-                                        : blurred(cube, pixel(sides[side], i, j, size).direction,
-                                                  double(level) / (kLevels - 1));
+          const Vec3 light = level == 0
+                                 ? cube[at + std::size_t(i)].radiance
+                                 : mips.blurred(cube_pixel(sides[side], i, j, size).direction,
+                                                double(level) / (kLevels - 1));
           colors.push_back({float(light.x()), float(light.y()), float(light.z()), 1});
         }
     }
@@ -206,6 +167,7 @@ gl::GlObject mirror_texture(const gl::Gl& gl, std::span<const Pixel> cube) {
 }  // namespace
 
 RoomLight::RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things,
+                     std::span<const scenes::Mesh* const> meshes, const SceneryShadow& shadow,
                      const Vec3& middle) {
   for (const Drawable& thing : things)
     if (!thing.box().isEmpty())
@@ -214,39 +176,44 @@ RoomLight::RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Dra
   if (room_.isEmpty() || room_.sizes().minCoeff() < kLeast) return;
   points_ = {room_.min() + Vec3::Constant(kMargin), room_.max() - Vec3::Constant(kMargin)};
   middle_ = middle.cwiseMax(points_.min()).cwiseMin(points_.max());
-  Photographer photographer(gl, light, things);
-  for (int k = 0; k < kPoints[2]; ++k)
-    for (int j = 0; j < kPoints[1]; ++j)
-      for (int i = 0; i < kPoints[0]; ++i) {
-        const Vec3 share(double(i) / (kPoints[0] - 1), double(j) / (kPoints[1] - 1),
-                         double(k) / (kPoints[2] - 1));
-        grid_.push_back(
-            harmonics(photographer.take(points_.min() + share.cwiseProduct(points_.sizes()))));
-      }
-  const std::vector<Pixel> cube = photographer.take(middle_);
+  Photographer photographer(gl, light, things, shadow);
+  for (const std::array<int, 3>& points : kPoints) {
+    count_ = points;
+    grid_.clear();
+    for (int k = 0; k < count_[2]; ++k)
+      for (int j = 0; j < count_[1]; ++j)
+        for (int i = 0; i < count_[0]; ++i) {
+          const Vec3 share(double(i) / (count_[0] - 1), double(j) / (count_[1] - 1),
+                           double(k) / (count_[2] - 1));
+          grid_.push_back(side_light(
+              photographer.take(points_.min() + share.cwiseProduct(points_.sizes()), kSide)));
+        }
+    for (std::size_t i = 0; i < things.size(); ++i) things[i].bathe(on(*meshes[i]));
+  }
+  const std::vector<CubePixel> cube = photographer.take(middle_, kMirror);
   middle_light_ = harmonics(cube);
   mirror_ = mirror_texture(gl, cube);
 }
 
-Harmonics RoomLight::at(const Vec3& point) const {
+SideLight RoomLight::at(const Vec3& point) const {
   std::array<int, 3> cell{};
   Vec3 share;
   for (int axis = 0; axis < 3; ++axis) {
-    const int cells = kPoints[std::size_t(axis)] - 1;
+    const int cells = count_[std::size_t(axis)] - 1;
     const double x = std::clamp((point[axis] - points_.min()[axis]) / points_.sizes()[axis] * cells,
                                 0.0, double(cells));
     cell[std::size_t(axis)] = std::min(int(x), cells - 1);
     share[axis] = x - cell[std::size_t(axis)];
   }
-  Harmonics sum{};
+  SideLight sum;
   sum.fill(Eigen::Vector3f::Zero());
   for (int corner = 0; corner < 8; ++corner) {
     const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
     const double weight = (i ? share.x() : 1 - share.x()) * (j ? share.y() : 1 - share.y()) *
                           (k ? share.z() : 1 - share.z());
-    const Harmonics& one =
-        grid_[std::size_t(((cell[2] + k) * kPoints[1] + cell[1] + j) * kPoints[0] + cell[0] + i)];
-    for (std::size_t n = 0; n < 9; ++n) sum[n] += float(weight) * one[n];
+    const SideLight& one =
+        grid_[std::size_t(((cell[2] + k) * count_[1] + cell[1] + j) * count_[0] + cell[0] + i)];
+    for (std::size_t n = 0; n < sum.size(); ++n) sum[n] += float(weight) * one[n];
   }
   return sum;
 }
@@ -257,7 +224,11 @@ std::vector<Eigen::Vector3f> RoomLight::on(const scenes::Mesh& mesh) const {
   for (const scenes::Vertex& v : mesh.vertices) {
     const Eigen::Vector3f n = Eigen::Vector3f(v.normal.data()).normalized();
     const Vec3 place = Eigen::Vector3f(v.position.data()).cast<double>();
-    light.push_back(irradiance(at(place), n).cwiseMax(0));
+    const SideLight sides = at(place);
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (int axis = 0; axis < 3; ++axis)
+      sum += n[axis] * n[axis] * sides[std::size_t(2 * axis + (n[axis] < 0))];
+    light.push_back(sum);
   }
   return light;
 }

@@ -2,27 +2,32 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "render/draw/shading/drawable.h"
+#include "render/draw/shading/light_cube.h"
 #include "render/draw/shading/lighting.h"
+#include "render/draw/shading/scenery_shadow.h"
 #include "render/draw/shading/surfaces.h"
 
 namespace taut::draw {
 
 /// Indirect light in a room. The scenery is drawn as cubes of pictures around points of a grid, in
-/// the key light, with what glows and with the stage's ambient light for all further bounces. What
-/// the pictures show becomes irradiance in spherical harmonics (Ramamoorthi and Hanrahan 2001),
-/// linear between the points; one cube more, blurred by roughness (Karis 2013), is what glossy
-/// surfaces mirror.
+/// the key light and with what glows; then once more in the light that this throws back, so that
+/// two bounces are seen. What the pictures show becomes the irradiance of six sides (McTaggart
+/// 2004): walls at right angles take it without loss. It is linear between the points. One cube
+/// more lights what moves, by spherical harmonics (Ramamoorthi and Hanrahan 2001), and is, blurred
+/// by roughness (Karis 2013), what glossy surfaces mirror.
 class RoomLight {
  public:
-  /// `things` are drawn in world space. `middle` (m): where what moves is lit, or
-  /// as near to it as the room reaches. Scenery that
-  /// encloses no room (a side under 1 m) throws nothing back.
+  /// `things`, those of the `meshes` in world space, are bathed in it. `middle` (m): where what
+  /// moves is lit, or as near to it as the room reaches. Scenery that encloses no room (a side
+  /// under 1 m) throws nothing back.
   RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things,
+            std::span<const scenes::Mesh* const> meshes, const SceneryShadow& shadow,
             const Vec3& middle);
 
   bool encloses() const { return !grid_.empty(); }
@@ -32,11 +37,12 @@ class RoomLight {
   Surroundings surroundings() const;
 
  private:
-  Harmonics at(const Vec3& point) const;
+  SideLight at(const Vec3& point) const;
 
   Eigen::AlignedBox3d room_;
   Eigen::AlignedBox3d points_;   // the grid's corners
-  std::vector<Harmonics> grid_;  // [z][y][x]
+  std::array<int, 3> count_{};   // its points by x, y, z
+  std::vector<SideLight> grid_;  // [z][y][x]
   Harmonics middle_light_{};
   Vec3 middle_ = Vec3::Zero();
   gl::GlObject mirror_;

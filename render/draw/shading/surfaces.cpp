@@ -38,17 +38,18 @@ FrameBlock::FrameBlock(const scenes::CameraView& camera, const picture::Rect& vi
 }
 
 Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& around,
-                   int shadow_map_size, Output output)
+                   const SceneryShadow& scenery, int shadow_map_size, Output output)
     : gl_(gl),
       frame_(gl::make_buffer(gl)),
       noise_(make_noise_texture(gl)),
       mirror_(around.mirror),
+      scenery_(scenery),
       constants_(
           fmt::format("#define OUTPUT {}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define "
-                      "LEAST_PENUMBRA (1.5 / SHADOW_SIZE)\n#define CONTACT_RANGE {:.1f}\n{}{}{}",
+                      "LEAST_PENUMBRA (1.5 / SHADOW_SIZE)\n#define CONTACT_RANGE {:.1f}\n{}{}{}{}",
                       int(output), kExposure, shadow_map_size, kContactRange,
                       light_constants(light, around.ambient), mirror_constants(around),
-                      gl::shaders::frame_block)) {}
+                      scenery.constants(), gl::shaders::frame_block)) {}
 
 const gl::Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool bathed) {
   auto& slot = programs_[{surface, shade, glossy, bathed}];
@@ -67,6 +68,7 @@ void Surfaces::use(const FrameBlock& block) const {
   gl_.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_.id());
   gl_.BindTextureUnit(1, noise_.id());
   if (mirror_) gl_.BindTextureUnit(2, mirror_);
+  scenery_.bind();
 }
 
 void Surfaces::draw(const DrawItem& item, Shade shade, float opacity) {

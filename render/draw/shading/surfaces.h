@@ -9,6 +9,7 @@
 
 #include "render/draw/shading/draw_item.h"
 #include "render/draw/shading/lighting.h"
+#include "render/draw/shading/scenery_shadow.h"
 #include "render/gl/gpu.h"
 #include "render/picture/rect.h"
 #include "scenes/scene/stage.h"
@@ -57,8 +58,9 @@ enum class Output {
 
 class Surfaces {
  public:
+  /// `scenery` must outlive it.
   Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& surroundings,
-           int shadow_map_size, Output output);
+           const SceneryShadow& scenery, int shadow_map_size, Output output);
 
   /// Sets the camera and light of the following draws.
   void use(const FrameBlock& block) const;
@@ -71,6 +73,7 @@ class Surfaces {
   const gl::Gl& gl_;
   gl::GlObject frame_, noise_;
   GLuint mirror_;
+  const SceneryShadow& scenery_;
   std::string constants_;
   std::map<std::tuple<Surface, Shade, bool, bool>, std::unique_ptr<gl::Program>> programs_;
 };

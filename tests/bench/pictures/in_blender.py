@@ -171,7 +171,7 @@ def prepare(job):
             pattern(material, image, daylight(light))
         material.shadow_method = "OPAQUE"
     for item in bpy.data.objects:
-        if item.type == "MESH" and item.name.split(".")[0] in job["scenery"]:
+        if item.type == "MESH" and item.name.split(".")[0] in job["scenery"] and not light.get("scenery_casts"):
             item.visible_shadow = False
             for material in item.data.materials:
                 material.shadow_method = "NONE"
