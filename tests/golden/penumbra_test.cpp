@@ -6,7 +6,6 @@
 #include <memory>
 #include <numbers>
 
-#include "render/draw/jitter.h"
 #include "render/draw/shading/lighting.h"
 #include "render/draw/stage_renderer.h"
 #include "scenes/scene/shapes.h"
@@ -56,6 +55,24 @@ picture::Picture draw(const gl::Context& context, double above) {
   return canvas.finish();
 }
 
+/// The same, but a sheet of the scenery throws the shadow.
+picture::Picture draw_scenery(const gl::Context& context, double above) {
+  constexpr double kSheet = 0.002;  // m
+  scenes::Stage stage;
+  stage.light = {-Vec3::UnitY(), Vec3::Ones(), Vec3::Zero(), Vec3::Zero()};
+  stage.light.scenery_casts = true;
+  scenes::Model sheet = scenes::box_model(Vec3(kBox, kSheet, kBox), Vec3::Constant(0.6));
+  for (scenes::Vertex& v : sheet.meshes[0].vertices) v.position[1] += float(0.1 + above);
+  stage.scenery = {std::make_shared<const scenes::Model>(
+                       scenes::box_model(Vec3(2, 0.2, 2), Vec3::Constant(0.6))),
+                   std::make_shared<const scenes::Model>(std::move(sheet))};
+  draw::StageRenderer renderer(context, stage, World());
+  gl::Canvas canvas(context, kWidth, kHeight, 4);
+  const draw::View view{{0, 0, kWidth, kHeight}, kCamera};
+  renderer.begin(canvas, {&view, 1});
+  return canvas.finish();
+}
+
 /// The light at a place of the floor (m from the middle).
 double light(const picture::Picture& picture, double x) {
   const Eigen::Vector4f q = draw::camera_projection(kCamera, double(kWidth) / kHeight) *
@@ -86,6 +103,18 @@ TEST(Penumbra, IsAsWideAsTheSunsDiscSeenFromItsEdge) {
     const double radius = draw::kSun * (above + kBox);
     for (const double d : {-0.5, 0.0, 0.5})
       EXPECT_NEAR(place(picture, seen(d)), kBox / 2 + d * radius, 1.5 * kTexel + 0.1 * radius)
+          << above << " m, " << d;
+  }
+}
+
+TEST(Penumbra, OfSceneryIsAsWide) {
+  const gl::Context context(gl::Backend::automatic);
+  constexpr double kRoomTexel = 2.0 / 2048;  // m; the scenery is 2 m wide
+  for (const double above : {1.7, 2.5}) {
+    const picture::Picture picture = draw_scenery(context, above);
+    const double radius = draw::kSun * above;
+    for (const double d : {-0.5, 0.0, 0.5})
+      EXPECT_NEAR(place(picture, seen(d)), kBox / 2 + d * radius, 1.5 * kRoomTexel + 0.1 * radius)
           << above << " m, " << d;
   }
 }

@@ -11,7 +11,8 @@ and Cycles's pictures side by side, three of them as sheet.png.
 
 Needs Blender, numpy and a display for Eevee (Debian: blender, xvfb, python3-numpy).
 
-What the two share by agreement: the key light passes through the scenery where the scene has it so; paper glows with the daylight behind it; wood and paper have their patterns, skin and cloth have not (taut's have).
+What the two share by agreement: the key light passes through the scenery where the scene has it so; paper glows with
+the daylight behind it; wood and paper have their patterns, skin and cloth have not (taut's have).
 Eevee has the stage's ambient light in place of bounces, with ambient occlusion and reflections on the screen.
 """
 import argparse
