@@ -50,6 +50,7 @@ StageParts::StageParts(const gl::Context& context, const scenes::Stage& s, const
                options.lit ? Output::display : Output::flat),
       map(gl, options.map_size),
       parts(gl, s, world) {
+  for (const auto& model : stage.characters) arms_.push_back(arms(*model));
   for (const auto& model : stage.body_models) rods_.push_back(model ? rod(*model) : std::nullopt);
 }
 
@@ -74,6 +75,10 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
     for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c]))
       if (add(capsule)) look.contacts.push_back(capsule.bounds());
   block.feet = block.capsules;
+  for (std::size_t c = 0; c < std::min(instant.bones.size(), arms_.size()); ++c)
+    for (const scenes::Capsule& arm :
+         scenes::place_capsules(arms_[c], *stage.characters[c], instant.bones[c]))
+      add({arm.a, arm.b, arm.radius});
   for (std::size_t i = 0; i < std::min(rods_.size(), instant.state.bodies.size()); ++i) {
     if (!rods_[i]) continue;
     const Pose& at = instant.state.bodies[i];

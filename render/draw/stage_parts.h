@@ -50,6 +50,7 @@ struct StageParts {
 
  private:
   std::vector<std::optional<ContactCapsule>> rods_;  // [body]
+  std::vector<std::vector<scenes::Capsule>> arms_;   // [character]
 };
 
 /// The background and the scenery of all views in light that nothing takes, blurred by the lenses.

@@ -8,8 +8,8 @@ layout(std140, binding = 0) uniform Frame {
   mat4 view_projection;
   mat4 light_projection;   // world to [0,1]^3 of the shadow map
   vec4 eye;                // xyz; w: offset along the normal before the shadow's look-up, m
-  vec4 capsule_from[8];    // xyz; w: radius
-  vec4 capsule_to[8];      // xyz; w: 1/length^2
+  vec4 capsule_from[12];    // xyz; w: radius
+  vec4 capsule_to[12];      // xyz; w: 1/length^2
   int feet;                // the first of them, which darken the scenery
   int capsules;            // all; the others darken what moves
   float penumbra;          // half of it, in widths of the map, for each of its depths

@@ -40,6 +40,14 @@ std::vector<ContactCapsule> feet(const scenes::Model& character, const std::vect
   return capsules;
 }
 
+std::vector<scenes::Capsule> arms(const scenes::Model& character) {
+  std::vector<scenes::Capsule> capsules = scenes::fit_capsules(character);
+  std::erase_if(capsules, [&](const scenes::Capsule& c) {
+    return !character.bones[c.bone].name.ends_with("Arm");
+  });
+  return capsules;
+}
+
 std::optional<ContactCapsule> rod(const scenes::Model& model) {
   Eigen::AlignedBox3d box;
   for (const scenes::Mesh& mesh : model.meshes)

@@ -1,10 +1,11 @@
-// Contact shadows: things that stand on the floor take ambient light from it.
+// Contact shadows: what is near a surface takes ambient light from it, as feet from the floor.
 #pragma once
 
 #include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
+#include "scenes/character/capsules.h"
 #include "scenes/scene/stage.h"
 #include "sim/motion/types.h"
 
@@ -23,6 +24,9 @@ struct ContactCapsule {
 
 /// The feet of a character whose bones have these poses: its soles, and its toes.
 std::vector<ContactCapsule> feet(const scenes::Model& character, const std::vector<Pose>& bones);
+
+/// The arms of a character in its bind pose, which darken its trunk (scenes::place_capsules).
+std::vector<scenes::Capsule> arms(const scenes::Model& character);
 
 /// A body's model along its longest side, in the body's frame; none where it is not twice as long
 /// as it is wide.

@@ -16,7 +16,7 @@
 
 namespace taut::draw {
 
-constexpr std::size_t kCapsules = 8;
+constexpr std::size_t kCapsules = 12;
 
 /// The uniforms of a frame for every surface; mirrors the shaders' block.
 struct FrameBlock {
