@@ -6,7 +6,7 @@ the floor, the wall on the sun's side, x > 0, a little farther.
 """
 import numpy as np
 
-from lathe import box
+from lathe import box, revolve
 from mesh import Part
 
 BACK, SIDE, FRONT, CEILING = -2.6, 4.2, 6.0, 3.3
@@ -163,12 +163,13 @@ def _walls():
     for s, panels in _DEEP.items():
         _shoji(frame, paper, lambda u, y, d, s=s: (s * (SIDE - d), y, u), 2, panels, BACK + _BAY / 2, rng)
     _beams(frame)
+    _stand(frame)
     high = CEILING - _LINTEL
     plaster.add((0, _LINTEL + high / 2, BACK - 0.02), (2 * SIDE, high, 0.05))
     for s, end in _END.items():
         plaster.add((s * (SIDE + 0.02), _LINTEL + high / 2, (BACK + end) / 2), (0.05, high, end - BACK))
     plaster.add((0, CEILING + 0.03, (BACK + _EAVES) / 2), (2 * SIDE + 0.4, 0.05, _EAVES - BACK + 0.2))
-    return [frame.part(), _names(rng), _shaded(_daylit(paper.part())), _shaded(plaster.part())]
+    return [frame.part(), _names(rng), _staffs(), _shaded(_daylit(paper.part())), _shaded(plaster.part())]
 
 
 def _names(rng):
@@ -182,6 +183,38 @@ def _names(rng):
             plates.add((x, y + 0.003 * rng.random(), BACK + 0.012 + 0.002 * rng.random()), (0.062, 0.185, 0.010), 0.0015,
                        (tone, tone * warm, tone * warm**2))
     return plates.part()
+
+
+_STAND = (-3.28, BACK + 0.30, 1.35)  # x and z of its middle, and how long its staffs are
+_STAFFS = (0.42, 0.66, 0.90)  # heights
+
+
+def _stand(frame):
+    """What carries the staffs: two posts on feet, with pegs."""
+    x, z, long = _STAND
+    for side in (-1, 1):
+        at = x + side * 0.36 * long
+        frame.add((at, 0.53, z), (0.05, 1.0, 0.05), 0.004)
+        frame.add((at, 0.025, z), (0.06, 0.05, 0.36), 0.006)
+        for y in _STAFFS:
+            frame.add((at, y - 0.028, z + 0.05), (0.03, 0.024, 0.06), 0.003)
+    frame.add((x, 0.16, z), (0.72 * long, 0.05, 0.035), 0.004)
+
+
+def _staffs():
+    """Three staffs of pale wood, thinner towards their ends."""
+    x, z, long = _STAND
+    profile = [(0.0, -long / 2), (0.009, -long / 2), (0.0115, -long / 2 + 0.004), (0.0145, -0.2 * long)]
+    profile += [(r, -y) for r, y in reversed(profile)]
+    parts = []
+    for k, y in enumerate(_STAFFS):
+        staff = revolve("Staffs", "PlateWood", profile, 16)
+        p, n = staff.points, staff.normals
+        place = np.array([x + (0.03, -0.05, 0.02)[k], y, z + 0.05])
+        parts.append((np.stack([p[:, 1], -p[:, 0], p[:, 2]], 1) + place, np.stack([n[:, 1], -n[:, 0], n[:, 2]], 1), staff.triangles))
+    count = np.cumsum([0] + [len(p) for p, _, _ in parts])
+    return Part("Staffs", "PlateWood", np.concatenate([p for p, _, _ in parts]), np.concatenate([n for _, n, _ in parts]),
+                np.concatenate([t + first for (_, _, t), first in zip(parts, count)]))
 
 
 def build():
