@@ -20,7 +20,7 @@ constexpr double breath = 0.27;                                              // 
 
 }  // namespace
 
-Track act(const Figure& figure, const Path& path, double duration) {
+Track act(const Figure& figure, const Path& path, double duration, const Cues& cues) {
   const double scale = figure.scale();
   const Track hand = Track::sample(duration, acting_rate, [&](double time) {
     return Eigen::VectorXd((path.at(time).position - scale * hand_at_ease) / scale);
@@ -49,7 +49,7 @@ Track act(const Figure& figure, const Path& path, double duration) {
     Vec3 pelvis = pelvis_at_ease;
     pelvis.x() += soft(0.16 * h.x() - 0.020 * next.x(), 0.07);
     pelvis.x() += 0.6 * between.x() + 0.6 * (right.y() - left.y());
-    pelvis.y() += soft(0.10 * h.y() - 0.022 * std::abs(next.y()), 0.06) + 0.002 * chest_rise;
+    pelvis.y() += soft(0.10 * h.y() - 0.022 * std::abs(next.y()), 0.06) + 0.003 * chest_rise;
     pelvis.z() += soft(0.20 * h.z() - 0.014 * next.z(), 0.07) + 0.6 * between.z();
     c.segment<3>(root_x) = scale * pelvis;
 
@@ -61,13 +61,13 @@ Track act(const Figure& figure, const Path& path, double duration) {
     c[pelvis_lean] = 0.03 + soft(0.06 * h.z(), 0.04);
     c[spine_yaw] = spine_turned + 0.65 * twist;
     c[spine_lean] =
-        0.06 + soft(0.30 * h.z() - 0.22 * h.y() + 0.03 * next.y(), 0.18) - 0.012 * chest_rise;
+        0.06 + soft(0.30 * h.z() - 0.22 * h.y() + 0.03 * next.y(), 0.18) - 0.018 * chest_rise;
     c[spine_tilt] = soft(-0.30 * h.x() - 0.22 * h.y(), 0.14);
 
     c[right_shoulder_forward] = soft(0.45 * s.z() + 0.35 * s.x(), 0.25);
-    c[right_shoulder_up] = soft(0.55 * s.y(), 0.28) + 0.012 * chest_rise;
+    c[right_shoulder_up] = soft(0.55 * s.y(), 0.28) + 0.022 * chest_rise;
     c[left_shoulder_forward] = -0.04 - soft(0.25 * twist, 0.12);
-    c[left_shoulder_up] = 0.012 * chest_rise;
+    c[left_shoulder_up] = 0.022 * chest_rise;
 
     // The left fist keeps its guard and balances the right hand.
     const Vec3 guard = guard_at_ease + Vec3(soft(-0.22 * f.x(), 0.05), soft(-0.20 * f.y(), 0.07),
@@ -77,7 +77,10 @@ Track act(const Figure& figure, const Path& path, double duration) {
     c.segment<3>(left_step_x) = scale * left;
     rows.col(i) = c;
   }
-  return {std::move(rows), acting_rate};
+  Track controls(std::move(rows), acting_rate);
+  answer_stick(figure, path, cues, controls);
+  begin_and_end(figure, cues, controls);
+  return controls;
 }
 
 }  // namespace taut::scenes

@@ -1,7 +1,9 @@
 // The body's part in a hand's path: weight, torso, shoulders and head that prepare, follow through
-// and breathe. All of it follows from the path; nothing is keyed by hand.
+// and breathe, and that answer the free stick. All of it follows from the path; nothing is keyed by
+// hand.
 #pragma once
 
+#include "scenes/character/cues.h"
 #include "scenes/character/figure.h"
 #include "scenes/character/track.h"
 #include "sim/motion/path.h"
@@ -12,11 +14,20 @@ namespace taut::scenes {
 constexpr double acting_rate = 120;
 
 /// Controls over [0, duration] (s); those of head, eyes and right arm are left zero.
-Track act(const Figure& figure, const Path& path, double duration);
+Track act(const Figure& figure, const Path& path, double duration, const Cues& cues = {});
+
+/// Adds what the body does about the free stick: weight goes from foot to foot with it, hips turn
+/// against shoulders, knees sink and rise, the idle arm balances it, and he braces himself where it
+/// is fast. Before a stroke of the hand he winds up, after it he recoils.
+void answer_stick(const Figure& figure, const Path& path, const Cues& cues, Track& controls);
+
+/// Adds how he waits before he takes his stance, and how he greets in the end.
+void begin_and_end(const Figure& figure, const Cues& cues, Track& controls);
 
 /// Turns head and eyes: to the opponent straight ahead, and to the stick the more the higher the
-/// hand goes. The eyes are there first, the head comes after; now and then the lids blink.
-void look_about(const Figure& figure, const Path& path, Track& controls);
+/// hand goes; a free stick is followed while it is played, a little ahead of it. The eyes are there
+/// first, the head comes after; now and then the lids blink.
+void look_about(const Figure& figure, const Path& path, Track& controls, const Cues& cues = {});
 
 /// The face: calm before anything has happened, concentrated while the hand moves, strained where
 /// it is thrown about, and pleased once all is over.

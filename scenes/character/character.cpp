@@ -17,10 +17,11 @@ class Player : public Performance {
       : model_(std::move(model)),
         path_(stick.path),
         figure_(*model_, stick.diameter / 2),
-        controls_(act(figure_, *path_, duration)),
+        cues_(foresee(*path_, stick.free, duration)),
+        controls_(act(figure_, *path_, duration, cues_)),
         duration_(duration),
         cloth_(*model_, figure_.skeleton()) {
-    look_about(figure_, *path_, controls_);
+    look_about(figure_, *path_, controls_, cues_);
     play_face(figure_, *path_, controls_);
     plan_arm(figure_, *path_, controls_);
     for (Eigen::Index i = 0; head && i < controls_.count(); ++i) {
@@ -63,6 +64,7 @@ class Player : public Performance {
   std::shared_ptr<const Model> model_;
   std::shared_ptr<const Path> path_;
   Figure figure_;
+  Cues cues_;
   Track controls_;
   double duration_;  // s
   mutable std::once_flag has_cloth_;

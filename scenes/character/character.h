@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "scenes/character/cues.h"
 #include "scenes/character/performance.h"
 #include "scenes/model/model.h"
 #include "sim/motion/path.h"
@@ -15,7 +16,8 @@ namespace taut::scenes {
 /// about that axis: the roll that bends the wrist least is found from the path.
 struct HeldStick {
   std::shared_ptr<const Path> path;
-  double diameter = 0.028;  // m
+  double diameter = 0.028;                       // m
+  std::optional<FreeStick> free = std::nullopt;  // what hangs from it
 };
 
 /// Poses of `model` over [0, duration] (s); before and after, the first and the last pose. `head`

@@ -12,15 +12,14 @@ const Vec3 opponent(0.35, 1.55, 3.0);      // m, for a figure of 1.78 m
 constexpr double stick_end = 0.15;         // m along the stick from the grip
 constexpr double low = 1.10, high = 1.40;  // m, of the hand: how much of the gaze it draws
 constexpr double least_drawn = 0.25, most_drawn = 0.8;
+const Vec3 before_him(0.2, 0.55, 1.9);                   // m, where he looks at first
+constexpr double looks_up = 0.25, takes_to_look = 0.40;  // s
+constexpr double most_followed = 0.92;  // of the way from the opponent to the stick
+constexpr double followed_smoothly = 0.05, lead = 0.12;  // s: 0.08 s ahead once the eyes are there
 constexpr double head_share = 0.72;  // of the way from the chest's front to the target
 constexpr double head_lag = 0.088, eye_lag = 0.040;      // s
 constexpr double most_yaw = 0.45, most_lean = 0.35;      // rad, of an eye
 constexpr double blink_every = 2.9, blink_lasts = 0.20;  // s
-
-double smoothstep(double x) {
-  const double t = std::clamp(x, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 
 /// Yaw to the left and lean forward (rad) of a direction.
 Eigen::Vector2d angles(const Vec3& direction) {
@@ -39,17 +38,28 @@ double blink(double time) {
 
 }  // namespace
 
-void look_about(const Figure& figure, const Path& path, Track& controls) {
+void look_about(const Figure& figure, const Path& path, Track& controls, const Cues& cues) {
   const double scale = figure.scale();
-  const auto target =
-      Track::sample(controls.time(controls.count() - 1), acting_rate, [&](double t) {
-        const Pose stick = path.at(t).pose();
-        const double drawn =
-            least_drawn + (most_drawn - least_drawn) *
-                              smoothstep((stick.position.y() / scale - low) / (high - low));
-        const Vec3 end = stick.position + stick.rotation * Vec3(0, stick_end, 0);
-        return Eigen::VectorXd(scale * opponent + drawn * (end - scale * opponent));
-      });
+  const auto gaze = [&](double t) -> Vec3 {
+    const Pose held = path.at(t).pose();
+    const double drawn =
+        least_drawn +
+        (most_drawn - least_drawn) * smoothstep((held.position.y() / scale - low) / (high - low));
+    const Vec3 end = held.position + held.rotation * Vec3(0, stick_end, 0);
+    const Vec3 front = scale * opponent;
+    if (!cues.swings) return front + drawn * (end - front);
+    // He looks up from the floor to the opponent, then to the stick; in the end to the opponent.
+    const Vec3 floor = scale * before_him;
+    const Vec3 waits = floor + smoothstep((t - looks_up) / takes_to_look) * (front - floor);
+    const double follows = smoothstep((t - cues.begins + takes_to_look) / takes_to_look) *
+                           smoothstep((cues.rests + takes_to_look / 2 - t) / takes_to_look);
+    const Vec3 seen = waits + follows * most_followed * (cues.stick.at(t) - waits);
+    return seen + cues.nod(t) * (floor - seen);
+  };
+  const Track target = Track::sample(controls.time(controls.count() - 1), acting_rate,
+                                     [&](double t) { return Eigen::VectorXd(gaze(t)); })
+                           .smoothed(cues.swings ? followed_smoothly : 0.001)
+                           .ahead(cues.swings ? lead : 0);
   const Track seen_late = target.lagged(head_lag), seen = target.lagged(eye_lag);
   const auto eyes_at = [&](const Placement& p) -> Vec3 {
     return p.position[figure.head_bone()] + p.turn[figure.head_bone()] * figure.between_eyes();
@@ -60,8 +70,8 @@ void look_about(const Figure& figure, const Path& path, Track& controls) {
     const Quat& chest = figure.chest_turn(torso);
     const Eigen::Vector2d head =
         head_share * angles(chest.conjugate() * (seen_late[i] - eyes_at(torso)));
-    c[head_yaw] = soft(head[0], 0.9);
-    c[head_lean] = soft(head[1], 0.5);
+    c[head_yaw] += soft(head[0], 0.9);
+    c[head_lean] += soft(head[1], 0.5);
     c[head_tilt] = -0.6 * c[spine_tilt];
     const Placement turned = figure.skeleton().place(figure.torso(c));
     const Quat& front = turned.turn[figure.head_bone()];

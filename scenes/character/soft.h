@@ -15,6 +15,11 @@ inline double squared(double x) {
 inline double beyond(double value, double limit) {
   return std::max(0.0, value - limit);
 }
+/// From 0 to 1 as x does, with level ends.
+inline double smoothstep(double x) {
+  const double t = std::clamp(x, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
 /// x for small values, which approaches the limit for large ones.
 inline double soft(double x, double limit) {
   return limit * std::tanh(x / limit);

@@ -14,6 +14,29 @@ namespace {
 /// machine's memory.
 constexpr double kLongestPerformance = 600;  // s
 
+/// The stick that hangs by a chain from the body of that name, or none.
+std::optional<FreeStick> read_free_stick(const Document& document, const Value& held) {
+  const Value* connectors = document.root.find("connectors");
+  if (!connectors) return {};
+  for (const Value& connector : connectors->children) {
+    const Value *from = connector.find("from"), *to = connector.find("to");
+    if (!from || !to || text_or(*from, "body", "") != held.name) continue;
+    const Value* bodies = document.root.find("bodies");
+    const Value* free = to->find("body") ? bodies->find(to->find("body")->text) : nullptr;
+    const Value* shape = free && free->find("hangs") ? free->find("shape") : nullptr;
+    const Value* cylinder = shape ? shape->find("cylinder") : nullptr;
+    if (!cylinder || !free->find("mass")) continue;
+    return FreeStick{
+        .from = vec3_or(*from, "point", Vec3::Zero()) - vec3_or(held, "grip", Vec3::Zero()),
+        .chain = connector.find("length")->number,
+        .chain_mass = number_or(connector, "mass", 0),
+        .mass = free->find("mass")->number,
+        .length = cylinder->find("length")->number,
+        .diameter = cylinder->find("diameter")->number};
+  }
+  return {};
+}
+
 /// The stick that the character of that name holds; the path alone where it holds none.
 HeldStick read_held_stick(const Document& document, const Value& character,
                           const Motions& motions) {
@@ -26,6 +49,7 @@ HeldStick read_held_stick(const Document& document, const Value& character,
     if (!driver || !driver->find("hand")) continue;
     if (text_or(*driver, "character", "") != character.name || !shape) continue;
     stick.diameter = number_or(shape->children.front(), "diameter", stick.diameter);
+    stick.free = read_free_stick(document, body);
   }
   return stick;
 }
