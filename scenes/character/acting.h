@@ -10,9 +10,6 @@
 
 namespace taut::scenes {
 
-/// Samples a second of everything that is worked out beforehand.
-constexpr double acting_rate = 120;
-
 /// Controls over [0, duration] (s); those of head, eyes and right arm are left zero.
 Track act(const Figure& figure, const Path& path, double duration, const Cues& cues = {});
 
@@ -37,6 +34,9 @@ void play_face(const Figure& figure, const Path& path, Track& controls);
 /// aside, the right foot goes along beforehand, lifted, and stands again; then the left is drawn
 /// up.
 Track take_steps(const Track& hand);
+
+/// Lowers the pelvis wherever a leg would be too short.
+void sink_to_the_feet(const Figure& figure, Track& controls);
 
 /// Fills in the right arm's roll and swivel: at every instant those that bend the wrist least, keep
 /// elbow, forearm and shoulder in their range and move smoothly; and shifts the pelvis where the

@@ -8,9 +8,8 @@
 namespace taut::scenes {
 namespace {
 
-constexpr double inertia = 0.11;      // s: what is faster the trunk does not follow
-constexpr double hips_ahead = 0.16;   // s, of the stick
-constexpr double knees_ahead = 0.05;  // s
+constexpr double inertia = 0.11;  // s: what is faster the trunk does not follow
+constexpr double weight_ahead = 0.12, hips_ahead = 0.05;   // s, of the stick
 constexpr double chest_behind = 0.10, idle_behind = 0.06;  // s, mean delays
 // Speeds of the stick (m/s) from which he braces himself, and at which he does entirely.
 constexpr double brisk = 1.9, fast = 3.0;
@@ -36,7 +35,7 @@ void answer_stick(const Figure& figure, const Path& path, const Cues& cues, Trac
   for (Eigen::Index i = 0; i < off.count(); ++i)
     off.samples().col(i) = cues.plays(off.time(i)) / scale * (off[i] - hangs);
   const Track slow = off.smoothed(inertia);
-  const Track hips = slow.ahead(hips_ahead), knees = slow.ahead(knees_ahead);
+  const Track weight = slow.ahead(weight_ahead), hips = slow.ahead(hips_ahead);
   const Track chest = slow.lagged(chest_behind), idle = off.smoothed(0.05).lagged(idle_behind);
   Track speed = norms(off.rates()).smoothed(0.25);
   for (double& v : speed.samples().reshaped()) v = smoothstep((v - brisk) / (fast - brisk));
@@ -51,7 +50,7 @@ void answer_stick(const Figure& figure, const Path& path, const Cues& cues, Trac
   for (Eigen::Index i = 0; i < controls.count(); ++i) {
     const double time = controls.time(i);
     const double share = smoothstep((cues.rests - done - time) / calms_down);
-    const Vec3 h = share * hips[i], k = share * knees[i], c = share * chest[i];
+    const Vec3 w = share * weight[i], h = share * hips[i], c = share * chest[i];
     const Vec3 left = share * idle[i];
     const double brace = share * braced[i][0], plays = share * cues.plays(time);
     // A stroke that comes, but not what goes on at one speed.
@@ -59,22 +58,22 @@ void answer_stick(const Figure& figure, const Path& path, const Cues& cues, Trac
                           soft(std::max(0.0, coming[i][0] - haste[i][0] - stroke), 1.0);
     auto u = controls.samples().col(i);
     // The feet stand one before the other: the weight goes aside and forward to the right one.
-    const double right = soft(-0.30 * h.x(), 0.075) - 0.055 * brace - 0.085 * before;  // m
+    const double right = soft(-0.27 * w.x(), 0.068) - 0.045 * brace - 0.085 * before;  // m
     u[root_x] += scale * -0.50 * right;
     u[root_z] += scale * 0.80 * right;
     u[root_y] +=
-        scale * (soft(0.11 * k.y(), 0.032) - 0.022 * brace - 0.045 * before - 0.012 * plays);
-    u[pelvis_yaw] += soft(-0.42 * h.x(), 0.16) - 0.18 * before;
-    u[spine_yaw] += soft(0.42 * h.x(), 0.16) + soft(0.38 * c.x(), 0.16) + 0.06 * before;
+        scale * (soft(0.11 * h.y(), 0.032) - 0.022 * brace - 0.045 * before - 0.012 * plays);
+    u[pelvis_yaw] += soft(-0.62 * h.x(), 0.20) - 0.18 * before;
+    u[spine_yaw] += soft(0.62 * h.x(), 0.20) + soft(0.32 * c.x(), 0.16) + 0.06 * before;
     u[spine_tilt] += soft(-0.16 * c.x(), 0.07);
     u[pelvis_lean] += -0.03 * brace;
-    u[spine_lean] += -0.11 * brace + soft(-0.10 * k.y(), 0.04) - 0.05 * before;
+    u[spine_lean] += -0.07 * brace + soft(-0.10 * h.y(), 0.04) - 0.05 * before;
     u[left_shoulder_up] += 0.10 * brace;
     u[left_shoulder_forward] += soft(0.5 * left.x(), 0.12);
     // The idle hand goes the other way, and out and up for balance where the stick is fast.
     const Vec3 balance(soft(-0.30 * left.x(), 0.10) + 0.07 * brace + 0.04 * before,
-                       soft(-0.22 * left.y(), 0.07) + 0.05 * brace,
-                       soft(0.26 * left.x(), 0.08) - 0.03 * brace + 0.06 * before);
+                       soft(-0.16 * left.y(), 0.05) + 0.05 * brace + 0.06 * plays + 0.03 * before,
+                       soft(0.26 * left.x(), 0.08) - 0.03 * brace + 0.06 * before + 0.04 * plays);
     u.segment<3>(guard_x) += scale * balance;
   }
 }

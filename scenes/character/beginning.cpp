@@ -10,7 +10,7 @@ namespace {
 // While he waits he stands higher, on the foot behind, and the left fist is at the belt; m and rad,
 // as differences from his stance, for a figure of 1.78 m.
 const Vec3 pelvis_waits(0.030, 0.030, -0.045);
-const Vec3 fist_waits(0.045, -0.135, -0.085);
+const Vec3 fist_waits(0.065, -0.085, 0.045);
 // In the end the left fist comes before the chest.
 const Vec3 fist_greets(-0.075, 0.035, -0.01);
 constexpr double fist_after = 0.25, fist_takes = 0.65;  // s, after all rests

@@ -24,6 +24,7 @@ class Player : public Performance {
     look_about(figure_, *path_, controls_, cues_);
     play_face(figure_, *path_, controls_);
     plan_arm(figure_, *path_, controls_);
+    sink_to_the_feet(figure_, controls_);
     for (Eigen::Index i = 0; head && i < controls_.count(); ++i) {
       controls_.samples().col(i).segment<3>(head_yaw) += head->at(controls_.time(i)).position;
     }

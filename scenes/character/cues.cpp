@@ -1,6 +1,5 @@
 #include "scenes/character/cues.h"
 
-#include "scenes/character/acting.h"
 #include "scenes/character/soft.h"
 #include "sim/run/simulation.h"
 

@@ -9,6 +9,9 @@
 
 namespace taut::scenes {
 
+/// Samples a second of everything that is worked out beforehand.
+constexpr double acting_rate = 120;
+
 /// A stick that hangs by a chain from the one in the hand.
 struct FreeStick {
   Vec3 from = Vec3::Zero();                   // m, from the grip's centre, in the path's frame

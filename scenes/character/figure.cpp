@@ -34,6 +34,9 @@ constexpr std::array<Stand, 2> stands = {Stand{0.17, -0.27, 0.95}, Stand{-0.13, 
 /// by which the ball of a lifted foot is lower than the ankle.
 constexpr double ball = 0.14, lifted_toes = 0.6;
 
+/// The share of a leg's reach at which its knee still bends visibly.
+constexpr double not_straight = 0.995;
+
 Mat3 square(const Vec3& first, const Vec3& second) {
   Mat3 m;
   m.col(0) = first.normalized();
@@ -48,6 +51,10 @@ double share_twist(Quat& lower, const Quat& hand, const Vec3& rest_along) {
   const double twist = twist_about(hand * lower.conjugate(), along);
   lower = turn(along, forearm_share * twist) * lower;
   return twist;
+}
+
+Quat hips_turn(const Controls& c) {
+  return turn(y_axis, c[pelvis_yaw]) * turn(x_axis, c[pelvis_lean]);
 }
 
 }  // namespace
@@ -95,7 +102,7 @@ Figure::Figure(const Model& model, double stick_radius)
 Posture Figure::torso(const Controls& c) const {
   Posture p = skeleton_.upright();
   p.shift = c.segment<3>(root_x);
-  p.turn[hips_] = turn(y_axis, c[pelvis_yaw]) * turn(x_axis, c[pelvis_lean]);
+  p.turn[hips_] = hips_turn(c);
   for (const std::size_t bone : spine_)
     p.turn[bone] = turn(y_axis, c[spine_yaw] / 3) * turn(x_axis, c[spine_lean] / 3) *
                    turn(z_axis, -c[spine_tilt] / 3);
@@ -185,8 +192,10 @@ void Figure::aim_left_arm(const Controls& controls, Posture& p) const {
   const Vec3 target = placed.position[chest_] + placed.turn[chest_] * guard;
   LimbTurns turns = bend_limb(arms_[0], placed.position[arm_[0]], target,
                               placed.turn[chest_] * Vec3(0.8, -1, -0.5));
-  // The fist points up and forward, its thumb's side in toward the face.
-  const Vec3 along = placed.turn[chest_] * Vec3(-0.40, 0.50, 0.80);
+  // The fist goes on from the forearm, but points up and forward, its thumb's side in toward the
+  // face.
+  const Vec3 forearm = (target - turns.middle).normalized();
+  const Vec3 along = forearm + placed.turn[chest_] * Vec3(-0.40, 0.50, 0.80).normalized();
   const Vec3 across = placed.turn[chest_] * Vec3(0.15, 1, -0.35);
   const Quat hand(square(along, across) * square(left_axes_.along, left_axes_.across).transpose());
   share_twist(turns.lower, hand, arms_[0].lower);
@@ -195,18 +204,37 @@ void Figure::aim_left_arm(const Controls& controls, Posture& p) const {
   p.turn[hand_[0]] = turns.lower.conjugate() * hand;
 }
 
+Vec3 Figure::ankle(const Controls& controls, std::size_t side) const {
+  const Vec3 step = controls.segment<3>(side == 0 ? left_step_x : right_step_x);
+  return Vec3(scale() * stands[side].x, skeleton_.rest(foot_[side]).y(), scale() * stands[side].z) +
+         step;
+}
+
+double Figure::above_its_feet(const Controls& controls) const {
+  Posture p = skeleton_.upright();
+  p.shift = controls.segment<3>(root_x);
+  p.turn[hips_] = hips_turn(controls);
+  const Placement placed = skeleton_.place(p);
+  double above = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vec3 leg = placed.position[thigh_[i]] - ankle(controls, i);
+    const double reach = not_straight * legs_[i].reach();
+    const double aside = std::min(std::hypot(leg.x(), leg.z()), reach);
+    above = std::max(above, leg.y() - std::sqrt(reach * reach - aside * aside));
+  }
+  return above;
+}
+
 void Figure::plant_feet(const Controls& controls, Posture& p) const {
   const Placement placed = skeleton_.place(p);
   for (std::size_t i = 0; i < 2; ++i) {
     const Stand& stand = stands[i];
-    Vec3 ankle(scale() * stand.x, skeleton_.rest(foot_[i]).y(), scale() * stand.z);
-    const Vec3 step = controls.segment<3>(i == 0 ? left_step_x : right_step_x);
-    ankle += step;
+    const double lifted = controls[i == 0 ? left_step_y : right_step_y];
     // The heel leaves the floor before the toes: a lifted foot hangs by a share of its height.
-    const double hangs = std::asin(std::min(lifted_toes * step.y() / scale() / ball, 1.0));
+    const double hangs = std::asin(std::min(lifted_toes * lifted / scale() / ball, 1.0));
     const Quat foot = turn(y_axis, stand.yaw) * turn(x_axis, hangs);
     // The knee goes where the foot points.
-    const LimbTurns turns = bend_limb(legs_[i], placed.position[thigh_[i]], ankle,
+    const LimbTurns turns = bend_limb(legs_[i], placed.position[thigh_[i]], ankle(controls, i),
                                       turn(y_axis, stand.yaw) * Vec3(0, 0.1, 1));
     p.turn[thigh_[i]] = placed.turn[hips_].conjugate() * turns.upper;
     p.turn[shin_[i]] = turns.upper.conjugate() * turns.lower;

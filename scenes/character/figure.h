@@ -80,6 +80,9 @@ class Figure {
   /// pelvis carries the body over.
   Placement pose(const Controls& controls, const Pose& stick) const;
 
+  /// By how much (m) the pelvis has to sink before both legs reach the floor.
+  double above_its_feet(const Controls& controls) const;
+
   const Skeleton& skeleton() const { return skeleton_; }
   const Grip& grip() const { return grip_; }
   /// Height of the pelvis over that of a figure of 1.78 m: lengths of the acting scale with it.
@@ -92,6 +95,7 @@ class Figure {
  private:
   void set_face(const Controls& controls, Posture& posture) const;
   void aim_left_arm(const Controls& controls, Posture& posture) const;
+  Vec3 ankle(const Controls& controls, std::size_t side) const;
   void plant_feet(const Controls& controls, Posture& posture) const;
 
   Skeleton skeleton_;

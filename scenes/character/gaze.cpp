@@ -14,12 +14,12 @@ constexpr double low = 1.10, high = 1.40;  // m, of the hand: how much of the ga
 constexpr double least_drawn = 0.25, most_drawn = 0.8;
 const Vec3 before_him(0.2, 0.55, 1.9);                   // m, where he looks at first
 constexpr double looks_up = 0.25, takes_to_look = 0.40;  // s
-constexpr double most_followed = 0.92;  // of the way from the opponent to the stick
 constexpr double followed_smoothly = 0.05, lead = 0.12;  // s: 0.08 s ahead once the eyes are there
 constexpr double head_share = 0.72;  // of the way from the chest's front to the target
 constexpr double head_lag = 0.088, eye_lag = 0.040;      // s
-constexpr double most_yaw = 0.45, most_lean = 0.35;      // rad, of an eye
+constexpr double most_yaw = 0.60, most_lean = 0.90;      // rad, of an eye
 constexpr double blink_every = 2.9, blink_lasts = 0.20;  // s
+constexpr double first_blink = 2.3;                      // s
 
 /// Yaw to the left and lean forward (rad) of a direction.
 Eigen::Vector2d angles(const Vec3& direction) {
@@ -29,9 +29,9 @@ Eigen::Vector2d angles(const Vec3& direction) {
 
 /// How far the lids are down: they fall faster than they rise, at uneven intervals.
 double blink(double time) {
-  const double k = std::floor(time / blink_every);
+  const double k = std::floor((time - first_blink) / blink_every);
   constexpr double golden = 0.6180339887;
-  const double start = blink_every * k + 0.7 + 0.6 * std::fmod(k * golden, 1.0);
+  const double start = blink_every * k + first_blink + 0.6 * std::fmod(k * golden, 1.0);
   const double t = (time - start) / blink_lasts;
   return t < 0.4 ? smoothstep(t / 0.33) * (t > 0 ? 1 : 0) : smoothstep((1 - t) / 0.6);
 }
@@ -53,7 +53,7 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
     const Vec3 waits = floor + smoothstep((t - looks_up) / takes_to_look) * (front - floor);
     const double follows = smoothstep((t - cues.begins + takes_to_look) / takes_to_look) *
                            smoothstep((cues.rests + takes_to_look / 2 - t) / takes_to_look);
-    const Vec3 seen = waits + follows * most_followed * (cues.stick.at(t) - waits);
+    const Vec3 seen = waits + follows * (cues.stick.at(t) - waits);
     return seen + cues.nod(t) * (floor - seen);
   };
   const Track target = Track::sample(controls.time(controls.count() - 1), acting_rate,

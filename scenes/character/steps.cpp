@@ -17,6 +17,8 @@ constexpr double worth = 0.05;                          // m off, for which a fo
 constexpr double lasts = 0.34;                          // s
 constexpr double lift = 0.045;                          // m
 
+constexpr double knees_give = 0.18;  // s, before and after a leg would be too short
+
 /// A foot that stands, or goes from where it stood to where it will.
 struct Foot {
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();
@@ -61,6 +63,21 @@ Track take_steps(const Track& hand) {
     steps.samples().col(i) << right.at(time), left.at(time);
   }
   return steps;
+}
+
+void sink_to_the_feet(const Figure& figure, Track& controls) {
+  Track above(Eigen::MatrixXd(1, controls.count()), acting_rate);
+  for (Eigen::Index i = 0; i < controls.count(); ++i)
+    above.samples()(0, i) = figure.above_its_feet(controls[i]);
+  // Smooth, and nowhere less than it has to be.
+  Track widened = above;
+  const auto reach = static_cast<Eigen::Index>(knees_give * acting_rate);
+  for (Eigen::Index i = 0; i < above.count(); ++i) {
+    const Eigen::Index from = std::max<Eigen::Index>(0, i - reach);
+    const Eigen::Index until = std::min(above.count() - 1, i + reach);
+    widened.samples()(0, i) = above.samples().row(0).segment(from, until - from + 1).maxCoeff();
+  }
+  controls.samples().row(root_y) -= widened.smoothed(knees_give / 4).samples().row(0);
 }
 
 }  // namespace taut::scenes

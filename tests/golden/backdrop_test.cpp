@@ -31,7 +31,7 @@ void expect_frames_depend_on_their_instants(double relative_aperture) {
   Simulation simulation(scene.world, make_method(scene.method.name, scene.method.settings));
   std::vector<draw::FrameState> instants;
   for (int i = 0; i < 7; ++i) {
-    const double time = i == 6 ? 2.2 : 0.25 * i;
+    const double time = i == 6 ? 3.4 : 1.2 + 0.25 * i;
     simulation.advance_to(time);
     draw::FrameState instant{
         snapshot(simulation.world()), {}, scenes::camera_at(scene.stage->camera, 0)};
