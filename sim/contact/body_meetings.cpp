@@ -45,6 +45,21 @@ std::vector<BodyCapsule> capsules_of_free_bodies(const World& world) {
   return capsules;
 }
 
+void add_meetings(std::uint32_t body, std::uint64_t category, std::span<const Obstacle> obstacles,
+                  std::vector<BodyMeeting>& meetings) {
+  for (std::uint32_t o = 0; o < obstacles.size(); ++o) {
+    const Obstacle& with = obstacles[o];
+    if (!with.touches(category)) continue;
+    meetings.push_back({.body = body,
+                        .obstacle = o,
+                        .shape = with.shape,
+                        .place = {},
+                        .static_friction = with.static_friction,
+                        .kinetic_friction = with.kinetic_friction,
+                        .restitution = with.restitution});
+  }
+}
+
 std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const Obstacle> obstacles,
                                             std::span<const BodyPair> pairs) {
   const std::vector<BodyCapsule> capsules = capsules_of_free_bodies(world);
@@ -52,17 +67,7 @@ std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const 
   std::vector<BodyMeeting> meetings;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     if (number[b] == kNoBody || !world.bodies[b].capsule.touches()) continue;
-    for (std::uint32_t o = 0; o < obstacles.size(); ++o) {
-      const Obstacle& with = obstacles[o];
-      if (!with.touches(world.bodies[b].capsule.category)) continue;
-      meetings.push_back({.body = number[b],
-                          .obstacle = o,
-                          .shape = with.shape,
-                          .place = {},
-                          .static_friction = with.static_friction,
-                          .kinetic_friction = with.kinetic_friction,
-                          .restitution = with.restitution});
-    }
+    add_meetings(number[b], world.bodies[b].capsule.category, obstacles, meetings);
     for (const BodyPair& pair : pairs) {
       if (pair.a != b) continue;
       BodyMeeting& made = meetings.emplace_back();

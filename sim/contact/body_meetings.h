@@ -24,6 +24,10 @@ struct BodyMeeting {
 /// The capsules of all free bodies, from their centres of mass.
 std::vector<BodyCapsule> capsules_of_free_bodies(const World& world);
 
+/// Adds those of a body, or of what stands for one, with the obstacles that its category touches.
+void add_meetings(std::uint32_t body, std::uint64_t category, std::span<const Obstacle> obstacles,
+                  std::vector<BodyMeeting>& meetings);
+
 /// All that these may touch, in order of the bodies; `pairs` of the world's bodies.
 std::vector<BodyMeeting> meetings_of_bodies(const World& world, std::span<const Obstacle> obstacles,
                                             std::span<const BodyPair> pairs);

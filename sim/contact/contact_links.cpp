@@ -34,17 +34,7 @@ void ContactMotion::rebuild_parts(const World& world) {
   const auto meet = [&](const Part& part, const Connector& of) {
     const auto number = small(capsules_.size() + parts_.size());
     parts_.push_back(part);
-    for (std::uint32_t o = 0; o < obstacles_.size(); ++o) {
-      const Obstacle& with = obstacles_[o];
-      if (!with.touches(of.category)) continue;
-      meetings_.push_back({.body = number,
-                           .obstacle = o,
-                           .shape = with.shape,
-                           .place = {},
-                           .static_friction = with.static_friction,
-                           .kinetic_friction = with.kinetic_friction,
-                           .restitution = with.restitution});
-    }
+    add_meetings(number, of.category, obstacles_, meetings_);
   };
   std::uint32_t first = 0;
   const auto& mobile = mechanism_.inverse_mass();
