@@ -71,7 +71,7 @@ def _faults_of_mesh(glb, mesh, bones):
         yield f"{against.mean():.1%} of the triangles face against their normals"
     half = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     _, count = np.unique(half, axis=0, return_counts=True)
-    if (count > 1).mean() > 0.02:  # where strands of hair touch, a net's cells do too
+    if (count > 1).mean() > 0.02:  # where folds touch, a net's cells do too
         yield f"{(count > 1).sum()} edges have two triangles on one side"
     if bones:
         weights, joints = arrays["WEIGHTS_0"], arrays["JOINTS_0"]
@@ -105,6 +105,8 @@ def _holes_in_head(glb):
     points, triangles, count = [], [], 0
     for mesh in glb.json["meshes"]:
         primitive = mesh["primitives"][0]
+        if glb.json["materials"][primitive["material"]]["name"] == "Lash":
+            continue  # a hair is a blade: its back hides nothing
         points.append(glb.array(primitive["attributes"]["POSITION"]).astype(float))
         triangles.append(glb.array(primitive["indices"]).reshape(-1, 3).astype(np.int64) + count)
         count += len(points[-1])

@@ -41,10 +41,10 @@ def sculpt(name, material, shape, lo, hi, h, budget, longest=0.03, detail=None, 
     points, triangles = decimate(points, triangles, budget, longest, detail)
     points = nets.project(shape, points, h, 2)
     points, triangles = _without_slivers(points, triangles)
-    return Part(name, material, points, _normals(shape, points, triangles, 0.35 * h), triangles)
+    return Part(name, material, points, normals_of(shape, points, triangles, 0.35 * h), triangles)
 
 
-def _normals(shape, points, triangles, e):
+def normals_of(shape, points, triangles, e):
     """The field's gradient; where a feature is thinner than e and it misleads, the mesh's own."""
     corner = points[triangles]
     cross = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])

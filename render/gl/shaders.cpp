@@ -277,12 +277,6 @@ void main() {
   albedo *= mix(vec3(0.90, 0.84, 0.80), vec3(1.06, 1.10, 1.12), texture(noise, place * 6.0).r);
   albedo *= 0.94 + 0.12 * pores;
   roughness += 0.30 * (pores - 0.5);
-#elif SURFACE == 6  // hair: strands that run upwards, each with its own gloss
-  vec2 combed = facing(rest_position, n) * 16;
-  bool sideways = abs(n.x) > abs(n.z) && abs(n.x) > abs(n.y);
-  float strands = texture(noise, combed * (sideways ? vec2(0.06, 1) : vec2(1, 0.06))).g;
-  albedo *= 0.4 + 1.2 * strands;
-  roughness += 0.6 * (0.5 - strands);
 #elif SURFACE == 4  // rope: three strands; rest_position is (turn, metres along, radius)
   float along = length_ratio * rest_position.y - paid_out;
   float strand = abs(sin(3.14159 * (3.0 * rest_position.x + along / (7.0 * rest_position.z))));

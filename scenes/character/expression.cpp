@@ -54,12 +54,12 @@ void play_face(const Figure& figure, const Path& path, Track& controls) {
     const double strain = effort[i][0], content = pleased[i][0];
     const double attention = concentration[i][0] * (1 - content);
     auto c = controls.samples().col(i);
-    c[brows] = 0.5 * content - 0.5 * attention - 0.5 * strain;
-    c[frown] = std::min(1.0, 0.5 * attention + 0.8 * strain);
+    c[brows] = 0.7 * content - 0.2 * attention - 0.9 * strain;
+    c[frown] = std::min(1.0, 0.2 * attention + 0.9 * strain);
     c[smile] = content - 0.25 * attention;
     c[jaw] = std::max(0.8 * strain - 0.2, 0.0) + 0.1 * content;
     // Narrowed eyes blink all the same.
-    c[lids] = std::max(c[lids], 0.12 * attention + 0.22 * strain + 0.10 * content);
+    c[lids] = std::max(c[lids], 0.08 * attention + 0.34 * strain + 0.38 * content);
   }
 }
 

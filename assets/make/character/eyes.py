@@ -1,13 +1,14 @@
-"""Eye balls with iris and pupil, brows and lashes."""
+"""Eye balls with iris and pupil, the lids that move and their lashes."""
 import numpy as np
 
-from character import head
-from mesh import Part, mirror, sculpt
-from sdf import intersect, sphere
+from character import brows, head
+from mesh import Part, merge, mirror, sculpt
+from sdf import intersect, ramp, sphere
 from skeleton import unit, vec
 
 _GAZE = unit(vec(0.03, -0.02, 1.0))
 _SHUT = 0.62  # rad, by which an upper lid turns down
+_IRIS = 0.43  # rad, of its rim from its middle
 
 
 def _cap(radius, spread, rings, spokes, bulge=0.0):
@@ -33,22 +34,11 @@ def _placed(name, material, cap):
     return Part(name, material, points @ turn.T + head.EYE, normal @ turn.T, triangles)
 
 
-def _brow(q):
-    skin = head.head(q)
-    t = (q[:, 0] - 0.0105) / 0.042
-    s = np.clip(t, 0, 1)
-    middle = 1.6745 + 0.0075 * np.sin(2.3 * s) - 0.0035 * s
-    half = 0.0033 * (1 - 0.70 * s**1.6) * np.minimum(1, 0.55 + 3 * s)
-    comb = 0.0002 * np.sin((q[:, 0] * 0.8 - q[:, 1]) * 2400)
-    d = intersect(np.abs(skin + 0.0012) - 0.0020 - comb, np.abs(q[:, 1] - middle) - half, 0.0022)
-    return intersect(d, np.abs(t - 0.5) * 0.042 - 0.021, 0.002)
-
-
 def _lash(q):
     """The upper rim of the lid, dark."""
     rim = head.opening(q)
-    shell = np.abs(sphere(q, head.EYE, head.EYE_RADIUS + 0.0013)) - 0.0011
-    d = intersect(shell, np.abs(rim - 0.0001) - 0.0007, 0.0006)
+    shell = np.abs(sphere(q, head.EYE, head.EYE_RADIUS + 0.0018)) - 0.0013
+    d = intersect(shell, np.abs(rim - 0.0001) - 0.0008, 0.0006)
     d = intersect(d, np.abs(q[:, 0] - head.EYE[0]) - 0.0155, 0.001)
     return intersect(d, head.EYE[1] + 0.0008 - q[:, 1], 0.001)
 
@@ -56,7 +46,7 @@ def _lash(q):
 def _lid():
     """The part of the upper lid that comes down over the ball, at rest inside the fixed lid: a shell over angles
     about the axis along which it turns, and across. Its rim, dark with lashes, lies on the lower lid when it is shut."""
-    radius = head.EYE_RADIUS + 0.0014
+    radius = head.EYE_RADIUS + 0.0012
     rows = np.array([0, 0.04, 0.08, 0.12, 0.25, 0.40, 0.60, 0.80, 1.0])  # from the rim
     across, up = np.meshgrid(np.linspace(-1.05, 1.05, 17), rows, indexing="ij")
     u = np.clip(radius * np.sin(across) / 0.0158, -1, 1)
@@ -82,7 +72,7 @@ def glints():
     """The sky's reflection on each cornea, above the pupil on the side that the light comes from: smaller than what a
     picture of the whole figure resolves, it would be lost in a computed one."""
     x = unit(np.cross(vec(0, 1, 0), _GAZE))
-    towards = unit(_GAZE + 0.16 * x + 0.20 * np.cross(_GAZE, x))
+    towards = unit(_GAZE + 0.13 * x + 0.12 * np.cross(_GAZE, x))
     side = unit(np.cross(vec(0, 1, 0), towards))
     points, normal, triangles = _cap(head.EYE_RADIUS + 0.0010, 0.075, 2, 12)
     turn = np.stack([side, np.cross(towards, side), towards], axis=1)
@@ -92,19 +82,38 @@ def glints():
     ]
 
 
+def _paint_ball(eye):
+    """Redder and darker towards the corners, and in the shade of the upper lid."""
+    v = (eye.points - head.EYE) / head.EYE_RADIUS
+    towards = v @ _GAZE
+    eye.tint(np.ones(len(v)), (0.88, 0.86, 0.86))
+    eye.tint(0.65 * np.clip(1 - (towards - 0.55) / 0.4, 0, 1), (0.80, 0.56, 0.51))
+    eye.tint(0.60 * ramp(0.06, 0.36, v[:, 1]), (0.42, 0.36, 0.36))
+
+
+def _paint_iris(iris):
+    """A dark rim, a brown disc of fibres, and a lighter ring round the pupil; darker above, where the lid shades it."""
+    v = iris.points - head.EYE
+    far = np.linalg.norm(np.cross(v, _GAZE), axis=1) / (head.EYE_RADIUS * np.sin(_IRIS))
+    x = unit(np.cross(vec(0, 1, 0), _GAZE))
+    turn = np.arctan2(v @ np.cross(_GAZE, x), v @ x)
+    fibre = 0.5 + 0.5 * np.sin(17 * turn + 3 * np.sin(5 * turn)) * ramp(0.2, 0.5, far)
+    ring = np.exp(-(((far - 0.56) / 0.13) ** 2))
+    iris.tint(1 - ring * (0.75 + 0.25 * fibre), (0.42, 0.36, 0.30))
+    iris.tint(0.30 * fibre, (0.60, 0.55, 0.50))
+    iris.tint(ramp(0.72, 0.98, far), (0.10, 0.09, 0.09))
+    iris.tint(0.55 * ramp(0.0015, 0.0050, v[:, 1]), (0.40, 0.36, 0.36))
+
+
 def build():
+    rim = sculpt("LashL", "Lash", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 240)
     left = [
-        _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.45, 10, 24)),
-        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, 0.43, 5, 24, 0.0004)),
-        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.0008, 0.19, 3, 16)),
-        sculpt("BrowL", "Skin", _brow, (0.006, 1.662, 0.045), (0.058, 1.692, 0.100), 0.0011, 280),
-        sculpt("LashL", "Hair", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 240),
+        _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.45, 12, 28)),
+        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, _IRIS, 9, 36, 0.0004)),
+        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.0008, 0.175, 3, 16)),
+        brows.brow(),
+        merge("LashL", "Lash", [rim, brows.upper_lashes()]),
     ]
-    eye, iris, brow = left[0], left[1], left[3]
-    comb = 0.5 + 0.5 * np.sin((brow.points[:, 0] * 0.8 - brow.points[:, 1]) * 2400)
-    brow.tint(0.84 + 0.05 * comb, (0.03, 0.03, 0.03))  # skin shows through
-    towards = (eye.points - head.EYE) @ _GAZE / head.EYE_RADIUS
-    eye.tint(0.5 * np.clip(1 - (towards - 0.55) / 0.4, 0, 1), (0.85, 0.62, 0.58))
-    rim = np.linalg.norm(np.cross(iris.points - head.EYE, _GAZE), axis=1) / (head.EYE_RADIUS * np.sin(0.43))
-    iris.tint(np.clip((rim - 0.75) / 0.25, 0, 1), (0.25, 0.22, 0.22))
+    _paint_ball(left[0])
+    _paint_iris(left[1])
     return left + [mirror(part, part.name[:-1] + "R") for part in left]

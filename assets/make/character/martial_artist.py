@@ -3,7 +3,7 @@ import numpy as np
 
 import occlusion
 import skeleton
-from character import belt, body, eyes, face, hair, hands, hanging, head, jacket, jacket_shape, trousers
+from character import belt, brows, eyes, face, hands, hanging, head, headband, hood, jacket, jacket_shape, mask, tabi, trousers
 from character.strain import both, ease, pose
 from character.weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
 from mesh import mirror, sculpt, smoothing
@@ -12,13 +12,17 @@ from sdf import intersect, limb, mirrored, ramp, rotation
 from skeleton import REST, joint, unit
 
 _TRUNK = ["Hips", "Spine", "Spine1", "Chest", "Neck"]
+_THROAT = ["Spine1", "Chest", "Neck", "Head"] + sides("Shoulder")
 _BONES = {
-    "Head": ["Spine1", "Chest", "Neck", "Head"] + sides("Shoulder"),
+    "Hood": _THROAT,
+    "Mask": _THROAT,
     "Jacket": _TRUNK + sides("Shoulder", "Arm", "ForeArm", "UpLeg"),
     "Trousers": ["Hips"] + sides("UpLeg", "Leg"),
     "Belt": ["Hips", "Spine"] + sides("UpLeg"),
-    "FootL": ["LeftLeg", "LeftFoot", "LeftToeBase"],
-    "FootR": ["RightLeg", "RightFoot", "RightToeBase"],
+    "TabiL": ["LeftLeg", "LeftFoot", "LeftToeBase"],
+    "TabiR": ["RightLeg", "RightFoot", "RightToeBase"],
+    "SoleL": ["LeftFoot", "LeftToeBase"],
+    "SoleR": ["RightFoot", "RightToeBase"],
 }
 
 
@@ -51,17 +55,15 @@ def _clothed(p):
     q = mirrored(p)
     d = np.minimum(jacket_shape.smooth(p), trousers.smooth(p))
     d = intersect(d, jacket.HEM - 0.02 - p[:, 1], 0.01)
-    d = np.minimum(d, np.minimum(trousers.smooth(p), head.head(p)))
-    d = np.minimum(d, hair.hair(p))
+    d = np.minimum(d, np.minimum(trousers.smooth(p), hood.scalp(p)))
     d = np.minimum(d, limb(q, joint("LeftForeArm"), joint("LeftHand"), 0.045, 0.032))
     d = np.minimum(d, limb(q, joint("LeftHand"), joint("LeftHandMiddle1"), 0.03, 0.03))
-    return np.minimum(d, body.foot(q))
+    return np.minimum(d, tabi.foot(q))
 
 
-def _detail_of_head(p):
-    """The skin goes on under hair and band, so that no sight passes where they meet; little of it is needed."""
-    covered = np.minimum(hair.hair(p), hair.band(p))
-    return head.detail(p) * (1 - 0.85 * ramp(-0.002, -0.006, covered))
+def _bare(p):
+    """The skin goes on a little under hood and mask, so that no sight passes where they meet."""
+    return (hood.opening(p) < 0.030) & (mask.edge(p) > -0.030) & (p[:, 2] > 0)
 
 
 def _parts():
@@ -72,21 +74,22 @@ def _parts():
         return lambda p: np.all([evaluate(cover, p) > -depth for cover, depth in covers], axis=0)
 
     hand = hands.build()
-    foot = sculpt("FootL", "Skin", body.below_shin, (0.03, -0.01, -0.13), (0.24, 0.33, 0.24), 0.0026, 1000, 0.025)
+    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 1500, 0.025)
+    sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 500, 0.025)
     return [
+        sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 3400, 0.012, head.detail, _bare),
         sculpt(
-            "Head", "Skin", lambda p: head.head(p, body.bust), (-0.105, 1.15, -0.13), (0.105, 1.80, 0.14), 0.0018, 6000, 0.020,
-            _detail_of_head, outside((jacket_shape.smooth, 0.035)),
+            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 4000, 0.02,
+            hood.detail, lambda p: hood.shown(p) & outside((mask.cover, 0.004))(p),
         ),
-        sculpt(
-            "Hair", "Hair", hair.hair, (-0.11, 1.57, -0.14), (0.11, 1.84, 0.11), 0.0026, 2800, 0.02,
-            None, outside((head.head, 0.010)),
-        ),
-        sculpt("Headband", "Band", hair.band, (-0.105, 1.52, -0.18), (0.105, 1.76, 0.125), 0.0026, 1000, 0.025),
+        mask.build(),
+        sculpt("Headband", "Band", headband.band, (-0.115, 1.52, -0.18), (0.115, 1.77, 0.125), 0.0022, 1700, 0.025),
         hand,
         mirror(hand, "HandR"),
-        foot,
-        mirror(foot, "FootR"),
+        sock,
+        mirror(sock, "TabiR"),
+        sole,
+        mirror(sole, "SoleR"),
         sculpt("Jacket", "Gi", jacket.jacket, *jacket_shape.BOUNDS, 0.0048, 8200, 0.045),
         sculpt(
             "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0060, 3400, 0.05,
@@ -111,13 +114,13 @@ def _weigh(part, heat):
             dense = _drape(part, dense)
         if part.name == "Trousers":
             dense = _part_legs(part, dense)
-        if part.name == "Head":  # the throat bends, and the face has bones of its own
+        if part.name in ("Hood", "Mask"):  # the throat bends, and the face has bones of its own
             dense = face.weigh(part.points, _stiffen_face(part, dense))
     else:
         side = "Left" if part.name.endswith("L") else "Right"
         bone = {"Eye": side + "Eye", "Iris": side + "Eye", "Pupil": side + "Eye", "Glint": side + "Eye", "Lid": side + "Lid", "Lash": side + "Lid"}
         dense = rigid(n, bone.get(part.name[:-1], "Head"))
-        if part.name[:-1] == "Brow":
+        if part.name in ("Head", "BrowL", "BrowR"):
             dense = face.weigh(part.points, dense)
     part.joints, part.weights = strongest(dense)
 
@@ -175,7 +178,7 @@ def _shading(part):
     """How much of the baked shading a part shows. A face has none of the blots that its hollows would make."""
     if part.name in ("Head", "BrowL", "BrowR"):
         eye = np.linalg.norm(mirrored(part.points) - skeleton.EYE, axis=1)  # the shut lid has no rim of shade
-        return (1 - 0.5 * ramp(1.52, 1.56, part.points[:, 1])) * (1 - 0.5 * ramp(0.024, 0.019, eye))
+        return (1 - 0.5 * ramp(1.52, 1.56, part.points[:, 1])) * (1 - 0.7 * ramp(0.026, 0.020, eye))
     return 1.0
 
 
@@ -191,10 +194,9 @@ def build(report=print):
         side = -1 if part.name.endswith("R") else 1
         if part.name == "Head":
             head.paint(part)
+            part.tint(0.75 * brows.under(mirrored(part.points)), (0.20, 0.14, 0.11))
         elif part.name in ("HandL", "HandR"):
             hands.paint(part, side)
-        elif part.name in ("FootL", "FootR"):
-            body.paint_foot(part, side)
     occlusion.bake(parts, _shading)
     unshaded = eyes.lids() + eyes.glints()  # the baked shading would take them for buried
     for part in unshaded:

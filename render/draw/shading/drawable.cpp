@@ -28,7 +28,6 @@ Surface surface_named(std::string_view material) {
   if (has({"cloth", "gi", "belt", "band", "collar", "tabi", "trouser", "fabric", "cotton"}))
     return Surface::cloth;
   if (has({"skin"})) return Surface::skin;
-  if (has({"hair"})) return Surface::hair;
   if (has({"paper"})) return Surface::paper;
   return Surface::plain;
 }
