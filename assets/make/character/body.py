@@ -1,5 +1,4 @@
 """Torso and neck: what the clothes hang on."""
-import numpy as np
 
 from sdf import Loft, ellipsoid, intersect, limb, mirrored, union
 

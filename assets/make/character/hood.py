@@ -24,10 +24,10 @@ def form(p):
     d = union(d, limb(p, (0, 1.652, 0.0830), (0, 1.6195, 0.1050), 0.0080, 0.0110), 0.026)  # the nose's ridge
     d = union(d, ellipsoid(p, (0, 1.5890, 0.0720), (0.0300, 0.0260, 0.0225)), 0.030)
     d = union(d, limb(p, (0, 1.6100, 0.0960), (0, 1.5600, 0.0790), 0.0110, 0.0140), 0.030)  # from the nose to the chin
-    d = union(d, ellipsoid(q, (0.0660, 1.6420, -0.0120), (0.0135, 0.0300, 0.0220)), 0.020)  # the ear, pressed flat
+    d = union(d, ellipsoid(q, (0.0685, 1.6400, -0.0120), (0.0135, 0.0320, 0.0220)), 0.018)  # the ear, pressed flat
     d = union(d, limb(p, (0, 1.554, 0.060), (0, 1.490, 0.016), 0.012, 0.028), 0.040)  # the throat
-    d = union(d, limb(p, (0, 1.660, -0.054), (0, 1.500, -0.040), 0.046, 0.040), 0.045)  # the nape
-    d = union(d, neck(p), 0.030)
+    d = union(d, limb(p, (0, 1.660, -0.054), (0, 1.500, -0.040), 0.046, 0.040), 0.030)  # the nape
+    d = union(d, neck(p) + 0.002, 0.012)
     return union(d, chest(p), 0.001 + 0.030 * ramp(1.56, 1.48, p[:, 1]))
 
 
@@ -35,7 +35,7 @@ def scalp(p):
     q = mirrored(p)
     d = ellipsoid(p, (0, 1.690, -0.016), (0.0805, 0.0965, 0.1015))
     d = union(d, ellipsoid(q, (0.030, 1.645, -0.050), (0.046, 0.072, 0.056)), 0.035)
-    return union(d, form(p) - 0.0042, 0.016)
+    return union(d, form(p) - 0.0036, 0.012)
 
 
 def opening(p):

@@ -11,7 +11,7 @@ from mesh import Part, normals_of
 from nets import evaluate
 from sdf import ramp
 
-_LAYER = 0.0024  # by which a turn of the cloth lies over the one below, m
+_LAYER = 0.0020  # by which a turn of the cloth lies over the one below, m
 _LINING = 0.022  # how far down the cloth's inside is made, m
 _COLUMNS = 120
 
@@ -82,7 +82,7 @@ def _outside(p, folded=True):
     d = d - _folds(p, a) * ramp(0.002, 0.012, top) - 0.0005 * crumple(p, 0.7, 1.0) - hood.hem(top)
     for turn in range(1, len(_EDGES)):
         below = -edge(p, turn)
-        d = d - (_LAYER + 0.8 * hood.hem(below)) * ramp(-0.0004, 0.0006, below)
+        d = d - (_LAYER + 0.6 * hood.hem(below)) * ramp(-0.0004, 0.0006, below)
     return d
 
 

@@ -132,7 +132,7 @@ TEST_F(RoutineBody, BothFeetStepAndNeitherSlides) {
       }
       if (is_up) {
         const scenes::Mesh& mesh =
-            *std::ranges::find(model_.meshes, f == 0 ? "FootL" : "FootR", &scenes::Mesh::name);
+            *std::ranges::find(model_.meshes, f == 0 ? "SoleL" : "SoleR", &scenes::Mesh::name);
         mesh::skin(mesh, mesh::bone_matrices(model_, bones), skin_now);
         for (const mesh::MovingVertex& v : skin_now) ASSERT_GT(v.position.y(), -0.004f) << i.time;
         // The weight is on the other: the pelvis goes there from where it was as the foot left.
