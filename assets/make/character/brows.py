@@ -46,7 +46,7 @@ def _hairs(name, root, way, out, width):
 def brow():
     """The left brow: hairs rise at its inner end, lie along it, and fall to it from above at the outer end."""
     rng = np.random.default_rng(_SEED)
-    n = 400
+    n = 210
     s = rng.permutation(np.linspace(0.0, 1.0, n) ** 1.3 * 0.97)
     over = rng.uniform(-1, 1, n)
     root = _middle(s) + np.stack([rng.normal(0, 0.0005, n), over * _half(s), np.zeros(n)], axis=1)
@@ -57,7 +57,7 @@ def brow():
     length = np.interp(s, [0, 0.2, 0.6, 1.0], [0.0050, 0.0072, 0.0080, 0.0055]) * rng.uniform(0.75, 1.15, n)
     root = _on_skin(root, 0.0003)
     end = _on_skin(root + way * length[:, None], 0.0010)
-    return _hairs("BrowL", root, end - root, nets.normals(head.head, root, 0.001), 0.00029)
+    return _hairs("BrowL", root, end - root, nets.normals(head.head, root, 0.001), 0.00040)
 
 
 def under(q):
@@ -75,7 +75,7 @@ def unit3(v):
 def upper_lashes():
     """Along the upper lid's rim, longest towards the outer corner; they rise from the rim and curl out."""
     rng = np.random.default_rng(_SEED + 1)
-    n = 46
+    n = 30
     u = np.linspace(-0.86, 0.99, n)
     x = head.EYE[0] + u * 0.0155
     y = head.EYE[1] + 0.05 * u * 0.0155 + 0.0046 * (1 - u * u) ** 0.60
@@ -87,4 +87,4 @@ def upper_lashes():
     way = unit3(np.stack([np.sin(fan), np.full(n, 0.55), np.full(n, 0.80)], axis=1) + 0.25 * out)
     length = np.interp(u, [-0.9, -0.2, 0.6, 1.0], [0.0024, 0.0042, 0.0056, 0.0046]) * rng.uniform(0.85, 1.1, n)
     above = unit3(np.cross(np.cross(way, vec(0, 1, 0)), way))
-    return _hairs("Lash", root, way * length[:, None], above, 0.00026)
+    return _hairs("Lash", root, way * length[:, None], above, 0.00030)

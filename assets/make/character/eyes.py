@@ -106,11 +106,11 @@ def _paint_iris(iris):
 
 
 def build():
-    rim = sculpt("LashL", "Lash", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 240)
+    rim = sculpt("LashL", "Lash", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 140)
     left = [
-        _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.45, 12, 28)),
-        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, _IRIS, 9, 36, 0.0004)),
-        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.0008, 0.175, 3, 16)),
+        _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.30, 8, 20)),
+        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, _IRIS, 7, 26, 0.0004)),
+        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.0008, 0.175, 2, 14)),
         brows.brow(),
         merge("LashL", "Lash", [rim, brows.upper_lashes()]),
     ]

@@ -74,16 +74,16 @@ def _parts():
         return lambda p: np.all([evaluate(cover, p) > -depth for cover, depth in covers], axis=0)
 
     hand = hands.build()
-    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 1500, 0.025)
-    sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 500, 0.025)
+    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 900, 0.025)
+    sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 260, 0.025)
     return [
-        sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 3400, 0.012, head.detail, _bare),
+        sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 2400, 0.012, head.detail, _bare),
         sculpt(
-            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 4000, 0.02,
+            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 3000, 0.02,
             hood.detail, lambda p: hood.shown(p) & outside((mask.cover, 0.004))(p),
         ),
         mask.build(),
-        sculpt("Headband", "Band", headband.band, (-0.115, 1.52, -0.18), (0.115, 1.77, 0.125), 0.0022, 1700, 0.025),
+        sculpt("Headband", "Band", headband.band, (-0.115, 1.52, -0.18), (0.115, 1.77, 0.125), 0.0022, 1100, 0.025),
         hand,
         mirror(hand, "HandR"),
         sock,

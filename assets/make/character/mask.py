@@ -7,6 +7,7 @@ from scipy.interpolate import PchipInterpolator
 
 from character import head, hood
 from character.cloth import crumple
+from decimate import decimate
 from mesh import Part, normals_of
 from nets import evaluate
 from sdf import ramp
@@ -14,6 +15,7 @@ from sdf import ramp
 _LAYER = 0.0020  # by which a turn of the cloth lies over the one below, m
 _LINING = 0.022  # how far down the cloth's inside is made, m
 _COLUMNS = 120
+_BUDGET = 3800  # vertices
 
 # The upper edges of the turns: heights by the angle from the front to the left, rad; m. The first bounds the slit.
 _EDGES = (
@@ -118,6 +120,11 @@ def _reach(field, angles, heights):
     return middle + near[:, None] * ray
 
 
+def _detail(p):
+    """Where errors count more: above the collar, and in front."""
+    return (1 - 0.7 * ramp(1.50, 1.47, p[:, 1])) * (1 - 0.4 * ramp(1.4, 2.0, np.abs(hood.around(p))))
+
+
 def build():
     """The mask as a part, unweighted."""
     u = (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 - 1
@@ -130,10 +137,10 @@ def build():
     a, b = number[:-1], number[1:]
     c, d = np.roll(b, -1, axis=1), np.roll(a, -1, axis=1)
     triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
-    points = points.reshape(-1, 3)
+    points, triangles = decimate(points.reshape(-1, 3), triangles, _BUDGET, 0.014, _detail)
     return Part("Mask", "Gi", points, normals_of(_outside, points, triangles, 0.0020), triangles)
 
 
 def cover(p):
     """What hides the hood: the outside below the rim."""
-    return np.maximum(_outside(p, folded=False), edge(p) + 0.006)
+    return np.maximum(_outside(p, folded=False), edge(p) + 0.014)
