@@ -59,7 +59,7 @@ void play_face(const Figure& figure, const Path& path, Track& controls) {
     c[smile] = content - 0.25 * attention;
     c[jaw] = std::max(0.8 * strain - 0.2, 0.0) + 0.1 * content;
     // Narrowed eyes blink all the same.
-    c[lids] = std::max(c[lids], 0.08 * attention + 0.34 * strain + 0.38 * content);
+    c[lids] = std::max(c[lids], 0.08 * attention + 0.34 * strain + 0.30 * content);
   }
 }
 

@@ -114,8 +114,10 @@ def _weigh(part, heat):
             dense = _drape(part, dense)
         if part.name == "Trousers":
             dense = _part_legs(part, dense)
-        if part.name in ("Hood", "Mask"):  # the throat bends, and the face has bones of its own
-            dense = face.weigh(part.points, _stiffen_face(part, dense))
+        if part.name in ("Hood", "Mask"):  # the throat bends
+            dense = _stiffen_face(part, dense)
+        if part.name == "Mask":  # chin and cheeks move it; brows slide under the hood
+            dense = face.weigh(part.points, dense)
     else:
         side = "Left" if part.name.endswith("L") else "Right"
         bone = {"Eye": side + "Eye", "Iris": side + "Eye", "Pupil": side + "Eye", "Glint": side + "Eye", "Lid": side + "Lid", "Lash": side + "Lid"}
