@@ -79,6 +79,7 @@ def mirror(part, name):
 
 def merge(name, material, parts):
     offsets = np.cumsum([0] + [len(p.points) for p in parts[:-1]])
+    weighted = all(p.weights is not None for p in parts)
     return Part(
         name,
         material,
@@ -86,6 +87,8 @@ def merge(name, material, parts):
         np.concatenate([p.normals for p in parts]),
         np.concatenate([p.triangles + o for p, o in zip(parts, offsets)]),
         np.concatenate([p.colors for p in parts]),
+        np.concatenate([p.joints for p in parts]) if weighted else None,
+        np.concatenate([p.weights for p in parts]) if weighted else None,
     )
 
 

@@ -207,16 +207,19 @@ float wave_slope(float turns) {
   return 32 * abs(turns - floor(turns) - 0.5) - 8;
 }
 
-// How the height of the small creases of worn cloth changes along the rest position, m/m: waves
-// along wandering lines.
-vec3 crease_slope(vec3 p) {
-  const vec3 a = vec3(15.1, 6.5, 0), b = vec3(0, 5.9, 4.6), c = vec3(0, 9.7, -13.2),
-             d = vec3(6.8, -4.9, 0);
-  float at_b = dot(p, b), at_d = dot(p, d);
-  float first = dot(p, a) + 0.27 * wave(at_b), second = dot(p, c) + 0.30 * wave(at_d);
-  return 0.0008 * (wave_slope(first) * wave(second) * (a + 0.27 * wave_slope(at_b) * b) +
-                   wave(first) * wave_slope(second) * (c + 0.30 * wave_slope(at_d) * d));
+#if SURFACE == 2
+// The directions across and along the threads of a cloth in the rest position: it is cut so that
+// they run up the trunk and down the arms.
+void threads_at(vec3 p, vec3 faces, out vec3 across, out vec3 along) {
+  float side = sign(p.x);
+  bool on_sleeve = p.y > 1.04 && side * p.x > 0.25 * p.y - 0.13;
+  across = on_sleeve ? vec3(0.64 * side, 0.77, 0) : vec3(1, 0, 0);
+  along = on_sleeve ? vec3(0.77 * side, -0.64, 0) : vec3(0, 1, 0);
+  vec3 a = abs(vec3(dot(faces, across), dot(faces, along), faces.z));
+  if (a.x > a.y && a.x > a.z) across = vec3(0, 0, 1);
+  else if (a.y > a.z) along = vec3(0, 0, 1);
 }
+#endif
 
 // A normal tilted by heights over the surface (Mikkelsen 2010), given how these change along the
 // rest position: differences of heights between pixels would show the pixels' grid.
@@ -226,8 +229,8 @@ vec3 bumped(vec3 n, vec3 rest_slope) {
   float area = dot(x, across);
   vec3 slope = sign(area) * (dot(rest_slope, dFdx(rest_position)) * across +
                              dot(rest_slope, dFdy(rest_position)) * along);
-  // No steeper than creases are at rest, where skinning crumples the surface.
-  slope *= min(1, 0.2 * abs(area) * inversesqrt(max(dot(slope, slope), 1e-30)));
+  // No steeper than threads are at rest, where skinning crumples the surface.
+  slope *= min(1, 0.4 * abs(area) * inversesqrt(max(dot(slope, slope), 1e-30)));
   return normalize(abs(area) * n - slope);
 }
 
@@ -254,7 +257,6 @@ void main() {
   vec3 albedo = base_color * tint;
   float roughness = base_roughness;
   vec3 wrap = vec3(0);   // how far diffuse light reaches round the terminator
-  float sheen = 0;
 
 #if SURFACE == 1  // wood: streaks along the grain
   vec3 p = grain_axis == 0 ? rest_position.yzx : grain_axis == 1 ? rest_position.zxy : rest_position;
@@ -262,14 +264,25 @@ void main() {
   vec2 streaks = texture(noise, vec2(p.z * 0.9, (p.x + 0.6 * p.y) * 9.0)).rg;
   albedo *= 0.70 + 0.42 * streaks.r + 0.18 * streaks.g;
   roughness += 0.25 * (0.5 - streaks.r);
-#elif SURFACE == 2  // cloth: a weave of 2.4 mm that fades before it aliases, and a soft sheen
-  vec2 threads = facing(rest_position, n) * (1 / 0.0024);
-  vec2 width = fwidth(threads);
-  float fade = clamp(1.25 - 5 * max(width.x, width.y), 0, 1);
-  albedo *= 1 + 0.16 * fade * wave(threads.x) * wave(threads.y);
-  n = bumped(n, crease_slope(rest_position));
+#elif SURFACE == 2  // cloth: a weave that fades before it aliases, and a soft sheen
+  vec3 across, along;
+  threads_at(rest_position, cross(dFdx(rest_position), dFdy(rest_position)), across, along);
+  // Uneven yarn and dye: streaks along the threads.
+  vec2 yarn = texture(noise, vec2(dot(rest_position, across) * 13, dot(rest_position, along) * 1.3)).rg;
+  albedo *= 0.52 + 0.36 * yarn.r + 0.60 * yarn.g;
+  // Grains of rice in staggered rows, as quilted cotton has; on small things the finer ribs of twill.
+  vec3 first = grain_scale > 1 ? 290 * (across + along) : 160 * across;
+  vec3 second = grain_scale > 1 ? 90 * (across - along) : 105 * along;
+  vec2 turns = vec2(dot(rest_position, first), dot(rest_position, second));
+  vec2 width = fwidth(turns);
+  float fade = clamp(1.3 - 3.6 * max(width.x, width.y), 0, 1);
+  float wave_first = wave(turns.x), wave_second = wave(turns.y);
+  float grain = fade * wave_first * wave_second;
+  albedo *= 1 + 0.30 * grain;
+  float high = fade * (grain_scale > 1 ? 0.00011 : 0.00030);  // m
+  n = bumped(n, high * (wave_slope(turns.x) * wave_second * first +
+                        wave_first * wave_slope(turns.y) * second));
   wrap = vec3(0.15);
-  sheen = 0.12;
 #elif SURFACE == 3  // skin: light that went in comes out redder past the terminator
   wrap = vec3(0.17, 0.11, 0.09);
   vec2 place = facing(rest_position, n);
@@ -296,7 +309,11 @@ void main() {
   float a = roughness * roughness, a2 = a * a, k = 0.5 * a;
   float d = nh * nh * (a2 - 1) + 1;
   float lobe = 0.25 * a2 / (d * d * ((lit * (1 - k) + k) * (nv * (1 - k) + k)));
+#if SURFACE == 2
+  vec3 f0 = vec3(0.018);  // fibres hide most of each other's gloss
+#else
   vec3 f0 = mix(vec3(0.04), albedo, metallic);
+#endif
   float c = 1 - vh, c2 = c * c;
   vec3 fresnel = f0 + (1 - f0) * (c2 * c2 * c);
 
@@ -327,8 +344,11 @@ void main() {
 #endif
   vec3 ambient_part = diffuse * ambient + (f0 * fit.x + fit.y) * mirrored;
 #if SURFACE == 2
+  // Fuzz: fibres that stand off catch light at the edges, in the dye's colour.
   float rim = 1 - nv;
-  ambient_part += sheen * rim * rim * rim * ambient;
+  vec3 fuzz = 0.34 * rim * rim * rim * sqrt(max(albedo, 0));
+  ambient_part += fuzz * ambient;
+  radiance += LIGHT_COLOR * seen * lit * fuzz;
 #endif
   float open = contact_light(world_position, n);
 #if SHADE == 2

@@ -12,7 +12,7 @@ namespace {
 
 /// How far a finger is flexed whose joints turn together, as its tendons turn them.
 Flexion curled(double share, double aside) {
-  return {{share * 84 * degree, share * 106 * degree, share * 68 * degree}, aside};
+  return {{share * 92 * degree, share * 108 * degree, share * 74 * degree}, aside};
 }
 
 /// The share at which the finger's end touches the palm's skin; a short finger's presses on it.
@@ -57,9 +57,10 @@ FingerTurns fist(const Model& model, const Skeleton& skeleton, Side side) {
       share[i] = curl(fingers[i], leaning[i], skin, axes);
   }
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
-  // Across the middle phalanges of index and middle finger.
+  // Across the middle phalanges of index and middle finger, as far as it reaches.
   const std::array<Capsule, 2> middles = {closed.phalanges[1], closed.phalanges[4]};
-  const Vec3 tip = 0.7 * middles[1].a + 0.3 * middles[1].b +
+  const Vec3 across = middles[1].a - middles[0].a;
+  const Vec3 tip = 0.7 * middles[1].a + 0.3 * middles[1].b + 0.8 * across +
                    (middles[1].radius + thumb.digit().radius(2)) * axes.palm;
   add_turns(thumb.digit(), thumb.lay(middles, closed.phalanges, tip), closed.fingers);
   return closed.fingers;

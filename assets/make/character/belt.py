@@ -1,43 +1,69 @@
-"""The belt: two turns round the waist, a flat knot, two hanging tails."""
+"""The belt: two turns round the waist, a flat knot, two hanging tails; sewn along in rows."""
 import numpy as np
 
-from character import jacket_shape
-from sdf import ellipsoid, intersect, limb, rotation, union
+from character import jacket_shape, sheet, skirt
+from mesh import merge, sculpt
+from sdf import intersect, limb, union
 from skeleton import vec
 
-_HALF = 0.021
+_HALF = 0.0205
 _KNOT = vec(0.0, 1.026, 0.142)
+_ROWS = np.array([-0.0135, -0.0045, 0.0045, 0.0135])  # where it is sewn, m across
+_GROOVE = 0.0011
 
 
-def height(p):
-    """Height over the middle of the belt, which dips in front."""
-    return p[:, 1] - (jacket_shape.BELT - 0.06 * p[:, 2])
+def _across(half):
+    """Places across, from edge to edge, and the height and the tint there."""
+    near = np.concatenate([[-half, -half + 0.0016], *[[row - 0.0017, row, row + 0.0017] for row in _ROWS], [half - 0.0016, half]])
+    sewn = np.isin(near, _ROWS)
+    edge = np.abs(near) == half
+    return near, -_GROOVE * sewn - 0.0008 * edge, np.where(sewn, 0.55, np.where(edge, 1.15, 1.0))
 
 
-def _tail(p, lean, length, phase):
-    t = np.clip((_KNOT[1] - p[:, 1]) / length, 0, 1)
+def _turns():
+    """Round the waist: the second turn leaves a sliver of the first in sight."""
+    angle = np.linspace(0, 2 * np.pi, 48, endpoint=False)[:, None]
+    v, high, tint = _across(_HALF)
+    places = np.concatenate([[-_HALF], v - 0.002, [v[-1] - 0.0016, _HALF, _HALF]])
+    over = np.concatenate([[-0.004], 0.0128 + high, [0.0098, 0.0092, -0.004]])
+    tint = np.concatenate([[0.6], tint, [0.55, 1.0, 0.6]])
+    pull = 0.0012 * np.sin(3 * angle + 1) + 0.0008 * np.sin(7 * angle)
+    y = np.full((len(angle), len(places)), jacket_shape.BELT)
+    for _ in range(4):  # it dips in front
+        y = jacket_shape.BELT - 0.06 * skirt.around(angle + 0 * y, y)[..., 2] + places + pull
+    on = skirt.around(angle + 0 * y, y)
+    out = np.cross(on - skirt.around(angle - 1e-3 + 0 * y, y), (0, 1, 0))
+    out /= np.linalg.norm(out, axis=2, keepdims=True)
+    out *= np.sign(np.sum(out * (on - [0, 0, -0.01]) * [1, 0, 1], axis=2, keepdims=True))
+    return sheet.shell("Turns", "Belt", on + out * over[None, :, None], np.tile(tint, (len(angle), 1)), closed=True)
+
+
+def _tail(lean, length, phase):
+    t = np.linspace(0, 1, 15)[:, None]
+    v, high, tint = _across(0.0190)
     x = lean * t**0.8 + np.sign(lean) * 0.008
     z = _KNOT[2] + 0.008 + 0.030 * np.sin(1.7 * t) + 0.004 * np.sin(7 * t + phase)
     twist = 0.35 * np.sin(3 * t + phase)
-    u, w = p[:, 0] - x, p[:, 2] - z
-    across = u * np.cos(twist) + w * np.sin(twist)
-    through = -u * np.sin(twist) + w * np.cos(twist)
-    d = intersect(np.abs(across) - 0.0190, np.abs(through) - 0.0034, 0.0025)
-    end = np.maximum(p[:, 1] - _KNOT[1] - 0.004, _KNOT[1] - length - p[:, 1])
-    seam = 0.0007 * np.exp(-(((np.abs(across) - 0.0125) / 0.0015) ** 2))
-    return 0.85 * intersect(d, end, 0.003) + seam
+    cos, sin = np.cos(twist), np.sin(twist)
+    bend = 0.0018 * (1 - (v / 0.019) ** 2) * np.sin(5 * t + phase)  # it is not quite flat
+    y = _KNOT[1] - length * t
+
+    def grid(high):
+        return np.stack([x + v * cos - high * sin, y + 0 * v, z + v * sin + high * cos], axis=-1)[::-1].swapaxes(0, 1)
+
+    end = np.where(np.abs(1 - t - 0.03) < 0.03, 1.12, 1.0)
+    return sheet.slab("Tail", "Belt", grid(0.0030 + bend + high), 0.0058, (tint * end)[::-1].T, plain=grid(0.0030 + bend))[0]
 
 
-def belt(p):
-    base = jacket_shape.smooth(p)
-    h = height(p)
-    outer = 0.0105 + 0.0030 * (h < 0.006)  # the second turn leaves a sliver of the first in sight
-    d = intersect(np.abs(base - 0.0025) - outer + 0.0025, np.abs(h) - _HALF, 0.004)
-    d = d + 0.0010 * np.exp(-(((h - 0.006) / 0.0016) ** 2))
-    knot = limb(p, _KNOT + vec(-0.020, 0.006, 0.002), _KNOT + vec(0.020, -0.006, 0.002), 0.0165, 0.0165, (0, 0, 1), 0.75)
-    knot = union(knot, limb(p, _KNOT + vec(-0.006, 0.016, 0.007), _KNOT + vec(0.006, -0.018, 0.007), 0.0135, 0.0150, (0, 0, 1), 0.7), 0.004)
-    knot = knot + 0.0010 * np.sin(560 * (p[:, 1] + 0.4 * p[:, 0])) * (p[:, 2] > _KNOT[2])
-    d = union(d, knot, 0.004)
-    for lean, length, phase in ((0.070, 0.290, 0.3), (-0.056, 0.262, 1.4)):
-        d = union(d, _tail(p, lean, length, phase), 0.003)
-    return d
+def _knot(p):
+    d = limb(p, _KNOT + vec(-0.020, 0.006, 0.002), _KNOT + vec(0.020, -0.006, 0.002), 0.0165, 0.0165, (0, 0, 1), 0.72)
+    over = limb(p, _KNOT + vec(-0.007, 0.017, 0.007), _KNOT + vec(0.007, -0.019, 0.007), 0.0130, 0.0150, (0, 0, 1), 0.62)
+    line = (p - _KNOT) @ vec(0.93, 0.37, 0)  # across the turn that lies over the knot
+    over = over + 0.0011 * sum(np.exp(-(((line - row) / 0.0014) ** 2)) for row in (-0.0065, 0.0, 0.0065))
+    return intersect(union(d, over, 0.002), _KNOT[2] - 0.020 - p[:, 2], 0.003)
+
+
+def build():
+    knot = sculpt("Knot", "Belt", _knot, _KNOT - 0.055, _KNOT + 0.055, 0.0022, 520, 0.02)
+    tails = [_tail(0.070, 0.299, 0.3), _tail(-0.056, 0.262, 1.4)]
+    return merge("Belt", "Belt", [_turns(), knot, *tails])

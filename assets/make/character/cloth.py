@@ -1,7 +1,5 @@
-"""Strips and unevenness of cloth."""
+"""Unevenness of cloth, and smooth lines on it."""
 import numpy as np
-
-from sdf import intersect, segment
 
 
 def crumple(p, size=1.0, seed=0.0):
@@ -10,15 +8,6 @@ def crumple(p, size=1.0, seed=0.0):
     a = np.sin(p @ np.array([31.0, 13, -17]) + 2.1 * np.sin(p @ np.array([11.0, -23, 9]) + seed))
     b = np.sin(p @ np.array([-19.0, 27, 29]) + 1.7 * np.sin(p @ np.array([17.0, 7, -25]) + 2 * seed))
     return 0.5 * (a + b)
-
-
-def ribbon(p, surface, path, half_width, half_thick, edge=0.003):
-    """A strip lying on `surface` (a field's values at p) along a polyline, with rounded edges."""
-    d = np.full(len(p), 9.0)
-    for a, b in zip(path[:-1], path[1:]):
-        m = np.flatnonzero(np.all((p > np.minimum(a, b) - 0.06) & (p < np.maximum(a, b) + 0.06), axis=1))
-        d[m] = np.minimum(d[m], segment(p[m], a, b))
-    return intersect(d - half_width, np.abs(surface) - half_thick, edge)
 
 
 def spline(points, per_span=6):

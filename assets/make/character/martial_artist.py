@@ -3,7 +3,7 @@ import numpy as np
 
 import occlusion
 import skeleton
-from character import belt, brows, eyes, face, hands, hanging, head, headband, hood, jacket, jacket_shape, mask, tabi, trousers
+from character import belt, brows, eyes, face, hands, hanging, head, headband, hood, jacket, jacket_shape, mask, sewing, skirt, tabi, trousers, wraps
 from character.strain import both, ease, pose
 from character.weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
 from mesh import mirror, sculpt, smoothing
@@ -18,7 +18,6 @@ _BONES = {
     "Mask": _THROAT,
     "Jacket": _TRUNK + sides("Shoulder", "Arm", "ForeArm", "UpLeg"),
     "Trousers": ["Hips"] + sides("UpLeg", "Leg"),
-    "Belt": ["Hips", "Spine"] + sides("UpLeg"),
     "TabiL": ["LeftLeg", "LeftFoot", "LeftToeBase"],
     "TabiR": ["RightLeg", "RightFoot", "RightToeBase"],
     "SoleL": ["LeftFoot", "LeftToeBase"],
@@ -54,7 +53,7 @@ def _clothed(p):
     """The body with its clothes, roughly: where heat flows."""
     q = mirrored(p)
     d = np.minimum(jacket_shape.smooth(p), trousers.smooth(p))
-    d = intersect(d, jacket.HEM - 0.02 - p[:, 1], 0.01)
+    d = intersect(d, skirt.HEM - 0.02 - p[:, 1], 0.01)
     d = np.minimum(d, np.minimum(trousers.smooth(p), hood.scalp(p)))
     d = np.minimum(d, limb(q, joint("LeftForeArm"), joint("LeftHand"), 0.045, 0.032))
     d = np.minimum(d, limb(q, joint("LeftHand"), joint("LeftHandMiddle1"), 0.03, 0.03))
@@ -74,6 +73,7 @@ def _parts():
         return lambda p: np.all([evaluate(cover, p) > -depth for cover, depth in covers], axis=0)
 
     hand = hands.build()
+    shins = wraps.build()
     sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 900, 0.025)
     sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 260, 0.025)
     return [
@@ -90,12 +90,14 @@ def _parts():
         mirror(sock, "TabiR"),
         sole,
         mirror(sole, "SoleR"),
-        sculpt("Jacket", "Gi", jacket.jacket, *jacket_shape.BOUNDS, 0.0048, 8200, 0.045),
+        sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0044, 6000, 0.040),
         sculpt(
-            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0060, 3400, 0.05,
+            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 2900, 0.045,
             None, lambda p: (evaluate(jacket_shape.smooth, p) > -0.02) | (p[:, 1] < 0.86),
         ),
-        sculpt("Belt", "Belt", belt.belt, (-0.22, 0.70, -0.18), (0.22, 1.08, 0.21), 0.0028, 1700, 0.04),
+        *shins,
+        *(mirror(part, part.name[:-1] + "R") for part in shins),
+        belt.build(),
     ]
 
 
@@ -106,10 +108,11 @@ def _weigh(part, heat):
         dense = hands.weights(left.points, smoothing(part.triangles, n))
         if part.name.endswith("R"):
             dense = dense[:, [REST.index(_other_side(b)) for b in REST.names]]
+    elif part.name[:-1] in ("Wraps", "Cords"):
+        side = "Left" if part.name.endswith("L") else "Right"
+        dense = heat.at(part.points, [side + bone for bone in ("UpLeg", "Leg")])
     elif part.name in _BONES:
         dense = heat.at(part.points, _BONES[part.name])
-        if part.name == "Belt":
-            dense = hanging.tails(part, dense)
         if part.name == "Jacket":
             dense = _drape(part, dense)
         if part.name == "Trousers":
@@ -135,15 +138,20 @@ def _stiffen_face(part, dense):
 
 
 def _drape(part, dense):
-    """The jacket's cloth follows the limbs widely, the trunk as the body does, and hangs below the belt and at the wrists;
-    its lining goes with its outside."""
+    """The jacket's cloth follows the limbs widely, the trunk as the body does, and hangs at the wrists; its lining goes with its outside."""
     limb = np.array([b.startswith(("Left", "Right")) for b in REST.names])
     limbs = spread(dense[:, limb], part.triangles, part.points, jacket.give(part.points))
+    arms = np.array(["Leg" not in b for b in np.array(REST.names)[limb]])
+    held = ramp(1.050, 1.020, part.points[:, 1]) * (np.abs(part.points[:, 0]) < 0.25)  # by the belt
+    limbs[:, arms] *= (1 - held)[:, None]
+    own = jacket.below_elbow(part.points)[:, None]  # there the trunk has no part in it
+    total = np.maximum(limbs.sum(axis=1, keepdims=True), 1e-6)
+    limbs *= 1 + own * (1 - total) / total
     trunk = dense[:, ~limb] / np.maximum(dense[:, ~limb].sum(axis=1, keepdims=True), 1e-6)
     out = np.empty_like(dense)
     out[:, limb], out[:, ~limb] = limbs, trunk * (1 - limbs.sum(axis=1, keepdims=True))
-    out = hanging.cuffs(part, hanging.skirt(part, out))
-    inside = jacket.lining(part.points, part.normals)[:, None]
+    out = hanging.cuffs(part, out)
+    inside = jacket.lining(part.points)[:, None]
     outer = inside[:, 0] < 0.5
 
     def lined(dense):
@@ -188,8 +196,11 @@ def build(report=print):
     parts = _parts() + eyes.build()
     heat = BodyHeat(_clothed, (-0.80, -0.02, -0.26), (0.80, 1.86, 0.26))
     for part in parts:
-        _weigh(part, heat)
+        if part.name != "Belt":
+            _weigh(part, heat)
     by_name = {part.name: part for part in parts}
+    sheets = sewing.on_jacket(by_name["Jacket"], by_name["Belt"], heat)
+    parts += sheets
     for name in ("HandL", "HandR"):
         _tuck(by_name[name], by_name["Jacket"])
     for part in parts:
@@ -199,7 +210,10 @@ def build(report=print):
             part.tint(0.75 * brows.under(mirrored(part.points)), (0.20, 0.14, 0.11))
         elif part.name in ("HandL", "HandR"):
             hands.paint(part, side)
+        elif part.name in ("Jacket", "Trousers"):
+            {"Jacket": jacket, "Trousers": trousers}[part.name].paint(part)
     occlusion.bake(parts, _shading)
+    parts = sewing.sewn(parts, by_name["Jacket"], sheets)
     unshaded = eyes.lids() + eyes.glints()  # the baked shading would take them for buried
     for part in unshaded:
         _weigh(part, heat)

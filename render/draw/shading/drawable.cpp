@@ -50,7 +50,7 @@ Drawable::Drawable(const gl::Gl& gl, std::shared_ptr<const RestShape> shape,
   make_arrays();
   Eigen::AlignedBox3f box;
   for (const mesh::RestVertex& v : shape_->rest()) box.extend(v.rest);
-  if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.5f ? 5 : 1;
+  if (!box.isEmpty()) grain_scale_ = box.sizes().maxCoeff(&grain_axis_) < 0.7f ? 5 : 1;
 }
 
 Drawable::Drawable(const gl::Gl& gl, const scenes::Mesh& mesh, const scenes::Material& material)
