@@ -13,8 +13,8 @@ const Vec3 pelvis_waits(0.030, 0.030, -0.045);
 const Vec3 fist_waits(0.065, -0.085, 0.045);
 // In the end the left fist comes before the chest.
 const Vec3 fist_greets(-0.075, 0.035, -0.01);
-constexpr double fist_after = 0.25, fist_takes = 0.65;  // s, after all rests
-constexpr double nods = 0.16, bows = 0.04;  // rad, of the head beyond where it looks, of the spine
+constexpr double fist_after = 0.10, fist_takes = 0.45;  // s, after all rests
+constexpr double nods = 0.24;                           // rad, of the head beyond where it looks
 
 }  // namespace
 
@@ -30,9 +30,7 @@ void begin_and_end(const Figure& figure, const Cues& cues, Track& controls) {
     if (!cues.greets()) continue;
     const double since = time - cues.rests;
     u.segment<3>(guard_x) += scale * smoothstep((since - fist_after) / fist_takes) * fist_greets;
-    const double nod = cues.nod(time);
-    u[head_lean] += nods * nod;
-    u[spine_lean] += bows * nod;
+    u[head_lean] += nods * cues.nod(time);
   }
 }
 

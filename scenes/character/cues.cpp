@@ -9,8 +9,8 @@ namespace {
 constexpr double moves = 0.02;                    // m/s: a hand that is slower rests
 constexpr double stance = 0.9, stance_by = 0.25;  // s, that it takes, and before the hand moves
 constexpr double comes_to_rest = 0.35;            // s
-constexpr double long_rest = 2.0;                 // s
-constexpr double bow_after = 0.75, bow_takes = 0.42, bow_stays = 0.25, rise_takes = 0.50;  // s
+constexpr double long_rest = 1.9;                 // s
+constexpr double bow_after = 0.50, bow_takes = 0.40, bow_stays = 0.22, rise_takes = 0.48;  // s
 constexpr double foreseen_within = 0.01;  // m, the method's tolerance
 
 /// The stick's centre over the duration: the chain is one link, which nothing but its ends holds.

@@ -351,7 +351,7 @@ def clip(work):
         work.run(f"taut render scenes/nunchaku.toml {picture} --out out/results/nunchaku")
     keep(work, work.out / "nunchaku/poster.png", "poster.webp")
     keep(work, work.out / "nunchaku/contact_sheet.png", "nunchaku.png")
-    work.run("taut render scenes/nunchaku.toml --frames 498-707 --size 640x360 --no-video --out out/results/throw")
+    work.run("taut render scenes/nunchaku.toml --frames 498-716 --size 640x360 --no-video --out out/results/throw")
     work.run("ffmpeg -y -v error -framerate 60 -start_number 498 -i out/results/throw/frames/%06d.png -vf fps=30 -loop 0 "
              "-quality 75 -compression_level 6 assets/pictures/throw.webp")
     times = told["seconds_per_frame"]

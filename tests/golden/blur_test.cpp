@@ -100,9 +100,9 @@ TEST_F(Blur, APixelHasTheLightOfTheTimeForWhichItIsCovered) {
 
 TEST_F(Blur, MoreWayTakesMoreExposuresUpToTheStates) {
   int slowest = 0, slow = 0, fast = 0, still = 0;
-  expose(shutter(0, 3), &slowest);
-  expose(shutter(0, 10), &slow);
-  expose(shutter(0, 20), &fast);
+  expose(shutter(0, 2.5), &slowest);
+  expose(shutter(0, 5), &slow);
+  expose(shutter(0, 10), &fast);
   const picture::Picture picture = expose(shutter(0, 0), &still);
   EXPECT_EQ(slowest, 2);
   EXPECT_EQ(slow, 4);
@@ -112,14 +112,14 @@ TEST_F(Blur, MoreWayTakesMoreExposuresUpToTheStates) {
   EXPECT_EQ(picture.pixels, expose({&alone, 1}).pixels);
 }
 
-TEST_F(Blur, ExposuresAreAtMostThreePixelsApartAndNoMoreThanThatTakes) {
-  // Two are at most two pixels apart: a thing would seem to be two.
-  for (double way = 4; way < 90; way += 2) {
+TEST_F(Blur, ExposuresAreAsNearAsTheStageAsksForAndNoMoreThanThatTakes) {
+  const double most = scenes::Stage().exposures_apart;
+  for (double way = 2; way < 45; way += 1) {
     int count = 0;
     expose(shutter(0, way), &count);
     const double apart = way / (kStates - 1) * kStates / count;
-    EXPECT_LE(apart, (count == 2 ? 2 : 3) + 1e-3) << way;
-    EXPECT_TRUE(count == 2 || 2 * apart > (count == 4 ? 2 : 3)) << way;
+    EXPECT_LE(apart, most + 1e-3) << way;
+    EXPECT_TRUE(count == 2 || 2 * apart > most) << way;
   }
 }
 
@@ -127,11 +127,11 @@ TEST_F(Blur, UnevenStatesCountByTheLongestTimeBetweenThem) {
   std::vector<draw::FrameState> instants;
   for (int i = 0; i < kStates; ++i) {
     const int step = i + (i >= 5);  // one is left out
-    instants.push_back(instant(0.1 + step * 0.35 / kMetre, step / 3840.0));
+    instants.push_back(instant(0.1 + step * 0.175 / kMetre, step / 3840.0));
   }
   int count = 0;
   expose(instants, &count);
-  EXPECT_EQ(count, 8);  // with 4, neighbours would be nine steps of 0.35 px apart
+  EXPECT_EQ(count, 8);  // with 4, neighbours would be nine steps of 0.175 px apart
 }
 
 TEST_F(Blur, TheFastestThingsLeaveNoStripes) {

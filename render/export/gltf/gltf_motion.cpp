@@ -22,6 +22,32 @@ bool stands(const std::vector<Number>& numbers, std::size_t size, double most) {
 
 constexpr double kOne = 32767;  // of 16 bits
 
+/// The keys of rotations without those that lie on the straight way between their neighbours, to
+/// two steps of 16 bits.
+std::vector<std::size_t> needed_keys(const std::vector<std::int16_t>& track,
+                                     const std::vector<float>& times) {
+  constexpr double kSteps = 2;           // of 16 bits: 6e-5 rad
+  constexpr std::size_t kLongest = 128;  // keys from one to the next
+  const auto straight = [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from + 1; i < to; ++i) {
+      const double share = double(times[i] - times[from]) / double(times[to] - times[from]);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double on_line = std::lerp(track[4 * from + k], track[4 * to + k], share);
+        if (std::abs(on_line - track[4 * i + k]) > kSteps) return false;
+      }
+    }
+    return true;
+  };
+  std::vector<std::size_t> keys{0};
+  while (keys.back() + 1 < times.size()) {
+    std::size_t next = keys.back() + 1;
+    const std::size_t last = std::min(times.size() - 1, keys.back() + kLongest);
+    while (next < last && straight(keys.back(), next + 1)) ++next;
+    keys.push_back(next);
+  }
+  return keys;
+}
+
 }  // namespace
 
 void GltfMotion::translate(std::size_t node, const Vec3& to) {
@@ -65,6 +91,31 @@ void GltfMotion::channel(std::size_t node, const char* path, const char* interpo
   samplers_.push_back({{"input", nullptr}, {"interpolation", interpolation}, {"output", output}});
 }
 
+std::size_t GltfMotion::input(const std::vector<float>& times) {
+  return file_.add_numbers(std::span(times),
+                           {GltfFile::f32, "SCALAR", GltfFile::Use::animation, false, true});
+}
+
+void GltfMotion::rotation(std::size_t node, const std::vector<std::int16_t>& track,
+                          const std::vector<float>& times) {
+  const GltfFile::Numbers about{GltfFile::i16, "VEC4", GltfFile::Use::animation, true};
+  const std::vector<std::size_t> keys = needed_keys(track, times);
+  constexpr std::size_t kValue = 4 * sizeof(std::int16_t);
+  if (keys.size() * (kValue + sizeof(float)) >= times.size() * kValue)
+    return channel(node, "rotation", "LINEAR",
+                   file_.add_numbers(std::span<const std::int16_t>(track), about));
+  std::vector<float> own;
+  std::vector<std::int16_t> values;
+  for (const std::size_t key : keys) {
+    own.push_back(times[key]);
+    const auto value = track.begin() + std::ptrdiff_t(4 * key);
+    values.insert(values.end(), value, value + 4);
+  }
+  channel(node, "rotation", "LINEAR",
+          file_.add_numbers(std::span<const std::int16_t>(values), about));
+  samplers_.back()["input"] = input(own);
+}
+
 void GltfMotion::finish(const std::string& name, const std::vector<float>& times) {
   for (const auto& [node, numbers] : translations_) {
     constexpr double kStill = 1e-7;  // m
@@ -79,15 +130,13 @@ void GltfMotion::finish(const std::string& name, const std::vector<float>& times
     if (stands(numbers, 4, 2)) {
       file_.place(node, {Vec3::Zero(), Quat(numbers[3], numbers[0], numbers[1], numbers[2])});
     } else {
-      channel(node, "rotation", "LINEAR",
-              file_.add_numbers(std::span(numbers),
-                                {GltfFile::i16, "VEC4", GltfFile::Use::animation, true}));
+      rotation(node, numbers, times);
     }
   }
   if (channels_.empty()) return;
-  const std::size_t input = file_.add_numbers(
-      std::span(times), {GltfFile::f32, "SCALAR", GltfFile::Use::animation, false, true});
-  for (GltfFile::Json& sampler : samplers_) sampler["input"] = input;
+  const std::size_t all = input(times);
+  for (GltfFile::Json& sampler : samplers_)
+    if (sampler["input"].is_null()) sampler["input"] = all;
   file_.add(
       "animations",
       {{"name", name}, {"channels", std::move(channels_)}, {"samplers", std::move(samplers_)}});

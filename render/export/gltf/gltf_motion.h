@@ -1,4 +1,4 @@
-// The animation of a glTF file: all channels over one list of keys.
+// The animation of a glTF file: channels over one list of keys, or over their own part of it.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@ class GltfMotion {
   explicit GltfMotion(GltfFile& file) : file_(file) {}
 
   /// Where a node is at the next key, against its parent; straight between keys. Of each node at
-  /// every key or never. Rotations are kept in 16 bits a number, to 3e-5 rad.
+  /// every key or never. Rotations are kept in 16 bits a number, to 6e-5 rad.
   void translate(std::size_t node, const Vec3& to);
   void turn(std::size_t node, const Quat& to);
 
@@ -28,6 +28,10 @@ class GltfMotion {
  private:
   void spline(std::size_t node, const char* path, std::size_t size,
               const std::vector<float>& numbers);
+  /// Over the keys that it needs, where that takes less room.
+  void rotation(std::size_t node, const std::vector<std::int16_t>& track,
+                const std::vector<float>& times);
+  std::size_t input(const std::vector<float>& times);
   void channel(std::size_t node, const char* path, const char* interpolation, std::size_t output);
 
   struct Spline {
