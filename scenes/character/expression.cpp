@@ -11,6 +11,7 @@ namespace {
 constexpr double half_speed = 0.2, half_acceleration = 8;
 constexpr double attack = 0.10, release = 0.3;  // s, mean delays of a face that tightens, and eases
 constexpr double anticipation = 0.08;           // s, by which the face is ahead of the hand
+constexpr double calm_lids = 0.08;              // how far down they are without any effort
 constexpr double least_rest = 0.2;              // s, after which the hand has come to rest
 
 /// From 0 to 1, a half at `half`.
@@ -59,7 +60,7 @@ void play_face(const Figure& figure, const Path& path, Track& controls) {
     c[smile] = content - 0.25 * attention;
     c[jaw] = std::max(0.8 * strain - 0.2, 0.0) + 0.1 * content;
     // Narrowed eyes blink all the same.
-    c[lids] = std::max(c[lids], 0.08 * attention + 0.34 * strain + 0.30 * content);
+    c[lids] = std::max(c[lids], calm_lids + 0.02 * attention + 0.14 * strain + 0.18 * content);
   }
 }
 

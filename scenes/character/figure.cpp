@@ -17,7 +17,7 @@ constexpr double forearm_share = 0.55;
 
 /// The turn that brings an upper lid down on the lower one, rad; and the share of the eye's that it
 /// makes when the eye looks down.
-constexpr double lid_closes = 0.62, lid_follows = 0.6;
+constexpr double lid_closes = 0.70, lid_follows = 0.6;
 
 /// The turns (rad) of a whole movement of the face's bones: about 4 mm of the skin, and 5 of the
 /// chin.
@@ -126,9 +126,9 @@ void Figure::set_face(const Controls& c, Posture& p) const {
   for (std::size_t i = 0; i < 2; ++i) {
     const double left = i == 0 ? 1 : -1;
     set(eye_[i], turn(y_axis, c[eye_yaw]) * turn(x_axis, c[eye_lean]));
-    // An eye that looks down takes its lid along.
+    // An eye that looks down takes its lid along: effort narrows it no further.
     const double down = lid_follows * std::max(c[eye_lean], 0.0);
-    set(lid_[i], turn(x_axis, down + c[lids] * (lid_closes - down)));
+    set(lid_[i], turn(x_axis, std::max(down, c[lids] * lid_closes)));
     set(brow_[i], turn(x_axis, -brow_rises * c[brows]) *
                       turn(y_axis, -left * brow_draws * c[frown]) *
                       turn(z_axis, left * brow_tilts * c[frown]));

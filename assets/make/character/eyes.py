@@ -7,8 +7,10 @@ from sdf import intersect, ramp, sphere
 from skeleton import unit, vec
 
 _GAZE = unit(vec(0.03, -0.02, 1.0))
-_SHUT = 0.62  # rad, by which an upper lid turns down
+_SHUT = 0.70  # rad, by which an upper lid turns down
 _IRIS = 0.43  # rad, of its rim from its middle
+_CORNEA = 0.0010  # m, by which it bulges
+_UNDER_LID = 0.0017  # m from the ball, of the lid that moves over it
 
 
 def _cap(radius, spread, rings, spokes, bulge=0.0):
@@ -35,10 +37,10 @@ def _placed(name, material, cap):
 
 
 def _lash(q):
-    """The upper rim of the lid, dark."""
+    """The dark rim of the upper lid, where the part that moves ends: inside the fixed part."""
     rim = head.opening(q)
-    shell = np.abs(sphere(q, head.EYE, head.EYE_RADIUS + 0.0018)) - 0.0013
-    d = intersect(shell, np.abs(rim - 0.0001) - 0.0008, 0.0006)
+    shell = np.abs(sphere(q, head.EYE, head.EYE_RADIUS + 0.0021)) - 0.0013
+    d = intersect(shell, np.abs(rim + 0.0006) - 0.0010, 0.0006)
     d = intersect(d, np.abs(q[:, 0] - head.EYE[0]) - 0.0155, 0.001)
     return intersect(d, head.EYE[1] + 0.0008 - q[:, 1], 0.001)
 
@@ -46,18 +48,18 @@ def _lash(q):
 def _lid():
     """The part of the upper lid that comes down over the ball, at rest inside the fixed lid: a shell over angles
     about the axis along which it turns, and across. Its rim, dark with lashes, lies on the lower lid when it is shut."""
-    radius = head.EYE_RADIUS + 0.0012
+    radius = head.EYE_RADIUS + _UNDER_LID
     rows = np.array([0, 0.04, 0.08, 0.12, 0.25, 0.40, 0.60, 0.80, 1.0])  # from the rim
     across, up = np.meshgrid(np.linspace(-1.05, 1.05, 17), rows, indexing="ij")
     u = np.clip(radius * np.sin(across) / 0.0158, -1, 1)
-    rim = _SHUT - np.arcsin((0.0047 * (1 - u * u) ** 0.75 + 0.0007) / (radius * np.cos(across)))
+    rim = _SHUT - np.arcsin((head.LOWER * (1 - u * u) ** 0.75 + 0.0007) / (radius * np.cos(across)))
     turn = (rim + (1.35 - rim) * up).ravel()
     a = across.ravel()
     normal = np.stack([np.sin(a), np.cos(a) * np.sin(turn), np.cos(a) * np.cos(turn)], axis=1)
     quads = [(9 * i + k, 9 * i + 9 + k, 9 * i + 10 + k, 9 * i + k + 1) for i in range(16) for k in range(8)]
     triangles = np.array([t for q in quads for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))])
     part = Part("LidL", "Skin", head.EYE + radius * normal, normal, triangles)
-    part.tint(np.full(len(a), 1.0), (0.70, 0.60, 0.55))  # as shaded as the lids beside it
+    part.tint(np.full(len(a), 1.0), head.LID_SHADE)
     part.tint(0.92 * (up.ravel() < 0.10), (0.10, 0.08, 0.08))
     return part
 
@@ -74,7 +76,7 @@ def glints():
     x = unit(np.cross(vec(0, 1, 0), _GAZE))
     towards = unit(_GAZE + 0.13 * x + 0.12 * np.cross(_GAZE, x))
     side = unit(np.cross(vec(0, 1, 0), towards))
-    points, normal, triangles = _cap(head.EYE_RADIUS + 0.0010, 0.075, 2, 12)
+    points, normal, triangles = _cap(head.EYE_RADIUS + 0.0014, 0.095, 2, 12)
     turn = np.stack([side, np.cross(towards, side), towards], axis=1)
     return [
         Part(name, "EyeWhite", points @ turn.T + head.EYE * vec(sign, 1, 1), normal @ turn.T, triangles)
@@ -109,8 +111,8 @@ def build():
     rim = sculpt("LashL", "Lash", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 140)
     left = [
         _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.30, 8, 20)),
-        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, _IRIS, 7, 26, 0.0004)),
-        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.0008, 0.175, 2, 14)),
+        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, _IRIS, 9, 28, _CORNEA)),
+        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.00125, 0.175, 3, 18, 0.00018)),
         brows.brow(),
         merge("LashL", "Lash", [rim, brows.upper_lashes()]),
     ]

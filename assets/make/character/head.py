@@ -5,8 +5,10 @@ from sdf import ellipsoid, intersect, limb, mirrored, ramp, sphere, subtract, tu
 from skeleton import EYE, vec
 
 EYE_RADIUS = 0.0140
-_LID = 0.0022
+_LID = 0.0026
 _SLIT = 0.0158  # half width of the opening
+UPPER, LOWER = 0.0053, 0.0052  # how far it reaches up and down in its middle
+LID_SHADE = (0.72, 0.61, 0.56)  # of the skin of the upper lids
 
 
 def opening(q):
@@ -14,8 +16,8 @@ def opening(q):
     x = q[:, 0] - EYE[0]
     y = q[:, 1] - EYE[1] - 0.05 * x  # the outer corner is a little higher
     u = np.clip(x / _SLIT, -1, 1)
-    upper = 0.0046 * (1 - u * u) ** 0.60
-    lower = 0.0047 * (1 - u * u) ** 0.75
+    upper = UPPER * (1 - u * u) ** 0.60
+    lower = LOWER * (1 - u * u) ** 0.75
     d = np.where(y > 0, y - upper, -lower - y)
     return np.where(np.abs(x) > _SLIT, np.maximum(d, np.abs(x) - _SLIT), d)
 
@@ -48,14 +50,11 @@ def _nose(p, d):
 
 
 def _lids(q, d):
-    """A shell round the eye ball, open between the lids, with a fold above."""
+    """A shell round the eye ball, open between the lids."""
     ball = sphere(q, EYE, EYE_RADIUS)
     slit = opening(q)
     shell = subtract(ball - _LID, slit, 0.0016)
     d = union(d, shell, 0.0085)
-    fold = np.hypot(ball - _LID - 0.0014, slit - 0.0046) - 0.0008 * ramp(0.0165, 0.0110, np.abs(q[:, 0] - EYE[0]))
-    fold = np.where(q[:, 1] > EYE[1] + 0.001, fold, 1.0)
-    d = subtract(d, fold, 0.0030)
     hollow = intersect(ball + 0.0006, slit - 0.0002, 0.001)
     return subtract(d, hollow, 0.0012)
 
@@ -70,9 +69,11 @@ def head(p):
 
 
 def detail(p):
-    """Where errors count more: the lids before the rest."""
+    """Where errors count more: the lids before the rest; and the brows, whose shade is painted on the skin."""
     q = mirrored(p)
-    return 0.7 + 3.0 * np.exp(-np.sum(((q - EYE) / vec(0.020, 0.013, 0.03)) ** 2, axis=1))
+    lids = np.exp(-np.sum(((q - EYE) / vec(0.020, 0.013, 0.03)) ** 2, axis=1))
+    brow = np.exp(-np.sum(((q - vec(0.033, 1.678, 0.08)) / vec(0.026, 0.008, 0.03)) ** 4, axis=1))
+    return 0.7 + 3.0 * lids + 2.5 * brow
 
 
 def paint(part):
@@ -82,7 +83,16 @@ def paint(part):
         return np.exp(-np.sum(((q - np.array(centre)) / np.array(radius)) ** 2, axis=1))
 
     part.tint(0.30 * spot((0.045, 1.634, 0.070), (0.022, 0.012, 0.03)), (0.97, 0.78, 0.72))  # cheeks
-    part.tint(0.45 * spot((0.0170, 1.6560, 0.085), (0.0085, 0.011, 0.02)), (0.62, 0.48, 0.44))  # beside the bridge
+    part.tint(0.25 * spot((0.0170, 1.6560, 0.085), (0.0085, 0.011, 0.02)), (0.62, 0.48, 0.44))  # beside the bridge
     part.tint(0.35 * spot((0.032, 1.6415, 0.080), (0.020, 0.0050, 0.02)), (0.78, 0.62, 0.60))  # below the lower lid
-    rim = np.abs(opening(q)) * (p[:, 2] > 0.06)
+    slit = opening(q)
+    part.tint(_upper_lid(q, slit), LID_SHADE)
+    part.tint(0.45 * _upper_lid(q, slit) * np.exp(-(((slit - 0.0042) / 0.0011) ** 2)), (0.55, 0.42, 0.38))  # its crease
+    rim = np.abs(slit) * (p[:, 2] > 0.06)
     part.tint(0.55 * np.exp(-((rim / 0.0012) ** 2)), (0.62, 0.36, 0.32))  # the wet edges of the lids
+
+
+def _upper_lid(q, slit):
+    """The fixed part of the upper lid, as dark as the part that moves."""
+    above = ramp(-0.0005, 0.0010, q[:, 1] - EYE[1]) * ramp(0.0090, 0.0040, slit)
+    return above * ramp(0.0195, 0.0145, np.abs(q[:, 0] - EYE[0])) * (q[:, 2] > 0.055)

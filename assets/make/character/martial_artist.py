@@ -77,7 +77,7 @@ def _parts():
     sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 900, 0.025)
     sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 260, 0.025)
     return [
-        sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 2400, 0.012, head.detail, _bare),
+        sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 3600, 0.012, head.detail, _bare),
         sculpt(
             "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 3000, 0.02,
             hood.detail, lambda p: hood.shown(p) & outside((mask.cover, 0.004))(p),
@@ -207,7 +207,7 @@ def build(report=print):
         side = -1 if part.name.endswith("R") else 1
         if part.name == "Head":
             head.paint(part)
-            part.tint(0.75 * brows.under(mirrored(part.points)), (0.20, 0.14, 0.11))
+            part.tint(brows.under(mirrored(part.points)), (0.085, 0.060, 0.050))
         elif part.name in ("HandL", "HandR"):
             hands.paint(part, side)
         elif part.name in ("Jacket", "Trousers"):

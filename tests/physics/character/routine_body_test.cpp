@@ -213,5 +213,65 @@ TEST_F(RoutineBody, TheEyesAreOnTheOpponentOrTheStick) {
   EXPECT_LT(off, 0.03 * frames);
 }
 
+/// Angles (rad) up from an eye's axis to the lowest and the highest point of a mesh that a bone
+/// turns, within 3 mm of the vertical plane through the eye.
+std::array<double, 2> span_of(const scenes::Model& model, const char* name, const Vec3& eye) {
+  std::array<double, 2> span = {M_PI, -M_PI};
+  const scenes::Mesh& mesh = *std::ranges::find(model.meshes, name, &scenes::Mesh::name);
+  for (const scenes::Vertex& v : mesh.vertices) {
+    const Vec3 d = Vec3(v.position[0], v.position[1], v.position[2]) - eye;
+    if (std::abs(d.x()) > 3e-3) continue;
+    const double angle = std::atan2(d.y(), d.z());
+    span = {std::min(span[0], angle), std::max(span[1], angle)};
+  }
+  return span;
+}
+
+/// Whoever looks down, or strains, has his eyes open all the same: between the lids a third of the
+/// iris' height is seen or more, but for blinks, which are short and seldom.
+TEST_F(RoutineBody, TheEyesAreOpenButForBlinks) {
+  const scenes::Skeleton skeleton(model_);
+  const std::size_t head = skeleton.find("Head"), eye = skeleton.find("LeftEye");
+  const std::size_t lid = skeleton.find("LeftLid");
+  const auto rest = skeleton.poses(skeleton.place(skeleton.upright()));
+  const auto leans = [&](const std::vector<Pose>& bones, std::size_t bone) {
+    const auto from_rest = [&](std::size_t b) -> Quat {
+      return bones[b].rotation * rest[b].rotation.conjugate();
+    };
+    const Vec3 d = from_rest(head).conjugate() * (from_rest(bone) * Vec3::UnitZ());
+    return std::atan2(-d.y(), std::hypot(d.x(), d.z()));
+  };
+  const std::array<double, 2> iris = span_of(model_, "IrisL", skeleton.rest(eye));
+  const double rim = span_of(model_, "LidL", skeleton.rest(eye))[0];
+  double lower = M_PI / 2;                  // the lid's rim lies on the lower lid when it is shut
+  std::vector<std::array<double, 2>> seen;  // s; share of the iris' height
+  std::vector<double> opening;
+  each_frame([&](const Instance& i, const std::vector<Pose>& bones) {
+    opening.push_back(rim - leans(bones, lid));
+    lower = std::min(lower, opening.back());
+    seen.push_back({i.time, leans(bones, eye)});
+  });
+  double shut_since = -1, shut_before = -10;
+  int blinks = 0;
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const auto [time, lean] = seen[k];
+    const double shown = std::min(iris[1] - lean, opening[k]) - std::max(iris[0] - lean, lower);
+    const double share = shown / (iris[1] - iris[0]);
+    if (share > 0.35) {
+      if (shut_since >= 0) shut_before = time;
+      shut_since = -1;
+      continue;
+    }
+    if (shut_since < 0) {
+      EXPECT_GT(time - shut_before, 1.5) << time;
+      shut_since = time;
+      ++blinks;
+    }
+    EXPECT_LT(time - shut_since, 0.2) << time;
+  }
+  EXPECT_GT(blinks, 2);
+  EXPECT_LT(lower, rim - 0.6);  // the lids do meet
+}
+
 }  // namespace
 }  // namespace taut::routine_body_test
