@@ -41,7 +41,7 @@ class RoutineBody : public testing::Test {
 
 /// Until it is thrown over the shoulder, where it is to touch him.
 TEST_F(RoutineBody, TheFreeStickMissesHimAndTheHeldStick) {
-  const double thrown = routine_.caption("a").from;
+  const double thrown = routine_.caption("Four times slower: the hand").from;
   const auto fitted = scenes::fit_capsules(model_);
   std::map<std::string, double> least;
   double sticks = 1;

@@ -120,7 +120,7 @@ TEST(RoutinePlay, IsNotLuck) {
   const Routine fine = Routine::play("nunchaku.toml", true, {{"tolerance", 3e-4}});
   double off = 0;
   for (std::size_t k = 0; k < routine().steps.size(); ++k) {
-    if (routine().steps[k].time > routine().caption("a").until) break;
+    if (routine().steps[k].time > routine().caption("Four times slower: the hand").until) break;
     off = std::max(off, (routine().steps[k].tip - fine.steps.at(k).tip).norm());
   }
   EXPECT_LT(off, 0.005);  // m; the body is 20 mm away and more
