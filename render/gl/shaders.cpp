@@ -271,15 +271,15 @@ void main() {
   vec2 yarn = texture(noise, vec2(dot(rest_position, across) * 13, dot(rest_position, along) * 1.3)).rg;
   albedo *= 0.52 + 0.36 * yarn.r + 0.60 * yarn.g;
   // Grains of rice in staggered rows, as quilted cotton has; on small things the finer ribs of twill.
-  vec3 first = grain_scale > 1 ? 290 * (across + along) : 160 * across;
-  vec3 second = grain_scale > 1 ? 90 * (across - along) : 105 * along;
+  vec3 first = grain_scale > 1 ? 290 * (across + along) : 320 * across;
+  vec3 second = grain_scale > 1 ? 90 * (across - along) : 230 * along;
   vec2 turns = vec2(dot(rest_position, first), dot(rest_position, second));
   vec2 width = fwidth(turns);
   float fade = clamp(1.3 - 3.6 * max(width.x, width.y), 0, 1);
   float wave_first = wave(turns.x), wave_second = wave(turns.y);
   float grain = fade * wave_first * wave_second;
   albedo *= 1 + 0.30 * grain;
-  float high = fade * (grain_scale > 1 ? 0.00011 : 0.00030);  // m
+  float high = fade * (grain_scale > 1 ? 0.00011 : 0.00012);  // m
   n = bumped(n, high * (wave_slope(turns.x) * wave_second * first +
                         wave_first * wave_slope(turns.y) * second));
   wrap = vec3(0.15);

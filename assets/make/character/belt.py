@@ -22,7 +22,7 @@ def _across(half):
 
 def _turns():
     """Round the waist: the second turn leaves a sliver of the first in sight."""
-    angle = np.linspace(0, 2 * np.pi, 48, endpoint=False)[:, None]
+    angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)[:, None]
     v, high, tint = _across(_HALF)
     places = np.concatenate([[-_HALF], v - 0.002, [v[-1] - 0.0016, _HALF, _HALF]])
     over = np.concatenate([[-0.004], 0.0128 + high, [0.0098, 0.0092, -0.004]])
@@ -39,7 +39,7 @@ def _turns():
 
 
 def _tail(lean, length, phase):
-    t = np.linspace(0, 1, 15)[:, None]
+    t = np.linspace(0, 1, 12)[:, None]
     v, high, tint = _across(0.0190)
     x = lean * t**0.8 + np.sign(lean) * 0.008
     z = _KNOT[2] + 0.008 + 0.030 * np.sin(1.7 * t) + 0.004 * np.sin(7 * t + phase)
@@ -64,6 +64,6 @@ def _knot(p):
 
 
 def build():
-    knot = sculpt("Knot", "Belt", _knot, _KNOT - 0.055, _KNOT + 0.055, 0.0022, 520, 0.02)
+    knot = sculpt("Knot", "Belt", _knot, _KNOT - 0.055, _KNOT + 0.055, 0.0022, 380, 0.02)
     tails = [_tail(0.070, 0.299, 0.3), _tail(-0.056, 0.262, 1.4)]
     return merge("Belt", "Belt", [_turns(), knot, *tails])

@@ -1,7 +1,9 @@
-"""The left hand and fore arm. Finger radii are published: grips are closed against them."""
+"""The left hand and fore arm in a glove of leather. Finger radii are published: grips are closed against them."""
 import numpy as np
 
 import nets
+from character.cloth import crumple
+from character.weights import split
 from mesh import Part, merge, sculpt
 from sdf import bump, ellipsoid, intersect, limb, mirrored, ramp, sphere, union, within
 from skeleton import DIGITS, FINGERS, REST, hand_frame, joint, tip, unit
@@ -14,6 +16,7 @@ RADII = {
     "Pinky": (0.0089, 0.0080, 0.0072, 0.0061),
     "Thumb": (0.0142, 0.0114, 0.0106, 0.0082),
 }
+WRIST_SEAMS = 0.004, 0.010  # m above the wrist: where the cuff of the glove is sewn on
 _WRIST, _ALONG, _THUMB, _PALM = hand_frame()
 
 
@@ -44,8 +47,8 @@ def _back(name):
     return tip(last), along, unit(np.cross(along, side)) * (-1 if name != "Thumb" else 1)
 
 
-def nail(name):
-    """A nail as its own small shell, a little over the skin in its middle and under it at its rim."""
+def cap(name):
+    """Leather over a digit's end, where it would wear through: a shell a little over the hand, under it at its rim."""
     end, along, back = _back(name)
     across, r = np.cross(back, along), RADII[name][3]
     u, v = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9), indexing="ij")
@@ -61,12 +64,10 @@ def nail(name):
     points = points + lift[:, None] * normals
     quads = [(9 * i + k, 9 * i + k + 1, 9 * i + k + 10, 9 * i + k + 9) for i in range(8) for k in range(8)]
     triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
-    part = Part("Nail", "Skin", points, normals, triangles)
+    part = Part("Cap", "Glove", points, normals, triangles)
     facing = np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
     if np.sum(facing * normals[triangles[:, 0]]) < 0:
         part.triangles = triangles[:, ::-1]
-    part.tint(np.full(81, 1.0), (1.0, 0.86, 0.84))
-    part.tint(1.0 * (u > 0.9), (1.05, 1.15, 1.25))
     return part
 
 
@@ -116,9 +117,9 @@ def bounds():
 
 
 def build():
-    """The left hand with its nails."""
-    skin = sculpt("HandL", "Skin", below_elbow, *bounds(), 0.0018, 2500, 0.012)
-    return merge("HandL", "Skin", [skin] + [nail(name) for name in DIGITS])
+    """The left hand in its glove, with a cap on every digit."""
+    glove = sculpt("HandL", "Glove", below_elbow, *bounds(), 0.0018, 2500, 0.012)
+    return merge("HandL", "Glove", [glove] + [cap(name) for name in DIGITS])
 
 
 def weights(points, blur):
@@ -181,11 +182,47 @@ def _past(points, bone, name, k):
     return t * t * (3 - 2 * t)
 
 
+def _beside(q):
+    """Which digit a point (n,) is on, -1: none; and how far it is out of the plane of that digit's seam, m."""
+    near = np.empty((len(DIGITS), len(q)))
+    over = np.empty_like(near)
+    for c, name in enumerate(DIGITS):
+        chain = [f"LeftHand{name}{k}" for k in (1, 2, 3)]
+        away = np.stack([q - _on(q, bone) for bone in chain])
+        size = np.linalg.norm(away, axis=2)
+        nearest = np.argmin(size, axis=0)
+        near[c] = size.min(axis=0)
+        over[c] = away[nearest, np.arange(len(q))] @ _back(name)[2]
+        begun = (q - joint(chain[0])) @ unit(tip(chain[0]) - joint(chain[0])) > (0.012 if name != "Thumb" else 0.018)
+        near[c][~begun] = 9
+    digit = np.argmin(near, axis=0)
+    columns = np.arange(len(q))
+    return np.where(near[digit, columns] < 0.020, digit, -1), over[digit, columns]
+
+
+def sew(part, side):
+    """Vertices along the seams, for their colour; the surface stays what it is."""
+    flip = np.array([side, 1.0, 1.0])
+    for line in [edge for at in WRIST_SEAMS for edge in (at - 0.0018, at, at + 0.0018)]:
+        split(part, depth(part.points) - line)
+    digit, over = _beside(part.points * flip)
+    split(part, np.where(digit >= 0, over, np.nan), digit)
+
+
 def paint(part, side):
+    """Leather: dark in its seams, worn light on the knuckles, uneven."""
     q = part.points * np.array([side, 1.0, 1.0])
+    part.colors *= (0.64 + 0.08 * crumple(q, 0.45))[:, None]
+    back = ramp(0.002, -0.006, (q - _WRIST) @ _PALM)
     for name in FINGERS:
-        for k in (1, 2):
-            part.tint(0.35 * bump(q, joint(f"LeftHand{name}{k}") - 0.006 * _PALM, 0.009), (0.90, 0.68, 0.60))
-    for name in DIGITS:
-        part.tint(0.50 * bump(q, tip(f"LeftHand{name}3") + 0.003 * _PALM, 0.011), (0.96, 0.70, 0.64))
-    part.tint(0.30 * bump(q, place(0.05, 0, 0.02), (0.035, 0.035, 0.02)), (0.98, 0.80, 0.74))
+        for k in (1, 2, 3):
+            at = joint(f"LeftHand{name}{k}") - (0.0050, 0.0040, 0.0034)[k - 1] * _PALM
+            size = (0.0125, 0.0085, 0.0070)[k - 1]
+            part.tint(bump(q, at, size) * back, (1.45, 1.50, 1.60))
+            ring = np.exp(-(((np.linalg.norm(q - at, axis=1) - 1.15 * size) / 0.0030) ** 2))
+            part.tint(0.42 * ring * back, (0.40, 0.38, 0.36))
+    digit, over = _beside(q)
+    part.tint(0.80 * np.exp(-((over / 0.0014) ** 2)) * (digit >= 0), (0.30, 0.28, 0.26))
+    for at in WRIST_SEAMS:
+        part.tint(0.85 * np.exp(-(((depth(part.points) - at) / 0.0010) ** 2)), (0.28, 0.26, 0.24))
+    part.tint(0.80 * ramp(WRIST_SEAMS[1], WRIST_SEAMS[1] + 0.002, depth(part.points)), (0.58, 0.58, 0.58))

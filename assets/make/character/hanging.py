@@ -43,7 +43,8 @@ def skirt(part, dense):
     angle = np.mod(np.arctan2((centre_z - p[:, 2]) / half_z, p[:, 0] / half_x), 2 * np.pi)
     half = 2 * np.pi / count / 2
     behind = angle < np.pi
-    own = np.where(behind, np.clip(angle, half, np.pi - half), np.clip(angle, np.pi + half, 2 * np.pi - half))
+    start = np.where(behind, 0, np.pi)  # of the panel: its corners go with its outer columns
+    own = start + half + (angle - start) * (np.pi - 2 * half) / np.pi
     apart = ramp(SLIT + 0.03, SLIT, p[:, 1])
     columns = (1 - apart) * _columns(angle, count) + apart * _columns(own, count)
     top, bend = skeleton.SKIRT[0][0], skeleton.SKIRT[1][0]

@@ -43,7 +43,7 @@ def jacket(p):
     d = intersect(d, BELT - 0.06 * p[:, 2] - 0.008 - p[:, 1], 0.004)
     along = (q - CUFF) @ FORE
     hollow = intersect(jacket_shape.fore_sleeve(q) - 0.7 * height + _WALL, -0.115 - along, 0.006)
-    d = np.where(q[:, 0] > 0.36, subtract(np.maximum(d, along + 0.006), hollow, 0.002), d)
+    d = np.where(q[:, 0] > 0.36, subtract(np.maximum(d, along + 0.013), hollow, 0.002), d)
     return _seams(p, q, d)
 
 
@@ -87,6 +87,7 @@ def cuff():
     out = np.outer(np.cos(angles), front) + np.outer(np.sin(angles), np.cross(front, FORE))
     relief, tint = sheet.hem(away)
     relief[-1] = -_BAND - 0.001  # its end goes into the sleeve
+    thick = np.interp(away, [0, 0.013], [0.0042, _HEM + 2 * _BAND])
     plain = np.empty((40, len(away), 3))
     for k, distance in enumerate(away):
         near, far = np.full(40, 0.03), np.full(40, 0.12)
@@ -100,4 +101,4 @@ def cuff():
     up *= np.sign(np.sum(up * out[:, None], axis=2, keepdims=True))
     if np.sum(sheet.normals(plain, closed=True) * up) < 0:
         plain, up = plain[::-1], up[::-1]
-    return sheet.slab("Cuff", "Gi", plain + up * relief[:, None], _HEM + 2 * _BAND, np.tile(tint, (40, 1)), True, plain)
+    return sheet.slab("Cuff", "Gi", plain + up * relief[:, None], thick[:, None], np.tile(tint, (40, 1)), True, plain)

@@ -74,25 +74,25 @@ def _parts():
 
     hand = hands.build()
     shins = wraps.build()
-    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 900, 0.025)
-    sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 260, 0.025)
+    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 700, 0.025)
+    sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 200, 0.025)
     return [
         sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 3600, 0.012, head.detail, _bare),
         sculpt(
-            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 3000, 0.02,
+            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 2200, 0.02,
             hood.detail, lambda p: hood.shown(p) & outside((mask.cover, 0.004))(p),
         ),
         mask.build(),
-        sculpt("Headband", "Band", headband.band, (-0.115, 1.52, -0.18), (0.115, 1.77, 0.125), 0.0022, 1100, 0.025),
+        sculpt("Headband", "Band", headband.band, (-0.115, 1.52, -0.18), (0.115, 1.77, 0.125), 0.0022, 800, 0.025),
         hand,
         mirror(hand, "HandR"),
         sock,
         mirror(sock, "TabiR"),
         sole,
         mirror(sole, "SoleR"),
-        sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0044, 6000, 0.040),
+        sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0044, 4500, 0.040),
         sculpt(
-            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 2900, 0.045,
+            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 2100, 0.045,
             None, lambda p: (evaluate(jacket_shape.smooth, p) > -0.02) | (p[:, 1] < 0.86),
         ),
         *shins,
@@ -189,6 +189,10 @@ def _shading(part):
     if part.name in ("Head", "BrowL", "BrowR"):
         eye = np.linalg.norm(mirrored(part.points) - skeleton.EYE, axis=1)  # the shut lid has no rim of shade
         return (1 - 0.5 * ramp(1.52, 1.56, part.points[:, 1])) * (1 - 0.7 * ramp(0.026, 0.020, eye))
+    if part.name == "Jacket":  # light falls into the sleeves through their cloth
+        return 1 - 0.35 * jacket.lining(part.points)
+    if part.name.startswith("Cuff"):
+        return 0.65
     return 1.0
 
 
@@ -209,6 +213,7 @@ def build(report=print):
             head.paint(part)
             part.tint(brows.under(mirrored(part.points)), (0.085, 0.060, 0.050))
         elif part.name in ("HandL", "HandR"):
+            hands.sew(part, side)
             hands.paint(part, side)
         elif part.name in ("Jacket", "Trousers"):
             {"Jacket": jacket, "Trousers": trousers}[part.name].paint(part)

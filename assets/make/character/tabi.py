@@ -1,4 +1,4 @@
-"""Tabi: socks of cloth with a split between the great toe and the others, on a pale sole."""
+"""Tabi: socks of cloth with a split between the great toe and the others, on a dark sole."""
 import numpy as np
 
 from character.cloth import crumple
@@ -68,6 +68,6 @@ def tabi(p):
 
 def sole(p):
     """The left sole: it lies on the floor, and its edge stands out a little round the foot."""
-    low = p * np.array([1, 0, 1]) + np.array([0, 0.0120, 0])
-    outline = foot(low) - 0.0009
+    low = p * np.array([1, 0, 1]) + np.array([0, 0.0085, 0])
+    outline = foot(low) - 0.0006
     return intersect(outline, np.abs(p[:, 1] - 0.5 * _SOLE) - 0.5 * _SOLE, 0.0022)

@@ -8,7 +8,7 @@ from mesh import Part, merge
 from nets import evaluate
 
 _LOW, _HIGH, _PITCH = 0.098, 0.424, 0.0335  # heights of the first turn and the last, m, and from turn to turn
-_AROUND = 28  # vertices of a turn
+_AROUND = 22  # vertices of a turn
 # Up a band from its lower edge, in turns: heights over the one beneath (m) and tints.
 _ACROSS = np.array([-0.030, 0.012, 0.10, 0.60])
 _HEIGHT = np.array([-0.0004, 0.0024, 0.0028, 0.0012])
@@ -67,13 +67,13 @@ def _vertex_normals(points, triangles):
 
 def _cord(y, over, half, turns=2):
     """Flat cords round the leg, side by side."""
-    angle = np.linspace(0, 2 * np.pi, 26, endpoint=False)[:, None]
+    angle = np.linspace(0, 2 * np.pi, 20, endpoint=False)[:, None]
     profile = np.linspace(-1, 1, 3 * turns + 1)
     high = 0.0022 * np.sqrt(np.abs(np.sin(0.5 * np.pi * turns * (profile + 1)))) + 0.0006
     high[[0, -1]] = -0.0030
     slant = 0.004 * np.sin(angle + 0.6)
-    outer = _on_leg(y + half * profile + slant, angle, over + high + 0 * angle, _wound).reshape(26, -1, 3)
-    tint = np.tile(0.75 + 0.45 * (high > 0.0012), (26, 1))
+    outer = _on_leg(y + half * profile + slant, angle, over + high + 0 * angle, _wound).reshape(20, -1, 3)
+    tint = np.tile(0.75 + 0.45 * (high > 0.0012), (20, 1))
     return sheet.shell("Cord", "Gi", outer[::-1] if _inward(outer, y) else outer, tint * 1.1, closed=True)
 
 
