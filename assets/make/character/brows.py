@@ -46,7 +46,7 @@ def _hairs(name, root, way, out, width):
 def brow():
     """The left brow: hairs rise at its inner end, lie along it, and fall to it from above at the outer end."""
     rng = np.random.default_rng(_SEED)
-    n = 420
+    n = 200
     s = rng.permutation(np.linspace(0.02, 1.0, n) ** 1.3 * 0.95)
     over = rng.uniform(-0.55, 0.85, n)  # the lowest grow where the shade begins
     root = _middle(s) + np.stack([rng.normal(0, 0.0005, n), over * _half(s), np.zeros(n)], axis=1)
@@ -57,7 +57,7 @@ def brow():
     length = np.interp(s, [0, 0.2, 0.6, 1.0], [0.0036, 0.0054, 0.0062, 0.0048]) * rng.uniform(0.75, 1.15, n)
     root = _on_skin(root, 0.0003)
     end = _on_skin(root + way * length[:, None], 0.0010)
-    return _hairs("BrowL", root, end - root, nets.normals(head.head, root, 0.001), 0.00022)
+    return _hairs("BrowL", root, end - root, nets.normals(head.head, root, 0.001), 0.00030)
 
 
 def under(q):

@@ -200,13 +200,10 @@ def _beside(q):
     return np.where(near[digit, columns] < 0.020, digit, -1), over[digit, columns]
 
 
-def sew(part, side):
-    """Vertices along the seams, for their colour; the surface stays what it is."""
-    flip = np.array([side, 1.0, 1.0])
+def sew(part):
+    """Vertices along the wrist's seams, for their colour; the surface stays what it is."""
     for line in [edge for at in WRIST_SEAMS for edge in (at - 0.0018, at, at + 0.0018)]:
         split(part, depth(part.points) - line)
-    digit, over = _beside(part.points * flip)
-    split(part, np.where(digit >= 0, over, np.nan), digit)
 
 
 def paint(part, side):
@@ -222,7 +219,7 @@ def paint(part, side):
             ring = np.exp(-(((np.linalg.norm(q - at, axis=1) - 1.15 * size) / 0.0030) ** 2))
             part.tint(0.42 * ring * back, (0.40, 0.38, 0.36))
     digit, over = _beside(q)
-    part.tint(0.80 * np.exp(-((over / 0.0014) ** 2)) * (digit >= 0), (0.30, 0.28, 0.26))
+    part.tint(0.55 * np.exp(-((over / 0.0022) ** 2)) * (digit >= 0), (0.30, 0.28, 0.26))
     for at in WRIST_SEAMS:
         part.tint(0.85 * np.exp(-(((depth(part.points) - at) / 0.0010) ** 2)), (0.28, 0.26, 0.24))
     part.tint(0.80 * ramp(WRIST_SEAMS[1], WRIST_SEAMS[1] + 0.002, depth(part.points)), (0.58, 0.58, 0.58))

@@ -213,7 +213,7 @@ def build(report=print):
             head.paint(part)
             part.tint(brows.under(mirrored(part.points)), (0.085, 0.060, 0.050))
         elif part.name in ("HandL", "HandR"):
-            hands.sew(part, side)
+            hands.sew(part)
             hands.paint(part, side)
         elif part.name in ("Jacket", "Trousers"):
             {"Jacket": jacket, "Trousers": trousers}[part.name].paint(part)

@@ -140,13 +140,12 @@ def dense_of(part):
     return out
 
 
-def split(part, value, among=None):
+def split(part, value):
     """New vertices where a weighted part's edges cross the line on which `value` (n,) is 0. The surface stays what it
-    is. Edges with an end whose value is not a number stay; so do those whose ends differ in `among`."""
+    is."""
     value, n = value.copy(), len(part.points)
     e = edges_of(part.triangles)
-    same = np.ones(len(e), bool) if among is None else among[e[:, 0]] == among[e[:, 1]]
-    e = e[same & (value[e[:, 0]] * value[e[:, 1]] < 0)]
+    e = e[value[e[:, 0]] * value[e[:, 1]] < 0]
     t = value[e[:, 0]] / (value[e[:, 0]] - value[e[:, 1]])
     value[e[t < 0.15, 0]] = 0  # on the line: no slivers beside it
     value[e[t > 0.85, 1]] = 0

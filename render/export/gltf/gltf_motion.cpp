@@ -22,18 +22,19 @@ bool stands(const std::vector<Number>& numbers, std::size_t size, double most) {
 
 constexpr double kOne = 32767;  // of 16 bits
 
-/// The keys of rotations without those that lie on the straight way between their neighbours, to
-/// two steps of 16 bits.
-std::vector<std::size_t> needed_keys(const std::vector<std::int16_t>& track,
-                                     const std::vector<float>& times) {
-  constexpr double kSteps = 2;           // of 16 bits: 6e-5 rad
+/// The keys of a track without those that are off the straight way between their neighbours by
+/// `most` at most, in none of so many components an item.
+template <typename Number>
+std::vector<std::size_t> needed_keys(const std::vector<Number>& track, std::size_t size,
+                                     double most, const std::vector<float>& times) {
   constexpr std::size_t kLongest = 128;  // keys from one to the next
   const auto straight = [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from + 1; i < to; ++i) {
       const double share = double(times[i] - times[from]) / double(times[to] - times[from]);
-      for (std::size_t k = 0; k < 4; ++k) {
-        const double on_line = std::lerp(track[4 * from + k], track[4 * to + k], share);
-        if (std::abs(on_line - track[4 * i + k]) > kSteps) return false;
+      for (std::size_t k = 0; k < size; ++k) {
+        const double on_line =
+            std::lerp(double(track[size * from + k]), double(track[size * to + k]), share);
+        if (std::abs(on_line - double(track[size * i + k])) > most) return false;
       }
     }
     return true;
@@ -96,41 +97,43 @@ std::size_t GltfMotion::input(const std::vector<float>& times) {
                            {GltfFile::f32, "SCALAR", GltfFile::Use::animation, false, true});
 }
 
-void GltfMotion::rotation(std::size_t node, const std::vector<std::int16_t>& track,
+template <typename Number>
+void GltfMotion::straight(std::size_t node, const char* path, const GltfFile::Numbers& about,
+                          std::size_t size, double most, const std::vector<Number>& track,
                           const std::vector<float>& times) {
-  const GltfFile::Numbers about{GltfFile::i16, "VEC4", GltfFile::Use::animation, true};
-  const std::vector<std::size_t> keys = needed_keys(track, times);
-  constexpr std::size_t kValue = 4 * sizeof(std::int16_t);
-  if (keys.size() * (kValue + sizeof(float)) >= times.size() * kValue)
-    return channel(node, "rotation", "LINEAR",
-                   file_.add_numbers(std::span<const std::int16_t>(track), about));
+  const auto add = [&](const std::vector<Number>& numbers) {
+    channel(node, path, "LINEAR", file_.add_numbers(std::span<const Number>(numbers), about));
+  };
+  const std::vector<std::size_t> keys = needed_keys(track, size, most, times);
+  const std::size_t value_bytes = size * sizeof(Number);
+  if (keys.size() * (value_bytes + sizeof(float)) >= times.size() * value_bytes) return add(track);
   std::vector<float> own;
-  std::vector<std::int16_t> values;
+  std::vector<Number> values;
   for (const std::size_t key : keys) {
     own.push_back(times[key]);
-    const auto value = track.begin() + std::ptrdiff_t(4 * key);
-    values.insert(values.end(), value, value + 4);
+    const auto value = track.begin() + std::ptrdiff_t(size * key);
+    values.insert(values.end(), value, value + std::ptrdiff_t(size));
   }
-  channel(node, "rotation", "LINEAR",
-          file_.add_numbers(std::span<const std::int16_t>(values), about));
+  add(values);
   samplers_.back()["input"] = input(own);
 }
 
 void GltfMotion::finish(const std::string& name, const std::vector<float>& times) {
   for (const auto& [node, numbers] : translations_) {
-    constexpr double kStill = 1e-7;  // m
+    constexpr double kStill = 1e-7, kOff = 2e-5;  // m
     if (stands(numbers, 3, kStill)) {
       file_.place(node, {Vec3(numbers[0], numbers[1], numbers[2]), Quat::Identity()});
     } else {
-      channel(node, "translation", "LINEAR",
-              file_.add_numbers(std::span(numbers), {GltfFile::f32, "VEC3"}));
+      straight(node, "translation", {GltfFile::f32, "VEC3"}, 3, kOff, numbers, times);
     }
   }
   for (const auto& [node, numbers] : rotations_) {
     if (stands(numbers, 4, 2)) {
       file_.place(node, {Vec3::Zero(), Quat(numbers[3], numbers[0], numbers[1], numbers[2])});
     } else {
-      rotation(node, numbers, times);
+      constexpr double kSteps = 2;  // of 16 bits: 6e-5 rad
+      straight(node, "rotation", {GltfFile::i16, "VEC4", GltfFile::Use::animation, true}, 4, kSteps,
+               numbers, times);
     }
   }
   if (channels_.empty()) return;

@@ -28,8 +28,11 @@ class GltfMotion {
  private:
   void spline(std::size_t node, const char* path, std::size_t size,
               const std::vector<float>& numbers);
-  /// Over the keys that it needs, where that takes less room.
-  void rotation(std::size_t node, const std::vector<std::int16_t>& track,
+  /// A track of so many components an item, over the keys that it needs to be off by `most` at
+  /// most, where that takes less room.
+  template <typename Number>
+  void straight(std::size_t node, const char* path, const GltfFile::Numbers& about,
+                std::size_t size, double most, const std::vector<Number>& track,
                 const std::vector<float>& times);
   std::size_t input(const std::vector<float>& times);
   void channel(std::size_t node, const char* path, const char* interpolation, std::size_t output);
