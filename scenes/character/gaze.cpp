@@ -18,9 +18,8 @@ constexpr double followed_smoothly = 0.05, lead = 0.12;  // s: 0.08 s ahead once
 constexpr double head_share = 0.72;  // of the way from the chest's front to the target
 constexpr double head_lag = 0.088, eye_lag = 0.040;  // s
 constexpr double most_yaw = 0.60;                    // rad, of an eye
-constexpr double most_lean = 0.42;     // rad: farther down the lower lid hides the iris
-const Vec3 eyes_stand(0, 1.62, 0.10);  // m
-constexpr double lowest_gaze = 0.85;   // rad: how far down he looks for the stick
+constexpr double most_lean = 0.42;  // rad: farther down the lower lid hides the iris
+constexpr double most_nod = 0.80;   // rad, of the head
 constexpr double blink_every = 2.9, blink_lasts = 0.20;  // s
 constexpr double first_blink = 2.3;                      // s
 
@@ -57,11 +56,7 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
     const double follows = smoothstep((t - cues.begins + takes_to_look) / takes_to_look) *
                            smoothstep((cues.rests + takes_to_look / 2 - t) / takes_to_look);
     const Vec3 seen = waits + follows * (cues.stick.at(t) - waits);
-    // He who knows his stick need not look all the way down to it.
-    const double down = angles(seen - scale * eyes_stand)[1];
-    const double shown = down > 0 ? soft(down, lowest_gaze) / down : 1;
-    const Vec3 raised = front + shown * (seen - front);
-    return raised + cues.nod(t) * (floor - raised);
+    return seen + cues.nod(t) * (floor - seen);
   };
   const Track target = Track::sample(controls.time(controls.count() - 1), acting_rate,
                                      [&](double t) { return Eigen::VectorXd(gaze(t)); })
@@ -78,7 +73,7 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
     const Eigen::Vector2d head =
         head_share * angles(chest.conjugate() * (seen_late[i] - eyes_at(torso)));
     c[head_yaw] += soft(head[0], 0.9);
-    c[head_lean] += soft(head[1], 0.5);
+    c[head_lean] += soft(head[1], most_nod);
     c[head_tilt] = -0.6 * c[spine_tilt];
     const Placement turned = figure.skeleton().place(figure.torso(c));
     const Quat& front = turned.turn[figure.head_bone()];
