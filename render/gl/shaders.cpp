@@ -27,7 +27,7 @@ invariant gl_Position;
 out vec3 world_position, world_normal, rest_position, tint, shadow_position;
 #if BATHED
 layout(location = 4) in vec3 light;
-out vec3 ambient;
+out vec3 bath;
 #endif
 
 void main() {
@@ -36,7 +36,7 @@ void main() {
   rest_position = rest;
   tint = color;
 #if BATHED
-  ambient = light;
+  bath = light;
 #endif
   shadow_position = (light_projection * vec4(world_position + eye.w * world_normal, 1)).xyz;
   gl_Position = view_projection * vec4(world_position, 1);
@@ -62,15 +62,18 @@ layout(binding = 4) uniform sampler2D casters;  // the shadow map's depths
 layout(binding = 3) uniform sampler2D backdrop;  // its light, blurred by the lens
 #endif
 #if BATHED
-in vec3 ambient;
+in vec3 bath;
 #endif
+
+// What lies beyond the map's depths is lit where nothing is in them.
+float shadow_depth() { return min(shadow_position.z, 1.0); }
 
 #if SHADE == 1 || SHADE == 3
 // The light past four texels of the shadow map. A surface that the light grazes is as uneven in the
 // map as its depth changes from texel to texel: within 1.5 times that it fades into the shadow.
 vec4 lit_past(vec2 corner, float sharpness) {
   vec4 depths = textureGather(casters, corner * (1.0 / SHADOW_SIZE));
-  return clamp((depths - shadow_position.z) * sharpness + 1, 0, 1);
+  return clamp((depths - shadow_depth()) * sharpness + 1, 0, 1);
 }
 
 // 1 over the depth in which a surface fades.
@@ -86,7 +89,7 @@ float lit_at(vec2 place, float sharpness) {
 #if SHADE == 3
   vec4 lit = lit_past(corner + 1, sharpness);
 #else
-  vec4 lit = textureGather(shadow_map, (corner + 1) * (1.0 / SHADOW_SIZE), shadow_position.z);
+  vec4 lit = textureGather(shadow_map, (corner + 1) * (1.0 / SHADOW_SIZE), shadow_depth());
 #endif
   return dot(lit, vec4((1 - f.x) * f.y, f.x * f.y, f.x * (1 - f.y), (1 - f.x) * (1 - f.y)));
 }
@@ -121,16 +124,16 @@ float key_visibility(bool needed, float nl) {
   return sum * (1.0 / 25.0);
 #else
   // What hides the light is how far away (Fernando 2005)? Then the light's disc from there.
-  float widest = max(penumbra * shadow_position.z, LEAST_PENUMBRA);
+  float widest = max(penumbra * shadow_depth(), LEAST_PENUMBRA);
   vec2 found = vec2(0);  // depths, and how many
   for (int i = needed ? 0 : 5; i < 5; ++i) {
     vec2 corner = vec2(i & 1, i >> 1) * 1.4 - 0.7;
     vec4 depths = textureGather(casters, shadow_position.xy + (i < 4 ? widest * corner : vec2(0)));
-    vec4 near = vec4(lessThan(depths, vec4(shadow_position.z)));
+    vec4 near = vec4(lessThan(depths, vec4(shadow_depth())));
     found += vec2(dot(near, depths), dot(near, vec4(1)));
   }
   int count = found.y > 0 && found.y < 20 ? 16 : 0;  // none of the disc is hidden, or all
-  float away = shadow_position.z - found.x / max(found.y, 1), sum = found.y > 0 ? 0 : 16;
+  float away = shadow_depth() - found.x / max(found.y, 1), sum = found.y > 0 ? 0 : 16;
   float radius = max(penumbra * away, LEAST_PENUMBRA);
   vec2 direction = vec2(1, 0);
   for (int i = 0; i < count; ++i) {
@@ -254,7 +257,8 @@ void main() {
 #else
 void main() {
   vec3 n = normalize(world_normal);
-  vec3 albedo = base_color * tint;
+  // Beyond a triangle's edge, where a pixel's middle may lie, what varies over it may be below 0.
+  vec3 albedo = base_color * max(tint, 0);
   float roughness = base_roughness;
   vec3 wrap = vec3(0);   // how far diffuse light reaches round the terminator
 
@@ -332,7 +336,9 @@ void main() {
   vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);
   float grazing = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
   vec2 fit = vec2(-1.04, 1.04) * grazing + r.zw;
-#if !BATHED
+#if BATHED
+  vec3 ambient = max(bath, 0);
+#else
   vec3 ambient = ambient_light(n);
 #endif
 #if OUTPUT == 2 || (MIRROR && !GLOSSY && BATHED)
@@ -342,7 +348,7 @@ void main() {
 #else
   vec3 mirrored = environment(reflect(-v, n), base_roughness);
 #endif
-  vec3 ambient_part = diffuse * ambient + (f0 * fit.x + fit.y) * mirrored;
+  vec3 ambient_part = diffuse * ambient + max(f0 * fit.x + fit.y, 0) * mirrored;
 #if SURFACE == 2
   // Fuzz: fibres that stand off catch light at the edges, in the dye's colour.
   float rim = 1 - nv;
@@ -366,7 +372,7 @@ void main() {
   unshaded += through;
 #endif
   vec3 mixed = texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0).rgb;
-  vec3 share = min(tone_mapped(radiance) / max(tone_mapped(unshaded), 1e-6), 1.0);
+  vec3 share = min((tone_mapped(radiance) + 1e-6) / (tone_mapped(unshaded) + 1e-6), 1.0);
   encoded = vec4(sqrt(mixed * share), opacity);
 #else
   encoded = vec4(encode(radiance), opacity);
