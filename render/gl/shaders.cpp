@@ -211,14 +211,12 @@ float wave_slope(float turns) {
 }
 
 #if SURFACE == 2
-// The directions across and along the threads of a cloth in the rest position: it is cut so that
-// they run up the trunk and down the arms.
-void threads_at(vec3 p, vec3 faces, out vec3 across, out vec3 along) {
-  float side = sign(p.x);
-  bool on_sleeve = p.y > 1.04 && side * p.x > 0.25 * p.y - 0.13;
-  across = on_sleeve ? vec3(0.64 * side, 0.77, 0) : vec3(1, 0, 0);
-  along = on_sleeve ? vec3(0.77 * side, -0.64, 0) : vec3(0, 1, 0);
-  vec3 a = abs(vec3(dot(faces, across), dot(faces, along), faces.z));
+// The directions across and along the threads of a cloth in the rest position, on the plane that it
+// faces most.
+void threads_at(vec3 faces, out vec3 across, out vec3 along) {
+  across = vec3(1, 0, 0);
+  along = vec3(0, 1, 0);
+  vec3 a = abs(faces);
   if (a.x > a.y && a.x > a.z) across = vec3(0, 0, 1);
   else if (a.y > a.z) along = vec3(0, 0, 1);
 }
@@ -270,10 +268,10 @@ void main() {
   roughness += 0.25 * (0.5 - streaks.r);
 #elif SURFACE == 2  // cloth: a weave that fades before it aliases, and a soft sheen
   vec3 across, along;
-  threads_at(rest_position, cross(dFdx(rest_position), dFdy(rest_position)), across, along);
+  threads_at(cross(dFdx(rest_position), dFdy(rest_position)), across, along);
   // Uneven yarn and dye: streaks along the threads.
   vec2 yarn = texture(noise, vec2(dot(rest_position, across) * 13, dot(rest_position, along) * 1.3)).rg;
-  albedo *= 0.52 + 0.36 * yarn.r + 0.60 * yarn.g;
+  albedo *= 0.80 + 0.14 * yarn.r + 0.26 * yarn.g;
   // Grains of rice in staggered rows, as quilted cotton has; on small things the finer ribs of twill.
   vec3 first = grain_scale > 1 ? 290 * (across + along) : 320 * across;
   vec3 second = grain_scale > 1 ? 90 * (across - along) : 230 * along;
