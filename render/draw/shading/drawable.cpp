@@ -166,4 +166,13 @@ void Drawable::draw(const gl::GlObject& array, std::size_t indices) const {
   gl_->DrawElements(GL_TRIANGLES, GLsizei(indices), GL_UNSIGNED_INT, nullptr);
 }
 
+Eigen::AlignedBox3d box_around(std::span<const Drawable> things) {
+  Eigen::AlignedBox3d around;
+  for (const Drawable& thing : things)
+    if (!thing.box().isEmpty())
+      around.extend(
+          Eigen::AlignedBox3d(thing.box().min().cast<double>(), thing.box().max().cast<double>()));
+  return around;
+}
+
 }  // namespace taut::draw

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "render/gl/gpu.h"
@@ -102,5 +103,8 @@ class Drawable {
   float grain_scale_ = 1;
   Flow flow_;
 };
+
+/// Around all of them, in their own axes; empty without any.
+Eigen::AlignedBox3d box_around(std::span<const Drawable> things);
 
 }  // namespace taut::draw

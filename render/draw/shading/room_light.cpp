@@ -169,10 +169,7 @@ gl::GlObject mirror_texture(const gl::Gl& gl, std::span<const CubePixel> cube) {
 RoomLight::RoomLight(const gl::Gl& gl, const scenes::Light& light, std::span<Drawable> things,
                      std::span<const scenes::Mesh* const> meshes, const SceneryShadow& shadow,
                      const Vec3& middle) {
-  for (const Drawable& thing : things)
-    if (!thing.box().isEmpty())
-      room_.extend(
-          Eigen::AlignedBox3d(thing.box().min().cast<double>(), thing.box().max().cast<double>()));
+  room_ = box_around(things);
   if (room_.isEmpty() || room_.sizes().minCoeff() < kLeast) return;
   points_ = {room_.min() + Vec3::Constant(kMargin), room_.max() - Vec3::Constant(kMargin)};
   middle_ = middle.cwiseMax(points_.min()).cwiseMin(points_.max());

@@ -49,9 +49,7 @@ std::string glsl(const Eigen::Matrix4f& m) {
 SceneryShadow::SceneryShadow(const gl::Gl& gl, const scenes::Light& light,
                              std::span<Drawable> things)
     : gl_(gl), projection_(Eigen::Matrix4f::Zero()) {
-  Eigen::AlignedBox3d room;
-  for (const Drawable& thing : things)
-    if (!thing.box().isEmpty()) room.extend(thing.box().cast<double>());
+  const Eigen::AlignedBox3d room = box_around(things);
   if (!light.scenery_casts || room.isEmpty()) return;
   projection_ = light_map(light.direction, room, kSize).projection;
   depths_ = gl::make_texture(gl, GL_DEPTH_COMPONENT32F, kSize, kSize);

@@ -127,7 +127,7 @@ def pattern(material, image, day):
     if any(word in name for word in WOOD):
         sizes = extent(material)
         axis = int(numpy.argmax(sizes))
-        scale = 5 if sizes[axis] < 0.5 else 1
+        scale = 5 if sizes[axis] < 0.7 else 1  # render/draw/shading/drawable.cpp
         place = [nodes.math("MULTIPLY", c, scale) for c in nodes.rest()]
         x, y, along = place[(axis + 1) % 3], place[(axis + 2) % 3], place[axis]
         across = nodes.math("ADD", x, nodes.math("MULTIPLY", y, 0.6))
