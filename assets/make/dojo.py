@@ -2,7 +2,7 @@
 
 The floor's top is y = 0 and the stage is around the origin; the back wall stands at z = -2.6, the side
 walls at x = +-4.2. Cameras look from the open side, +z, where the sun comes in: the roof ends over the middle of
-the floor, the wall on the sun's side, x > 0, a little farther.
+the floor, the wall on the sun's side, x < 0, a little farther.
 """
 import numpy as np
 
@@ -11,7 +11,7 @@ from mesh import Part
 
 BACK, SIDE, FRONT, CEILING = -2.6, 4.2, 6.0, 3.3
 _BAY = 1.2  # width of a shoji panel
-_DEEP = {-1: 7, 1: 4}  # panels along a side wall
+_DEEP = {-1: 4, 1: 7}  # panels along a side wall
 _EAVES = 0.75  # where the roof ends, z
 _LINTEL = 2.12
 _END = {side: BACK + panels * _BAY for side, panels in _DEEP.items()}
