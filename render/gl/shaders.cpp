@@ -270,8 +270,8 @@ void main() {
   vec3 across, along;
   threads_at(cross(dFdx(rest_position), dFdy(rest_position)), across, along);
   // Uneven yarn and dye: streaks along the threads.
-  vec2 yarn = texture(noise, vec2(dot(rest_position, across) * 13, dot(rest_position, along) * 1.3)).rg;
-  albedo *= 0.80 + 0.14 * yarn.r + 0.26 * yarn.g;
+  vec2 yarn = texture(noise, vec2(dot(rest_position, across) * 13, dot(rest_position, along) * 2.6)).rg;
+  albedo *= 0.90 + 0.08 * yarn.r + 0.12 * yarn.g;
   // Grains of rice in staggered rows, as quilted cotton has; on small things the finer ribs of twill.
   vec3 first = grain_scale > 1 ? 290 * (across + along) : 320 * across;
   vec3 second = grain_scale > 1 ? 90 * (across - along) : 230 * along;

@@ -34,7 +34,7 @@ def lapel_centre(y):
 
 def fore_sleeve(q):
     """The left sleeve below the elbow, not yet cut: it hangs flat from the wrist."""
-    return limb(q, _ELBOW, CUFF + vec(0, -0.012, 0), 0.0605, 0.0690, (0, 0, 1), 0.78)
+    return limb(q, _ELBOW, CUFF + vec(0, -0.012, 0), 0.067, 0.073, (0, 0, 1), 0.78)
 
 
 def smooth(p):
@@ -43,8 +43,8 @@ def smooth(p):
     d = _BODY(p)
     d = intersect(d, p[:, 1] - 1.480, 0.05)
     d = union(d, limb(q, vec(0.055, 1.461, -0.040), vec(0.15, 1.438, -0.030), 0.045, 0.045), 0.04)  # trapezius
-    arm = limb(q, vec(0.10, 1.422, -0.02), _SHOULDER + 0.02 * _UPPER, 0.0560, 0.0610)
-    arm = union(arm, limb(q, _SHOULDER, _ELBOW, 0.0610, 0.0585), 0.05)
+    arm = limb(q, vec(0.10, 1.422, -0.02), _SHOULDER + 0.02 * _UPPER, 0.0595, 0.0665)
+    arm = union(arm, limb(q, _SHOULDER, _ELBOW, 0.0665, 0.0645), 0.05)
     arm = union(arm, fore_sleeve(q), 0.04)
     arm = intersect(arm, (q - CUFF) @ FORE, 0.005)
     d = union(d, arm, 0.10)
