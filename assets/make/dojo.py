@@ -6,6 +6,7 @@ the floor, the wall on the sun's side, x < 0, a little farther.
 """
 import numpy as np
 
+from garden import Garden
 from lathe import box, revolve
 from mesh import Part
 
@@ -33,8 +34,34 @@ class _Pile:
         self.boxes.append((points, normals, triangles + self.count, np.tile(np.asarray(tone, float), (len(points), 1))))
         self.count += len(points)
 
+    def sheet(self, corner, across, up, cells, tone=(1, 1, 1)):
+        """A plane of cells[0] by cells[1] quads, which faces across x up."""
+        i, j = (k.ravel() for k in np.meshgrid(*(np.arange(n + 1) for n in cells), indexing="ij"))
+        points = corner + np.outer(i / cells[0], across) + np.outer(j / cells[1], up)
+        first = np.flatnonzero((i < cells[0]) & (j < cells[1]))
+        right, above = cells[1] + 1, 1
+        quads = np.stack([first, first + right, first + right + above, first + above], axis=1)
+        triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        normal = np.cross(across, up)
+        normals = np.tile(normal / np.linalg.norm(normal), (len(points), 1))
+        self.boxes.append((points, normals, triangles + self.count, np.tile(np.asarray(tone, float), (len(points), 1))))
+        self.count += len(points)
+
     def part(self):
         return Part(self.name, self.material, *[np.concatenate(a) for a in zip(*self.boxes)])
+
+
+class _Timber:
+    """Boxes of wood, a pile for each axis that the grain runs along."""
+
+    def __init__(self, name, material):
+        self.piles = [_Pile(name + axis, material) for axis in ("Across", "Up", "Deep")]
+
+    def add(self, centre, size, bevel=0.003, tone=(1, 1, 1)):
+        self.piles[int(np.argmax(size))].add(centre, size, bevel, tone)
+
+    def parts(self):
+        return [pile.part() for pile in self.piles]
 
 
 def _split(part, longest):
@@ -66,7 +93,7 @@ def _distances(p):
 
 def _shaded(part):
     """Darken corners: each plane of the room takes light from what stands at right angles to it."""
-    part = _split(part, lambda p: 0.30 + 1.5 * np.sort(np.abs(np.stack(_distances(p))), axis=0)[1])
+    part = _split(part, lambda p: 0.36 + 1.5 * np.sort(np.abs(np.stack(_distances(p))), axis=0)[1])
     p, n = part.points, np.abs(part.normals)
     radius = 0.45
     light = np.ones(len(p))
@@ -98,11 +125,14 @@ def _floor():
     return _shaded(part)
 
 
-def _shoji(frame, paper, where, along, count, first, rng):
+def _shoji(frame, paper, garden, where, along, count, first, rng):
     """A row of panels. where(u, y, depth) -> point; along: 0 if the wall runs along x, 2 along z."""
 
     def size(u, y, depth):
         return (u, y, depth) if along == 0 else (depth, y, u)
+
+    ahead, into = np.subtract(where(1, 0, 0), where(0, 0, 0)), np.subtract(where(0, 0, 1), where(0, 0, 0))
+    inwards = np.cross(ahead, (0, 1, 0)) @ into > 0  # along u, the room is on the right
 
     for k in range(count):
         u = first + k * _BAY
@@ -115,24 +145,30 @@ def _shoji(frame, paper, where, along, count, first, rng):
             frame.add(where(u - 0.57 + 1.14 * i / 4, 1.2525, 0), size(0.010, 1.635, 0.016), 0)
         for i in range(1, 7):
             frame.add(where(u, 0.435 + 1.635 * i / 7, 0), size(1.14, 0.010, 0.018), 0)
-        for i in range(7):  # sheets of paper, one per row, no two quite alike
+        for i in range(7):  # sheets of paper, one per row, no two quite alike; bars hide where their panes meet
             tone = 0.95 + 0.05 * rng.random()
-            paper.add(where(u, 0.435 + 1.635 * (i + 0.5) / 7, -0.012), size(1.14, 1.635 / 7, 0.003), 0, (tone, tone, tone**1.3), _inwards)
+            low, tall, wide = 0.435 + 1.635 * i / 7, 1.635 / 7, 1.14 / 4
+            for j in range(4):
+                left = u - 0.57 + wide * j
+                ends = [where(left + (0 if inwards else wide), low, -0.0105), where(left + (wide if inwards else 0), low, -0.0105)]
+                cells = garden.cells(left, low, wide, tall)
+                paper.sheet(np.array(ends[0]), np.subtract(ends[1], ends[0]), (0, tall, 0), cells, (tone, tone, tone**1.3))
 
 
-def _inwards(n):
-    return n[:, 1] ** 2 < 0.5
-
-
-def _daylit(paper):
-    """The eaves outside take the sky from the upper sheets, and the corners see less of it; what light is left is
-    warmer."""
-    paper = _split(paper, lambda p: np.full(len(p), 0.30))
+def _daylit(paper, gardens):
+    """Paper is brightest in the middle of a wall: the eaves outside take the sky from the upper sheets, shrubs the light
+    near the ground, and corners see less of it; what light is left is warmer. The evening sun is on the outside of the
+    wall at x < 0."""
     p = paper.points
+    wall = np.where(np.abs(p[:, 0]) < SIDE - 0.1, 0, np.sign(p[:, 0]))
+    left = np.ones(len(p))
+    for k, garden in gardens.items():
+        left[wall == k] = garden.light(p[wall == k][:, [2 if k else 0, 1]])
     under = np.clip((p[:, 1] - 0.435) / 1.635, 0, 1)
-    corner = np.exp(-np.minimum(SIDE - np.abs(p[:, 0]), p[:, 2] - BACK - 0.02 + 1.5 * (np.abs(p[:, 0]) < SIDE - 0.1)) / 0.9)
+    corner = np.exp(-np.minimum(SIDE - np.abs(p[:, 0]), p[:, 2] - BACK - 0.02 + 1.5 * (wall == 0)) / 0.9)
     dim = (1 - 0.62 * under**1.5) * (1 - 0.35 * corner)
-    paper.colors = paper.colors * np.stack([dim, dim**1.12, dim**1.3], axis=1)
+    sun = np.where((wall < 0)[:, None], (1.0, 0.86, 0.68), (0.84, 0.84, 0.84)) * left[:, None] ** (1.06, 0.94, 1.0)  # leaves are green
+    paper.colors = paper.colors * sun * np.stack([dim, dim**1.12, dim**1.3], axis=1)
     return paper
 
 
@@ -156,20 +192,23 @@ def _beams(frame):
 
 
 def _walls():
-    frame, paper, plaster = _Pile("Frame", "FrameWood"), _Pile("Paper", "Paper"), _Pile("Wall", "Plaster")
+    frame, paper, plaster = _Timber("Frame", "FrameWood"), _Pile("Paper", "Paper"), _Pile("Wall", "Plaster")
     rng = np.random.default_rng(5)
     bays = int(round(2 * SIDE / _BAY))
-    _shoji(frame, paper, lambda u, y, d: (u, y, BACK + d), 0, bays, -SIDE + _BAY / 2, rng)
+    gardens = {0: Garden(2, -SIDE, SIDE), -1: Garden(7, BACK, _END[-1]), 1: Garden(11, BACK, 2.4)}
+    _shoji(frame, paper, gardens[0], lambda u, y, d: (u, y, BACK + d), 0, bays, -SIDE + _BAY / 2, rng)
     for s, panels in _DEEP.items():
-        _shoji(frame, paper, lambda u, y, d, s=s: (s * (SIDE - d), y, u), 2, panels, BACK + _BAY / 2, rng)
+        _shoji(frame, paper, gardens[s], lambda u, y, d, s=s: (s * (SIDE - d), y, u), 2, panels, BACK + _BAY / 2, rng)
     _beams(frame)
     _stand(frame)
     high = CEILING - _LINTEL
-    plaster.add((0, _LINTEL + high / 2, BACK - 0.02), (2 * SIDE, high, 0.05))
+    plaster.add((0, _LINTEL + high / 2, BACK - 0.02), (2 * SIDE, high, 0.05), shown=lambda n: n[:, 2] > -0.5)
     for s, end in _END.items():
-        plaster.add((s * (SIDE + 0.02), _LINTEL + high / 2, (BACK + end) / 2), (0.05, high, end - BACK))
-    plaster.add((0, CEILING + 0.03, (BACK + _EAVES) / 2), (2 * SIDE + 0.4, 0.05, _EAVES - BACK + 0.2))
-    return [frame.part(), _names(rng), _staffs(), _shaded(_daylit(paper.part())), _shaded(plaster.part())]
+        middle, size = (s * (SIDE + 0.02), _LINTEL + high / 2, (BACK + end) / 2), (0.05, high, end - BACK)
+        plaster.add(middle, size, shown=lambda n, s=s: s * n[:, 0] < 0.5)
+    ceiling = (2 * SIDE + 0.4, 0.05, _EAVES - BACK + 0.2)
+    plaster.add((0, CEILING + 0.03, (BACK + _EAVES) / 2), ceiling, shown=lambda n: n[:, 1] < 0.5)
+    return [*frame.parts(), _names(rng), _staffs(), _daylit(paper.part(), gardens), _shaded(plaster.part())]
 
 
 def _names(rng):

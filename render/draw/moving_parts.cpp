@@ -42,7 +42,7 @@ MovingParts::MovingParts(const gl::Gl& gl, const scenes::Stage& stage, const Wor
     const bool chain = look.kind == scenes::ConnectorLook::Kind::chain;
     const scenes::Material material{.name = chain ? "steel" : "rope",
                                     .base_color = {1, 1, 1},
-                                    .roughness = chain ? 0.35f : 0.9f,
+                                    .roughness = chain ? 0.25f : 0.9f,
                                     .metallic = chain ? 1.0f : 0.0f};
     auto [triangles, rest] = connector_meshes_[i]->take_shape();
     if (!shape || shape->triangles() != triangles || !std::ranges::equal(shape->rest(), rest, same))

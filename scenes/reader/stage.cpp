@@ -160,6 +160,7 @@ ConnectorLook read_look(const Value& connector) {
       {"chain", Kind::chain}, {"rope", Kind::rope}, {"cord", Kind::cord}};
   ConnectorLook look;
   look.kind = kinds.at(text_or(connector, "look", "rope"));
+  if (look.kind == Kind::chain) look.color = Vec3(0.56, 0.57, 0.58);  // iron and steel
   if (const Value* radius = connector.find("radius")) look.diameter = 2 * radius->number;
   look.diameter = number_or(connector, "diameter", look.diameter);
   look.color = vec3_or(connector, "color", look.color);

@@ -44,7 +44,7 @@ std::shared_ptr<const scenes::Model> sphere(const scenes::Material& material) {
 /// Light to 8 bits: exposure 0.44, the tone curve, sRGB (IEC 61966-2-1).
 double display(double radiance) {
   const double x = 0.44 * radiance;
-  const double y = std::min(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 1.0);
+  const double y = std::min(x * (2.51 * x + 0.06) / (x * (2.43 * x + 0.59) + 0.14), 1.0);
   return 255 * (y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055);
 }
 

@@ -23,7 +23,7 @@ constexpr double kTexel = 0.5 / draw::Shading().map_size;
 /// Light to 0 to 1 as the eye sees it (hand_computed_test.cpp).
 double display(double radiance) {
   const double x = 0.44 * radiance;
-  const double y = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+  const double y = x * (2.51 * x + 0.06) / (x * (2.43 * x + 0.59) + 0.14);
   return y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055;
 }
 

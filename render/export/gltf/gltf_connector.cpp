@@ -18,7 +18,7 @@ scenes::Material material_of(const scenes::ConnectorLook& look) {
   const bool chain = look.kind == scenes::ConnectorLook::Kind::chain;
   return {.name = chain ? "steel" : "rope",
           .base_color = {1, 1, 1},
-          .roughness = chain ? 0.35f : 0.9f,
+          .roughness = chain ? 0.25f : 0.9f,
           .metallic = chain ? 1.0f : 0.0f};
 }
 

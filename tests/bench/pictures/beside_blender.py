@@ -125,7 +125,7 @@ def write(file, picture):
 def developed(light):
     """taut's film curve and exposure (render/gl/shaders.cpp, encode) on linear light, as sRGB."""
     x = 0.44 * numpy.maximum(light, 0)
-    return picture_error.srgb(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14))
+    return picture_error.srgb(x * (2.51 * x + 0.06) / (x * (2.43 * x + 0.59) + 0.14))
 
 
 def main():
