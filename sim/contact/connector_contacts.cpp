@@ -16,29 +16,85 @@ double held_share(const Obstacle& obstacle, double slip, double push) {
   return std::min(1.0, obstacle.kinetic_friction * push / slip);
 }
 
+/// The middle line of a ball or a capsule: how near it is costs less than the normal of a surface.
+class Core {
+ public:
+  Core(const Obstacle& obstacle, const Pose& pose)
+      : middle_(pose.position),
+        axis_(pose.rotation * Vec3::UnitY()),
+        half_(obstacle.shape.length / 2),
+        radius_(obstacle.shape.radius),
+        is_round_(obstacle.shape.kind == Shape::Kind::sphere ||
+                  obstacle.shape.kind == Shape::Kind::capsule) {}
+
+  bool is_round() const { return is_round_; }
+  /// Whether all within `reach` (m) of a point is outside, with room for rounding.
+  bool is_outside(const Vec3& point, double reach) const {
+    const double limit = (1 + 1e-9) * (radius_ + reach);
+    return is_round_ && from_line(point).squaredNorm() > limit * limit;
+  }
+  /// Where a way from `a` is nearest to the line, as a share of it, if that is not one of its ends:
+  /// the rise of the squared distance is linear but where the line's own ends come to be nearest.
+  std::optional<double> nearest(const Vec3& a, const Vec3& way) const {
+    const auto rise = [&](double share) { return from_line(a + share * way).dot(way); };
+    double low = 0, high = 1, falls = rise(low), rises = rise(high);
+    if (!(falls < 0) || !(rises > 0)) return std::nullopt;
+    for (const double end : {-half_, half_}) {
+      const double share = (end - axis_.dot(a - middle_)) / axis_.dot(way);
+      if (!(share > low) || !(share < high)) continue;
+      const double there = rise(share);
+      (there < 0 ? low : high) = share;
+      (there < 0 ? falls : rises) = there;
+    }
+    return low + (high - low) * falls / (falls - rises);
+  }
+
+ private:
+  Vec3 from_line(const Vec3& point) const {
+    const Vec3 from = point - middle_;
+    return from - std::clamp(axis_.dot(from), -half_, half_) * axis_;
+  }
+
+  Vec3 middle_, axis_;
+  double half_, radius_;
+  bool is_round_;
+};
+
 struct Nearest {
   double share = 0;  // of the way from one end to the other
   SurfaceDistance distance;
 };
 
-/// The point between a and b that is deepest inside of the obstacle, if one is deeper than the
-/// ends: beads are there. Obstacles are convex, so that the distance to them is along a line.
-std::optional<Nearest> deepest(const Obstacle& obstacle, const Pose& pose, const Vec3& a,
-                               const Vec3& b, double radius) {
+/// Of any obstacle: all are convex, so that the distance to them is along a line.
+std::optional<double> nearest_share(const Obstacle& obstacle, const Pose& pose, const Vec3& a,
+                                    const Vec3& way) {
   constexpr int kHalvings = 40;
-  const Vec3 way = b - a;
-  const auto at = [&](double share) { return gap(obstacle, pose, a + share * way, radius); };
-  if (at(0.5).distance > way.norm() / 2) return std::nullopt;
-  if (!(at(0).normal.dot(way) < 0) || !(at(1).normal.dot(way) > 0)) return std::nullopt;
+  const auto rise = [&](double share) {
+    return gap(obstacle, pose, a + share * way, 0).normal.dot(way);
+  };
+  if (!(rise(0) < 0) || !(rise(1) > 0)) return std::nullopt;
   double low = 0, high = 1;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = (low + high) / 2;
-    (at(middle).normal.dot(way) < 0 ? low : high) = middle;
+    (rise(middle) < 0 ? low : high) = middle;
   }
-  const double share = (low + high) / 2;
-  const SurfaceDistance distance = at(share);
+  return (low + high) / 2;
+}
+
+/// The point between a and b that is deepest inside of the obstacle, if one is deeper than the
+/// ends: beads are there.
+std::optional<Nearest> deepest(const Obstacle& obstacle, const Pose& pose, const Core& core,
+                               const Vec3& a, const Vec3& b, double radius) {
+  const Vec3 way = b - a;
+  const auto at = [&](double share) { return gap(obstacle, pose, a + share * way, radius); };
+  if (core.is_round() ? core.is_outside(a + 0.5 * way, radius + way.norm() / 2)
+                      : at(0.5).distance > way.norm() / 2)
+    return std::nullopt;
+  const auto share = core.is_round() ? core.nearest(a, way) : nearest_share(obstacle, pose, a, way);
+  if (!share) return std::nullopt;
+  const SurfaceDistance distance = at(*share);
   if (distance.distance > 0) return std::nullopt;
-  return Nearest{share, distance};
+  return Nearest{*share, distance};
 }
 
 Vec3 between(const double* first, const double* last, double share) {
@@ -108,9 +164,11 @@ void ConnectorContacts::find(const Mechanism& mechanism, double time,
   met_.clear();
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     const FrameMotion frame = obstacles_[o].frame(time);
+    const Core core(obstacles_[o], frame.pose());
     for (std::size_t p = 0; p < radius_.size(); ++p) {
       if (radius_[p] < 0 || !obstacles_[o].touches(category_[p])) continue;
       const Vec3 at = ConstMap(&state[mechanism.position(p)]);
+      if (core.is_outside(at, radius_[p])) continue;
       const SurfaceDistance near = gap(obstacles_[o], frame.pose(), at, radius_[p]);
       if (near.distance > 0) continue;
       met_.push_back({p, p, o, 0, near.normal,
@@ -122,11 +180,12 @@ void ConnectorContacts::find(const Mechanism& mechanism, double time,
 
 void ConnectorContacts::find_links(const Mechanism& mechanism, std::size_t obstacle,
                                    const FrameMotion& frame, const std::vector<double>& state) {
+  const Core core(obstacles_[obstacle], frame.pose());
   for (const Link& link : links_) {
     if (!obstacles_[obstacle].touches(link.category)) continue;
     const ConstMap a(&state[mechanism.position(link.first)]),
         b(&state[mechanism.position(link.last)]);
-    const auto near = deepest(obstacles_[obstacle], frame.pose(), a, b, link.radius);
+    const auto near = deepest(obstacles_[obstacle], frame.pose(), core, a, b, link.radius);
     if (!near) continue;
     const Vec3 at = a + near->share * (b - a);
     met_.push_back({link.first, link.last, obstacle, near->share, near->distance.normal,

@@ -33,7 +33,7 @@ def _gathers():
     """Folds that fall from the belt: angle, height (m), half width (rad) at the hem, and how they lean (rad)."""
     rng = np.random.default_rng(5)
     angles = np.arange(15) * 2 * np.pi / 15 + rng.uniform(-0.11, 0.11, 15)
-    return np.column_stack([angles, rng.uniform(0.006, 0.015, 15), rng.uniform(0.075, 0.115, 15), rng.uniform(-0.10, 0.10, 15)])
+    return np.column_stack([angles, rng.uniform(0.010, 0.022, 15), rng.uniform(0.075, 0.115, 15), rng.uniform(-0.10, 0.10, 15)])
 
 
 _GATHERS = _gathers()
