@@ -15,6 +15,7 @@ _BAY = 1.2  # width of a shoji panel
 _DEEP = {-1: 4, 1: 7}  # panels along a side wall
 _EAVES = 0.75  # where the roof ends, z
 _LINTEL = 2.12
+_JOINT = 0.0020  # m, a plank's bevel
 _END = {side: BACK + panels * _BAY for side, panels in _DEEP.items()}
 
 
@@ -57,8 +58,8 @@ class _Timber:
     def __init__(self, name, material):
         self.piles = [_Pile(name + axis, material) for axis in ("Across", "Up", "Deep")]
 
-    def add(self, centre, size, bevel=0.003, tone=(1, 1, 1)):
-        self.piles[int(np.argmax(size))].add(centre, size, bevel, tone)
+    def add(self, centre, size, bevel=0.003, tone=(1, 1, 1), shown=None):
+        self.piles[int(np.argmax(size))].add(centre, size, bevel, tone, shown)
 
     def parts(self):
         return [pile.part() for pile in self.piles]
@@ -112,16 +113,16 @@ def _floor():
         z = BACK
         while z < FRONT:
             long = min(length * (rng.random() if z == BACK else 1), FRONT - z)
-            tone = 0.72 + 0.28 * rng.random()
-            warm = 1 + 0.10 * (rng.random() - 0.5)
+            tone = 0.62 + 0.38 * rng.random() ** 0.8
+            warm = 1 + 0.16 * (rng.random() - 0.5)
             # Ends overlap by their bevels, which would glitter.
             planks.add(
-                (x + width / 2, -0.0125, z + long / 2), (width, 0.025, long + 2 * 0.0014), 0.0014,
+                (x + width / 2, -0.0125, z + long / 2), (width, 0.025, long + 2 * _JOINT), _JOINT,
                 (tone, tone * warm, tone * warm**2), lambda n: n[:, 1] > 0.1,
             )
             z += long
     part = planks.part()
-    part.tint(part.normals[:, 1] < 0.95, (0.30, 0.28, 0.26))  # no light comes out of the joints
+    part.tint(part.normals[:, 1] < 0.95, (0.38, 0.35, 0.32))  # no light comes out of the joints
     return _shaded(part)
 
 
@@ -134,17 +135,22 @@ def _shoji(frame, paper, garden, where, along, count, first, rng):
     ahead, into = np.subtract(where(1, 0, 0), where(0, 0, 0)), np.subtract(where(0, 0, 1), where(0, 0, 0))
     inwards = np.cross(ahead, (0, 1, 0)) @ into > 0  # along u, the room is on the right
 
+    def inside(n):
+        """Where the sun comes from the room, backs are what throws shadows."""
+        return (n @ into > -0.5) | (into[0] < -0.5)
+
     for k in range(count):
         u = first + k * _BAY
         for side in (-1, 1):
-            frame.add(where(u + side * 0.585, 1.05, 0), size(0.030, 2.10, 0.036))
+            edge = 0 if into[0] > 0.5 else 0.003  # the sun shines through joints from behind
+            frame.add(where(u + side * 0.585, 1.05, 0), size(0.030, 2.10, 0.036), edge, shown=inside)
         for y, tall in ((0.03, 0.06), (2.085, 0.03), (0.42, 0.03)):
-            frame.add(where(u, y, 0), size(1.14, tall, 0.034))
-        frame.add(where(u, 0.225, -0.006), size(1.14, 0.36, 0.012))
+            frame.add(where(u, y, 0), size(1.14, tall, 0.034), shown=inside)
+        frame.add(where(u, 0.225, -0.006), size(1.14, 0.36, 0.012), shown=inside)
         for i in range(1, 4):
-            frame.add(where(u - 0.57 + 1.14 * i / 4, 1.2525, 0), size(0.010, 1.635, 0.016), 0)
+            frame.add(where(u - 0.57 + 1.14 * i / 4, 1.2525, 0), size(0.010, 1.635, 0.016), 0, shown=inside)
         for i in range(1, 7):
-            frame.add(where(u, 0.435 + 1.635 * i / 7, 0), size(1.14, 0.010, 0.018), 0)
+            frame.add(where(u, 0.435 + 1.635 * i / 7, 0), size(1.14, 0.010, 0.018), 0, shown=inside)
         for i in range(7):  # sheets of paper, one per row, no two quite alike; bars hide where their panes meet
             tone = 0.95 + 0.05 * rng.random()
             low, tall, wide = 0.435 + 1.635 * i / 7, 1.635 / 7, 1.14 / 4
@@ -160,7 +166,7 @@ def _daylit(paper, gardens):
     near the ground, and corners see less of it; what light is left is warmer. The evening sun is on the outside of the
     wall at x < 0."""
     p = paper.points
-    wall = np.where(np.abs(p[:, 0]) < SIDE - 0.1, 0, np.sign(p[:, 0]))
+    wall = np.where(np.abs(p[:, 0]) < SIDE, 0, np.sign(p[:, 0]))
     left = np.ones(len(p))
     for k, garden in gardens.items():
         left[wall == k] = garden.light(p[wall == k][:, [2 if k else 0, 1]])

@@ -8,7 +8,7 @@ from scipy import ndimage
 
 _STEP = 0.01  # m, of the picture that is kept
 _HIGH = 2.2  # m
-_SOFT = 0.050  # m, of an edge
+_SOFT = 0.036  # m, of an edge
 
 
 def _bar(place, ends, radius, soft=_SOFT):
@@ -25,14 +25,14 @@ def _stalk(rng, u):
     """Bamboo: a stalk that leans, and leaves that hang from its upper joints. Bars of (ends, radii, dark)."""
     lean, thick, dark = rng.uniform(-0.10, 0.10), rng.uniform(0.018, 0.032), rng.uniform(0.20, 0.42)
     bars = [(((u - lean, 0.2), (u + lean, 2.4)), (1.15 * thick, 0.8 * thick), dark)]
-    for y in np.arange(0.95 + 0.3 * rng.random(), 2.1, 0.31):
+    for y in np.arange(1.25 + 0.3 * rng.random(), 2.2, 0.31):
         joint = np.array([u - lean + 2 * lean * (y - 0.2) / 2.2, y])
         side = rng.choice((-1, 1))
-        for _ in range(rng.integers(3, 5)):
-            twig = joint + (side * rng.uniform(0.06, 0.26), rng.uniform(-0.02, 0.16))
-            turn, long = rng.uniform(0.2, 1.3), rng.uniform(0.16, 0.26)
+        for _ in range(rng.integers(2, 4)):
+            twig = joint + (side * rng.uniform(0.02, 0.16), rng.uniform(-0.02, 0.12))
+            turn, long = rng.uniform(0.1, 1.2), rng.uniform(0.24, 0.36)
             tip = twig + long * np.array([side * np.cos(turn), -np.sin(turn)])
-            bars.append(((twig, tip), (0.022, 0.004), dark * rng.uniform(0.6, 1.0)))
+            bars.append(((twig, tip), (0.024, 0.003), dark * rng.uniform(0.7, 1.0)))
     return bars
 
 
@@ -52,7 +52,7 @@ class Garden:
         while u < last:
             for _ in range(rng.integers(1, 4)):  # stalks stand in groups
                 bars += _stalk(rng, u)
-                u += rng.uniform(0.10, 0.24)
+                u += rng.uniform(0.14, 0.34)
             u += rng.uniform(0.7, 1.5)
         self.first = first
         us, ys = np.arange(first, last + _STEP, _STEP), np.arange(0, _HIGH, _STEP)
@@ -72,7 +72,7 @@ class Garden:
         if part.shape[0] < 2:
             return 1, 1
         steep = (np.abs(np.diff(part, axis=axis)).max() / _STEP for axis in (0, 1))  # 1/m
-        return tuple(1 + int(np.clip(1.1 * x, 0, 4)) for x in steep)
+        return tuple(1 + int(np.clip(0.9 * x, 0, 5)) for x in steep)
 
     def light(self, place):
         """The share of the daylight that is left at places (n, 2)."""

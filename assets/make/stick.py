@@ -33,7 +33,7 @@ def _wood(grooves, facets):
         profile.append((_radius(y), y))
     profile.sort(key=lambda p: p[1])
     profile = [p for p in profile if p[1] < _WOOD_TOP - 1e-6] + [(_radius(_WOOD_TOP), _WOOD_TOP)]
-    return revolve("Wood", "Wood", profile, facets)
+    return revolve("Wood", "Oak", profile, facets)
 
 
 def _metal():
@@ -54,7 +54,7 @@ def _shade(part):
 
 
 def oak():
-    """Red oak with grooves at the butt and below the ferrule."""
+    """Stained oak in clear lacquer, with grooves at the butt and below the ferrule."""
     parts = [_wood((-0.120, -0.112, 0.096, 0.103), 40), _metal()]
     for part in parts:
         _shade(part)

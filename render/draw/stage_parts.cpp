@@ -75,6 +75,9 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
     for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c]))
       if (add(capsule)) look.contacts.push_back(capsule.bounds());
   block.feet = block.capsules;
+  for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
+    for (const ContactCapsule& shin : shins(*stage.characters[c], instant.bones[c])) add(shin);
+  block.legs = block.capsules;
   for (std::size_t c = 0; c < std::min(instant.bones.size(), arms_.size()); ++c)
     for (const scenes::Capsule& arm :
          scenes::place_capsules(arms_[c], *stage.characters[c], instant.bones[c]))

@@ -11,6 +11,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 capsule_from[12];    // xyz; w: radius
   vec4 capsule_to[12];      // xyz; w: 1/length^2
   int feet;                // the first of them, which darken the scenery
+  int legs;                // these and the shins, which it mirrors
   int capsules;            // all; the others darken what moves
   float penumbra;          // half of it, in widths of the map, for each of its depths
   float texel_depth;       // a texel's width, in depths of the map
@@ -44,9 +45,7 @@ void main() {
 
 // Cook-Torrance with GGX (Walter et al. 2007), visibility by Schlick's k = a/2, Schlick's Fresnel;
 // the environment's part of the specular by the fit of Karis 2014 ("Physically based shading on
-// mobile"). Ambient light: spherical harmonics of Ramamoorthi and Hanrahan 2001. Capsule contact
-// shadow: the cosine-weighted solid angle of the nearest sphere on each capsule, less what it is
-// where its reach ends.
+// mobile"). Ambient light: spherical harmonics of Ramamoorthi and Hanrahan 2001.
 const char* const surface_fragment = R"(
 in vec3 world_position, world_normal, rest_position, tint, shadow_position;
 layout(location = 0) out vec4 encoded;
@@ -173,26 +172,6 @@ vec3 environment(vec3 r, float roughness) {
 }
 #endif
 
-float contact_light(vec3 p, vec3 n) {
-  float light = 1;
-#if SHADE > 0
-#if SHADE == 2
-  int first = 0, end = feet;
-#else
-  int first = feet, end = capsules;
-#endif
-  for (int i = first; i < end; ++i) {
-    vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
-    vec3 d = axis * clamp(dot(from, axis) * capsule_to[i].w, 0, 1) - from;
-    float distance2 = dot(d, d);
-    float r2 = capsule_from[i].w * capsule_from[i].w;
-    float sphere = max(r2 / distance2 - 1.0 / (CONTACT_RANGE * CONTACT_RANGE), 0);
-    light *= 1 - 0.9 * min(max(dot(n, d), 0) * inversesqrt(distance2) * sphere, 1);
-  }
-#endif
-  return light;
-}
-
 // Coordinates across the surface, in the rest position, on the plane that it faces most.
 vec2 facing(vec3 p, vec3 n) {
   vec3 a = abs(n);
@@ -312,6 +291,14 @@ void main() {
 #elif SURFACE == 5  // paper: daylight from behind comes through, and shows the fibres
   albedo *= 0.94 + 0.12 * texture(noise, facing(rest_position, n) * vec2(1.1, 1.7)).g;
   vec3 through = 0.46 * albedo * DAYLIGHT;
+#elif SURFACE == 6  // turned wood: the rings of a tree whose pith lies beside it, and pores
+  vec3 p = grain_axis == 0 ? rest_position.yzx : grain_axis == 1 ? rest_position.zxy : rest_position;
+  vec2 pores = texture(noise, vec2(p.z * 5.0, (p.x + 0.6 * p.y) * 90.0)).rg;
+  vec2 bent = texture(noise, vec2(p.z * 1.3, 0.37)).rg - 0.5;
+  float rings = length(p.xy - vec2(0.031, 0.012) + 0.007 * bent) / 0.0024;  // 2.4 mm apart
+  float late = smoothstep(0.25, 0.95, fract(rings)) * (1 - smoothstep(0.95, 1.0, fract(rings)));
+  float told = clamp(1.4 - 2.0 * fwidth(rings), 0, 1);  // before they alias
+  albedo *= (1.24 - 0.78 * mix(0.36, late, told)) * (0.70 + 0.60 * pores.r);
 #endif
 
   vec3 v = normalize(eye.xyz - world_position), l = TO_LIGHT;
@@ -358,17 +345,21 @@ void main() {
 #else
   vec3 mirrored = environment(reflect(-v, n), base_roughness);
 #endif
-  vec3 ambient_part = diffuse * ambient + max(f0 * fit.x + fit.y, 0) * mirrored;
+  vec3 gloss = max(f0 * fit.x + fit.y, 0) * mirrored;
+  vec3 ambient_part = diffuse * ambient + gloss;
 #if SURFACE == 2
   // Fuzz: fibres that stand off catch light at the edges, in the dye's colour.
   float rim = 1 - nv;
-  vec3 fuzz = 0.34 * rim * rim * rim * sqrt(max(albedo, 0));
-  ambient_part += fuzz * ambient;
+  vec3 fuzz = 0.45 * rim * rim * rim * sqrt(max(albedo, 0));
+  ambient_part += fuzz * mirrored;  // through them, too, where the surface is seen at its edge
   radiance += LIGHT_COLOR * seen * lit * fuzz;
 #endif
   float open = contact_light(world_position, n);
 #if SHADE == 2
   vec3 unshaded = LIGHT_COLOR * open_sky * (diffuse * diffuse_lit + lobe * fresnel * lit) + ambient_part;
+#endif
+#if SHADE == 2 && MIRROR && GLOSSY
+  ambient_part -= 0.85 * hidden_by_legs(world_position, reflect(-v, n), roughness) * gloss;
 #endif
   radiance += open * ambient_part;
 #if SURFACE == 5

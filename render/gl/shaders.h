@@ -1,5 +1,5 @@
 // The GLSL sources. The head of each says what it computes; shaders.cpp holds the text of surfaces,
-// shadow_shaders.cpp that of shadows, pass_shaders.cpp that of the passes.
+// shadow_shaders.cpp and contact_shaders.cpp that of shadows, pass_shaders.cpp that of the passes.
 #pragma once
 
 namespace taut::gl::shaders {
@@ -9,6 +9,9 @@ extern const char* const frame_block;
 
 /// The share of the key light that comes past the scenery to a place, where CASTING is 1.
 extern const char* const past_scenery;
+
+/// What is left of ambient and mirrored light near the frame's capsules.
+extern const char* const contact;
 
 /// Lit surfaces. Defines: SURFACE (a Surface), SHADE (a Shade), OUTPUT (an Output), GLOSSY (1: it
 /// mirrors the room where MIRROR is 1), BATHED (1: ambient light comes with the vertices).

@@ -40,6 +40,20 @@ std::vector<ContactCapsule> feet(const scenes::Model& character, const std::vect
   return capsules;
 }
 
+std::vector<ContactCapsule> shins(const scenes::Model& character, const std::vector<Pose>& bones) {
+  constexpr double kShin = 0.06;  // m
+  std::vector<ContactCapsule> capsules;
+  for (std::size_t i = 0; i < bones.size(); ++i) {
+    const int ankle = character.bones[i].parent;
+    if (ankle < 0 || character.bones[i].name.find("Toe") == std::string::npos) continue;
+    const int knee = character.bones[std::size_t(ankle)].parent;
+    if (knee < 0) continue;
+    capsules.push_back(
+        {bones[std::size_t(knee)].position, bones[std::size_t(ankle)].position, kShin});
+  }
+  return capsules;
+}
+
 std::vector<scenes::Capsule> arms(const scenes::Model& character) {
   std::vector<scenes::Capsule> capsules = scenes::fit_capsules(character);
   std::erase_if(capsules, [&](const scenes::Capsule& c) {

@@ -25,6 +25,9 @@ struct ContactCapsule {
 /// The feet of a character whose bones have these poses: its soles, and its toes.
 std::vector<ContactCapsule> feet(const scenes::Model& character, const std::vector<Pose>& bones);
 
+/// The shins of a character whose bones have these poses.
+std::vector<ContactCapsule> shins(const scenes::Model& character, const std::vector<Pose>& bones);
+
 /// The arms of a character in its bind pose, which darken its trunk (scenes::place_capsules).
 std::vector<scenes::Capsule> arms(const scenes::Model& character);
 

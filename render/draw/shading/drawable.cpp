@@ -24,6 +24,7 @@ Surface surface_named(std::string_view material) {
     return std::ranges::any_of(
         words, [&](const char* word) { return name.find(word) != std::string::npos; });
   };
+  if (has({"oak"})) return Surface::turned;
   if (has({"wood", "floor", "plank", "beam"})) return Surface::wood;
   if (has({"cloth", "gi", "belt", "band", "collar", "tabi", "trouser", "fabric", "cotton"}))
     return Surface::cloth;

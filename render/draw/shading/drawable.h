@@ -14,7 +14,7 @@
 namespace taut::draw {
 
 /// How a material's pattern is computed; the numbers are the surface shader's SURFACE.
-enum class Surface { plain, wood, cloth, skin, rope, paper, count };
+enum class Surface { plain, wood, cloth, skin, rope, paper, turned, count };
 
 /// The surface that a material's name asks for, such as "dark wood" or "skin".
 Surface surface_named(std::string_view material);

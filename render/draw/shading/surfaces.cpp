@@ -44,12 +44,12 @@ Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundi
       noise_(make_noise_texture(gl)),
       mirror_(around.mirror),
       scenery_(scenery),
-      constants_(
-          fmt::format("#define OUTPUT {}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define "
-                      "LEAST_PENUMBRA (1.5 / SHADOW_SIZE)\n#define CONTACT_RANGE {:.1f}\n{}{}{}{}",
-                      int(output), kExposure, shadow_map_size, kContactRange,
-                      light_constants(light, around.ambient), mirror_constants(around),
-                      scenery.constants(), gl::shaders::frame_block)) {}
+      constants_(fmt::format(
+          "#define OUTPUT {}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define "
+          "LEAST_PENUMBRA (1.5 / SHADOW_SIZE)\n#define CONTACT_RANGE {:.1f}\n{}{}{}{}{}",
+          int(output), kExposure, shadow_map_size, kContactRange,
+          light_constants(light, around.ambient), mirror_constants(around), scenery.constants(),
+          gl::shaders::frame_block, gl::shaders::contact)) {}
 
 const gl::Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool bathed) {
   auto& slot = programs_[{surface, shade, glossy, bathed}];

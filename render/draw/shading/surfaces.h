@@ -24,6 +24,7 @@ struct FrameBlock {
   Eigen::Vector4f eye;  // w: offset along the normal before the shadow's look-up, m
   std::array<Eigen::Vector4f, kCapsules> capsule_from, capsule_to;
   int feet = 0;           // the first capsules, which darken the scenery
+  int legs = 0;           // these and the shins, which it mirrors
   int capsules = 0;       // all: the others darken what moves
   float penumbra = 0;     // half of it, in widths of the map, for each of its depths
   float texel_depth = 0;  // a texel's width, in depths of the map

@@ -12,7 +12,7 @@ import sys
 import bpy
 import numpy
 
-WOOD, PAPER = ("wood", "floor", "plank", "beam"), ("paper",)
+OAK, WOOD, PAPER = ("oak",), ("wood", "floor", "plank", "beam"), ("paper",)
 THROUGH = 0.46  # the share of the daylight that comes through paper (render/gl/shaders.cpp)
 LUMA = (0.2126, 0.7152, 0.0722)
 
@@ -66,6 +66,13 @@ class Nodes:
             socket.default_value = value
         else:
             self.tree.links.new(value, socket)
+
+    def smoothstep(self, low, high, value):
+        node = self.tree.nodes.new("ShaderNodeMapRange")
+        node.interpolation_type = "SMOOTHSTEP"
+        for name, x in (("Value", value), ("From Min", low), ("From Max", high)):
+            self.put(node.inputs[name], x)
+        return node.outputs[0]
 
     def rest(self):
         """The place at rest, in the model's axes: y up."""
@@ -121,10 +128,30 @@ def daylight(light):
     return [key / sky * c for c in light["sky"]] if sky > 0 else light["color"]
 
 
+def rings(nodes, image, axis):
+    """A tree's rings and pores, as on turned wood (render/gl/shaders.cpp)."""
+    place = nodes.rest()
+    x, y, along = place[(axis + 1) % 3], place[(axis + 2) % 3], place[axis]
+    across = nodes.math("ADD", x, nodes.math("MULTIPLY", y, 0.6))
+    pores, _ = nodes.noise(image, nodes.math("MULTIPLY", along, 5), nodes.math("MULTIPLY", across, 90))
+    bent = nodes.noise(image, nodes.math("MULTIPLY", along, 1.3), 0.37)
+    squares = []
+    for c, pith, bend in zip((x, y), (0.031, 0.012), bent):
+        off = nodes.math("ADD", nodes.math("SUBTRACT", c, pith), nodes.math("MULTIPLY", nodes.math("SUBTRACT", bend, 0.5), 0.007))
+        squares.append(nodes.math("MULTIPLY", off, off))
+    ring = nodes.math("FRACT", nodes.math("DIVIDE", nodes.math("SQRT", nodes.math("ADD", *squares), 0), 0.0024), 0)
+    late = nodes.math("MULTIPLY", nodes.smoothstep(0.25, 0.95, ring),
+                      nodes.math("SUBTRACT", 1, nodes.smoothstep(0.95, 1, ring)))
+    dark = nodes.math("SUBTRACT", 1.24, nodes.math("MULTIPLY", late, 0.78))
+    nodes.tint(nodes.math("MULTIPLY", dark, nodes.math("ADD", nodes.math("MULTIPLY", pores, 0.60), 0.70)))
+
+
 def pattern(material, image, day):
     """What the renderer's surfaces have beyond glTF: streaks of wood, and paper that the day shines through."""
     name, nodes = material.name.lower(), Nodes(material)
-    if any(word in name for word in WOOD):
+    if any(word in name for word in OAK):
+        rings(nodes, image, int(numpy.argmax(extent(material))))
+    elif any(word in name for word in WOOD):
         sizes = extent(material)
         axis = int(numpy.argmax(sizes))
         scale = 5 if sizes[axis] < 0.7 else 1  # render/draw/shading/drawable.cpp
