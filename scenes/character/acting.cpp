@@ -11,12 +11,11 @@ namespace {
 // The stance at rest, and where the right hand is at ease; m and rad, for a figure of 1.78 m.
 const Vec3 pelvis_at_ease(0.01, -0.080, 0.01);
 const Vec3 hand_at_ease(-0.26, 1.06, 0.46);
-const Vec3 guard_at_ease(0.10, -0.15, 0.24);  // of the left fist, from the chest
 constexpr double pelvis_turned = 0.55, spine_turned = -0.08;
 
-constexpr double body_lag = 0.110, shoulder_lag = 0.120, guard_lag = 0.140;  // s, mean delays
-constexpr double foresight = 0.22;                                           // s, of anticipation
-constexpr double breath = 0.27;                                              // Hz
+constexpr double body_lag = 0.110, shoulder_lag = 0.120;  // s, mean delays
+constexpr double foresight = 0.22;                        // s, of anticipation
+constexpr double breath = 0.27;                           // Hz
 
 }  // namespace
 
@@ -29,7 +28,6 @@ Track act(const Figure& figure, const Path& path, double duration, const Cues& c
   const Track body = hand.lagged(body_lag);
   const Track late = hand.lagged(shoulder_lag);
   const Track coming = velocity.smoothed(0.09).ahead(foresight);
-  const Track fist = hand.lagged(guard_lag);
   Track speed = velocity;
   speed.samples() = velocity.samples().colwise().norm();
   const Track haste = speed.smoothed(0.3);
@@ -37,7 +35,7 @@ Track act(const Figure& figure, const Path& path, double duration, const Cues& c
 
   Eigen::MatrixXd rows(Eigen::Index{control_count}, hand.count());
   for (Eigen::Index i = 0; i < hand.count(); ++i) {
-    const Vec3 h = body[i], s = late[i], next = coming[i], f = fist[i];
+    const Vec3 h = body[i], s = late[i], next = coming[i];
     const Vec3 right = steps[i].head<3>(), left = steps[i].tail<3>();
     const double still = std::exp(-std::pow(haste[i][0] / 0.5, 2));
     const double chest_rise = std::sin(2 * M_PI * breath * hand.time(i)) * (0.35 + 0.65 * still);
@@ -69,16 +67,13 @@ Track act(const Figure& figure, const Path& path, double duration, const Cues& c
     c[left_shoulder_forward] = -0.04 - soft(0.25 * twist, 0.12);
     c[left_shoulder_up] = 0.022 * chest_rise;
 
-    // The left fist keeps its guard and balances the right hand.
-    const Vec3 guard = guard_at_ease + Vec3(soft(-0.22 * f.x(), 0.05), soft(-0.20 * f.y(), 0.07),
-                                            soft(-0.30 * f.z(), 0.08));
-    c.segment<3>(guard_x) = scale * guard;
     c.segment<3>(right_step_x) = scale * right;
     c.segment<3>(left_step_x) = scale * left;
     rows.col(i) = c;
   }
   Track controls(std::move(rows), acting_rate);
-  answer_stick(figure, path, cues, controls);
+  answer_stick(figure, cues, controls);
+  keep_guard(figure, path, cues, controls);
   begin_and_end(figure, cues, controls);
   return controls;
 }

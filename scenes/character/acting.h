@@ -14,9 +14,12 @@ namespace taut::scenes {
 Track act(const Figure& figure, const Path& path, double duration, const Cues& cues = {});
 
 /// Adds what the body does about the free stick: weight goes from foot to foot with it, hips turn
-/// against shoulders, knees sink and rise, the idle arm balances it, and he braces himself where it
-/// is fast. Before a stroke of the hand he winds up, after it he recoils.
-void answer_stick(const Figure& figure, const Path& path, const Cues& cues, Track& controls);
+/// against shoulders, knees sink and rise, and he braces himself where it is fast. Before a stroke
+/// of the hand he winds up, after it he recoils.
+void answer_stick(const Figure& figure, const Cues& cues, Track& controls);
+
+/// Fills in the left arm, which goes from guard to guard, and adds what its shoulder does.
+void keep_guard(const Figure& figure, const Path& path, const Cues& cues, Track& controls);
 
 /// Adds how he waits before he takes his stance, and how he greets in the end.
 void begin_and_end(const Figure& figure, const Cues& cues, Track& controls);

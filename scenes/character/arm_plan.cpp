@@ -26,7 +26,7 @@ constexpr Eigen::Index every = 2;              // samples of the acting from one
 double discomfort(const ArmState& arm, const Quat& chest, double swivel) {
   const double bend = arm.bend / degree, twist = arm.twist / degree, flexion = arm.flexion / degree;
   const Vec3 upper = chest.conjugate() * (arm.elbow - arm.shoulder).normalized();
-  double cost = squared(bend) + 30 * squared(beyond(bend, 35));
+  double cost = squared(bend) + 85 * squared(beyond(bend, 35));
   cost += 0.1 * squared(twist) + 10 * squared(beyond(std::abs(twist), 70));
   cost += 10 * squared(beyond(flexion, 130)) + 0.15 * squared(swivel / degree);
   // The elbow neither goes far behind the back, nor across the chest, nor above the shoulder.

@@ -1,5 +1,7 @@
 #include "scenes/character/cues.h"
 
+#include <algorithm>
+
 #include "scenes/character/soft.h"
 #include "sim/run/simulation.h"
 
@@ -10,8 +12,16 @@ constexpr double moves = 0.02;                    // m/s: a hand that is slower 
 constexpr double stance = 0.9, stance_by = 0.25;  // s, that it takes, and before the hand moves
 constexpr double comes_to_rest = 0.35;            // s
 constexpr double long_rest = 1.9;                 // s
-constexpr double bow_after = 0.50, bow_takes = 0.40, bow_stays = 0.22, rise_takes = 0.48;  // s
-constexpr double foreseen_within = 0.01;  // m, the method's tolerance
+constexpr double bow_after = 0.75, bow_takes = 0.32, bow_stays = 0.08, rise_takes = 0.38;  // s
+constexpr double rises_after = 0.30, stands_in = 0.45;                                     // s
+constexpr double past_by = 0.42, past_until = 0.15, ducks = 0.28;  // s, before and after all rests
+constexpr double last_stroke = 0.62, stroke_takes = 0.48;          // s, before all rests
+// Speeds of the stick (m/s) from which he braces himself, and at which he does entirely.
+constexpr double brisk = 1.9, fast = 3.0;
+constexpr double braced_by = 0.25, bracing = 0.22;  // s, before it is fast; and how smoothly
+constexpr double windup = 0.26;                     // s, before the hand is fast
+constexpr double stroke = 0.35, strong = 0.8;  // m/s, by which it then is faster, and much faster
+constexpr double foreseen_within = 0.01;       // m, the method's tolerance
 
 /// The stick's centre over the duration: the chain is one link, which nothing but its ends holds.
 Track swing(const Path& hand, const FreeStick& stick, double duration) {
@@ -41,6 +51,11 @@ Track swing(const Path& hand, const FreeStick& stick, double duration) {
   });
 }
 
+Track norms(Track rates) {
+  rates.samples() = rates.samples().colwise().norm().eval();
+  return rates;
+}
+
 }  // namespace
 
 double Cues::ready(double time) const {
@@ -51,6 +66,20 @@ double Cues::plays(double time) const {
   if (!(rests > begins)) return 0;
   return smoothstep((time - begins + stance_by) / stance_by) *
          smoothstep((rests + comes_to_rest - time) / comes_to_rest);
+}
+
+double Cues::struck(double time) const {
+  return rests > begins ? smoothstep((time - rests + last_stroke) / stroke_takes) : 0;
+}
+
+double Cues::passes(double time) const {
+  if (!swings || !(rests > begins)) return 0;
+  return smoothstep((time - rests + past_by) / ducks) -
+         smoothstep((time - rests - past_until) / ducks);
+}
+
+double Cues::rises(double time) const {
+  return greets() ? smoothstep((time - rests - rises_after) / stands_in) : 0;
 }
 
 bool Cues::greets() const {
@@ -77,6 +106,25 @@ Cues foresee(const Path& hand, const std::optional<FreeStick>& stick, double dur
     if (!moved) cues.begins = time;
     moved = true;
     cues.rests = time;
+  }
+  if (!stick) return cues;
+
+  cues.off = cues.stick;
+  for (Eigen::Index i = 0; i < cues.off.count(); ++i)
+    cues.off.samples().col(i) = cues.plays(cues.off.time(i)) * (cues.stick[i] - cues.stick[0]);
+  Track speed = norms(cues.stick.rates()).smoothed(0.25);
+  for (double& v : speed.samples().reshaped()) v = smoothstep((v - brisk) / (fast - brisk));
+  cues.braced = speed.smoothed(bracing).ahead(braced_by);
+  const Track haste =
+      norms(Track::sample(duration, acting_rate,
+                          [&](double time) { return Eigen::VectorXd(hand.at(time).position); })
+                .rates())
+          .smoothed(0.10);
+  cues.winds_up = haste.ahead(windup);
+  // A stroke that comes, but not what goes on at one speed.
+  for (Eigen::Index i = 0; i < haste.count(); ++i) {
+    const double faster = cues.winds_up[i][0] - haste[i][0] - stroke;
+    cues.winds_up.samples()(0, i) = soft(std::max(0.0, faster) / strong, 1.0);
   }
   return cues;
 }

@@ -27,11 +27,21 @@ struct Cues {
   bool swings = false;                                    // whether a stick hangs from the hand's
   /// The free stick's centre while nothing stops it, m.
   Track stick = Track(Eigen::MatrixXd::Zero(3, 1), 1);
+  /// The same from where it hangs at rest, while he plays.
+  Track off = Track(Eigen::MatrixXd::Zero(3, 1), 1);
+  /// From 0 to 1: the stick is fast, or will be at once; a stroke of the hand comes.
+  Track braced = Track(Eigen::MatrixXd::Zero(1, 1), 1), winds_up = braced;
 
   /// From 0 to 1: he waits, then has taken his stance.
   double ready(double time) const;
   /// From 0 to 1 and back: he plays, and has come to rest again.
   double plays(double time) const;
+  /// From 0 to 1: the last stroke is made.
+  double struck(double time) const;
+  /// From 0 to 1 and back: the stick flies past his head.
+  double passes(double time) const;
+  /// From 0 to 1: he stands up when all is over.
+  double rises(double time) const;
   /// Whether he stands long enough at the end to greet.
   bool greets() const;
   /// From 0 to 1 and back: his bow.

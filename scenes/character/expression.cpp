@@ -55,12 +55,12 @@ void play_face(const Figure& figure, const Path& path, Track& controls) {
     const double strain = effort[i][0], content = pleased[i][0];
     const double attention = concentration[i][0] * (1 - content);
     auto c = controls.samples().col(i);
-    c[brows] = 0.7 * content - 0.2 * attention - 0.9 * strain;
+    c[brows] = 0.45 * content - 0.2 * attention - 0.9 * strain;
     c[frown] = std::min(1.0, 0.2 * attention + 0.9 * strain);
     c[smile] = content - 0.25 * attention;
     c[jaw] = std::max(0.8 * strain - 0.2, 0.0) + 0.1 * content;
     // Narrowed eyes blink all the same.
-    c[lids] = std::max(c[lids], calm_lids + 0.02 * attention + 0.14 * strain + 0.18 * content);
+    c[lids] = std::max(c[lids], calm_lids + 0.02 * attention + 0.14 * strain - 0.08 * content);
   }
 }
 

@@ -15,6 +15,9 @@ const Vec3 x_axis = Vec3::UnitX(), y_axis = Vec3::UnitY(), z_axis = Vec3::UnitZ(
 /// shares it with the skin of the elbow.
 constexpr double forearm_share = 0.55;
 
+/// The tangent of the angle by which the left hand is bent to its thumb's side.
+constexpr double cocked = 0.30;
+
 /// The turn that brings an upper lid down on the lower one, rad; and the share of the eye's that it
 /// makes when the eye looks down.
 constexpr double lid_closes = 0.70, lid_follows = 0.6;
@@ -28,7 +31,7 @@ constexpr double corner_rises = 0.085, corner_widens = 0.060, jaw_opens = 0.090;
 struct Stand {
   double x, z, yaw;
 };
-constexpr std::array<Stand, 2> stands = {Stand{0.17, -0.27, 0.95}, Stand{-0.13, 0.26, 0.10}};
+constexpr std::array<Stand, 2> stands = {Stand{0.20, -0.25, 0.95}, Stand{-0.17, 0.24, 0.20}};
 
 /// From the ankle to the ball of the foot (m, for a figure of 1.78 m); and the share of its height
 /// by which the ball of a lifted foot is lower than the ankle.
@@ -54,7 +57,7 @@ double share_twist(Quat& lower, const Quat& hand, const Vec3& rest_along) {
 }
 
 Quat hips_turn(const Controls& c) {
-  return turn(y_axis, c[pelvis_yaw]) * turn(x_axis, c[pelvis_lean]);
+  return turn(y_axis, c[pelvis_yaw]) * turn(x_axis, c[pelvis_lean]) * turn(z_axis, -c[pelvis_tilt]);
 }
 
 }  // namespace
@@ -188,15 +191,15 @@ Placement Figure::pose(const Controls& controls, const Pose& stick) const {
 
 void Figure::aim_left_arm(const Controls& controls, Posture& p) const {
   const Placement placed = skeleton_.place(p);
-  const Vec3 guard = controls.segment<3>(guard_x);
-  const Vec3 target = placed.position[chest_] + placed.turn[chest_] * guard;
-  LimbTurns turns = bend_limb(arms_[0], placed.position[arm_[0]], target,
-                              placed.turn[chest_] * Vec3(0.8, -1, -0.5));
-  // The fist goes on from the forearm, but points up and forward, its thumb's side in toward the
-  // face.
+  const auto of_chest = [&](Control first) -> Vec3 {
+    return placed.turn[chest_] * controls.segment<3>(first);
+  };
+  const Vec3 target = placed.position[chest_] + of_chest(guard_x);
+  LimbTurns turns = bend_limb(arms_[0], placed.position[arm_[0]], target, of_chest(guard_elbow_x));
+  // The fist goes on from the forearm, cocked a little to the thumb's side.
   const Vec3 forearm = (target - turns.middle).normalized();
-  const Vec3 along = forearm + placed.turn[chest_] * Vec3(-0.40, 0.50, 0.80).normalized();
-  const Vec3 across = placed.turn[chest_] * Vec3(0.15, 1, -0.35);
+  const Vec3 across = of_chest(guard_thumb_x).normalized();
+  const Vec3 along = forearm + cocked * across;
   const Quat hand(square(along, across) * square(left_axes_.along, left_axes_.across).transpose());
   share_twist(turns.lower, hand, arms_[0].lower);
   p.turn[arm_[0]] = placed.turn[clavicle_[0]].conjugate() * turns.upper;

@@ -18,6 +18,7 @@ enum Control {
   root_z,  // of the pelvis, from its rest
   pelvis_yaw,
   pelvis_lean,
+  pelvis_tilt,
   spine_yaw,
   spine_lean,
   spine_tilt,  // shared by the three joints of the spine
@@ -43,9 +44,15 @@ enum Control {
   left_step_z,  // of the feet, from their stands
   guard_x,
   guard_y,
-  guard_z,       // of the left fist's place
-  hand_roll,     // of the right hand about the stick
-  elbow_swivel,  // of the right elbow about the line from shoulder to wrist
+  guard_z,  // of the left wrist's place, from the chest
+  guard_elbow_x,
+  guard_elbow_y,
+  guard_elbow_z,  // the side to which the left elbow bends
+  guard_thumb_x,
+  guard_thumb_y,
+  guard_thumb_z,  // the side to which the left thumb is
+  hand_roll,      // of the right hand about the stick
+  elbow_swivel,   // of the right elbow about the line from shoulder to wrist
   control_count
 };
 using Controls = Eigen::Matrix<double, control_count, 1>;

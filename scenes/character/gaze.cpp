@@ -8,14 +8,18 @@
 namespace taut::scenes {
 namespace {
 
-const Vec3 opponent(0.35, 1.55, 3.0);      // m, for a figure of 1.78 m
+// m, for a figure of 1.78 m
+const Vec3 opponent(0.35, 1.55, 3.0);
+const Vec3 audience(-1.35, 1.42, 2.1);     // whom he greets
 constexpr double stick_end = 0.15;         // m along the stick from the grip
 constexpr double low = 1.10, high = 1.40;  // m, of the hand: how much of the gaze it draws
 constexpr double least_drawn = 0.25, most_drawn = 0.8;
 const Vec3 before_him(0.2, 0.55, 1.9);                   // m, where he looks at first
 constexpr double looks_up = 0.25, takes_to_look = 0.40;  // s
 constexpr double followed_smoothly = 0.05, lead = 0.12;  // s: 0.08 s ahead once the eyes are there
-constexpr double head_share = 0.72;  // of the way from the chest's front to the target
+constexpr double head_share = 0.78;  // of the way from the chest's front to the target
+constexpr double level = 0.85;       // the share of the trunk's tilt that the head makes up for
+constexpr double leans_away = 0.16;  // rad, of the head from a stick that flies past it
 constexpr double head_lag = 0.088, eye_lag = 0.040;  // s
 constexpr double most_yaw = 0.60;                    // rad, of an eye
 constexpr double most_lean = 0.42;  // rad: farther down the lower lid hides the iris
@@ -50,13 +54,14 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
     const Vec3 end = held.position + held.rotation * Vec3(0, stick_end, 0);
     const Vec3 front = scale * opponent;
     if (!cues.swings) return front + drawn * (end - front);
-    // He looks up from the floor to the opponent, then to the stick; in the end to the opponent.
+    // He looks up from the floor to the opponent, then to the stick; in the end to whom he greets,
+    // and lets no bow take his eyes off them.
     const Vec3 floor = scale * before_him;
-    const Vec3 waits = floor + smoothstep((t - looks_up) / takes_to_look) * (front - floor);
+    Vec3 waits = floor + smoothstep((t - looks_up) / takes_to_look) * (front - floor);
+    if (cues.greets() && t > cues.rests - takes_to_look / 2) waits = scale * audience;
     const double follows = smoothstep((t - cues.begins + takes_to_look) / takes_to_look) *
                            smoothstep((cues.rests + takes_to_look / 2 - t) / takes_to_look);
-    const Vec3 seen = waits + follows * (cues.stick.at(t) - waits);
-    return seen + cues.nod(t) * (floor - seen);
+    return waits + follows * (cues.stick.at(t) - waits);
   };
   const Track target = Track::sample(controls.time(controls.count() - 1), acting_rate,
                                      [&](double t) { return Eigen::VectorXd(gaze(t)); })
@@ -72,9 +77,11 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
     const Quat& chest = figure.chest_turn(torso);
     const Eigen::Vector2d head =
         head_share * angles(chest.conjugate() * (seen_late[i] - eyes_at(torso)));
-    c[head_yaw] += soft(head[0], 0.9);
+    c[head_yaw] += soft(head[0], 1.1);
     c[head_lean] += soft(head[1], most_nod);
-    c[head_tilt] = -0.6 * c[spine_tilt];
+    const double away = leans_away * cues.passes(controls.time(i));
+    c[head_tilt] = -level * (c[spine_tilt] + c[pelvis_tilt]) - away;
+    c[head_lean] -= away;
     const Placement turned = figure.skeleton().place(figure.torso(c));
     const Quat& front = turned.turn[figure.head_bone()];
     const Eigen::Vector2d eye = angles(front.conjugate() * (seen[i] - eyes_at(turned)));

@@ -15,7 +15,7 @@ constexpr double apart = 0.2;                           // m: the farthest that 
 constexpr double drawn_up = 0.9;                        // of the way of the foot in front
 constexpr double worth = 0.05;                          // m off, for which a foot takes a step
 constexpr double lasts = 0.34;                          // s
-constexpr double lift = 0.045;                          // m
+constexpr double lift = 0.035;                          // m
 
 constexpr double knees_give = 0.18;  // s, before and after a leg would be too short
 

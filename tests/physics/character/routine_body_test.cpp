@@ -180,15 +180,15 @@ TEST_F(RoutineBody, TheShouldersStayInTheirRange) {
   });
 }
 
-/// Gaze: eyes rest on the opponent, on the free stick, or between them; at first, and as he bows,
-/// on the floor before him.
+/// Gaze: eyes rest on the opponent, on the free stick, or between them; they come from the floor
+/// before him, and go from the stick to whoever sees the last picture, and stay there as he bows.
 TEST_F(RoutineBody, TheEyesAreOnTheOpponentOrTheStick) {
   const auto eye = static_cast<std::size_t>(model_.bone("RightEye"));
   const Quat rest =
       scenes::Skeleton(model_)
           .poses(scenes::Skeleton(model_).place(scenes::Skeleton(model_).upright()))[eye]
           .rotation;
-  const Vec3 opponent(0.35, 1.55, 3.0), floor(0.2, 0.55, 1.9);
+  const Vec3 opponent(0.35, 1.55, 3.0), floor(0.2, 0.55, 1.9), audience(-1.35, 1.42, 2.1);
   constexpr int kAhead = 77, kBlurs = 48;  // steps of 1/960 s
   const auto at = [&](double time, int later) {
     const auto k = static_cast<std::size_t>(std::lround(time / routine_.step) - 1 + later);
@@ -199,12 +199,12 @@ TEST_F(RoutineBody, TheEyesAreOnTheOpponentOrTheStick) {
     Vec3 stick = Vec3::Zero();
     for (int k = -kBlurs; k <= kBlurs; ++k) stick += at(i.time, kAhead + k) / (2 * kBlurs + 1);
     const Vec3 look = bones[eye].rotation * (rest.conjugate() * Vec3::UnitZ());
-    const Vec3 a = opponent - bones[eye].position;
     double least = 180;
-    for (const Vec3& b : {stick, floor})
+    for (const auto& [from, to] :
+         {std::pair{opponent, stick}, {opponent, floor}, {stick, audience}})
       for (int k = 0; k <= 20; ++k) {
         const double share = k / 20.0;
-        const Vec3 there = ((1 - share) * a + share * (b - bones[eye].position)).normalized();
+        const Vec3 there = ((1 - share) * from + share * to - bones[eye].position).normalized();
         least = std::min(least, std::acos(std::min(1.0, there.dot(look))) / kDegree);
       }
     off += least > 8;

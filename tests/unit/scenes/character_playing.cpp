@@ -119,7 +119,7 @@ TEST_F(Playing, HipsTurnAgainstShouldersThatComeLater) {
 
 /// Along the line from the left foot, behind, to the right one.
 TEST_F(Playing, WeightGoesFromFootToFootAndBackBeforeTheThrow) {
-  const Vec3 left(0.17, 0, -0.27), right(-0.13, 0, 0.26), line = right - left;
+  const Vec3 left(0.20, 0, -0.25), right(-0.17, 0, 0.24), line = right - left;
   const auto weight = [&](double time) {
     const auto u = controls_->at(time);
     const Vec3 l = left + u.segment<3>(scenes::left_step_x);
