@@ -72,6 +72,14 @@ def _cut(points, triangles, visible):
     return points[used], t.reshape(-1, 3)
 
 
+def cut(part, visible):
+    """A part of what was thinned whole, so that its edge is not worn: without the triangles none of whose vertices is
+    visible (n,)."""
+    t = part.triangles[visible[part.triangles].any(axis=1)]
+    used, t = np.unique(t, return_inverse=True)
+    return Part(part.name, part.material, part.points[used], part.normals[used], t.reshape(-1, 3))
+
+
 def mirror(part, name):
     flip = np.array([-1.0, 1, 1])
     return Part(name, part.material, part.points * flip, part.normals * flip, part.triangles[:, ::-1], part.colors.copy())

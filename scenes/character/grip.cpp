@@ -22,8 +22,8 @@ Flexion wrap(const Digit& finger, double aside, const Capsule& stick, const Hand
   Angles best{};
   BentSkin bent;
   double least = std::numeric_limits<double>::infinity();
-  for (const double knuckle : {50 * degree, 72 * degree}) {
-    for (const double middle : {55 * degree, 85 * degree}) {
+  for (const double knuckle : {50 * degree, 65 * degree, 80 * degree}) {
+    for (const double middle : {55 * degree, 90 * degree}) {
       Angles angles = {knuckle, middle, 35 * degree};
       const double cost = descend(angles, [&](const Angles& x) {
         finger.bend(flexed({x, aside}, axes), bent);
@@ -97,10 +97,11 @@ Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double 
   const Capsule& stick = closed.stick;
   const Vec3 centre = (stick.a + stick.b) / 2, axis = (stick.b - stick.a).normalized();
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
-  // The thumb goes round from the other side and lies over the ends of index and middle finger.
+  // The thumb goes round from the other side and lies over the end of the index finger, towards
+  // that of the middle one.
   const Capsule& end = closed.phalanges[2];
   const Capsule& next = closed.phalanges[5];
-  const Vec3 between = (end.a + end.b + next.a + next.b) / 4, off = between - centre;
+  const Vec3 between = (3 * (end.a + end.b) + next.a + next.b) / 8, off = between - centre;
   const Vec3 out = (off - off.dot(axis) * axis).normalized();
   const Vec3 tip = between + (end.radius + thumb.digit().radius(2)) * out;
   std::vector<Capsule> things = closed.phalanges;

@@ -62,6 +62,7 @@ double Thumb::discomfort(const Angles& x, std::span<const Capsule> wanted,
   constexpr Angles ease = {0.8, 0.8, 1.2, 0.6, 0.5}, most = {1.1, 1.1, 1.7, 1.1, 1.3};
   for (std::size_t i = 0; i < x.size(); ++i)
     cost += 0.3 * squared(x[i] / ease[i]) + 1e3 * squared(beyond(std::abs(x[i]), most[i]));
+  cost += squared((x[3] - x[4]) / 0.4);  // one tendon bends both
   cost += squared((digit_.joints(turned)[3] - tip).norm() / (5 * mm));
   return cost + 1e3 * (squared(beyond(-0.1, x[3])) + squared(beyond(-0.1, x[4])));
 }

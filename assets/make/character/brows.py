@@ -46,18 +46,18 @@ def _hairs(name, root, way, out, width):
 def brow():
     """The left brow: hairs rise at its inner end, lie along it, and fall to it from above at the outer end."""
     rng = np.random.default_rng(_SEED)
-    n = 200
+    n = 160
     s = rng.permutation(np.linspace(0.02, 1.0, n) ** 1.3 * 0.95)
     over = rng.uniform(-0.55, 0.85, n)  # the lowest grow where the shade begins
     root = _middle(s) + np.stack([rng.normal(0, 0.0005, n), over * _half(s), np.zeros(n)], axis=1)
     along = unit3(_middle(s + 0.02) - _middle(s - 0.02))
-    lean = np.interp(s, [0, 0.10, 0.30, 0.7, 1.0], [1.15, 0.85, 0.42, 0.14, 0.0]) - 0.40 * over * np.minimum(1, 0.3 + 2 * s)
+    lean = np.interp(s, [0, 0.10, 0.30, 0.7, 1.0], [0.85, 0.66, 0.38, 0.14, 0.0]) - 0.40 * over * np.minimum(1, 0.3 + 2 * s)
     lean = lean + rng.normal(0, 0.11, n)
     way = along * np.cos(lean)[:, None] + vec(0, 1, 0) * np.sin(lean)[:, None]
-    length = np.interp(s, [0, 0.2, 0.6, 1.0], [0.0036, 0.0054, 0.0062, 0.0048]) * rng.uniform(0.75, 1.15, n)
+    length = np.interp(s, [0, 0.2, 0.6, 1.0], [0.0032, 0.0052, 0.0062, 0.0048]) * rng.uniform(0.75, 1.15, n)
     root = _on_skin(root, 0.0003)
     end = _on_skin(root + way * length[:, None], 0.0010)
-    return _hairs("BrowL", root, end - root, nets.normals(head.head, root, 0.001), 0.00030)
+    return _hairs("BrowL", root, end - root, nets.normals(head.head, root, 0.001), 0.00026)
 
 
 def under(q):
@@ -65,7 +65,7 @@ def under(q):
     s = (q[:, 0] - 0.0125) / 0.0420
     inside = ramp(-0.06, 0.14, s) * ramp(1.10, 0.90, s) * (q[:, 2] > 0.03)
     away = np.abs(q[:, 1] - _middle(np.clip(s, 0, 1))[:, 1] - 0.0012) - _half(np.clip(s, 0, 1))
-    return inside * ramp(0.0014, -0.0014, away)
+    return inside * ramp(0.0024, -0.0022, away)
 
 
 def unit3(v):

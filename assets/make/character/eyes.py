@@ -76,7 +76,7 @@ def glints():
     x = unit(np.cross(vec(0, 1, 0), _GAZE))
     towards = unit(_GAZE + 0.13 * x + 0.12 * np.cross(_GAZE, x))
     side = unit(np.cross(vec(0, 1, 0), towards))
-    points, normal, triangles = _cap(head.EYE_RADIUS + 0.0014, 0.095, 2, 12)
+    points, normal, triangles = _cap(head.EYE_RADIUS + 0.0014, 0.095, 2, 8)
     turn = np.stack([side, np.cross(towards, side), towards], axis=1)
     return [
         Part(name, "EyeWhite", points @ turn.T + head.EYE * vec(sign, 1, 1), normal @ turn.T, triangles)
@@ -110,9 +110,9 @@ def _paint_iris(iris):
 def build():
     rim = sculpt("LashL", "Lash", _lash, (0.012, 1.648, 0.068), (0.051, 1.662, 0.086), 0.0007, 140)
     left = [
-        _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.30, 8, 20)),
-        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, _IRIS, 9, 28, _CORNEA)),
-        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.00125, 0.175, 3, 18, 0.00018)),
+        _placed("EyeL", "EyeWhite", _cap(head.EYE_RADIUS, 1.30, 7, 16)),
+        _placed("IrisL", "Iris", _cap(head.EYE_RADIUS + 0.0003, _IRIS, 8, 22, _CORNEA)),
+        _placed("PupilL", "Pupil", _cap(head.EYE_RADIUS + 0.00125, 0.175, 2, 16, 0.00018)),
         brows.brow(),
         merge("LashL", "Lash", [rim, brows.upper_lashes()]),
     ]

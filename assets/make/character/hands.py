@@ -1,11 +1,9 @@
-"""The left hand and fore arm in a glove of leather. Finger radii are published: grips are closed against them."""
+"""The left hand and fore arm. Finger radii are published: grips are closed against them."""
 import numpy as np
 
-import nets
-from character.cloth import crumple
-from character.weights import split
-from mesh import Part, merge, sculpt
-from sdf import bump, ellipsoid, intersect, limb, mirrored, ramp, sphere, union, within
+from character import guard
+from mesh import cut, sculpt
+from sdf import bump, ellipsoid, intersect, limb, mirrored, ramp, tube, union, within
 from skeleton import DIGITS, FINGERS, REST, hand_frame, joint, tip, unit
 
 # Radius at each joint and at the finger's end, m.
@@ -16,7 +14,6 @@ RADII = {
     "Pinky": (0.0089, 0.0080, 0.0072, 0.0061),
     "Thumb": (0.0142, 0.0114, 0.0106, 0.0082),
 }
-WRIST_SEAMS = 0.004, 0.010  # m above the wrist: where the cuff of the glove is sewn on
 _WRIST, _ALONG, _THUMB, _PALM = hand_frame()
 
 
@@ -25,68 +22,86 @@ def place(along, thumb, palm):
     return _WRIST + along * _ALONG + thumb * _THUMB + palm * _PALM
 
 
+# Of the outer two joints: how far over the joint the knuckle's middle is, and its half height, by the joint's radius; of fingers, then
+# of thumbs.
+_KNOBS = (((0.52, 0.80), (0.38, 0.74)), ((0.40, 0.78), (0.36, 0.76)))
+
+
 def _digit(p, name):
+    """Bones under skin: narrower between the joints, whose backs stand out. Skin that follows two bones sinks in where
+    they bend, so that a knuckle is higher at rest than on a bent finger."""
     r, d = RADII[name], None
+    back = out_of_back(name)
     for k in range(3):
         bone = f"LeftHand{name}{k + 1}"
         a, b = joint(bone), tip(bone)
+        along = unit(b - a)
         if k == 2:
-            b = b - 0.75 * r[3] * unit(b - a)
-        piece = limb(p, a, b, r[k], r[k + 1])
+            b = b - 0.80 * r[3] * along
+        waist = (0.45 if name != "Thumb" else 0.47) * (r[k] + r[k + 1])
+        piece = tube(p, [a, 0.5 * (a + b), b], [r[k], waist, r[k + 1]], 0.004)
         d = piece if d is None else union(d, piece, 0.0015)
-        if k and name != "Thumb":  # the knuckle stands out a little on the back
-            d = union(d, sphere(p, a - 0.0016 * _PALM, 0.97 * r[k]), 0.0020)
+        if k:
+            across = np.cross(back, along)
+            turn = np.stack([along, across, back], axis=1)
+            height, size = _KNOBS[name == "Thumb"][k - 1]
+            knob = ellipsoid(p, a + height * r[k] * back, (0.62 * r[k], 0.74 * r[k], size * r[k]), turn)
+            d = union(d, knob, 0.0035)
+        pad = 0.5 * (a + b) - 0.28 * r[k] * back  # flesh between the creases
+        d = union(d, limb(p, pad - 0.005 * along, pad + 0.004 * along, 0.80 * r[k + 1], 0.80 * r[k + 1]), 0.003)
     return d
 
 
-def _back(name):
-    """The end of a digit, its direction, and out of its back."""
+def out_of_back(name):
+    """Out of a digit's back."""
     last = f"LeftHand{name}3"
     along = unit(tip(last) - joint(last))
     side = _THUMB if name != "Thumb" else unit(np.cross(_THUMB * 0.75 - _PALM * 0.65, along))
-    return tip(last), along, unit(np.cross(along, side)) * (-1 if name != "Thumb" else 1)
+    return unit(np.cross(along, side)) * (-1 if name != "Thumb" else 1)
 
 
-def cap(name):
-    """Leather over a digit's end, where it would wear through: a shell a little over the hand, under it at its rim."""
-    end, along, back = _back(name)
-    across, r = np.cross(back, along), RADII[name][3]
-    u, v = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9), indexing="ij")
-    u, v = u.ravel(), v.ravel()
-    round_corner = np.sqrt(1 - 0.40 * u * u), np.sqrt(1 - 0.40 * v * v)
-    length, angle = (0.0062 if name != "Thumb" else 0.0074) * u * round_corner[1], 0.85 * v * round_corner[0]
-    start = end + np.outer(length - 0.0072, along)
-    points = start + 1.1 * r * (np.outer(np.cos(angle), back) + np.outer(np.sin(angle), across))
-    points = nets.project(hand, points, 0.02, 4)
-    rim = np.maximum(np.abs(u), np.abs(v))
-    lift = np.where(rim > 0.99, -0.0004, np.where(u > 0.7, 0.0006, 0.00035))
-    normals = nets.normals(hand, points, 0.0005)
-    points = points + lift[:, None] * normals
-    quads = [(9 * i + k, 9 * i + k + 1, 9 * i + k + 10, 9 * i + k + 9) for i in range(8) for k in range(8)]
-    triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
-    part = Part("Cap", "Glove", points, normals, triangles)
-    facing = np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
-    if np.sum(facing * normals[triangles[:, 0]]) < 0:
-        part.triangles = triangles[:, ::-1]
-    return part
+def creases(p):
+    """Where skin folds at the fingers' joints, 0 to 1: wrinkles over the knuckles, a deep line below them."""
+    out = np.zeros(len(p))
+    for name in DIGITS:
+        back, r = out_of_back(name), RADII[name]
+        for k in (1, 2):
+            bone = f"LeftHand{name}{k + 1}"
+            v = p - joint(bone)
+            near = np.linalg.norm(v, axis=1) < 2.2 * r[k]
+            if not near.any():
+                continue
+            v = v[near]
+            along = unit(unit(joint(bone) - joint(f"LeftHand{name}{k}")) + unit(tip(bone) - joint(bone)))
+            s, up = v @ along, v @ back
+            side = v @ np.cross(back, along)
+            over = ramp(0.10 * r[k], 0.60 * r[k], up)
+            wave = s + 0.0005 * np.sin(900 * side + 2 * k) - 14 * side * side
+            lines = ((-0.0034, 0.6), (-0.0010, 1.0), (0.0016, 0.9), (0.0042, 0.5)) if k == 1 else ((-0.0012, 0.9), (0.0014, 0.7))
+            line = sum(share * np.exp(-(((wave - at) / 0.00062) ** 2)) for at, share in lines)
+            under = ramp(0.0, -0.5 * r[k], up) * np.exp(-((s / 0.0009) ** 2))
+            out[near] = np.maximum(out[near], np.maximum(over * line, under))
+    return out
 
 
-def hand(p):
+def skin(p):
+    """The hand and the fore arm without the skin's folds."""
     elbow = joint("LeftForeArm")
     d = limb(p, elbow - 0.02 * _ALONG, elbow + 0.09 * _ALONG, 0.040, 0.044)
     d = union(d, limb(p, elbow + 0.08 * _ALONG, _WRIST, 0.043, 0.0275, _PALM, 0.80), 0.05)
     d = union(d, limb(p, _WRIST - 0.03 * _ALONG, place(0.02, 0, 0), 0.0262, 0.0285, _PALM, 0.68), 0.03)
     palm = np.full(len(p), 9.0)
-    for name, r in (("Index", 0.0132), ("Middle", 0.0135), ("Ring", 0.0128), ("Pinky", 0.0116)):
+    for name, r in (("Index", 0.0140), ("Middle", 0.0136), ("Ring", 0.0130), ("Pinky", 0.0120)):
         knuckle = joint(f"LeftHand{name}1")
         root = place(0.012, 0.55 * ((knuckle - _WRIST) @ _THUMB), 0)
-        palm = union(palm, limb(p, root, knuckle + 0.001 * _PALM, 0.0152, r), 0.017)
+        palm = union(palm, limb(p, root, knuckle + 0.0015 * _PALM, 0.0152, r), 0.014)
     d = union(d, palm, 0.020)
     for name in FINGERS:  # knuckles, and the tendons that run to them
-        knuckle = joint(f"LeftHand{name}1")
-        d = union(d, sphere(p, knuckle - 0.0045 * _PALM, 0.78 * RADII[name][0] + 0.0012), 0.006)
+        knuckle, r = joint(f"LeftHand{name}1"), RADII[name][0]
+        frame = np.stack([_ALONG, _THUMB, _PALM], axis=1)
+        d = union(d, ellipsoid(p, knuckle - 0.0062 * _PALM, (0.0088, 0.72 * r, 1.02 * r), frame), 0.0050)
         root = place(0.020, 0.5 * ((knuckle - _WRIST) @ _THUMB), -0.0135)
-        d = union(d, limb(p, root, knuckle - 0.0105 * _PALM, 0.0022, 0.0024), 0.0045)
+        d = union(d, limb(p, root, knuckle - 0.0120 * _PALM, 0.0022, 0.0026), 0.0045)
     d = union(d, ellipsoid(p, place(0.036, 0.022, 0.012), (0.023, 0.021, 0.016)), 0.016)  # thenar
     d = union(d, limb(p, place(0.018, -0.022, 0.007), place(0.055, -0.027, 0.006), 0.0135, 0.0115), 0.015)
     d = union(d, limb(p, place(0.030, 0.030, 0.004), place(0.080, 0.030, 0.001), 0.011, 0.008), 0.014)  # web
@@ -98,6 +113,11 @@ def _with_digits(p, d):
     for name in FINGERS:
         d = union(d, _digit(p, name), 0.0050)
     return union(d, _digit(p, "Thumb"), 0.013)
+
+
+def hand(p):
+    d, (lo, hi) = skin(p), bounds()
+    return within(p, d, lo, hi, lambda q, near: near + 0.00034 * creases(q))
 
 
 def below_elbow(p):
@@ -116,10 +136,24 @@ def bounds():
     return np.min(points, axis=0) - 0.045, np.max(points, axis=0) + 0.045
 
 
+def detail(p):
+    """Where errors count more: folds and ends of the digits, what bends beside the guard; and less inside."""
+    out = np.full(len(p), 0.55)
+    for name in DIGITS:
+        for k in (1, 2, 3):
+            at = joint(f"LeftHand{name}{k}") + 0.4 * RADII[name][k - 1] * out_of_back(name)
+            out += (0.6 if k == 1 else 1.5) * bump(p, at, 0.010)
+        out += 0.8 * bump(p, tip(f"LeftHand{name}3"), 0.010)
+    out = out + 1.0 * np.exp(-((guard.edge(p) / 0.004) ** 2))
+    out_of_palm = (p - _WRIST) @ _PALM - 0.06 * np.maximum((p - _WRIST) @ _ALONG - 0.09, 0)
+    out *= 1 - 0.25 * ramp(0.0, 0.006, out_of_palm) * ((p - _WRIST) @ _THUMB < 0.036)
+    return np.where(guard.uncovered(p), out, 0.15)
+
+
 def build():
-    """The left hand in its glove, with a cap on every digit."""
-    glove = sculpt("HandL", "Glove", below_elbow, *bounds(), 0.0018, 2500, 0.012)
-    return merge("HandL", "Glove", [glove] + [cap(name) for name in DIGITS])
+    """The left hand, bare but for what its guard covers."""
+    whole = sculpt("HandL", "Skin", below_elbow, *bounds(), 0.0012, 3350, 0.0085, detail)
+    return cut(whole, guard.uncovered(whole.points))
 
 
 def weights(points, blur):
@@ -180,46 +214,3 @@ def _past(points, bone, name, k):
     soft = (0.0075, 0.0055, 0.0048)[k] if name != "Thumb" else (0.016, 0.0075, 0.0060)[k]
     t = np.clip(((points - a) @ normal + soft) / (2 * soft), 0, 1)
     return t * t * (3 - 2 * t)
-
-
-def _beside(q):
-    """Which digit a point (n,) is on, -1: none; and how far it is out of the plane of that digit's seam, m."""
-    near = np.empty((len(DIGITS), len(q)))
-    over = np.empty_like(near)
-    for c, name in enumerate(DIGITS):
-        chain = [f"LeftHand{name}{k}" for k in (1, 2, 3)]
-        away = np.stack([q - _on(q, bone) for bone in chain])
-        size = np.linalg.norm(away, axis=2)
-        nearest = np.argmin(size, axis=0)
-        near[c] = size.min(axis=0)
-        over[c] = away[nearest, np.arange(len(q))] @ _back(name)[2]
-        begun = (q - joint(chain[0])) @ unit(tip(chain[0]) - joint(chain[0])) > (0.012 if name != "Thumb" else 0.018)
-        near[c][~begun] = 9
-    digit = np.argmin(near, axis=0)
-    columns = np.arange(len(q))
-    return np.where(near[digit, columns] < 0.020, digit, -1), over[digit, columns]
-
-
-def sew(part):
-    """Vertices along the wrist's seams, for their colour; the surface stays what it is."""
-    for line in [edge for at in WRIST_SEAMS for edge in (at - 0.0018, at, at + 0.0018)]:
-        split(part, depth(part.points) - line)
-
-
-def paint(part, side):
-    """Leather: dark in its seams, worn light on the knuckles, uneven."""
-    q = part.points * np.array([side, 1.0, 1.0])
-    part.colors *= (0.64 + 0.08 * crumple(q, 0.45))[:, None]
-    back = ramp(0.002, -0.006, (q - _WRIST) @ _PALM)
-    for name in FINGERS:
-        for k in (1, 2, 3):
-            at = joint(f"LeftHand{name}{k}") - (0.0050, 0.0040, 0.0034)[k - 1] * _PALM
-            size = (0.0125, 0.0085, 0.0070)[k - 1]
-            part.tint(bump(q, at, size) * back, (1.45, 1.50, 1.60))
-            ring = np.exp(-(((np.linalg.norm(q - at, axis=1) - 1.15 * size) / 0.0030) ** 2))
-            part.tint(0.42 * ring * back, (0.40, 0.38, 0.36))
-    digit, over = _beside(q)
-    part.tint(0.55 * np.exp(-((over / 0.0022) ** 2)) * (digit >= 0), (0.30, 0.28, 0.26))
-    for at in WRIST_SEAMS:
-        part.tint(0.85 * np.exp(-(((depth(part.points) - at) / 0.0010) ** 2)), (0.28, 0.26, 0.24))
-    part.tint(0.80 * ramp(WRIST_SEAMS[1], WRIST_SEAMS[1] + 0.002, depth(part.points)), (0.58, 0.58, 0.58))

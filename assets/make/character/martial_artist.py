@@ -3,7 +3,7 @@ import numpy as np
 
 import occlusion
 import skeleton
-from character import belt, brows, eyes, face, hands, hanging, head, headband, hood, jacket, jacket_shape, mask, sewing, skirt, tabi, trousers, wraps
+from character import belt, brows, eyes, face, guard, hand_paint, hands, hanging, head, headband, hood, jacket, jacket_shape, mask, nails, sewing, skirt, tabi, trousers, wraps
 from character.strain import both, ease, pose
 from character.weights import BodyHeat, dense_of, nearby, rigid, sides, spread, strongest
 from mesh import mirror, sculpt, smoothing
@@ -23,6 +23,8 @@ _BONES = {
     "SoleL": ["LeftFoot", "LeftToeBase"],
     "SoleR": ["RightFoot", "RightToeBase"],
 }
+
+_OF_HAND = ("Hand", "Nails", "Guard")
 
 
 def _arms(above, forward, bent):
@@ -62,7 +64,7 @@ def _clothed(p):
 
 def _bare(p):
     """The skin goes on a little under hood and mask, so that no sight passes where they meet."""
-    return (hood.opening(p) < 0.030) & (mask.edge(p) > -0.030) & (p[:, 2] > 0)
+    return (hood.opening(p) < 0.020) & (mask.edge(p) > -0.020) & (p[:, 2] > 0)
 
 
 def _parts():
@@ -72,20 +74,19 @@ def _parts():
         """Shown: less than so deep inside each (field, depth)."""
         return lambda p: np.all([evaluate(cover, p) > -depth for cover, depth in covers], axis=0)
 
-    hand = hands.build()
+    hand, nail, cover = hands.build(), nails.build(), guard.build()
     shins = wraps.build()
     sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 700, 0.025)
     sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 200, 0.025)
     return [
-        sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 3600, 0.012, head.detail, _bare),
+        sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 2200, 0.012, head.detail, _bare),
         sculpt(
             "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 2200, 0.02,
             hood.detail, lambda p: hood.shown(p) & outside((mask.cover, 0.004))(p),
         ),
         mask.build(),
         sculpt("Headband", "Band", headband.band, (-0.115, 1.52, -0.18), (0.115, 1.77, 0.125), 0.0022, 800, 0.025),
-        hand,
-        mirror(hand, "HandR"),
+        *(side for part in (hand, nail, cover) for side in (part, mirror(part, part.name[:-1] + "R"))),
         sock,
         mirror(sock, "TabiR"),
         sole,
@@ -103,7 +104,7 @@ def _parts():
 
 def _weigh(part, heat):
     n = len(part.points)
-    if part.name.startswith("Hand") and part.name != "Headband":
+    if part.name[:-1] in _OF_HAND:
         left = part if part.name.endswith("L") else mirror(part, part.name)
         dense = hands.weights(left.points, smoothing(part.triangles, n))
         if part.name.endswith("R"):
@@ -193,6 +194,8 @@ def _shading(part):
         return 1 - 0.35 * jacket.lining(part.points)
     if part.name.startswith("Cuff"):
         return 0.65
+    if part.name[:-1] in ("Hand", "Nails"):  # closed, they have another shade
+        return 0.25
     return 1.0
 
 
@@ -205,19 +208,21 @@ def build(report=print):
     by_name = {part.name: part for part in parts}
     sheets = sewing.on_jacket(by_name["Jacket"], by_name["Belt"], heat)
     parts += sheets
-    for name in ("HandL", "HandR"):
+    for name in ("HandL", "HandR", "GuardL", "GuardR"):
         _tuck(by_name[name], by_name["Jacket"])
     for part in parts:
         side = -1 if part.name.endswith("R") else 1
         if part.name == "Head":
             head.paint(part)
-            part.tint(brows.under(mirrored(part.points)), (0.085, 0.060, 0.050))
-        elif part.name in ("HandL", "HandR"):
-            hands.sew(part)
-            hands.paint(part, side)
+            part.tint(brows.under(mirrored(part.points)), (0.26, 0.19, 0.16))
+            slit = np.minimum(-hood.opening(part.points), mask.edge(part.points))
+            part.tint(0.85 * ramp(0.013, -0.001, slit), (0.34, 0.25, 0.23))  # cloth keeps the sky from what is beside it
+        elif part.name[:-1] in ("Hand", "Guard"):
+            {"Hand": hand_paint, "Guard": guard}[part.name[:-1]].paint(part, side)
         elif part.name in ("Jacket", "Trousers"):
             {"Jacket": jacket, "Trousers": trousers}[part.name].paint(part)
     occlusion.bake(parts, _shading)
+    hand_paint.shade(by_name)
     parts = sewing.sewn(parts, by_name["Jacket"], sheets)
     unshaded = eyes.lids() + eyes.glints()  # the baked shading would take them for buried
     for part in unshaded:

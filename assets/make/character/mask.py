@@ -15,7 +15,7 @@ from sdf import ramp
 _LAYER = 0.0020  # by which a turn of the cloth lies over the one below, m
 _LINING = 0.022  # how far down the cloth's inside is made, m
 _COLUMNS = 120
-_BUDGET = 2200  # vertices
+_BUDGET = 1750  # vertices
 
 # The upper edges of the turns: heights by the angle from the front to the left, rad; m. The first bounds the slit.
 _EDGES = (

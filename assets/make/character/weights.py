@@ -10,7 +10,6 @@ from scipy.sparse.linalg import cg, splu
 from scipy.spatial import cKDTree
 
 import sdf
-from decimate import edges_of
 from skeleton import REST, SIDES, joint, tip
 
 VOXEL = 0.012
@@ -138,40 +137,6 @@ def dense_of(part):
     for k in range(4):
         out[np.arange(len(out)), part.joints[:, k]] += part.weights[:, k]
     return out
-
-
-def split(part, value):
-    """New vertices where a weighted part's edges cross the line on which `value` (n,) is 0. The surface stays what it
-    is."""
-    value, n = value.copy(), len(part.points)
-    e = edges_of(part.triangles)
-    e = e[value[e[:, 0]] * value[e[:, 1]] < 0]
-    t = value[e[:, 0]] / (value[e[:, 0]] - value[e[:, 1]])
-    value[e[t < 0.15, 0]] = 0  # on the line: no slivers beside it
-    value[e[t > 0.85, 1]] = 0
-    keep = value[e[:, 0]] * value[e[:, 1]] < 0
-    e, t = e[keep], t[keep, None]
-
-    def grown(a):
-        return np.concatenate([a, a[e[:, 0]] * (1 - t) + a[e[:, 1]] * t])
-
-    normals, dense = grown(part.normals), grown(dense_of(part))
-    part.points, part.colors = grown(part.points), grown(part.colors)
-    part.normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    joints, weights = strongest(dense[n:])
-    part.joints, part.weights = np.concatenate([part.joints, joints]), np.concatenate([part.weights, weights])
-    middle = {(a, b): n + k for k, (a, b) in enumerate(e.tolist())}
-    out, left = [], part.triangles.tolist()
-    while left:
-        a, b, c = left.pop()
-        for a, b, c in ((a, b, c), (b, c, a), (c, a, b)):
-            m = middle.get((min(a, b), max(a, b)))
-            if m is not None:
-                left += [[a, m, c], [m, b, c]]
-                break
-        else:
-            out.append([a, b, c])
-    part.triangles = np.array(out)
 
 
 def sides(*kinds):
