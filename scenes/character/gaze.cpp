@@ -87,7 +87,9 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
     const Eigen::Vector2d eye = angles(front.conjugate() * (seen[i] - eyes_at(turned)));
     c[eye_yaw] = soft(eye[0], most_yaw);
     c[eye_lean] = soft(eye[1], most_lean);
-    c[lids] = blink(controls.time(i));
+    // Nobody blinks at whom he greets.
+    const bool greets = cues.greets() && controls.time(i) > cues.rests;
+    c[lids] = greets ? 0 : blink(controls.time(i));
     controls.samples().col(i) = c;
   }
 }
