@@ -23,7 +23,7 @@ void begin_and_end(const Figure& figure, const Cues& cues, Track& controls) {
     u[pelvis_yaw] -= 0.10 * waits;
     u[spine_lean] += 0.03 * waits;
     const double rises = cues.rises(time), nod = cues.nod(time);
-    u[spine_yaw] += 0.08 * rises;
+    u[spine_yaw] += 0.055 * rises;
     u[head_lean] += nods * nod;
   }
 }
