@@ -173,7 +173,7 @@ def _daylit(paper, gardens):
     under = np.clip((p[:, 1] - 0.435) / 1.635, 0, 1)
     corner = np.exp(-np.minimum(SIDE - np.abs(p[:, 0]), p[:, 2] - BACK - 0.02 + 1.5 * (wall == 0)) / 0.9)
     dim = (1 - 0.62 * under**1.5) * (1 - 0.35 * corner)
-    sun = np.where((wall < 0)[:, None], (1.0, 0.86, 0.68), (0.84, 0.84, 0.84)) * left[:, None] ** (1.06, 0.94, 1.0)  # leaves are green
+    sun = np.where((wall < 0)[:, None], (1.0, 0.86, 0.68), (0.92, 0.92, 0.92)) * left[:, None] ** (1.06, 0.94, 1.0)  # leaves are green
     paper.colors = paper.colors * sun * np.stack([dim, dim**1.12, dim**1.3], axis=1)
     return paper
 

@@ -359,7 +359,8 @@ void main() {
   vec3 unshaded = LIGHT_COLOR * open_sky * (diffuse * diffuse_lit + lobe * fresnel * lit) + ambient_part;
 #endif
 #if SHADE == 2 && MIRROR && GLOSSY
-  ambient_part -= 0.85 * hidden_by_legs(world_position, reflect(-v, n), roughness) * gloss;
+  // Cloth is darker than what it hides.
+  ambient_part -= 0.6 * hidden_by_legs(world_position, reflect(-v, n), roughness) * gloss;
 #endif
   radiance += open * ambient_part;
 #if SURFACE == 5
