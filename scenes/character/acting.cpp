@@ -65,7 +65,7 @@ Track act(const Figure& figure, const Path& path, double duration, const Cues& c
     c[right_shoulder_forward] = soft(0.45 * s.z() + 0.35 * s.x(), 0.25);
     c[right_shoulder_up] = soft(0.55 * s.y(), 0.28) + 0.022 * chest_rise;
     c[left_shoulder_forward] = -0.04 - soft(0.25 * twist, 0.12);
-    c[left_shoulder_up] = 0.022 * chest_rise;
+    c[left_shoulder_up] = 0.020 * chest_rise;
 
     c.segment<3>(right_step_x) = scale * right;
     c.segment<3>(left_step_x) = scale * left;
