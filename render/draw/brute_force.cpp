@@ -80,8 +80,7 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
       parts.draw_solid();
       parts.map.restore(map);
       parts.map.draw(chosen(items, moving));
-      show(items, int(grade), shade_of(times, samples),
-           exposed(block, middle, viewport, at, times > samples));
+      show(items, int(grade), shade_of(times, samples), exposed(block, middle, viewport, at));
     }
     parts.surfaces.use(block);
     parts.draw_scenery(Shade::grounded);
@@ -100,7 +99,7 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
     parts.map.clear();
     parts.map.draw(items);
     parts.aim(canvas, viewport);
-    parts.surfaces.use(exposed(block, middle, viewport, i, count > samples));
+    parts.surfaces.use(exposed(block, middle, viewport, i));
     draw_items(parts, items, shade_of(count, samples));
     parts.surfaces.use(block);
     parts.draw_scenery(Shade::grounded);

@@ -142,10 +142,10 @@ void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> 
 }
 
 FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,
-                   int i, bool more_than_samples) {
+                   int i) {
   FrameBlock moved = block;
   moved.light_projection = moved_light(block.light_projection, extent(middle).center(), i);
-  if (more_than_samples) moved.view_projection = moved_picture(block.view_projection, viewport, i);
+  moved.view_projection = moved_picture(block.view_projection, viewport, i);
   return moved;
 }
 

@@ -56,10 +56,9 @@ struct StageParts {
 /// The background and the scenery of all views in light that nothing takes, blurred by the lenses.
 void draw_backdrop(StageParts& parts, gl::Canvas& canvas, std::span<const View> views);
 
-/// How exposure `i` of `count` is seen and lit: the light is moved, and the picture where there are
-/// more exposures than samples.
+/// How exposure `i` of several is seen and lit: picture and light are moved.
 FrameBlock exposed(const FrameBlock& block, const FrameState& middle, const picture::Rect& viewport,
-                   int i, bool more_than_samples);
+                   int i);
 /// The state of exposure `i` of so many: states evenly apart.
 const FrameState& shown_at(std::span<const FrameState> shutter, int i, int count);
 /// How shadows are looked up in one of so many exposures.

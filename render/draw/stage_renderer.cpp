@@ -282,7 +282,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
       d.map.draw(casters);
 
       d.aim(canvas, viewport);
-      d.surfaces.use(exposed(look.block, middle, viewport, i, count > canvas.samples()));
+      d.surfaces.use(exposed(look.block, middle, viewport, i));
       d.gl.Enable(GL_SCISSOR_TEST);
       d.gl.Scissor(part.x, part.y, part.width, part.height);
       for (const DrawItem& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));

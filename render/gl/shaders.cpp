@@ -265,8 +265,8 @@ void main() {
   float fade = clamp(1.3 - 3.6 * max(width.x, width.y), 0, 1);
   float wave_first = wave(turns.x), wave_second = wave(turns.y);
   float grain = fade * wave_first * wave_second;
-  albedo *= 1 + 0.30 * grain;
-  float high = fade * (grain_scale > 1 ? 0.00011 : 0.00012);  // m
+  albedo *= 1 + 0.16 * grain;
+  float high = fade * (grain_scale > 1 ? 0.00007 : 0.00006);  // m
   vec3 rises = high * (wave_slope(turns.x) * wave_second * first +
                        wave_first * wave_slope(turns.y) * second);
   // Creases that no vertex has room for: where noise is 1/2, some 4 cm apart.
@@ -302,7 +302,8 @@ void main() {
 #endif
 
   vec3 v = normalize(eye.xyz - world_position), l = TO_LIGHT;
-  float nl = dot(n, l), nv = max(dot(n, v), 1e-3);
+  float nl = dot(n, l), nv = dot(n, v);
+  nv = max(nv, max(0.5 * fwidth(nv), 1e-3));  // a pixel at the rim sees more than the rim
   vec3 h = normalize(l + v);
   float nh = max(dot(n, h), 0), vh = max(dot(v, h), 0);
   float lit = max(nl, 0);

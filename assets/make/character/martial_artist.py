@@ -76,16 +76,16 @@ def _parts():
 
     hand, nail, cover = hands.build(), nails.build(), guard.build()
     shins = wraps.build()
-    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 700, 0.025)
-    sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 200, 0.025)
+    sock = sculpt("TabiL", "Tabi", tabi.tabi, (0.03, -0.01, -0.13), (0.24, 0.29, 0.24), 0.0024, 620, 0.025)
+    sole = sculpt("SoleL", "TabiSole", tabi.sole, (0.03, -0.01, -0.13), (0.24, 0.02, 0.24), 0.0022, 150, 0.025)
     return [
         sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 2200, 0.012, head.detail, _bare),
         sculpt(
-            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 2200, 0.02,
+            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 1850, 0.02,
             hood.detail, lambda p: hood.shown(p) & outside((mask.cover, 0.004))(p),
         ),
         mask.build(),
-        sculpt("Headband", "Band", headband.band, (-0.115, 1.52, -0.18), (0.115, 1.77, 0.125), 0.0022, 800, 0.025),
+        sculpt("Headband", "Band", headband.band, (-0.115, 1.52, -0.18), (0.115, 1.77, 0.125), 0.0022, 620, 0.025),
         *(side for part in (hand, nail, cover) for side in (part, mirror(part, part.name[:-1] + "R"))),
         sock,
         mirror(sock, "TabiR"),
@@ -93,7 +93,7 @@ def _parts():
         mirror(sole, "SoleR"),
         sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0044, 4500, 0.040),
         sculpt(
-            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 2100, 0.045,
+            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 1800, 0.045,
             None, lambda p: (evaluate(jacket_shape.smooth, p) > -0.02) | (p[:, 1] < 0.86),
         ),
         *shins,
@@ -118,6 +118,8 @@ def _weigh(part, heat):
             dense = _drape(part, dense)
         if part.name == "Trousers":
             dense = _part_legs(part, dense)
+        if part.name.startswith("Tabi"):
+            dense = _stand(part, dense)
         if part.name in ("Hood", "Mask"):  # the throat bends
             dense = _stiffen_face(part, dense)
         if part.name == "Mask":  # chin and cheeks move it; brows slide under the hood
@@ -178,6 +180,13 @@ def _part_legs(part, dense):
     return dense / dense.sum(axis=1, keepdims=True)
 
 
+def _stand(part, dense):
+    """What is below the ankle stays on its sole, however the shin leans."""
+    dense, shin = dense.copy(), [k for k, b in enumerate(REST.names) if b.endswith("Leg")]
+    dense[:, shin] *= ramp(0.060, 0.125, part.points[:, 1])[:, None]
+    return dense / dense.sum(axis=1, keepdims=True)
+
+
 def _other_side(bone):
     for a, b in (("Left", "Right"), ("Right", "Left")):
         if bone.startswith(a):
@@ -191,9 +200,9 @@ def _shading(part):
         eye = np.linalg.norm(mirrored(part.points) - skeleton.EYE, axis=1)  # the shut lid has no rim of shade
         return (1 - 0.5 * ramp(1.52, 1.56, part.points[:, 1])) * (1 - 0.7 * ramp(0.026, 0.020, eye))
     if part.name == "Jacket":  # light falls into the sleeves through their cloth
-        return 1 - 0.35 * jacket.lining(part.points)
+        return 1 - 0.7 * jacket.lining(part.points)
     if part.name.startswith("Cuff"):
-        return 0.65
+        return 0.5
     if part.name[:-1] in ("Hand", "Nails"):  # closed, they have another shade
         return 0.25
     return 1.0
