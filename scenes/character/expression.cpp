@@ -11,7 +11,8 @@ namespace {
 constexpr double half_speed = 0.2, half_acceleration = 8;
 constexpr double attack = 0.10, release = 0.3;  // s, mean delays of a face that tightens, and eases
 constexpr double anticipation = 0.08;           // s, by which the face is ahead of the hand
-constexpr double calm_lids = 0.08;              // how far down they are without any effort
+constexpr double calm_lids = 0.20;              // how far down they are without any effort
+constexpr double lids_rise = 0.85;              // by this much per rad that the eyes look up
 constexpr double least_rest = 0.2;              // s, after which the hand has come to rest
 
 /// From 0 to 1, a half at `half`.
@@ -49,18 +50,19 @@ void play_face(const Figure& figure, const Path& path, Track& controls) {
     if (now > 0.3) since = i;
     ease.samples()(0, i) = moved && i - since > lasts ? 1 : 0;
   }
-  const Track pleased = ease.lagged(release);
+  const Track calmed = ease.lagged(release);
 
   for (Eigen::Index i = 0; i < controls.count(); ++i) {
-    const double strain = effort[i][0], content = pleased[i][0];
-    const double attention = concentration[i][0] * (1 - content);
+    const double strain = effort[i][0], calm = calmed[i][0];
+    const double attention = concentration[i][0] * (1 - calm);
     auto c = controls.samples().col(i);
-    c[brows] = 0.45 * content - 0.2 * attention - 0.9 * strain;
-    c[frown] = std::min(1.0, 0.2 * attention + 0.9 * strain);
-    c[smile] = content - 0.25 * attention;
-    c[jaw] = std::max(0.8 * strain - 0.2, 0.0) + 0.1 * content;
-    // Narrowed eyes blink all the same.
-    c[lids] = std::max(c[lids], calm_lids + 0.02 * attention + 0.14 * strain - 0.08 * content);
+    c[brows] = -0.55 * calm - 0.2 * attention - 0.9 * strain;
+    c[frown] = std::min(1.0, 0.35 * calm + 0.2 * attention + 0.9 * strain);
+    c[smile] = calm - 0.25 * attention;
+    c[jaw] = std::max(0.8 * strain - 0.2, 0.0) + 0.1 * calm;
+    // Narrowed eyes blink all the same, and open for what is above them.
+    const double narrowed = calm_lids + 0.02 * attention + 0.14 * strain + 0.02 * calm;
+    c[lids] = std::max(c[lids], narrowed + lids_rise * std::min(c[eye_lean], 0.0));
   }
 }
 

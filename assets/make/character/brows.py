@@ -13,12 +13,12 @@ _SEED = 11
 def _middle(s):
     """The brow's middle line from the nose (0) to the temple (1)."""
     x = 0.0125 + 0.0420 * s
-    y = np.interp(s, [0, 0.3, 0.62, 0.8, 1.0], [1.6760, 1.6778, 1.6795, 1.6785, 1.6752])
+    y = np.interp(s, [0, 0.3, 0.62, 0.8, 1.0], [1.6736, 1.6749, 1.6763, 1.6763, 1.6752])
     return np.stack([x, y, np.full_like(x, 0.085)], axis=-1)
 
 
 def _half(s):
-    return 0.0043 * np.minimum(1, 0.70 + 1.2 * s) * (1 - 0.78 * np.clip((s - 0.35) / 0.65, 0, 1) ** 1.3)
+    return 0.0043 * np.minimum(1, 0.38 + 2.2 * s) * (1 - 0.78 * np.clip((s - 0.35) / 0.65, 0, 1) ** 1.3)
 
 
 def _on_skin(p, over):
@@ -51,10 +51,10 @@ def brow():
     over = rng.uniform(-0.55, 0.85, n)  # the lowest grow where the shade begins
     root = _middle(s) + np.stack([rng.normal(0, 0.0005, n), over * _half(s), np.zeros(n)], axis=1)
     along = unit3(_middle(s + 0.02) - _middle(s - 0.02))
-    lean = np.interp(s, [0, 0.10, 0.30, 0.7, 1.0], [0.85, 0.66, 0.38, 0.14, 0.0]) - 0.40 * over * np.minimum(1, 0.3 + 2 * s)
+    lean = np.interp(s, [0, 0.10, 0.30, 0.7, 1.0], [0.60, 0.50, 0.32, 0.12, 0.0]) - 0.40 * over * np.minimum(1, 0.3 + 2 * s)
     lean = lean + rng.normal(0, 0.11, n)
     way = along * np.cos(lean)[:, None] + vec(0, 1, 0) * np.sin(lean)[:, None]
-    length = np.interp(s, [0, 0.2, 0.6, 1.0], [0.0032, 0.0052, 0.0062, 0.0048]) * rng.uniform(0.75, 1.15, n)
+    length = np.interp(s, [0, 0.2, 0.6, 1.0], [0.0028, 0.0052, 0.0062, 0.0040]) * rng.uniform(0.75, 1.15, n)
     root = _on_skin(root, 0.0003)
     end = _on_skin(root + way * length[:, None], 0.0010)
     return _hairs("BrowL", root, end - root, nets.normals(head.head, root, 0.001), 0.00026)
@@ -63,7 +63,7 @@ def brow():
 def under(q):
     """How much of the skin at q, folded to the left, is dark below the brow's hairs: its whole shape, with a soft edge."""
     s = (q[:, 0] - 0.0125) / 0.0420
-    inside = ramp(-0.06, 0.14, s) * ramp(1.10, 0.90, s) * (q[:, 2] > 0.03)
+    inside = ramp(-0.08, 0.30, s) * ramp(1.10, 0.70, s) * (q[:, 2] > 0.03)
     away = np.abs(q[:, 1] - _middle(np.clip(s, 0, 1))[:, 1] - 0.0012) - _half(np.clip(s, 0, 1))
     return inside * ramp(0.0024, -0.0022, away)
 

@@ -71,10 +71,10 @@ def lids():
 
 
 def glints():
-    """The sky's reflection on each cornea, above the pupil on the side that the light comes from: smaller than what a
+    """The sky's reflection on each cornea, on the pupil's rim on the side that the light comes from: smaller than what a
     picture of the whole figure resolves, it would be lost in a computed one."""
     x = unit(np.cross(vec(0, 1, 0), _GAZE))
-    towards = unit(_GAZE + 0.13 * x + 0.12 * np.cross(_GAZE, x))
+    towards = unit(_GAZE + 0.13 * x + 0.03 * np.cross(_GAZE, x))
     side = unit(np.cross(vec(0, 1, 0), towards))
     points, normal, triangles = _cap(head.EYE_RADIUS + 0.0014, 0.095, 2, 8)
     turn = np.stack([side, np.cross(towards, side), towards], axis=1)
@@ -85,12 +85,13 @@ def glints():
 
 
 def _paint_ball(eye):
-    """Redder and darker towards the corners, and in the shade of the upper lid."""
+    """Redder and darker towards the corners, and in the shade of both lids."""
     v = (eye.points - head.EYE) / head.EYE_RADIUS
     towards = v @ _GAZE
-    eye.tint(np.ones(len(v)), (0.88, 0.86, 0.86))
-    eye.tint(0.65 * np.clip(1 - (towards - 0.55) / 0.4, 0, 1), (0.80, 0.56, 0.51))
-    eye.tint(0.60 * ramp(0.06, 0.36, v[:, 1]), (0.42, 0.36, 0.36))
+    eye.tint(np.ones(len(v)), (0.80, 0.77, 0.76))
+    eye.tint(0.65 * np.clip(1 - (towards - 0.55) / 0.4, 0, 1), (0.74, 0.58, 0.54))
+    eye.tint(0.80 * ramp(-0.12, 0.24, v[:, 1]), (0.38, 0.33, 0.33))
+    eye.tint(0.40 * ramp(-0.20, -0.42, v[:, 1]), (0.52, 0.44, 0.42))
 
 
 def _paint_iris(iris):
@@ -101,10 +102,10 @@ def _paint_iris(iris):
     turn = np.arctan2(v @ np.cross(_GAZE, x), v @ x)
     fibre = 0.5 + 0.5 * np.sin(17 * turn + 3 * np.sin(5 * turn)) * ramp(0.2, 0.5, far)
     ring = np.exp(-(((far - 0.56) / 0.13) ** 2))
-    iris.tint(1 - ring * (0.75 + 0.25 * fibre), (0.42, 0.36, 0.30))
+    iris.tint(1 - ring * (0.75 + 0.25 * fibre), (0.34, 0.29, 0.25))
     iris.tint(0.30 * fibre, (0.60, 0.55, 0.50))
     iris.tint(ramp(0.72, 0.98, far), (0.10, 0.09, 0.09))
-    iris.tint(0.55 * ramp(0.0015, 0.0050, v[:, 1]), (0.40, 0.36, 0.36))
+    iris.tint(0.70 * ramp(-0.0010, 0.0034, v[:, 1]), (0.36, 0.33, 0.33))
 
 
 def build():

@@ -8,7 +8,7 @@ EYE_RADIUS = 0.0140
 _LID = 0.0026
 _SLIT = 0.0158  # half width of the opening
 UPPER, LOWER = 0.0053, 0.0052  # how far it reaches up and down in its middle
-LID_SHADE = (0.64, 0.51, 0.46)  # of the skin of the upper lids
+LID_SHADE = (0.70, 0.63, 0.61)  # of the skin of the upper lids
 
 
 def opening(q):
@@ -83,15 +83,15 @@ def paint(part):
         return np.exp(-np.sum(((q - np.array(centre)) / np.array(radius)) ** 2, axis=1))
 
     part.tint(0.30 * spot((0.045, 1.634, 0.070), (0.022, 0.012, 0.03)), (0.97, 0.78, 0.72))  # cheeks
-    part.tint(0.60 * spot((0.0165, 1.6580, 0.085), (0.0080, 0.013, 0.02)), (0.58, 0.42, 0.38))  # beside the bridge
-    part.tint(0.35 * spot((0.032, 1.6415, 0.080), (0.020, 0.0050, 0.02)), (0.78, 0.62, 0.60))  # below the lower lid
-    part.tint(0.45 * spot((0.034, 1.6640, 0.080), (0.022, 0.0055, 0.02)), (0.60, 0.45, 0.41))  # under the brow
+    part.tint(0.50 * spot((0.0165, 1.6580, 0.085), (0.0080, 0.013, 0.02)), (0.56, 0.50, 0.50))  # beside the bridge
+    part.tint(0.35 * spot((0.032, 1.6415, 0.080), (0.020, 0.0050, 0.02)), (0.80, 0.72, 0.72))  # below the lower lid
+    part.tint(0.45 * spot((0.034, 1.6640, 0.080), (0.022, 0.0055, 0.02)), (0.58, 0.52, 0.52))  # under the brow
     part.tint(0.30 * spot((0.0, 1.6640, 0.090), (0.0065, 0.010, 0.02)), (1.0, 0.90, 0.88))  # the bridge
     slit = opening(q)
     part.tint(_upper_lid(q, slit), LID_SHADE)
-    part.tint(0.9 * _upper_lid(q, slit) * np.exp(-(((slit - 0.0042) / 0.0010) ** 2)), (0.42, 0.28, 0.24))  # its crease
+    part.tint(0.9 * _upper_lid(q, slit) * np.exp(-(((slit - 0.0042) / 0.0010) ** 2)), (0.46, 0.38, 0.36))  # its crease
     rim = np.abs(slit) * (p[:, 2] > 0.06)
-    part.tint(0.55 * np.exp(-((rim / 0.0012) ** 2)), (0.62, 0.36, 0.32))  # the wet edges of the lids
+    part.tint(0.55 * np.exp(-((rim / 0.0012) ** 2)), (0.62, 0.46, 0.44))  # the wet edges of the lids
 
 
 def _upper_lid(q, slit):

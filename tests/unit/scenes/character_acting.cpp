@@ -117,7 +117,7 @@ TEST(CharacterActing, TheLidsBlinkNowAndThen) {
   EXPECT_LT(closed / scenes::acting_rate, 0.5);
 }
 
-TEST(CharacterActing, TheFaceIsCalmThenStrainedThenPleased) {
+TEST(CharacterActing, TheFaceIsCalmThenStrainedThenFirm) {
   const scenes::Track track = controls(move(Vec3(0.3, 0.2, 0)));
   const auto at = [&](double time) { return track.at(time); };
   for (const scenes::Control control : {scenes::brows, scenes::frown, scenes::smile, scenes::jaw})
@@ -126,8 +126,9 @@ TEST(CharacterActing, TheFaceIsCalmThenStrainedThenPleased) {
   EXPECT_LT(at(start)[scenes::brows], -0.4);
   EXPECT_GT(at(start)[scenes::jaw], 0.3);
   EXPECT_GT(at(5)[scenes::smile], 0.9);
-  EXPECT_GT(at(5)[scenes::brows], 0.4);
-  EXPECT_LT(at(5)[scenes::frown], 0.1);
+  EXPECT_LT(at(5)[scenes::brows], -0.4);  // low: raised, they would say alarm
+  EXPECT_GT(at(5)[scenes::frown], 0.2);
+  EXPECT_LT(at(5)[scenes::frown], 0.5);
   for (Eigen::Index i = 1; i < track.count(); ++i) {  // no faster than a face can
     for (const scenes::Control control : {scenes::brows, scenes::frown, scenes::smile, scenes::jaw})
       EXPECT_NEAR(track[i][control], track[i - 1][control], 0.15) << control << ' ' << i;
