@@ -16,12 +16,12 @@ struct Guard {
   Vec3 elbow, thumb;
 };
 const Guard at_ease{0.36, 0.28, -0.12, {0.8, -1.0, -0.5}, {-0.2, 1.0, 0.0}};
-const Guard at_the_belt{0.72, 0.30, -0.20, {0.8, -0.6, -0.8}, {-0.1, 1.0, 0.1}};
-const Guard open{0.20, 0.35, 0.00, {0.9, -1.0, -0.2}, {-0.35, 1.0, -0.1}};
-const Guard balancing{1.30, 0.60, 0.20, {0.3, -1.0, -0.2}, {0.0, 1.0, 0.3}};
-const Guard across{-0.30, 0.30, 0.02, {1.0, -0.6, 0.2}, {-0.1, 1.0, 0.0}};
+const Guard at_the_belt{0.08, 0.31, -0.17, {1.0, -0.6, -0.5}, {-0.1, 1.0, 0.0}};
+const Guard open{0.02, 0.34, 0.03, {1.0, -0.9, -0.2}, {0.2, 1.0, 0.0}};
+const Guard balancing{1.30, 0.60, 0.20, {0.3, -1.0, -0.2}, {0.0, 0.45, 1.0}};
+const Guard across{-0.30, 0.30, 0.02, {1.0, -0.6, 0.2}, {-0.9, 0.5, 0.0}};
 const Guard chambered{1.40, 0.26, -0.14, {0.35, -0.4, -1.0}, {1.0, 0.25, 0.2}};
-const Guard greeting{0.05, 0.29, -0.06, {1.0, -0.7, 0.2}, {-0.2, 1.0, 0.1}};
+const Guard greeting{-0.55, 0.30, 0.04, {0.5, -1.0, 0.1}, {0.75, 0.7, 0.1}};
 
 constexpr Eigen::Index rows = 9;
 using Row = Eigen::Matrix<double, rows, 1>;

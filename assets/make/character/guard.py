@@ -67,9 +67,10 @@ def _over(p):
         t = (x - at - 0.0018 * np.sin(angle + 1.0)) / _CORD
         cord = np.maximum(cord, np.sqrt(np.clip(1 - t * t, 0, 1)))
     held = ramp(0.016, 0.004, np.abs(x))  # the cord ties it down
-    finger = ramp(0.080, 0.090, x)
+    finger = ramp(0.078, 0.088, x)
     inner = finger * ramp(-0.004, 0.003, z)  # nothing thick lies between the finger and what it holds
-    return (1 - 0.75 * inner) * (_CLOTH + 0.0008 * finger) + (1 - inner) * hem + (1 - held) * (0.0009 * folds + 0.0004 * crumple(p, 1.0)) + 0.0019 * cord
+    hem = hem * (1 - 0.8 * finger)  # the loop is a thin band
+    return (1 - 0.6 * inner) * (_CLOTH - 0.0002 * finger) + (1 - inner) * hem + (1 - held) * (0.0009 * folds + 0.0004 * crumple(p, 1.0)) + 0.0019 * cord
 
 
 def _outside(p):
