@@ -81,7 +81,7 @@ def _parts():
     return [
         sculpt("Head", "Skin", lambda p: np.minimum(head.head(p), hood.filling(p)), (-0.095, 1.60, 0.0), (0.095, 1.73, 0.125), 0.0013, 2200, 0.012, head.detail, _bare),
         sculpt(
-            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 1850, 0.02,
+            "Hood", "Gi", hood.hood, (-0.11, 1.44, -0.145), (0.11, 1.80, 0.115), 0.0019, 1780, 0.02,
             hood.detail, lambda p: hood.shown(p) & outside((mask.cover, 0.004))(p),
         ),
         mask.build(),
@@ -93,7 +93,7 @@ def _parts():
         mirror(sole, "SoleR"),
         sculpt("Jacket", "Gi", jacket.jacket, *jacket.BOUNDS, 0.0044, 4500, 0.040),
         sculpt(
-            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 1800, 0.045,
+            "Trousers", "GiDark", trousers.trousers, *trousers.BOUNDS, 0.0052, 1700, 0.045,
             None, lambda p: (evaluate(jacket_shape.smooth, p) > -0.02) | (p[:, 1] < 0.86),
         ),
         *shins,
