@@ -70,7 +70,7 @@ def _over(p):
     finger = ramp(0.078, 0.088, x)
     inner = finger * ramp(-0.004, 0.003, z)  # nothing thick lies between the finger and what it holds
     hem = hem * (1 - 0.8 * finger)  # the loop is a thin band
-    return (1 - 0.6 * inner) * (_CLOTH - 0.0002 * finger) + (1 - inner) * hem + (1 - held) * (0.0009 * folds + 0.0004 * crumple(p, 1.0)) + 0.0019 * cord
+    return (1 - 0.6 * inner) * (_CLOTH + 0.0004 * finger) + (1 - inner) * hem + (1 - held) * (0.0009 * folds + 0.0004 * crumple(p, 1.0)) + 0.0019 * cord
 
 
 def _outside(p):
@@ -82,6 +82,11 @@ def _outside(p):
 def uncovered(p):
     """Which of the skin can be seen, or is so near to it that it may be when the hand is bent."""
     return (_sheet(p) > -0.0080) & (_loop(p) > -0.0030)
+
+
+def kept(p):
+    """Which of it the hand keeps: a bent finger's back would come out through the loop."""
+    return uncovered(p) & ((_loop(p) > -0.0012) | (_frame(p)[2] > -0.002))
 
 
 def _detail(p):

@@ -153,7 +153,7 @@ def detail(p):
 def build():
     """The left hand, bare but for what its guard covers."""
     whole = sculpt("HandL", "Skin", below_elbow, *bounds(), 0.0012, 3350, 0.0085, detail)
-    return cut(whole, guard.uncovered(whole.points))
+    return cut(whole, guard.kept(whole.points))
 
 
 def weights(points, blur):
