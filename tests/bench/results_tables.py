@@ -351,8 +351,8 @@ def clip(work):
         work.run(f"taut render scenes/nunchaku.toml {picture} --out out/results/nunchaku")
     keep(work, work.out / "nunchaku/poster.png", "poster.webp")
     keep(work, work.out / "nunchaku/contact_sheet.png", "nunchaku.png")
-    work.run("taut render scenes/nunchaku.toml --frames 498-716 --size 640x360 --no-video --out out/results/throw")
-    work.run("ffmpeg -y -v error -framerate 60 -start_number 498 -i out/results/throw/frames/%06d.png -vf fps=30 -loop 0 "
+    work.run("taut render scenes/nunchaku.toml --frames 509-727 --size 640x360 --no-video --out out/results/throw")
+    work.run("ffmpeg -y -v error -framerate 60 -start_number 509 -i out/results/throw/frames/%06d.png -vf fps=30 -loop 0 "
              "-quality 75 -compression_level 6 assets/pictures/throw.webp")
     times = told["seconds_per_frame"]
     return (f"The whole demo takes {times['rendering']:.2g} s of drawing, {times['simulation']:.2g} s of simulating and "
