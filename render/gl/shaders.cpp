@@ -269,7 +269,8 @@ void main() {
   float high = fade * (grain_scale > 1 ? 0.00007 : 0.00006);  // m
   vec3 rises = high * (wave_slope(turns.x) * wave_second * first +
                        wave_first * wave_slope(turns.y) * second);
-  // Creases that no vertex has room for: where noise is 1/2, some 4 cm apart.
+  // Creases that no vertex has room for: where noise is 1/2, some 4 cm apart. Their slope is the
+  // difference over 0.016 of the texture, four texels: its 8 bits show in one.
   vec2 place = vec2(dot(rest_position, across), dot(rest_position, along)) * vec2(2.3, 1.5);
   float crease = crease_at(place);
   rises += 0.019 / 0.016 * ((crease_at(place + vec2(0.016, 0)) - crease) * 2.3 * across +

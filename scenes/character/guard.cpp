@@ -61,6 +61,7 @@ void keep_guard(const Figure& figure, const Path& path, const Cues& cues, Track&
                          return Eigen::VectorXd(path.at(time).position - path.at(0).position);
                        }).lagged(stroke_behind);
   const Track stick = cues.off.smoothed(0.05).lagged(stick_behind);
+  const Row ease = row(at_ease);
 
   for (Eigen::Index i = 0; i < controls.count(); ++i) {
     const Row g = hand[i] + overshoot * (hand[i] - later[i]);
@@ -74,7 +75,6 @@ void keep_guard(const Figure& figure, const Path& path, const Cues& cues, Track&
     u.segment<3>(guard_elbow_x) = elbow[i].segment<3>(3);
     u.segment<3>(guard_thumb_x) = thumb[i].segment<3>(6);
     // The shoulder goes along.
-    const Row ease = row(at_ease);
     u[left_shoulder_up] += soft(0.7 * (g[2] - ease[2]), 0.28);
     u[left_shoulder_forward] += soft(0.6 * (wrist.z() - ease[1] * std::cos(ease[0])), 0.22);
   }
