@@ -69,7 +69,7 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
                       }),
                shade);
   };
-  canvas.expose({0, 0, canvas.width(), canvas.height()}, count, [&](int i) {
+  const auto draw = [&](int i) {
     parts.draw_solid();
     parts.map.restore(map);
     show(all_items(parts, middle), 0, Shade::shadowed, block);
@@ -81,10 +81,13 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
       parts.map.restore(map);
       parts.map.draw(chosen(items, moving));
       show(items, int(grade), shade_of(times, samples), exposed(block, middle, viewport, at));
+      if (grade != shadow_grade(grades, samples)) continue;
+      parts.surfaces.use(block);
+      parts.draw_scenery(Shade::grounded);
     }
-    parts.surfaces.use(block);
-    parts.draw_scenery(Shade::grounded);
-  });
+  };
+  const gl::Exposed whole{{0, 0, canvas.width(), canvas.height()}, count, draw};
+  canvas.expose({&whole, 1});
 }
 
 void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& viewport,
@@ -92,7 +95,7 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
   const FrameState& middle = shutter[shutter.size() / 2];
   const FrameBlock block = parts.look(middle, viewport).block;
   const int samples = canvas.samples();
-  canvas.expose({0, 0, canvas.width(), canvas.height()}, count, [&](int i) {
+  const auto draw = [&](int i) {
     const std::vector<DrawItem> items = all_items(parts, shown_at(shutter, i, count));
     parts.surfaces.use(block);
     parts.draw_solid();
@@ -103,7 +106,9 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
     draw_items(parts, items, shade_of(count, samples));
     parts.surfaces.use(block);
     parts.draw_scenery(Shade::grounded);
-  });
+  };
+  const gl::Exposed whole{{0, 0, canvas.width(), canvas.height()}, count, draw};
+  canvas.expose({&whole, 1});
 }
 
 }  // namespace taut::draw

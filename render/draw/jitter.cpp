@@ -40,8 +40,16 @@ std::vector<Exposures> exposures(double way, int samples, int states, double apa
   if (samples > 1 && samples <= states && !enough()) result.push_back({samples, samples * apart});
   int most = samples;
   while (most * apart < way && 2 * most <= states) most *= 2;
+  if (most > 2 * samples) result.push_back({2 * samples, 2 * samples * apart});
   if (most > samples) result.push_back({most, most * apart});
   return result;
+}
+
+std::size_t shadow_grade(std::span<const Exposures> grades, int samples) {
+  std::size_t grade = 1;
+  const int enough = std::max(samples, grades.back().count / 4);
+  while (grade < grades.size() && grades[grade - 1].count < enough) ++grade;
+  return grade;
 }
 
 int backdrop_pictures(int samples) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "render/picture/rect.h"
@@ -23,6 +24,11 @@ struct Exposures {
 /// or a thing would seem to be two. Empty: nothing needs more than one.
 std::vector<Exposures> exposures(double way, int samples, int states,
                                  double apart = scenes::Stage().exposures_apart);
+
+/// The grade, counted from 1, whose exposures show moving shadows on what is slower than they: a
+/// quarter of the exposures of the fastest, at least one for each sample. Shadows have penumbras, and
+/// are fainter than what throws them.
+std::size_t shadow_grade(std::span<const Exposures> grades, int samples);
 
 /// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as
 /// brings samples that the exposures share apart.

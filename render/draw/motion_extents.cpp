@@ -85,7 +85,7 @@ void append(Triangles& triangles, const std::uint32_t* corner) {
 
 }  // namespace
 
-void MotionExtents::shade(ShadowCover& cover, int grade) {
+void MotionExtents::shade(ShadowCover& cover, int grade, int given) {
   Triangles some, shaded;
   bool any = false;
   for (std::size_t item = 0; item < items_.size(); ++item) {
@@ -103,11 +103,11 @@ void MotionExtents::shade(ShadowCover& cover, int grade) {
     Entry& entry = items_[item];
     some.clear();
     for (std::size_t i = 0; i < entry.triangles.size(); i += 3)
-      if (grades(entry.shows, &entry.triangles[i]).first < grade) append(some, &entry.triangles[i]);
+      if (grades(entry.shows, &entry.triangles[i]).first < given) append(some, &entry.triangles[i]);
     if (some.empty()) continue;
     cover.find(some, places(item)[times_.size() / 2], {}, shaded);
     for (const std::uint32_t v : shaded)
-      entry.shows[v] = std::max(entry.shows[v], std::uint8_t(grade));
+      entry.shows[v] = std::max(entry.shows[v], std::uint8_t(given));
   }
 }
 

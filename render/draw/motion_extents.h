@@ -41,10 +41,10 @@ class MotionExtents {
                      double still = kStill);
   /// Grades what moves: 1, and one more for each of the rising speeds (px/s) that a vertex exceeds.
   void grade(std::span<const double> speeds);
-  /// Gives at least this grade to the things shaded by triangles that move with it. To be called
-  /// for every grade above 0, the highest first; `cover` has been started, and afterwards also
-  /// holds the triangles that move with this grade.
-  void shade(ShadowCover& cover, int grade);
+  /// Gives at least the grade `given` to the things shaded by triangles that move with `grade` or
+  /// a higher one. To be called for every grade above 0, the highest first; `cover` has been
+  /// started, and afterwards also holds the triangles that move with this grade.
+  void shade(ShadowCover& cover, int grade, int given);
   /// Divides triangles by what was found.
   void divide();
 

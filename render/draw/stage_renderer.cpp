@@ -212,7 +212,9 @@ std::vector<Exposures> StageRenderer::Impl::find_moving(std::span<const FrameSta
   for (std::size_t i = 0; i + 1 < grades.size(); ++i) speeds.push_back(grades[i].way / open);
   extents.grade(speeds);
   start_cover(look);
-  for (std::size_t grade = grades.size(); grade > 0; --grade) extents.shade(cover, int(grade));
+  const std::size_t shadows = shadow_grade(grades, canvas.samples());
+  for (std::size_t grade = grades.size(); grade > 0; --grade)
+    extents.shade(cover, int(grade), int(std::min(grade, shadows)));
   extents.divide();
   return grades;
 }
@@ -258,16 +260,17 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
   d.paint(canvas, viewport, look, still, still_casters, 1);
   d.map.save(map_part);
 
+  std::vector<gl::Exposed> exposed_parts;
   for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
-    const bool fastest = grade == grades.size();  // the scenery takes as many exposures
+    const bool shaded = grade == shadow_grade(grades, canvas.samples());
     HullPoints things;
     for (std::size_t i = 0; i < items.size(); ++i)
       add_box(d.extents.shown_box(i, int(grade)), things);
     const picture::Rect part = picture::hull(pixels(things, look.block.view_projection, viewport),
-                                             fastest ? shadow : picture::Rect());
+                                             shaded ? shadow : picture::Rect());
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
-    canvas.expose(part, count, [&](int i) {
+    const auto draw = [&, grade, shaded, part, count](int i) {
       const FrameState& instant = shown_at(shutter, i, count);
       d.parts.pose(instant);
       std::vector<DrawItem> shown, casters;
@@ -287,9 +290,11 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
       d.gl.Scissor(part.x, part.y, part.width, part.height);
       for (const DrawItem& item : shown) d.surfaces.draw(item, shade_of(count, canvas.samples()));
       d.surfaces.use(look.block);
-      if (fastest) d.draw_reached(d.moving_reached);
-    });
+      if (shaded) d.draw_reached(d.moving_reached);
+    };
+    exposed_parts.push_back({part, count, draw});
   }
+  canvas.expose(exposed_parts);
   d.lap("exposures");
   return most;
 }

@@ -127,43 +127,65 @@ void Canvas::copy(const Samples& from, const picture::Rect& part, const Samples&
                          GL_TEXTURE_2D_MULTISAMPLE, 0, x, y, 0, part.width, part.height, 1);
 }
 
-/// For pictures of several times of a part of that size.
-void Canvas::make_room(const picture::Rect& part) {
-  if (exposure_ && exposure_->width >= part.width && exposure_->height >= part.height) return;
-  constexpr int kMore = 64;  // px, so that it is not made anew for every pixel
-  const auto enough = [](int had, int needed, int most) {
-    return std::max(had, std::min((needed + kMore - 1) / kMore * kMore, most));
-  };
-  const int width = enough(exposure_ ? exposure_->width : 0, part.width, width_);
-  const int height = enough(exposure_ ? exposure_->height : 0, part.height, height_);
-  exposure_.reset();
-  exposure_.emplace(width, height, Samples(gl_, width, height, samples_),
-                    Light(gl_, width, height));
+/// For pictures of several times of a part of that size, which begin in so many ways.
+void Canvas::make_room(const picture::Rect& part, std::size_t starts) {
+  if (!exposure_ || exposure_->width < part.width || exposure_->height < part.height) {
+    constexpr int kMore = 64;  // px, so that it is not made anew for every pixel
+    const auto enough = [](int had, int needed, int most) {
+      return std::max(had, std::min((needed + kMore - 1) / kMore * kMore, most));
+    };
+    const int width = enough(exposure_ ? exposure_->width : 0, part.width, width_);
+    const int height = enough(exposure_ ? exposure_->height : 0, part.height, height_);
+    exposure_.reset();
+    exposure_.emplace(width, height, std::vector<Samples>(), Light(gl_, width, height));
+  }
+  while (exposure_->starts.size() < starts)
+    exposure_->starts.emplace_back(gl_, exposure_->width, exposure_->height, samples_);
 }
 
-void Canvas::expose(const picture::Rect& part, int count, const std::function<void(int)>& draw) {
-  const int pictures = std::max(count / samples_, 1), shares = std::min(count, samples_);
-  if (pictures > 1) {
-    make_room(part);
-    copy(drawn_, part, exposure_->start, 0, 0);
-    gathered_ = part;
+/// The exposures of one picture, each with its share of the samples.
+void Canvas::expose_shares(const Exposed& exposed, int picture) const {
+  const int pictures = std::max(exposed.count / samples_, 1);
+  const int shares = std::min(exposed.count, samples_);
+  gl_.Enable(GL_SAMPLE_MASK);
+  for (int share = 0; share < shares; ++share) {
+    gl_.SampleMaski(0, share_of_samples(share, shares, samples_));
+    exposed.draw(share * pictures + picture);
   }
-  const picture::Rect here{0, 0, part.width, part.height};
+  gl_.Disable(GL_SAMPLE_MASK);
+}
+
+void Canvas::expose(std::span<const Exposed> parts) {
+  for (const Exposed& exposed : parts) touch(exposed.part);
+  while (!parts.empty() && parts.front().count < 2 * samples_) {
+    expose_shares(parts.front(), 0);
+    parts = parts.subspan(1);
+  }
+  if (parts.empty()) return;
+
+  picture::Rect all;
+  for (const Exposed& exposed : parts) all = picture::hull(all, exposed.part);
+  make_room(all, parts.size());
+  gathered_ = all;
+  const picture::Rect here{0, 0, all.width, all.height};
+  const int pictures = parts.back().count / samples_;
   for (int picture = 0; picture < pictures; ++picture) {
-    if (picture > 0) copy(exposure_->start, here, drawn_, part.x, part.y);
-    gl_.Enable(GL_SAMPLE_MASK);
-    for (int share = 0; share < shares; ++share) {
-      gl_.SampleMaski(0, share_of_samples(share, shares, samples_));
-      draw(share * pictures + picture);
+    // What takes fewer exposures stays as it is for some pictures.
+    const auto lasts = [&](const Exposed& exposed) { return parts.back().count / exposed.count; };
+    std::size_t changed = 0;
+    while (picture % lasts(parts[changed]) != 0) ++changed;
+    if (picture > 0) copy(exposure_->starts[changed], here, drawn_, all.x, all.y);
+    for (std::size_t k = changed; k < parts.size(); ++k) {
+      if (picture == 0 || k > changed) copy(drawn_, all, exposure_->starts[k], 0, 0);
+      expose_shares(parts[k], picture / lasts(parts[k]));
     }
-    gl_.Disable(GL_SAMPLE_MASK);
-    if (pictures > 1) gather(part, exposure_->light, picture, pictures);
+    gather(all, exposure_->light, picture, pictures);
   }
-  touch(part);
 }
 
 int Canvas::exposure_among(int fewer, int i, int count) const {
   if (fewer == count) return i;
+  if (fewer >= samples_) return i * fewer / count;
   const int pictures = std::max(count / samples_, 1);
   const GLbitfield mine = share_of_samples(i / pictures, std::min(count, samples_), samples_);
   int share = 0;

@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "render/gl/context.h"
 #include "render/gl/defocus.h"
@@ -11,6 +13,14 @@
 #include "render/picture/rect.h"
 
 namespace taut::gl {
+
+/// A part of a picture, to be drawn `count` times: `draw(i)` for each i below that, a divisor or a
+/// multiple of the canvas's samples.
+struct Exposed {
+  picture::Rect part;
+  int count;
+  std::function<void(int)> draw;
+};
 
 /// Colours are stored as the square root of tone-mapped light and averaged as light.
 ///
@@ -43,13 +53,13 @@ class Canvas {
   /// Marks a part as drawn over the backdrop.
   void touch(const picture::Rect& part);
 
-  /// Draws `count` exposures over a part of the picture: `draw(i)` for each i below `count`, a
-  /// divisor or a multiple of samples(). Each takes its share of the samples of every pixel, at
-  /// least one; more exposures than samples make several pictures, each of times from the whole
-  /// shutter, whose mean is taken. No drawing may follow several pictures.
-  void expose(const picture::Rect& part, int count, const std::function<void(int)>& draw);
-  /// The exposure of `fewer` whose samples contain those of exposure `i` of `count`. `fewer` is a
-  /// divisor of samples(), or `count`.
+  /// Draws exposures over parts of the picture, each part over those before it, with counts that
+  /// divide the next. Each exposure takes its share of the samples of every pixel, at least one;
+  /// more exposures than samples make several pictures, each of times from the whole shutter, whose
+  /// mean is taken. No drawing may follow several pictures.
+  void expose(std::span<const Exposed> parts);
+  /// The exposure of `fewer` whose samples contain those of exposure `i` of `count`. `fewer`
+  /// divides `count`; one of the two divides samples(), or both are multiples of it.
   int exposure_among(int fewer, int i, int count) const;
 
   /// Finishes what was drawn: samples averaged, sRGB, dithered.
@@ -76,7 +86,8 @@ class Canvas {
   void copy(const Samples& from, const Samples& to, const picture::Rect& part) const {
     copy(from, part, to, part.x, part.y);
   }
-  void make_room(const picture::Rect& part);
+  void make_room(const picture::Rect& part, std::size_t starts);
+  void expose_shares(const Exposed& exposed, int picture) const;
   /// The light of pixels, and what draws into it.
   struct Light {
     Light(const Gl& gl, int width, int height);
@@ -93,11 +104,11 @@ class Canvas {
   GlObject finished_, finished_target_;
   GlObject no_vertices_;
   Program finish_, gather_, finish_gathered_, put_;
-  /// The start of every picture of several exposures, and the mean light of those done: of a part
-  /// of the picture, as fast things are mostly small.
+  /// What the pictures of each of several counts of exposures begin with, and the mean light of
+  /// those done: of a part of the picture, as fast things are mostly small.
   struct Exposure {
     int width, height;
-    Samples start;
+    std::vector<Samples> starts;
     Light light;
   };
   std::optional<Exposure> exposure_;

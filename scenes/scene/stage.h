@@ -72,7 +72,7 @@ struct Stage {
   Card title, end;
   double shutter = 0;          // the share of a frame's time for which it is open; 0: an instant
   int exposures = 32;          // states that a frame shows meanwhile at most, a power of two
-  double exposures_apart = 1.5;  // px, most that a point comes from one to the next
+  double exposures_apart = 2;  // px, most that a point comes from one to the next
   Light light;
   Vec3 background = Vec3(0.35, 0.38, 0.42);               // linear
   std::vector<std::shared_ptr<const Model>> scenery;      // in world space

@@ -138,8 +138,8 @@ TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
   cover.start(draw::light_map(Vec3(0, 0, -1), casters, 1024).projection, 0.001f, 0);
   const double limits[] = {0.001};  // px/s: everything that moves is faster
   extents_.grade(limits);
-  extents_.shade(cover, 2);
-  extents_.shade(cover, 1);
+  extents_.shade(cover, 2, 2);
+  extents_.shade(cover, 1, 1);
   extents_.divide();
   EXPECT_TRUE(extents_.moving(1).empty());
   EXPECT_FALSE(extents_.shown(1, 2).empty());

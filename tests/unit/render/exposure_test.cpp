@@ -107,19 +107,19 @@ TEST(Exposure, SlowThingsTakeFewAndFastOnesAsManyAsTheirWayAsksFor) {
   const auto counts = [](double way, int samples, int states) {
     std::vector<int> result;
     for (const draw::Exposures& e : draw::exposures(way, samples, states)) {
-      EXPECT_EQ(e.way, 1.5 * e.count);
+      EXPECT_EQ(e.way, 2 * e.count);
       result.push_back(e.count);
     }
     return result;
   };
-  EXPECT_EQ(counts(3, 4, 16), (std::vector{2}));
-  EXPECT_EQ(counts(3.1, 4, 16), (std::vector{2, 4}));
-  EXPECT_EQ(counts(6.1, 4, 16), (std::vector{2, 4, 8}));
-  EXPECT_EQ(counts(24, 4, 16), (std::vector{2, 4, 16}));
-  EXPECT_EQ(counts(999, 4, 16), (std::vector{2, 4, 16}));
-  EXPECT_EQ(counts(999, 4, 32), (std::vector{2, 4, 32}));
+  EXPECT_EQ(counts(4, 4, 16), (std::vector{2}));
+  EXPECT_EQ(counts(4.1, 4, 16), (std::vector{2, 4}));
+  EXPECT_EQ(counts(8.1, 4, 16), (std::vector{2, 4, 8}));
+  EXPECT_EQ(counts(24, 4, 16), (std::vector{2, 4, 8, 16}));
+  EXPECT_EQ(counts(999, 4, 16), (std::vector{2, 4, 8, 16}));
+  EXPECT_EQ(counts(999, 4, 32), (std::vector{2, 4, 8, 32}));
   EXPECT_EQ(counts(999, 4, 2), (std::vector{2}));
-  EXPECT_EQ(counts(5, 1, 16), (std::vector{4}));
+  EXPECT_EQ(counts(5, 1, 16), (std::vector{2, 4}));
   EXPECT_EQ(counts(1.4, 1, 16), (std::vector<int>{}));
   EXPECT_EQ(counts(5, 2, 16), (std::vector{2, 4}));
   EXPECT_EQ(counts(999, 4, 1), (std::vector<int>{}));
