@@ -31,7 +31,7 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
 
 /// The face: calm before anything has happened, concentrated while the hand moves, strained where
 /// it is thrown about, and pleased once all is over.
-void play_face(const Figure& figure, const Path& path, Track& controls);
+void play_face(const Figure& figure, const Path& path, Track& controls, const Cues& cues = {});
 
 /// Steps of the right and the left foot (3 rows each, m): where the hand settles farther forward or
 /// aside, the right foot goes along beforehand, lifted, and stands again; then the left is drawn

@@ -22,7 +22,7 @@ class Player : public Performance {
         duration_(duration),
         cloth_(*model_, figure_.skeleton()) {
     look_about(figure_, *path_, controls_, cues_);
-    play_face(figure_, *path_, controls_);
+    play_face(figure_, *path_, controls_, cues_);
     plan_arm(figure_, *path_, controls_);
     sink_to_the_feet(figure_, controls_);
     for (Eigen::Index i = 0; head && i < controls_.count(); ++i) {

@@ -22,7 +22,7 @@ double share(double x, double half) {
 
 }  // namespace
 
-void play_face(const Figure& figure, const Path& path, Track& controls) {
+void play_face(const Figure& figure, const Path& path, Track& controls, const Cues& cues) {
   const Track hand = Track::sample(
       controls.time(controls.count() - 1), acting_rate,
       [&](double time) { return Eigen::VectorXd(path.at(time).position / figure.scale()); });
@@ -60,8 +60,9 @@ void play_face(const Figure& figure, const Path& path, Track& controls) {
     c[frown] = std::min(1.0, 0.35 * calm + 0.2 * attention + 0.9 * strain);
     c[smile] = calm - 0.25 * attention;
     c[jaw] = std::max(0.8 * strain - 0.2, 0.0) + 0.1 * calm;
-    // Narrowed eyes blink all the same, and open for what is above them.
-    const double narrowed = calm_lids + 0.02 * attention + 0.14 * strain + 0.02 * calm;
+    // Narrowed eyes blink all the same, and open for what is above them and what flies past.
+    const double narrowed = (calm_lids + 0.02 * attention + 0.14 * strain + 0.02 * calm) *
+                            (1 - cues.passes(controls.time(i)));
     c[lids] = std::max(c[lids], narrowed + lids_rise * std::min(c[eye_lean], 0.0));
   }
 }

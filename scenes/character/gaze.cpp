@@ -16,6 +16,9 @@ constexpr double low = 1.10, high = 1.40;  // m, of the hand: how much of the ga
 constexpr double least_drawn = 0.25, most_drawn = 0.8;
 const Vec3 before_him(0.2, 0.55, 1.9);                   // m, where he looks at first
 constexpr double looks_up = 0.25, takes_to_look = 0.40;  // s
+// Before all rests (s) the stick goes behind him; after it he still looks there, over the shoulder.
+constexpr double behind_by = 0.13, goes_behind = 0.14, looks_after = 0.18;
+constexpr double over_shoulder = 0.05;  // m, of what he looks at there over the chain's end
 constexpr double followed_smoothly = 0.05, lead = 0.12;  // s: 0.08 s ahead once the eyes are there
 constexpr double head_share = 0.78;  // of the way from the chest's front to the target
 constexpr double level = 0.85;       // the share of the trunk's tilt that the head makes up for
@@ -54,14 +57,18 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
     const Vec3 end = held.position + held.rotation * Vec3(0, stick_end, 0);
     const Vec3 front = scale * opponent;
     if (!cues.swings) return front + drawn * (end - front);
-    // He looks up from the floor to the opponent, then to the stick; in the end to whom he greets,
-    // and lets no bow take his eyes off them.
+    // He looks up from the floor to the opponent, then to the stick, and over his shoulder once
+    // it is behind him; in the end to whom he greets, and lets no bow take his eyes off them.
     const Vec3 floor = scale * before_him;
     Vec3 waits = floor + smoothstep((t - looks_up) / takes_to_look) * (front - floor);
-    if (cues.greets() && t > cues.rests - takes_to_look / 2) waits = scale * audience;
-    const double follows = smoothstep((t - cues.begins + takes_to_look) / takes_to_look) *
-                           smoothstep((cues.rests + takes_to_look / 2 - t) / takes_to_look);
-    return waits + follows * (cues.stick.at(t) - waits);
+    if (cues.greets() && t > cues.rests) waits = scale * audience;
+    const double follows =
+        smoothstep((t - cues.begins + takes_to_look) / takes_to_look) *
+        smoothstep((cues.rests + looks_after + takes_to_look - t) / takes_to_look);
+    const Vec3 stick = cues.stick.at(t);
+    const double behind = smoothstep((t - cues.rests + behind_by) / goes_behind);
+    const Vec3 shoulder = end + scale * over_shoulder * Vec3::UnitY();
+    return waits + follows * (stick + behind * (shoulder - stick) - waits);
   };
   const Track target = Track::sample(controls.time(controls.count() - 1), acting_rate,
                                      [&](double t) { return Eigen::VectorXd(gaze(t)); })
@@ -79,14 +86,15 @@ void look_about(const Figure& figure, const Path& path, Track& controls, const C
         head_share * angles(chest.conjugate() * (seen_late[i] - eyes_at(torso)));
     c[head_yaw] += soft(head[0], 1.1);
     c[head_lean] += soft(head[1], most_nod);
-    const double away = leans_away * cues.passes(controls.time(i));
+    const double passes = cues.passes(controls.time(i)), away = leans_away * passes;
     c[head_tilt] = -level * (c[spine_tilt] + c[pelvis_tilt]) - away;
     c[head_lean] -= away;
     const Placement turned = figure.skeleton().place(figure.torso(c));
     const Quat& front = turned.turn[figure.head_bone()];
     const Eigen::Vector2d eye = angles(front.conjugate() * (seen[i] - eyes_at(turned)));
     c[eye_yaw] = soft(eye[0], most_yaw);
-    c[eye_lean] = soft(eye[1], most_lean);
+    // He looks over what flies past: eyes that look down take their lids along.
+    c[eye_lean] = soft(eye[1] - passes * std::max(eye[1], 0.0), most_lean);
     // Nobody blinks at whom he greets.
     const bool greets = cues.greets() && controls.time(i) > cues.rests;
     c[lids] = greets ? 0 : blink(controls.time(i));

@@ -13,6 +13,7 @@ BOUNDS = (-0.72, 1.0, -0.25), (0.72, 1.56, 0.24)
 _SHOULDER, _ELBOW, _WRIST = joint("LeftArm"), joint("LeftForeArm"), joint("LeftHand")
 _WALL = 0.0085  # of the sleeves: what the mesh can still tell from a hole, however the folds go
 _HEM = 0.0064  # of the band at their ends, which hides the wall
+_FROM_MOUTH = 0.95  # the share of the light on the sleeves' insides that comes in there
 _BAND = 0.0012  # how far a cuff's band lies over the sleeve, and its lining under it
 
 
@@ -77,6 +78,26 @@ def paint(part):
     height = folds()(part.points) * (1 - lining(part.points))
     sewn = 0.4 * _at(_armhole(mirrored(part.points)), 0.004) * ramp(1.25, 1.31, part.points[:, 1])
     part.colors *= (np.clip(1 + 26 * height, 0.70, 1.22) * (1 - sewn))[:, None]
+    deep = ramp(-0.05, -0.105, (mirrored(part.points) - CUFF) @ FORE)  # less light gets there
+    part.colors *= (1 - 0.7 * deep * lining(part.points))[:, None]
+
+
+def face_the_mouth(part):
+    """Turns the normals of the sleeves' insides to where their light comes from, the sleeve's mouth: the arm would take
+    all light from cloth that faces it."""
+    inside = lining(part.points)
+    if part.name.startswith("Cuff"):
+        q, n = mirrored(part.points), _mirrored_with(part, part.normals)
+        off = q - CUFF - np.outer((q - CUFF) @ FORE, FORE)
+        inside = ramp(-0.1, -0.5, np.sum(n * off, axis=1) / np.maximum(np.linalg.norm(off, axis=1), 1e-9))
+    to = _mirrored_with(part, np.broadcast_to(FORE, part.points.shape))
+    bent = part.normals + (_FROM_MOUTH * inside)[:, None] * (to - part.normals)
+    part.normals = bent / np.linalg.norm(bent, axis=1, keepdims=True)
+
+
+def _mirrored_with(part, directions):
+    """Directions at the part's points, mirrored where the points are on the right."""
+    return directions * np.where(part.points[:, :1] > 0, vec(1, 1, 1), vec(-1, 1, 1))
 
 
 def cuff():

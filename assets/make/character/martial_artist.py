@@ -199,9 +199,11 @@ def _shading(part):
     if part.name in ("Head", "BrowL", "BrowR"):
         eye = np.linalg.norm(mirrored(part.points) - skeleton.EYE, axis=1)  # the shut lid has no rim of shade
         return (1 - 0.5 * ramp(1.52, 1.56, part.points[:, 1])) * (1 - 0.7 * ramp(0.026, 0.020, eye))
-    if part.name == "Jacket":  # light falls into the sleeves through their cloth
-        return 1 - 0.7 * jacket.lining(part.points)
+    if part.name == "Jacket":  # light falls into the sleeves through their cloth; where arms hide it, they do so as they move
+        return 0.7 - 0.4 * jacket.lining(part.points)
     if part.name.startswith("Cuff"):
+        return 0.5
+    if part.name[:-1] == "Guard":  # a sleeve that falls back lays it open
         return 0.5
     if part.name[:-1] in ("Hand", "Nails"):  # closed, they have another shade
         return 0.25
@@ -231,6 +233,9 @@ def build(report=print):
         elif part.name in ("Jacket", "Trousers"):
             {"Jacket": jacket, "Trousers": trousers}[part.name].paint(part)
     occlusion.bake(parts, _shading)
+    for part in parts:
+        if part.name.startswith(("Jacket", "Cuff")):
+            jacket.face_the_mouth(part)
     hand_paint.shade(by_name)
     parts = sewing.sewn(parts, by_name["Jacket"], sheets)
     unshaded = eyes.lids() + eyes.glints()  # the baked shading would take them for buried

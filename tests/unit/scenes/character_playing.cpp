@@ -178,6 +178,19 @@ TEST_F(Playing, TheEyesFollowTheStickALittleAheadOfIt) {
   }
 }
 
+TEST_F(Playing, HeLooksAfterTheStickWithOpenEyes) {
+  scenes::Track face = *controls_;
+  scenes::play_face(*figure_, *scene_->world.bodies[0].path, face, *cues_);
+  for (double time = kThrown; time < cues_->rests + 0.1; time += 0.02) {
+    EXPECT_LT(face.at(time)[scenes::lids], 0.05) << time;
+    EXPECT_LT(face.at(time)[scenes::eye_lean], 0.05) << time;  // rad: no lid goes along
+  }
+  const scenes::Placement placed = torso(cues_->rests);
+  const double eyes = controls_->at(cues_->rests)[scenes::eye_yaw];
+  const double looks = yaw(placed.turn[figure_->head_bone()]) + eyes;
+  EXPECT_LT(looks - yaw(figure_->chest_turn(placed)), -60 * kDegree);  // over the right shoulder
+}
+
 TEST_F(Playing, HeWaitsAndDoesNotBlink) {
   EXPECT_GT(cues_->begins, 1.2);
   for (const double lid : control(scenes::lids, 0, 2)) EXPECT_EQ(lid, 0);
