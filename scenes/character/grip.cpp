@@ -97,13 +97,13 @@ Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double 
   const Capsule& stick = closed.stick;
   const Vec3 centre = (stick.a + stick.b) / 2, axis = (stick.b - stick.a).normalized();
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
-  // The thumb goes round from the other side and lies over the end of the index finger, towards
-  // that of the middle one.
+  // The thumb goes round from the other side and lies over the end of the index finger, on the side
+  // of the chain, from which it comes.
+  constexpr double beside = 10 * mm;
   const Capsule& end = closed.phalanges[2];
-  const Capsule& next = closed.phalanges[5];
-  const Vec3 between = (3 * (end.a + end.b) + next.a + next.b) / 8, off = between - centre;
+  const Vec3 over = (end.a + end.b) / 2 + beside * axis, off = over - centre;
   const Vec3 out = (off - off.dot(axis) * axis).normalized();
-  const Vec3 tip = between + (end.radius + thumb.digit().radius(2)) * out;
+  const Vec3 tip = over + (end.radius + thumb.digit().radius(2)) * out;
   std::vector<Capsule> things = closed.phalanges;
   things.push_back(stick);
   const std::array<Capsule, 3> wanted = {stick, closed.phalanges[1], end};
