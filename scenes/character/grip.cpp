@@ -97,11 +97,12 @@ Grip grip_stick(const Model& model, const Skeleton& skeleton, Side side, double 
   const Capsule& stick = closed.stick;
   const Vec3 centre = (stick.a + stick.b) / 2, axis = (stick.b - stick.a).normalized();
   const Thumb thumb(Digit(model, skeleton, side, "Thumb"), axes);
-  // The thumb goes round from the other side and lies over the end of the index finger, on the side
-  // of the chain, from which it comes.
-  constexpr double beside = 10 * mm;
+  // The thumb goes round from the other side, on the side of the chain, and over the end of the
+  // index finger: towards its middle phalanx, as far as it reaches.
+  constexpr double beside = 12 * mm, back = 0.4;
   const Capsule& end = closed.phalanges[2];
-  const Vec3 over = (end.a + end.b) / 2 + beside * axis, off = over - centre;
+  const Vec3 over = (1 - back) * end.a + back * closed.phalanges[1].a + beside * axis;
+  const Vec3 off = over - centre;
   const Vec3 out = (off - off.dot(axis) * axis).normalized();
   const Vec3 tip = over + (end.radius + thumb.digit().radius(2)) * out;
   std::vector<Capsule> things = closed.phalanges;

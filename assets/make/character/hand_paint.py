@@ -13,7 +13,7 @@ _WRIST, _ALONG, _THUMB, _PALM = hand_frame()
 # How a hand is closed that is empty, and one that holds a stick: flexion of a finger's joints, degrees; and turns of the
 # thumb's, about the axes along the hand, to the thumb and out of the palm, degrees.
 _FIST = ((82, 95, 65), ((53, -12, 1), (14, -17, -20), (14, -18, -20)))
-_GRIP = ((78, 60, 48), ((19, -9, 1), (12, -15, -17), (11, -14, -16)))
+_GRIP = ((78, 60, 48), ((54, 9, 27), (10, -12, -15), (16, -20, -23)))
 _ASIDE = 7, 0, -8, -18  # degrees by which fingers lean to the middle one, to lie side by side
 _STICK = 0.074, 0.0315, 0.014  # its middle: m along the hand and out of the palm; radius
 
