@@ -11,7 +11,7 @@ namespace {
 constexpr double half_speed = 0.2, half_acceleration = 8;
 constexpr double attack = 0.10, release = 0.3;  // s, mean delays of a face that tightens, and eases
 constexpr double anticipation = 0.08;           // s, by which the face is ahead of the hand
-constexpr double calm_lids = 0.20;              // how far down they are without any effort
+constexpr double calm_lids = 0.12;              // how far down they are without any effort
 constexpr double lids_rise = 0.85;              // by this much per rad that the eyes look up
 constexpr double least_rest = 0.2;              // s, after which the hand has come to rest
 

@@ -20,7 +20,7 @@ constexpr double cocked = 0.30;
 
 /// The turn that brings an upper lid down on the lower one, rad; and the share of the eye's that it
 /// makes when the eye looks down.
-constexpr double lid_closes = 0.70, lid_follows = 0.6;
+constexpr double lid_closes = 0.70, lid_follows = 0.45;
 
 /// The turns (rad) of a whole movement of the face's bones: about 4 mm of the skin, and 5 of the
 /// chin.
