@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -130,6 +131,9 @@ int writers_beside(const film::RenderWorkers& workers, const program::Common& co
 
 DrawnClip draw_clip(const ClipJob& job, const program::Common& common) {
   const RenderOptions& options = job.options;
+  // Clothes are simulated when first asked for: beside the start of the driver.
+  const std::future<void> posed =
+      std::async([&] { film::instant_of(job.scene, snapshot(job.scene.world)); });
   film::RenderWorkers workers(job.backend, common.threads, options.profile, job.scene,
                               job.scene.width, job.scene.height, options.samples);
   film::FrameFolder folder(job.frame_path, !options.anew, job.size(),

@@ -11,7 +11,7 @@
 #include "render/program/progress.h"
 #include "scenes/load/plan_file.h"
 #include "scenes/scene/clip.h"
-#include "sim/evaluation/side_by_side.h"
+#include "sim/motion/side_by_side.h"
 #include "sim/study/front.h"
 #include "sim/study/refined.h"
 
@@ -124,7 +124,7 @@ std::vector<study::PlanModel> score_models(std::vector<SceneModel>& scene_models
   constexpr std::size_t kBlock = 4;
   for (std::size_t k = 0; k < scene_models.size(); k += kBlock) {
     render::stop_if_interrupted();
-    study::side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
+    side_by_side(std::min(kBlock, scene_models.size() - k), [&](std::size_t i) {
       const study::Tolerance own = tolerance;  // a distance may remember what it was asked last
       SceneModel& one = scene_models[k + i];
       one.alone = study::attempt(one.model, finely, reference, own, INFINITY);

@@ -10,6 +10,7 @@
 
 #include "scenes/character/acting.h"
 #include "scenes/character/soft.h"
+#include "sim/motion/side_by_side.h"
 
 namespace taut::scenes {
 namespace {
@@ -94,7 +95,7 @@ void close_the_gap(const Figure& figure, const Path& path, Track& controls) {
 void plan_arm(const Figure& figure, const Path& path, Track& controls) {
   const auto instants = static_cast<std::size_t>((controls.count() - 1) / every + 1);
   std::vector<float> cost(instants * state_count);
-  for (std::size_t k = 0; k < instants; ++k) {
+  side_by_side(instants, [&](std::size_t k) {
     const Eigen::Index i = static_cast<Eigen::Index>(k) * every;
     const Placement torso = figure.skeleton().place(figure.torso(controls[i]));
     const Vec3 shoulder = figure.right_shoulder(torso);
@@ -107,7 +108,7 @@ void plan_arm(const Figure& figure, const Path& path, Track& controls) {
       cost[k * state_count + static_cast<std::size_t>(s)] =
           static_cast<float>(discomfort(arm, chest, swivel) + 1e6 * squared(arm.shortfall));
     }
-  }
+  });
   const std::vector<int> walk = cheapest_walk(cost, instants);
 
   Track angles(Eigen::MatrixXd(2, static_cast<Eigen::Index>(instants)),

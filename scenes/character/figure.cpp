@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/motion/side_by_side.h"
+
 namespace taut::scenes {
 namespace {
 
@@ -62,10 +64,11 @@ Quat hips_turn(const Controls& c) {
 
 }  // namespace
 
-Figure::Figure(const Model& model, double stick_radius)
-    : skeleton_(model),
-      grip_(grip_stick(model, skeleton_, Side::right, stick_radius)),
-      left_fist_(fist(model, skeleton_, Side::left)) {
+Figure::Figure(const Model& model, double stick_radius) : skeleton_(model) {
+  side_by_side(2, [&](std::size_t hand) {
+    if (hand == 0) grip_ = grip_stick(model, skeleton_, Side::right, stick_radius);
+    if (hand == 1) left_fist_ = fist(model, skeleton_, Side::left);
+  });
   const std::array<std::string, 2> sides = {"Left", "Right"};
   for (std::size_t i = 0; i < 2; ++i) {
     const auto find = [&](const char* name) { return skeleton_.find(sides[i] + name); };

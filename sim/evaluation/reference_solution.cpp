@@ -7,9 +7,9 @@
 #include <span>
 
 #include "sim/evaluation/energy_balance.h"
-#include "sim/evaluation/side_by_side.h"
 #include "sim/evaluation/statistics.h"
 #include "sim/measure/measure.h"
+#include "sim/motion/side_by_side.h"
 #include "sim/topology/span.h"
 #include "sim/truth/truth.h"
 

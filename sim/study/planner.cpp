@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim/evaluation/side_by_side.h"
+#include "sim/motion/side_by_side.h"
 
 namespace taut::study {
 

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace taut::study {
+namespace taut {
 
 /// Calls `work(i)` for every i below `count`, several at a time; throws what one of them threw.
 template <class Work>
@@ -39,4 +39,4 @@ void side_by_side(std::size_t count, Work work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace taut::study
+}  // namespace taut
