@@ -34,6 +34,20 @@ std::string sample_count(int samples) {
   return fmt::format("#define SAMPLES {}\n", samples);
 }
 
+/// What passes over the samples need to know of them: how many, and where in a pixel.
+std::string samples_of(const Gl& gl, const GlObject& target, int samples) {
+  constexpr float kSmooth = 0.05f;  // a fifth of a stop or less shows no steps
+  std::string places;
+  gl.BindFramebuffer(GL_FRAMEBUFFER, target.id());
+  for (int i = 0; i < samples; ++i) {
+    GLfloat at[2] = {0.5f, 0.5f};
+    if (samples > 1) gl.GetMultisamplefv(GL_SAMPLE_POSITION, GLuint(i), at);
+    places += fmt::format("{}vec2({:.6f}, {:.6f})", i ? ", " : "", at[0] - 0.5f, at[1] - 0.5f);
+  }
+  return fmt::format("{}#define SMOOTH {}\nconst vec2 PLACES[] = vec2[]({});\n{}",
+                     sample_count(samples), kSmooth, places, shaders::pixel_light);
+}
+
 }  // namespace
 
 Canvas::Samples::Samples(const Gl& gl, int width, int height, int samples)
@@ -54,8 +68,10 @@ Canvas::Canvas(const Context& context, int width, int height, int samples)
       finished_(make_texture(gl_, GL_RGBA8, width, height)),
       finished_target_(make_framebuffer(gl_, finished_.id(), 0)),
       no_vertices_(make_vertex_array(gl_)),
-      finish_(gl_, sample_count(samples), shaders::cover_vertex, shaders::finish_fragment),
-      gather_(gl_, sample_count(samples), shaders::cover_vertex, shaders::gather_fragment),
+      finish_(gl_, samples_of(gl_, drawn_.target, samples), shaders::cover_vertex,
+              shaders::finish_fragment),
+      gather_(gl_, samples_of(gl_, drawn_.target, samples), shaders::cover_vertex,
+              shaders::gather_fragment),
       finish_gathered_(gl_, sample_count(0), shaders::cover_vertex, shaders::finish_fragment),
       put_(gl_, "", shaders::cover_vertex, shaders::put_fragment) {
   finish_.set("height", height);

@@ -13,7 +13,7 @@ namespace taut::gl {
   X(CreateFramebuffers) X(CreateProgram) X(CreateSamplers) X(CreateShader) X(CreateTextures) X(CreateVertexArrays) X(CullFace) \
   X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) X(DeleteSamplers) X(DeleteShader) X(DeleteTextures) \
   X(DeleteVertexArrays) X(DepthFunc) X(DepthMask) X(Disable) X(DrawArrays) X(DrawElements) \
-  X(Enable) X(EnableVertexArrayAttrib) X(Finish) X(GenerateTextureMipmap) X(GetIntegerv) \
+  X(Enable) X(EnableVertexArrayAttrib) X(Finish) X(GenerateTextureMipmap) X(GetIntegerv) X(GetMultisamplefv) \
   X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) X(GetUniformLocation) \
   X(LinkProgram) X(NamedBufferData) X(NamedFramebufferDrawBuffer) X(NamedFramebufferReadBuffer) \
   X(NamedFramebufferTexture) X(PixelStorei) X(PolygonOffset) X(ProgramUniform1f) \

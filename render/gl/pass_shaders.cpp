@@ -7,18 +7,44 @@ void main() {
   gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0, 1);
 })";
 
-const char* const gather_fragment = R"(
+const char* const pixel_light = R"(
 layout(binding = 0) uniform sampler2DMS samples;
+
+// The light of a pixel's samples. Where an edge runs through it, those around it count as well, by
+// a tent two pixels wide: four samples alone make four steps of an edge.
+vec3 pixel_light(ivec2 pixel) {
+  vec3 light = vec3(0), least = vec3(1), most = vec3(0);
+  for (int i = 0; i < SAMPLES; ++i) {
+    vec3 s = texelFetch(samples, pixel, i).rgb;
+    light += s * s;
+    least = min(least, s);
+    most = max(most, s);
+  }
+  light *= 1.0 / SAMPLES;
+  if (all(lessThan(most - least, vec3(SMOOTH)))) return light;
+  ivec2 end = textureSize(samples) - 1;
+  light = vec3(0);
+  for (int i = 0; i < SAMPLES; ++i) {
+    // This sample of the four pixels in which it lies under the tent.
+    ivec2 side = -ivec2(sign(PLACES[i]));
+    vec2 far = abs(PLACES[i]);
+    for (int k = 0; k < 4; ++k) {
+      ivec2 away = ivec2(k & 1, k >> 1);
+      vec2 weight = mix(1 - far, far, vec2(away));
+      vec3 s = texelFetch(samples, clamp(pixel + away * side, ivec2(0), end), i).rgb;
+      light += weight.x * weight.y * s * s;
+    }
+  }
+  return light * (1.0 / SAMPLES);
+}
+)";
+
+const char* const gather_fragment = R"(
 layout(location = 0) out vec4 mean;
 uniform float share;
 uniform ivec2 corner;  // of the part of the picture that the target holds
 void main() {
-  vec3 light = vec3(0);
-  for (int i = 0; i < SAMPLES; ++i) {
-    vec3 s = texelFetch(samples, corner + ivec2(gl_FragCoord.xy), i).rgb;
-    light += s * s;
-  }
-  mean = vec4(light * (share / SAMPLES), 1);
+  mean = vec4(share * pixel_light(corner + ivec2(gl_FragCoord.xy)), 1);
 })";
 
 const char* const put_fragment = R"(
@@ -29,9 +55,7 @@ void main() {
 })";
 
 const char* const finish_fragment = R"(
-#if SAMPLES > 0
-layout(binding = 0) uniform sampler2DMS samples;
-#else
+#if SAMPLES == 0
 layout(binding = 0) uniform sampler2D gathered;
 uniform ivec2 corner;  // of the part of the picture that it holds
 #endif
@@ -40,12 +64,7 @@ uniform int height;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.x, height - 1 - int(gl_FragCoord.y));
 #if SAMPLES > 0
-  vec3 light = vec3(0);
-  for (int i = 0; i < SAMPLES; ++i) {
-    vec3 s = texelFetch(samples, pixel, i).rgb;
-    light += s * s;
-  }
-  light *= 1.0 / SAMPLES;
+  vec3 light = pixel_light(pixel);
 #else
   vec3 light = texelFetch(gathered, pixel - corner, 0).rgb;
 #endif

@@ -25,6 +25,7 @@ extern const char* const depth_fragment;
 /// One triangle that covers the picture, and the passes that finish it.
 extern const char* const cover_vertex;
 /// A share of the mean light of a pixel's samples. Define: SAMPLES.
+extern const char* const pixel_light;
 extern const char* const gather_fragment;
 /// Light to all samples of its pixel.
 extern const char* const put_fragment;
