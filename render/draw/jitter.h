@@ -26,8 +26,8 @@ std::vector<Exposures> exposures(double way, int samples, int states,
                                  double apart = scenes::Stage().exposures_apart);
 
 /// The grade, counted from 1, whose exposures show moving shadows on what is slower than they: a
-/// quarter of the exposures of the fastest, at least one for each sample. Shadows have penumbras, and
-/// are fainter than what throws them.
+/// quarter of the exposures of the fastest, at least one for each sample. Shadows have penumbras,
+/// and are fainter than what throws them.
 std::size_t shadow_grade(std::span<const Exposures> grades, int samples);
 
 /// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as

@@ -30,6 +30,27 @@ Vec3 looked_at(const scenes::Stage& stage) {
   return stage.camera.empty() ? Vec3(Vec3::Zero()) : scenes::camera_at(stage.camera, 0).target;
 }
 
+/// As many as there is room for, of what is nearest to the floor first.
+CapsuleCounts counts_of(const scenes::Stage& stage, const Shading& shading) {
+  CapsuleCounts counts;
+  if (!shading.contact) return counts;
+  const auto add = [](std::size_t before, std::size_t more) {
+    return int(std::min(before + more, kCapsules));
+  };
+  std::size_t soles = 0, lower = 0, others = 0;
+  for (const auto& model : stage.characters) {
+    const std::vector<Pose> bones(model->bones.size());
+    soles += feet(*model, bones).size();
+    lower += shins(*model, bones).size();
+    others += arms(*model).size();
+  }
+  for (const auto& model : stage.body_models) others += model && rod(*model);
+  counts.feet = add(0, soles);
+  counts.legs = add(soles, lower);
+  counts.all = add(soles + lower, others);
+  return counts;
+}
+
 Surroundings surroundings_of(const scenes::Stage& stage, const RoomLight& room) {
   if (room.encloses()) return room.surroundings();
   return {ambient_harmonics(stage.light)};
@@ -46,8 +67,9 @@ StageParts::StageParts(const gl::Context& context, const scenes::Stage& s, const
       scenery(scenery_of(gl, s)),
       scenery_shadow(gl, s.light, scenery),
       room(gl, s.light, scenery, meshes_of(s), scenery_shadow, looked_at(s)),
+      capsules(counts_of(s, options)),
       surfaces(gl, s.light, surroundings_of(s, room), scenery_shadow, options.map_size,
-               options.lit ? Output::display : Output::flat),
+               options.lit ? Output::display : Output::flat, capsules),
       map(gl, options.map_size),
       parts(gl, s, world) {
   for (const auto& model : stage.characters) arms_.push_back(arms(*model));
@@ -63,9 +85,10 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
   block.penumbra = penumbra(light.projection);
   block.texel_depth = float(light.texel) * light.projection.row(2).head<3>().norm();
   if (!shading.contact) return look;
-  const auto add = [&block](const ContactCapsule& capsule) {
-    if (block.capsules == int(kCapsules)) return false;
-    const auto i = std::size_t(block.capsules++);
+  std::size_t next = 0;
+  const auto add = [&](const ContactCapsule& capsule) {
+    if (next == kCapsules) return false;
+    const std::size_t i = next++;
     const Vec3 axis = capsule.to - capsule.from;
     block.capsule_from[i] = with_w(capsule.from, capsule.radius);
     block.capsule_to[i] = with_w(capsule.to, 1 / std::max(axis.squaredNorm(), 1e-6));
@@ -74,10 +97,10 @@ Look StageParts::look(const FrameState& instant, const picture::Rect& viewport) 
   for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
     for (const ContactCapsule& capsule : feet(*stage.characters[c], instant.bones[c]))
       if (add(capsule)) look.contacts.push_back(capsule.bounds());
-  block.feet = block.capsules;
+  next = std::size_t(capsules.feet);  // where characters without bones would have theirs
   for (std::size_t c = 0; c < std::min(instant.bones.size(), stage.characters.size()); ++c)
     for (const ContactCapsule& shin : shins(*stage.characters[c], instant.bones[c])) add(shin);
-  block.legs = block.capsules;
+  next = std::size_t(capsules.legs);
   for (std::size_t c = 0; c < std::min(instant.bones.size(), arms_.size()); ++c)
     for (const scenes::Capsule& arm :
          scenes::place_capsules(arms_[c], *stage.characters[c], instant.bones[c]))

@@ -44,6 +44,7 @@ struct StageParts {
   std::vector<Drawable> scenery;
   SceneryShadow scenery_shadow;
   RoomLight room;
+  const CapsuleCounts capsules;
   Surfaces surfaces;
   ShadowMap map;
   MovingParts parts;

@@ -2,16 +2,17 @@
 
 namespace taut::gl::shaders {
 
-// What capsules near a surface take of its light. Ambient light: the cosine-weighted solid angle of
+// What capsules near a surface take of its light. Their numbers are constants, so that loops are
+// unrolled: software rasterisers fetch what a variable indexes lane by lane. Ambient light: the cosine-weighted solid angle of
 // the nearest sphere on each capsule, less what it is where its reach ends.
 const char* const contact = R"(
 float contact_light(vec3 p, vec3 n) {
   float light = 1;
 #if SHADE > 0
 #if SHADE == 2
-  int first = 0, end = feet;
+  const int first = 0, end = FEET;
 #else
-  int first = legs, end = capsules;
+  const int first = LEGS, end = CAPSULES;
 #endif
   for (int i = first; i < end; ++i) {
     vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
@@ -30,11 +31,11 @@ float contact_light(vec3 p, vec3 n) {
 // the feet, where the scenery stays as it is.
 float hidden_by_legs(vec3 p, vec3 r, float roughness) {
   float near = 0, open = 1;
-  for (int i = 0; i < legs; ++i) {
+  for (int i = 0; i < LEGS; ++i) {
     vec3 axis = capsule_to[i].xyz - capsule_from[i].xyz, from = p - capsule_from[i].xyz;
     float radius = capsule_from[i].w, along = dot(from, axis), ahead = dot(from, r);
     vec3 d = axis * clamp(along * capsule_to[i].w, 0, 1) - from;
-    if (i < feet) near = max(near, 2 - 2 * length(d) / (0.9 * CONTACT_RANGE * radius));
+    if (i < FEET) near = max(near, 2 - 2 * length(d) / (0.9 * CONTACT_RANGE * radius));
     // Where the ray comes nearest to the axis.
     float b = dot(r, axis), across = max(1 / capsule_to[i].w - b * b, 1e-6);
     float s = clamp((along - b * ahead) / across, 0, 1), t = max(s * b - ahead, 0);

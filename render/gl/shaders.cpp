@@ -10,9 +10,6 @@ layout(std140, binding = 0) uniform Frame {
   vec4 eye;                // xyz; w: offset along the normal before the shadow's look-up, m
   vec4 capsule_from[12];    // xyz; w: radius
   vec4 capsule_to[12];      // xyz; w: 1/length^2
-  int feet;                // the first of them, which darken the scenery
-  int legs;                // these and the shins, which it mirrors
-  int capsules;            // all; the others darken what moves
   float penumbra;          // half of it, in widths of the map, for each of its depths
   float texel_depth;       // a texel's width, in depths of the map
 };
@@ -107,20 +104,20 @@ float key_visibility(bool needed, float nl) {
   for (int i = needed ? 0 : 1; i < 1; ++i) sum = lit_at(shadow_position.xy, sharpness_of(nl));
   return sum;
 #elif SHADE == 1
-  // 5x5 comparisons, from nine gathers of 2x2 texels: as wide as penumbras from half a metre away.
+  // 3x3 comparisons, from four gathers of 2x2 texels: as wide as penumbras from a quarter metre away.
   vec2 at = shadow_position.xy * SHADOW_SIZE - 0.5;
   vec2 corner = floor(at), f = at - corner;
   float sum = 0, sharpness = sharpness_of(nl);
-  int i = needed ? 0 : 9;
-  if (i == 9) sum = 25;
-  for (; i < 9; ++i) {
-    vec2 place = vec2(i % 3, i / 3) - 1;
-    vec4 lit = lit_past(corner + 2 * place + 1, sharpness);
+  int i = needed ? 0 : 4;
+  if (i == 4) sum = 9;
+  for (; i < 4; ++i) {
+    vec2 place = vec2(i & 1, i >> 1) * 2 - 1;
+    vec4 lit = lit_past(corner + place + 1, sharpness);
     vec2 w = vec2(place.x < 0 ? 1 - f.x : 1, place.x > 0 ? f.x : 1);
     vec2 h = vec2(place.y < 0 ? 1 - f.y : 1, place.y > 0 ? f.y : 1);
     sum += dot(lit, vec4(w.x * h.y, w.y * h.y, w.y * h.x, w.x * h.x));
   }
-  return sum * (1.0 / 25.0);
+  return sum * (1.0 / 9.0);
 #else
   // What hides the light is how far away (Fernando 2005)? Then the light's disc from there.
   float widest = max(penumbra * shadow_depth(), LEAST_PENUMBRA);

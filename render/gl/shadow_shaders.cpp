@@ -25,19 +25,19 @@ float past_scenery(vec3 position) {
   const float texel = 1.0 / textureSize(scenery_depths, 0).x;
   float widest = max(SCENERY_PENUMBRA * (place.z - span.x), texel);
   vec2 found = vec2(0);  // depths, and how many
-  for (int i = mixed ? 0 : 9; i < 9; ++i) {
-    vec2 at = place.xy + widest * (vec2(i % 3, i / 3) - 1);
+  for (int i = mixed ? 0 : 5; i < 5; ++i) {
+    vec2 at = place.xy + (i < 4 ? widest * (vec2(i & 1, i >> 1) * 1.4 - 0.7) : vec2(0));
     vec4 depths = textureGather(scenery_depths, at);
     vec4 near = vec4(lessThan(depths, vec4(place.z)));
     found += vec2(dot(near, depths), dot(near, vec4(1)));
   }
-  if (found.y >= 36) lit = 0;
-  bool partly = found.y > 0 && found.y < 36;
+  if (found.y >= 20) lit = 0;
+  bool partly = found.y > 0 && found.y < 20;
   float radius = max(SCENERY_PENUMBRA * (place.z - found.x / max(found.y, 1)), texel), sum = 0;
   vec2 direction = vec2(1, 0);
   for (int i = partly ? 0 : 24; i < 24; ++i) {
-    direction = vec2(-0.73736888 * direction.x - 0.67549029 * direction.y,
-                     0.67549029 * direction.x - 0.73736888 * direction.y);
+    direction = vec2(-0.73720888 * direction.x - 0.67549029 * direction.y,
+                     0.67549029 * direction.x - 0.73720888 * direction.y);
     vec2 at = (place.xy + radius * sqrt((float(i) + 0.5) / 24) * direction) / texel - 0.5;
     vec2 corner = floor(at), f = at - corner;
     vec4 open = vec4(greaterThanEqual(textureGather(scenery_depths, (corner + 1) * texel),

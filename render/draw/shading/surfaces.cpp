@@ -38,7 +38,8 @@ FrameBlock::FrameBlock(const scenes::CameraView& camera, const picture::Rect& vi
 }
 
 Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& around,
-                   const SceneryShadow& scenery, int shadow_map_size, Output output)
+                   const SceneryShadow& scenery, int shadow_map_size, Output output,
+                   const CapsuleCounts& capsules)
     : gl_(gl),
       frame_(gl::make_buffer(gl)),
       noise_(make_noise_texture(gl)),
@@ -46,10 +47,11 @@ Surfaces::Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundi
       scenery_(scenery),
       constants_(fmt::format(
           "#define OUTPUT {}\n#define EXPOSURE {}\n#define SHADOW_SIZE {}.0\n#define "
-          "LEAST_PENUMBRA (1.5 / SHADOW_SIZE)\n#define CONTACT_RANGE {:.1f}\n{}{}{}{}{}",
-          int(output), kExposure, shadow_map_size, kContactRange,
-          light_constants(light, around.ambient), mirror_constants(around), scenery.constants(),
-          gl::shaders::frame_block, gl::shaders::contact)) {}
+          "LEAST_PENUMBRA (1.5 / SHADOW_SIZE)\n#define CONTACT_RANGE {:.1f}\n#define FEET {}\n"
+          "#define LEGS {}\n#define CAPSULES {}\n{}{}{}{}{}",
+          int(output), kExposure, shadow_map_size, kContactRange, capsules.feet, capsules.legs,
+          capsules.all, light_constants(light, around.ambient), mirror_constants(around),
+          scenery.constants(), gl::shaders::frame_block, gl::shaders::contact)) {}
 
 const gl::Program& Surfaces::program(Surface surface, Shade shade, bool glossy, bool bathed) {
   auto& slot = programs_[{surface, shade, glossy, bathed}];

@@ -23,14 +23,18 @@ struct FrameBlock {
   Eigen::Matrix4f view_projection, light_projection;
   Eigen::Vector4f eye;  // w: offset along the normal before the shadow's look-up, m
   std::array<Eigen::Vector4f, kCapsules> capsule_from, capsule_to;
-  int feet = 0;           // the first capsules, which darken the scenery
-  int legs = 0;           // these and the shins, which it mirrors
-  int capsules = 0;       // all: the others darken what moves
   float penumbra = 0;     // half of it, in widths of the map, for each of its depths
   float texel_depth = 0;  // a texel's width, in depths of the map
 
   /// Without anything that moves.
   FrameBlock(const scenes::CameraView& camera, const picture::Rect& viewport);
+};
+
+/// How many capsules there are.
+struct CapsuleCounts {
+  int feet = 0;  // the first ones, which darken the scenery
+  int legs = 0;  // these and the shins, which it mirrors
+  int all = 0;   // the others darken what moves
 };
 
 /// The occluders of a surface's light; the numbers are the surface shader's SHADE.
@@ -61,7 +65,8 @@ class Surfaces {
  public:
   /// `scenery` must outlive it.
   Surfaces(const gl::Gl& gl, const scenes::Light& light, const Surroundings& surroundings,
-           const SceneryShadow& scenery, int shadow_map_size, Output output);
+           const SceneryShadow& scenery, int shadow_map_size, Output output,
+           const CapsuleCounts& capsules = {});
 
   /// Sets the camera and light of the following draws.
   void use(const FrameBlock& block) const;
