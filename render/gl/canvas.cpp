@@ -36,7 +36,7 @@ std::string sample_count(int samples) {
 
 /// What passes over the samples need to know of them: how many, and where in a pixel.
 std::string samples_of(const Gl& gl, const GlObject& target, int samples) {
-  constexpr float kSmooth = 0.05f;  // a fifth of a stop or less shows no steps
+  constexpr float kSmooth = 0.05f;  // of the samples' scale: what differs by less shows no steps
   std::string places;
   gl.BindFramebuffer(GL_FRAMEBUFFER, target.id());
   for (int i = 0; i < samples; ++i) {
