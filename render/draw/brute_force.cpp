@@ -46,17 +46,14 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
     for (std::size_t k = 0; DrawItem & item : items) item = {item, triangles(k++)};
     return items;
   };
-  const auto standing = [&](std::size_t k) -> std::span<const std::uint32_t> {
-    return extents.standing(k);
-  };
-  const auto moving = [&](std::size_t k) -> std::span<const std::uint32_t> {
-    return extents.moving(k);
+  const auto casting = [&](int grade) {
+    return [&extents, grade](std::size_t k) { return extents.casting(k, grade); };
   };
   const picture::Rect map{0, 0, parts.map.size(), parts.map.size()};
   parts.surfaces.use(block);
   parts.draw_solid();
   parts.map.clear();
-  parts.map.draw(chosen(all_items(parts, middle), standing));
+  parts.map.draw(chosen(all_items(parts, middle), casting(0)));
   parts.map.save(map);
   const auto show = [&](const std::vector<DrawItem>& items, int grade, Shade shade,
                         const FrameBlock& seen) {
@@ -75,11 +72,14 @@ void expose_whole(StageParts& parts, gl::Canvas& canvas, const picture::Rect& vi
     show(all_items(parts, middle), 0, Shade::shadowed, block);
     for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
       const int times = grades[grade - 1].count, at = canvas.exposure_among(times, i, count);
-      const std::vector<DrawItem> items = all_items(parts, shown_at(shutter, at, times));
+      const auto lowest = int(casting_grade(grades, grade, samples));
       parts.surfaces.use(block);
       parts.draw_solid();
       parts.map.restore(map);
-      parts.map.draw(chosen(items, moving));
+      for (int slower = 1; slower < lowest; ++slower)
+        parts.map.draw(chosen(all_items(parts, middle), casting(slower)));
+      const std::vector<DrawItem> items = all_items(parts, shown_at(shutter, at, times));
+      parts.map.draw(chosen(items, [&](std::size_t k) { return extents.moving(k, lowest); }));
       show(items, int(grade), shade_of(times, samples), exposed(block, middle, viewport, at));
       if (grade != shadow_grade(grades, samples)) continue;
       parts.surfaces.use(block);

@@ -52,6 +52,11 @@ std::size_t shadow_grade(std::span<const Exposures> grades, int samples) {
   return grade;
 }
 
+std::size_t casting_grade(std::span<const Exposures> grades, std::size_t grade, int samples) {
+  while (grade > 1 && grades[grade - 2].count > samples) --grade;
+  return grade;
+}
+
 int backdrop_pictures(int samples) {
   return samples == 4 ? 3 : 1;
 }

@@ -30,6 +30,11 @@ std::vector<Exposures> exposures(double way, int samples, int states,
 /// and are fainter than what throws them.
 std::size_t shadow_grade(std::span<const Exposures> grades, int samples);
 
+/// The lowest grade of what moves in the shadow map of that grade's exposures: slower things throw
+/// their shadows as in the middle. Grades with more exposures than samples take turns, and share
+/// one.
+std::size_t casting_grade(std::span<const Exposures> grades, std::size_t grade, int samples);
+
 /// The projection of a picture in exposure `i`, moved by up to an eighth of a pixel: as much as
 /// brings samples that the exposures share apart.
 Eigen::Matrix4f moved_picture(const Eigen::Matrix4f& view_projection, const picture::Rect& viewport,

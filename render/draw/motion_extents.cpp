@@ -132,15 +132,16 @@ void MotionExtents::divide() {
   const int highest = grades_ - 1;
   for (std::size_t i = 0; i < items_.size(); ++i) {
     Entry& entry = items_[i];
-    entry.standing = subset(entry.triangles, entry.moves, 0, 0);
-    entry.moving = subset(entry.triangles, entry.moves, 1, highest);
-    entry.moving_box = box(i, entry.moving);
-    entry.shown.clear();
+    for (std::vector<Subset>* subsets : {&entry.casting, &entry.moving, &entry.shown})
+      subsets->clear();
     entry.shown_boxes.clear();
     for (int grade = 0; grade <= highest; ++grade) {
+      entry.casting.push_back(subset(entry.triangles, entry.moves, grade, grade));
+      entry.moving.push_back(subset(entry.triangles, entry.moves, grade, highest));
       entry.shown.push_back(subset(entry.triangles, entry.shows, grade, grade));
       entry.shown_boxes.push_back(grade > 0 ? box(i, entry.shown.back()) : Eigen::AlignedBox3f());
     }
+    entry.moving_box = box(i, entry.moving[1]);
     entry.speed = {};
   }
   places_ = {};

@@ -48,12 +48,13 @@ class MotionExtents {
   /// Divides triangles by what was found.
   void divide();
 
-  /// Of an item: the triangles at rest, and those that move.
-  std::span<const std::uint32_t> standing(std::size_t item) const {
-    return items_[item].standing.of(items_[item].triangles);
+  /// Of an item: the triangles that move with this grade, and those that do with it or a higher
+  /// one.
+  std::span<const std::uint32_t> casting(std::size_t item, int grade) const {
+    return items_[item].casting[std::size_t(grade)].of(items_[item].triangles);
   }
-  std::span<const std::uint32_t> moving(std::size_t item) const {
-    return items_[item].moving.of(items_[item].triangles);
+  std::span<const std::uint32_t> moving(std::size_t item, int grade) const {
+    return items_[item].moving[std::size_t(grade)].of(items_[item].triangles);
   }
   /// Of an item: the triangles of this grade, which move so or are shaded by triangles that do.
   std::span<const std::uint32_t> shown(std::size_t item, int grade) const {
@@ -79,10 +80,9 @@ class MotionExtents {
   };
   struct Entry {
     std::span<const std::uint32_t> triangles;
-    std::vector<float> speed;                // [vertex], px/s; 0: it stands still
-    std::vector<std::uint8_t> moves, shows;  // [vertex], grades
-    Subset standing, moving;
-    std::vector<Subset> shown;  // [grade]
+    std::vector<float> speed;                    // [vertex], px/s; 0: it stands still
+    std::vector<std::uint8_t> moves, shows;      // [vertex], grades
+    std::vector<Subset> casting, moving, shown;  // [grade]
     Eigen::AlignedBox3f moving_box;
     std::vector<Eigen::AlignedBox3f> shown_boxes;  // [grade]
   };

@@ -123,6 +123,18 @@ struct StageRenderer::Impl : StageParts {
     lap("shadows");
   }
 
+  /// Has what moves with the grade below stand in the shadow map, too.
+  void settle(const FrameState& middle, const picture::Rect& map_part, int grade) {
+    parts.pose(middle);
+    std::vector<DrawItem> slower;
+    for (std::size_t k = 0; const DrawItem& item : parts.items(middle))
+      slower.emplace_back(item, extents.casting(k++, grade - 1));
+    draw_solid();
+    map.restore(map_part);
+    map.draw(slower);
+    map.save(map_part);
+  }
+
   void lap(const char* name) const {
     if (!profile) return;
     gl.Finish();
@@ -249,7 +261,7 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
   HullPoints in_map;
   for (std::size_t i = 0; i < items.size(); ++i) {
     still.emplace_back(items[i], d.extents.shown(i, 0));
-    still_casters.emplace_back(items[i], d.extents.standing(i));
+    still_casters.emplace_back(items[i], d.extents.casting(i, 0));
     casting.push_back(d.extents.moving_box(i));
     add_box(casting.back(), in_map);
   }
@@ -260,9 +272,16 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
   d.paint(canvas, viewport, look, still, still_casters, 1);
   d.map.save(map_part);
 
-  std::vector<gl::Exposed> exposed_parts;
+  std::vector<gl::Exposed> together;  // those that share what stands in the shadow map
   for (std::size_t grade = 1; grade <= grades.size(); ++grade) {
     const bool shaded = grade == shadow_grade(grades, canvas.samples());
+    const auto lowest = int(casting_grade(grades, grade, canvas.samples()));
+    if (lowest > 1 && lowest == int(grade)) {
+      canvas.expose(together);
+      together.clear();
+      d.surfaces.use(look.block);
+      d.settle(middle, map_part, lowest);
+    }
     HullPoints things;
     for (std::size_t i = 0; i < items.size(); ++i)
       add_box(d.extents.shown_box(i, int(grade)), things);
@@ -270,13 +289,13 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
                                              shaded ? shadow : picture::Rect());
     if (part.empty()) continue;
     const int count = grades[grade - 1].count;
-    const auto draw = [&, grade, shaded, part, count](int i) {
+    const auto draw = [&, grade, lowest, shaded, part, count](int i) {
       const FrameState& instant = shown_at(shutter, i, count);
       d.parts.pose(instant);
       std::vector<DrawItem> shown, casters;
       for (std::size_t k = 0; const DrawItem& item : d.parts.items(instant)) {
         shown.emplace_back(item, d.extents.shown(k, int(grade)));
-        casters.emplace_back(item, d.extents.moving(k));
+        casters.emplace_back(item, d.extents.moving(k, lowest));
         ++k;
       }
       d.surfaces.use(look.block);
@@ -292,9 +311,9 @@ int StageRenderer::expose(gl::Canvas& canvas, const picture::Rect& viewport,
       d.surfaces.use(look.block);
       if (shaded) d.draw_reached(d.moving_reached);
     };
-    exposed_parts.push_back({part, count, draw});
+    together.push_back({part, count, draw});
   }
-  canvas.expose(exposed_parts);
+  canvas.expose(together);
   d.lap("exposures");
   return most;
 }

@@ -95,9 +95,9 @@ TEST_F(MotionExtentsTest, TheBorderIsInBothParts) {
   extents_.grade({});
   extents_.divide();
   // Squares 0 to 5 stand, 7 to 9 move, and 6 has corners of both.
-  EXPECT_EQ(extents_.standing(0).size(), 7u * 6);
-  EXPECT_EQ(extents_.moving(0).size(), 4u * 6);
-  EXPECT_EQ(extents_.moving(0).front(), 12u);
+  EXPECT_EQ(extents_.casting(0, 0).size(), 7u * 6);
+  EXPECT_EQ(extents_.moving(0, 1).size(), 4u * 6);
+  EXPECT_EQ(extents_.moving(0, 1).front(), 12u);
   const Eigen::AlignedBox3f box = extents_.moving_box(0);
   EXPECT_LE(box.min().y(), -0.02f);
   EXPECT_GE(box.max().y(), 0.12f);
@@ -141,7 +141,7 @@ TEST_F(MotionExtentsTest, WhatMovesMakesChangeWhereItsShadowFalls) {
   extents_.shade(cover, 2, 2);
   extents_.shade(cover, 1, 1);
   extents_.divide();
-  EXPECT_TRUE(extents_.moving(1).empty());
+  EXPECT_TRUE(extents_.moving(1, 1).empty());
   EXPECT_FALSE(extents_.shown(1, 2).empty());
   const Eigen::AlignedBox3f shaded = extents_.shown_box(1, 2);
   EXPECT_GT(shaded.min().x(), 0.35f);
