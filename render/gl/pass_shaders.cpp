@@ -20,11 +20,11 @@ vec3 pixel_light(ivec2 pixel) {
     least = min(least, s);
     most = max(most, s);
   }
-  light *= 1.0 / SAMPLES;
-  if (all(lessThan(most - least, vec3(SMOOTH)))) return light;
+  // Software rasterisers skip only loops.
+  bool edge = any(greaterThan(most - least, vec3(SMOOTH)));
   ivec2 end = textureSize(samples) - 1;
-  light = vec3(0);
-  for (int i = 0; i < SAMPLES; ++i) {
+  vec3 smoothed = vec3(0);
+  for (int i = edge ? 0 : SAMPLES; i < SAMPLES; ++i) {
     // This sample of the four pixels in which it lies under the tent.
     ivec2 side = -ivec2(sign(PLACES[i]));
     vec2 far = abs(PLACES[i]);
@@ -32,10 +32,10 @@ vec3 pixel_light(ivec2 pixel) {
       ivec2 away = ivec2(k & 1, k >> 1);
       vec2 weight = mix(1 - far, far, vec2(away));
       vec3 s = texelFetch(samples, clamp(pixel + away * side, ivec2(0), end), i).rgb;
-      light += weight.x * weight.y * s * s;
+      smoothed += weight.x * weight.y * s * s;
     }
   }
-  return light * (1.0 / SAMPLES);
+  return (edge ? smoothed : light) * (1.0 / SAMPLES);
 }
 )";
 
