@@ -10,6 +10,8 @@ namespace {
 // Ten bits hold the square root of light without visible steps at the size of eight.
 constexpr GLenum kColorFormat = GL_RGB10_A2;
 constexpr GLenum kDepthFormat = GL_DEPTH_COMPONENT24;
+constexpr float kEdge = 0.05f;  // of the samples' scale: what differs by less shows no steps
+constexpr float kNoEdge = 2;
 
 int checked_samples(const Context& context, int width, int height, int samples) {
   if (width < 1 || height < 1 || std::max(width, height) > context.max_size())
@@ -36,7 +38,6 @@ std::string sample_count(int samples) {
 
 /// What passes over the samples need to know of them: how many, and where in a pixel.
 std::string samples_of(const Gl& gl, const GlObject& target, int samples) {
-  constexpr float kSmooth = 0.05f;  // of the samples' scale: what differs by less shows no steps
   std::string places;
   gl.BindFramebuffer(GL_FRAMEBUFFER, target.id());
   for (int i = 0; i < samples; ++i) {
@@ -44,8 +45,8 @@ std::string samples_of(const Gl& gl, const GlObject& target, int samples) {
     if (samples > 1) gl.GetMultisamplefv(GL_SAMPLE_POSITION, GLuint(i), at);
     places += fmt::format("{}vec2({:.6f}, {:.6f})", i ? ", " : "", at[0] - 0.5f, at[1] - 0.5f);
   }
-  return fmt::format("{}#define SMOOTH {}\nconst vec2 PLACES[] = vec2[]({});\n{}",
-                     sample_count(samples), kSmooth, places, shaders::pixel_light);
+  return fmt::format("{}const vec2 PLACES[] = vec2[]({});\n{}", sample_count(samples), places,
+                     shaders::pixel_light);
 }
 
 }  // namespace
@@ -75,6 +76,7 @@ Canvas::Canvas(const Context& context, int width, int height, int samples)
       finish_gathered_(gl_, sample_count(0), shaders::cover_vertex, shaders::finish_fragment),
       put_(gl_, "", shaders::cover_vertex, shaders::put_fragment) {
   finish_.set("height", height);
+  finish_.set("smooth_from", kEdge);
   finish_gathered_.set("height", height);
 }
 
@@ -102,7 +104,8 @@ void Canvas::draw_backdrop(int pictures, const std::function<void(int)>& draw,
   if (!light_) light_.emplace(gl_, width_, height_);
   for (int i = pictures - 1; i >= 0; --i) {
     draw(i);
-    gather(whole(), *light_, pictures - 1 - i, pictures);
+    // Several pictures have samples enough.
+    gather(whole(), *light_, pictures - 1 - i, pictures, pictures > 1 ? kNoEdge : kEdge);
   }
   if (!unfocused.empty()) {
     if (!defocus_) defocus_.emplace(gl_, width_, height_, samples_);
@@ -195,7 +198,7 @@ void Canvas::expose(std::span<const Exposed> parts) {
       if (picture == 0 || k > changed) copy(drawn_, all, exposure_->starts[k], 0, 0);
       expose_shares(parts[k], picture / lasts(parts[k]));
     }
-    gather(all, exposure_->light, picture, pictures);
+    gather(all, exposure_->light, picture, pictures, kEdge);
   }
 }
 
@@ -210,7 +213,9 @@ int Canvas::exposure_among(int fewer, int i, int count) const {
 }
 
 /// Adds the share of one of several pictures to their mean light.
-void Canvas::gather(const picture::Rect& part, const Light& light, int picture, int pictures) {
+void Canvas::gather(const picture::Rect& part, const Light& light, int picture, int pictures,
+                    float smooth_from) {
+  gather_.set("smooth_from", smooth_from);
   gather_.set("share", 1.0f / float(pictures));
   gl_.Disable(GL_BLEND);
   if (picture > 0) {

@@ -93,7 +93,8 @@ class Canvas {
     Light(const Gl& gl, int width, int height);
     GlObject color, target;
   };
-  void gather(const picture::Rect& part, const Light& light, int picture, int pictures);
+  void gather(const picture::Rect& part, const Light& light, int picture, int pictures,
+              float smooth_from);
   void cover(const picture::Rect& part, const Program& program, GLuint target) const;
   void read(const picture::Rect& part, picture::Picture& picture) const;
   picture::Rect whole() const { return {0, 0, width_, height_}; }

@@ -9,6 +9,7 @@ void main() {
 
 const char* const pixel_light = R"(
 layout(binding = 0) uniform sampler2DMS samples;
+uniform float smooth_from;  // how far the samples of a pixel differ where an edge runs through it
 
 // The light of a pixel's samples. Where an edge runs through it, those around it count as well, by
 // a tent two pixels wide: four samples alone make four steps of an edge.
@@ -21,7 +22,7 @@ vec3 pixel_light(ivec2 pixel) {
     most = max(most, s);
   }
   // Software rasterisers skip only loops.
-  bool edge = any(greaterThan(most - least, vec3(SMOOTH)));
+  bool edge = any(greaterThan(most - least, vec3(smooth_from)));
   ivec2 end = textureSize(samples) - 1;
   vec3 smoothed = vec3(0);
   for (int i = edge ? 0 : SAMPLES; i < SAMPLES; ++i) {
