@@ -2,9 +2,10 @@
 
 namespace taut::gl::shaders {
 
-// What capsules near a surface take of its light. Their numbers are constants, so that loops are
-// unrolled: software rasterisers fetch what a variable indexes lane by lane. Ambient light: the cosine-weighted solid angle of
-// the nearest sphere on each capsule, less what it is where its reach ends.
+// What capsules near a surface take of its light. Ambient light: the cosine-weighted solid angle of
+// the nearest sphere on each capsule, less what it is where its reach ends. The counts of capsules
+// are constants, so that loops are unrolled: software rasterisers fetch what a variable indexes
+// lane by lane.
 const char* const contact = R"(
 float contact_light(vec3 p, vec3 n) {
   float light = 1;
@@ -26,8 +27,9 @@ float contact_light(vec3 p, vec3 n) {
 #if SHADE == 2
   return light;
 #else
-  // What arms and trunk hide of the room they light in turn, back and forth.
-  return 0.35 + 0.65 * light;
+  // Cloth that arms hide from the room gets a part of its light back from them.
+  const float thrown_back = 0.35;
+  return mix(thrown_back, 1, light);
 #endif
 }
 

@@ -24,12 +24,14 @@ extern const char* const depth_fragment;
 
 /// One triangle that covers the picture, and the passes that finish it.
 extern const char* const cover_vertex;
-/// A share of the mean light of a pixel's samples. Define: SAMPLES.
+/// pixel_light(pixel), the light of a pixel's samples. Defines: SAMPLES, and PLACES, where they are
+/// from the pixel's centre.
 extern const char* const pixel_light;
+/// A share of that light.
 extern const char* const gather_fragment;
 /// Light to all samples of its pixel.
 extern const char* const put_fragment;
-/// The mean light of a pixel's samples, or with SAMPLES 0 light as it was gathered, to dithered
+/// The light of a pixel's samples, or with SAMPLES 0 light as it was gathered, to dithered
 /// 8-bit sRGB, top row first. Define: SAMPLES.
 extern const char* const finish_fragment;
 

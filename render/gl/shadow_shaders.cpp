@@ -36,8 +36,8 @@ float past_scenery(vec3 position) {
   float radius = max(SCENERY_PENUMBRA * (place.z - found.x / max(found.y, 1)), texel), sum = 0;
   vec2 direction = vec2(1, 0);
   for (int i = partly ? 0 : 24; i < 24; ++i) {
-    direction = vec2(-0.73720888 * direction.x - 0.67549029 * direction.y,
-                     0.67549029 * direction.x - 0.73720888 * direction.y);
+    direction = vec2(-0.73736888 * direction.x - 0.67549029 * direction.y,
+                     0.67549029 * direction.x - 0.73736888 * direction.y);
     vec2 at = (place.xy + radius * sqrt((float(i) + 0.5) / 24) * direction) / texel - 0.5;
     vec2 corner = floor(at), f = at - corner;
     vec4 open = vec4(greaterThanEqual(textureGather(scenery_depths, (corner + 1) * texel),

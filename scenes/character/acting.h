@@ -30,7 +30,7 @@ void begin_and_end(const Figure& figure, const Cues& cues, Track& controls);
 void look_about(const Figure& figure, const Path& path, Track& controls, const Cues& cues = {});
 
 /// The face: calm before anything has happened, concentrated while the hand moves, strained where
-/// it is thrown about, and pleased once all is over.
+/// it is thrown about, and pleased once all is over. Eyes stay open for what passes the head.
 void play_face(const Figure& figure, const Path& path, Track& controls, const Cues& cues = {});
 
 /// Steps of the right and the left foot (3 rows each, m): where the hand settles farther forward or
