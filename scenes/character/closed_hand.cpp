@@ -64,11 +64,12 @@ ClosedHand close_side_by_side(
     const auto phalanges = phalanges_of(fingers[beside], turns[beside]);
     const double side =
         (fingers[beside].rest(0) - fingers[i].rest(0)).dot(axes.across) > 0 ? 1 : -1;
+    constexpr double flesh = 0.6 * mm;  // that gives way where fingers press on one another
     double apart = 0, pressed = most;
     while (pressed - apart > finest) {
       const double trial = (apart + pressed) / 2;
       turns[i] = close(i, side * trial);
-      (gap_beside(fingers[i], turns[i], phalanges, bent) > 0 ? apart : pressed) = trial;
+      (gap_beside(fingers[i], turns[i], phalanges, bent) > -flesh ? apart : pressed) = trial;
     }
     turns[i] = close(i, side * apart);
   }

@@ -60,7 +60,8 @@ FingerTurns fist(const Model& model, const Skeleton& skeleton, Side side) {
   // Across the middle phalanges of index and middle finger, as far as it reaches.
   const std::array<Capsule, 2> middles = {closed.phalanges[1], closed.phalanges[4]};
   const Vec3 across = middles[1].a - middles[0].a;
-  const Vec3 tip = (middles[1].a + middles[1].b + across) / 2 +
+  // Nearer to the outer joint, so that the thumb crosses them.
+  const Vec3 tip = middles[1].a + 0.9 * (middles[1].b - middles[1].a) + across / 2 +
                    (middles[1].radius + thumb.digit().radius(2)) * axes.palm;
   add_turns(thumb.digit(), thumb.lay(middles, closed.phalanges, tip), closed.fingers);
   return closed.fingers;

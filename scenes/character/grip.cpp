@@ -23,7 +23,7 @@ Flexion wrap(const Digit& finger, double aside, const Capsule& stick, const Hand
   BentSkin bent;
   double least = std::numeric_limits<double>::infinity();
   for (const double knuckle : {50 * degree, 65 * degree, 80 * degree}) {
-    for (const double middle : {55 * degree, 90 * degree}) {
+    for (const double middle : {25 * degree, 55 * degree, 90 * degree}) {
       Angles angles = {knuckle, middle, 35 * degree};
       const double cost = descend(angles, [&](const Angles& x) {
         finger.bend(flexed({x, aside}, axes), bent);
@@ -42,25 +42,36 @@ Flexion wrap(const Digit& finger, double aside, const Capsule& stick, const Hand
   return {best, aside};
 }
 
-/// The stick lies where the fingers begin, so far over the bones that the palm's skin touches it.
+/// Where a stick's axis passes index and little finger's roots: along the hand and over its bones,
+/// m.
+using Place = std::array<double, 4>;
+
+/// The stick lies where the fingers begin, across the palm, so far over the bones that
+/// the skin touches it.
 ClosedHand close_hand(const Model& model, const Skeleton& skeleton, Side side, double radius) {
   const std::size_t hand = skeleton.find(hand_name(side));
   const Vec3 wrist = skeleton.rest(hand);
   const HandAxes axes = hand_axes(skeleton, side);
   const double length = (skeleton.rest(skeleton.find(hand_name(side) + "Middle1")) - wrist).norm();
-  constexpr double tilt = 14 * degree;  // to the fingertips, as a fist holds a rod
-  const Vec3 axis = std::cos(tilt) * axes.across + std::sin(tilt) * axes.along;
   std::vector<Digit> fingers;
   for (const char* name : finger_names) fingers.emplace_back(model, skeleton, side, name);
 
-  using Place = std::array<double, 2>;  // m, along the hand and over its bones
+  const double index = (fingers.front().rest(0) - wrist).dot(axes.across);
+  const double little = (fingers.back().rest(0) - wrist).dot(axes.across);
   const auto stick_at = [&](const Place& x) {
-    const Vec3 centre = wrist + x[0] * axes.along - 0.04 * length * axes.across + x[1] * axes.palm;
+    const Vec3 a = wrist + x[0] * axes.along + index * axes.across + x[1] * axes.palm;
+    const Vec3 b = wrist + x[2] * axes.along + little * axes.across + x[3] * axes.palm;
+    const Vec3 axis = (a - b).normalized();
+    const Vec3 centre = a - index / axis.dot(axes.across) * axis;
     return Capsule{centre - axis, centre + axis, radius, hand};
   };
   const Palm palm(model, skeleton, hand);
-  const double best = 0.75 * length;  // nearer the wrist, knuckles would have to fold too far
-  Place x = {best, radius + 0.18 * length};
+  // Nearer the wrist, knuckles would have to fold too far. At the thumb it is nearer to the
+  // fingertips, as a fist holds a rod.
+  constexpr double ahead = 0.82, behind = 0.65;
+  const Place best = {ahead * length, radius + 0.18 * length, behind * length,
+                      radius + 0.18 * length};
+  Place x = best;
   ClosedHand closed;
   // Fingers that close pull the palm's skin along, so that the stick lies a little differently.
   for (int round = 0;; ++round) {
@@ -71,10 +82,10 @@ ClosedHand close_hand(const Model& model, const Skeleton& skeleton, Side side, d
     if (round == 3 || points.empty()) break;
     const auto cost = [&](const Place& trial) {
       const Capsule stick = stick_at(trial);
-      const Vec3 centre = (stick.a + stick.b) / 2;
+      const Vec3 centre = (stick.a + stick.b) / 2, axis = (stick.b - stick.a).normalized();
       std::vector<double> places;
       for (const Digit& finger : fingers) places.push_back((finger.rest(0) - centre).dot(axis));
-      double sum = squared((trial[0] - best) / mm);
+      double sum = squared((trial[0] - best[0]) / mm) + squared((trial[2] - best[2]) / mm);
       for (const double gap : gaps_along(points, stick, places))
         if (std::isfinite(gap)) sum += touch(gap);
       return sum;

@@ -20,9 +20,10 @@ DigitTurns Thumb::lay(std::span<const Capsule> wanted, std::span<const Capsule> 
   Angles best{};
   BentSkin bent;
   double least = std::numeric_limits<double>::infinity();
-  for (const double roll : {-0.7, 0.0, 0.7}) {
-    for (const double rise : {-0.4, 0.4}) {
-      Angles x = {rise, 0, roll, 0.6, 0.6};
+  for (const double roll : {-1.2, -0.6, 0.0, 0.6, 1.2}) {
+    for (const auto& [rise, aside] :
+         {std::pair{-0.4, -0.5}, {-0.4, 0.5}, {0.4, -0.5}, {0.4, 0.5}}) {
+      Angles x = {rise, aside, roll, 0.6, 0.6};
       // Contacts make narrow valleys: it comes near first, and then they count more and more.
       double cost = 0;
       for (const double firmness : {0.001, 0.01, 0.1, 1.0})

@@ -38,7 +38,7 @@ def _digit(p, name):
         along = unit(b - a)
         if k == 2:
             b = b - 0.80 * r[3] * along
-        waist = (0.45 if name != "Thumb" else 0.47) * (r[k] + r[k + 1])
+        waist = (0.47 if name == "Thumb" else 0.50 if k == 0 else 0.47) * (r[k] + r[k + 1])  # fleshy at the root
         piece = tube(p, [a, 0.5 * (a + b), b], [r[k], waist, r[k + 1]], 0.004)
         d = piece if d is None else union(d, piece, 0.0015)
         if k:
@@ -105,6 +105,7 @@ def skin(p):
     d = union(d, ellipsoid(p, place(0.036, 0.022, 0.012), (0.023, 0.021, 0.016)), 0.016)  # thenar
     d = union(d, limb(p, place(0.018, -0.022, 0.007), place(0.055, -0.027, 0.006), 0.0135, 0.0115), 0.015)
     d = union(d, limb(p, place(0.030, 0.030, 0.004), place(0.080, 0.030, 0.001), 0.011, 0.008), 0.014)  # web
+    d = union(d, limb(p, place(0.048, 0.043, 0.018), place(0.079, 0.034, 0.003), 0.0100, 0.0085), 0.010)  # its flesh to the thumb
     lo, hi = bounds()
     return within(p, d, lo, hi, _with_digits)
 
@@ -153,7 +154,11 @@ def detail(p):
 def build():
     """The left hand, bare but for what its guard covers."""
     whole = sculpt("HandL", "Skin", below_elbow, *bounds(), 0.0012, 3350, 0.0085, detail)
-    return cut(whole, guard.kept(whole.points))
+    part = cut(whole, guard.kept(whole.points))
+    # What is left under the guard at a bent finger's back goes well under it.
+    back = (part.points - _WRIST) @ _PALM < -0.002
+    part.points = part.points - (0.0018 * back * ramp(-0.0008, -0.0025, guard.edge(part.points)))[:, None] * part.normals
+    return part
 
 
 def weights(points, blur):
